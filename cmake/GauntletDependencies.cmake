@@ -1,0 +1,19 @@
+# What the simulation needs besides the controller's Eigen; all of it from Debian 12.
+
+find_package(mujoco 2.2.2 EXACT REQUIRED)
+# Debian's target exports an include path that does not exist.
+get_target_property(mujoco_includes mujoco::mujoco INTERFACE_INCLUDE_DIRECTORIES)
+list(FILTER mujoco_includes EXCLUDE REGEX "libqhull_r")
+set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${mujoco_includes}")
+
+find_package(yaml-cpp REQUIRED)
+find_package(fmt REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo)
+pkg_check_modules(libav REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
+set(HDF5_PREFER_PARALLEL OFF)
+find_package(HDF5 1.10 REQUIRED COMPONENTS CXX)

@@ -1,0 +1,98 @@
+#include "controller/settings.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace gauntlet::controller {
+namespace {
+
+std::string ShortNumber(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::string RangeText(const Setting& setting) {
+  const bool has_min = std::isfinite(setting.min);
+  const bool has_max = std::isfinite(setting.max);
+  const char* at_least = setting.open_range ? "above " : "at least ";
+  const char* at_most = setting.open_range ? "below " : "at most ";
+  if (has_min && has_max) {
+    return (setting.open_range ? "between " : "from ") + ShortNumber(setting.min) +
+           (setting.open_range ? " and " : " to ") + ShortNumber(setting.max);
+  }
+  if (has_min) return at_least + ShortNumber(setting.min);
+  if (has_max) return at_most + ShortNumber(setting.max);
+  return "any finite number";
+}
+
+/// Throws at the first value that is not allowed; changes nothing.
+class RangeChecker final : public SettingsVisitor {
+ public:
+  void Number(const Setting& setting, double& value) override { Check(setting, value); }
+  void Integer(const Setting& setting, int& value) override { Check(setting, value); }
+  void Flag(const Setting&, bool&) override {}
+  void Text(const Setting& setting, std::string& value) override { CheckGiven(setting, value); }
+  void Path(const Setting& setting, std::string& value) override { CheckGiven(setting, value); }
+  void Texts(const Setting&, std::vector<std::string>&) override {}
+  void Numbers(const Setting& setting, std::vector<double>& value) override {
+    if (setting.required && value.empty()) Fail(setting, "is missing");
+    for (const double number : value) Check(setting, number);
+  }
+  void Choice(const Setting& setting, std::span<const std::string_view> names,
+              std::size_t& index) override {
+    if (index >= names.size()) Fail(setting, "is none of the choices");
+  }
+  void Group(const Setting& setting,
+             const std::function<void(SettingsVisitor&)>& visit) override {
+    Inside(std::string(setting.key), [&] { visit(*this); });
+  }
+  void List(const Setting& setting, const SettingList& list) override {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      Inside(std::string(setting.key) + "[" + std::to_string(i) + "]",
+             [&] { list.visit(i, *this); });
+    }
+  }
+  void Map(const Setting& setting, const SettingMap& map) override {
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      Inside(std::string(setting.key) + "." + map.name(i), [&] { map.visit(i, *this); });
+    }
+  }
+
+ private:
+  void Check(const Setting& setting, double value) const {
+    if (const std::string problem = RangeProblem(setting, value); !problem.empty()) {
+      Fail(setting, problem);
+    }
+  }
+  void CheckGiven(const Setting& setting, const std::string& value) const {
+    if (setting.required && value.empty()) Fail(setting, "is missing");
+  }
+  [[noreturn]] void Fail(const Setting& setting, const std::string& problem) const {
+    throw SettingError(place_ + std::string(setting.key), problem);
+  }
+  void Inside(const std::string& key, const std::function<void()>& visit) {
+    const std::string outer = place_;
+    place_ += key + ".";
+    visit();
+    place_ = outer;
+  }
+
+  std::string place_;
+};
+
+}  // namespace
+
+std::string RangeProblem(const Setting& setting, double value) {
+  const bool inside = setting.open_range ? value > setting.min && value < setting.max
+                                         : value >= setting.min && value <= setting.max;
+  if (std::isfinite(value) && inside) return "";
+  return "is " + ShortNumber(value) + ", must be " + RangeText(setting);
+}
+
+void CheckSettings(const std::function<void(SettingsVisitor&)>& visit) {
+  RangeChecker checker;
+  visit(checker);
+}
+
+}  // namespace gauntlet::controller

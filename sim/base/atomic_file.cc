@@ -1,0 +1,101 @@
+#include "sim/base/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+// Fixed places, because a signal handler may read them at any moment. A program has few files open
+// at once; a file beyond the last place is only not removed by a signal.
+constexpr int kPlaces = 64;
+std::atomic<char*> uncommitted[kPlaces];
+
+void Remember(const std::filesystem::path& path) {
+  char* copy = strdup(path.c_str());
+  for (auto& place : uncommitted) {
+    char* expected = nullptr;
+    if (place.compare_exchange_strong(expected, copy)) return;
+  }
+  free(copy);
+}
+
+void Forget(const std::filesystem::path& path) {
+  for (auto& place : uncommitted) {
+    char* name = place.load();
+    if (name != nullptr && path == name && place.compare_exchange_strong(name, nullptr)) {
+      free(name);
+      return;
+    }
+  }
+}
+
+[[noreturn]] void Fail(std::string_view action, const std::filesystem::path& path, int error) {
+  throw RunError(fmt::format("{}: cannot {}: {}", path.string(), action, std::strerror(error)));
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
+  temporary_ = target_.parent_path() /
+               fmt::format(".{}.{}.part", target_.filename().string(), getpid());
+  Remember(temporary_);
+}
+
+AtomicFile::~AtomicFile() {
+  if (committed_) return;
+  unlink(temporary_.c_str());
+  Forget(temporary_);
+}
+
+void AtomicFile::Commit() {
+  const int file = open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) Fail("write", target_, errno);
+  const int synced = fsync(file);
+  const int error = errno;
+  close(file);
+  if (synced != 0) Fail("write", target_, error);
+  if (rename(temporary_.c_str(), target_.c_str()) != 0) Fail("write", target_, errno);
+  committed_ = true;
+  Forget(temporary_);
+}
+
+void WriteFileAtomically(const std::filesystem::path& target, std::string_view content) {
+  AtomicFile file(target);
+  const int descriptor =
+      open(file.temporary_path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) Fail("write", target, errno);
+  while (!content.empty()) {
+    const ssize_t written = write(descriptor, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) {
+      const int error = errno;
+      close(descriptor);
+      Fail("write", target, error);
+    }
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (close(descriptor) != 0) Fail("write", target, errno);
+  file.Commit();
+}
+
+void MakeDirectory(const std::filesystem::path& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error) Fail("make the folder", directory, error.value());
+}
+
+void RemoveUncommittedFiles() noexcept {
+  for (auto& place : uncommitted) {
+    if (const char* name = place.load(); name != nullptr) unlink(name);
+  }
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace gauntlet::sim {
+
+/// A file that appears under its name only when it is whole: written beside it under a temporary
+/// name, flushed to the disk, then renamed. Without Commit() the destructor removes it.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path target);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Where to write until Commit().
+  const std::filesystem::path& temporary_path() const { return temporary_; }
+  /// Throws RunError if the disk did not take it.
+  void Commit();
+
+ private:
+  std::filesystem::path target_;
+  std::filesystem::path temporary_;
+  bool committed_ = false;
+};
+
+/// The whole of `content` as a file. Throws RunError with the path and the system's reason.
+void WriteFileAtomically(const std::filesystem::path& target, std::string_view content);
+
+/// Makes `directory` if it is not there. Throws RunError with the path and the system's reason.
+void MakeDirectory(const std::filesystem::path& directory);
+
+/// Removes every temporary file that is not yet committed; safe to call in a signal handler.
+void RemoveUncommittedFiles() noexcept;
+
+}  // namespace gauntlet::sim

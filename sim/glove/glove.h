@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "controller/controller_config.h"
+#include "sim/base/signal.h"
+#include "sim/glove/glove_config.h"
+
+namespace gauntlet::sim {
+
+/// A stretch of the motion with a name (rest, slow, fast, onset, reversal): samples [begin, end).
+struct MotionSegment {
+  std::string label;
+  int begin = 0;
+  int end = 0;
+};
+
+/// What the wearer did and what the glove said of it. All controllers of a trial get the same.
+struct GloveSignal {
+  std::vector<std::string> channel_names;
+  double rate_hz = 1000.0;
+  Signal true_angle_rad;  // samples x channels
+  Signal counts;          // samples x channels, whole numbers; NaN where a sample is missing
+  std::vector<MotionSegment> segments;
+  std::string reference_name;  // what the scores compare with, in words: "ground truth"
+};
+
+/// The whole signal of one seed: motion, sensor, noise, converter. Pure: same input, same bytes.
+/// Errors: UserError for a recording that cannot be read.
+GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed);
+
+/// What a careful person knows of the glove after calibrating it: the nominal sensor, without the
+/// deviations of the one glove that a seed draws.
+controller::GloveCalibration NominalCalibration(const GloveConfig& config);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "controller/controller_config.h"
+#include "sim/hand/hand_config.h"
+
+namespace gauntlet::sim {
+
+/// The hand and arm as one compiled, const model, shared by all threads of a comparison.
+///
+/// Channels, motors and cables are looked up by name once, here. A channel is the joint of the same
+/// name; its motor is the spool joint `<channel>_spool`; cables are the tendons `<channel>_flexor`
+/// and `<channel>_extensor`.
+/// Errors: UserError for settings that the model cannot take.
+class HandModel {
+ public:
+  HandModel(const HandConfig& config, const std::vector<std::string>& channel_names);
+  ~HandModel();
+  HandModel(const HandModel&) = delete;
+  HandModel& operator=(const HandModel&) = delete;
+
+  const mjModel& model() const { return *model_; }
+  const HandConfig& config() const { return config_; }
+  /// What a controller must know of this hand: coupling, ranges, counts.
+  const controller::TendonTransmission& transmission() const { return transmission_; }
+  const std::vector<std::string>& cable_names() const { return cable_names_; }
+  /// Of the compiled model and everything that shapes it, for `scenario.resolved.yaml`.
+  std::string Hash() const;
+
+ private:
+  friend class Hand;
+  HandConfig config_;
+  mjModel* model_ = nullptr;
+  controller::TendonTransmission transmission_;
+  std::vector<std::string> cable_names_;
+  std::vector<int> channel_qpos_;
+  std::vector<int> spool_qpos_;
+  std::vector<int> spool_dof_;
+  std::vector<int> actuator_;
+  std::vector<int> cable_;
+};
+
+/// How a simulated hand is: well, or stopped by a warning of the physics engine or a divergence.
+struct HandHealth {
+  bool ok = true;
+  std::string problem;  // "at 1.234 s: bad value in qacc (dof 12)"
+};
+
+/// One hand in motion. One per thread; all share a HandModel.
+class Hand {
+ public:
+  explicit Hand(std::shared_ptr<const HandModel> model);
+  ~Hand();
+  Hand(const Hand&) = delete;
+  Hand& operator=(const Hand&) = delete;
+
+  /// At rest in the given posture [rad, per channel], clamped to the ranges, cables consistent.
+  void Reset(std::span<const double> joint_angle_rad);
+  /// The command frame that the servos hold from now on [counts, per motor].
+  void SetCommand(std::span<const std::int32_t> motor_counts) noexcept;
+  /// One sampling period (1 ms). Reads every warning counter; does nothing once health is bad.
+  void Step() noexcept;
+
+  // Per channel, motor or cable, after the last Step() or Reset().
+  void ReadJointAngles(std::span<double> joint_angle_rad) const noexcept;
+  void ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept;
+  void ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept;
+  void ReadCableTensions(std::span<double> tension_n) const noexcept;
+  /// True per motor while the servo gives all the torque it has.
+  void ReadSaturation(std::span<std::uint8_t> saturated) const noexcept;
+  const HandHealth& health() const noexcept;
+
+  const HandModel& hand_model() const noexcept;
+  /// For drawing only.
+  const mjData& data() const noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Joint positions for drawing a recorded posture: fills the full qpos of `data` from the joint
+/// angles [rad, per channel] and spool angles [rad, per motor] (coupled joints follow) and computes
+/// where everything is.
+void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
+                std::span<const double> spool_angle_rad, mjData& data);
+
+/// From now on errors and warnings of the physics engine become exceptions and health reports; no
+/// MUJOCO_LOG.TXT is written. Called by HandModel; safe to call twice.
+void TakeOverMujocoMessages();
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "controller/controller_config.h"
+#include "sim/glove/glove_config.h"
+#include "sim/hand/hand_config.h"
+#include "sim/trial/event_config.h"
+
+namespace gauntlet::sim {
+
+struct NamedController {
+  std::string name;
+  controller::ControllerConfig config;
+};
+
+/// What the video shows besides the hands.
+struct VideoConfig {
+  std::string channel = "index_mcp";  // whose curves are drawn
+  std::string camera = "hand";
+  int width_px = 1280;
+  int height_px = 720;
+  int frames_per_s = 30;
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
+/// A question to the testbed, as plain data: one glove signal, one hand, many controllers.
+struct Scenario {
+  std::string name;      // the file's stem unless the file says otherwise
+  std::string question;  // what this scenario answers, one sentence
+  int seed = 1;
+  GloveConfig glove;
+  EventConfig event;
+  HandConfig hand;
+  VideoConfig video;
+  std::vector<NamedController> controllers;
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
+/// Reads strictly: unknown, duplicate, missing or non-finite is a UserError with file:line:column.
+/// `overrides` are `key.path=value` as given by --set; they win over the file.
+Scenario LoadScenario(const std::filesystem::path& file, const std::vector<std::string>& overrides);
+
+/// The scenario with every value used, as YAML that LoadScenario reads back to the same values.
+std::string ScenarioToYaml(const Scenario& scenario);
+
+}  // namespace gauntlet::sim

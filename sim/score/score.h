@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+
+/// The signals of one trial that scores are made of. Views: the owner outlives the scoring.
+struct ScoreInput {
+  double rate_hz = 1000.0;
+  const Signal* reference_angle_rad = nullptr;  // samples x channels, what the wearer did
+  const Signal* hand_angle_rad = nullptr;       // samples x channels, what the hand did
+  const IntegerSignal* command_counts = nullptr;  // samples x motors, one motor per channel
+};
+
+/// One score that Gauntlet knows. The unit is the suffix of the key.
+struct Metric {
+  std::string_view key;
+  std::string_view help;
+  std::string_view definition;  // formula and source, one line
+  bool lower_is_better = true;
+};
+
+/// All metrics in the order of every table and file.
+std::span<const Metric> Metrics();
+
+/// Values in the order of Metrics(). NaN where a score does not exist (a channel that never moved
+/// has no delay). Channels that do not move at all count in a summary where they have a value.
+struct Scores {
+  std::vector<double> summary;                // metrics
+  std::vector<std::vector<double>> channels;  // channels x metrics
+};
+
+/// Pure: the same signals give the same scores.
+Scores ComputeScores(const ScoreInput& input);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/base/signal.h"
+#include "sim/hand/hand.h"
+
+namespace gauntlet::sim {
+
+/// One pane: a controller's hand and its numbers.
+struct VideoPane {
+  std::string title;
+  const Signal* hand_angle_rad = nullptr;   // samples x channels
+  const Signal* spool_angle_rad = nullptr;  // samples x motors
+  const Signal* filtered_angle_rad = nullptr;  // samples x channels
+  const Signal* command_angle_rad = nullptr;   // samples x channels: the frame, as a joint angle
+};
+
+struct VideoInput {
+  std::string title;
+  double rate_hz = 1000.0;
+  const Signal* true_angle_rad = nullptr;  // samples x channels
+  const Signal* raw_angle_rad = nullptr;   // samples x channels: linearised glove, unfiltered
+  std::vector<VideoPane> panes;
+  int channel = 0;  // whose curves are drawn
+  std::string channel_name;
+  std::string camera;
+  int width_px = 1280;
+  int height_px = 720;
+  int frames_per_s = 30;
+  int jobs = 2;
+};
+
+/// Draws off-screen and encodes H.264 frame by frame, so memory does not grow with the length.
+/// The file appears under its name only when it is whole.
+/// Errors: RunError for a missing encoder, a full disk or a context that cannot be made.
+/// `progress` gets frames done and frames in all; false stops and throws Cancelled.
+void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
+                          const std::filesystem::path& target,
+                          const std::function<bool(int, int)>& progress = {});
+
+}  // namespace gauntlet::sim
