@@ -44,8 +44,8 @@ void Forget(const std::filesystem::path& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
-  temporary_ = target_.parent_path() /
-               fmt::format(".{}.{}.part", target_.filename().string(), getpid());
+  temporary_ =
+      target_.parent_path() / fmt::format(".{}.{}.part", target_.filename().string(), getpid());
   Remember(temporary_);
 }
 

@@ -27,6 +27,15 @@ struct VideoConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
+/// What made a resolved scenario; empty in one that a person wrote.
+struct MadeWith {
+  std::string gauntlet_version;
+  std::string mujoco_version;
+  std::string model_hash;
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
 /// A question to the testbed, as plain data: one glove signal, one hand, many controllers.
 struct Scenario {
   std::string name;      // the file's stem unless the file says otherwise
@@ -37,6 +46,7 @@ struct Scenario {
   HandConfig hand;
   VideoConfig video;
   std::vector<NamedController> controllers;
+  MadeWith made_with;
 
   void Visit(controller::SettingsVisitor& visitor);
 };

@@ -12,10 +12,14 @@ struct EventConfig {
   double delay_ms = 25.0;
 
   void Visit(controller::SettingsVisitor& visitor) {
-    visitor.Number({.key = "period_ms", .help = "time between two command frames", .min = 1,
-                    .max = 1000}, period_ms);
-    visitor.Number({.key = "delay_ms", .help = "time until a command frame reaches the servos",
-                    .min = 0, .max = 1000}, delay_ms);
+    visitor.Number(
+        {.key = "period_ms", .help = "time between two command frames", .min = 1, .max = 1000},
+        period_ms);
+    visitor.Number({.key = "delay_ms",
+                    .help = "time until a command frame reaches the servos",
+                    .min = 0,
+                    .max = 1000},
+                   delay_ms);
   }
 };
 

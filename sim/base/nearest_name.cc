@@ -1,0 +1,53 @@
+#include "sim/base/nearest_name.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace gauntlet::sim {
+namespace {
+
+/// Damerau-Levenshtein distance (optimal string alignment).
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before_last(b.size() + 1);
+  std::vector<std::size_t> last(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({replaced, last[j] + 1, row[j - 1] + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+      }
+    }
+    before_last.swap(last);
+    last.swap(row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string NearestName(std::string_view name, const std::vector<std::string>& candidates) {
+  std::string nearest;
+  std::size_t best = std::max<std::size_t>(1, (name.size() + 2) / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    if (const std::size_t distance = EditDistance(name, candidate); distance < best) {
+      best = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates) {
+  if (const std::string nearest = NearestName(name, candidates); !nearest.empty()) {
+    return fmt::format(" (did you mean {}?)", nearest);
+  }
+  return fmt::format(" (one of: {})", fmt::join(candidates, ", "));
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// The candidate that `name` was probably meant to be: the smallest number of inserted, removed,
+/// replaced or swapped letters, at most a third of the name's length. Empty if there is none.
+std::string NearestName(std::string_view name, const std::vector<std::string>& candidates);
+
+/// ` (did you mean X?)`, or ` (one of: A, B, C)` where no name is near.
+std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates);
+
+}  // namespace gauntlet::sim

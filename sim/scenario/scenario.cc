@@ -1,0 +1,104 @@
+#include "sim/scenario/scenario.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sim/base/error.h"
+#include "sim/scenario/yaml_reader.h"
+#include "sim/scenario/yaml_writer.h"
+
+namespace gauntlet::sim {
+
+using controller::SettingMap;
+using controller::SettingsVisitor;
+using controller::VisitGroup;
+
+void VideoConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Text({.key = "channel", .help = "channel whose curves are drawn below the hands"},
+               channel);
+  visitor.Text({.key = "camera", .help = "camera of the model: hand or arm"}, camera);
+  visitor.Integer({.key = "width_px", .help = "picture width", .min = 320, .max = 3840}, width_px);
+  visitor.Integer({.key = "height_px", .help = "picture height", .min = 240, .max = 2160},
+                  height_px);
+  visitor.Integer({.key = "frames_per_s",
+                   .help = "pictures per second of simulated time",
+                   .min = 1,
+                   .max = 120},
+                  frames_per_s);
+}
+
+void MadeWith::Visit(SettingsVisitor& visitor) {
+  visitor.Text({.key = "gauntlet_version", .help = "version of the program"}, gauntlet_version);
+  visitor.Text({.key = "mujoco_version", .help = "version of the physics engine"}, mujoco_version);
+  visitor.Text({.key = "model_hash", .help = "of the compiled hand and arm"}, model_hash);
+}
+
+void Scenario::Visit(SettingsVisitor& visitor) {
+  visitor.Text({.key = "name", .help = "name in tables and files; the file's name if left out"},
+               name);
+  visitor.Text(
+      {.key = "question", .help = "what the scenario answers, one sentence", .required = true},
+      question);
+  visitor.Integer({.key = "seed",
+                   .help = "fixes every random number; a comparison counts up from it",
+                   .min = 0,
+                   .max = 2147480000},
+                  seed);
+  VisitGroup(visitor, {.key = "glove", .help = "the wearer's motion and the data glove"}, glove);
+  VisitGroup(visitor, {.key = "event", .help = "when command frames leave and arrive"}, event);
+  VisitGroup(visitor, {.key = "hand", .help = "motors, cables and joints"}, hand);
+  VisitGroup(visitor, {.key = "video", .help = "what the comparison video shows"}, video);
+  visitor.Map(
+      {.key = "controllers",
+       .help = "what is compared: a name, then its settings",
+       .required = true},
+      SettingMap{.size = [this] { return controllers.size(); },
+                 .name = [this](std::size_t i) { return controllers[i].name; },
+                 .add =
+                     [this](const std::string& added) {
+                       controllers.push_back({.name = added, .config = {}});
+                     },
+                 .visit = [this](std::size_t i,
+                                 SettingsVisitor& inner) { controllers[i].config.Visit(inner); }});
+  VisitGroup(visitor, {.key = "made_with", .help = "written into resolved scenarios"}, made_with);
+}
+
+namespace {
+
+/// A command frame leaves at a sample, so its period is a whole number of samples.
+void CheckEventPeriod(Scenario& scenario, const YamlSource& source) {
+  const double samples = scenario.event.period_ms * 1e-3 * scenario.glove.rate_hz;
+  if (std::abs(samples - std::round(samples)) > 1e-9 || samples < 1.0) {
+    throw UserError(
+        fmt::format("{}: event.period_ms: is {}, must be a whole number of samples of {} ms",
+                    source.file.string(), scenario.event.period_ms, 1e3 / scenario.glove.rate_hz));
+  }
+  for (NamedController& controller : scenario.controllers) {
+    controller.config.rate_hz = scenario.glove.rate_hz;
+    controller.config.samples_per_event = static_cast<int>(std::round(samples));
+  }
+}
+
+}  // namespace
+
+Scenario LoadScenario(const std::filesystem::path& file,
+                      const std::vector<std::string>& overrides) {
+  YAML::Node root = ParseYamlFile(file);
+  YamlSource source{.file = file, .overrides = {}};
+  for (const std::string& text : overrides) ApplyOverride(root, text, source);
+  Scenario scenario;
+  scenario.name = file.stem().string();
+  YamlReader reader(root, "", source);
+  scenario.Visit(reader);
+  reader.RejectUnknownKeys();
+  CheckEventPeriod(scenario, source);
+  return scenario;
+}
+
+std::string ScenarioToYaml(const Scenario& scenario) {
+  Scenario copy = scenario;  // a visitor may change what it sees
+  return SettingsToYaml([&copy](SettingsVisitor& visitor) { copy.Visit(visitor); });
+}
+
+}  // namespace gauntlet::sim

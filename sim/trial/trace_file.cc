@@ -1,0 +1,216 @@
+#include "sim/trial/trace_file.h"
+
+#include <H5Cpp.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "sim/base/atomic_file.h"
+#include "sim/base/error.h"
+#include "sim/trial/trace_signals.h"
+
+namespace gauntlet::sim {
+namespace {
+
+template <class Scalar>
+using RowMajor = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+const H5::PredType& FileType(double) { return H5::PredType::IEEE_F64LE; }
+const H5::PredType& FileType(int) { return H5::PredType::STD_I32LE; }
+const H5::PredType& MemoryType(double) { return H5::PredType::NATIVE_DOUBLE; }
+const H5::PredType& MemoryType(int) { return H5::PredType::NATIVE_INT; }
+
+const H5::StrType& TextType() {
+  static const H5::StrType type = [] {
+    H5::StrType text(H5::PredType::C_S1, H5T_VARIABLE);
+    text.setCset(H5T_CSET_UTF8);
+    return text;
+  }();
+  return type;
+}
+
+void WriteText(H5::H5Object& object, const char* name, const std::string& text) {
+  object.createAttribute(name, TextType(), H5::DataSpace(H5S_SCALAR)).write(TextType(), text);
+}
+
+void WriteNumber(H5::H5Object& object, const char* name, double value) {
+  object.createAttribute(name, H5::PredType::IEEE_F64LE, H5::DataSpace(H5S_SCALAR))
+      .write(H5::PredType::NATIVE_DOUBLE, &value);
+}
+
+void WriteTexts(H5::H5Object& object, const char* name, const std::vector<std::string>& texts) {
+  std::vector<const char*> pointers;
+  for (const std::string& text : texts) pointers.push_back(text.c_str());
+  const hsize_t size = pointers.size();
+  object.createAttribute(name, TextType(), H5::DataSpace(1, &size))
+      .write(TextType(), static_cast<const void*>(pointers.data()));
+}
+
+std::string ReadText(const H5::H5Object& object, const char* name) {
+  std::string text;
+  object.openAttribute(name).read(TextType(), text);
+  return text;
+}
+
+double ReadNumber(const H5::H5Object& object, const char* name) {
+  double value = 0.0;
+  object.openAttribute(name).read(H5::PredType::NATIVE_DOUBLE, &value);
+  return value;
+}
+
+std::vector<std::string> ReadTexts(const H5::H5Object& object, const char* name) {
+  const H5::Attribute attribute = object.openAttribute(name);
+  std::vector<char*> pointers(
+      static_cast<std::size_t>(attribute.getSpace().getSimpleExtentNpoints()));
+  attribute.read(TextType(), static_cast<void*>(pointers.data()));
+  std::vector<std::string> texts;
+  for (char* pointer : pointers) {
+    texts.emplace_back(pointer);
+    H5free_memory(pointer);
+  }
+  return texts;
+}
+
+/// Tells how the dataset of a signal is made and filled.
+struct DatasetPlace {
+  H5::Group& group;
+  std::string name;
+  std::string unit;
+  double rate_hz;
+};
+
+template <class Scalar>
+void WriteMatrix(const DatasetPlace& place, const std::vector<std::string>& columns,
+                 const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
+  const hsize_t size[2] = {static_cast<hsize_t>(matrix.rows()),
+                           static_cast<hsize_t>(matrix.cols())};
+  H5::DataSet dataset =
+      place.group.createDataSet(place.name, FileType(Scalar{}), H5::DataSpace(2, size));
+  const RowMajor<Scalar> rows = matrix;
+  if (rows.size() > 0) dataset.write(rows.data(), MemoryType(Scalar{}));
+  WriteText(dataset, "unit", place.unit);
+  WriteNumber(dataset, "rate_hz", place.rate_hz);
+  WriteTexts(dataset, "columns", columns);
+}
+
+template <class Scalar>
+void ReadMatrix(const H5::Group& group, const std::string& name,
+                Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
+  const H5::DataSet dataset = group.openDataSet(name);
+  hsize_t size[2] = {0, 0};
+  if (dataset.getSpace().getSimpleExtentNdims() != 2) throw H5::DataSetIException(name, "rank");
+  dataset.getSpace().getSimpleExtentDims(size);
+  RowMajor<Scalar> rows(static_cast<Eigen::Index>(size[0]), static_cast<Eigen::Index>(size[1]));
+  if (rows.size() > 0) dataset.read(rows.data(), MemoryType(Scalar{}));
+  matrix = rows;
+}
+
+/// Runs `action`; what HDF5 throws becomes a RunError about `path`.
+template <class Action>
+void Guarded(const std::filesystem::path& path, const Action& action) {
+  try {
+    action();
+  } catch (const H5::Exception& error) {
+    throw RunError(fmt::format("{}: cannot write ({}); is the disk full?", path.string(),
+                               error.getDetailMsg()));
+  }
+}
+
+}  // namespace
+
+struct TraceWriter::State {
+  State(const std::filesystem::path& path, const HandModel& hand_model)
+      : target(path), atomic(path), hand(hand_model) {}
+  std::filesystem::path target;
+  AtomicFile atomic;
+  const HandModel& hand;
+  double rate_hz = 1000.0;
+  std::vector<std::string> controllers;
+  H5::H5File file;
+};
+
+TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal& glove,
+                         const HandModel& hand, const std::string& scenario, int seed)
+    : state_(std::make_unique<State>(target, hand)) {
+  H5::Exception::dontPrint();
+  state_->rate_hz = glove.rate_hz;
+  Guarded(target, [&] {
+    state_->file = H5::H5File(state_->atomic.temporary_path().string(), H5F_ACC_TRUNC);
+    WriteText(state_->file, "scenario", scenario);
+    WriteNumber(state_->file, "seed", seed);
+    H5::Group group = state_->file.createGroup("glove");
+    WriteText(group, "reference", glove.reference_name);
+    WriteMatrix<double>({group, "true_angle_rad", "rad", glove.rate_hz}, glove.channel_names,
+                        glove.true_angle_rad);
+    WriteMatrix<double>({group, "counts", "counts", glove.rate_hz}, glove.channel_names,
+                        glove.counts);
+    state_->file.createGroup("controllers");
+  });
+}
+
+TraceWriter::~TraceWriter() {
+  try {
+    state_->file.close();
+  } catch (const H5::Exception&) {  // the file is removed anyway
+  }
+}
+
+void TraceWriter::Add(const Trace& trace) {
+  Guarded(state_->target, [&] {
+    H5::Group group = state_->file.createGroup("controllers/" + trace.controller_name);
+    const controller::TendonTransmission& transmission = state_->hand.transmission();
+    const TraceColumnNames names{transmission.channel_names, transmission.motor_names,
+                                 state_->hand.cable_names()};
+    ForEachSignal(
+        trace, [&](const char* name, const char* unit, TraceColumns columns, const auto& matrix) {
+          WriteMatrix({group, name, unit, state_->rate_hz}, names.Of(columns), matrix);
+        });
+    WriteText(group, "health", trace.health.ok ? "ok" : trace.health.problem);
+    state_->controllers.push_back(trace.controller_name);
+  });
+}
+
+void TraceWriter::Commit() {
+  Guarded(state_->target, [&] {
+    WriteTexts(state_->file, "controllers", state_->controllers);
+    state_->file.flush(H5F_SCOPE_GLOBAL);
+    state_->file.close();
+  });
+  state_->atomic.Commit();
+}
+
+TraceFile ReadTraceFile(const std::filesystem::path& file, const std::vector<std::string>& only) {
+  H5::Exception::dontPrint();
+  if (!std::filesystem::exists(file)) {
+    throw UserError(fmt::format("{}: no such file", file.string()));
+  }
+  try {
+    TraceFile result;
+    const H5::H5File input(file.string(), H5F_ACC_RDONLY);
+    result.scenario = ReadText(input, "scenario");
+    result.seed = static_cast<int>(ReadNumber(input, "seed"));
+    const H5::Group glove = input.openGroup("glove");
+    ReadMatrix(glove, "true_angle_rad", result.true_angle_rad);
+    ReadMatrix(glove, "counts", result.counts);
+    const H5::DataSet truth = glove.openDataSet("true_angle_rad");
+    result.rate_hz = ReadNumber(truth, "rate_hz");
+    result.channel_names = ReadTexts(truth, "columns");
+    for (const std::string& name : ReadTexts(input, "controllers")) {
+      if (!only.empty() && std::find(only.begin(), only.end(), name) == only.end()) continue;
+      const H5::Group group = input.openGroup("controllers/" + name);
+      Trace& trace = result.traces.emplace_back();
+      trace.controller_name = name;
+      ForEachSignal(trace, [&](const char* signal, const char*, TraceColumns, auto& matrix) {
+        ReadMatrix(group, signal, matrix);
+      });
+      const std::string health = ReadText(group, "health");
+      trace.health = {.ok = health == "ok", .problem = health == "ok" ? "" : health};
+    }
+    return result;
+  } catch (const H5::Exception& error) {
+    throw UserError(
+        fmt::format("{}: is no trace file of Gauntlet ({})", file.string(), error.getDetailMsg()));
+  }
+}
+
+}  // namespace gauntlet::sim

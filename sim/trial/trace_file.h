@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/glove/glove.h"
+#include "sim/trial/trial.h"
+
+namespace gauntlet::sim {
+
+/// Writes `trace.h5`: HDF5, a group `/glove` and one group per controller below `/controllers`;
+/// every signal is a dataset, samples x columns, with the attributes `unit`, `rate_hz` and
+/// `columns` (their names). The file appears when Commit() has been called. Errors: RunError with
+/// the path when the disk does not take it.
+class TraceWriter {
+ public:
+  TraceWriter(const std::filesystem::path& target, const GloveSignal& glove, const HandModel& hand,
+              const std::string& scenario, int seed);
+  ~TraceWriter();
+
+  void Add(const Trace& trace);
+  void Commit();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// What `trace.h5` says.
+struct TraceFile {
+  std::string scenario;
+  int seed = 0;
+  double rate_hz = 1000.0;
+  std::vector<std::string> channel_names;
+  Signal true_angle_rad;
+  Signal counts;
+  std::vector<Trace> traces;  // in the order of writing
+};
+
+/// Reads a whole trace file. Errors: UserError if it is missing or is no trace file of Gauntlet.
+/// Of the controllers named in `only`, or of all if it is empty.
+TraceFile ReadTraceFile(const std::filesystem::path& file,
+                        const std::vector<std::string>& only = {});
+
+/// The same signals as CSV, one file per controller: `t_s`, then `signal.column` per column.
+void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove,
+                   const HandModel& hand, const Trace& trace);
+
+}  // namespace gauntlet::sim

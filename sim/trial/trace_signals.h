@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/trial/trial.h"
+
+namespace gauntlet::sim {
+
+/// What the columns of a signal are.
+enum class TraceColumns { kChannels, kMotors, kCables };
+
+/// Names of the columns of all signals of one hand.
+struct TraceColumnNames {
+  const std::vector<std::string>& channels;
+  const std::vector<std::string>& motors;
+  const std::vector<std::string>& cables;
+
+  const std::vector<std::string>& Of(TraceColumns columns) const {
+    if (columns == TraceColumns::kChannels) return channels;
+    return columns == TraceColumns::kMotors ? motors : cables;
+  }
+};
+
+/// Shows every signal of a trace once: `visit(name, unit, columns, matrix)`. The one list that the
+/// writers and the reader of trace files share.
+template <class TraceType, class Visit>
+void ForEachSignal(TraceType& trace, Visit&& visit) {
+  visit("linearised_angle_rad", "rad", TraceColumns::kChannels, trace.linearised_angle_rad);
+  visit("filtered_angle_rad", "rad", TraceColumns::kChannels, trace.filtered_angle_rad);
+  visit("command_counts", "counts", TraceColumns::kMotors, trace.command_counts);
+  visit("spool_angle_rad", "rad", TraceColumns::kMotors, trace.spool_angle_rad);
+  visit("spool_speed_rad_s", "rad/s", TraceColumns::kMotors, trace.spool_speed_rad_s);
+  visit("hand_angle_rad", "rad", TraceColumns::kChannels, trace.hand_angle_rad);
+  visit("tension_n", "N", TraceColumns::kCables, trace.tension_n);
+}
+
+}  // namespace gauntlet::sim
