@@ -12,8 +12,8 @@ namespace gauntlet::sim {
 /// The signals of one trial that scores are made of. Views: the owner outlives the scoring.
 struct ScoreInput {
   double rate_hz = 1000.0;
-  const Signal* reference_angle_rad = nullptr;  // samples x channels, what the wearer did
-  const Signal* hand_angle_rad = nullptr;       // samples x channels, what the hand did
+  const Signal* reference_angle_rad = nullptr;    // samples x channels, what the wearer did
+  const Signal* hand_angle_rad = nullptr;         // samples x channels, what the hand did
   const IntegerSignal* command_counts = nullptr;  // samples x motors, one motor per channel
 };
 
@@ -35,7 +35,9 @@ struct Scores {
   std::vector<std::vector<double>> channels;  // channels x metrics
 };
 
-/// Pure: the same signals give the same scores.
+/// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped
+/// early is shorter than the reference; the rows that exist are scored.
+/// Errors: std::invalid_argument for signals that do not fit each other (the caller's mistake).
 Scores ComputeScores(const ScoreInput& input);
 
 }  // namespace gauntlet::sim

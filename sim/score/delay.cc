@@ -1,0 +1,177 @@
+#include "sim/score/delay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Values = Fourier::Values;
+
+/// Below this RMS a signal counts as still. Assumption: a tenth of what a servo resolves.
+constexpr double kStillRms = 0.1 * kRadPerDeg;
+/// Longer than any delay a person could work with, and what a mean over 4 s would cost.
+constexpr double kLargestDelay_s = 2.0;
+/// An overlap that holds less of a signal's variance than this says nothing about its delay.
+constexpr double kSmallestOverlapVariance = 0.1;
+
+double Mean(std::span<const double> values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Sums over the part of a signal that overlaps.
+struct Moments {
+  double sum = 0.0;
+  double squares = 0.0;
+
+  void Remove(double value) {
+    sum -= value;
+    squares -= value * value;
+  }
+  double Variation(int count) const { return squares - sum * sum / count; }
+};
+
+/// Leader and follower without their means, and their common transform.
+struct Pair {
+  int samples = 0;
+  int size = 0;     // of the transform
+  Values centred;   // leader as real, follower as imaginary part
+  Values spectrum;  // of `centred`
+  Moments leader;
+  Moments follower;
+};
+
+Pair Transform(std::span<const double> leader, std::span<const double> follower, int largest_lag,
+               Fourier& fourier) {
+  Pair pair;
+  pair.samples = static_cast<int>(leader.size());
+  pair.size = FastTransformSize(pair.samples + largest_lag);  // lags must not wrap around
+  pair.centred.resize(pair.size);
+  const double leader_mean = Mean(leader);
+  const double follower_mean = Mean(follower);
+  for (int n = 0; n < pair.samples; ++n) {
+    const double x = leader[n] - leader_mean;
+    const double y = follower[n] - follower_mean;
+    pair.centred[n] = {x, y};
+    pair.leader.sum += x;
+    pair.leader.squares += x * x;
+    pair.follower.sum += y;
+    pair.follower.squares += y * y;
+  }
+  pair.spectrum = pair.centred;
+  fourier.Forward(pair.spectrum);
+  return pair;
+}
+
+/// Splits the common transform: the spectrum of a real signal has X[-k] = conj(X[k]).
+std::complex<double> LeaderBin(const Pair& pair, int k) {
+  const auto mirrored = std::conj(pair.spectrum[k == 0 ? 0 : pair.size - k]);
+  return 0.5 * (pair.spectrum[k] + mirrored);
+}
+std::complex<double> FollowerBin(const Pair& pair, int k) {
+  const auto mirrored = std::conj(pair.spectrum[k == 0 ? 0 : pair.size - k]);
+  const auto difference = pair.spectrum[k] - mirrored;
+  return {0.5 * difference.imag(), -0.5 * difference.real()};  // times 1/(2i)
+}
+
+/// Period of the strongest frequency of the leader, in samples.
+double DominantPeriod(const Pair& pair) {
+  int strongest = 1;
+  double power = 0.0;
+  for (int k = 1; k <= pair.size / 2; ++k) {
+    const double candidate = std::norm(LeaderBin(pair, k));
+    if (candidate > power) {
+      power = candidate;
+      strongest = k;
+    }
+  }
+  return static_cast<double>(pair.size) / strongest;
+}
+
+/// products[lag] = sum over n of leader[n] follower[n + lag]; negative lags from the end.
+Values CrossProducts(const Pair& pair, Fourier& fourier) {
+  Values products(pair.size);
+  for (int k = 0; k < pair.size; ++k) {
+    products[k] = std::conj(LeaderBin(pair, k)) * FollowerBin(pair, k);
+  }
+  fourier.Inverse(products);
+  return products;
+}
+
+/// Pearson's coefficient at lags -bound .. bound; -1 where the overlap says nothing.
+std::vector<double> Correlations(const Pair& pair, const Values& products, int bound) {
+  std::vector<double> result(2 * bound + 1, -1.0);
+  const int samples = pair.samples;
+  for (const int direction : {1, -1}) {
+    Moments leader = pair.leader;
+    Moments follower = pair.follower;
+    for (int lag = 0; lag <= bound; ++lag) {
+      if (lag > 0) {  // a late follower loses its first samples, the leader its last
+        const int first = lag - 1;
+        const int last = samples - lag;
+        leader.Remove(pair.centred[direction > 0 ? last : first].real());
+        follower.Remove(pair.centred[direction > 0 ? first : last].imag());
+      }
+      const int count = samples - lag;
+      const double x = leader.Variation(count);
+      const double y = follower.Variation(count);
+      if (x < kSmallestOverlapVariance * pair.leader.squares) continue;
+      if (y < kSmallestOverlapVariance * pair.follower.squares) continue;
+      const int at = direction > 0 || lag == 0 ? lag : pair.size - lag;
+      const double covariation = products[at].real() - leader.sum * follower.sum / count;
+      result[bound + direction * lag] = covariation / std::sqrt(x * y);
+    }
+  }
+  return result;
+}
+
+/// Where the parabola through three equidistant values has its peak, relative to the middle one.
+double ParabolaPeak(double left, double middle, double right) {
+  const double curvature = left - 2.0 * middle + right;
+  return curvature < 0.0 ? 0.5 * (left - right) / curvature : 0.0;
+}
+
+}  // namespace
+
+std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
+                                   double rate_hz, Fourier& fourier) {
+  const int samples = static_cast<int>(leader.size());
+  const int largest_lag = std::min(samples / 4, static_cast<int>(kLargestDelay_s * rate_hz));
+  if (largest_lag < 2) return std::nullopt;
+  const Pair pair = Transform(leader, follower, largest_lag, fourier);
+  const double still = kStillRms * kStillRms * samples;
+  if (!(pair.leader.squares > still) || !(pair.follower.squares > still)) return std::nullopt;
+
+  const int bound = std::min(largest_lag, static_cast<int>(0.5 * DominantPeriod(pair)));
+  const auto correlations = Correlations(pair, CrossProducts(pair, fourier), bound);
+  const auto peak = std::max_element(correlations.begin(), correlations.end());
+  const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();
+  if (at_the_bound || !(*peak > 0.0)) return std::nullopt;
+  const double lag = static_cast<double>(peak - correlations.begin()) - bound;
+  return lag + ParabolaPeak(peak[-1], peak[0], peak[1]);
+}
+
+double AlignedRms(std::span<const double> leader, std::span<const double> follower,
+                  double delay_samples) {
+  const int samples = static_cast<int>(leader.size());
+  const double whole = std::floor(delay_samples);
+  const int lag = static_cast<int>(whole);
+  const double fraction = delay_samples - whole;
+  const int begin = std::max(0, -lag);
+  const int end = std::min(samples, samples - lag - 1);
+  if (end <= begin) return std::numeric_limits<double>::quiet_NaN();
+  double squares = 0.0;
+  for (int n = begin; n < end; ++n) {
+    const double now = follower[n + lag];
+    const double error = now + fraction * (follower[n + lag + 1] - now) - leader[n];
+    squares += error * error;
+  }
+  return std::sqrt(squares / (end - begin));
+}
+
+}  // namespace gauntlet::sim

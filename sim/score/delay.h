@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "sim/score/fourier.h"
+
+namespace gauntlet::sim {
+
+/// By how many samples `follower` is late behind `leader`; negative when it is ahead.
+///
+///     delay = argmax over lag of  r(lag) = correlation of leader[n] with follower[n + lag]
+///
+/// r is Pearson's coefficient over the samples that overlap at that lag, so that a slow motion in a
+/// short signal gives its true delay: the plain sum over a shrinking overlap is biased towards zero
+/// by 1/(duration omega^2), 63 ms for 0.2 Hz in 10 s. A parabola through the largest r and its
+/// neighbours refines below a sample. The lag is bounded by half the dominant period of the leader
+/// (a periodic motion has a second, equal peak beyond), by a quarter of the signal and by 2 s.
+///
+/// None where there is nothing to find: a signal that moves by less than 0.1 deg RMS (a constant
+/// channel), no positive correlation, or no peak inside the bound.
+///
+/// Units: signals in rad, the delay in samples. Shapes: both signals of the same length.
+/// Source: Knapp and Carter 1976 (delay by correlation); parabola: Jacovitti and Scarano 1993.
+std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
+                                   double rate_hz, Fourier& fourier);
+
+/// RMS of follower[n + delay] - leader[n] where both exist, linear between samples.
+double AlignedRms(std::span<const double> leader, std::span<const double> follower,
+                  double delay_samples);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,31 @@
+#include "sim/score/fourier.h"
+
+#include <limits>
+
+namespace gauntlet::sim {
+
+void Fourier::Forward(Values& values) {
+  result_.resize(values.size());
+  transform_.fwd(result_.data(), values.data(), static_cast<Eigen::Index>(values.size()));
+  values.swap(result_);
+}
+
+void Fourier::Inverse(Values& values) {
+  result_.resize(values.size());
+  transform_.inv(result_.data(), values.data(), static_cast<Eigen::Index>(values.size()));
+  values.swap(result_);
+}
+
+int FastTransformSize(int size) {
+  long long best = std::numeric_limits<int>::max();
+  for (long long fives = 1; fives < best; fives *= 5) {
+    for (long long threes = fives; threes < best; threes *= 3) {
+      long long candidate = threes;
+      while (candidate < size) candidate *= 4;
+      if (candidate < best) best = candidate;
+    }
+  }
+  return static_cast<int>(best);
+}
+
+}  // namespace gauntlet::sim

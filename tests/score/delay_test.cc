@@ -1,0 +1,117 @@
+#include "sim/score/delay.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/score/signals.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kRate_hz = 1000.0;
+
+std::optional<double> Delay_ms(const std::vector<double>& leader,
+                               const std::vector<double>& follower) {
+  Fourier fourier;
+  auto delay = DelaySamples(leader, follower, kRate_hz, fourier);
+  if (delay) *delay *= 1000.0 / kRate_hz;
+  return delay;
+}
+
+/// Several sines that never repeat within the signal, about as a hand moves.
+double Motion(double time_s) {
+  return 0.5 * std::sin(2.0 * kPi * 0.41 * time_s) + 0.3 * std::sin(2.0 * kPi * 1.13 * time_s + 1) +
+         0.1 * std::sin(2.0 * kPi * 2.71 * time_s + 2);
+}
+
+class DelayOfSines : public testing::TestWithParam<std::tuple<double, double>> {};
+
+TEST_P(DelayOfSines, IsTheTrueDelay) {
+  const auto [frequency_hz, delay_ms] = GetParam();
+  const auto sine = [f = frequency_hz](double t) { return std::sin(2.0 * kPi * f * t); };
+  const auto leader = Sampled(10.0, kRate_hz, sine);
+  const auto follower = Sampled(
+      10.0, kRate_hz, [&, d = delay_ms](double t) { return 3.0 + 0.7 * sine(t - d / 1e3); });
+  const auto delay = Delay_ms(leader, follower);
+  ASSERT_TRUE(delay);
+  EXPECT_NEAR(*delay, delay_ms, 0.05);
+}
+
+// 3 Hz is the case that gave 338 to 381 ms without a bound.
+INSTANTIATE_TEST_SUITE_P(Delay, DelayOfSines,
+                         testing::Combine(testing::Values(0.2, 0.5, 1.0, 3.0),
+                                          testing::Values(-20.0, 0.0, 0.4, 37.0, 110.3)));
+
+TEST(Delay, OfARandomMotionIs37Milliseconds) {
+  const auto leader = Sampled(20.0, kRate_hz, Motion);
+  const auto follower = Sampled(20.0, kRate_hz, [](double t) { return Motion(t - 0.037); });
+  EXPECT_NEAR(Delay_ms(leader, follower).value(), 37.0, 0.01);
+}
+
+TEST(Delay, IsFoundUnderNoise) {
+  const auto leader = Sampled(20.0, kRate_hz, Motion);
+  auto follower = Sampled(20.0, kRate_hz, [](double t) { return Motion(t - 0.037); });
+  const auto noise = Noise(follower.size(), 3);
+  for (std::size_t n = 0; n < follower.size(); ++n) follower[n] += 0.5 * kRadPerDeg * noise[n];
+  EXPECT_NEAR(Delay_ms(leader, follower).value(), 37.0, 1.0);
+}
+
+TEST(Delay, OfSingleMovementBetweenHoldsIsFound) {
+  const auto step = [](double t) { return 1.0 / (1.0 + std::exp(-(t - 5.0) / 0.08)); };
+  const auto leader = Sampled(10.0, kRate_hz, step);
+  const auto follower = Sampled(10.0, kRate_hz, [&](double t) { return step(t - 0.037); });
+  EXPECT_NEAR(Delay_ms(leader, follower).value(), 37.0, 0.1);
+}
+
+TEST(Delay, OfAFirstOrderLowPassIsItsGroupDelayForSlowMotion) {
+  const double time_constant_s = 0.05;
+  const auto leader = Sampled(40.0, kRate_hz, [](double t) { return std::sin(kPi * t * 0.4); });
+  std::vector<double> follower(leader.size());
+  double state = 0.0;
+  for (std::size_t n = 0; n < leader.size(); ++n) {
+    state += (leader[n] - state) * (1.0 - std::exp(-1.0 / (kRate_hz * time_constant_s)));
+    follower[n] = state;
+  }
+  const double omega =
+      kPi * 0.4;  // phase delay atan(omega tau) / omega, less half a sample of hold
+  EXPECT_NEAR(Delay_ms(leader, follower).value(),
+              1e3 * std::atan(omega * time_constant_s) / omega - 0.5, 0.2);
+}
+
+TEST(Delay, DoesNotExistForConstantOrUnrelatedSignals) {
+  const auto motion = Sampled(10.0, kRate_hz, Motion);
+  const auto constant = Sampled(10.0, kRate_hz, [](double) { return 0.3; });
+  const auto opposite = Sampled(10.0, kRate_hz, [](double t) { return -Motion(t); });
+  EXPECT_FALSE(Delay_ms(constant, motion));
+  EXPECT_FALSE(Delay_ms(motion, constant));
+  EXPECT_FALSE(Delay_ms(constant, constant));
+  EXPECT_FALSE(Delay_ms({}, {}));
+  EXPECT_FALSE(Delay_ms({1, 2, 3}, {1, 2, 3}));
+  const auto ramp = Sampled(10.0, kRate_hz, [](double t) { return t; });
+  const auto falling = Sampled(10.0, kRate_hz, [](double t) { return -t; });
+  EXPECT_FALSE(Delay_ms(ramp, falling));
+}
+
+TEST(Delay, OfNotANumberDoesNotExist) {
+  const auto motion = Sampled(10.0, kRate_hz, Motion);
+  auto broken = motion;
+  broken[100] = NAN;
+  EXPECT_FALSE(Delay_ms(motion, broken));
+  EXPECT_FALSE(Delay_ms(broken, motion));
+}
+
+TEST(AlignedRms, VanishesForAPureDelay) {
+  const auto leader = Sampled(5.0, kRate_hz, Motion);
+  for (const double delay : {-12.0, 0.0, 37.0, 37.4}) {
+    const auto follower = Sampled(5.0, kRate_hz, [&](double t) { return Motion(t - delay / 1e3); });
+    EXPECT_NEAR(AlignedRms(leader, follower, delay), 0.0, 1e-5);
+  }
+}
+
+TEST(AlignedRms, KeepsAnOffset) {
+  const auto leader = Sampled(5.0, kRate_hz, Motion);
+  const auto follower = Sampled(5.0, kRate_hz, [](double t) { return 0.25 + Motion(t - 0.05); });
+  EXPECT_NEAR(AlignedRms(leader, follower, 50.0), 0.25, 1e-9);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

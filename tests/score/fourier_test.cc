@@ -1,0 +1,52 @@
+#include "sim/score/fourier.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/score/signals.h"
+
+namespace gauntlet::sim {
+namespace {
+
+Fourier::Values NoiseValues(int size) {
+  const auto noise = Noise(2 * size, 5);
+  Fourier::Values values(size);
+  for (int n = 0; n < size; ++n) values[n] = {noise[2 * n], noise[2 * n + 1]};
+  return values;
+}
+
+TEST(Fourier, AgreesWithTheDefinition) {
+  const int size = 60;
+  const Fourier::Values input = NoiseValues(size);
+  Fourier::Values output = input;
+  Fourier().Forward(output);
+  for (int k = 0; k < size; ++k) {
+    std::complex<double> sum = 0.0;
+    for (int n = 0; n < size; ++n) sum += input[n] * std::polar(1.0, -2.0 * kPi * k * n / size);
+    EXPECT_LT(std::abs(output[k] - sum), 1e-12);
+  }
+}
+
+TEST(Fourier, InverseGivesTheInputBack) {
+  const Fourier::Values input = NoiseValues(97200);
+  Fourier::Values values = input;
+  Fourier fourier;
+  fourier.Forward(values);
+  fourier.Inverse(values);
+  for (std::size_t n = 0; n < input.size(); ++n) ASSERT_LT(std::abs(values[n] - input[n]), 1e-12);
+}
+
+TEST(Fourier, FastSizesAreLargeEnoughNearAndSmooth) {
+  for (int size = 1; size < 200000; size = size * 5 / 4 + 1) {
+    const int fast = FastTransformSize(size);
+    EXPECT_GE(fast, size);
+    EXPECT_LE(fast, size * 4 / 3 + 4);
+    int rest = fast;
+    for (const int factor : {2, 3, 5}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    EXPECT_EQ(rest, 1);
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

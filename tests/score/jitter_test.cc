@@ -1,0 +1,80 @@
+#include "sim/score/jitter.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/score/tracking.h"
+#include "tests/score/signals.h"
+
+namespace gauntlet::sim {
+namespace {
+
+double JitterRms(const std::vector<double>& angle, double rate_hz = 1000.0) {
+  Fourier fourier;
+  const Signal high = HighPass(OneChannel(angle), rate_hz, fourier).angle_rad;
+  return Rms(std::span(high.data(), static_cast<std::size_t>(high.size())));
+}
+
+double SineJitter(double frequency_hz, double rate_hz = 1000.0) {
+  return JitterRms(Sampled(6.0, rate_hz,
+                           [&](double t) {
+                             return std::sqrt(2.0) * std::sin(2.0 * kPi * frequency_hz * t + 0.3);
+                           }),
+                   rate_hz);
+}
+
+TEST(Jitter, PassesWhatTremblesAndStopsWhatMoves) {
+  for (const double rate_hz : {1000.0, 500.0, 200.0}) {
+    for (const double hz : {12.0, 20.0, 50.0, 90.0})
+      EXPECT_NEAR(SineJitter(hz, rate_hz), 1.0, 5e-3);
+    for (const double hz : {0.1, 1.0, 3.0, 5.0, 8.0}) EXPECT_LT(SineJitter(hz, rate_hz), 3e-4);
+    EXPECT_NEAR(SineJitter(10.0, rate_hz), 0.5, 0.01);
+  }
+}
+
+TEST(Jitter, OfHalfADegreeAt12HertzUnderALargeMotionIsHalfADegree) {
+  const auto angle = Sampled(10.0, 1000.0, [](double t) {
+    return 45.0 * std::sin(2.0 * kPi * 1.0 * t) +
+           0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 12 * t);
+  });
+  EXPECT_NEAR(JitterRms(angle), 0.50, 0.01);
+}
+
+TEST(Jitter, OfRampsAndConstantsIsZeroEvenAtTheEnds) {
+  EXPECT_LT(JitterRms(Sampled(3.0, 1000.0, [](double t) { return 100.0 + 50.0 * t; })), 1e-9);
+}
+
+TEST(Jitter, OfWhiteNoiseHasTheShareOfTheBand) {
+  // White noise of variance 1 up to 500 Hz; 490 of 500 Hz pass.
+  EXPECT_NEAR(JitterRms(Noise(60000, 11)), std::sqrt(0.98), 0.01);
+}
+
+TEST(Jitter, HasNoPhase) {
+  const auto tremble = [](double t) { return std::sin(2.0 * kPi * 15.0 * t); };
+  Fourier fourier;
+  const auto high = HighPass(OneChannel(Sampled(4.0, 1000.0, tremble)), 1000.0, fourier);
+  for (int n = 0; n < high.angle_rad.rows(); ++n) {
+    ASSERT_NEAR(high.angle_rad(n, 0), tremble((n + high.first_sample) / 1000.0), 1e-3);
+  }
+}
+
+TEST(Jitter, KeepsChannelsApart) {
+  Signal both(3000, 3);
+  const auto noise = Noise(9000, 2);
+  for (int i = 0; i < both.size(); ++i) both.data()[i] = noise[i];
+  Fourier fourier;
+  const Signal together = HighPass(both, 1000.0, fourier).angle_rad;
+  for (int c = 0; c < 3; ++c) {
+    const Signal alone = HighPass(both.col(c), 1000.0, fourier).angle_rad;
+    EXPECT_LT((together.col(c) - alone).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+TEST(Jitter, DoesNotExistForShortSignalsAndSlowRates) {
+  EXPECT_TRUE(std::isnan(JitterRms(Noise(1300, 1))));
+  EXPECT_FALSE(std::isnan(JitterRms(Noise(1400, 1))));
+  EXPECT_TRUE(std::isnan(JitterRms(Noise(1400, 1), 24.0)));
+  EXPECT_TRUE(std::isnan(JitterRms({})));
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

@@ -1,0 +1,32 @@
+#include "sim/score/tracking.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/score/signals.h"
+
+namespace gauntlet::sim {
+namespace {
+
+TEST(Tracking, RmsAndPeakOfKnownDifferences) {
+  const std::vector<double> reference{1, 1, 1, 1};
+  const std::vector<double> hand{2, 0, 1, -3};
+  EXPECT_DOUBLE_EQ(RmsDifference(reference, hand), std::sqrt(18.0 / 4.0));
+  EXPECT_DOUBLE_EQ(PeakDifference(reference, hand), 4.0);
+  EXPECT_DOUBLE_EQ(Rms(hand), std::sqrt(14.0 / 4.0));
+}
+
+TEST(CommandReversals, CountTurnsAndNotSteps) {
+  EXPECT_DOUBLE_EQ(ReversalsPerSecond(std::vector{0, 1, 2, 3, 4, 4, 5, 9, 9, 10}, 10.0), 0.0);
+  EXPECT_DOUBLE_EQ(ReversalsPerSecond(std::vector{5, 6, 5, 6, 5, 5, 5, 6, 7, 8}, 10.0), 4.0);
+  EXPECT_DOUBLE_EQ(ReversalsPerSecond(std::vector{5, 5, 5, 5}, 10.0), 0.0);
+}
+
+TEST(CommandReversals, DoNotDependOnHowLongAFrameIsHeld) {
+  const std::vector<int> frames{3, 4, 7, 6, 6, 9, 2, 2, 5, 4};
+  std::vector<int> held;
+  for (const int frame : frames) held.insert(held.end(), 20, frame);
+  EXPECT_DOUBLE_EQ(ReversalsPerSecond(frames, 50.0), ReversalsPerSecond(held, 1000.0));
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
