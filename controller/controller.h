@@ -28,8 +28,9 @@ struct Command {
 ///     counts -> [filter] -> linearisation -> [filter] -> tendon map -> integer motor command
 ///
 /// Call Step() once per sampling period (1 ms by default). It neither throws, allocates, locks nor
-/// reads a clock. A value that is missing or not finite never reaches a motor: its channel holds
-/// the last good value and counts the event.
+/// reads a clock. An event is every `samples_per_event`-th call, beginning with the first: only
+/// there does the command change. A value that is missing or not finite never reaches a motor: its
+/// channel holds the last good value and counts the event.
 ///
 /// Errors: the constructor throws SettingError, which names the key and the allowed range.
 class Controller {

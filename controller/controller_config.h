@@ -33,13 +33,13 @@ struct TendonTransmission {
   std::vector<std::string> channel_names;
   std::vector<std::string> motor_names;
   std::vector<double> coupling;
-  std::vector<double> reference_angle_rad;   // per channel
-  std::vector<double> joint_min_rad;         // per channel
-  std::vector<double> joint_max_rad;         // per channel
-  std::vector<double> counts_per_rad;        // per motor
-  std::vector<int> center_counts;            // per motor
-  std::vector<int> min_counts;               // per motor
-  std::vector<int> max_counts;               // per motor
+  std::vector<double> reference_angle_rad;  // per channel
+  std::vector<double> joint_min_rad;        // per channel
+  std::vector<double> joint_max_rad;        // per channel
+  std::vector<double> counts_per_rad;       // per motor
+  std::vector<int> center_counts;           // per motor
+  std::vector<int> min_counts;              // per motor
+  std::vector<int> max_counts;              // per motor
 };
 
 /// Where the filter sits: the paper filters raw counts.

@@ -43,8 +43,7 @@ class RangeChecker final : public SettingsVisitor {
               std::size_t& index) override {
     if (index >= names.size()) Fail(setting, "is none of the choices");
   }
-  void Group(const Setting& setting,
-             const std::function<void(SettingsVisitor&)>& visit) override {
+  void Group(const Setting& setting, const std::function<void(SettingsVisitor&)>& visit) override {
     Inside(std::string(setting.key), [&] { visit(*this); });
   }
   void List(const Setting& setting, const SettingList& list) override {

@@ -22,6 +22,9 @@ class Filter {
   virtual void Reset() noexcept = 0;
   /// One channel back to the state after construction; the others keep every bit.
   virtual void ResetChannel(int channel) noexcept = 0;
+  /// Takes over what `from` knows of one channel, so that settings can change while running.
+  /// False, and nothing changed, if `from` is of another kind or keeps another history.
+  virtual bool CopyChannel(const Filter& from, int channel) noexcept = 0;
 };
 
 }  // namespace gauntlet::controller

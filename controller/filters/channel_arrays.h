@@ -1,0 +1,50 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <new>
+
+namespace gauntlet::controller {
+
+/// Several arrays with one value per channel: the state of a filter as a structure of arrays, each
+/// beginning at a cache line so that vector loads do not straddle two.
+class ChannelArrays {
+ public:
+  ChannelArrays(int array_count, int channel_count)
+      : channel_count_(channel_count),
+        stride_((static_cast<std::size_t>(channel_count) + kLineValues - 1) / kLineValues *
+                kLineValues),
+        size_(stride_ * static_cast<std::size_t>(array_count)),
+        values_(new (kLine) double[size_]()) {}
+
+  double* operator[](int array) noexcept {
+    return values_.get() + stride_ * static_cast<std::size_t>(array);
+  }
+  const double* operator[](int array) const noexcept {
+    return values_.get() + stride_ * static_cast<std::size_t>(array);
+  }
+  int channel_count() const noexcept { return channel_count_; }
+  int array_count() const noexcept { return static_cast<int>(size_ / stride_); }
+
+  void SetZero() noexcept { std::fill_n(values_.get(), size_, 0.0); }
+  void CopyChannel(const ChannelArrays& from, int channel) noexcept {
+    for (int array = 0; array < array_count(); ++array) {
+      (*this)[array][channel] = from[array][channel];
+    }
+  }
+
+ private:
+  static constexpr std::align_val_t kLine{64};
+  static constexpr std::size_t kLineValues = 64 / sizeof(double);
+  struct Free {
+    void operator()(double* values) const { operator delete[](values, kLine); }
+  };
+
+  int channel_count_;
+  std::size_t stride_;
+  std::size_t size_;
+  std::unique_ptr<double[], Free> values_;
+};
+
+}  // namespace gauntlet::controller

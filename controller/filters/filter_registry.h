@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "controller/filters/filter.h"
+#include "controller/filters/kalman_filter.h"
+#include "controller/filters/moving_average_filter.h"
+#include "controller/filters/no_filter.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// Every kind of filter that there is. To add one: a file with its config (kKind, kSummary,
+/// defaults, Visit) and its MakeFilter(), and one entry here.
+using FilterSettings = std::variant<NoFilterConfig, MovingAverageConfig, KalmanConfig>;
+
+/// A filter as a person writes it: `kind`, then the settings of that kind.
+struct FilterConfig {
+  FilterSettings settings;
+
+  std::string_view kind() const;
+  void Visit(SettingsVisitor& visitor);
+};
+
+/// One kind of filter, with the settings it has if nothing is said.
+struct FilterKind {
+  std::string_view name;
+  std::string_view summary;
+  FilterConfig defaults;
+};
+
+/// All kinds, in the order of every list and table.
+std::span<const FilterKind> FilterKinds();
+
+/// Errors: SettingError for a setting that is not allowed or does not fit the number of channels.
+std::unique_ptr<Filter> MakeFilter(const FilterConfig& config, int channel_count, double rate_hz);
+
+}  // namespace gauntlet::controller

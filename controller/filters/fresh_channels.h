@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace gauntlet::controller {
+
+/// Remembers which channels wait for their first sample, so that a filter can start each of them
+/// there. Costs one comparison per step once all have started.
+class FreshChannels {
+ public:
+  explicit FreshChannels(int channel_count)
+      : fresh_(static_cast<std::size_t>(channel_count), 1), count_(channel_count) {}
+
+  bool any() const noexcept { return count_ > 0; }
+
+  void Add(int channel) noexcept {
+    std::uint8_t& fresh = fresh_[static_cast<std::size_t>(channel)];
+    count_ += fresh == 0;
+    fresh = 1;
+  }
+  void AddAll() noexcept {
+    for (std::uint8_t& fresh : fresh_) fresh = 1;
+    count_ = static_cast<int>(fresh_.size());
+  }
+  void Remove(int channel) noexcept {
+    std::uint8_t& fresh = fresh_[static_cast<std::size_t>(channel)];
+    count_ -= fresh == 1;
+    fresh = 0;
+  }
+  bool contains(int channel) const noexcept {
+    return fresh_[static_cast<std::size_t>(channel)] == 1;
+  }
+
+  /// Calls start(channel, first sample) for each of them; afterwards none is left.
+  template <class Start>
+  void StartAll(std::span<const double> first_sample, Start start) noexcept {
+    for (std::size_t i = 0; i < fresh_.size(); ++i) {
+      if (fresh_[i] == 1) start(static_cast<int>(i), first_sample[i]);
+      fresh_[i] = 0;
+    }
+    count_ = 0;
+  }
+
+ private:
+  std::vector<std::uint8_t> fresh_;
+  int count_;
+};
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,132 @@
+#include "controller/filters/kalman_filter.h"
+
+#include <algorithm>
+
+#include "controller/filters/channel_arrays.h"
+#include "controller/filters/fresh_channels.h"
+#include "controller/filters/kalman_kernels.h"
+
+namespace gauntlet::controller {
+namespace {
+
+/// Which arrays hold what, for two and for three states.
+struct Layout {
+  int states;
+  int array_count;
+  int r, q;
+  int variances[3];  // the diagonal of P
+  void (*step)(ChannelArrays&, const ProcessNoiseFactors&, const double*, double*);
+};
+constexpr Layout kLayout2 = {2, kKalmanArrays2, kR, kQ, {kP11, kP22, kP22}, StepKalman2};
+constexpr Layout kLayout3 = {3,          kKalmanArrays3, kROf3, kQOf3, {kP11Of3, kP22Of3, kP33Of3},
+                             StepKalman3};
+
+class ChannelKalmanFilter final : public KalmanFilter {
+ public:
+  ChannelKalmanFilter(const KalmanConfig& config, int channel_count, double rate_hz)
+      : layout_(config.states == 2 ? kLayout2 : kLayout3),
+        start_(config.start),
+        factors_(FactorsOf(config.noise.process_noise, config.states, 1.0 / rate_hz)),
+        arrays_(layout_.array_count, channel_count),
+        first_(static_cast<std::size_t>(channel_count)),
+        fresh_(channel_count) {
+    const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
+    const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
+    std::copy(r.begin(), r.end(), arrays_[layout_.r]);
+    std::copy(q.begin(), q.end(), arrays_[layout_.q]);
+    Reset();
+  }
+
+  int channel_count() const noexcept override { return arrays_.channel_count(); }
+
+  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+    if (!fresh_.any()) {
+      layout_.step(arrays_, factors_, input.data(), output.data());
+      return;
+    }
+    std::copy(input.begin(), input.end(), first_.begin());
+    layout_.step(arrays_, factors_, input.data(), output.data());
+    fresh_.StartAll(first_, [&](int channel, double value) {
+      SetState(channel, value);
+      output[static_cast<std::size_t>(channel)] = value;
+    });
+  }
+
+  void StepWithAcceleration(std::span<const double> input, std::span<const double> acceleration,
+                            std::span<double> output) noexcept override {
+    // The kernel adds x + w; with w + u and x - u/2 that is A x + B u.
+    double* x = arrays_[kX];
+    double* w = arrays_[kW];
+    for (int i = 0; i < channel_count(); ++i) {
+      const double u = acceleration[static_cast<std::size_t>(i)];
+      x[i] -= 0.5 * u;
+      w[i] += u;
+    }
+    Step(input, output);
+  }
+
+  double velocity(int channel) const noexcept override { return arrays_[kW][channel]; }
+
+  void Reset() noexcept override {
+    for (int i = 0; i < channel_count(); ++i) ResetChannel(i);
+  }
+  void ResetChannel(int channel) noexcept override {
+    SetState(channel, 0.0);
+    if (start_ == Start::kFirst) {
+      fresh_.Add(channel);
+    } else {
+      fresh_.Remove(channel);
+    }
+  }
+  bool CopyChannel(const Filter& from, int channel) noexcept override {
+    const auto* other = dynamic_cast<const ChannelKalmanFilter*>(&from);
+    if (other == nullptr || other->layout_.states != layout_.states) return false;
+    for (int array = 0; array < layout_.r; ++array) {  // the state; R and Q stay
+      arrays_[array][channel] = other->arrays_[array][channel];
+    }
+    if (other->fresh_.contains(channel)) {
+      fresh_.Add(channel);
+    } else {
+      fresh_.Remove(channel);
+    }
+    return true;
+  }
+
+ private:
+  /// At rest at a position, P = I.
+  void SetState(int channel, double position) noexcept {
+    for (int array = 0; array < layout_.r; ++array) arrays_[array][channel] = 0.0;
+    arrays_[kX][channel] = position;
+    for (const int variance : layout_.variances) arrays_[variance][channel] = 1.0;
+  }
+
+  Layout layout_;
+  Start start_;
+  ProcessNoiseFactors factors_;
+  ChannelArrays arrays_;
+  std::vector<double> first_;
+  FreshChannels fresh_;
+};
+
+}  // namespace
+
+void KalmanConfig::Visit(SettingsVisitor& visitor) {
+  VisitStart(visitor, start);
+  noise.Visit(visitor);
+  visitor.Integer({.key = "states",
+                   .help = "2: position and velocity (the paper); 3: acceleration, too",
+                   .min = 2,
+                   .max = 3},
+                  states);
+}
+
+std::unique_ptr<KalmanFilter> MakeKalmanFilter(const KalmanConfig& config, int channel_count,
+                                               double rate_hz) {
+  return std::make_unique<ChannelKalmanFilter>(config, channel_count, rate_hz);
+}
+
+std::unique_ptr<Filter> MakeFilter(const KalmanConfig& config, int channel_count, double rate_hz) {
+  return MakeKalmanFilter(config, channel_count, rate_hz);
+}
+
+}  // namespace gauntlet::controller

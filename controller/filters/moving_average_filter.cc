@@ -1,0 +1,85 @@
+#include "controller/filters/moving_average_filter.h"
+
+#include "controller/filters/channel_arrays.h"
+#include "controller/filters/sample_window.h"
+#include "controller/filters/vectorise.h"
+
+namespace gauntlet::controller {
+namespace {
+
+/// sum + correction is the exact sum to about 106 bits, so that adding and taking away the same
+/// samples for days leaves nothing behind (Knuth's two-sum; Ogita, Rump, Oishi 2005).
+GAUNTLET_VECTORISED void AddTo(double* sum, double* correction, const double* entering,
+                               const double* leaving, int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double with = sum[i] + entering[i];
+    const double part = with - sum[i];
+    const double lost = (sum[i] - (with - part)) + (entering[i] - part);
+    const double without = with - leaving[i];
+    const double part_out = without - with;
+    const double lost_out = (with - (without - part_out)) - (leaving[i] + part_out);
+    sum[i] = without;
+    correction[i] += lost + lost_out;
+  }
+}
+
+GAUNTLET_VECTORISED void Divide(const double* sum, const double* correction, double count,
+                                double* mean, int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) mean[i] = (sum[i] + correction[i]) / count;
+}
+
+class MovingAverageFilter final : public Filter {
+ public:
+  MovingAverageFilter(const MovingAverageConfig& config, int channel_count)
+      : window_(config.window, channel_count), sums_(2, channel_count) {}
+
+  int channel_count() const noexcept override { return window_.channel_count(); }
+
+  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+    const int n = channel_count();
+    AddTo(sums_[kSum], sums_[kCorrection], input.data(), window_.Leaving(), n);
+    window_.Push(input);
+    Divide(sums_[kSum], sums_[kCorrection], window_.length(), output.data(), n);
+    if (!window_.all_full()) DivideByCount(output);
+  }
+
+  void Reset() noexcept override {
+    window_.Reset();
+    sums_.SetZero();
+  }
+  void ResetChannel(int channel) noexcept override {
+    window_.ResetChannel(channel);
+    sums_[kSum][channel] = 0.0;
+    sums_[kCorrection][channel] = 0.0;
+  }
+  bool CopyChannel(const Filter& from, int channel) noexcept override {
+    const auto* other = dynamic_cast<const MovingAverageFilter*>(&from);
+    if (other == nullptr || other->window_.length() != window_.length()) return false;
+    window_.CopyChannel(other->window_, channel);
+    sums_.CopyChannel(other->sums_, channel);
+    return true;
+  }
+
+ private:
+  enum Array { kSum, kCorrection };
+
+  void DivideByCount(std::span<double> output) noexcept {
+    for (int i = 0; i < channel_count(); ++i) {
+      output[static_cast<std::size_t>(i)] =
+          (sums_[kSum][i] + sums_[kCorrection][i]) / window_.count(i);
+    }
+  }
+
+  SampleWindow window_;
+  ChannelArrays sums_;
+};
+
+}  // namespace
+
+std::unique_ptr<Filter> MakeFilter(const MovingAverageConfig& config, int channel_count, double) {
+  return std::make_unique<MovingAverageFilter>(config, channel_count);
+}
+
+}  // namespace gauntlet::controller

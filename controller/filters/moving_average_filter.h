@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "controller/filters/filter.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// The mean of the last samples: the paper's first attempt ("the simple mean filter").
+///
+///     y(k) = (z(k) + z(k-1) + ... + z(k-m+1)) / m,   m = min(window, samples seen)
+///
+/// Delays by (window - 1) / 2 samples and lowers white noise to 1 / sqrt(window).
+/// Source: Bai, Jiang, Yokoi, section 2.1.
+struct MovingAverageConfig {
+  static constexpr std::string_view kKind = "moving_average";
+  static constexpr std::string_view kSummary = "mean of the last samples";
+
+  int window = 20;  // one command frame of 20 ms at 1 kHz
+
+  void Visit(SettingsVisitor& visitor) {
+    visitor.Integer({.key = "window", .help = "samples averaged", .min = 1, .max = 100000}, window);
+  }
+};
+
+std::unique_ptr<Filter> MakeFilter(const MovingAverageConfig& config, int channel_count,
+                                   double rate_hz);
+
+}  // namespace gauntlet::controller

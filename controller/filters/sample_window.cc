@@ -1,0 +1,48 @@
+#include "controller/filters/sample_window.h"
+
+#include <algorithm>
+
+namespace gauntlet::controller {
+
+SampleWindow::SampleWindow(int length, int channel_count, double empty)
+    : rows_(Rows::Constant(length, channel_count, empty)),
+      empty_(empty),
+      counts_(static_cast<std::size_t>(channel_count), 0),
+      filling_(channel_count) {}
+
+void SampleWindow::Push(std::span<const double> sample) noexcept {
+  std::copy(sample.begin(), sample.end(), rows_.row(next_).data());
+  next_ = next_ + 1 == length() ? 0 : next_ + 1;
+  if (filling_ == 0) return;
+  for (int channel = 0; channel < channel_count(); ++channel) {
+    SetCount(channel, std::min(count(channel) + 1, length()));
+  }
+}
+
+void SampleWindow::SetCount(int channel, int count) noexcept {
+  int& current = counts_[static_cast<std::size_t>(channel)];
+  filling_ += (current == length()) - (count == length());
+  current = count;
+}
+
+void SampleWindow::Reset() noexcept {
+  rows_.setConstant(empty_);
+  next_ = 0;
+  std::fill(counts_.begin(), counts_.end(), 0);
+  filling_ = channel_count();
+}
+
+void SampleWindow::ResetChannel(int channel) noexcept {
+  rows_.col(channel).setConstant(empty_);
+  SetCount(channel, 0);
+}
+
+void SampleWindow::CopyChannel(const SampleWindow& from, int channel) noexcept {
+  for (int age = 0; age < length(); ++age) {
+    const int row = next_ - 1 - age;
+    rows_(row < 0 ? row + length() : row, channel) = from.Row(age)[channel];
+  }
+  SetCount(channel, from.count(channel));
+}
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace gauntlet::controller {
+
+/// The last `length` samples of every channel. Rows are moments, so that a loop over channels
+/// reads memory in order. A channel that was reset starts empty again while the others keep theirs.
+class SampleWindow {
+ public:
+  /// Places that are not filled yet hold `empty`.
+  SampleWindow(int length, int channel_count, double empty = 0.0);
+
+  int length() const noexcept { return static_cast<int>(rows_.rows()); }
+  int channel_count() const noexcept { return static_cast<int>(rows_.cols()); }
+
+  /// The row that the next Push() overwrites: the sample that leaves the window.
+  const double* Leaving() const noexcept { return rows_.row(next_).data(); }
+  /// The sample of `age` steps ago; 0 is the newest.
+  const double* Row(int age) const noexcept {
+    const int row = next_ - 1 - age;
+    return rows_.row(row < 0 ? row + length() : row).data();
+  }
+  void Push(std::span<const double> sample) noexcept;
+
+  /// How many samples of the channel the window holds.
+  int count(int channel) const noexcept { return counts_[static_cast<std::size_t>(channel)]; }
+  bool all_full() const noexcept { return filling_ == 0; }
+
+  void Reset() noexcept;
+  void ResetChannel(int channel) noexcept;
+  /// Takes over what another window of the same length knows of a channel.
+  void CopyChannel(const SampleWindow& from, int channel) noexcept;
+
+ private:
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  void SetCount(int channel, int count) noexcept;
+
+  Rows rows_;
+  double empty_;
+  int next_ = 0;
+  std::vector<int> counts_;
+  int filling_;  // channels whose window is not full
+};
+
+}  // namespace gauntlet::controller

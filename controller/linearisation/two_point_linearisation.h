@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+
+#include "controller/linearisation/linearisation.h"
+
+namespace gauntlet::controller {
+
+/// A straight line through two known poses: angle = low_angle + (counts - low_counts) slope.
+/// Source: the equation of GloveCalibration. Errors: equal counts or equal angles of both poses.
+std::unique_ptr<Linearisation> MakeTwoPointLinearisation(const GloveCalibration& calibration);
+
+}  // namespace gauntlet::controller
