@@ -35,10 +35,11 @@ class RandomStream {
   double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
   /// Uniform in 0 .. count - 1, for a count far below 2^64.
   std::uint64_t Index(std::uint64_t count) {
-    return static_cast<std::uint64_t>((static_cast<unsigned __int128>(Bits()) * count) >> 64);
+    return static_cast<std::uint64_t>((static_cast<Wide>(Bits()) * count) >> 64);
   }
 
  private:
+  __extension__ using Wide = unsigned __int128;
   static std::uint64_t RotateLeft(std::uint64_t value, int shift) {
     return (value << shift) | (value >> (64 - shift));
   }

@@ -7,15 +7,9 @@
 #include "controller/controller_config.h"
 #include "sim/base/signal.h"
 #include "sim/glove/glove_config.h"
+#include "sim/glove/motions/motion.h"
 
 namespace gauntlet::sim {
-
-/// A stretch of the motion with a name (rest, slow, fast, onset, reversal): samples [begin, end).
-struct MotionSegment {
-  std::string label;
-  int begin = 0;
-  int end = 0;
-};
 
 /// What the wearer did and what the glove said of it. All controllers of a trial get the same.
 struct GloveSignal {

@@ -1,0 +1,56 @@
+#include "sim/glove/motions/postures.h"
+
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::array<Posture, 8> kPostures = {{
+    // thumb: rotation, abduction, MCP, IP; index, middle, ring, little: MCP, PIP; spread; wrist
+    // flexion, deviation; forearm rotation; elbow; shoulder
+    {"rest",
+     "the hand hangs relaxed",
+     {30, 20, 15, 10, 20, 25, 22, 28, 25, 30, 28, 32, 5, 10, 5, 0, 80, 20}},
+    {"open",
+     "all fingers straight and spread",
+     {20, 45, 0, 0, -5, 2, -5, 2, -5, 2, -5, 2, 18, -10, 0, 0, 80, 20}},
+    {"power",
+     "fingers and thumb around a bottle",
+     {70, 40, 25, 40, 60, 75, 62, 78, 65, 80, 68, 80, 5, -20, 10, 0, 85, 25}},
+    {"precision",
+     "tips of thumb and index finger on a small thing",
+     {75, 35, 20, 30, 50, 45, 25, 30, 20, 25, 20, 25, 8, -15, 5, 20, 90, 25}},
+    {"tripod",
+     "thumb, index and middle finger around a pen",
+     {70, 35, 20, 30, 50, 45, 50, 47, 35, 55, 35, 55, 5, -20, 5, -15, 90, 20}},
+    {"lateral",
+     "thumb on the side of the index finger, as on a key",
+     {20, 10, 20, 30, 55, 70, 60, 80, 60, 80, 60, 80, 2, -10, 5, 45, 90, 20}},
+    {"hook",
+     "a bag on the bent fingers, the thumb away",
+     {15, 15, 5, 5, 5, 85, 5, 88, 5, 88, 5, 85, 4, 0, 0, 0, 20, 0}},
+    {"point",
+     "index finger straight, the others closed",
+     {60, 30, 35, 45, 0, 5, 70, 85, 72, 88, 72, 85, 3, 0, 0, -20, 60, 40}},
+}};
+
+constexpr auto kNames = [] {
+  std::array<std::string_view, kPostures.size()> names;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = kPostures[i].name;
+  return names;
+}();
+
+}  // namespace
+
+std::span<const Posture> Postures() { return kPostures; }
+std::span<const std::string_view> PostureNames() { return kNames; }
+
+std::vector<double> PostureAngles(std::size_t index) {
+  std::vector<double> angles;
+  for (const double angle_deg : kPostures.at(index).angle_deg) {
+    angles.push_back(angle_deg * kRadPerDeg);
+  }
+  return angles;
+}
+
+}  // namespace gauntlet::sim

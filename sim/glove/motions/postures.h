@@ -1,0 +1,25 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// A posture of hand and arm that has a name: the end points of grasps and moves.
+struct Posture {
+  std::string_view name;
+  std::string_view help;
+  std::array<double, 18> angle_deg;  // in the order of GloveChannels()
+};
+
+/// The library of postures. Angles are assumptions: typical values inside the joints' ranges, named
+/// after the grasps of daily life (power, precision, tripod, lateral, hook), see the README.
+std::span<const Posture> Postures();
+/// For a setting that is a choice of one posture; the same order.
+std::span<const std::string_view> PostureNames();
+/// The angles of a posture [rad, per channel].
+std::vector<double> PostureAngles(std::size_t index);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// What a reader does with a value or row that is not as it should be.
+enum class ProblemHandling {
+  kStrict,  // stops with a UserError at the first one
+  kRepair,  // gives NaN for the value and reports
+};
+
+/// Reads numbers from text with one row a line, in one pass and with a fixed buffer, so that memory
+/// does not grow with the file.
+///
+/// Takes comma, semicolon, tab or spaces between cells (found from the first line), LF or CRLF, a
+/// byte order mark, blank lines, lines that start with '#', quoted names, and a decimal comma if
+/// the separator is another character. A first line with a cell that is not a number is the header.
+/// An empty cell or `nan` is a missing value.
+/// Errors: UserError `file:row:column: ...`; row is the line of the file, column the cell, from 1.
+class CsvReader {
+ public:
+  /// Fills a buffer and says how many bytes it gave; 0 is the end.
+  using Source = std::function<std::size_t(char* buffer, std::size_t size)>;
+  /// Hears of every problem that was repaired.
+  using Listener = std::function<void(std::string_view kind, std::size_t row)>;
+
+  /// `name` stands for the file in messages.
+  CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener = {});
+
+  /// Empty if the file has none.
+  const std::vector<std::string>& header() const { return header_; }
+  std::size_t column_count() const { return column_count_; }
+
+  /// The next row; false at the end. `values` has column_count() places.
+  bool NextRow(std::span<double> values);
+  /// Line of the row that NextRow() gave last, from 1.
+  std::size_t row() const { return row_; }
+  const std::string& name() const { return name_; }
+
+  /// A UserError at a place of this file.
+  [[noreturn]] void Fail(std::size_t column, const std::string& problem) const;
+
+ private:
+  bool NextLine(std::string_view& line);
+  bool NextUsefulLine(std::string_view& line);
+  void Refill();
+  void ReadFirstLine();
+  std::string_view NextCell(std::string_view& rest) const;
+  void ParseRow(std::string_view line, std::span<double> values);
+  double ParseSlowly(std::string_view cell, std::size_t column);
+  void Problem(std::string_view kind, std::size_t column, const std::string& message);
+
+  std::string name_;
+  Source source_;
+  ProblemHandling handling_;
+  Listener listener_;
+  std::vector<std::string> header_;
+  std::size_t column_count_ = 0;
+  char separator_ = ',';
+  bool first_line_is_data_ = false;
+  std::string first_line_;
+  std::size_t row_ = 0;
+
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  bool source_is_empty_ = false;
+};
+
+/// A source that reads a file. Throws UserError if it cannot be opened.
+CsvReader::Source FileSource(const std::filesystem::path& path);
+/// A source that reads text in memory, which must outlive it.
+CsvReader::Source TextSource(std::string_view text);
+
+/// Text of a file as it may stand in a message: short, printable, in quotes.
+std::string Quoted(std::string_view text);
+
+}  // namespace gauntlet::sim

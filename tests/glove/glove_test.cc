@@ -1,0 +1,161 @@
+#include "sim/glove/glove.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "sim/base/error.h"
+#include "sim/glove/channels.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+GloveConfig HoldStill(double duration_s) {
+  GloveConfig config;
+  config.motion.kind = MotionKind::kHold;
+  config.motion.hold.duration_s = duration_s;
+  return config;
+}
+
+TEST(Channels, AreEighteenAndKnownByName) {
+  EXPECT_EQ(GloveChannels().size(), 18u);
+  EXPECT_EQ(ChannelIndex("thumb_rotation"), 0);
+  EXPECT_EQ(ChannelIndex("shoulder_flexion"), 17);
+  EXPECT_THROW(ChannelIndex("tail"), UserError);
+}
+
+TEST(Glove, SameSeedGivesTheSameBytesAndAnotherSeedOthers) {
+  GloveConfig config;
+  config.motion.random.duration_s = 1.0;
+  const GloveSignal first = SynthesiseGlove(config, 7);
+  const GloveSignal second = SynthesiseGlove(config, 7);
+  const GloveSignal other = SynthesiseGlove(config, 8);
+  EXPECT_EQ(first.counts, second.counts);
+  EXPECT_EQ(first.true_angle_rad, second.true_angle_rad);
+  EXPECT_NE(first.counts, other.counts);
+}
+
+TEST(Glove, CountsAreWholeAndInsideTheScale) {
+  for (const int bits : {8, 10, 16}) {
+    GloveConfig config;
+    config.motion.random.duration_s = 2.0;
+    config.motion.random.range_percent = 100.0;
+    config.noise.variance_scale = 1000.0;  // enough to clip at both ends
+    config.converter.bits = bits;
+    const GloveSignal glove = SynthesiseGlove(config, 1);
+    const double full_scale = std::pow(2.0, bits) - 1.0;
+    EXPECT_EQ(glove.counts.minCoeff(), 0.0);
+    EXPECT_EQ(glove.counts.maxCoeff(), full_scale);
+    EXPECT_TRUE((glove.counts.array() == glove.counts.array().round()).all());
+  }
+}
+
+TEST(Glove, NominalCalibrationUndoesTheNominalSensorToHalfACount) {
+  GloveConfig config;
+  config.noise.kind = WhiteNoiseKind::kNone;
+  config.sensor.gain_deviation_percent = 0.0;
+  config.sensor.offset_deviation_percent = 0.0;
+  const GloveSignal glove = SynthesiseGlove(config, 3);
+  const controller::GloveCalibration calibration = NominalCalibration(config);
+  for (int channel = 0; channel < 18; ++channel) {
+    const double rad_per_count =
+        (calibration.high_angle_rad[channel] - calibration.low_angle_rad[channel]) /
+        (calibration.high_counts[channel] - calibration.low_counts[channel]);
+    const auto angle =
+        calibration.low_angle_rad[channel] +
+        rad_per_count * (glove.counts.col(channel).array() - calibration.low_counts[channel]);
+    const double worst = (angle - glove.true_angle_rad.col(channel).array()).abs().maxCoeff();
+    EXPECT_LE(worst, 0.5000001 * rad_per_count);
+    EXPECT_GT(worst, 0.4 * rad_per_count);  // rounding is there
+  }
+}
+
+TEST(Glove, DeviationsDifferFromGloveToGloveAsStated) {
+  GloveConfig config = HoldStill(0.01);
+  config.noise.kind = WhiteNoiseKind::kNone;
+  config.sensor.gain_deviation_percent = 0.0;
+  config.sensor.offset_deviation_percent = 3.0;
+  double sum = 0.0, squares = 0.0;
+  constexpr int kGloves = 400;
+  for (int seed = 0; seed < kGloves; ++seed) {
+    const double counts = SynthesiseGlove(config, seed).counts(0, 0);
+    sum += counts;
+    squares += counts * counts;
+  }
+  const double deviation = std::sqrt(squares / kGloves - sum * sum / kGloves / kGloves);
+  // 3 % of 1023 counts; the standard error of a deviation of 400 draws is 3.5 % of it.
+  EXPECT_NEAR(deviation, 30.69, 3.9 * 0.035 * 30.69);
+}
+
+TEST(Glove, NoiseHasThePapersVarianceInEachChannel) {
+  GloveConfig config = HoldStill(40.0);
+  const GloveSignal glove = SynthesiseGlove(config, 5);
+  for (int channel = 0; channel < 18; ++channel) {
+    const auto column = glove.counts.col(channel).array();
+    const double variance = (column - column.mean()).square().mean();
+    // Rounding adds 1/12; the standard error of a variance of 40,000 draws is 0.7 %.
+    const double expected = kPaperVarianceCounts2[channel] + 1.0 / 12.0;
+    EXPECT_NEAR(variance, expected, 3.9 * 0.00708 * expected) << channel;
+  }
+}
+
+TEST(Glove, HoldsStillWhenTold) {
+  const GloveSignal glove = SynthesiseGlove(HoldStill(1.0), 1);
+  EXPECT_EQ(glove.true_angle_rad.rows(), 1000);
+  EXPECT_EQ(glove.true_angle_rad.row(0), glove.true_angle_rad.row(999));
+  ASSERT_EQ(glove.segments.size(), 1u);
+  EXPECT_EQ(glove.segments[0].label, "rest");
+  EXPECT_EQ(glove.segments[0].end, 1000);
+}
+
+TEST(Glove, RandomMotionStaysInsideItsRangeAndUsesIt) {
+  GloveConfig config;
+  config.motion.random.duration_s = 60.0;
+  config.motion.random.range_percent = 50.0;
+  const Signal angle_deg = SynthesiseGlove(config, 2).true_angle_rad * kDegPerRad;
+  for (int channel = 0; channel < 18; ++channel) {
+    const auto [name, min_deg, max_deg, help] = GloveChannels()[channel];
+    const double range = max_deg - min_deg;
+    EXPECT_GE(angle_deg.col(channel).minCoeff(), min_deg + 0.25 * range) << name;
+    EXPECT_LE(angle_deg.col(channel).maxCoeff(), max_deg - 0.25 * range) << name;
+    EXPECT_GT(angle_deg.col(channel).maxCoeff() - angle_deg.col(channel).minCoeff(), 0.3 * range);
+  }
+}
+
+TEST(Glove, PlaysTheDoorRecordingAtOneKilohertz) {
+  GloveConfig config;
+  config.motion.kind = MotionKind::kRecording;
+  config.motion.recording.file =
+      GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/angles.csv";
+  const GloveSignal whole = SynthesiseGlove(config, 1);
+  config.motion.recording.start_s = 2.0;
+  config.motion.recording.duration_s = 3.0;
+  const GloveSignal part = SynthesiseGlove(config, 1);
+  EXPECT_EQ(whole.true_angle_rad.rows(), 10841);
+  EXPECT_EQ(part.true_angle_rad.rows(), 3000);
+  EXPECT_LT(
+      (part.true_angle_rad - whole.true_angle_rad.middleRows(2000, 3000)).cwiseAbs().maxCoeff(),
+      1e-9);
+  EXPECT_EQ(whole.reference_name, "ground truth");
+}
+
+TEST(Glove, NamesTheSettingThatIsWrong) {
+  GloveConfig config = HoldStill(1.0);
+  config.converter.bits = 7;
+  EXPECT_THROW(SynthesiseGlove(config, 1), controller::SettingError);
+  config = HoldStill(1.0);
+  config.noise.variance_counts2 = {1.0, 2.0};
+  try {
+    SynthesiseGlove(config, 1);
+    FAIL();
+  } catch (const controller::SettingError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("noise.variance_counts2: has 2 values, must have 1 or 18"));
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
