@@ -70,7 +70,7 @@ double ResampledT(const Sample& sample, RandomStream& random) {
   const double mean = sum / count;
   const double variance = (squares - sum * mean) / (count - 1);
   // Rounding leaves a little variance where all resampled values are one and the same.
-  if (variance < 1e-18 * sample.scatter * sample.scatter) {
+  if (variance < 1e-12 * sample.scatter * sample.scatter) {
     return std::copysign(std::numeric_limits<double>::infinity(), mean);
   }
   return mean / std::sqrt(variance / count);
