@@ -30,7 +30,7 @@ struct KalmanConfig {
       "Kalman filter of the paper: constant velocity, covariance at every step";
 
   Start start = Start::kFirst;
-  KalmanNoise noise;
+  KalmanNoise noise = {};
   int states = 2;
 
   void Visit(SettingsVisitor& visitor);

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace gauntlet::controller {
+
+/// How often this program has asked for memory by new, malloc or their relatives so far.
+long AllocationCount();
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,213 @@
+#include "controller/controller.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/controller/allocation_counter.h"
+#include "tests/controller/test_hand.h"
+#include "tests/controller/test_signal.h"
+
+namespace gauntlet::controller {
+namespace {
+
+using testing::Each;
+using testing::ElementsAreArray;
+using testing::HasSubstr;
+
+constexpr int kChannels = 18;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+ControllerConfig WithFilter(FilterSettings settings) {
+  ControllerConfig config;
+  config.filters = {{std::move(settings)}};
+  config.samples_per_event = 1;
+  return config;
+}
+
+Controller Make(const ControllerConfig& config, int channels = kChannels) {
+  return Controller(config, PlainGlove(channels), CoupledHand(channels));
+}
+
+TEST(Controller, MapsKnownPosesToKnownMotorCounts) {
+  Controller controller = Make(WithFilter(NoFilterConfig{}), 2);
+  const double counts[] = {400.0, 800.0};  // 0.5 and 1.5 rad
+  const Command command = controller.Step({.counts = counts});
+  // 512 + 100 * 0.5 and 512 + 100 (0.4 * 0.5 + 1.5)
+  EXPECT_EQ(command.motor_counts[0], 562);
+  EXPECT_EQ(command.motor_counts[1], 682);
+  EXPECT_NEAR(controller.filtered_angle_rad()[1], 1.5, 1e-12);
+}
+
+TEST(Controller, FiltersCountsAndAnglesAlikeWhenBothAreLinear) {
+  // Two-point linearisation is affine and the mean is linear, so the order must not matter.
+  ControllerConfig on_counts = WithFilter(MovingAverageConfig{.window = 10});
+  ControllerConfig on_angle = on_counts;
+  on_angle.filter_on = FilterOn::kAngle;
+  Controller first = Make(on_counts);
+  Controller second = Make(on_angle);
+  const TestSignal input = GloveCounts(500, kChannels);
+  for (int k = 0; k < 500; ++k) {
+    first.Step({.counts = RowOf(input, k)});
+    second.Step({.counts = RowOf(input, k)});
+    for (int i = 0; i < kChannels; ++i) {
+      ASSERT_NEAR(first.filtered_angle_rad()[i], second.filtered_angle_rad()[i], 1e-12);
+    }
+  }
+}
+
+TEST(Controller, AppliesAChainInItsOrder) {
+  ControllerConfig config = WithFilter(MovingAverageConfig{.window = 5});
+  config.filters.push_back({KalmanConfig{}});
+  Controller controller = Make(config);
+  const auto mean = MakeFilter(config.filters[0], kChannels, 1000.0);
+  const auto kalman = MakeFilter(config.filters[1], kChannels, 1000.0);
+  const TestSignal input = GloveCounts(300, kChannels);
+  std::vector<double> expected(kChannels);
+  for (int k = 0; k < 300; ++k) {
+    controller.Step({.counts = RowOf(input, k)});
+    mean->Step(RowOf(input, k), expected);
+    kalman->Step(expected, expected);
+    for (int i = 0; i < kChannels; ++i) {
+      ASSERT_NEAR(controller.filtered_angle_rad()[i], (expected[i] - 200.0) / 400.0, 1e-12);
+    }
+  }
+}
+
+TEST(Controller, StepsTheFilterOncePerEventWhenAsked) {
+  ControllerConfig config = WithFilter(KalmanConfig{});
+  config.filter_at = FilterAt::kEvent;
+  config.samples_per_event = 20;
+  Controller controller = Make(config);
+  const auto kalman = MakeFilter(config.filters[0], kChannels, 50.0);
+  const TestSignal input = GloveCounts(400, kChannels);
+  std::vector<double> expected(kChannels);
+  for (int k = 0; k < 400; ++k) {
+    controller.Step({.counts = RowOf(input, k)});
+    if (k % 20 == 0) kalman->Step(RowOf(input, k), expected);
+    for (int i = 0; i < kChannels; ++i) {
+      ASSERT_NEAR(controller.filtered_angle_rad()[i], (expected[i] - 200.0) / 400.0, 1e-12);
+    }
+  }
+}
+
+TEST(Controller, ChangesTheCommandOnlyAtEvents) {
+  ControllerConfig config = WithFilter(NoFilterConfig{});
+  config.samples_per_event = 20;
+  Controller controller = Make(config);
+  const TestSignal input = GloveCounts(400, kChannels);
+  std::vector<std::int32_t> held(kChannels);
+  int changes = 0;
+  for (int k = 0; k < 400; ++k) {
+    const auto counts = controller.Step({.counts = RowOf(input, k)}).motor_counts;
+    if (k % 20 == 0) {
+      changes += !std::equal(counts.begin(), counts.end(), held.begin());
+      held.assign(counts.begin(), counts.end());
+    }
+    ASSERT_THAT(counts, ElementsAreArray(held)) << k;
+  }
+  EXPECT_EQ(changes, 20);
+}
+
+TEST(Controller, HoldsTheLastGoodValueOfAnUntrustedChannel) {
+  Controller controller = Make(WithFilter(NoFilterConfig{}));
+  std::vector<double> counts(kChannels, 500.0);
+  controller.Step({.counts = counts});
+  const double good = controller.filtered_angle_rad()[3];
+  const double bad[] = {kNan,
+                        std::numeric_limits<double>::infinity(),
+                        -std::numeric_limits<double>::infinity(),
+                        -1.0,
+                        1024.0,
+                        1e300};
+  for (const double value : bad) {
+    counts[3] = value;
+    controller.Step({.counts = counts});
+    EXPECT_EQ(controller.filtered_angle_rad()[3], good) << value;
+  }
+  EXPECT_EQ(controller.untrusted_samples()[3], 6);
+  EXPECT_EQ(controller.untrusted_samples()[2], 0);
+  counts[3] = 600.0;
+  controller.Step({.counts = counts});
+  EXPECT_NEAR(controller.filtered_angle_rad()[3], 1.0, 1e-12);
+}
+
+TEST(Controller, HoldsTheReferenceBeforeTheFirstGoodValueAndThenStartsThere) {
+  TendonTransmission hand = CoupledHand(kChannels);
+  hand.reference_angle_rad.assign(kChannels, 0.3);
+  Controller controller(WithFilter(KalmanConfig{}), PlainGlove(kChannels), hand);
+  std::vector<double> counts(kChannels, 500.0);
+  counts[5] = kNan;
+  for (int k = 0; k < 10; ++k) controller.Step({.counts = counts});
+  EXPECT_NEAR(controller.filtered_angle_rad()[5], 0.3, 1e-12);
+  EXPECT_EQ(controller.untrusted_samples()[5], 10);
+  counts[5] = 700.0;
+  controller.Step({.counts = counts});
+  EXPECT_NEAR(controller.filtered_angle_rad()[5], 1.25, 1e-12);
+}
+
+TEST(Controller, SurvivesAMissingOrShortFrame) {
+  Controller controller = Make(WithFilter(KalmanConfig{}));
+  const std::vector<double> counts(kChannels, 500.0);
+  controller.Step({.counts = counts});
+  controller.Step({.counts = {}});
+  controller.Step({.counts = {counts.data(), 4}});
+  EXPECT_EQ(controller.untrusted_samples()[0], 1);
+  EXPECT_EQ(controller.untrusted_samples()[17], 2);
+  for (const double angle : controller.filtered_angle_rad()) EXPECT_NEAR(angle, 0.75, 1e-12);
+}
+
+TEST(Controller, ResetGivesTheStateAfterConstruction) {
+  ControllerConfig config = WithFilter(KalmanConfig{});
+  config.samples_per_event = 20;
+  Controller used = Make(config);
+  const TestSignal input = GloveCounts(333, kChannels);
+  for (int k = 0; k < 333; ++k) used.Step({.counts = RowOf(input, k)});
+  used.Reset();
+  Controller fresh = Make(config);
+  for (int k = 0; k < 333; ++k) {
+    const auto expected = fresh.Step({.counts = RowOf(input, k)}).motor_counts;
+    ASSERT_THAT(used.Step({.counts = RowOf(input, k)}).motor_counts, ElementsAreArray(expected));
+  }
+}
+
+TEST(Controller, DoesNotAllocateInStep) {
+  ControllerConfig config = WithFilter(MovingAverageConfig{});
+  config.filters.push_back({KalmanConfig{}});
+  Controller controller = Make(config);
+  const TestSignal input = GloveCounts(200, kChannels);
+  const long before = AllocationCount();
+  for (int k = 0; k < 200; ++k) controller.Step({.counts = RowOf(input, k)});
+  controller.Reset();
+  EXPECT_EQ(AllocationCount(), before);
+}
+
+TEST(Controller, NamesTheSettingThatIsWrong) {
+  const auto problem_of = [](const ControllerConfig& config) -> std::string {
+    try {
+      Make(config, 3);
+    } catch (const SettingError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(problem_of(WithFilter(MovingAverageConfig{.window = -1})),
+              HasSubstr("filter[0].window: is -1"));
+  EXPECT_THAT(problem_of(WithFilter(KalmanConfig{.noise = {.r = {1.0, 2.0}}})),
+              HasSubstr("filter[0].r: has 2 values"));
+  ControllerConfig config;
+  config.rate_hz = 0.0;
+  EXPECT_THAT(problem_of(config), HasSubstr("rate_hz"));
+}
+
+TEST(Controller, RefusesAGloveAndAHandThatDoNotFit) {
+  EXPECT_THROW(Controller(ControllerConfig{}, PlainGlove(3), CoupledHand(4)), SettingError);
+  GloveCalibration flat = PlainGlove(4);
+  flat.high_counts[2] = flat.low_counts[2];
+  EXPECT_THROW(Controller(ControllerConfig{}, flat, CoupledHand(4)), SettingError);
+}
+
+}  // namespace
+}  // namespace gauntlet::controller

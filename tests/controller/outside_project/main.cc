@@ -1,0 +1,29 @@
+#include <cstdio>
+
+#include "controller/controller.h"
+
+int main() {
+  namespace gc = gauntlet::controller;
+  const gc::GloveCalibration glove = {.low_counts = {200, 200},
+                                      .high_counts = {800, 800},
+                                      .low_angle_rad = {0, 0},
+                                      .high_angle_rad = {1.5, 1.5}};
+  const gc::TendonTransmission hand = {.channel_names = {"a", "b"},
+                                       .motor_names = {"a", "b"},
+                                       .coupling = {1, 0, 0.5, 1},
+                                       .reference_angle_rad = {0, 0},
+                                       .joint_min_rad = {0, 0},
+                                       .joint_max_rad = {1.5, 1.5},
+                                       .counts_per_rad = {100, 100},
+                                       .center_counts = {512, 512},
+                                       .min_counts = {0, 0},
+                                       .max_counts = {1023, 1023}};
+  gc::ControllerConfig config;
+  config.filters = {{gc::KalmanConfig{.noise = {.r = {10.0}}}}};
+  gc::Controller controller(config, glove, hand);
+  const double counts[] = {400.0, 600.0};
+  const gc::Command command = controller.Step({.counts = counts});
+  // 0.5 and 1.0 rad: 512 + 100 * 0.5, and 512 + 100 (0.5 * 0.5 + 1.0).
+  std::printf("%d %d\n", command.motor_counts[0], command.motor_counts[1]);
+  return command.motor_counts[0] == 562 && command.motor_counts[1] == 637 ? 0 : 1;
+}
