@@ -1,4 +1,4 @@
-# What the simulation needs besides the controller's Eigen; all of it from Debian 12.
+# What the simulation needs ; all of it from Debian 12.
 
 find_package(mujoco 2.2.2 EXACT REQUIRED)
 # Debian's target exports an include path that does not exist.
@@ -6,6 +6,7 @@ get_target_property(mujoco_includes mujoco::mujoco INTERFACE_INCLUDE_DIRECTORIES
 list(FILTER mujoco_includes EXCLUDE REGEX "libqhull_r")
 set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${mujoco_includes}")
 
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)

@@ -13,12 +13,13 @@ using controller::Setting;
 std::string RangeOf(const Setting& setting) {
   const bool has_min = std::isfinite(setting.min);
   const bool has_max = std::isfinite(setting.max);
+  const bool open = setting.open_range;
   if (has_min && has_max) {
-    return fmt::format(setting.open_range ? "between {} and {}" : "{} to {}", setting.min,
-                       setting.max);
+    return open ? fmt::format("between {} and {}", setting.min, setting.max)
+                : fmt::format("{} to {}", setting.min, setting.max);
   }
-  if (has_min) return fmt::format(setting.open_range ? "above {}" : "at least {}", setting.min);
-  if (has_max) return fmt::format(setting.open_range ? "below {}" : "at most {}", setting.max);
+  if (has_min) return fmt::format("{} {}", open ? "above" : "at least", setting.min);
+  if (has_max) return fmt::format("{} {}", open ? "below" : "at most", setting.max);
   return "";
 }
 

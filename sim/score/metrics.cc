@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "sim/score/channel_scores.h"
@@ -53,6 +54,12 @@ constexpr std::array<Metric, kCount> kMetrics = [] {
 }  // namespace
 
 std::span<const Metric> Metrics() { return kMetrics; }
+
+std::size_t MetricIndex(std::string_view key) {
+  const auto found = std::find_if(std::begin(kMetrics), std::end(kMetrics),
+                                  [key](const Metric& metric) { return metric.key == key; });
+  return static_cast<std::size_t>(found - std::begin(kMetrics));
+}
 
 double ChannelScores::*MetricField(int metric) { return kRows[metric].field; }
 

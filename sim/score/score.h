@@ -27,6 +27,8 @@ struct Metric {
 
 /// All metrics in the order of every table and file.
 std::span<const Metric> Metrics();
+/// Place of a key in Metrics(), or their number if there is no such key.
+std::size_t MetricIndex(std::string_view key);
 
 /// Values in the order of Metrics(). NaN where a score does not exist (a channel that never moved
 /// has no delay). Channels that do not move at all count in a summary where they have a value.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
@@ -126,7 +127,7 @@ struct TraceWriter::State {
   const HandModel& hand;
   double rate_hz = 1000.0;
   std::vector<std::string> controllers;
-  H5::H5File file;
+  std::optional<H5::H5File> file;
 };
 
 TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal& glove,
@@ -135,29 +136,29 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
   H5::Exception::dontPrint();
   state_->rate_hz = glove.rate_hz;
   Guarded(target, [&] {
-    state_->file = H5::H5File(state_->atomic.temporary_path().string(), H5F_ACC_TRUNC);
-    WriteText(state_->file, "scenario", scenario);
-    WriteNumber(state_->file, "seed", seed);
-    H5::Group group = state_->file.createGroup("glove");
+    state_->file.emplace(state_->atomic.temporary_path().string(), H5F_ACC_TRUNC);
+    WriteText(*state_->file, "scenario", scenario);
+    WriteNumber(*state_->file, "seed", seed);
+    H5::Group group = state_->file->createGroup("glove");
     WriteText(group, "reference", glove.reference_name);
     WriteMatrix<double>({group, "true_angle_rad", "rad", glove.rate_hz}, glove.channel_names,
                         glove.true_angle_rad);
     WriteMatrix<double>({group, "counts", "counts", glove.rate_hz}, glove.channel_names,
                         glove.counts);
-    state_->file.createGroup("controllers");
+    state_->file->createGroup("controllers");
   });
 }
 
 TraceWriter::~TraceWriter() {
   try {
-    state_->file.close();
+    if (state_->file) state_->file->close();
   } catch (const H5::Exception&) {  // the file is removed anyway
   }
 }
 
 void TraceWriter::Add(const Trace& trace) {
   Guarded(state_->target, [&] {
-    H5::Group group = state_->file.createGroup("controllers/" + trace.controller_name);
+    H5::Group group = state_->file->createGroup("controllers/" + trace.controller_name);
     const controller::TendonTransmission& transmission = state_->hand.transmission();
     const TraceColumnNames names{transmission.channel_names, transmission.motor_names,
                                  state_->hand.cable_names()};
@@ -172,9 +173,9 @@ void TraceWriter::Add(const Trace& trace) {
 
 void TraceWriter::Commit() {
   Guarded(state_->target, [&] {
-    WriteTexts(state_->file, "controllers", state_->controllers);
-    state_->file.flush(H5F_SCOPE_GLOBAL);
-    state_->file.close();
+    WriteTexts(*state_->file, "controllers", state_->controllers);
+    state_->file->flush(H5F_SCOPE_GLOBAL);
+    state_->file->close();
   });
   state_->atomic.Commit();
 }

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace gauntlet::sim {
+
+// Each adds its subcommand with options and help; CLI11 runs it after parsing. Errors travel as
+// exceptions to main(), the only place that knows exit codes.
+void AddRunCommand(CLI::App& app);
+void AddCompareCommand(CLI::App& app);
+void AddRenderCommand(CLI::App& app);
+void AddListCommand(CLI::App& app);
+
+}  // namespace gauntlet::sim

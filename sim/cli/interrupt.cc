@@ -1,0 +1,33 @@
+#include "sim/cli/interrupt.h"
+
+#include <unistd.h>
+
+#include <csignal>
+
+#include "sim/base/atomic_file.h"
+
+namespace gauntlet::sim {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void OnSignal(int) {
+  if (interrupted != 0) {
+    RemoveUncommittedFiles();
+    _exit(130);
+  }
+  interrupted = 1;
+}
+
+}  // namespace
+
+void CatchInterrupts() {
+  struct sigaction action = {};
+  action.sa_handler = OnSignal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool Interrupted() { return interrupted != 0; }
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,198 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/cli/commands.h"
+#include "sim/glove/channels.h"
+#include "sim/hand/hand.h"
+#include "sim/scenario/scenario.h"
+#include "sim/scenario/setting_rows.h"
+#include "sim/score/score.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// One thing of a list: its name, a sentence, and its settings.
+struct Entry {
+  std::string name;
+  std::string summary;
+  std::vector<SettingRow> settings;
+};
+
+std::vector<Entry> Filters() {
+  std::vector<Entry> entries;
+  for (const controller::FilterKind& kind : controller::FilterKinds()) {
+    controller::FilterConfig config = kind.defaults;
+    std::vector<SettingRow> rows =
+        ListSettings([&](controller::SettingsVisitor& visitor) { config.Visit(visitor); });
+    rows.erase(rows.begin());  // the kind itself, which is the entry's name
+    entries.push_back({std::string(kind.name), std::string(kind.summary), std::move(rows)});
+  }
+  return entries;
+}
+
+std::vector<Entry> Motions() {
+  const std::pair<MotionKind, const char*> kinds[] = {
+      {MotionKind::kHold, "The wearer holds a posture still."},
+      {MotionKind::kRecording, "Recorded joint angles, brought to the sampling rate."},
+      {MotionKind::kRandom, "Band-limited random motion of every channel by itself."}};
+  std::vector<Entry> entries;
+  for (const auto& [kind, summary] : kinds) {
+    MotionConfig config;
+    config.kind = kind;
+    std::vector<SettingRow> rows =
+        ListSettings([&](controller::SettingsVisitor& visitor) { config.Visit(visitor); });
+    const std::string name = rows.front().default_value;
+    rows.erase(rows.begin());
+    entries.push_back({name, summary, std::move(rows)});
+  }
+  return entries;
+}
+
+std::vector<Entry> Scores() {
+  std::vector<Entry> entries;
+  for (const Metric& metric : Metrics()) {
+    entries.push_back(
+        {std::string(metric.key), fmt::format("{} {}", metric.help, metric.definition), {}});
+  }
+  return entries;
+}
+
+std::vector<Entry> Channels() {
+  const HandModel hand({}, GloveChannelNames());
+  const controller::TendonTransmission& transmission = hand.transmission();
+  const std::size_t n = transmission.channel_names.size();
+  std::vector<Entry> entries;
+  for (std::size_t m = 0; m < n; ++m) {
+    const Channel& channel = GloveChannels()[m];
+    std::vector<std::string> coupled;
+    for (std::size_t c = 0; c < n; ++c) {
+      const double ratio = transmission.coupling[m * n + c];
+      if (std::abs(ratio) > 1e-6) {
+        coupled.push_back(fmt::format("{:.3f} {}", ratio, transmission.channel_names[c]));
+      }
+    }
+    entries.push_back({std::string(channel.name),
+                       fmt::format("{} to {} deg. {} Spool turns: {}.", channel.min_deg,
+                                   channel.max_deg, channel.help, fmt::join(coupled, " + ")),
+                       {}});
+  }
+  return entries;
+}
+
+std::vector<Entry> Scenarios() {
+  const std::filesystem::path folder = std::filesystem::is_directory("scenarios")
+                                           ? std::filesystem::path("scenarios")
+                                           : std::filesystem::path(GAUNTLET_SCENARIO_DIR);
+  std::vector<std::filesystem::path> files;
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    if (file.path().extension() == ".yaml") files.push_back(file.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<Entry> entries;
+  for (const auto& file : files) {
+    entries.push_back({file.string(), LoadScenario(file, {}).question, {}});
+  }
+  return entries;
+}
+
+std::vector<Entry> ScenarioKeys() {
+  Scenario scenario;
+  return {{"scenario", "The keys of a scenario file; lists above tell those of each kind.",
+           ListSettings([&](controller::SettingsVisitor& visitor) { scenario.Visit(visitor); })},
+          {"controllers.<name>", "The keys of one controller.",
+           ListSettings([](controller::SettingsVisitor& visitor) {
+             controller::ControllerConfig config;
+             config.Visit(visitor);
+           })}};
+}
+
+struct Topic {
+  std::string name;
+  std::string summary;
+  std::function<std::vector<Entry>()> entries;
+};
+
+const std::vector<Topic>& Topics() {
+  static const std::vector<Topic> topics = {
+      {"filters", "what a controller can do with the noise", Filters},
+      {"motions", "what the wearer can do", Motions},
+      {"metrics", "what is measured", Scores},
+      {"channels", "joints of wearer and hand, and how cables couple them", Channels},
+      {"scenarios", "ready questions", Scenarios},
+      {"keys", "every key of a scenario file", ScenarioKeys},
+  };
+  return topics;
+}
+
+void Print(const Topic& topic) {
+  for (const Entry& entry : topic.entries()) {
+    fmt::print("{}\n    {}\n", entry.name, entry.summary);
+    std::size_t width = 0;
+    for (const SettingRow& row : entry.settings) width = std::max(width, row.key.size());
+    for (const SettingRow& row : entry.settings) {
+      const std::string value = row.default_value.empty() ? "required" : row.default_value;
+      const std::string range = row.range.empty() ? "" : fmt::format(" ({})", row.range);
+      fmt::print("    {:<{}}  {}; {}{}\n", row.key, width, value, row.help, range);
+    }
+  }
+}
+
+nlohmann::ordered_json Json(const Topic& topic) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Entry& entry : topic.entries()) {
+    nlohmann::ordered_json settings = nlohmann::ordered_json::array();
+    for (const SettingRow& row : entry.settings) {
+      settings.push_back({{"key", row.key},
+                          {"default", row.default_value},
+                          {"range", row.range},
+                          {"help", row.help}});
+    }
+    json.push_back({{"name", entry.name}, {"summary", entry.summary}, {"settings", settings}});
+  }
+  return json;
+}
+
+void List(const std::string& name, bool as_json) {
+  if (name.empty()) {
+    for (const Topic& topic : Topics()) {
+      fmt::print("gauntlet list {:<10} {}\n", topic.name, topic.summary);
+    }
+    return;
+  }
+  std::vector<std::string> names;
+  for (const Topic& topic : Topics()) {
+    names.push_back(topic.name);
+    if (topic.name != name) continue;
+    if (as_json) {
+      fmt::print("{}\n", Json(topic).dump(2));
+    } else {
+      Print(topic);
+    }
+    return;
+  }
+  throw UserError(fmt::format("list {}: unknown list{}", name, Suggestion(name, names)));
+}
+
+}  // namespace
+
+void AddListCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "list", "List what there is: filters, motions, metrics, channels, scenarios, keys");
+  const auto name = std::make_shared<std::string>();
+  const auto json = std::make_shared<bool>(false);
+  command->add_option("what", *name, "one of the lists; all are named if left out");
+  command->add_flag("--json", *json, "print JSON");
+  command->footer("\nExample:\n  gauntlet list filters\n");
+  command->callback([name, json] { List(*name, *json); });
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,63 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "controller/settings.h"
+#include "sim/base/error.h"
+#include "sim/cli/commands.h"
+#include "sim/cli/interrupt.h"
+
+namespace {
+
+constexpr int kRunFailed = 1;
+constexpr int kUserMistake = 2;
+constexpr int kInterrupted = 130;  // 128 + SIGINT, as shells have it
+
+int Complain(const std::string& message, int exit_code) {
+  fmt::print(stderr, "gauntlet: {}\n", message);
+  return exit_code;
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app{
+      "Gauntlet: a testbed for glove-driven, tendon-driven prosthetic hands.\n"
+      "One noisy glove signal goes through many controllers into the same simulated hand; the\n"
+      "scores tell which setting follows best and shakes least.",
+      "gauntlet"};
+  app.set_version_flag("--version", "gauntlet " GAUNTLET_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "\nExample:\n  gauntlet compare scenarios/door_opening.yaml --video\n\n"
+      "Exit codes: 0 done, 1 the run failed, 2 a mistake in what was asked.");
+  gauntlet::sim::AddRunCommand(app);
+  gauntlet::sim::AddCompareCommand(app);
+  gauntlet::sim::AddRenderCommand(app);
+  gauntlet::sim::AddListCommand(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help, --version
+    app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    return Complain(fmt::format("{} (see gauntlet --help)", error.what()), kUserMistake);
+  }
+  if (std::fflush(stdout) != 0) throw gauntlet::sim::RunError("standard output: cannot be written");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  gauntlet::sim::CatchInterrupts();
+  try {
+    return Run(argc, argv);
+  } catch (const gauntlet::sim::Cancelled&) {
+    return Complain("interrupted; nothing half-written was left", kInterrupted);
+  } catch (const gauntlet::sim::UserError& error) {
+    return Complain(error.what(), kUserMistake);
+  } catch (const gauntlet::controller::SettingError& error) {
+    return Complain(error.what(), kUserMistake);
+  } catch (const std::exception& error) {
+    return Complain(error.what(), kRunFailed);
+  }
+}

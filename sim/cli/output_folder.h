@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+
+namespace gauntlet::sim {
+
+/// A folder for results, made before long work begins so that an unwritable place is found at once.
+/// If the work fails and the folder is new and empty, it goes away again.
+/// Errors: RunError with the path and the system's reason.
+class OutputFolder {
+ public:
+  explicit OutputFolder(std::filesystem::path path);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  void Keep() { keep_ = true; }
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path first_made_;  // the topmost folder that was not there before
+  bool keep_ = false;
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,48 @@
+#include "sim/cli/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "sim/cli/interrupt.h"
+
+namespace gauntlet::sim {
+namespace {
+
+std::string Duration(double seconds) {
+  const int whole = static_cast<int>(std::ceil(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+}
+
+}  // namespace
+
+Progress::Progress(std::string label)
+    : label_(std::move(label)), on_terminal_(isatty(STDERR_FILENO) != 0) {}
+
+Progress::~Progress() {
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+}
+
+bool Progress::Update(double done, double total) {
+  if (Interrupted()) return false;
+  const auto now = Clock::now();
+  if (!on_terminal_ || now - last_drawn_ < std::chrono::milliseconds(100)) return true;
+  last_drawn_ = now;
+  drawn_ = true;
+  const double share = total > 0.0 ? std::clamp(done / total, 0.0, 1.0) : 0.0;
+  const double elapsed_s = std::chrono::duration<double>(now - start_).count();
+  constexpr int kWidth = 30;
+  const int filled = static_cast<int>(share * kWidth);
+  const std::string left =
+      share > 0.01 ? Duration(elapsed_s * (1.0 - share) / share) + " left" : "";
+  fmt::print(stderr, "\r\033[K{} [{}{}] {:3.0f} %  {}", label_, std::string(filled, '#'),
+             std::string(kWidth - filled, '.'), 100.0 * share, left);
+  std::fflush(stderr);
+  return true;
+}
+
+}  // namespace gauntlet::sim

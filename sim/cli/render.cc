@@ -1,0 +1,38 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include "sim/cli/commands.h"
+#include "sim/cli/render_folder.h"
+
+namespace gauntlet::sim {
+
+void AddRenderCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("render", "Draw the comparison video of a finished run or comparison");
+  struct Options {
+    std::string folder;
+    std::string out;
+    std::vector<std::string> controllers;
+  };
+  const auto options = std::make_shared<Options>();
+  command->add_option("folder", options->folder, "output folder of run or compare")->required();
+  command->add_option("--controllers", options->controllers, "only these, separated by commas")
+      ->delimiter(',');
+  command->add_option("--out", options->out, "video file [comparison.mp4 in the folder]")
+      ->type_name("FILE.mp4");
+  command->footer(
+      "\nExample:\n  gauntlet render out/door_opening --controllers raw,tuned_kalman\n");
+  command->callback([options] {
+    const auto file =
+        RenderFolder({.folder = options->folder,
+                      .controllers = options->controllers,
+                      .target = options->out,
+                      .jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()))});
+    fmt::print(stderr, "wrote {}\n", file.string());
+  });
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,98 @@
+#include "sim/cli/render_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "controller/tendon_map.h"
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/cli/progress.h"
+#include "sim/glove/channels.h"
+#include "sim/scenario/scenario.h"
+#include "sim/trial/trace_file.h"
+#include "sim/video/comparison_video.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// The command frames as joint angles, so that they can be drawn beside the joint.
+Signal CommandAngles(const controller::TendonTransmission& transmission,
+                     const IntegerSignal& command_counts) {
+  controller::TendonMap map(transmission, true);
+  Signal angle(command_counts.rows(), static_cast<Eigen::Index>(transmission.channel_names.size()));
+  std::vector<std::int32_t> counts(static_cast<std::size_t>(command_counts.cols()));
+  std::vector<double> joints(transmission.channel_names.size());
+  for (Eigen::Index k = 0; k < command_counts.rows(); ++k) {
+    for (std::size_t m = 0; m < counts.size(); ++m) {
+      counts[m] = command_counts(k, static_cast<Eigen::Index>(m));
+    }
+    map.ToJointAngles(std::span<const std::int32_t>(counts), joints);
+    for (std::size_t c = 0; c < joints.size(); ++c)
+      angle(k, static_cast<Eigen::Index>(c)) = joints[c];
+  }
+  return angle;
+}
+
+void CheckNames(const std::vector<std::string>& wanted, const Scenario& scenario) {
+  std::vector<std::string> known;
+  for (const NamedController& controller : scenario.controllers) known.push_back(controller.name);
+  for (const std::string& name : wanted) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw UserError(
+        fmt::format("--controllers: {}: unknown controller{}", name, Suggestion(name, known)));
+  }
+}
+
+}  // namespace
+
+std::filesystem::path RenderFolder(const RenderOptions& options) {
+  const std::filesystem::path resolved = options.folder / "scenario.resolved.yaml";
+  if (!std::filesystem::exists(resolved)) {
+    throw UserError(
+        fmt::format("{}: no scenario.resolved.yaml there, must be the output folder of "
+                    "gauntlet run or compare",
+                    options.folder.string()));
+  }
+  const Scenario scenario = LoadScenario(resolved, {});
+  CheckNames(options.controllers, scenario);
+  const TraceFile file = ReadTraceFile(options.folder / "trace.h5", options.controllers);
+  if (file.traces.empty()) {
+    throw UserError(fmt::format("{}: holds no controller", (options.folder / "trace.h5").string()));
+  }
+  const HandModel hand(scenario.hand, file.channel_names);
+
+  std::vector<Signal> command_angles;
+  for (const Trace& trace : file.traces) {
+    command_angles.push_back(CommandAngles(hand.transmission(), trace.command_counts));
+  }
+  VideoInput input;
+  input.title = scenario.name;
+  input.rate_hz = file.rate_hz;
+  input.true_angle_rad = &file.true_angle_rad;
+  input.raw_angle_rad = &file.traces.front().linearised_angle_rad;
+  for (std::size_t i = 0; i < file.traces.size(); ++i) {
+    const Trace& trace = file.traces[i];
+    input.panes.push_back({.title = trace.controller_name,
+                           .hand_angle_rad = &trace.hand_angle_rad,
+                           .spool_angle_rad = &trace.spool_angle_rad,
+                           .filtered_angle_rad = &trace.filtered_angle_rad,
+                           .command_angle_rad = &command_angles[i]});
+  }
+  input.channel = ChannelIndex(scenario.video.channel);
+  input.channel_name = scenario.video.channel;
+  input.camera = scenario.video.camera;
+  input.width_px = scenario.video.width_px;
+  input.height_px = scenario.video.height_px;
+  input.frames_per_s = scenario.video.frames_per_s;
+  input.jobs = options.jobs;
+
+  const std::filesystem::path target =
+      options.target.empty() ? options.folder / "comparison.mp4" : options.target;
+  Progress progress("video");
+  WriteComparisonVideo(input, hand, target,
+                       [&progress](int done, int total) { return progress.Update(done, total); });
+  return target;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,111 @@
+#include "sim/cli/study_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/cli/output_folder.h"
+#include "sim/cli/progress.h"
+#include "sim/cli/render_folder.h"
+#include "sim/report/score_table.h"
+#include "sim/scenario/scenario.h"
+#include "sim/study/study_files.h"
+
+namespace gauntlet::sim {
+namespace {
+
+void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
+  if (names.empty()) return;
+  std::vector<std::string> known;
+  for (const NamedController& controller : scenario.controllers) known.push_back(controller.name);
+  std::vector<NamedController> kept;
+  for (const std::string& name : names) {
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end()) {
+      throw UserError(
+          fmt::format("--controllers: {}: unknown controller{}", name, Suggestion(name, known)));
+    }
+    kept.push_back(scenario.controllers[static_cast<std::size_t>(found - known.begin())]);
+  }
+  scenario.controllers = std::move(kept);
+}
+
+int JobsOrCores(int jobs) {
+  return jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void WarnIfMadeElsewhere(const Study& study) {
+  const MadeWith& made = study.scenario.made_with;
+  if (made.model_hash.empty() || made.model_hash == study.hand->Hash()) return;
+  fmt::print(stderr,
+             "gauntlet: warning: this scenario was resolved with another hand model (hash {}, now "
+             "{}); the run may differ\n",
+             made.model_hash, study.hand->Hash());
+}
+
+}  // namespace
+
+void AddStudyOptions(CLI::App& command, StudyCommand& options) {
+  command.add_option("scenario", options.scenario_file, "scenario file (YAML)")->required();
+  command.add_option("--out", options.out, "output folder [out/<scenario>]")->type_name("DIR");
+  command
+      .add_option("--set", options.overrides,
+                  "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated")
+      ->type_name("key=value")
+      ->take_all();
+  command.add_option("--controllers", options.controllers, "only these, separated by commas")
+      ->delimiter(',');
+  command.add_option("--jobs", options.jobs, "trials at a time [number of cores]")
+      ->check(CLI::Range(1, 1024));
+  command.add_flag("--video", options.video, "also draw comparison.mp4");
+  command.add_flag("--json", options.json, "print scores.json instead of the table");
+  command.add_flag("--csv", options.csv, "also write the trace as CSV, one file per controller");
+}
+
+void RunStudyCommand(const StudyCommand& options) {
+  Scenario scenario = LoadScenario(options.scenario_file, options.overrides);
+  KeepOnly(options.controllers, scenario);
+  const Study study = PrepareStudy(std::move(scenario));
+  WarnIfMadeElsewhere(study);
+  OutputFolder folder(options.out.empty() ? "out/" + study.scenario.name : options.out);
+
+  StudyResult result;
+  {
+    Progress progress(fmt::format(
+        "{} trials", static_cast<int>(study.scenario.controllers.size()) * options.seeds));
+    result = RunStudy(
+        study, {.seeds = options.seeds,
+                .jobs = JobsOrCores(options.jobs),
+                .progress = [&](double done, int total) { return progress.Update(done, total); },
+                .keep_first_traces = true});
+  }
+  const Summary summary = Summarise(study, result);
+  WriteStudyFiles(folder.path(), study, result, summary,
+                  {.comparison = options.comparison, .trace_csv = options.csv});
+  folder.Keep();
+  if (options.json) {
+    fmt::print("{}", ScoresJson(study, result, summary, options.comparison));
+  } else {
+    fmt::print(
+        "{}", ScoreTable(study, result, summary,
+                         {.comparison = options.comparison, .colour = isatty(STDOUT_FILENO) != 0}));
+  }
+  std::fflush(stdout);
+  std::string written = "scores.json, scores.csv, trace.h5, scenario.resolved.yaml";
+  if (options.video) {
+    RenderFolder({.folder = folder.path(), .jobs = JobsOrCores(options.jobs)});
+    written += ", comparison.mp4";
+  }
+  fmt::print(stderr, "wrote {}: {}\n", folder.path().string(), written);
+  for (const ControllerSummary& controller : summary.controllers) {
+    if (controller.problem.empty()) continue;
+    throw RunError(fmt::format("{} stopped early: {}", controller.name, controller.problem));
+  }
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// What `run` and `compare` share: options, and the way from a scenario to an output folder.
+struct StudyCommand {
+  std::string scenario_file;
+  std::string out;  // empty: out/<scenario>
+  std::vector<std::string> overrides;
+  std::vector<std::string> controllers;  // empty: all of the scenario
+  int seeds = 1;
+  int jobs = 0;  // 0: one per core
+  bool comparison = false;
+  bool video = false;
+  bool json = false;
+  bool csv = false;
+};
+
+void AddStudyOptions(CLI::App& command, StudyCommand& options);
+
+/// Runs the trials, writes the folder, prints the table, draws the video if asked.
+void RunStudyCommand(const StudyCommand& options);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,175 @@
+#include "sim/report/score_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+namespace gauntlet::sim {
+namespace {
+
+/// The columns of the table: the scores of the main question. All others are in scores.json.
+constexpr std::string_view kColumns[] = {"tracking_rmse_deg", "aligned_rmse_deg",
+                                         "peak_error_deg",    "delay_ms",
+                                         "jitter_rms_deg",    "command_reversals_per_s"};
+
+/// Three significant digits are what the intervals usually allow.
+std::string Short(double value) {
+  if (!std::isfinite(value)) return "-";
+  const double size = std::abs(value);
+  const int decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3;
+  return fmt::format("{:.{}f}", value, decimals);
+}
+
+struct Cell {
+  std::string text;
+  bool best = false;
+  bool worse_than_raw = false;
+};
+
+Cell MakeCell(const ControllerSummary& controller, std::size_t metric, bool comparison) {
+  const MeanInterval& estimate = controller.summary[metric];
+  Cell cell{.text = Short(estimate.mean), .best = false, .worse_than_raw = false};
+  if (comparison && std::isfinite(estimate.mean)) {
+    cell.text += fmt::format(" ±{}", Short(0.5 * (estimate.ci95_high - estimate.ci95_low)));
+  }
+  cell.worse_than_raw =
+      metric < controller.worse_than_raw.size() && controller.worse_than_raw[metric];
+  return cell;
+}
+
+std::size_t BestController(const Summary& summary, std::size_t metric) {
+  std::size_t best = summary.controllers.size();
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    const double mean = summary.controllers[c].summary[metric].mean;
+    const double value = Metrics()[metric].lower_is_better ? mean : -mean;
+    if (value < lowest) {
+      lowest = value;
+      best = c;
+    }
+  }
+  return best;
+}
+
+/// Characters on the screen: continuation bytes of UTF-8 take no place.
+std::size_t Width(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
+}
+
+std::string Padded(const std::string& text, std::size_t width, bool right) {
+  const std::string space(width > Width(text) ? width - Width(text) : 0, ' ');
+  return right ? space + text : text + space;
+}
+
+std::string Decorated(const Cell& cell, std::size_t width, bool colour) {
+  const char* mark = cell.worse_than_raw ? "!" : cell.best ? "*" : " ";
+  const std::string text = Padded(cell.text, width, true) + mark;
+  if (!colour) return text;
+  if (cell.worse_than_raw) return "\033[33m" + text + "\033[0m";
+  if (cell.best) return "\033[1;32m" + text + "\033[0m";
+  return text;
+}
+
+void AppendRows(const Summary& summary, const TableOptions& options, std::string& out) {
+  std::size_t name_width = std::string_view("controller").size();
+  for (const auto& controller : summary.controllers) {
+    name_width = std::max(name_width, controller.name.size());
+  }
+  std::vector<std::vector<Cell>> columns;
+  std::vector<std::size_t> widths;
+  for (const std::string_view key : kColumns) {
+    const std::size_t metric = MetricIndex(key);
+    if (metric == Metrics().size()) continue;
+    std::vector<Cell>& cells = columns.emplace_back();
+    std::size_t width = key.size();
+    for (const auto& controller : summary.controllers) {
+      cells.push_back(MakeCell(controller, metric, options.comparison));
+      width = std::max(width, Width(cells.back().text));
+    }
+    if (const std::size_t best = BestController(summary, metric); best < cells.size()) {
+      cells[best].best = cells.size() > 1;
+    }
+    widths.push_back(width);
+  }
+  out += Padded("controller", name_width, false);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    out += "  " + Padded(std::string(kColumns[i]), widths[i], true) + " ";
+  }
+  out += "\n";
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    out += Padded(summary.controllers[c].name, name_width, false);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      out += "  " + Decorated(columns[i][c], widths[i], options.colour);
+    }
+    out += "\n";
+  }
+}
+
+/// What the numbers say, in one or two sentences.
+std::string Verdict(const Summary& summary) {
+  if (summary.controllers.size() < 2) return "";
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  const std::size_t follows = BestController(summary, tracking);
+  const std::size_t shakes = BestController(summary, jitter);
+  if (follows >= summary.controllers.size() || shakes >= summary.controllers.size()) return "";
+  const ControllerSummary& follower = summary.controllers[follows];
+  const ControllerSummary& calm = summary.controllers[shakes];
+  const auto value = [](const ControllerSummary& controller, std::size_t metric) {
+    return Short(controller.summary[metric].mean);
+  };
+  std::string text;
+  if (follows == shakes) {
+    text = fmt::format("{} follows best ({} deg RMS) and shakes least ({} deg RMS)", follower.name,
+                       value(follower, tracking), value(follower, jitter));
+  } else {
+    text = fmt::format(
+        "{} follows best ({} deg RMS, jitter {}); {} shakes least ({} deg RMS, "
+        "tracking {})",
+        follower.name, value(follower, tracking), value(follower, jitter), calm.name,
+        value(calm, jitter), value(calm, tracking));
+  }
+  if (summary.raw >= 0 && summary.raw != static_cast<int>(follows)) {
+    const ControllerSummary& raw = summary.controllers[static_cast<std::size_t>(summary.raw)];
+    text += fmt::format("; without a filter: {} and {}", value(raw, tracking), value(raw, jitter));
+  }
+  return text + ".\n";
+}
+
+}  // namespace
+
+std::string ScoreTable(const Study& study, const StudyResult& result, const Summary& summary,
+                       const TableOptions& options) {
+  std::string out = fmt::format("{}: {}\n", study.scenario.name, study.scenario.question);
+  const double seconds = static_cast<double>(result.first_glove.counts.rows()) / result.rate_hz;
+  const std::string seeds = options.comparison
+                                ? fmt::format("seeds {} to {}, mean ± half of the 95 % interval",
+                                              result.seeds.front().seed, result.seeds.back().seed)
+                                : fmt::format("seed {}", result.seeds.front().seed);
+  out += fmt::format("{:.1f} s, {} channels; {}; reference: {}\n\n", seconds,
+                     result.channel_names.size(), seeds, result.reference_name);
+  AppendRows(summary, options, out);
+  out += "* best";
+  const bool any_worse = std::any_of(
+      summary.controllers.begin(), summary.controllers.end(), [](const ControllerSummary& c) {
+        return std::find(c.worse_than_raw.begin(), c.worse_than_raw.end(), true) !=
+               c.worse_than_raw.end();
+      });
+  if (any_worse) out += "   ! worse than raw";
+  out += "\n";
+  for (const ControllerSummary& controller : summary.controllers) {
+    if (!controller.problem.empty()) {
+      out += fmt::format("{} stopped early: {}\n", controller.name, controller.problem);
+    }
+  }
+  const std::string verdict = Verdict(summary);
+  if (!verdict.empty()) out += "\n" + verdict;
+  return out;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "sim/study/summary.h"
+
+namespace gauntlet::sim {
+
+struct TableOptions {
+  bool comparison = false;  // means with intervals, else the values of one seed
+  bool colour = false;      // mark best and worse-than-raw with terminal colours besides signs
+};
+
+/// The scores for a person at a terminal: what was asked, one row per controller, a star at the
+/// best value of each column, an exclamation mark where a filter is worse than none, and a verdict.
+std::string ScoreTable(const Study& study, const StudyResult& result, const Summary& summary,
+                       const TableOptions& options);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,152 @@
+#include "sim/study/study.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "sim/base/error.h"
+#include "sim/glove/channels.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// The glove signal of one seed, made by the first trial that needs it, freed after the last.
+struct SharedGlove {
+  std::once_flag once;
+  GloveSignal signal;
+  std::atomic<int> users_left{0};
+};
+
+Scores Score(const GloveSignal& glove, const Trace& trace) {
+  ScoreInput input;
+  input.rate_hz = glove.rate_hz;
+  input.reference_angle_rad = &glove.true_angle_rad;
+  input.hand_angle_rad = &trace.hand_angle_rad;
+  input.command_counts = &trace.command_counts;
+  return ComputeScores(input);
+}
+
+/// The trials of a study as tasks that threads take in the order of seeds.
+class Schedule {
+ public:
+  Schedule(const Study& study, const StudyOptions& options)
+      : study_(study),
+        options_(options),
+        gloves_(static_cast<std::size_t>(options.seeds)),
+        controllers_(study.scenario.controllers.size()) {
+    result_.channel_names = study.hand->transmission().channel_names;
+    result_.rate_hz = study.scenario.glove.rate_hz;
+    for (const NamedController& c : study.scenario.controllers) {
+      result_.controller_names.push_back(c.name);
+    }
+    for (int i = 0; i < options.seeds; ++i) {
+      result_.seeds.push_back({.seed = study.scenario.seed + i, .controllers = {}});
+      result_.seeds.back().controllers.resize(controllers_);
+      gloves_[static_cast<std::size_t>(i)].users_left = static_cast<int>(controllers_);
+    }
+    if (options.keep_first_traces) result_.first_traces.resize(controllers_);
+  }
+
+  /// Takes tasks until there are none, an error or a stop.
+  void Work() {
+    while (!stopped_) {
+      const std::size_t task = next_task_++;
+      if (task >= TaskCount()) return;
+      try {
+        RunTask(task / controllers_, task % controllers_);
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        if (!error_) error_ = std::current_exception();
+        stopped_ = true;
+      }
+    }
+  }
+
+  StudyResult Finish() {
+    if (error_) std::rethrow_exception(error_);
+    return std::move(result_);
+  }
+
+  std::size_t TaskCount() const { return controllers_ * gloves_.size(); }
+
+ private:
+  void RunTask(std::size_t seed_index, std::size_t controller_index) {
+    SeedOutcome& seed = result_.seeds[seed_index];
+    SharedGlove& glove = gloves_[seed_index];
+    std::call_once(glove.once, [&] {
+      glove.signal = SynthesiseGlove(study_.scenario.glove, static_cast<std::uint64_t>(seed.seed));
+    });
+    const NamedController& named = study_.scenario.controllers[controller_index];
+    const Eigen::Index blocks = glove.signal.counts.rows() / 64 + 1;
+    Trace trace =
+        RunTrial(named.name, named.config, glove.signal, study_.calibration, study_.scenario.event,
+                 study_.hand, [&] { return Progress(1.0 / static_cast<double>(blocks)); });
+    TrialOutcome& outcome = seed.controllers[controller_index];
+    outcome.scores = Score(glove.signal, trace);
+    outcome.health = trace.health;
+    outcome.untrusted_samples = trace.untrusted_samples;
+    const bool keep = seed_index == 0 && options_.keep_first_traces;
+    if (keep) result_.first_traces[controller_index] = std::move(trace);
+    if (--glove.users_left == 0) {
+      if (seed_index == 0) result_.reference_name = glove.signal.reference_name;
+      if (keep || seed_index == 0) result_.first_glove = std::move(glove.signal);
+      glove.signal = {};
+    }
+  }
+
+  bool Progress(double trials) {
+    if (stopped_) return false;
+    if (!options_.progress) return true;
+    const std::lock_guard lock(mutex_);
+    trials_done_ += trials;
+    return options_.progress(std::min(trials_done_, static_cast<double>(TaskCount())),
+                             static_cast<int>(TaskCount()));
+  }
+
+  const Study& study_;
+  const StudyOptions& options_;
+  std::vector<SharedGlove> gloves_;
+  std::size_t controllers_;
+  StudyResult result_;
+  std::atomic<std::size_t> next_task_{0};
+  std::atomic<bool> stopped_{false};
+  std::mutex mutex_;
+  std::exception_ptr error_;
+  double trials_done_ = 0.0;
+};
+
+}  // namespace
+
+Study PrepareStudy(Scenario scenario) {
+  Study study;
+  // A recording that cannot be read is found here, before anything is written.
+  const GloveSignal glove =
+      SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
+  study.hand = std::make_shared<const HandModel>(scenario.hand, glove.channel_names);
+  study.calibration = NominalCalibration(scenario.glove);
+  for (const NamedController& named : scenario.controllers) {
+    try {
+      controller::Controller(named.config, study.calibration, study.hand->transmission());
+    } catch (const controller::SettingError& error) {
+      throw UserError("controllers." + named.name + "." + error.what());
+    }
+  }
+  ChannelIndex(scenario.video.channel);
+  study.scenario = std::move(scenario);
+  return study;
+}
+
+StudyResult RunStudy(const Study& study, const StudyOptions& options) {
+  Schedule schedule(study, options);
+  const std::size_t threads = std::min<std::size_t>(
+      static_cast<std::size_t>(std::max(1, options.jobs)), schedule.TaskCount());
+  std::vector<std::thread> others;
+  for (std::size_t i = 1; i < threads; ++i) others.emplace_back([&schedule] { schedule.Work(); });
+  schedule.Work();
+  for (std::thread& thread : others) thread.join();
+  return schedule.Finish();
+}
+
+}  // namespace gauntlet::sim

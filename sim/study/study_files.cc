@@ -1,0 +1,144 @@
+#include "sim/study/study_files.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/atomic_file.h"
+#include "sim/trial/trace_file.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// NaN, a score that does not exist, is written as null.
+Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json MetricValues(const std::vector<double>& values) {
+  Json json = Json::object();
+  for (std::size_t m = 0; m < values.size(); ++m) {
+    json[std::string(Metrics()[m].key)] = NumberOrNull(values[m]);
+  }
+  return json;
+}
+
+Json MetricEstimates(const std::vector<MeanInterval>& estimates) {
+  Json json = Json::object();
+  for (std::size_t m = 0; m < estimates.size(); ++m) {
+    json[std::string(Metrics()[m].key)] = {{"mean", NumberOrNull(estimates[m].mean)},
+                                           {"ci95_low", NumberOrNull(estimates[m].ci95_low)},
+                                           {"ci95_high", NumberOrNull(estimates[m].ci95_high)}};
+  }
+  return json;
+}
+
+Json ControllerJson(const StudyResult& result, const ControllerSummary& controller,
+                    std::size_t index, bool comparison) {
+  Json json;
+  json["name"] = controller.name;
+  json["health"] = controller.problem.empty() ? "ok" : controller.problem;
+  json["summary"] = comparison ? MetricEstimates(controller.summary)
+                               : MetricValues(result.seeds[0].controllers[index].scores.summary);
+  if (comparison && !controller.difference_to_raw.empty()) {
+    json["difference_to_raw"] = MetricEstimates(controller.difference_to_raw);
+    json["effect_size"] = MetricValues(controller.effect_size);
+  }
+  Json worse = Json::array();
+  for (std::size_t m = 0; m < controller.worse_than_raw.size(); ++m) {
+    if (controller.worse_than_raw[m]) worse.push_back(Metrics()[m].key);
+  }
+  json["worse_than_raw"] = worse;
+  for (std::size_t m = 0; m < controller.rank.size(); ++m) {
+    json["rank"][std::string(Metrics()[m].key)] = controller.rank[m];
+  }
+  for (std::size_t c = 0; c < result.channel_names.size(); ++c) {
+    json["channels"][result.channel_names[c]] = MetricValues(controller.channels[c]);
+  }
+  return json;
+}
+
+void AppendRow(fmt::memory_buffer& out, int seed, const std::string& controller,
+               const std::string& channel, const std::vector<double>& values) {
+  fmt::format_to(std::back_inserter(out), "{},{},{}", seed, controller, channel);
+  for (const double value : values) {
+    // An empty field where a score does not exist: spreadsheets and data frames read it as missing.
+    out.push_back(',');
+    if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), "{}", value);
+  }
+  out.push_back('\n');
+}
+
+}  // namespace
+
+std::string ScoresJson(const Study& study, const StudyResult& result, const Summary& summary,
+                       bool comparison) {
+  Json json;
+  json["scenario"] = study.scenario.name;
+  json["question"] = study.scenario.question;
+  if (comparison) {
+    for (const SeedOutcome& seed : result.seeds) json["seeds"].push_back(seed.seed);
+  } else {
+    json["seed"] = result.seeds[0].seed;
+  }
+  json["reference"] = result.reference_name;
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    json["controllers"].push_back(ControllerJson(result, summary.controllers[c], c, comparison));
+    json["controllers"].back()["dominated"] = static_cast<bool>(summary.dominated[c]);
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string ScoresCsv(const StudyResult& result) {
+  fmt::memory_buffer out;
+  fmt::format_to(std::back_inserter(out), "seed,controller,channel");
+  for (const Metric& metric : Metrics()) {
+    fmt::format_to(std::back_inserter(out), ",{}", metric.key);
+  }
+  out.push_back('\n');
+  for (const SeedOutcome& seed : result.seeds) {
+    for (std::size_t c = 0; c < seed.controllers.size(); ++c) {
+      const Scores& scores = seed.controllers[c].scores;
+      AppendRow(out, seed.seed, result.controller_names[c], "summary", scores.summary);
+      for (std::size_t i = 0; i < scores.channels.size(); ++i) {
+        AppendRow(out, seed.seed, result.controller_names[c], result.channel_names[i],
+                  scores.channels[i]);
+      }
+    }
+  }
+  return fmt::to_string(out);
+}
+
+std::string ResolvedScenario(const Study& study) {
+  Scenario scenario = study.scenario;
+  scenario.made_with = {.gauntlet_version = GAUNTLET_VERSION,
+                        .mujoco_version = mj_versionString(),
+                        .model_hash = study.hand->Hash()};
+  return ScenarioToYaml(scenario);
+}
+
+void WriteStudyFiles(const std::filesystem::path& folder, const Study& study,
+                     const StudyResult& result, const Summary& summary,
+                     const StudyFileOptions& options) {
+  MakeDirectory(folder);
+  if (!result.first_traces.empty()) {
+    TraceWriter trace_file(folder / "trace.h5", result.first_glove, *study.hand,
+                           study.scenario.name, result.seeds[0].seed);
+    for (const Trace& trace : result.first_traces) {
+      trace_file.Add(trace);
+      if (options.trace_csv) {
+        WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
+                      result.first_glove, *study.hand, trace);
+      }
+    }
+    trace_file.Commit();
+  }
+  WriteFileAtomically(folder / "scenario.resolved.yaml", ResolvedScenario(study));
+  WriteFileAtomically(folder / "scores.csv", ScoresCsv(result));
+  WriteFileAtomically(folder / "scores.json",
+                      ScoresJson(study, result, summary, options.comparison));
+}
+
+}  // namespace gauntlet::sim

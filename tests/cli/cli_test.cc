@@ -1,0 +1,267 @@
+// The program as a program: exit codes, messages, files, determinism.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/support/program.h"
+
+namespace gauntlet::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::string kProgram = GAUNTLET_PROGRAM;
+const std::string kScenarios = GAUNTLET_SOURCE_DIR "/scenarios/";
+
+// One and a half seconds of motion: enough for every stage to work, little enough for many tests.
+const std::vector<std::string> kShort = {"--set", "glove.motion.duration_s=1.5"};
+
+std::string ReadFile(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+class CliTest : public testing::Test {
+ protected:
+  ProgramResult Gauntlet(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), kProgram);
+    return RunProgram(arguments, {.working_directory = folder_.path()});
+  }
+  ProgramResult ShortRun(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), kShort.begin(), kShort.end());
+    return Gauntlet(std::move(arguments));
+  }
+  fs::path Out(const std::string& name) const { return folder_.path() / name; }
+  std::string WriteScenario(const std::string& text) const {
+    std::ofstream(folder_.path() / "scenario.yaml") << text;
+    return "scenario.yaml";
+  }
+  /// What is left in the working folder besides the scenario.
+  std::vector<std::string> Leftovers() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
+      if (entry.path().filename() != "scenario.yaml") names.push_back(entry.path().string());
+    }
+    return names;
+  }
+
+  TemporaryDirectory folder_;
+};
+
+TEST_F(CliTest, RunPrintsATableAndWritesTheFiles) {
+  const ProgramResult result = ShortRun({"run", kScenarios + "random_motion.yaml", "--out", "a"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_THAT(result.standard_output, AllOf(HasSubstr("tracking_rmse_deg"), HasSubstr("raw"),
+                                            HasSubstr("paper_kalman"), HasSubstr("* best")));
+  for (const char* name : {"scores.json", "scores.csv", "trace.h5", "scenario.resolved.yaml"}) {
+    EXPECT_TRUE(fs::exists(Out("a") / name)) << name;
+  }
+  EXPECT_FALSE(fs::exists(Out("MUJOCO_LOG.TXT")));
+  const auto json = nlohmann::json::parse(ReadFile(Out("a") / "scores.json"));
+  EXPECT_EQ(json["scenario"], "random_motion");
+  EXPECT_EQ(json["controllers"][0]["name"], "raw");
+  EXPECT_TRUE(json["controllers"][0]["summary"]["tracking_rmse_deg"].is_number());
+  EXPECT_TRUE(json["controllers"][0]["channels"]["index_mcp"]["jitter_rms_deg"].is_number());
+}
+
+TEST_F(CliTest, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
+  const std::string scenario = kScenarios + "random_motion.yaml";
+  ASSERT_EQ(ShortRun({"run", scenario, "--out", "a"}).exit_code, 0);
+  ASSERT_EQ(ShortRun({"run", scenario, "--out", "b"}).exit_code, 0);
+  ASSERT_EQ(ShortRun({"run", scenario, "--out", "c", "--seed", "2"}).exit_code, 0);
+  EXPECT_EQ(ReadFile(Out("a") / "scores.json"), ReadFile(Out("b") / "scores.json"));
+  EXPECT_EQ(ReadFile(Out("a") / "trace.h5"), ReadFile(Out("b") / "trace.h5"));
+  EXPECT_NE(ReadFile(Out("a") / "scores.json"), ReadFile(Out("c") / "scores.json"));
+}
+
+TEST_F(CliTest, TheResolvedScenarioRepeatsTheRun) {
+  ASSERT_EQ(
+      ShortRun({"run", kScenarios + "random_motion.yaml", "--out", "a", "--seed", "5"}).exit_code,
+      0);
+  const ProgramResult again = Gauntlet({"run", "a/scenario.resolved.yaml", "--out", "b"});
+  ASSERT_EQ(again.exit_code, 0) << again.standard_error;
+  for (const char* name : {"scores.json", "scores.csv", "trace.h5", "scenario.resolved.yaml"}) {
+    EXPECT_EQ(ReadFile(Out("a") / name), ReadFile(Out("b") / name)) << name;
+  }
+}
+
+TEST_F(CliTest, AComparisonDoesNotDependOnTheNumberOfJobs) {
+  const std::string scenario = kScenarios + "hold_still.yaml";
+  ASSERT_EQ(ShortRun({"compare", scenario, "--seeds", "3", "--jobs", "1", "--out", "a"}).exit_code,
+            0);
+  ASSERT_EQ(ShortRun({"compare", scenario, "--seeds", "3", "--jobs", "3", "--out", "b"}).exit_code,
+            0);
+  for (const char* name : {"scores.json", "scores.csv", "trace.h5"}) {
+    EXPECT_EQ(ReadFile(Out("a") / name), ReadFile(Out("b") / name)) << name;
+  }
+  const auto json = nlohmann::json::parse(ReadFile(Out("a") / "scores.json"));
+  EXPECT_EQ(json["seeds"].size(), 3u);
+  const auto& jitter = json["controllers"][0]["summary"]["jitter_rms_deg"];
+  EXPECT_LE(jitter["ci95_low"], jitter["mean"]);
+  EXPECT_LE(jitter["mean"], jitter["ci95_high"]);
+}
+
+TEST_F(CliTest, JsonGoesToStandardOutput) {
+  const ProgramResult result =
+      ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_EQ(result.standard_output, ReadFile(Out("a") / "scores.json"));
+}
+
+TEST_F(CliTest, CsvTracesHaveARowPerSample) {
+  ASSERT_EQ(ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a", "--csv", "--controllers",
+                      "raw"})
+                .exit_code,
+            0);
+  const std::string text = ReadFile(Out("a") / "trace.raw.csv");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1501);
+  EXPECT_THAT(text, StartsWith("t_s,true_angle_rad.thumb_rotation,"));
+}
+
+TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
+  ASSERT_EQ(ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a", "--set",
+                      "video.width_px=640", "--set", "video.height_px=360"})
+                .exit_code,
+            0);
+  const ProgramResult result = Gauntlet({"render", "a", "--controllers", "raw,mean_20"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_GT(fs::file_size(Out("a") / "comparison.mp4"), 1000u);
+  EXPECT_EQ(Gauntlet({"render", "a", "--controllers", "rav"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"render", "nowhere"}).exit_code, 2);
+}
+
+TEST_F(CliTest, EveryListPrints) {
+  for (const char* list : {"filters", "motions", "metrics", "channels", "scenarios", "keys"}) {
+    const ProgramResult result = Gauntlet({"list", list});
+    EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+    EXPECT_GT(result.standard_output.size(), 100u) << list;
+  }
+  EXPECT_THAT(Gauntlet({"list", "filters"}).standard_output, HasSubstr("moving_average"));
+  EXPECT_EQ(Gauntlet({"list", "filtres"}).exit_code, 2);
+}
+
+TEST_F(CliTest, HelpHasAnExample) {
+  for (const char* command : {"run", "compare", "render", "list"}) {
+    const ProgramResult result = Gauntlet({command, "--help"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_THAT(result.standard_output, HasSubstr("Example")) << command;
+  }
+}
+
+struct BadScenario {
+  std::string name;
+  std::string text;
+  std::string message;
+};
+
+const std::string kGood =
+    "question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\ncontrollers: {raw: {}}\n";
+
+class BadScenarioTest : public CliTest, public testing::WithParamInterface<BadScenario> {};
+
+TEST_P(BadScenarioTest, IsOneClearLineAndLeavesNothing) {
+  const ProgramResult result = Gauntlet({"run", WriteScenario(GetParam().text), "--out", "a/b"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.standard_error, HasSubstr(GetParam().message));
+  EXPECT_EQ(std::count(result.standard_error.begin(), result.standard_error.end(), '\n'), 1)
+      << result.standard_error;
+  EXPECT_EQ(result.standard_output, "");
+  EXPECT_THAT(Leftovers(), testing::IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadScenarioTest,
+    testing::Values(
+        BadScenario{"UnknownKey", kGood + "sede: 3\n",
+                    "scenario.yaml:4:1: sede: unknown key (did you mean seed?)"},
+        BadScenario{"DuplicateKey", kGood + "seed: 1\nseed: 2\n",
+                    "scenario.yaml:5:1: seed: is given twice"},
+        BadScenario{"MissingKey", "controllers: {raw: {}}\n", "question: is missing"},
+        BadScenario{"NotFinite", kGood + "event: {delay_ms: .inf}\n",
+                    "scenario.yaml:4:19: event.delay_ms"},
+        BadScenario{"WrongType", kGood + "event: {delay_ms: soon}\n", "must be a number"},
+        BadScenario{"NoControllers", "question: q\ncontrollers: {}\n", "controllers: is empty"},
+        BadScenario{"ControllersMissing", "question: q\n", "controllers: is missing"},
+        BadScenario{"UnknownFilter", "question: q\ncontrollers: {a: {filter: kalmann}}\n",
+                    "controllers.a.filter"},
+        BadScenario{"WrongChannel", kGood + "video: {channel: index_mpc}\n",
+                    "did you mean index_mcp?"},
+        BadScenario{"MissingRecording",
+                    "question: q\nglove: {motion: {kind: recording, file: no.csv}}\ncontrollers: "
+                    "{raw: {}}\n",
+                    "no.csv"}),
+    [](const auto& test) { return test.param.name; });
+
+class BadRecordingTest : public CliTest, public testing::WithParamInterface<BadScenario> {};
+
+TEST_P(BadRecordingTest, IsOneClearLineWithRowAndColumn) {
+  WriteScenario(
+      "question: q\nglove: {motion: {kind: recording, file: bad.csv}}\ncontrollers: {raw: {}}\n");
+  std::ofstream(folder_.path() / "bad.csv") << GetParam().text;
+  const ProgramResult result = Gauntlet({"run", "scenario.yaml", "--out", "a"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.standard_error, HasSubstr(GetParam().message));
+  EXPECT_EQ(std::count(result.standard_error.begin(), result.standard_error.end(), '\n'), 1)
+      << result.standard_error;
+  EXPECT_FALSE(fs::exists(Out("a")));
+}
+
+std::string ThreeRows(const std::string& last) {
+  std::string text = ReadFile(kScenarios + "recordings/door_opening/angles.csv");
+  std::size_t end = 0;
+  for (int line = 0; line < 3; ++line) end = text.find('\n', end) + 1;
+  return text.substr(0, end) + last;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadRecordingTest,
+    testing::Values(BadScenario{"Empty", "", "bad.csv"},
+                    BadScenario{"TextInANumber", ThreeRows("0.02,abc\n"), "bad.csv:4"},
+                    BadScenario{"HalfARow", ThreeRows("0.02,1.5"), "bad.csv:4"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(CliTest, MistakesOnTheCommandLineExitWithTwo) {
+  EXPECT_EQ(Gauntlet({}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"rnu"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"run"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"run", "nowhere.yaml"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"compare", kScenarios + "hold_still.yaml", "--seeds", "0"}).exit_code, 2);
+  EXPECT_EQ(ShortRun({"run", kScenarios + "hold_still.yaml", "--controllers", "rav"}).exit_code, 2);
+  EXPECT_THAT(Leftovers(), testing::IsEmpty());
+}
+
+TEST_F(CliTest, AnUnwritablePlaceIsFoundBeforeTheWork) {
+  std::ofstream(folder_.path() / "file") << "x";
+  const ProgramResult result = ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "file/a"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.standard_error, HasSubstr("file/a"));
+  EXPECT_EQ(std::count(result.standard_error.begin(), result.standard_error.end(), '\n'), 1);
+}
+
+TEST_F(CliTest, AFullStandardOutputIsAFailure) {
+  const ProgramResult result =
+      RunProgram({"/bin/sh", "-c", kProgram + " list metrics > /dev/full"});
+  EXPECT_EQ(result.exit_code, 1);
+}
+
+TEST_F(CliTest, CtrlCLeavesNothingBehind) {
+  Program program({kProgram, "run", kScenarios + "paper.yaml", "--out", "a/b"},
+                  {.working_directory = folder_.path()});
+  ASSERT_TRUE(program.WaitForPath(Out("a/b")));
+  program.SendSignal(SIGINT);
+  EXPECT_EQ(program.Wait().exit_code, 130);
+  EXPECT_THAT(Leftovers(), testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace gauntlet::test

@@ -1,0 +1,87 @@
+// What is written is what is read.
+#include "sim/trial/trace_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "sim/base/error.h"
+#include "sim/glove/channels.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TraceFileTest : public testing::Test {
+ protected:
+  TraceFileTest() {
+    glove_.channel_names = GloveChannelNames();
+    glove_.true_angle_rad = Signal::Random(5, 18);
+    glove_.counts = Signal::Constant(5, 18, 512.0);
+    glove_.counts(2, 3) = std::numeric_limits<double>::quiet_NaN();
+    glove_.reference_name = "ground truth";
+  }
+
+  Trace MakeTrace(const std::string& name) const {
+    Trace trace;
+    trace.controller_name = name;
+    trace.linearised_angle_rad = Signal::Random(5, 18);
+    trace.filtered_angle_rad = Signal::Random(5, 18);
+    trace.command_counts = IntegerSignal::Constant(5, 18, 7);
+    trace.spool_angle_rad = Signal::Random(5, 18);
+    trace.spool_speed_rad_s = Signal::Random(5, 18);
+    trace.hand_angle_rad = Signal::Random(5, 18);
+    trace.tension_n = Signal::Random(5, static_cast<Eigen::Index>(hand_.cable_names().size()));
+    return trace;
+  }
+
+  test::TemporaryDirectory folder_;
+  fs::path file_ = folder_.path() / "trace.h5";
+  HandModel hand_{HandConfig{}, GloveChannelNames()};
+  GloveSignal glove_;
+};
+
+TEST_F(TraceFileTest, GivesBackEveryBit) {
+  const Trace a = MakeTrace("raw");
+  const Trace b = MakeTrace("kalman");
+  TraceWriter writer(file_, glove_, hand_, "test", 42);
+  writer.Add(a);
+  writer.Add(b);
+  EXPECT_FALSE(fs::exists(file_));  // not before it is whole
+  writer.Commit();
+
+  const TraceFile read = ReadTraceFile(file_);
+  EXPECT_EQ(read.seed, 42);
+  EXPECT_EQ(read.scenario, "test");
+  EXPECT_EQ(read.channel_names, GloveChannelNames());
+  EXPECT_EQ(read.true_angle_rad, glove_.true_angle_rad);
+  EXPECT_TRUE(std::isnan(read.counts(2, 3)));
+  ASSERT_EQ(read.traces.size(), 2u);
+  EXPECT_EQ(read.traces[1].controller_name, "kalman");
+  EXPECT_EQ(read.traces[1].hand_angle_rad, b.hand_angle_rad);
+  EXPECT_EQ(read.traces[1].command_counts, b.command_counts);
+  EXPECT_EQ(read.traces[0].tension_n, a.tension_n);
+  EXPECT_EQ(ReadTraceFile(file_, {"kalman"}).traces.size(), 1u);
+}
+
+TEST_F(TraceFileTest, LeavesNothingWithoutCommit) {
+  { TraceWriter writer(file_, glove_, hand_, "test", 42); }
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
+TEST_F(TraceFileTest, RefusesWhatIsNoTrace) {
+  EXPECT_THROW(ReadTraceFile(file_), UserError);
+  std::ofstream(file_) << "not HDF5";
+  EXPECT_THROW(ReadTraceFile(file_), UserError);
+}
+
+TEST_F(TraceFileTest, AFullDiskIsARunError) {
+  EXPECT_THROW(TraceWriter("/dev/full/trace.h5", glove_, hand_, "test", 1), RunError);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
