@@ -13,8 +13,8 @@ namespace gauntlet::sim {
 /// One pane: a controller's hand and its numbers.
 struct VideoPane {
   std::string title;
-  const Signal* hand_angle_rad = nullptr;   // samples x channels
-  const Signal* spool_angle_rad = nullptr;  // samples x motors
+  const Signal* hand_angle_rad = nullptr;      // samples x channels
+  const Signal* spool_angle_rad = nullptr;     // samples x motors
   const Signal* filtered_angle_rad = nullptr;  // samples x channels
   const Signal* command_angle_rad = nullptr;   // samples x channels: the frame, as a joint angle
 };

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sim/video/comparison_video.h"
+#include "sim/video/curve_plot.h"
+#include "sim/video/frame_clock.h"
+#include "sim/video/image.h"
+#include "sim/video/running_scores.h"
+#include "sim/video/video_layout.h"
+
+namespace gauntlet::sim {
+
+/// Everything in a frame but the drawn hands: titles, running numbers, curves. Const once made, so
+/// many threads draw with one.
+/// Errors: UserError for sizes, RunError for signals that do not fit together.
+class ComparisonPicture {
+ public:
+  /// `input` and its signals must outlive the picture.
+  explicit ComparisonPicture(const VideoInput& input);
+
+  const FrameClock& clock() const { return clock_; }
+  int frame_count() const { return clock_.FrameCount(); }
+  /// Of the pictures of hands that Draw() expects.
+  int view_width_px() const;
+  int view_height_px() const;
+  /// The sample that a pane shows: its last one where a trial was stopped before.
+  int SampleOf(int pane, int frame) const;
+
+  /// The whole frame. `views` has one picture per pane.
+  void Draw(int frame, std::span<const Image> views, Image& image) const;
+
+ private:
+  int SampleCount(int pane) const;
+  bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }
+  AngleScale ScaleOfAllPanes() const;
+  void DrawBackground();
+  void DrawHeader(Painter& painter) const;
+  void DrawLegend(Painter& painter, double right, double baseline) const;
+  void DrawClock(Painter& painter, int frame) const;
+  void DrawPane(Painter& painter, int pane, int frame, const Image& view) const;
+  void DrawStop(Painter& painter, int pane) const;
+  void DrawScore(Painter& painter, const Rect& rect, int pane, int frame, const char* label,
+                 std::vector<double> RunningScores::*score) const;
+
+  const VideoInput& input_;
+  FrameClock clock_;
+  VideoLayout layout_;
+  std::vector<RunningScores> scores_;
+  std::vector<CurvePlot> plots_;
+  Image background_;
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,85 @@
+#include "sim/video/comparison_video.h"
+
+#include <memory>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/video/comparison_picture.h"
+#include "sim/video/ordered_frames.h"
+#include "sim/video/osmesa_renderer.h"
+#include "sim/video/video_encoder.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct FreeData {
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+
+std::vector<double> Row(const Signal& signal, int sample) {
+  std::vector<double> values(signal.cols());
+  for (Eigen::Index i = 0; i < signal.cols(); ++i) values[i] = signal(sample, i);
+  return values;
+}
+
+/// What one thread needs to draw frames: its own context, posture and pictures of hands.
+class FrameArtist {
+ public:
+  FrameArtist(const VideoInput& input, const HandModel& hand, const ComparisonPicture& picture)
+      : input_(input),
+        hand_(hand),
+        picture_(picture),
+        renderer_(hand.model(), {.width_px = picture.view_width_px(),
+                                 .height_px = picture.view_height_px(),
+                                 .camera = input.camera}),
+        data_(mj_makeData(&hand.model())),
+        views_(input.panes.size()) {
+    if (data_ == nullptr) throw RunError("video: not enough memory for a posture");
+  }
+
+  void Draw(int frame, Image& image) {
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      const VideoPane& pane = input_.panes[i];
+      const int sample = picture_.SampleOf(static_cast<int>(i), frame);
+      SetPosture(hand_, Row(*pane.hand_angle_rad, sample), Row(*pane.spool_angle_rad, sample),
+                 *data_);
+      renderer_.Draw(*data_, views_[i]);
+    }
+    picture_.Draw(frame, views_, image);
+  }
+
+ private:
+  const VideoInput& input_;
+  const HandModel& hand_;
+  const ComparisonPicture& picture_;
+  OsmesaRenderer renderer_;
+  std::unique_ptr<mjData, FreeData> data_;
+  std::vector<Image> views_;
+};
+
+}  // namespace
+
+void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
+                          const std::filesystem::path& target,
+                          const std::function<bool(int, int)>& progress) {
+  const ComparisonPicture picture(input);
+  VideoEncoder encoder(target, {.width_px = input.width_px,
+                                .height_px = input.height_px,
+                                .frames_per_s = input.frames_per_s});
+  PrepareOffscreenDrawing();
+  const int frames = picture.frame_count();
+  const bool complete = DrawFramesInOrder(
+      frames, input.jobs,
+      [&]() -> FrameDrawer {
+        auto artist = std::make_shared<FrameArtist>(input, hand, picture);
+        return [artist](int frame, Image& image) { artist->Draw(frame, image); };
+      },
+      [&](int frame, const Image& image) {
+        encoder.Add(image);
+        return !progress || progress(frame + 1, frames);
+      });
+  if (!complete) throw Cancelled{};
+  encoder.Finish();
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// A picture in memory, rows from the top. A pixel is 0xAARRGGBB with premultiplied alpha: what
+/// Cairo calls ARGB32, so that text and curves are drawn into it without a copy.
+struct Image {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint32_t> pixels;
+
+  Image() = default;
+  Image(int width, int height)
+      : width_px(width),
+        height_px(height),
+        pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+
+  std::uint32_t* Row(int y) { return pixels.data() + static_cast<std::size_t>(y) * width_px; }
+  const std::uint32_t* Row(int y) const {
+    return pixels.data() + static_cast<std::size_t>(y) * width_px;
+  }
+};
+
+}  // namespace gauntlet::sim

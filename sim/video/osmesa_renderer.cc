@@ -1,0 +1,249 @@
+#include "sim/video/osmesa_renderer.h"
+
+#include <GL/gl.h>
+#include <GL/osmesa.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <mutex>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr int kMaxGeoms = 10000;      // of one scene, decorations included
+constexpr int kMaxDrawn_px = 16384;   // the rasteriser's largest picture
+constexpr int kPlaceholderSide = 16;  // the context's own buffer, never drawn into
+
+/// Loading the OpenGL functions and starting the rasteriser's compiler are global.
+std::mutex context_mutex;
+
+struct FreeModel {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+};
+
+mjvCamera FindCamera(const mjModel& model, const std::string& name) {
+  mjvCamera camera;
+  if (name.empty()) {
+    mjv_defaultFreeCamera(&model, &camera);
+    return camera;
+  }
+  mjv_defaultCamera(&camera);
+  camera.type = mjCAMERA_FIXED;
+  camera.fixedcamid = mj_name2id(&model, mjOBJ_CAMERA, name.c_str());
+  if (camera.fixedcamid >= 0) return camera;
+  std::vector<std::string> names;
+  for (int id = 0; id < model.ncam; ++id) {
+    if (const char* known = mj_id2name(&model, mjOBJ_CAMERA, id)) names.emplace_back(known);
+  }
+  throw UserError(
+      fmt::format("camera {}: the model has no such camera{}", name, Suggestion(name, names)));
+}
+
+void CheckConfig(const RendererConfig& config) {
+  if (config.supersampling < 1 || config.supersampling > 8) {
+    throw UserError(
+        fmt::format("picture: supersampling {} is not in 1 .. 8", config.supersampling));
+  }
+  const int largest = kMaxDrawn_px / config.supersampling;
+  for (int side : {config.width_px, config.height_px}) {
+    if (side < 1 || side > largest) {
+      throw UserError(fmt::format("picture: a side of {} px is not in 1 .. {} px", side, largest));
+    }
+  }
+}
+
+OSMesaContext MakeMesaContext() {
+  const int attributes[] = {OSMESA_FORMAT,
+                            OSMESA_RGBA,
+                            OSMESA_DEPTH_BITS,
+                            24,
+                            OSMESA_STENCIL_BITS,
+                            8,
+                            OSMESA_PROFILE,
+                            OSMESA_COMPAT_PROFILE,
+                            0};
+  OSMesaContext context = OSMesaCreateContextAttribs(attributes, nullptr);
+  if (context == nullptr) throw RunError("video: OSMesa cannot make an off-screen context");
+  return context;
+}
+
+/// Mean of n x n pixels, channel by channel, rounded; two channels at a time in one word.
+std::uint32_t MeanPixel(const std::uint32_t* corner, int stride, int n) {
+  std::uint32_t red_blue = 0, alpha_green_low = 0, alpha_high = 0;
+  for (int y = 0; y < n; ++y) {
+    for (int x = 0; x < n; ++x) {
+      const std::uint32_t pixel = corner[y * stride + x];
+      red_blue += pixel & 0x00ff00ffu;
+      alpha_green_low += (pixel >> 8) & 0xffu;
+      alpha_high += pixel >> 24;
+    }
+  }
+  const std::uint32_t count = static_cast<std::uint32_t>(n * n), half = count / 2;
+  const auto mean = [&](std::uint32_t sum) { return (sum + half) / count; };
+  return mean(alpha_high) << 24 | mean(red_blue >> 16) << 16 | mean(alpha_green_low) << 8 |
+         mean(red_blue & 0xffffu);
+}
+
+/// The usual case of MeanPixel, n = 2, for a whole row; without a division it is vectorised.
+void HalveRow(const std::uint32_t* upper, const std::uint32_t* lower, int width,
+              std::uint32_t* out) {
+  constexpr std::uint32_t kMask = 0x00ff00ffu, kHalf = 0x00020002u;
+  for (int x = 0; x < width; ++x) {
+    const std::uint32_t a = upper[2 * x], b = upper[2 * x + 1];
+    const std::uint32_t c = lower[2 * x], d = lower[2 * x + 1];
+    const std::uint32_t even = (a & kMask) + (b & kMask) + (c & kMask) + (d & kMask) + kHalf;
+    const std::uint32_t odd =
+        ((a >> 8) & kMask) + ((b >> 8) & kMask) + ((c >> 8) & kMask) + ((d >> 8) & kMask) + kHalf;
+    out[x] = ((even >> 2) & kMask) | (((odd >> 2) & kMask) << 8);
+  }
+}
+
+}  // namespace
+
+void PrepareOffscreenDrawing() {
+  static std::once_flag once;
+  std::call_once(once, [] { setenv("LP_NUM_THREADS", "0", /*overwrite=*/0); });
+}
+
+struct OsmesaRenderer::Context {
+  const mjModel& model;
+  RendererConfig config;
+  mjvCamera camera;
+  mjvOption option;
+  mjvScene scene;
+  mjrContext drawing;
+  OSMesaContext mesa = nullptr;
+  std::vector<std::uint8_t> placeholder;
+  std::vector<std::uint32_t> drawn;  // supersampled, rows from the bottom
+  std::vector<float> depth;
+
+  Context(const mjModel& given_model, const RendererConfig& given_config)
+      : model(given_model),
+        config(given_config),
+        camera(FindCamera(given_model, given_config.camera)),
+        placeholder(kPlaceholderSide * kPlaceholderSide * 4) {
+    mjv_defaultOption(&option);
+    mjv_defaultScene(&scene);
+    mjr_defaultContext(&drawing);
+  }
+
+  ~Context() {
+    const std::lock_guard lock(context_mutex);
+    if (mesa != nullptr && OSMesaMakeCurrent(mesa, placeholder.data(), GL_UNSIGNED_BYTE,
+                                             kPlaceholderSide, kPlaceholderSide)) {
+      mjr_freeContext(&drawing);
+    }
+    mjv_freeScene(&scene);
+    if (mesa != nullptr) OSMesaDestroyContext(mesa);
+  }
+
+  int drawn_width() const { return config.width_px * config.supersampling; }
+  int drawn_height() const { return config.height_px * config.supersampling; }
+
+  void MakeCurrent() {
+    if (OSMesaGetCurrentContext() == mesa) return;
+    if (!OSMesaMakeCurrent(mesa, placeholder.data(), GL_UNSIGNED_BYTE, kPlaceholderSide,
+                           kPlaceholderSide)) {
+      throw RunError("video: OSMesa cannot use its off-screen context");
+    }
+  }
+
+  void Open() {
+    const std::lock_guard lock(context_mutex);
+    mesa = MakeMesaContext();
+    MakeCurrent();
+    // The sizes of buffers are part of the model: set them in a copy, which is not kept.
+    const std::unique_ptr<mjModel, FreeModel> copy(mj_copyModel(nullptr, &model));
+    copy->vis.global.offwidth = drawn_width();
+    copy->vis.global.offheight = drawn_height();
+    copy->vis.quality.offsamples = 0;
+    copy->vis.quality.shadowsize = config.shadows ? config.shadow_map_px : 0;
+    copy->vis.quality.numslices = std::min(copy->vis.quality.numslices, config.max_sides);
+    copy->vis.quality.numstacks = std::min(copy->vis.quality.numstacks, config.max_sides / 2);
+    mjr_makeContext(copy.get(), &drawing, mjFONTSCALE_100);
+    mjr_setBuffer(mjFB_OFFSCREEN, &drawing);
+    if (drawing.currentBuffer != mjFB_OFFSCREEN || mjr_getError() != 0) {
+      throw RunError(fmt::format("video: OSMesa cannot make an off-screen buffer of {} x {} px",
+                                 drawn_width(), drawn_height()));
+    }
+    mjv_makeScene(&model, &scene, kMaxGeoms);
+  }
+
+  void UpdateScene(mjData& data) {
+    mjv_updateScene(&model, &data, &option, nullptr, &camera, mjCAT_ALL, &scene);
+    scene.flags[mjRND_SHADOW] = config.shadows;
+    scene.flags[mjRND_REFLECTION] = 0;  // draws everything twice
+    scene.flags[mjRND_SKYBOX] = 0;      // the background is the caller's
+    scene.flags[mjRND_HAZE] = 0;
+    if (config.width_px >= config.height_px) return;
+    const float taller = static_cast<float>(config.height_px) / static_cast<float>(config.width_px);
+    for (mjvGLCamera& eye : scene.camera) {
+      eye.frustum_top *= taller;
+      eye.frustum_bottom *= taller;
+    }
+  }
+
+  /// Where a translucent shape lies over an opaque one, blending leaves an alpha below 1: the depth
+  /// says that the pixel is covered. Over the background the colour bounds the alpha from below.
+  void RepairAlpha() {
+    const bool translucent = std::any_of(scene.geoms, scene.geoms + scene.ngeom,
+                                         [](const mjvGeom& geom) { return geom.rgba[3] < 1.0f; });
+    if (!translucent) return;
+    depth.resize(drawn.size());
+    glReadPixels(0, 0, drawn_width(), drawn_height(), GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      const std::uint32_t pixel = drawn[i];
+      const std::uint32_t bound =
+          std::max({pixel & 0xffu, (pixel >> 8) & 0xffu, (pixel >> 16) & 0xffu, pixel >> 24});
+      drawn[i] = (pixel & 0x00ffffffu) | (depth[i] < 1.0f ? 0xffu : bound) << 24;
+    }
+  }
+
+  /// From rows counted from the bottom to rows counted from the top, at the size asked for.
+  void Shrink(Image& picture) const {
+    const int n = config.supersampling, stride = drawn_width();
+    for (int y = 0; y < config.height_px; ++y) {
+      const std::uint32_t* source =
+          drawn.data() + static_cast<std::size_t>(config.height_px - 1 - y) * n * stride;
+      std::uint32_t* out = picture.Row(y);
+      if (n == 2) {
+        HalveRow(source, source + stride, config.width_px, out);
+      } else {
+        for (int x = 0; x < config.width_px; ++x) out[x] = MeanPixel(source + x * n, stride, n);
+      }
+    }
+  }
+};
+
+OsmesaRenderer::OsmesaRenderer(const mjModel& model, const RendererConfig& config) {
+  CheckConfig(config);
+  PrepareOffscreenDrawing();
+  context_ = std::make_unique<Context>(model, config);
+  context_->Open();
+}
+
+OsmesaRenderer::~OsmesaRenderer() = default;
+
+void OsmesaRenderer::Draw(mjData& data, Image& picture) {
+  Context& context = *context_;
+  context.MakeCurrent();
+  context.UpdateScene(data);
+  const mjrRect everything = {0, 0, context.drawn_width(), context.drawn_height()};
+  mjr_render(everything, &context.scene, &context.drawing);
+  context.drawn.resize(static_cast<std::size_t>(everything.width) * everything.height);
+  glReadPixels(0, 0, everything.width, everything.height, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
+               context.drawn.data());
+  context.RepairAlpha();
+  if (picture.width_px != context.config.width_px ||
+      picture.height_px != context.config.height_px) {
+    picture = Image(context.config.width_px, context.config.height_px);
+  }
+  context.Shrink(picture);
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <memory>
+#include <string>
+
+#include "sim/video/image.h"
+
+namespace gauntlet::sim {
+
+struct RendererConfig {
+  int width_px = 640;
+  int height_px = 480;
+  std::string camera;  // by name; empty: a free camera that sees the whole model
+  /// A pixel is the mean of n x n drawn ones. On a software rasteriser twice the resolution in both
+  /// directions costs half of what four samples a pixel cost, and smooths highlights, too.
+  int supersampling = 2;
+  bool shadows = true;
+  int shadow_map_px = 1024;
+  /// Round shapes are drawn with this many sides at most: enough for a finger some 20 px wide.
+  int max_sides = 20;
+};
+
+/// Draws a model off-screen, without a display, on the CPU.
+///
+/// What the model does not cover stays transparent. The camera's field of view is that of the
+/// picture's shorter side, so that a tall picture does not cut the hand off.
+/// To be used on the thread that made it; one per thread.
+/// Errors: UserError for a camera that the model lacks, RunError for a context that cannot be made.
+class OsmesaRenderer {
+ public:
+  /// `model` must outlive the renderer.
+  OsmesaRenderer(const mjModel& model, const RendererConfig& config);
+  ~OsmesaRenderer();
+  OsmesaRenderer(const OsmesaRenderer&) = delete;
+  OsmesaRenderer& operator=(const OsmesaRenderer&) = delete;
+
+  /// The posture in `data`, whose kinematics are computed, as a picture of the configured size.
+  void Draw(mjData& data, Image& picture);
+
+ private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+};
+
+/// Once per program, before threads are started: each drawing stays on the thread that asks for it,
+/// because several drawings at once use the cores better than several threads in one drawing.
+void PrepareOffscreenDrawing();
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/base/signal.h"
+#include "sim/video/frame_clock.h"
+
+namespace gauntlet::sim {
+
+/// Two scores of one pane as they stand at each frame, over everything shown so far; at the last
+/// frame they are the scores of the table. NaN where there is none yet.
+///
+///     rmse   = mean over channels of sqrt(mean over samples of (hand - true)^2)
+///     jitter = mean over channels of sqrt(mean over samples of (hand above 10 Hz)^2)
+///
+/// The jitter's high pass is the score's own (sim/score/jitter.h): it has no value within 0.63 s of
+/// either end.
+struct RunningScores {
+  std::vector<double> tracking_rmse_deg;  // per frame
+  std::vector<double> jitter_rms_deg;     // per frame
+};
+
+/// Shapes: both samples x channels; the hand may have fewer samples (a stopped trial).
+RunningScores ComputeRunningScores(const Signal& true_angle_rad, const Signal& hand_angle_rad,
+                                   double rate_hz, const FrameClock& clock);
+
+}  // namespace gauntlet::sim

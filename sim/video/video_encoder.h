@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "sim/video/image.h"
+
+namespace gauntlet::sim {
+
+struct VideoFormat {
+  int width_px = 1280;  // even: two neighbours share their colour
+  int height_px = 720;  // even
+  int frames_per_s = 30;
+  std::string encoder = "libx264";  // as libav calls it
+  std::string preset = "veryfast";
+  /// x264's constant rate factor: 0 is lossless, 51 the worst; 20 keeps thin curves and text crisp.
+  int rate_factor = 20;
+};
+
+/// An MP4 file with H.264, yuv420p in BT.709, index in front: plays while it loads, in every
+/// browser.
+///
+/// Frame by frame, so memory does not grow with the length; frame k is shown at exactly
+/// k / frames_per_s. The file appears under its name at Finish(); without it, nothing is left.
+/// Same frames, same bytes, on any number of cores.
+/// Errors: UserError for a size or rate that H.264 cannot have; RunError for a missing encoder
+/// (before anything is written), a missing folder, a full disk.
+class VideoEncoder {
+ public:
+  VideoEncoder(const std::filesystem::path& target, const VideoFormat& format);
+  ~VideoEncoder();
+  VideoEncoder(const VideoEncoder&) = delete;
+  VideoEncoder& operator=(const VideoEncoder&) = delete;
+
+  /// The next frame. Alpha is not looked at.
+  void Add(const Image& frame);
+  void Finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gauntlet::sim

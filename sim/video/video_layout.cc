@@ -1,0 +1,81 @@
+#include "sim/video/video_layout.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+// The design, in pixels at 1280 x 720.
+constexpr double kMargin = 20.0;
+constexpr double kGap = 14.0;
+constexpr double kHeaderHeight = 60.0;
+constexpr double kProgressHeight = 4.0;
+constexpr double kPadding = 14.0;
+constexpr double kTitleHeight = 40.0;
+constexpr double kScoresHeight = 54.0;
+constexpr double kAngleLabelWidth = 28.0;
+constexpr double kTimeLabelHeight = 18.0;
+constexpr double kPlotCaptionHeight = 22.0;
+constexpr double kPlotShare = 0.42;  // of what hand and curves have together
+constexpr double kMaxPlotHeight = 190.0;
+
+Rect Rounded(const Rect& rect) {
+  const double x = std::round(rect.x), y = std::round(rect.y);
+  return {x, y, std::round(rect.right()) - x, std::round(rect.bottom()) - y};
+}
+
+PaneLayout LayOutPane(const Rect& card, double unit) {
+  const double padding = kPadding * unit;
+  PaneLayout pane;
+  pane.card = card;
+  pane.title = Rounded({card.x + padding, card.y, card.width - 2.0 * padding, kTitleHeight * unit});
+  const double below = card.height - (kTitleHeight + kScoresHeight) * unit;
+  const double plot_height = std::min(kPlotShare * below, kMaxPlotHeight * unit);
+  pane.view = Rounded({card.x, pane.title.bottom(), card.width, std::round(below - plot_height)});
+  pane.scores = Rounded(
+      {card.x + padding, pane.view.bottom(), card.width - 2.0 * padding, kScoresHeight * unit});
+  const double left = card.x + padding + kAngleLabelWidth * unit;
+  const double top = pane.scores.bottom() + kPlotCaptionHeight * unit;
+  pane.curves = Rounded({left, top, card.right() - padding - left,
+                         card.bottom() - padding - kTimeLabelHeight * unit - top});
+  return pane;
+}
+
+}  // namespace
+
+VideoLayout LayOutVideo(int width_px, int height_px, int pane_count) {
+  if (pane_count < 1 || pane_count > kMaxPanes) {
+    throw UserError(fmt::format("video: {} controllers; a video shows 1 .. {} (choose some)",
+                                pane_count, kMaxPanes));
+  }
+  if (width_px < kMinVideoWidth_px || height_px < kMinVideoHeight_px) {
+    throw UserError(fmt::format("video: {} x {} px is too small, at least {} x {} px are needed",
+                                width_px, height_px, kMinVideoWidth_px, kMinVideoHeight_px));
+  }
+  VideoLayout layout;
+  layout.unit = std::min(width_px / 1280.0, height_px / 720.0);
+  const double unit = layout.unit;
+  const double margin = kMargin * unit, gap = kGap * unit;
+  layout.header = Rounded({margin, 0.0, width_px - 2.0 * margin, kHeaderHeight * unit});
+  layout.progress = Rounded({0.0, height_px - kProgressHeight * unit, static_cast<double>(width_px),
+                             kProgressHeight * unit});
+
+  const int rows = pane_count <= 4 ? 1 : 2;
+  const int columns = (pane_count + rows - 1) / rows;
+  const double width = (width_px - 2.0 * margin - (columns - 1) * gap) / columns;
+  const double height = (height_px - layout.header.height - margin - (rows - 1) * gap) / rows;
+  for (int i = 0; i < pane_count; ++i) {
+    const double x = margin + (i % columns) * (width + gap);
+    const double y = layout.header.height + (i / columns) * (height + gap);
+    layout.panes.push_back(
+        LayOutPane({std::round(x), std::round(y), std::floor(width), std::floor(height)}, unit));
+  }
+  return layout;
+}
+
+}  // namespace gauntlet::sim

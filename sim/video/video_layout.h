@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/video/painter.h"
+
+namespace gauntlet::sim {
+
+inline constexpr int kMaxPanes = 8;
+inline constexpr int kMinVideoWidth_px = 480;
+inline constexpr int kMinVideoHeight_px = 270;
+
+/// Where the parts of one pane lie. All edges are whole pixels.
+struct PaneLayout {
+  Rect card;
+  Rect title;
+  Rect view;    // the hand
+  Rect scores;  // the running numbers
+  Rect curves;  // the plot's area, without its labels
+};
+
+struct VideoLayout {
+  double unit = 1.0;  // pixels of one pixel in the design of 1280 x 720
+  Rect header;
+  Rect progress;
+  std::vector<PaneLayout> panes;
+};
+
+/// Panes in one row, from five on in two rows; all of the same size.
+/// Errors: UserError for a size or a number of panes that cannot be laid out.
+VideoLayout LayOutVideo(int width_px, int height_px, int pane_count);
+
+}  // namespace gauntlet::sim
