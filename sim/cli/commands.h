@@ -10,5 +10,6 @@ void AddRunCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
 void AddListCommand(CLI::App& app);
+void AddFilterCommand(CLI::App& app);
 
 }  // namespace gauntlet::sim

@@ -33,6 +33,7 @@ int Run(int argc, char** argv) {
   gauntlet::sim::AddRunCommand(app);
   gauntlet::sim::AddCompareCommand(app);
   gauntlet::sim::AddRenderCommand(app);
+  gauntlet::sim::AddFilterCommand(app);
   gauntlet::sim::AddListCommand(app);
   try {
     app.parse(argc, argv);

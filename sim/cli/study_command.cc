@@ -98,7 +98,10 @@ void RunStudyCommand(const StudyCommand& options) {
   std::fflush(stdout);
   std::string written = "scores.json, scores.csv, trace.h5, scenario.resolved.yaml";
   if (options.video) {
-    RenderFolder({.folder = folder.path(), .jobs = JobsOrCores(options.jobs)});
+    RenderFolder({.folder = folder.path(),
+                  .controllers = {},
+                  .target = {},
+                  .jobs = JobsOrCores(options.jobs)});
     written += ", comparison.mp4";
   }
   fmt::print(stderr, "wrote {}: {}\n", folder.path().string(), written);

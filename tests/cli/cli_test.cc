@@ -150,8 +150,46 @@ TEST_F(CliTest, EveryListPrints) {
   EXPECT_EQ(Gauntlet({"list", "filtres"}).exit_code, 2);
 }
 
+TEST_F(CliTest, FilterIsALineByLineStream) {
+  const ProgramResult result =
+      RunProgram({kProgram, "filter", "moving_average", "--set", "window=2"},
+                 {.standard_input = "t_s,a,b\r\n0,1,10\r\n0.001,2,20\n0.002,,nan\n0.003,4,0.1\n"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_EQ(result.standard_output,
+            "t_s,a,b\n0,1,10\n0.001,1.5,15\n0.002,2,20\n0.003,3,10.050000000000001\n");
+  EXPECT_THAT(result.standard_error, HasSubstr("2 missing values"));
+}
+
+TEST_F(CliTest, FilterTakesOneValueForAllChannelsOrOneForEach) {
+  const std::string rows = "k,a,b\n0,0,0\n1,1,1\n2,0,0\n";
+  const auto filter = [&](const std::string& r) {
+    return RunProgram({kProgram, "filter", "kalman", "--set", r}, {.standard_input = rows});
+  };
+  EXPECT_EQ(filter("r=4,4").standard_output, filter("r=4").standard_output);
+  EXPECT_NE(filter("r=4,5").standard_output, filter("r=4").standard_output);
+  EXPECT_EQ(filter("r=4,5,6").exit_code, 2);
+  EXPECT_EQ(filter("r=-1").exit_code, 2);
+}
+
+TEST_F(CliTest, FilterNamesTheRowAndColumnOfAMistake) {
+  const auto filter = [&](const std::string& input) {
+    return RunProgram({kProgram, "filter", "none"}, {.standard_input = input});
+  };
+  EXPECT_THAT(filter("k,a\n0,x\n").standard_error, HasSubstr("standard input:2:2: is \"x\""));
+  EXPECT_THAT(filter("k,a\n0\n").standard_error, HasSubstr("standard input:2: has 1 fields"));
+  EXPECT_EQ(filter("").exit_code, 2);
+  EXPECT_EQ(RunProgram({kProgram, "filter", "kalmann"}, {}).exit_code, 2);
+}
+
+TEST_F(CliTest, FilterAnswersALiveSourceBeforeItEnds) {
+  const ProgramResult result =
+      RunProgram({"/bin/sh", "-c",
+                  "(printf 'a\\n1\\n'; sleep 2) | timeout 1 " + kProgram + " filter none; true"});
+  EXPECT_EQ(result.standard_output, "a\n1\n");
+}
+
 TEST_F(CliTest, HelpHasAnExample) {
-  for (const char* command : {"run", "compare", "render", "list"}) {
+  for (const char* command : {"run", "compare", "render", "list", "filter"}) {
     const ProgramResult result = Gauntlet({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.standard_output, HasSubstr("Example")) << command;

@@ -1,0 +1,206 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "controller/filters/filter_registry.h"
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/cli/commands.h"
+#include "sim/scenario/yaml_reader.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct FilterOptions {
+  std::string kind;
+  std::vector<std::string> settings;
+};
+
+/// The filter of the command line, and the rate that `rate_hz` gives beside the filter's own keys.
+struct StreamFilter {
+  controller::FilterConfig config;
+  double rate_hz = 1000.0;
+
+  void Visit(controller::SettingsVisitor& visitor) {
+    config.Visit(visitor);
+    visitor.Number({.key = "rate_hz", .help = "sampling rate", .min = 0, .open_range = true},
+                   rate_hz);
+  }
+};
+
+/// `r=21.18,12.52` is meant as a list: one value for each channel.
+std::string WithList(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || text.find(',') == std::string::npos ||
+      text.find('[') != std::string::npos) {
+    return text;
+  }
+  return fmt::format("{}=[{}]", text.substr(0, equals), text.substr(equals + 1));
+}
+
+StreamFilter ReadFilter(const FilterOptions& options) {
+  std::vector<std::string> kinds;
+  for (const controller::FilterKind& kind : controller::FilterKinds()) {
+    kinds.emplace_back(kind.name);
+  }
+  if (std::find(kinds.begin(), kinds.end(), options.kind) == kinds.end()) {
+    throw UserError(
+        fmt::format("filter {}: unknown kind{}", options.kind, Suggestion(options.kind, kinds)));
+  }
+  YAML::Node root(YAML::NodeType::Map);
+  root["kind"] = options.kind;
+  YamlSource source{.file = "command line", .overrides = {}};
+  for (const std::string& text : options.settings) ApplyOverride(root, WithList(text), source);
+  YamlReader reader(root, "", source);
+  StreamFilter filter;
+  filter.Visit(reader);
+  reader.RejectUnknownKeys();
+  return filter;
+}
+
+std::vector<std::string_view> SplitFields(std::string_view line) {
+  std::vector<std::string_view> fields;
+  while (true) {
+    const std::size_t comma = line.find(',');
+    fields.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+std::string_view Trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// A line-by-line filter: reads one row, writes one row, flushes.
+class FilterStream {
+ public:
+  explicit FilterStream(const StreamFilter& settings) : settings_(settings) {}
+
+  void ReadHeader(const std::string& line) {
+    columns_ = SplitFields(line).size();
+    std::size_t column = 0;
+    for (const std::string_view name : SplitFields(line)) {
+      const std::string_view trimmed = Trimmed(name);
+      if (trimmed.empty()) Fail(1, column, "has no name");
+      const bool is_time = trimmed == "t_s" || trimmed == "k";
+      if (!is_time) channels_.push_back(column);
+      ++column;
+    }
+    if (channels_.empty()) throw UserError("standard input:1: has no channel besides the time");
+    filter_ = controller::MakeFilter(settings_.config, static_cast<int>(channels_.size()),
+                                     settings_.rate_hz);
+    values_.assign(channels_.size(), 0.0);
+    fmt::print("{}\n", Trimmed(line));
+    std::fflush(stdout);
+  }
+
+  void ReadRow(const std::string& line, std::size_t row) {
+    const std::vector<std::string_view> fields = SplitFields(line);
+    if (fields.size() != columns_) {
+      throw UserError(fmt::format("standard input:{}: has {} fields, must have {}", row,
+                                  fields.size(), columns_));
+    }
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+      ReadValue(Trimmed(fields[channels_[i]]), row, i);
+    }
+    filtered_.resize(values_.size());
+    filter_->Step(values_, filtered_);
+    Write(fields);
+  }
+
+  std::size_t missing() const { return missing_; }
+
+ private:
+  /// A filter gets finite numbers only: a missing one is the last good one again.
+  void ReadValue(std::string_view field, std::size_t row, std::size_t channel) {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    if (!field.empty()) {
+      const char* begin = field.data() + (field.front() == '+' ? 1 : 0);
+      const char* end = field.data() + field.size();
+      const auto [rest, error] = std::from_chars(begin, end, value);
+      if (error != std::errc() || rest != end) {
+        Fail(row, channels_[channel], fmt::format("is \"{}\", must be a number", field));
+      }
+    }
+    if (std::isfinite(value)) {
+      values_[channel] = value;
+    } else {
+      ++missing_;
+    }
+  }
+
+  void Write(const std::vector<std::string_view>& fields) {
+    text_.clear();
+    const auto out = std::back_inserter(text_);
+    std::size_t channel = 0;
+    for (std::size_t column = 0; column < columns_; ++column) {
+      if (column > 0) text_.push_back(',');
+      if (channel < channels_.size() && channels_[channel] == column) {
+        fmt::format_to(out, "{:.17g}", filtered_[channel++]);
+      } else {
+        fmt::format_to(out, "{}", Trimmed(fields[column]));
+      }
+    }
+    text_.push_back('\n');
+    std::fwrite(text_.data(), 1, text_.size(), stdout);
+    if (std::fflush(stdout) != 0) throw RunError("standard output: cannot be written");
+  }
+
+  [[noreturn]] static void Fail(std::size_t row, std::size_t column, const std::string& problem) {
+    throw UserError(fmt::format("standard input:{}:{}: {}", row, column + 1, problem));
+  }
+
+  const StreamFilter& settings_;
+  std::unique_ptr<controller::Filter> filter_;
+  std::size_t columns_ = 0;
+  std::vector<std::size_t> channels_;  // columns that are filtered
+  std::vector<double> values_;
+  std::vector<double> filtered_;
+  std::size_t missing_ = 0;
+  fmt::memory_buffer text_;
+};
+
+void RunFilter(const FilterOptions& options) {
+  const StreamFilter settings = ReadFilter(options);
+  FilterStream stream(settings);
+  std::ios::sync_with_stdio(false);
+  std::string line;
+  if (!std::getline(std::cin, line)) throw UserError("standard input: is empty, needs a header");
+  stream.ReadHeader(line);
+  for (std::size_t row = 2; std::getline(std::cin, line); ++row) {
+    if (!Trimmed(line).empty()) stream.ReadRow(line, row);
+  }
+  if (stream.missing() > 0) {
+    fmt::print(stderr, "gauntlet: {} missing values held at the last good one\n", stream.missing());
+  }
+}
+
+}  // namespace
+
+void AddFilterCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "filter", "Filter a stream: CSV with a header in, the same columns out, line by line");
+  const auto options = std::make_shared<FilterOptions>();
+  command->add_option("kind", options->kind, "kind of filter (gauntlet list filters)")->required();
+  command
+      ->add_option("--set", options->settings,
+                   "a setting of the filter, or rate_hz; lists as r=21.18,12.52; may be repeated")
+      ->type_name("key=value")
+      ->take_all();
+  command->footer(
+      "\nColumns named t_s or k pass through; all others are channels.\n"
+      "\nExample:\n  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv\n");
+  command->callback([options] { RunFilter(*options); });
+}
+
+}  // namespace gauntlet::sim
