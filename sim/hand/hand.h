@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "controller/controller_config.h"
+#include "sim/hand/drive.h"
 #include "sim/hand/hand_config.h"
 
 namespace gauntlet::sim {
@@ -22,7 +23,6 @@ namespace gauntlet::sim {
 class HandModel {
  public:
   HandModel(const HandConfig& config, const std::vector<std::string>& channel_names);
-  ~HandModel();
   HandModel(const HandModel&) = delete;
   HandModel& operator=(const HandModel&) = delete;
 
@@ -30,21 +30,25 @@ class HandModel {
   const HandConfig& config() const { return config_; }
   /// What a controller must know of this hand: coupling, ranges, counts.
   const controller::TendonTransmission& transmission() const { return transmission_; }
+  /// Motors with their spools and cables, in the order of the channels.
+  const std::vector<Drive>& drives() const { return drives_; }
+  /// Flexor and extensor of every motor.
   const std::vector<std::string>& cable_names() const { return cable_names_; }
   /// Of the compiled model and everything that shapes it, for `scenario.resolved.yaml`.
   std::string Hash() const;
 
  private:
   friend class Hand;
+  friend void SetPosture(const HandModel&, std::span<const double>, std::span<const double>,
+                         mjData&);
   HandConfig config_;
-  mjModel* model_ = nullptr;
-  controller::TendonTransmission transmission_;
-  std::vector<std::string> cable_names_;
+  std::unique_ptr<mjModel, void (*)(mjModel*)> model_;
   std::vector<int> channel_qpos_;
-  std::vector<int> spool_qpos_;
-  std::vector<int> spool_dof_;
-  std::vector<int> actuator_;
-  std::vector<int> cable_;
+  std::vector<Follower> followers_;
+  std::vector<Drive> drives_;
+  std::vector<std::string> cable_names_;
+  controller::TendonTransmission transmission_;
+  int steps_per_sample_ = 1;
 };
 
 /// How a simulated hand is: well, or stopped by a warning of the physics engine or a divergence.
@@ -65,6 +69,8 @@ class Hand {
   void Reset(std::span<const double> joint_angle_rad);
   /// The command frame that the servos hold from now on [counts, per motor].
   void SetCommand(std::span<const std::int32_t> motor_counts) noexcept;
+  /// The frame that the servos hold; after Reset() the one that keeps the posture.
+  std::span<const std::int32_t> command() const noexcept;
   /// One sampling period (1 ms). Reads every warning counter; does nothing once health is bad.
   void Step() noexcept;
 

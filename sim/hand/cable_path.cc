@@ -1,0 +1,134 @@
+#include "sim/hand/cable_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// A joint that moves a cable by less than this per radian is not on its way.
+constexpr double kSmallestArmM = 1e-6;
+
+void Forward(const mjModel& model, mjData& data, const std::vector<double>& qpos) {
+  std::copy(qpos.begin(), qpos.end(), data.qpos);
+  mj_fwdPosition(&model, &data);
+}
+
+/// Angle between the directions from a to b and from c to d.
+double AngleBetween(const mjtNum* a, const mjtNum* b, const mjtNum* c, const mjtNum* d) {
+  mjtNum first[3], second[3], normal[3];
+  mju_sub3(first, b, a);
+  mju_sub3(second, d, c);
+  mju_cross(normal, first, second);
+  return std::atan2(mju_norm3(normal), mju_dot3(first, second));
+}
+
+}  // namespace
+
+double MomentArm(const mjModel& model, const mjData& data, int tendon, int dof) noexcept {
+  if (!mj_isSparse(&model)) return data.ten_J[static_cast<std::size_t>(tendon) * model.nv + dof];
+  const int begin = data.ten_J_rowadr[tendon];
+  const int end = begin + data.ten_J_rownnz[tendon];
+  for (int index = begin; index < end; ++index) {
+    if (data.ten_J_colind[index] == dof) return data.ten_J[index];
+  }
+  return 0.0;
+}
+
+CablePaths::CablePaths(const mjModel& model, const std::vector<int>& channel_joints,
+                       const std::vector<double>& reference_rad,
+                       const std::vector<Follower>& followers)
+    : model_(model),
+      followers_(followers),
+      data_(mj_makeData(&model), &mj_deleteData),
+      largest_arm_m_(static_cast<std::size_t>(model.ntendon) * model.nv) {
+  if (data_ == nullptr) throw RunError("not enough memory for the hand's model");
+  const auto look = [&](const std::vector<double>& joint_angle_rad) {
+    Forward(model, *data_, PostureOf(model, channel_joints, joint_angle_rad, followers));
+    for (int tendon = 0; tendon < model.ntendon; ++tendon) {
+      for (int dof = 0; dof < model.nv; ++dof) {
+        double& largest = largest_arm_m_[static_cast<std::size_t>(tendon) * model.nv + dof];
+        largest = std::max(largest, std::abs(MomentArm(model, *data_, tendon, dof)));
+      }
+    }
+  };
+  // Arms that vanish at the reference may show at the ends of a joint's range.
+  for (std::size_t channel = 0; channel < channel_joints.size(); ++channel) {
+    for (int end : {0, 1}) {
+      std::vector<double> angle = reference_rad;
+      angle[channel] = model.jnt_range[2 * channel_joints[channel] + end];
+      look(angle);
+    }
+  }
+  look(reference_rad);
+}
+
+bool CablePaths::Passes(int tendon, int dof) const {
+  return largest_arm_m_[static_cast<std::size_t>(tendon) * model_.nv + dof] > kSmallestArmM;
+}
+
+bool CablePaths::Follows(int dof, int leader_dof) const {
+  return std::any_of(followers_.begin(), followers_.end(), [&](const Follower& follower) {
+    return follower.dof == dof && follower.leader_dof == leader_dof;
+  });
+}
+
+std::vector<CablePaths::Bend> CablePaths::BendsOf(int tendon) const {
+  const int begin = data_->ten_wrapadr[tendon];
+  const int end = begin + data_->ten_wrapnum[tendon];
+  const auto point = [&](int index) { return data_->wrap_xpos + 3 * index; };
+  std::vector<Bend> bends;
+  for (int index = begin + 1; index + 1 < end; ++index) {
+    // On a pulley two points, where the cable touches it first and last, share the pulley's id.
+    const bool pulley = data_->wrap_obj[index] >= 0 && index + 2 < end &&
+                        data_->wrap_obj[index] == data_->wrap_obj[index + 1];
+    const int last = pulley ? index + 1 : index;
+    Bend bend{
+        .position = {},
+        .angle_rad = AngleBetween(point(index - 1), point(index), point(last), point(last + 1))};
+    for (int k = 0; k < 3; ++k) bend.position[k] = 0.5 * (point(index)[k] + point(last)[k]);
+    bends.push_back(bend);
+    index = last;
+  }
+  return bends;
+}
+
+void CablePaths::Trace(int own_joint, Cable& cable) const {
+  const std::vector<Bend> bends = BendsOf(cable.tendon);
+  std::vector<std::pair<std::size_t, Crossing>> found;  // with the bend at which the joint is
+  for (int joint = 0; joint < model_.njnt; ++joint) {
+    const int dof = model_.jnt_dofadr[joint];
+    const bool hinge = model_.jnt_type[joint] == mjJNT_HINGE;
+    if (!(hinge || model_.jnt_type[joint] == mjJNT_SLIDE) || !Passes(cable.tendon, dof)) continue;
+    const double arm = MomentArm(model_, *data_, cable.tendon, dof);
+    Crossing crossing{.dof = dof,
+                      .qpos = model_.jnt_qposadr[joint],
+                      .own = joint == own_joint || Follows(dof, model_.jnt_dofadr[own_joint]),
+                      .moment_arm_m = arm,
+                      .bend_per_rad = hinge ? std::copysign(1.0, arm) : 0.0};
+    crossing.reference_rad = data_->qpos[crossing.qpos];
+    const mjtNum* anchor = data_->xanchor + 3 * joint;
+    const auto nearest = std::min_element(bends.begin(), bends.end(), [&](auto& a, auto& b) {
+      return mju_dist3(a.position, anchor) < mju_dist3(b.position, anchor);
+    });
+    found.emplace_back(nearest - bends.begin(), crossing);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+
+  double bent = 0.0;
+  std::size_t next = 0;
+  for (std::size_t index = 0; index < bends.size() || next < found.size(); ++index) {
+    if (index < bends.size()) bent += bends[index].angle_rad;
+    for (; next < found.size() && found[next].first == index; ++next) {
+      found[next].second.bend_rad = bent;
+      cable.crossings.push_back(found[next].second);
+    }
+  }
+  cable.bend_rad = bent;
+  cable.natural_length_m = data_->ten_length[cable.tendon];
+}
+
+}  // namespace gauntlet::sim

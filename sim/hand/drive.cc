@@ -1,0 +1,124 @@
+#include "sim/hand/drive.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/signal.h"
+#include "sim/hand/cable_path.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Stiffness that stands for a cable that does not stretch, as a multiple of the real one. At 1 ms
+/// the stiffest joint of the hand stays stable up to about 20 times.
+constexpr double kInextensible = 8.0;
+
+/// Names of all parts of one kind.
+std::vector<std::string> NamesInModel(const mjModel& model, mjtObj type) {
+  std::vector<std::string> names;
+  for (int index = 0;; ++index) {
+    const char* name = mj_id2name(&model, type, index);
+    const int count = type == mjOBJ_JOINT      ? model.njnt
+                      : type == mjOBJ_TENDON   ? model.ntendon
+                      : type == mjOBJ_ACTUATOR ? model.nu
+                                               : model.ngeom;
+    if (index >= count) return names;
+    if (name != nullptr) names.emplace_back(name);
+  }
+}
+
+const char* KindName(mjtObj type) {
+  switch (type) {
+    case mjOBJ_JOINT:
+      return "joint";
+    case mjOBJ_TENDON:
+      return "tendon";
+    case mjOBJ_ACTUATOR:
+      return "actuator";
+    default:
+      return "geom";
+  }
+}
+
+Servo MakeServo(const ServoConfig& config, double stall_torque_nm) {
+  Servo servo;
+  servo.stall_torque_nm = config.torque_scale * stall_torque_nm;
+  servo.gain_nm_rad = servo.stall_torque_nm / (config.full_torque_error_deg * kRadPerDeg);
+  servo.damping_nm_s_rad = servo.gain_nm_rad * config.damping_ms * 1e-3;
+  servo.dead_band_rad = config.dead_band_deg * kRadPerDeg;
+  servo.no_load_speed_rad_s = config.no_load_speed_deg_s * kRadPerDeg;
+  return servo;
+}
+
+double Positive(double value, const std::string& what, const std::string& name) {
+  if (value > 0.0) return value;
+  throw UserError(fmt::format("{} '{}' of the model is {}: must be above 0", what, name, value));
+}
+
+/// How many times larger than in the model's file stiffness is.
+double StiffnessFactor(const CableConfig& config) {
+  return config.stiffness_scale * (config.stretch ? 1.0 : kInextensible);
+}
+
+/// Everything about a cable but its path.
+Cable MakeCable(const mjModel& model, const CableConfig& config, const std::string& name) {
+  Cable cable;
+  cable.tendon = FindInModel(model, mjOBJ_TENDON, name);
+  const double factor = StiffnessFactor(config);
+  const double stiffness =
+      Positive(model.tendon_stiffness[cable.tendon], "stiffness of tendon", name);
+  cable.stiffness_n_m = factor * stiffness;
+  cable.damping_n_s_m = model.tendon_damping[cable.tendon];
+  if (cable.damping_n_s_m < 0.0) {
+    throw UserError(fmt::format("damping of tendon '{}' of the model is {}: must not be below 0",
+                                name, cable.damping_n_s_m));
+  }
+  return cable;
+}
+
+}  // namespace
+
+int FindInModel(const mjModel& model, mjtObj type, const std::string& name) {
+  const int index = mj_name2id(&model, type, name.c_str());
+  if (index >= 0) return index;
+  throw UserError(fmt::format("the model has no {} '{}'{}", KindName(type), name,
+                              Suggestion(name, NamesInModel(model, type))));
+}
+
+std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config,
+                              const std::vector<std::string>& channel_names,
+                              const std::vector<int>& channel_joints,
+                              const std::vector<double>& reference_rad,
+                              const std::vector<Follower>& followers) {
+  std::vector<Drive> drives;
+  CablePaths paths(model, channel_joints, reference_rad, followers);
+  // The force of pretension stays what it is when stretch is switched off.
+  const double pretension_m =
+      1e-3 * config.cable.pretension_mm / (config.cable.stretch ? 1.0 : kInextensible);
+  for (std::size_t channel = 0; channel < channel_names.size(); ++channel) {
+    const std::string& name = channel_names[channel];
+    Drive drive;
+    drive.name = name;
+    const int spool = FindInModel(model, mjOBJ_JOINT, name + "_spool");
+    drive.spool_qpos = model.jnt_qposadr[spool];
+    drive.spool_dof = model.jnt_dofadr[spool];
+    drive.actuator = FindInModel(model, mjOBJ_ACTUATOR, name);
+    const int drum = FindInModel(model, mjOBJ_GEOM, name + "_drum");
+    drive.drum_radius_m = Positive(model.geom_size[3 * drum], "radius of geom", name + "_drum");
+    drive.servo = MakeServo(config.servo, Positive(model.actuator_ctrlrange[2 * drive.actuator + 1],
+                                                   "ctrlrange of motor", name));
+    for (Cable* cable : {&drive.flexor, &drive.extensor}) {
+      *cable =
+          MakeCable(model, config.cable, name + (cable == &drive.flexor ? "_flexor" : "_extensor"));
+      paths.Trace(channel_joints[channel], *cable);
+      cable->natural_length_m += 1e-3 * config.cable.slack_mm - pretension_m;
+    }
+    drives.push_back(std::move(drive));
+  }
+  return drives;
+}
+
+}  // namespace gauntlet::sim

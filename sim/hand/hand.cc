@@ -1,0 +1,281 @@
+#include "sim/hand/hand.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/error.h"
+#include "sim/hand/cable.h"
+#include "sim/hand/mujoco_messages.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// What one cable does at one moment.
+struct CableState {
+  double friction = 0.0;   // see AdvanceFriction
+  double tension_n = 0.0;  // at the drum
+};
+
+}  // namespace
+
+struct Hand::State {
+  explicit State(std::shared_ptr<const HandModel> hand_model);
+
+  void TakeFrame() noexcept;
+  void Advance();
+  void PullCables() noexcept;
+  void DriveSpools() noexcept;
+  double Stretch(const Cable& cable, double& rate_m_s) const noexcept;
+  double Pull(const Cable& cable, double tension_n, CableState& state) noexcept;
+  void ReadWarnings();
+
+  std::shared_ptr<const HandModel> hand;
+  std::unique_ptr<mjData, void (*)(mjData*)> data;
+  std::vector<double> target_rad;       // per motor, what the servos hold
+  std::vector<std::int32_t> counts;     // per motor, what was last commanded
+  std::vector<std::uint8_t> saturated;  // per motor
+  std::vector<CableState> cables;       // flexor and extensor per motor
+  std::int64_t frame_clock = -1;        // samples since the first command
+  std::int64_t samples_per_frame = 0;
+  bool new_counts = false;
+  HandHealth health;
+};
+
+Hand::State::State(std::shared_ptr<const HandModel> hand_model)
+    : hand(std::move(hand_model)), data(mj_makeData(&hand->model()), &mj_deleteData) {
+  if (data == nullptr) throw RunError("not enough memory for a hand");
+  const std::size_t motors = hand->drives().size();
+  target_rad.resize(motors);
+  counts.resize(motors);
+  saturated.resize(motors);
+  cables.resize(2 * motors);
+  samples_per_frame = std::llround(hand->config().servo.frame_ms);
+}
+
+/// The servo's own clock starts with the first command, so that frames and commands of the same
+/// period are in step.
+void Hand::State::TakeFrame() noexcept {
+  if (frame_clock < 0) return;
+  if (new_counts && (samples_per_frame <= 1 || frame_clock % samples_per_frame == 0)) {
+    const controller::TendonTransmission& map = hand->transmission();
+    for (std::size_t motor = 0; motor < counts.size(); ++motor) {
+      target_rad[motor] = (counts[motor] - map.center_counts[motor]) / map.counts_per_rad[motor];
+    }
+    new_counts = false;
+  }
+  ++frame_clock;
+}
+
+/// How much longer the way is than the cable, its spool at 0.
+double Hand::State::Stretch(const Cable& cable, double& rate_m_s) const noexcept {
+  double stretch = data->ten_length[cable.tendon] - cable.natural_length_m;
+  rate_m_s = data->ten_velocity[cable.tendon];
+  if (hand->config().cable.interference) return stretch;
+  for (const Crossing& crossing : cable.crossings) {
+    if (crossing.own) continue;
+    const double turned = data->qpos[crossing.qpos] - crossing.reference_rad;
+    stretch -= crossing.moment_arm_m * turned;
+    rate_m_s -= crossing.moment_arm_m * data->qvel[crossing.dof];
+  }
+  return stretch;
+}
+
+/// The cable's pull on the joints that it passes; gives the tension at the drum.
+double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state) noexcept {
+  const CableConfig& config = hand->config().cable;
+  const double mu = config.capstan_friction;
+  // The elastic law gives the tension in the middle of all bends.
+  double bend = cable.bend_rad;
+  for (const Crossing& crossing : cable.crossings) {
+    bend += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
+  }
+  state.tension_n =
+      mu == 0.0 ? tension_n : tension_n * CapstanRatio(mu, 0.5 * bend, state.friction);
+  double turned = 0.0;
+  for (const Crossing& crossing : cable.crossings) {
+    turned += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
+    if (!config.interference && !crossing.own) continue;
+    const double here =
+        mu == 0.0 ? tension_n
+                  : state.tension_n / CapstanRatio(mu, crossing.bend_rad + turned, state.friction);
+    data->qfrc_applied[crossing.dof] -=
+        here * MomentArm(hand->model(), *data, cable.tendon, crossing.dof);
+  }
+  return state.tension_n;
+}
+
+void Hand::State::PullCables() noexcept {
+  mju_zero(data->qfrc_applied, hand->model().nv);
+  const double step_s = hand->model().opt.timestep;
+  const CableConfig& config = hand->config().cable;
+  const double play = config.backlash_deg * (mjPI / 180.0);
+  for (std::size_t motor = 0; motor < cables.size() / 2; ++motor) {
+    const Drive& drive = hand->drives()[motor];
+    const double radius = drive.drum_radius_m;
+    CableState& flexor = cables[2 * motor];
+    CableState& extensor = cables[2 * motor + 1];
+    double flexor_rate = 0.0;
+    double extensor_rate = 0.0;
+    const double flexor_way = Stretch(drive.flexor, flexor_rate);
+    const double extensor_way = Stretch(drive.extensor, extensor_rate);
+
+    const double shaft = data->qpos[drive.spool_qpos];
+    const double balance = 0.5 * (extensor_way - flexor_way) / radius;
+    const double drum = DrumAngle(shaft, balance, play);
+    const double drum_speed = drum == balance && play > 0.0
+                                  ? 0.5 * (extensor_rate - flexor_rate) / radius
+                                  : data->qvel[drive.spool_dof];
+    const double wound_rate = radius * drum_speed;
+    flexor.friction = AdvanceFriction(flexor.friction, 0.5 * (wound_rate - flexor_rate) * step_s);
+    extensor.friction =
+        AdvanceFriction(extensor.friction, 0.5 * (-wound_rate - extensor_rate) * step_s);
+    const double flexor_tension =
+        CableTension(drive.flexor.stiffness_n_m, drive.flexor.damping_n_s_m,
+                     flexor_way + radius * drum, flexor_rate + wound_rate);
+    const double extensor_tension =
+        CableTension(drive.extensor.stiffness_n_m, drive.extensor.damping_n_s_m,
+                     extensor_way - radius * drum, extensor_rate - wound_rate);
+    const double at_drum = Pull(drive.flexor, flexor_tension, flexor) -
+                           Pull(drive.extensor, extensor_tension, extensor);
+    data->qfrc_applied[drive.spool_dof] -= radius * at_drum;
+  }
+}
+
+void Hand::State::DriveSpools() noexcept {
+  for (std::size_t motor = 0; motor < target_rad.size(); ++motor) {
+    const Drive& drive = hand->drives()[motor];
+    const ServoTorque torque = ComputeServoTorque(
+        drive.servo, target_rad[motor], data->qpos[drive.spool_qpos], data->qvel[drive.spool_dof]);
+    data->ctrl[drive.actuator] = torque.torque_nm;
+    saturated[motor] = torque.saturated;
+  }
+}
+
+void Hand::State::ReadWarnings() {
+  for (int kind = 0; kind < mjNWARNING; ++kind) {
+    const mjWarningStat& warning = data->warning[kind];
+    if (warning.number == 0) continue;
+    health.ok = false;
+    health.problem =
+        fmt::format("at {:.3f} s: {}", data->time, mju_warningText(kind, warning.lastinfo));
+    return;
+  }
+  const std::string other = TakeMujocoWarning();
+  if (other.empty()) return;
+  health.ok = false;
+  health.problem = fmt::format("at {:.3f} s: {}", data->time, other);
+}
+
+void Hand::State::Advance() {
+  const mjModel& model = hand->model();
+  for (int step = 0; step < hand->steps_per_sample_ && health.ok; ++step) {
+    mj_step1(&model, data.get());
+    PullCables();
+    DriveSpools();
+    mj_step2(&model, data.get());
+    ReadWarnings();
+  }
+}
+
+Hand::Hand(std::shared_ptr<const HandModel> model)
+    : state_(std::make_unique<State>(std::move(model))) {
+  Reset(hand_model().transmission().reference_angle_rad);
+}
+Hand::~Hand() = default;
+
+void Hand::Reset(std::span<const double> joint_angle_rad) {
+  State& state = *state_;
+  const HandModel& hand = *state.hand;
+  const controller::TendonTransmission& map = hand.transmission();
+  const std::size_t channels = hand.channel_qpos_.size();
+  std::vector<double> angle(joint_angle_rad.begin(), joint_angle_rad.end());
+  for (std::size_t channel = 0; channel < channels; ++channel) {
+    angle[channel] =
+        std::clamp(angle[channel], map.joint_min_rad[channel], map.joint_max_rad[channel]);
+  }
+  std::vector<double> spool(channels, 0.0);
+  for (std::size_t motor = 0; motor < channels; ++motor) {
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+      spool[motor] += map.coupling[motor * channels + channel] *
+                      (angle[channel] - map.reference_angle_rad[channel]);
+    }
+  }
+  mj_resetData(&hand.model(), state.data.get());
+  SetPosture(hand, angle, spool, *state.data);
+  mj_fwdPosition(&hand.model(), state.data.get());
+  mj_fwdVelocity(&hand.model(), state.data.get());
+
+  std::fill(state.cables.begin(), state.cables.end(), CableState{});
+  std::fill(state.saturated.begin(), state.saturated.end(), 0);
+  for (std::size_t motor = 0; motor < channels; ++motor) {
+    const double counts =
+        std::round(map.center_counts[motor] + map.counts_per_rad[motor] * spool[motor]);
+    state.counts[motor] = static_cast<std::int32_t>(counts);
+    state.target_rad[motor] = (counts - map.center_counts[motor]) / map.counts_per_rad[motor];
+  }
+  state.frame_clock = -1;
+  state.new_counts = false;
+  state.health = {};
+  TakeMujocoWarning();
+  state.PullCables();
+}
+
+void Hand::SetCommand(std::span<const std::int32_t> motor_counts) noexcept {
+  const controller::TendonTransmission& map = hand_model().transmission();
+  for (std::size_t motor = 0; motor < state_->counts.size(); ++motor) {
+    state_->counts[motor] =
+        std::clamp(motor_counts[motor], map.min_counts[motor], map.max_counts[motor]);
+  }
+  state_->new_counts = true;
+  if (state_->frame_clock < 0) state_->frame_clock = 0;
+}
+
+std::span<const std::int32_t> Hand::command() const noexcept { return state_->counts; }
+
+void Hand::Step() noexcept {
+  if (!state_->health.ok) return;
+  state_->TakeFrame();
+  try {
+    state_->Advance();
+  } catch (const std::exception& error) {
+    state_->health = {.ok = false,
+                      .problem = fmt::format("at {:.3f} s: {}", state_->data->time, error.what())};
+  }
+}
+
+void Hand::ReadJointAngles(std::span<double> joint_angle_rad) const noexcept {
+  const std::vector<int>& qpos = hand_model().channel_qpos_;
+  for (std::size_t i = 0; i < qpos.size(); ++i) joint_angle_rad[i] = data().qpos[qpos[i]];
+}
+
+void Hand::ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept {
+  const std::vector<Drive>& drives = hand_model().drives();
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    spool_angle_rad[i] = data().qpos[drives[i].spool_qpos];
+  }
+}
+
+void Hand::ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept {
+  const std::vector<Drive>& drives = hand_model().drives();
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    spool_speed_rad_s[i] = data().qvel[drives[i].spool_dof];
+  }
+}
+
+void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
+  for (std::size_t i = 0; i < state_->cables.size(); ++i) {
+    tension_n[i] = state_->cables[i].tension_n;
+  }
+}
+
+void Hand::ReadSaturation(std::span<std::uint8_t> saturated) const noexcept {
+  std::copy(state_->saturated.begin(), state_->saturated.end(), saturated.begin());
+}
+
+const HandHealth& Hand::health() const noexcept { return state_->health; }
+const HandModel& Hand::hand_model() const noexcept { return *state_->hand; }
+const mjData& Hand::data() const noexcept { return *state_->data; }
+
+}  // namespace gauntlet::sim
