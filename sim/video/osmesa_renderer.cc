@@ -49,6 +49,9 @@ void CheckConfig(const RendererConfig& config) {
     throw UserError(
         fmt::format("picture: supersampling {} is not in 1 .. 8", config.supersampling));
   }
+  if (config.sides < 4 || config.sides > 256) {
+    throw UserError(fmt::format("picture: sides {} is not in 4 .. 256", config.sides));
+  }
   const int largest = kMaxDrawn_px / config.supersampling;
   for (int side : {config.width_px, config.height_px}) {
     if (side < 1 || side > largest) {
@@ -163,8 +166,8 @@ struct OsmesaRenderer::Context {
     copy->vis.global.offheight = drawn_height();
     copy->vis.quality.offsamples = 0;
     copy->vis.quality.shadowsize = config.shadows ? config.shadow_map_px : 0;
-    copy->vis.quality.numslices = std::min(copy->vis.quality.numslices, config.max_sides);
-    copy->vis.quality.numstacks = std::min(copy->vis.quality.numstacks, config.max_sides / 2);
+    copy->vis.quality.numslices = config.sides;
+    copy->vis.quality.numstacks = config.sides / 2;
     mjr_makeContext(copy.get(), &drawing, mjFONTSCALE_100);
     mjr_setBuffer(mjFB_OFFSCREEN, &drawing);
     if (drawing.currentBuffer != mjFB_OFFSCREEN || mjr_getError() != 0) {

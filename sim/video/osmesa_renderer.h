@@ -12,14 +12,14 @@ namespace gauntlet::sim {
 struct RendererConfig {
   int width_px = 640;
   int height_px = 480;
-  std::string camera;  // by name; empty: a free camera that sees the whole model
+  std::string camera{};  // by name; empty: a free camera that sees the whole model
   /// A pixel is the mean of n x n drawn ones. On a software rasteriser twice the resolution in both
   /// directions costs half of what four samples a pixel cost, and smooths highlights, too.
   int supersampling = 2;
   bool shadows = true;
   int shadow_map_px = 1024;
-  /// Round shapes are drawn with this many sides at most: enough for a finger some 20 px wide.
-  int max_sides = 20;
+  /// Round shapes are drawn with this many sides: 20 are enough for a finger some 20 px wide.
+  int sides = 20;
 };
 
 /// Draws a model off-screen, without a display, on the CPU.

@@ -1,0 +1,97 @@
+#include "tests/video/video_reader.h"
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <stdexcept>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/pixdesc.h>
+}
+
+namespace gauntlet::sim {
+namespace {
+
+void Check(int result, const char* what) {
+  if (result < 0) throw std::runtime_error(what);
+}
+
+double MeanBrightness(const AVFrame& frame, int begin, int end) {
+  double sum = 0.0;
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = begin; x < end; ++x) sum += frame.data[0][y * frame.linesize[0] + x];
+  }
+  return sum / (frame.height * (end - begin));
+}
+
+struct Decoder {
+  AVFormatContext* container = nullptr;
+  AVCodecContext* codec = nullptr;
+  AVFrame* frame = av_frame_alloc();
+  AVPacket* packet = av_packet_alloc();
+
+  ~Decoder() {
+    av_packet_free(&packet);
+    av_frame_free(&frame);
+    avcodec_free_context(&codec);
+    avformat_close_input(&container);
+  }
+
+  void Take(VideoContent& content, const AVStream& stream) {
+    while (avcodec_receive_frame(codec, frame) >= 0) {
+      const double time_s = frame->pts * av_q2d(stream.time_base);
+      if (std::abs(time_s * content.frames_per_s - content.frames) > 1e-6) {
+        content.times_are_even = false;
+      }
+      content.brightness.push_back({MeanBrightness(*frame, 0, frame->width / 2),
+                                    MeanBrightness(*frame, frame->width / 2, frame->width)});
+      ++content.frames;
+    }
+  }
+};
+
+}  // namespace
+
+VideoContent ReadVideo(const std::filesystem::path& file) {
+  Decoder decoder;
+  Check(avformat_open_input(&decoder.container, file.c_str(), nullptr, nullptr), "open");
+  Check(avformat_find_stream_info(decoder.container, nullptr), "streams");
+  if (decoder.container->nb_streams != 1) throw std::runtime_error("more than one stream");
+  const AVStream& stream = *decoder.container->streams[0];
+  const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
+  decoder.codec = avcodec_alloc_context3(codec);
+  Check(avcodec_parameters_to_context(decoder.codec, stream.codecpar), "parameters");
+  Check(avcodec_open2(decoder.codec, codec, nullptr), "decoder");
+
+  VideoContent content{.codec = avcodec_get_name(stream.codecpar->codec_id),
+                       .pixel_format = av_get_pix_fmt_name(decoder.codec->pix_fmt),
+                       .color_space = av_color_space_name(decoder.codec->colorspace),
+                       .width_px = stream.codecpar->width,
+                       .height_px = stream.codecpar->height,
+                       .frames_per_s = av_q2d(stream.avg_frame_rate)};
+  while (av_read_frame(decoder.container, decoder.packet) >= 0) {
+    Check(avcodec_send_packet(decoder.codec, decoder.packet), "decode");
+    av_packet_unref(decoder.packet);
+    decoder.Take(content, stream);
+  }
+  Check(avcodec_send_packet(decoder.codec, nullptr), "decode");
+  decoder.Take(content, stream);
+  return content;
+}
+
+std::vector<std::string> BoxesOf(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<std::string> names;
+  unsigned char head[8];
+  while (stream.read(reinterpret_cast<char*>(head), sizeof(head))) {
+    const std::uint32_t size = head[0] << 24 | head[1] << 16 | head[2] << 8 | head[3];
+    names.emplace_back(head + 4, head + 8);
+    if (size < 8) throw std::runtime_error("a box of unusual size");
+    stream.seekg(size - 8, std::ios::cur);
+  }
+  return names;
+}
+
+}  // namespace gauntlet::sim
