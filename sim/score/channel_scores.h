@@ -14,6 +14,25 @@ struct ChannelScores {
   double peak_error_deg = kNoScore;
   double jitter_rms_deg = kNoScore;
   double command_reversals_per_s = kNoScore;
+  double rest_tracking_rmse_deg = kNoScore;
+  double rest_jitter_deg = kNoScore;
+  double slow_tracking_rmse_deg = kNoScore;
+  double slow_jitter_rms_deg = kNoScore;
+  double fast_tracking_rmse_deg = kNoScore;
+  double fast_jitter_rms_deg = kNoScore;
+  double onset_tracking_rmse_deg = kNoScore;
+  double onset_jitter_rms_deg = kNoScore;
+  double reversal_tracking_rmse_deg = kNoScore;
+  double reversal_jitter_rms_deg = kNoScore;
+  double sparc = kNoScore;
+  double ldlj = kNoScore;
+  double overshoot_deg = kNoScore;
+  double onset_delay_ms = kNoScore;
+  double motor_speed_rms_deg_s = kNoScore;
+  double motor_speed_centroid_hz = kNoScore;
+  double saturation_share = kNoScore;
+  double slack_share = kNoScore;
+  double tension_peak_n = kNoScore;
 };
 
 /// Which field holds metric number `metric` of Metrics().

@@ -9,12 +9,26 @@
 
 namespace gauntlet::sim {
 
-/// The signals of one trial that scores are made of. Views: the owner outlives the scoring.
+/// A stretch of the wearer's motion with a name: rest, slow, fast, onset or reversal. Other names
+/// are passed over. Samples [begin, end).
+struct LabelledSegment {
+  std::string label;
+  int begin = 0;
+  int end = 0;
+};
+
+/// The signals of one trial that scores are made of. Views: the owner outlives the scoring. All but
+/// the two angles may be missing; the scores that need them are then NaN.
 struct ScoreInput {
   double rate_hz = 1000.0;
-  const Signal* reference_angle_rad = nullptr;    // samples x channels, what the wearer did
-  const Signal* hand_angle_rad = nullptr;         // samples x channels, what the hand did
-  const IntegerSignal* command_counts = nullptr;  // samples x motors, one motor per channel
+  const Signal* reference_angle_rad = nullptr;     // samples x channels, what the wearer did
+  const Signal* hand_angle_rad = nullptr;          // samples x channels, what the hand did
+  const IntegerSignal* command_counts = nullptr;   // samples x motors, one motor per channel
+  const Signal* motor_speed_rad_s = nullptr;       // samples x motors
+  const Signal* tension_n = nullptr;               // samples x cables
+  std::span<const int> cable_channel = {};         // per cable: the channel that it moves
+  std::span<const double> saturation_share = {};   // per motor
+  std::span<const LabelledSegment> segments = {};  // in place of a split by the wearer's speed
 };
 
 /// One score that Gauntlet knows. The unit is the suffix of the key.
@@ -41,5 +55,15 @@ struct Scores {
 /// early is shorter than the reference; the rows that exist are scored.
 /// Errors: std::invalid_argument for signals that do not fit each other (the caller's mistake).
 Scores ComputeScores(const ScoreInput& input);
+
+/// Scores of all channels that belong together.
+struct FingerScores {
+  std::string name;            // what their channels' names have before the first underscore
+  std::vector<double> values;  // metrics: the mean over its channels, as in a summary
+};
+
+/// One entry per finger (or wrist, forearm, elbow, shoulder), in the order of the channels.
+std::vector<FingerScores> ScoresPerFinger(const Scores& scores,
+                                          std::span<const std::string> channel_names);
 
 }  // namespace gauntlet::sim

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <set>
 #include <stdexcept>
+#include <string>
+#include <thread>
 
 #include "tests/score/signals.h"
 
@@ -90,17 +93,134 @@ TEST(Scores, OfAHandStoppedEarlyAreThoseOfItsRows) {
   input.hand_angle_rad = &hand;
   const Scores longer = ComputeScores(input);
   input.reference_angle_rad = &reference;
-  EXPECT_EQ(longer.summary, ComputeScores(input).summary);
+  const Scores exact = ComputeScores(input);
+  EXPECT_EQ(std::memcmp(longer.summary.data(), exact.summary.data(),
+                        exact.summary.size() * sizeof(double)),
+            0);
   const Signal nothing(0, 3);
   input.hand_angle_rad = &nothing;
   for (const double value : ComputeScores(input).summary) EXPECT_TRUE(std::isnan(value));
 }
 
-TEST(Scores, AreTheSameEveryTime) {
-  const Example example;
-  const Scores first = ComputeScores(example.Input());
-  const Scores second = ComputeScores(example.Input());
-  for (std::size_t c = 0; c < 2; ++c) EXPECT_EQ(first.channels[c], second.channels[c]);
+/// All that a metric may need: a wearer who rests, moves and turns, with motors and cables.
+struct FullExample {
+  static constexpr int kSamples = 30000;
+  Signal reference = Signal::Zero(kSamples, 2);
+  Signal hand = Signal::Zero(kSamples, 2);
+  IntegerSignal command = IntegerSignal::Zero(kSamples, 2);
+  Signal speed = Signal::Zero(kSamples, 2);
+  Signal tension = Signal::Zero(kSamples, 3);
+  std::vector<int> cable_channel{0, 1, 0};
+  std::vector<double> saturation{0.25, 0.75};
+
+  FullExample() {
+    const auto noise = Noise(2 * kSamples, 12);
+    for (int n = 0; n < kSamples; ++n) {
+      for (int c = 0; c < 2; ++c) {
+        const double white = 0.3 * kRadPerDeg * noise[2 * n + c];
+        reference(n, c) = At(n, c);
+        hand(n, c) = At(n - 60, c) + white;
+        command(n, c) = static_cast<int>(100.0 * At(n / 20 * 20, c));
+        speed(n, c) = 0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 40.0 * n / 1000.0);
+      }
+      tension(n, 0) = n < kSamples / 10 ? 0.0 : 3.0;
+      tension(n, 1) = 1.0;
+      tension(n, 2) = n == 77 ? 8.0 : 2.0;
+    }
+  }
+  /// Ten seconds of rest, then slow, then fast turns.
+  static double At(int n, int channel) {
+    const double t = n / 1000.0 - 10.0;
+    if (t < 0.0) return 0.0;
+    return 0.4 * (1.0 - std::cos(2.0 * kPi * (t < 10.0 ? 0.2 : 1.2 + 0.1 * channel) * t));
+  }
+  ScoreInput Input() const {
+    return {.reference_angle_rad = &reference,
+            .hand_angle_rad = &hand,
+            .command_counts = &command,
+            .motor_speed_rad_s = &speed,
+            .tension_n = &tension,
+            .cable_channel = cable_channel,
+            .saturation_share = saturation};
+  }
+};
+
+TEST(Scores, AllExistWhereAllSignalsDo) {
+  const FullExample example;
+  const Scores scores = ComputeScores(example.Input());
+  for (std::size_t i = 0; i < Metrics().size(); ++i) {
+    EXPECT_TRUE(std::isfinite(scores.summary[i])) << Metrics()[i].key;
+    for (const auto& channel : scores.channels) {
+      EXPECT_TRUE(std::isfinite(channel[i])) << Metrics()[i].key;
+    }
+  }
+}
+
+TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
+  const FullExample example;
+  const Scores scores = ComputeScores(example.Input());
+  const auto value = [&](std::string_view key) { return scores.channels[0][IndexOf(key)]; };
+  EXPECT_NEAR(value("rest_jitter_deg"), 0.3, 0.01);
+  EXPECT_NEAR(value("rest_tracking_rmse_deg"), 0.3, 0.01);
+  EXPECT_NEAR(value("slow_jitter_rms_deg"), 0.3 * std::sqrt(0.98), 0.01);
+  EXPECT_NEAR(value("fast_jitter_rms_deg"), 0.3 * std::sqrt(0.98), 0.01);
+  EXPECT_GT(value("fast_tracking_rmse_deg"), 3.0 * value("slow_tracking_rmse_deg"));
+  EXPECT_LT(value("reversal_tracking_rmse_deg"), value("fast_tracking_rmse_deg"));
+  EXPECT_NEAR(value("delay_ms"), 60.0, 0.5);
+  EXPECT_NEAR(value("onset_delay_ms"), 60.0, 10.0);
+  EXPECT_NEAR(value("motor_speed_rms_deg_s"), 0.5 * kDegPerRad, 1e-6);
+  EXPECT_NEAR(value("motor_speed_centroid_hz"), 40.0, 0.02);
+  EXPECT_DOUBLE_EQ(value("saturation_share"), 0.25);
+  EXPECT_DOUBLE_EQ(value("slack_share"), 0.05);
+  EXPECT_DOUBLE_EQ(value("tension_peak_n"), 8.0);
+  EXPECT_DOUBLE_EQ(scores.summary[IndexOf("saturation_share")], 0.5);
+}
+
+TEST(Scores, FollowLabelsInPlaceOfTheSpeed) {
+  const FullExample example;
+  ScoreInput input = example.Input();
+  const LabelledSegment all_rest[] = {{"rest", 0, FullExample::kSamples}};
+  input.segments = all_rest;
+  const Scores scores = ComputeScores(input);
+  EXPECT_TRUE(std::isnan(scores.summary[IndexOf("fast_tracking_rmse_deg")]));
+  EXPECT_GT(scores.summary[IndexOf("rest_jitter_deg")], 5.0);
+}
+
+bool SameBytes(const std::vector<double>& first, const std::vector<double>& second) {
+  return first.size() == second.size() &&
+         std::memcmp(first.data(), second.data(), first.size() * sizeof(double)) == 0;
+}
+
+TEST(Scores, AreTheSameOnSeveralThreads) {
+  const FullExample example;
+  const Scores alone = ComputeScores(example.Input());
+  std::vector<Scores> together(4);
+  std::vector<std::thread> threads;
+  for (Scores& scores : together) {
+    threads.emplace_back([&] { scores = ComputeScores(example.Input()); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const Scores& scores : together) {
+    EXPECT_TRUE(SameBytes(scores.summary, alone.summary));
+    EXPECT_TRUE(SameBytes(scores.channels[1], alone.channels[1]));
+  }
+}
+
+TEST(ScoresPerFinger, AreMeansOverTheChannelsOfAFinger) {
+  Scores scores;
+  scores.summary.assign(Metrics().size(), 0.0);
+  for (const double value : {1.0, 2.0, 4.0}) {
+    scores.channels.emplace_back(Metrics().size(), value);
+  }
+  scores.channels[2][0] = NAN;
+  const std::vector<std::string> names{"thumb_ip", "index_mcp", "index_pip"};
+  const auto fingers = ScoresPerFinger(scores, names);
+  ASSERT_EQ(fingers.size(), 2u);
+  EXPECT_EQ(fingers[0].name, "thumb");
+  EXPECT_EQ(fingers[0].values[1], 1.0);
+  EXPECT_EQ(fingers[1].name, "index");
+  EXPECT_EQ(fingers[1].values[0], 2.0);
+  EXPECT_EQ(fingers[1].values[1], 3.0);
 }
 
 TEST(Scores, RefuseSignalsThatDoNotFit) {
@@ -108,6 +228,16 @@ TEST(Scores, RefuseSignalsThatDoNotFit) {
   ScoreInput input = example.Input();
   const Signal narrow = example.hand.leftCols(2);
   input.hand_angle_rad = &narrow;
+  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  input = example.Input();
+  input.motor_speed_rad_s = &narrow;
+  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  input = example.Input();
+  input.tension_n = &example.hand;  // without the channels of its cables
+  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  input = example.Input();
+  const double one_share[] = {0.5};
+  input.saturation_share = one_share;
   EXPECT_THROW(ComputeScores(input), std::invalid_argument);
   input.hand_angle_rad = nullptr;
   EXPECT_THROW(ComputeScores(input), std::invalid_argument);

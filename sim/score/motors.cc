@@ -1,0 +1,65 @@
+#include "sim/score/motors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/score/channel_scores.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kPiece_s = 1.0;
+constexpr double kSlackTension_n = 0.01;  // an assumption: the weight of 1 g
+
+std::vector<double> HannWindow(int size) {
+  std::vector<double> window(size);
+  for (int n = 0; n < size; ++n) {
+    window[n] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * n / size);
+  }
+  return window;
+}
+
+}  // namespace
+
+double SpectralCentroid(std::span<const double> speed, double rate_hz, Fourier& fourier) {
+  const int samples = static_cast<int>(speed.size());
+  const int size = FastTransformSize(static_cast<int>(kPiece_s * rate_hz));
+  if (samples < size) return kNoScore;
+  double mean = 0.0;
+  for (const double value : speed) mean += value / samples;
+
+  const std::vector<double> window = HannWindow(size);
+  const int hop = std::max(1, size / 2);
+  std::vector<double> power(size / 2 + 1);
+  Fourier::Values pair;
+  for (int start = 0; start + size <= samples; start += 2 * hop) {
+    // Two pieces as real and imaginary part: |Z[k]|^2 + |Z[-k]|^2 is twice the sum of their powers.
+    pair.assign(size, 0.0);
+    const bool two = start + hop + size <= samples;
+    for (int n = 0; n < size; ++n) {
+      const double first = window[n] * (speed[start + n] - mean);
+      const double second = two ? window[n] * (speed[start + hop + n] - mean) : 0.0;
+      pair[n] = {first, second};
+    }
+    fourier.Forward(pair);
+    for (int k = 1; k <= size / 2; ++k) power[k] += std::norm(pair[k]) + std::norm(pair[size - k]);
+  }
+  double sum = 0.0;
+  double weighted = 0.0;
+  for (int k = 1; k <= size / 2; ++k) {
+    sum += power[k];
+    weighted += power[k] * k;
+  }
+  // Rounding leaves some 1e-30 of a constant speed.
+  const double floor = 1e-24 * (1.0 + mean * mean) * size * samples;
+  return sum > floor ? weighted / sum * rate_hz / size : kNoScore;
+}
+
+double SlackShare(std::span<const double> tension_n) {
+  const auto slack = std::count_if(tension_n.begin(), tension_n.end(),
+                                   [](double tension) { return tension <= kSlackTension_n; });
+  return static_cast<double>(slack) / static_cast<double>(tension_n.size());
+}
+
+}  // namespace gauntlet::sim

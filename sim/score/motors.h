@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+
+#include "sim/score/fourier.h"
+
+namespace gauntlet::sim {
+
+/// Centre of the power spectrum of a motor's speed: how high the motor sounds [Hz].
+///
+///     centroid = sum f P(f) / sum P(f),   0 < f <= rate/2
+///
+/// P by Welch's method: pieces of about 1 s that overlap by half, Hann window, mean removed. NaN
+/// for less than one piece or a constant speed. Source: Welch 1967; Peeters 2004 (spectral
+/// centroid).
+double SpectralCentroid(std::span<const double> speed, double rate_hz, Fourier& fourier);
+
+/// Share of samples in which a cable pulls with 0.01 N or less: it hangs through.
+double SlackShare(std::span<const double> tension_n);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,135 @@
+#include "sim/score/smoothness.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "sim/score/channel_scores.h"
+#include "sim/score/low_pass.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr int kPaddingLevel = 4;
+constexpr double kLargestFrequency_hz = 10.0;
+constexpr double kAmplitudeThreshold = 0.05;
+constexpr double kProfileRate_hz = 100.0;
+constexpr double kCutoff_hz = 20.0;
+constexpr double kTransition_hz = 20.0;
+constexpr double kShortestMovement_s = 0.2;
+
+/// A smoothed velocity at a lower rate: value i belongs to sample first_sample + i * step.
+struct VelocityProfile {
+  int first_sample = 0;
+  int step = 1;
+  std::vector<double> velocity;
+};
+
+/// Low pass and derivative in one: v[n] = sum over k > 0 of gain_k (x[n + k] - x[n - k]).
+std::vector<double> DerivativeWeights(const LowPass& low_pass, double rate_hz) {
+  const int reach = low_pass.reach();
+  const auto weight = [&](int n) { return n <= reach ? low_pass.weights[n] : 0.0; };
+  std::vector<double> gains(reach + 2);
+  for (int k = 1; k <= reach + 1; ++k) gains[k] = 0.5 * rate_hz * (weight(k - 1) - weight(k + 1));
+  return gains;
+}
+
+VelocityProfile SmoothedVelocity(std::span<const double> angle, double rate_hz) {
+  VelocityProfile profile;
+  if (rate_hz <= 2.0 * kCutoff_hz + kTransition_hz) return profile;
+  const auto gains = DerivativeWeights(DesignLowPass(kCutoff_hz, kTransition_hz, rate_hz), rate_hz);
+  const int reach = static_cast<int>(gains.size()) - 1;
+  profile.first_sample = reach;
+  profile.step = std::max(1, static_cast<int>(std::lround(rate_hz / kProfileRate_hz)));
+  const int samples = static_cast<int>(angle.size());
+  for (int n = reach; n + reach < samples; n += profile.step) {
+    double velocity = 0.0;
+    for (int k = 1; k <= reach; ++k) velocity += gains[k] * (angle[n + k] - angle[n - k]);
+    profile.velocity.push_back(velocity);
+  }
+  return profile;
+}
+
+/// The part of the profile in which the hand makes the wearer's movement.
+std::span<const double> Cut(const VelocityProfile& profile, const Movement& movement,
+                            double delay_samples) {
+  const auto index = [&](int sample) {
+    const double position = (sample + delay_samples - profile.first_sample) / profile.step;
+    return static_cast<int>(std::ceil(position));
+  };
+  const int begin = index(movement.begin);
+  const int end = index(movement.end);
+  if (begin < 0 || end > static_cast<int>(profile.velocity.size())) return {};
+  return std::span(profile.velocity).subspan(begin, end - begin);
+}
+
+}  // namespace
+
+double SpectralArcLength(std::span<const double> speed, double rate_hz, Fourier& fourier) {
+  const std::size_t size = std::bit_ceil(speed.size()) << kPaddingLevel;
+  Fourier::Values spectrum(size);
+  std::copy(speed.begin(), speed.end(), spectrum.begin());
+  fourier.Forward(spectrum);
+
+  double largest = 0.0;  // over all frequencies, as in the source
+  for (std::size_t k = 0; k <= size / 2; ++k) largest = std::max(largest, std::abs(spectrum[k]));
+  if (!(largest > 0.0)) return kNoScore;
+  const double step_hz = rate_hz / static_cast<double>(size);
+  std::vector<double> amplitude;
+  std::size_t first = size;
+  std::size_t last = 0;
+  for (std::size_t k = 0; k <= size / 2 && static_cast<double>(k) * step_hz <= kLargestFrequency_hz;
+       ++k) {
+    amplitude.push_back(std::abs(spectrum[k]) / largest);
+    if (amplitude.back() < kAmplitudeThreshold) continue;
+    first = std::min(first, k);
+    last = k;
+  }
+  if (first >= last) return kNoScore;
+  const double step = 1.0 / static_cast<double>(last - first);
+  double length = 0.0;
+  for (std::size_t k = first; k < last; ++k) {
+    length += std::hypot(step, amplitude[k + 1] - amplitude[k]);
+  }
+  return -length;
+}
+
+double LogDimensionlessJerk(std::span<const double> speed, double rate_hz) {
+  if (speed.size() < 3) return kNoScore;
+  double peak = 0.0;
+  for (const double value : speed) peak = std::max(peak, std::abs(value));
+  double squares = 0.0;
+  for (std::size_t n = 2; n < speed.size(); ++n) {
+    const double jerk = (speed[n] - 2.0 * speed[n - 1] + speed[n - 2]) * rate_hz * rate_hz;
+    squares += jerk * jerk;
+  }
+  const double duration_s = static_cast<double>(speed.size()) / rate_hz;
+  const double jerk_integral = squares / rate_hz;
+  if (!(peak > 0.0) || !(jerk_integral > 0.0)) return kNoScore;
+  return -std::log(duration_s * duration_s * duration_s / (peak * peak) * jerk_integral);
+}
+
+Smoothness MovementSmoothness(std::span<const double> hand_angle_rad, double rate_hz,
+                              std::span<const Movement> movements, double delay_samples,
+                              Fourier& fourier) {
+  const VelocityProfile profile = SmoothedVelocity(hand_angle_rad, rate_hz);
+  const double profile_rate_hz = rate_hz / profile.step;
+  const auto shortest = static_cast<std::size_t>(kShortestMovement_s * profile_rate_hz);
+  double sparc = 0.0;
+  double ldlj = 0.0;
+  int count = 0;
+  for (const Movement& movement : movements) {
+    const auto velocity = Cut(profile, movement, delay_samples);
+    if (velocity.size() < shortest) continue;
+    const double arc = SpectralArcLength(velocity, profile_rate_hz, fourier);
+    const double jerk = LogDimensionlessJerk(velocity, profile_rate_hz);
+    if (!std::isfinite(arc) || !std::isfinite(jerk)) continue;  // the hand stood quite still
+    sparc += arc;
+    ldlj += jerk;
+    ++count;
+  }
+  if (count == 0) return {kNoScore, kNoScore};
+  return {sparc / count, ldlj / count};
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,194 @@
+#include "sim/score/wearer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kRestSpeed_rad_s = 5.0 * kRadPerDeg;
+constexpr double kFastSpeed_rad_s = 60.0 * kRadPerDeg;
+constexpr double kShortestRest_s = 0.3;
+constexpr double kSettling_s = 0.5;
+constexpr double kOnset_s = 0.3;
+constexpr double kReversal_s = 0.15;  // to either side
+constexpr double kSpeedReach_s = 0.005;
+constexpr double kSmallestMovement_rad = 5.0 * kRadPerDeg;
+
+enum Class : std::uint8_t { kRestClass, kSlowClass, kFastClass };
+
+/// Rest, slow or fast, sample by sample. Long slowness is rest, short slowness is not.
+std::vector<Class> ClassifyBySpeed(std::span<const double> angle, double rate_hz) {
+  const int samples = static_cast<int>(angle.size());
+  const int reach = std::max(1, static_cast<int>(std::lround(kSpeedReach_s * rate_hz)));
+  const int shortest_rest = static_cast<int>(std::lround(kShortestRest_s * rate_hz));
+  std::vector<Class> classes(angle.size());
+  int still_since = 0;
+  for (int n = 0; n <= samples; ++n) {
+    if (n < samples) {
+      const int before = std::max(0, n - reach);
+      const int after = std::min(samples - 1, n + reach);
+      const double time_s = std::max(1, after - before) / rate_hz;
+      const double speed = std::abs(angle[after] - angle[before]) / time_s;
+      classes[n] = speed < kRestSpeed_rad_s    ? kRestClass
+                   : speed >= kFastSpeed_rad_s ? kFastClass
+                                               : kSlowClass;
+      if (classes[n] == kRestClass) continue;
+    }
+    if (n - still_since < shortest_rest) {
+      std::fill(classes.begin() + still_since, classes.begin() + n, kSlowClass);
+    }
+    still_since = n + 1;
+  }
+  return classes;
+}
+
+/// Stretches of one class.
+std::vector<Range> Stretches(const std::vector<Class>& classes, Class wanted) {
+  std::vector<Range> ranges;
+  const int samples = static_cast<int>(classes.size());
+  for (int n = 0; n < samples; ++n) {
+    if (classes[n] != wanted) continue;
+    if (ranges.empty() || ranges.back().end != n) ranges.push_back({n, n});
+    ranges.back().end = n + 1;
+  }
+  return ranges;
+}
+
+/// Where the direction changes for good: by more than the smallest movement. With both ends.
+std::vector<int> TurningPoints(std::span<const double> angle, Range range) {
+  std::vector<int> points{range.begin};
+  int lowest = range.begin;
+  int highest = range.begin;
+  int direction = 0;
+  for (int n = range.begin; n < range.end; ++n) {
+    if (angle[n] < angle[lowest]) lowest = n;
+    if (angle[n] > angle[highest]) highest = n;
+    if (direction >= 0 && angle[n] < angle[highest] - kSmallestMovement_rad) {
+      if (highest > points.back()) points.push_back(highest);
+      direction = -1;
+      lowest = n;
+    } else if (direction <= 0 && angle[n] > angle[lowest] + kSmallestMovement_rad) {
+      if (lowest > points.back()) points.push_back(lowest);
+      direction = 1;
+      highest = n;
+    }
+  }
+  points.push_back(direction > 0 ? highest : direction < 0 ? lowest : range.end - 1);
+  return points;
+}
+
+/// All that is not rest.
+std::vector<Range> Moving(const std::vector<Class>& classes) {
+  std::vector<Range> ranges;
+  int begin = 0;
+  for (const Range& rest : Stretches(classes, kRestClass)) {
+    if (rest.begin > begin) ranges.push_back({begin, rest.begin});
+    begin = rest.end;
+  }
+  const int samples = static_cast<int>(classes.size());
+  if (begin < samples) ranges.push_back({begin, samples});
+  return ranges;
+}
+
+std::vector<Movement> FindMovements(std::span<const double> angle,
+                                    const std::vector<Class>& classes) {
+  std::vector<Movement> movements;
+  for (const Range& range : Moving(classes)) {
+    const std::vector<int> points = TurningPoints(angle, range);
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const Movement movement{.begin = points[i],
+                              .end = points[i + 1],
+                              .from_rad = angle[points[i]],
+                              .to_rad = angle[points[i + 1]],
+                              .from_rest = i == 0 && range.begin > 0};
+      if (movement.amplitude_rad() >= kSmallestMovement_rad) movements.push_back(movement);
+    }
+  }
+  return movements;
+}
+
+/// Labels win over the speed for the samples they cover.
+void ApplyLabels(std::span<const LabelledSegment> segments, std::vector<Class>& classes) {
+  const int samples = static_cast<int>(classes.size());
+  for (const LabelledSegment& segment : segments) {
+    const Class label = segment.label == "rest"   ? kRestClass
+                        : segment.label == "slow" ? kSlowClass
+                                                  : kFastClass;
+    if (label == kFastClass && segment.label != "fast") continue;
+    const int begin = std::clamp(segment.begin, 0, samples);
+    const int end = std::clamp(segment.end, begin, samples);
+    std::fill(classes.begin() + begin, classes.begin() + end, label);
+  }
+}
+
+std::vector<Range> Labelled(std::span<const LabelledSegment> segments, std::string_view label,
+                            int samples) {
+  std::vector<Range> ranges;
+  for (const LabelledSegment& segment : segments) {
+    if (segment.label != label) continue;
+    const int begin = std::clamp(segment.begin, 0, samples);
+    const int end = std::clamp(segment.end, begin, samples);
+    if (end > begin) ranges.push_back({begin, end});
+  }
+  return ranges;
+}
+
+std::vector<Range> Onsets(const std::vector<Movement>& movements, int length, int samples) {
+  std::vector<Range> ranges;
+  for (const Movement& movement : movements) {
+    if (!movement.from_rest) continue;
+    ranges.push_back({movement.begin, std::min(samples, movement.begin + length)});
+  }
+  return ranges;
+}
+
+std::vector<Range> Reversals(const std::vector<Movement>& movements, int reach, int samples) {
+  std::vector<Range> ranges;
+  for (std::size_t i = 1; i < movements.size(); ++i) {
+    if (movements[i].begin != movements[i - 1].end) continue;  // a rest or a pause lies between
+    int begin = std::max(0, movements[i].begin - reach);
+    if (!ranges.empty()) begin = std::max(begin, ranges.back().end);  // count no sample twice
+    ranges.push_back({begin, std::min(samples, movements[i].begin + reach)});
+  }
+  return ranges;
+}
+
+}  // namespace
+
+WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
+                           std::span<const LabelledSegment> segments) {
+  const int samples = static_cast<int>(angle_rad.size());
+  const auto in_samples = [&](double time_s) {
+    return static_cast<int>(std::lround(time_s * rate_hz));
+  };
+  WearerMotion motion;
+  const auto of = [&](Regime regime) -> std::vector<Range>& {
+    return motion.regimes[static_cast<int>(regime)];
+  };
+
+  std::vector<Class> classes = ClassifyBySpeed(angle_rad, rate_hz);
+  motion.movements = FindMovements(angle_rad, classes);
+
+  ApplyLabels(segments, classes);
+  for (Range rest : Stretches(classes, kRestClass)) {
+    rest.begin += in_samples(kSettling_s);
+    if (rest.begin < rest.end) of(Regime::kRest).push_back(rest);
+  }
+  of(Regime::kSlow) = Stretches(classes, kSlowClass);
+  of(Regime::kFast) = Stretches(classes, kFastClass);
+  of(Regime::kOnset) = Labelled(segments, "onset", samples);
+  if (of(Regime::kOnset).empty()) {
+    of(Regime::kOnset) = Onsets(motion.movements, in_samples(kOnset_s), samples);
+  }
+  of(Regime::kReversal) = Labelled(segments, "reversal", samples);
+  if (of(Regime::kReversal).empty()) {
+    of(Regime::kReversal) = Reversals(motion.movements, in_samples(kReversal_s), samples);
+  }
+  return motion;
+}
+
+}  // namespace gauntlet::sim
