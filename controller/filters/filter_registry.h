@@ -5,17 +5,31 @@
 #include <string_view>
 #include <variant>
 
+#include "controller/filters/alpha_beta_filter.h"
+#include "controller/filters/butterworth_filter.h"
+#include "controller/filters/exponential_filter.h"
 #include "controller/filters/filter.h"
+#include "controller/filters/fixed_lag_filter.h"
+#include "controller/filters/kalman_adaptive_filter.h"
+#include "controller/filters/kalman_dense_filter.h"
 #include "controller/filters/kalman_filter.h"
+#include "controller/filters/kalman_steady_filter.h"
+#include "controller/filters/median_filter.h"
 #include "controller/filters/moving_average_filter.h"
 #include "controller/filters/no_filter.h"
+#include "controller/filters/one_euro_filter.h"
+#include "controller/filters/savitzky_golay_filter.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
 
 /// Every kind of filter that there is. To add one: a file with its config (kKind, kSummary,
 /// defaults, Visit) and its MakeFilter(), and one entry here.
-using FilterSettings = std::variant<NoFilterConfig, MovingAverageConfig, KalmanConfig>;
+using FilterSettings =
+    std::variant<NoFilterConfig, MovingAverageConfig, MedianConfig, HampelConfig, ExponentialConfig,
+                 ButterworthConfig, SavitzkyGolayConfig, OneEuroConfig, AlphaBetaConfig,
+                 AlphaBetaGammaConfig, KalmanConfig, KalmanSteadyConfig, KalmanAdaptiveConfig,
+                 KalmanDenseConfig, FixedLagConfig>;
 
 /// A filter as a person writes it: `kind`, then the settings of that kind.
 struct FilterConfig {

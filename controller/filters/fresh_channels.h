@@ -7,11 +7,10 @@
 namespace gauntlet::controller {
 
 /// Remembers which channels wait for their first sample, so that a filter can start each of them
-/// there. Costs one comparison per step once all have started.
+/// there. None to begin with. Costs one comparison per step once all have started.
 class FreshChannels {
  public:
-  explicit FreshChannels(int channel_count)
-      : fresh_(static_cast<std::size_t>(channel_count), 1), count_(channel_count) {}
+  explicit FreshChannels(int channel_count) : fresh_(static_cast<std::size_t>(channel_count), 0) {}
 
   bool any() const noexcept { return count_ > 0; }
 
@@ -20,10 +19,6 @@ class FreshChannels {
     count_ += fresh == 0;
     fresh = 1;
   }
-  void AddAll() noexcept {
-    for (std::uint8_t& fresh : fresh_) fresh = 1;
-    count_ = static_cast<int>(fresh_.size());
-  }
   void Remove(int channel) noexcept {
     std::uint8_t& fresh = fresh_[static_cast<std::size_t>(channel)];
     count_ -= fresh == 1;
@@ -31,6 +26,13 @@ class FreshChannels {
   }
   bool contains(int channel) const noexcept {
     return fresh_[static_cast<std::size_t>(channel)] == 1;
+  }
+  void CopyFrom(const FreshChannels& other, int channel) noexcept {
+    if (other.contains(channel)) {
+      Add(channel);
+    } else {
+      Remove(channel);
+    }
   }
 
   /// Calls start(channel, first sample) for each of them; afterwards none is left.
@@ -45,7 +47,7 @@ class FreshChannels {
 
  private:
   std::vector<std::uint8_t> fresh_;
-  int count_;
+  int count_ = 0;
 };
 
 }  // namespace gauntlet::controller

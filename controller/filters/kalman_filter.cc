@@ -1,10 +1,15 @@
 #include "controller/filters/kalman_filter.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "controller/filters/channel_arrays.h"
+#include "controller/filters/end_point_fit.h"
 #include "controller/filters/fresh_channels.h"
 #include "controller/filters/kalman_kernels.h"
+#include "controller/filters/sample_window.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -21,6 +26,33 @@ constexpr Layout kLayout2 = {2, kKalmanArrays2, kR, kQ, {kP11, kP22, kP22}, Step
 constexpr Layout kLayout3 = {3,          kKalmanArrays3, kROf3, kQOf3, {kP11Of3, kP22Of3, kP33Of3},
                              StepKalman3};
 
+/// The acceleration of every channel, from the parabola through its last samples.
+class AccelerationEstimate {
+ public:
+  AccelerationEstimate(int window, int channel_count)
+      : weights_(EndPointWeights(window, 2, 2)),
+        window_(window, channel_count),
+        acceleration_(static_cast<std::size_t>(channel_count), 0.0) {}
+
+  std::span<const double> Step(std::span<const double> input) noexcept {
+    window_.Push(input);
+    WeightedSum(window_, weights_, acceleration_.data());
+    if (!window_.all_full()) {
+      for (int i = 0; i < window_.channel_count(); ++i) {
+        if (window_.count(i) < window_.length()) acceleration_[static_cast<std::size_t>(i)] = 0.0;
+      }
+    }
+    return acceleration_;
+  }
+  SampleWindow& window() noexcept { return window_; }
+  const SampleWindow& window() const noexcept { return window_; }
+
+ private:
+  Eigen::ArrayXd weights_;
+  SampleWindow window_;
+  std::vector<double> acceleration_;
+};
+
 class ChannelKalmanFilter final : public KalmanFilter {
  public:
   ChannelKalmanFilter(const KalmanConfig& config, int channel_count, double rate_hz)
@@ -34,12 +66,22 @@ class ChannelKalmanFilter final : public KalmanFilter {
     const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
     std::copy(r.begin(), r.end(), arrays_[layout_.r]);
     std::copy(q.begin(), q.end(), arrays_[layout_.q]);
+    if (config.acceleration_window > 0) {
+      acceleration_.emplace(config.acceleration_window, channel_count);
+    }
     Reset();
   }
 
   int channel_count() const noexcept override { return arrays_.channel_count(); }
 
   void Step(std::span<const double> input, std::span<double> output) noexcept override {
+    if (acceleration_) {
+      StepWithAcceleration(input, acceleration_->Step(input), output);
+    } else {
+      Update(input, output);
+    }
+  }
+  void Update(std::span<const double> input, std::span<double> output) noexcept {
     if (!fresh_.any()) {
       layout_.step(arrays_, factors_, input.data(), output.data());
       return;
@@ -62,7 +104,7 @@ class ChannelKalmanFilter final : public KalmanFilter {
       x[i] -= 0.5 * u;
       w[i] += u;
     }
-    Step(input, output);
+    Update(input, output);
   }
 
   double velocity(int channel) const noexcept override { return arrays_[kW][channel]; }
@@ -72,23 +114,21 @@ class ChannelKalmanFilter final : public KalmanFilter {
   }
   void ResetChannel(int channel) noexcept override {
     SetState(channel, 0.0);
-    if (start_ == Start::kFirst) {
-      fresh_.Add(channel);
-    } else {
-      fresh_.Remove(channel);
-    }
+    if (acceleration_) acceleration_->window().ResetChannel(channel);
+    if (start_ == Start::kFirst) fresh_.Add(channel);
   }
   bool CopyChannel(const Filter& from, int channel) noexcept override {
     const auto* other = dynamic_cast<const ChannelKalmanFilter*>(&from);
     if (other == nullptr || other->layout_.states != layout_.states) return false;
+    if (other->acceleration_.has_value() != acceleration_.has_value()) return false;
+    if (acceleration_) {
+      if (other->acceleration_->window().length() != acceleration_->window().length()) return false;
+      acceleration_->window().CopyChannel(other->acceleration_->window(), channel);
+    }
     for (int array = 0; array < layout_.r; ++array) {  // the state; R and Q stay
       arrays_[array][channel] = other->arrays_[array][channel];
     }
-    if (other->fresh_.contains(channel)) {
-      fresh_.Add(channel);
-    } else {
-      fresh_.Remove(channel);
-    }
+    fresh_.CopyFrom(other->fresh_, channel);
     return true;
   }
 
@@ -106,6 +146,7 @@ class ChannelKalmanFilter final : public KalmanFilter {
   ChannelArrays arrays_;
   std::vector<double> first_;
   FreshChannels fresh_;
+  std::optional<AccelerationEstimate> acceleration_;
 };
 
 }  // namespace
@@ -118,10 +159,21 @@ void KalmanConfig::Visit(SettingsVisitor& visitor) {
                    .min = 2,
                    .max = 3},
                   states);
+  visitor.Integer({.key = "acceleration_window",
+                   .help = "samples from which the acceleration input is estimated, at least 3; 0 "
+                           "is without that input",
+                   .min = 0,
+                   .max = 10000},
+                  acceleration_window);
 }
 
 std::unique_ptr<KalmanFilter> MakeKalmanFilter(const KalmanConfig& config, int channel_count,
                                                double rate_hz) {
+  if (config.acceleration_window == 1 || config.acceleration_window == 2) {
+    throw SettingError("acceleration_window",
+                       "is " + std::to_string(config.acceleration_window) +
+                           ", must be 0 or at least 3 (a parabola has three coefficients)");
+  }
   return std::make_unique<ChannelKalmanFilter>(config, channel_count, rate_hz);
 }
 

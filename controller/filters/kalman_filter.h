@@ -19,7 +19,9 @@ namespace gauntlet::controller {
 ///
 /// The paper prints K_j with P_j; the standard form, used here, has the a-priori P_j^-. Without
 /// other settings it is the paper's filter: Q = I, R as measured there, no acceleration input.
-/// With three states A = [1 1 1/2; 0 1 1; 0 0 1] and the acceleration is estimated, too.
+/// On the robot u may come from outside (StepWithAcceleration); with `acceleration_window` it is
+/// the second derivative of the best parabola through that many last samples, 0 until there are so
+/// many. With three states A = [1 1 1/2; 0 1 1; 0 0 1] and the acceleration is estimated, too.
 ///
 /// Source: Bai, Jiang, Yokoi, sections 2.3 and 2.4. Units: r in the input's unit squared.
 /// Errors: SettingError if `r` or `q` has neither one value nor one per channel. The default `r`
@@ -32,6 +34,7 @@ struct KalmanConfig {
   Start start = Start::kFirst;
   KalmanNoise noise = {};
   int states = 2;
+  int acceleration_window = 0;
 
   void Visit(SettingsVisitor& visitor);
 };

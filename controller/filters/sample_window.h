@@ -23,6 +23,9 @@ class SampleWindow {
     const int row = next_ - 1 - age;
     return rows_.row(row < 0 ? row + length() : row).data();
   }
+  /// All rows in the order of memory, and which of them is the newest; older ones go before it.
+  const double* rows() const noexcept { return rows_.data(); }
+  int newest() const noexcept { return next_ == 0 ? length() - 1 : next_ - 1; }
   void Push(std::span<const double> sample) noexcept;
 
   /// How many samples of the channel the window holds.

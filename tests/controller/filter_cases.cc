@@ -46,6 +46,21 @@ std::vector<FilterCase> FilterCases() {
   add("kalman_white_acceleration",
       KalmanConfig{.noise = {.q = {1e5}, .process_noise = ProcessNoise::kWhite}});
   add("kalman_three_states", KalmanConfig{.noise = {.q = {1e-6}}, .states = 3});
+  add("kalman_acceleration_input", KalmanConfig{.noise = {.q = {1e-4}}, .acceleration_window = 41});
+  add("kalman_steady_three_states", KalmanSteadyConfig{.noise = {.q = {1e-6}}, .states = 3});
+  add("kalman_adaptive_white",
+      KalmanAdaptiveConfig{.noise = {.q = {1e5}, .process_noise = ProcessNoise::kWhite}});
+  add("kalman_dense_tuned", KalmanDenseConfig{.q = {1e-4}});
+  add("fixed_lag_tuned", FixedLagConfig{.noise = {.q = {1e-4}}, .lag = 25});
+  add("fixed_lag_of_none", FixedLagConfig{.lag = 0});
+  add("median_of_an_even_count", MedianConfig{.window = 8});
+  add("hampel_of_an_even_count", HampelConfig{.window = 6});
+  add("hampel_of_one", HampelConfig{.window = 1});
+  for (int order = 1; order <= 8; ++order) {
+    add(("butterworth_" + std::to_string(order)).c_str(), ButterworthConfig{.order = order});
+  }
+  add("savitzky_golay_cubic", SavitzkyGolayConfig{.window = 40, .order = 3});
+  add("one_euro_tuned", OneEuroConfig{.beta = 0.01});
   return cases;
 }
 

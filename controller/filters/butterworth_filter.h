@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "controller/filters/filter.h"
+#include "controller/filters/start.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// Butterworth low pass: the flattest pass band, -3 dB exactly at the cutoff.
+///
+///     |H(f)|^2 = 1 / (1 + (tan(pi f / rate) / tan(pi cutoff / rate))^(2 order))
+///
+/// Bilinear transform with the cutoff pre-warped; second-order sections (and one of first order if
+/// the order is odd) in trapezoidal state-variable form, which keeps gain 1 at rest to the last bit
+/// even for cutoffs far below the rate, where the coefficients of the direct form cancel.
+///
+/// Source: Butterworth 1930; Zavalishin, The Art of VA Filter Design (2018), chapters 3 and 4.
+/// Errors: SettingError for a cutoff at or above half the rate.
+struct ButterworthConfig {
+  static constexpr std::string_view kKind = "butterworth";
+  static constexpr std::string_view kSummary = "Butterworth low pass of order 1 to 8";
+
+  int order = 2;
+  double cutoff_hz = 5.0;  // above nearly all of a hand's motion: an assumption
+  Start start = Start::kFirst;
+
+  void Visit(SettingsVisitor& visitor);
+};
+
+std::unique_ptr<Filter> MakeFilter(const ButterworthConfig& config, int channel_count,
+                                   double rate_hz);
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,39 @@
+#include "controller/filters/exponential_filter.h"
+
+#include "controller/filters/recursive_filter.h"
+#include "controller/filters/vectorise.h"
+
+namespace gauntlet::controller {
+namespace {
+
+GAUNTLET_VECTORISED void Smooth(double* y, double alpha, const double* z, double* output,
+                                int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double smoothed = y[i] + alpha * (z[i] - y[i]);
+    y[i] = smoothed;
+    output[i] = smoothed;
+  }
+}
+
+class ExponentialFilter final : public RecursiveFilter {
+ public:
+  ExponentialFilter(const ExponentialConfig& config, int channel_count)
+      : RecursiveFilter(1, channel_count), alpha_(config.alpha) {}
+
+ private:
+  void StepAll(const double* input, double* output) noexcept override {
+    Smooth(state(0), alpha_, input, output, channel_count());
+  }
+  void SettleAt(int channel, double value) noexcept override { state(0)[channel] = value; }
+
+  double alpha_;
+};
+
+}  // namespace
+
+std::unique_ptr<Filter> MakeFilter(const ExponentialConfig& config, int channel_count, double) {
+  return std::make_unique<ExponentialFilter>(config, channel_count);
+}
+
+}  // namespace gauntlet::controller

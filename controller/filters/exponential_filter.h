@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "controller/filters/filter.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// Exponential smoothing, a first-order low pass.
+///
+///     y(k) = y(k-1) + alpha (z(k) - y(k-1)),   y(0) = z(0)
+///
+/// Lowers white noise to sqrt(alpha / (2 - alpha)); delays slow motion by (1 - alpha) / alpha
+/// samples. Source: Brown, Smoothing, Forecasting and Prediction (1963).
+struct ExponentialConfig {
+  static constexpr std::string_view kKind = "exponential";
+  static constexpr std::string_view kSummary = "exponential smoothing, a first-order low pass";
+
+  double alpha = 0.1;
+
+  void Visit(SettingsVisitor& visitor) {
+    visitor.Number(
+        {.key = "alpha", .help = "weight of the new sample; 1 is no filter", .min = 1e-9, .max = 1},
+        alpha);
+  }
+};
+
+std::unique_ptr<Filter> MakeFilter(const ExponentialConfig& config, int channel_count,
+                                   double rate_hz);
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,180 @@
+#include "controller/filters/fixed_lag_filter.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "controller/filters/channel_arrays.h"
+#include "controller/filters/fresh_channels.h"
+#include "controller/filters/kalman_kernels.h"
+#include "controller/filters/vectorise.h"
+
+namespace gauntlet::controller {
+namespace {
+
+/// What the sample of this moment starts with: the prediction [x^-] and its covariance.
+GAUNTLET_VECTORISED void OpenSlot(const double* x, const double* w, const double* p11,
+                                  const double* p12, const double* p22, const double* q,
+                                  ProcessNoiseFactors f, double* estimate, double* c1, double* c2,
+                                  int channel_count) {
+  const double f11 = f.q11;
+  const double f12 = f.q12;
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double sum = p12[i] + p22[i];
+    estimate[i] = x[i] + w[i];
+    c1[i] = (p11[i] + p12[i]) + sum + f11 * q[i];
+    c2[i] = sum + f12 * q[i];
+  }
+}
+
+/// The gains and the innovation of this moment from the slot just opened.
+GAUNTLET_VECTORISED void ComputeGains(const double* prediction, const double* p11_prior,
+                                      const double* p12_prior, const double* r, const double* z,
+                                      double* scaled_innovation, double* k1, double* k2,
+                                      int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double s = p11_prior[i] + r[i];
+    scaled_innovation[i] = (z[i] - prediction[i]) / s;
+    k1[i] = p11_prior[i] / s;
+    k2[i] = p12_prior[i] / s;
+  }
+}
+
+GAUNTLET_VECTORISED void UpdateSlot(double* estimate, double* c1, double* c2,
+                                    const double* scaled_innovation, const double* k1,
+                                    const double* k2, int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double updated = estimate[i] + c1[i] * scaled_innovation[i];
+    const double c2_posterior = c2[i] - k2[i] * c1[i];
+    const double c1_posterior = c1[i] - k1[i] * c1[i];
+    estimate[i] = updated;
+    c1[i] = c1_posterior + c2_posterior;
+    c2[i] = c2_posterior;
+  }
+}
+
+class FixedLagFilter final : public Filter {
+ public:
+  FixedLagFilter(const FixedLagConfig& config, int channel_count, double rate_hz)
+      : start_(config.start),
+        slots_(config.lag + 1),
+        factors_(FactorsOf(config.noise.process_noise, 2, 1.0 / rate_hz)),
+        filter_(kKalmanArrays2, channel_count),
+        history_(3 * slots_, channel_count),
+        gains_(4, channel_count),
+        counts_(static_cast<std::size_t>(channel_count), 0),
+        fresh_(channel_count) {
+    const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
+    const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
+    std::copy(r.begin(), r.end(), filter_[kR]);
+    std::copy(q.begin(), q.end(), filter_[kQ]);
+    Reset();
+  }
+
+  int channel_count() const noexcept override { return filter_.channel_count(); }
+
+  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+    const int n = channel_count();
+    double* measured = gains_[kMeasured];
+    std::copy(input.begin(), input.end(), measured);
+    newest_ = newest_ + 1 == slots_ ? 0 : newest_ + 1;
+    OpenSlot(filter_[kX], filter_[kW], filter_[kP11], filter_[kP12], filter_[kP22], filter_[kQ],
+             factors_, Estimate(newest_), C1(newest_), C2(newest_), n);
+    ComputeGains(Estimate(newest_), C1(newest_), C2(newest_), filter_[kR], measured,
+                 gains_[kInnovation], gains_[kK1], gains_[kK2], n);
+    for (int slot = 0; slot < slots_; ++slot) {
+      UpdateSlot(Estimate(slot), C1(slot), C2(slot), gains_[kInnovation], gains_[kK1], gains_[kK2],
+                 n);
+    }
+    StepKalman2(filter_, factors_, measured, output.data());
+    if (fresh_.any()) {
+      fresh_.StartAll({measured, static_cast<std::size_t>(n)},
+                      [this](int channel, double value) { StartAt(channel, value); });
+    }
+    Deliver(output);
+  }
+
+  void Reset() noexcept override {
+    newest_ = 0;
+    for (int i = 0; i < channel_count(); ++i) ResetChannel(i);
+  }
+  void ResetChannel(int channel) noexcept override {
+    StartAt(channel, 0.0);
+    counts_[static_cast<std::size_t>(channel)] = 0;
+    if (start_ == Start::kFirst) fresh_.Add(channel);
+  }
+  bool CopyChannel(const Filter& from, int channel) noexcept override {
+    const auto* other = dynamic_cast<const FixedLagFilter*>(&from);
+    if (other == nullptr || other->slots_ != slots_) return false;
+    for (int array = 0; array < kR; ++array) {
+      filter_[array][channel] = other->filter_[array][channel];
+    }
+    for (int age = 0; age < slots_; ++age) {
+      for (int part = 0; part < 3; ++part) {
+        history_[3 * SlotOf(age) + part][channel] =
+            other->history_[3 * other->SlotOf(age) + part][channel];
+      }
+    }
+    counts_[static_cast<std::size_t>(channel)] = other->counts_[static_cast<std::size_t>(channel)];
+    fresh_.CopyFrom(other->fresh_, channel);
+    return true;
+  }
+
+ private:
+  enum Gain { kMeasured, kInnovation, kK1, kK2 };
+
+  double* Estimate(int slot) noexcept { return history_[3 * slot]; }
+  double* C1(int slot) noexcept { return history_[3 * slot + 1]; }
+  double* C2(int slot) noexcept { return history_[3 * slot + 2]; }
+  int SlotOf(int age) const noexcept {
+    const int slot = newest_ - age;
+    return slot < 0 ? slot + slots_ : slot;
+  }
+
+  /// At rest at a position, P = I, no history but this sample.
+  void StartAt(int channel, double position) noexcept {
+    for (int array = 0; array < kR; ++array) filter_[array][channel] = 0.0;
+    filter_[kX][channel] = position;
+    filter_[kP11][channel] = 1.0;
+    filter_[kP22][channel] = 1.0;
+    for (int part = 0; part < 3 * slots_; ++part) history_[part][channel] = 0.0;
+    Estimate(newest_)[channel] = position;
+    C1(newest_)[channel] = 1.0;  // [P_11 P_12] A' = [1 0]
+  }
+
+  void Deliver(std::span<double> output) noexcept {
+    for (int i = 0; i < channel_count(); ++i) {
+      int& count = counts_[static_cast<std::size_t>(i)];
+      if (count < slots_) ++count;
+      output[static_cast<std::size_t>(i)] = Estimate(SlotOf(count - 1))[i];
+    }
+  }
+
+  Start start_;
+  int slots_;
+  ProcessNoiseFactors factors_;
+  ChannelArrays filter_;
+  ChannelArrays history_;  // per slot: estimate, c_1, c_2; the oldest slot is opened again
+  ChannelArrays gains_;
+  std::vector<int> counts_;  // samples of each channel in the history
+  FreshChannels fresh_;
+  int newest_ = 0;
+};
+
+}  // namespace
+
+void FixedLagConfig::Visit(SettingsVisitor& visitor) {
+  VisitStart(visitor, start);
+  noise.Visit(visitor);
+  visitor.Integer({.key = "lag", .help = "delay of the estimate in samples", .min = 0, .max = 1000},
+                  lag);
+}
+
+std::unique_ptr<Filter> MakeFilter(const FixedLagConfig& config, int channel_count,
+                                   double rate_hz) {
+  return std::make_unique<FixedLagFilter>(config, channel_count, rate_hz);
+}
+
+}  // namespace gauntlet::controller

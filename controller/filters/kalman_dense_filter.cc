@@ -1,0 +1,199 @@
+#include "controller/filters/kalman_dense_filter.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <string>
+
+#include "controller/filters/fresh_channels.h"
+
+namespace gauntlet::controller {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kMostChannels = 128;
+
+MatrixXd FromRows(const std::vector<double>& values, Index size) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const Rows>(values.data(), size, size);
+}
+
+/// One variance for all, one each, or a whole covariance of the channels.
+MatrixXd ChannelCovariance(const char* key, const std::vector<double>& values, Index n) {
+  const auto count = static_cast<Index>(values.size());
+  if (count == 1) return values.front() * MatrixXd::Identity(n, n);
+  if (count == n) return Eigen::Map<const VectorXd>(values.data(), n).asDiagonal();
+  if (count == n * n) return FromRows(values, n);
+  std::string allowed = "1, " + std::to_string(n) + " or " + std::to_string(n * n);
+  if (key[0] == 'q') allowed += " or " + std::to_string(4 * n * n);
+  throw SettingError(key, "has " + std::to_string(count) + " values, must have " + allowed +
+                              " for " + std::to_string(n) + " channels");
+}
+
+void CheckCovariance(const char* key, const MatrixXd& covariance, bool positive_definite) {
+  const double scale = covariance.cwiseAbs().maxCoeff();
+  const bool symmetric =
+      (covariance - covariance.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * scale;
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(covariance, Eigen::EigenvaluesOnly).eigenvalues();
+  const bool allowed = positive_definite ? values[0] > 0.0 : values[0] >= -1e-12 * scale;
+  if (!symmetric || !allowed) {
+    throw SettingError(key, std::string("must be symmetric and positive ") +
+                                (positive_definite ? "definite" : "semi-definite"));
+  }
+}
+
+class KalmanDenseFilter final : public Filter {
+ public:
+  KalmanDenseFilter(const KalmanDenseConfig& config, Index n)
+      : start_(config.start),
+        r_(ChannelCovariance("r", config.r, n)),
+        q11_(n, n),
+        q12_(MatrixXd::Zero(n, n)),
+        q22_(n, n),
+        x_(n),
+        w_(n),
+        innovation_(n),
+        measured_(n),
+        p11_(n, n),
+        p12_(n, n),
+        p22_(n, n),
+        gain1_(n, n),
+        gain2_(n, n),
+        product_(n, n),
+        cholesky_(n),
+        fresh_(static_cast<int>(n)) {
+    CheckCovariance("r", r_, true);
+    if (static_cast<Index>(config.q.size()) == 4 * n * n) {
+      const MatrixXd q = FromRows(config.q, 2 * n);
+      CheckCovariance("q", q, false);
+      q11_ = q.topLeftCorner(n, n);
+      q12_ = q.topRightCorner(n, n);
+      q22_ = q.bottomRightCorner(n, n);
+    } else {
+      q11_ = ChannelCovariance("q", config.q, n);
+      CheckCovariance("q", q11_, false);
+      q22_ = q11_;
+    }
+    Reset();
+  }
+
+  int channel_count() const noexcept override { return static_cast<int>(x_.size()); }
+
+  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+    const Eigen::Map<const VectorXd> z(input.data(), x_.size());
+    measured_ = z;
+    Predict();
+    Update();
+    Eigen::Map<VectorXd>(output.data(), x_.size()) = x_;
+    if (!fresh_.any()) return;
+    fresh_.StartAll({measured_.data(), output.size()}, [&](int channel, double value) {
+      SetState(channel, value);
+      output[static_cast<std::size_t>(channel)] = value;
+    });
+  }
+
+  void Reset() noexcept override {
+    for (int i = 0; i < channel_count(); ++i) ResetChannel(i);
+  }
+  void ResetChannel(int channel) noexcept override {
+    SetState(channel, 0.0);
+    if (start_ == Start::kFirst) fresh_.Add(channel);
+  }
+  bool CopyChannel(const Filter& from, int channel) noexcept override {
+    const auto* other = dynamic_cast<const KalmanDenseFilter*>(&from);
+    if (other == nullptr || other->x_.size() != x_.size()) return false;
+    x_[channel] = other->x_[channel];
+    w_[channel] = other->w_[channel];
+    // Its covariance with every channel: with those not yet copied, too, as they will follow.
+    for (MatrixXd KalmanDenseFilter::*block :
+         {&KalmanDenseFilter::p11_, &KalmanDenseFilter::p12_, &KalmanDenseFilter::p22_}) {
+      (this->*block).row(channel) = (other->*block).row(channel);
+      (this->*block).col(channel) = (other->*block).col(channel);
+    }
+    fresh_.CopyFrom(other->fresh_, channel);
+    return true;
+  }
+
+ private:
+  void Predict() noexcept {
+    x_ += w_;
+    // Each of these reads what the next ones have not changed yet.
+    p11_ += p22_ + q11_;
+    product_ = p12_ + p12_.transpose();
+    p11_ += product_;
+    p12_ += p22_ + q12_;
+    p22_ += q22_;
+  }
+
+  void Update() noexcept {
+    product_ = p11_ + r_;
+    cholesky_.compute(product_);
+    gain1_ = p11_;  // transposed gains: S^-1 H P^-
+    cholesky_.solveInPlace(gain1_);
+    gain2_ = p12_;
+    cholesky_.solveInPlace(gain2_);
+    innovation_ = measured_ - x_;
+    x_.noalias() += gain1_.transpose() * innovation_;
+    w_.noalias() += gain2_.transpose() * innovation_;
+    product_.noalias() = gain2_.transpose() * p12_;
+    p22_ -= product_;
+    MakeSymmetric(p22_);
+    product_.noalias() = gain1_.transpose() * p12_;
+    p12_ -= product_;
+    product_.noalias() = gain1_.transpose() * p11_;
+    p11_ -= product_;
+    MakeSymmetric(p11_);
+  }
+
+  void MakeSymmetric(MatrixXd& matrix) noexcept {
+    product_ = 0.5 * (matrix + matrix.transpose());
+    matrix = product_;
+  }
+
+  /// At rest at a position, P = I, independent of all other channels.
+  void SetState(Index channel, double position) noexcept {
+    x_[channel] = position;
+    w_[channel] = 0.0;
+    for (MatrixXd* block : {&p11_, &p12_, &p22_}) {
+      block->row(channel).setZero();
+      block->col(channel).setZero();
+    }
+    p11_(channel, channel) = 1.0;
+    p22_(channel, channel) = 1.0;
+  }
+
+  Start start_;
+  MatrixXd r_, q11_, q12_, q22_;
+  VectorXd x_, w_, innovation_, measured_;
+  MatrixXd p11_, p12_, p22_;  // blocks of P; p21 is p12'
+  MatrixXd gain1_, gain2_, product_;
+  Eigen::LLT<MatrixXd> cholesky_;
+  FreshChannels fresh_;
+};
+
+}  // namespace
+
+void KalmanDenseConfig::Visit(SettingsVisitor& visitor) {
+  VisitStart(visitor, start);
+  visitor.Numbers({.key = "r",
+                   .help = "measurement covariance [unit of the input squared]: one variance for "
+                           "all, one each, or the full matrix row by row"},
+                  r);
+  visitor.Numbers({.key = "q",
+                   .help = "process covariance per step: one variance for all, one each, the full "
+                           "matrix of the channels, or the full matrix of all 2n states"},
+                  q);
+}
+
+std::unique_ptr<Filter> MakeFilter(const KalmanDenseConfig& config, int channel_count, double) {
+  if (channel_count > kMostChannels) {
+    throw SettingError("kind", "kalman_dense takes at most " + std::to_string(kMostChannels) +
+                                   " channels, there are " + std::to_string(channel_count));
+  }
+  return std::make_unique<KalmanDenseFilter>(config, channel_count);
+}
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,55 @@
+#include "controller/filters/kalman_steady_filter.h"
+
+#include "controller/filters/constant_gain_filter.h"
+#include "controller/filters/riccati.h"
+
+namespace gauntlet::controller {
+namespace {
+
+/// The gain of one channel. The equation is solved for R = 1, to which every R can be scaled.
+Eigen::VectorXd SteadyGain(const ProcessNoiseFactors& f, double q_over_r, int states) {
+  Eigen::Matrix3d transition;
+  transition << 1.0, 1.0, 0.5, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0;
+  Eigen::Matrix3d noise;
+  noise << f.q11, f.q12, f.q13, f.q12, f.q22, f.q23, f.q13, f.q23, f.q33;
+  const Eigen::MatrixXd h = Eigen::MatrixXd::Identity(1, states);
+  const Eigen::MatrixXd r = Eigen::MatrixXd::Identity(1, 1);
+  const Eigen::MatrixXd p = SolveRiccati(transition.topLeftCorner(states, states), h,
+                                         q_over_r * noise.topLeftCorner(states, states), r);
+  return p.col(0) / (p(0, 0) + 1.0);
+}
+
+}  // namespace
+
+void KalmanSteadyConfig::Visit(SettingsVisitor& visitor) {
+  VisitStart(visitor, start);
+  noise.Visit(visitor);
+  visitor.Integer({.key = "states",
+                   .help = "2: position and velocity (the paper); 3: acceleration, too",
+                   .min = 2,
+                   .max = 3},
+                  states);
+}
+
+Eigen::ArrayXXd SteadyGains(const KalmanSteadyConfig& config, int channel_count, double rate_hz) {
+  const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
+  const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
+  if (!(q.minCoeff() > 0.0)) throw SettingError("q", "is 0, must be above 0 for a settled gain");
+  const ProcessNoiseFactors factors =
+      FactorsOf(config.noise.process_noise, config.states, 1.0 / rate_hz);
+  Eigen::ArrayXXd gains(channel_count, config.states);
+  for (int i = 0; i < channel_count; ++i) {
+    const bool same_as_before = i > 0 && q[i] == q[i - 1] && r[i] == r[i - 1];
+    gains.row(i) = same_as_before
+                       ? gains.row(i - 1).eval()
+                       : SteadyGain(factors, q[i] / r[i], config.states).transpose().array().eval();
+  }
+  return gains;
+}
+
+std::unique_ptr<Filter> MakeFilter(const KalmanSteadyConfig& config, int channel_count,
+                                   double rate_hz) {
+  return MakeConstantGainFilter(SteadyGains(config, channel_count, rate_hz), config.start);
+}
+
+}  // namespace gauntlet::controller

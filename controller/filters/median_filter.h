@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "controller/filters/filter.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// The median of the last samples: removes spikes shorter than half the window and keeps edges.
+/// Until the window is full it is the median of the samples there are; of an even count the mean of
+/// the middle two. Source: Tukey, Exploratory Data Analysis (1977).
+struct MedianConfig {
+  static constexpr std::string_view kKind = "median";
+  static constexpr std::string_view kSummary = "median of the last samples";
+
+  int window = 21;
+
+  void Visit(SettingsVisitor& visitor) {
+    visitor.Integer({.key = "window", .help = "samples looked at", .min = 1, .max = 10001}, window);
+  }
+};
+
+/// Replaces a sample by the median where it lies too far from it, and passes all others unchanged.
+///
+///     y = median  if |z - median| > threshold_sigma 1.4826 MAD,  else z
+///
+/// MAD is the median of |sample - median| over the same window, the newest sample included;
+/// 1.4826 MAD estimates the standard deviation of normal noise. Windows fill as for the median.
+/// Source: Hampel, JASA 69 (1974).
+struct HampelConfig {
+  static constexpr std::string_view kKind = "hampel";
+  static constexpr std::string_view kSummary = "replaces outliers by the median, passes the rest";
+
+  int window = 11;
+  double threshold_sigma = 3.0;
+
+  void Visit(SettingsVisitor& visitor) {
+    visitor.Integer({.key = "window", .help = "samples looked at", .min = 1, .max = 10001}, window);
+    visitor.Number({.key = "threshold_sigma",
+                    .help = "distance from the median, in standard deviations, that is an outlier",
+                    .min = 0,
+                    .max = 1e6},
+                   threshold_sigma);
+  }
+};
+
+std::unique_ptr<Filter> MakeFilter(const MedianConfig& config, int channel_count, double rate_hz);
+std::unique_ptr<Filter> MakeFilter(const HampelConfig& config, int channel_count, double rate_hz);
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "controller/filters/filter.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// The 1 euro filter: a first-order low pass that opens when the signal moves fast.
+///
+///     dz(k)  = (z(k) - y(k-1)) rate            from the filtered value, as the reference does
+///                                              since August 2023; older copies use z(k-1)
+///     d(k)   = d(k-1) + a(derivative_cutoff_hz) (dz(k) - d(k-1)),       d(0) = 0
+///     f(k)   = min_cutoff_hz + beta |d(k)|
+///     y(k)   = y(k-1) + a(f(k)) (z(k) - y(k-1)),                        y(0) = z(0)
+///     a(f)   = 1 / (1 + rate / (2 pi f))
+///
+/// Source: Casiez, Roussel, Vogel, CHI 2012 (hal-00670496). Units: beta in Hz per (input unit / s),
+/// so its useful size depends on whether counts or angles are filtered.
+struct OneEuroConfig {
+  static constexpr std::string_view kKind = "one_euro";
+  static constexpr std::string_view kSummary = "low pass whose cutoff rises with the speed";
+
+  // The defaults of the reference.
+  double min_cutoff_hz = 1.0;
+  double beta = 0.0;
+  double derivative_cutoff_hz = 1.0;
+
+  void Visit(SettingsVisitor& visitor);
+};
+
+std::unique_ptr<Filter> MakeFilter(const OneEuroConfig& config, int channel_count, double rate_hz);
+
+}  // namespace gauntlet::controller
