@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 ///     to 1
 ///
 /// Half the amplitude passes at the cutoff. Below cutoff - transition/2 and above
-/// cutoff + transition/2 the response is within 1e-4 of 1 and 0 (80 dB).
+/// cutoff + transition/2 the response is 1 and 0 to about 1e-4 (80 dB).
 /// Source: Kaiser 1974; Oppenheim and Schafer, Discrete-Time Signal Processing, section 7.5.
 struct LowPass {
   std::vector<double> weights;  // at offsets 0 .. reach, the same to both sides

@@ -1,0 +1,120 @@
+#include "sim/score/latency.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/score/channel_scores.h"
+#include "sim/score/delay.h"
+#include "sim/score/low_pass.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kCutoff_hz = 6.0;  // hands move below 4 Hz; half a second of reach
+constexpr double kTransition_hz = 4.0;
+
+struct StageName {
+  std::string_view key;
+  std::string_view help;
+};
+constexpr StageName kStages[] = {
+    {"sensor_ms", "sensor and converter"},
+    {"filter_ms", "filter"},
+    {"event_wait_ms", "waiting for the event"},
+    {"event_delay_ms", "from the event to the servo"},
+    {"servo_frame_ms", "waiting for the servo's frame"},
+    {"servo_and_cables_ms", "servo and cables"},
+};
+constexpr int kStageCount = static_cast<int>(std::size(kStages));
+
+/// What is held from each multiple of `period` to the next.
+Signal Held(const Signal& signal, int period) {
+  if (period <= 1) return signal;
+  Signal held(signal.rows(), signal.cols());
+  for (Eigen::Index c = 0; c < signal.cols(); ++c) {
+    for (Eigen::Index n = 0; n < signal.rows(); ++n) held(n, c) = signal(n - n % period, c);
+  }
+  return held;
+}
+
+void CheckShapes(const LatencyInput& input) {
+  for (const Signal* signal : {input.wearer_angle_rad, input.linearised_angle_rad,
+                               input.filtered_angle_rad, input.hand_angle_rad}) {
+    if (signal == nullptr || input.hand_angle_rad == nullptr ||
+        signal->cols() != input.hand_angle_rad->cols() ||
+        signal->rows() < input.hand_angle_rad->rows()) {
+      throw std::invalid_argument("MeasureLatency: a signal is missing or has another shape");
+    }
+  }
+  if (input.command_counts == nullptr ||
+      input.command_counts->rows() < input.hand_angle_rad->rows() ||
+      input.angle_per_count_rad.cols() != input.command_counts->cols() ||
+      input.angle_per_count_rad.rows() != input.hand_angle_rad->cols()) {
+    throw std::invalid_argument("MeasureLatency: command and tendon map do not fit the hand");
+  }
+}
+
+/// All stations of the way behind the low pass, from the wearer to the hand.
+std::vector<Signal> Stations(const LatencyInput& input, Fourier& fourier) {
+  const LowPass low_pass = DesignLowPass(kCutoff_hz, kTransition_hz, input.rate_hz);
+  const auto rows = input.hand_angle_rad->rows();
+  std::vector<Signal> stations;
+  const auto add = [&](const Signal& signal) {
+    stations.push_back(Filter(low_pass, Band::kBelow, signal.topRows(rows), fourier).values);
+  };
+  const Signal arrived =
+      input.command_counts->topRows(rows).cast<double>() * input.angle_per_count_rad.transpose();
+  add(*input.wearer_angle_rad);
+  add(*input.linearised_angle_rad);
+  add(*input.filtered_angle_rad);
+  add(Held(*input.filtered_angle_rad, input.samples_per_event));
+  add(arrived);
+  add(Held(arrived, input.samples_per_servo_frame));
+  add(*input.hand_angle_rad);
+  return stations;
+}
+
+std::span<const double> Column(const Signal& signal, Eigen::Index channel) {
+  return {signal.col(channel).data(), static_cast<std::size_t>(signal.rows())};
+}
+
+}  // namespace
+
+LatencyBudget MeasureLatency(const LatencyInput& input) {
+  CheckShapes(input);
+  Fourier fourier;
+  const std::vector<Signal> stations = Stations(input, fourier);
+  const auto delay_ms = [&](int from, int to, Eigen::Index channel) {
+    const auto delay = DelaySamples(Column(stations[from], channel), Column(stations[to], channel),
+                                    input.rate_hz, fourier);
+    return delay ? 1000.0 * *delay / input.rate_hz : kNoScore;
+  };
+
+  LatencyBudget budget;
+  for (const StageName& name : kStages) {
+    budget.stages.push_back({.key = name.key, .help = name.help, .mean_ms = 0.0, .channel_ms = {}});
+  }
+  int count = 0;
+  for (Eigen::Index channel = 0; channel < input.hand_angle_rad->cols(); ++channel) {
+    const double total_ms = delay_ms(0, kStageCount, channel);
+    bool whole = std::isfinite(total_ms);
+    for (int i = 0; i < kStageCount; ++i) {
+      budget.stages[i].channel_ms.push_back(delay_ms(i, i + 1, channel));
+      whole = whole && std::isfinite(budget.stages[i].channel_ms.back());
+    }
+    if (!whole) continue;
+    ++count;
+    budget.total_ms += total_ms;
+    for (LatencyStage& stage : budget.stages) stage.mean_ms += stage.channel_ms.back();
+  }
+  // No channel that moves: 0/0 makes every mean NaN.
+  budget.total_ms /= count;
+  for (LatencyStage& stage : budget.stages) {
+    stage.mean_ms /= count;
+    budget.sum_ms += stage.mean_ms;
+  }
+  return budget;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+
+/// The signals of one trial in the order in which a sample passes them. Views; none may be null.
+/// Shapes: samples x channels, the command samples x motors.
+struct LatencyInput {
+  double rate_hz = 1000.0;
+  const Signal* wearer_angle_rad = nullptr;
+  const Signal* linearised_angle_rad = nullptr;   // before the filter
+  const Signal* filtered_angle_rad = nullptr;     // behind the filter, every sample
+  const IntegerSignal* command_counts = nullptr;  // the frame that has arrived at the servos
+  const Signal* hand_angle_rad = nullptr;
+  /// Joint angle per motor count, channels x motors: the inverse of the tendon map
+  /// diag(counts_per_rad) coupling. Its offsets do not matter here.
+  Eigen::MatrixXd angle_per_count_rad;
+  int samples_per_event = 20;        // the controller sends a frame every so many samples
+  int samples_per_servo_frame = 20;  // the servo takes one every so many samples; 0 or 1: at once
+};
+
+/// One stage of the way from the wearer's joint to the hand's.
+struct LatencyStage {
+  std::string_view key;            // "filter_ms"
+  std::string_view help;           // "the filter"
+  double mean_ms = 0.0;            // over the channels that have a latency
+  std::vector<double> channel_ms;  // NaN for a channel that does not move
+};
+
+/// Where the delay comes from.
+struct LatencyBudget {
+  std::vector<LatencyStage> stages;
+  double sum_ms = 0.0;    // of the stages
+  double total_ms = 0.0;  // measured between the two ends
+};
+
+/// The delay of each stage, measured by itself with DelaySamples() between what goes in and what
+/// comes out, and of the whole way. The stages are: sensor, filter, waiting for the event, event
+/// delay, waiting for the servo's frame, servo and cables.
+///
+/// All signals pass the same zero-phase low pass of 6 Hz (4 to 8 Hz) first: noise that a filter
+/// takes over from its input would otherwise draw the correlation to the filter's own impulse
+/// response. So these are delays of the motion and not of its noise. What the controller sends and
+/// what the servo takes is what was there at the last event or frame: multiples of the period.
+///
+/// Means are over the channels in which every stage and the whole has a value.
+/// Errors: std::invalid_argument for signals that do not fit each other.
+LatencyBudget MeasureLatency(const LatencyInput& input);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,120 @@
+#include "sim/score/latency.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <stdexcept>
+
+#include "tests/score/signals.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr int kSamples = 20000;
+
+/// Three channels, two of them coupled, one still; known delays at every stage.
+struct Chain {
+  Signal wearer = Signal(kSamples, 3);
+  Signal linearised = Signal(kSamples, 3);
+  Signal filtered = Signal(kSamples, 3);
+  IntegerSignal command = IntegerSignal::Zero(kSamples, 3);
+  Signal hand = Signal(kSamples, 3);
+  Eigen::Matrix3d counts_per_angle{{500.0, 0.0, 0.0}, {-400.0, 600.0, 0.0}, {0.0, 0.0, 700.0}};
+
+  static double At(double ms, int channel) {
+    if (channel == 2) return 0.2;
+    const double t = ms / 1000.0 + 3.0 * channel;
+    return 0.5 * std::sin(2.0 * kPi * 0.43 * t) + 0.2 * std::sin(2.0 * kPi * 1.21 * t + 1.0);
+  }
+
+  /// Sensor 3 ms, filter 25 ms, event delay 30 ms, servo and cables 41 ms; events and frames each
+  /// 20 ms. A moving average of 51 samples is late by 25 ms.
+  explicit Chain(double noise_rad) {
+    const auto noise = Noise(3 * kSamples, 31);
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0.0;
+      for (int n = 0; n < kSamples; ++n) {
+        wearer(n, c) = At(n, c);
+        linearised(n, c) = At(n - 3, c) + noise_rad * noise[3 * n + c];
+        sum += linearised(n, c) - (n >= 51 ? linearised(n - 51, c) : 0.0);
+        filtered(n, c) = sum / std::min(n + 1, 51);
+      }
+    }
+    for (int n = 30; n < kSamples; ++n) {
+      const Eigen::Vector3d sent = filtered.row((n - 30) / 20 * 20);
+      const Eigen::Vector3d counts = counts_per_angle * sent;
+      for (int m = 0; m < 3; ++m) command(n, m) = static_cast<int>(std::lround(counts[m]));
+    }
+    const Eigen::Matrix3d back = counts_per_angle.inverse();
+    for (int n = 0; n < kSamples; ++n) {
+      const int taken = std::max(0, n - 41) / 20 * 20;
+      hand.row(n) = back * command.row(taken).transpose().cast<double>();
+    }
+  }
+  LatencyInput Input() const {
+    return {.wearer_angle_rad = &wearer,
+            .linearised_angle_rad = &linearised,
+            .filtered_angle_rad = &filtered,
+            .command_counts = &command,
+            .hand_angle_rad = &hand,
+            .angle_per_count_rad = counts_per_angle.inverse()};
+  }
+};
+
+void ExpectKnownLatencies(const LatencyBudget& budget, double tolerance_ms) {
+  // A frame held for 20 samples is late by 9.5 on average; the servo's frames come at multiples of
+  // 20 ms, 10 ms after the command that arrives 30 ms after its event.
+  const double known_ms[] = {3.0, 25.0, 9.5, 30.0, 10.0, 41.0};
+  ASSERT_EQ(budget.stages.size(), std::size(known_ms));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < std::size(known_ms); ++i) {
+    EXPECT_NEAR(budget.stages[i].mean_ms, known_ms[i], tolerance_ms) << budget.stages[i].key;
+    sum += known_ms[i];
+  }
+  EXPECT_NEAR(budget.sum_ms, sum, 2.0 * tolerance_ms);
+  EXPECT_NEAR(budget.total_ms, sum, 2.0 * tolerance_ms);
+}
+
+TEST(Latency, OfKnownStagesIsTheKnownDelay) {
+  ExpectKnownLatencies(MeasureLatency(Chain(0.0).Input()), 0.3);
+}
+
+TEST(Latency, OfTheMotionIsNotThatOfTheNoise) {
+  ExpectKnownLatencies(MeasureLatency(Chain(2.0 * kRadPerDeg).Input()), 0.6);
+}
+
+TEST(Latency, OfAStillChannelDoesNotExistAndDoesNotCount) {
+  const LatencyBudget budget = MeasureLatency(Chain(0.0).Input());
+  for (const LatencyStage& stage : budget.stages) {
+    ASSERT_EQ(stage.channel_ms.size(), 3u);
+    EXPECT_TRUE(std::isnan(stage.channel_ms[2]));
+    EXPECT_NEAR(stage.mean_ms, 0.5 * (stage.channel_ms[0] + stage.channel_ms[1]), 1e-12);
+  }
+}
+
+TEST(Latency, OfASignalTooShortDoesNotExist) {
+  const Chain chain(0.0);
+  LatencyInput input = chain.Input();
+  const Signal hand = chain.hand.topRows(500);
+  input.hand_angle_rad = &hand;
+  const LatencyBudget budget = MeasureLatency(input);
+  EXPECT_TRUE(std::isnan(budget.total_ms));
+  EXPECT_TRUE(std::isnan(budget.sum_ms));
+}
+
+TEST(Latency, RefusesSignalsThatDoNotFit) {
+  const Chain chain(0.0);
+  LatencyInput input = chain.Input();
+  input.angle_per_count_rad = Eigen::MatrixXd::Identity(2, 2);
+  EXPECT_THROW(MeasureLatency(input), std::invalid_argument);
+  input = chain.Input();
+  input.filtered_angle_rad = nullptr;
+  EXPECT_THROW(MeasureLatency(input), std::invalid_argument);
+  input = chain.Input();
+  input.hand_angle_rad = nullptr;
+  EXPECT_THROW(MeasureLatency(input), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
