@@ -1,69 +1,111 @@
 #include "sim/glove/glove.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include "sim/base/random.h"
+#include "sim/base/error.h"
 #include "sim/glove/channels.h"
-#include "sim/glove/noise/box_muller.h"
+#include "sim/glove/noise/add_noise.h"
 #include "sim/glove/sensor/bend_sensor.h"
 
 namespace gauntlet::sim {
 namespace {
 
-// The full scale in whose counts the noise is given, see NoiseConfig.
-constexpr double kNoiseFullScaleCounts = 1023.0;
-
-std::span<double> Column(Signal& signal, Eigen::Index channel) {
-  return {signal.col(channel).data(), static_cast<std::size_t>(signal.rows())};
-}
-
-void AddNoise(const NoiseConfig& config, double full_scale_counts, std::uint64_t seed,
-              Signal& counts) {
-  if (config.kind == WhiteNoiseKind::kNone) return;
-  const double scale = full_scale_counts / kNoiseFullScaleCounts;
-  for (Eigen::Index channel = 0; channel < counts.cols(); ++channel) {
-    RandomStream random(seed, "noise/white", static_cast<std::uint64_t>(channel));
-    const double deviation = scale * std::sqrt(config.VarianceCounts2(static_cast<int>(channel)));
-    AddBoxMuller(random, deviation, Column(counts, channel));
+/// Indices of the channels that the glove has, in the order of GloveChannels().
+std::vector<int> ChannelsOf(const GloveConfig& config) {
+  const std::vector<bool> selected = SelectChannels(config.channels);
+  std::vector<int> indices;
+  for (std::size_t c = 0; c < selected.size(); ++c) {
+    if (selected[c]) indices.push_back(static_cast<int>(c));
   }
+  return indices;
 }
 
 void ConvertAll(double full_scale_counts, Signal& counts) {
-  for (double& value : counts.reshaped()) value = Convert(value, full_scale_counts);
+  // NaN, a missing sample of a recording, passes through.
+  for (double& value : counts.reshaped()) {
+    if (!std::isnan(value)) value = Convert(value, full_scale_counts);
+  }
 }
 
-void CheckChannelCount(const NoiseConfig& config) {
-  const std::size_t count = config.variance_counts2.size();
-  if (count > 1 && count != GloveChannels().size()) {
-    throw controller::SettingError("noise.variance_counts2",
-                                   "has " + std::to_string(count) + " values, must have 1 or 18");
+/// Keeps the channels that the glove has, everywhere.
+void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
+  if (indices.size() == GloveChannels().size()) return;
+  glove.true_angle_rad = glove.true_angle_rad(Eigen::all, indices).eval();
+  glove.counts = glove.counts(Eigen::all, indices).eval();
+  if (glove.tremor_rad.size() > 0) {
+    glove.tremor_rad = glove.tremor_rad(Eigen::all, indices).eval();
   }
+  std::vector<FaultEvent> faults;
+  for (FaultEvent event : glove.faults) {
+    const auto place = std::ranges::find(indices, event.channel);
+    if (event.channel >= 0 && place == indices.end()) continue;
+    if (event.channel >= 0) event.channel = static_cast<int>(place - indices.begin());
+    faults.push_back(event);
+  }
+  glove.faults = std::move(faults);
+}
+
+/// The analog signal of all channels before noise [counts].
+Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& tremor_rad,
+             std::uint64_t seed) {
+  const double full_scale = config.converter.full_scale_counts();
+  // A recorded glove has gone through its own sensors already.
+  if (motion.measured_rad.size() > 0) {
+    return SenseBendNominal(config.sensor, motion.measured_rad, full_scale);
+  }
+  const SensorParameters sensor = DrawSensor(config.sensor, seed);
+  if (tremor_rad.size() == 0) {
+    return SenseBend(config.sensor, sensor, motion.angle_rad, config.rate_hz, full_scale);
+  }
+  return SenseBend(config.sensor, sensor, motion.angle_rad + tremor_rad, config.rate_hz,
+                   full_scale);
 }
 
 }  // namespace
 
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   controller::CheckSettings(config);
-  CheckChannelCount(config.noise);
+  config.noise.Check();
+  const std::vector<int> indices = ChannelsOf(config);
   const double full_scale = config.converter.full_scale_counts();
+
+  Motion motion = SynthesiseMotion(config.motion, {.rate_hz = config.rate_hz,
+                                                   .seed = seed,
+                                                   .start_rad = {},
+                                                   .sensor = config.sensor,
+                                                   .converter = config.converter});
+  const auto samples = static_cast<int>(motion.angle_rad.rows());
   GloveSignal glove;
-  glove.channel_names = GloveChannelNames();
   glove.rate_hz = config.rate_hz;
-  glove.reference_name = "ground truth";
-  Motion motion = SynthesiseMotion(config.motion, config.rate_hz, seed);
+  for (const int c : indices) {
+    glove.channel_names.emplace_back(GloveChannels()[static_cast<std::size_t>(c)].name);
+  }
+  glove.tremor_rad = SynthesiseTremor(config.tremor, samples, config.rate_hz, seed);
+  glove.counts = Sense(config, motion, glove.tremor_rad, seed);
   glove.true_angle_rad = std::move(motion.angle_rad);
+  if (glove.tremor_rad.size() > 0 && config.tremor.belongs_to_truth) {
+    glove.true_angle_rad += glove.tremor_rad;
+  }
   glove.segments = std::move(motion.segments);
-  glove.counts =
-      SenseBend(config.sensor, DrawSensor(config.sensor, seed), glove.true_angle_rad, full_scale);
-  AddNoise(config.noise, full_scale, seed, glove.counts);
+  glove.reference_name = std::move(motion.reference_name);
+  glove.remarks = std::move(motion.remarks);
+
+  AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
+           glove.remarks);
+  ApplyAnalogFaults(config.faults, full_scale, config.rate_hz, seed, glove.counts);
   ConvertAll(full_scale, glove.counts);
+  ApplyDigitalFaults(config.faults, full_scale, config.rate_hz, seed, glove.counts);
+  glove.faults = DrawFaults(config.faults, samples, config.rate_hz, seed);
+  KeepChannels(indices, glove);
   return glove;
 }
 
 controller::GloveCalibration NominalCalibration(const GloveConfig& config) {
   controller::GloveCalibration calibration;
   calibration.full_scale_counts = config.converter.full_scale_counts();
-  for (const Channel& channel : GloveChannels()) {
+  for (const int c : ChannelsOf(config)) {
+    const Channel& channel = GloveChannels()[static_cast<std::size_t>(c)];
     calibration.low_angle_rad.push_back(channel.min_deg * kRadPerDeg);
     calibration.high_angle_rad.push_back(channel.max_deg * kRadPerDeg);
     calibration.low_counts.push_back(0.01 * config.sensor.low_percent *

@@ -6,6 +6,7 @@
 
 #include "controller/controller_config.h"
 #include "sim/base/signal.h"
+#include "sim/glove/faults/faults.h"
 #include "sim/glove/glove_config.h"
 #include "sim/glove/motions/motion.h"
 
@@ -19,10 +20,14 @@ struct GloveSignal {
   Signal counts;          // samples x channels, whole numbers; NaN where a sample is missing
   std::vector<MotionSegment> segments;
   std::string reference_name;  // what the scores compare with, in words: "ground truth"
+  Signal tremor_rad;           // samples x channels: part of the motion; no rows if there is none
+  std::vector<FaultEvent> faults;    // the truth of each fault
+  std::vector<std::string> remarks;  // what was repaired in a recording, one line each
 };
 
 /// The whole signal of one seed: motion, sensor, noise, converter. Pure: same input, same bytes.
-/// Errors: UserError for a recording that cannot be read.
+/// Errors: UserError for a recording that cannot be read, SettingError for settings that do not
+/// fit.
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed);
 
 /// What a careful person knows of the glove after calibrating it: the nominal sensor, without the

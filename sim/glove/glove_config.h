@@ -1,7 +1,12 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "controller/settings.h"
+#include "sim/glove/faults/fault_config.h"
 #include "sim/glove/motions/motion_config.h"
+#include "sim/glove/motions/tremor.h"
 #include "sim/glove/noise/noise_config.h"
 #include "sim/glove/sensor/converter.h"
 #include "sim/glove/sensor/sensor_config.h"
@@ -9,13 +14,16 @@
 namespace gauntlet::sim {
 
 /// Everything that the glove does. Lists of one number per channel are in the order of
-/// GloveChannels().
+/// GloveChannels(), also if the glove has only some of them.
 struct GloveConfig {
-  double rate_hz = 1000.0;  // Source: Bai, Jiang, Yokoi, section 4
+  double rate_hz = 1000.0;            // Source: Bai, Jiang, Yokoi, section 4
+  std::vector<std::string> channels;  // that the glove has; empty: all
   MotionConfig motion;
+  TremorConfig tremor;
   SensorConfig sensor;
   NoiseConfig noise;
   ConverterConfig converter;
+  std::vector<FaultConfig> faults;
 
   void Visit(controller::SettingsVisitor& visitor);
 };

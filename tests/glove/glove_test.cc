@@ -21,6 +21,14 @@ GloveConfig HoldStill(double duration_s) {
   return config;
 }
 
+void MakeNominal(SensorConfig& sensor) {
+  sensor.gain_deviation_percent = 0.0;
+  sensor.offset_deviation_percent = 0.0;
+  sensor.curvature_deviation_percent = 0.0;
+  sensor.cross_talk_percent = 0.0;
+  sensor.hysteresis_deg = 0.0;
+}
+
 TEST(Channels, AreEighteenAndKnownByName) {
   EXPECT_EQ(GloveChannels().size(), 18u);
   EXPECT_EQ(ChannelIndex("thumb_rotation"), 0);
@@ -57,8 +65,7 @@ TEST(Glove, CountsAreWholeAndInsideTheScale) {
 TEST(Glove, NominalCalibrationUndoesTheNominalSensorToHalfACount) {
   GloveConfig config;
   config.noise.kind = WhiteNoiseKind::kNone;
-  config.sensor.gain_deviation_percent = 0.0;
-  config.sensor.offset_deviation_percent = 0.0;
+  MakeNominal(config.sensor);
   const GloveSignal glove = SynthesiseGlove(config, 3);
   const controller::GloveCalibration calibration = NominalCalibration(config);
   for (int channel = 0; channel < 18; ++channel) {
@@ -77,7 +84,7 @@ TEST(Glove, NominalCalibrationUndoesTheNominalSensorToHalfACount) {
 TEST(Glove, DeviationsDifferFromGloveToGloveAsStated) {
   GloveConfig config = HoldStill(0.01);
   config.noise.kind = WhiteNoiseKind::kNone;
-  config.sensor.gain_deviation_percent = 0.0;
+  MakeNominal(config.sensor);
   config.sensor.offset_deviation_percent = 3.0;
   double sum = 0.0, squares = 0.0;
   constexpr int kGloves = 400;

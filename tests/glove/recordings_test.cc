@@ -55,7 +55,8 @@ TEST(CsvReader, TakesTheFirstLineAsNamesOnlyIfItHoldsText) {
 TEST(CsvReader, NamesFileRowAndColumnOfEveryMistake) {
   EXPECT_EQ(ErrorOf("a,b\n1,2\n3,oops\n"), "in.csv:3:2: 'oops' is not a number");
   EXPECT_EQ(ErrorOf("a,b\n1,2\n3\n"), "in.csv:3:1: the row has 1 of 2 values");
-  EXPECT_EQ(ErrorOf("a,b\n1,2,3\n"), "in.csv:2:3: the row has more than 2 values");
+  EXPECT_EQ(ErrorOf("a,b\n1,2\n1,2,3\n"), "in.csv:3:3: the row has more than 2 values");
+  EXPECT_EQ(ErrorOf("a,b\n1,2,3\n"), "in.csv:1:2: the header has 2 names for 3 values");
   EXPECT_EQ(ErrorOf("a,b\n1,\n"), "in.csv:2:2: the value is missing");
   EXPECT_EQ(ErrorOf("a,b\n1,nan\n"), "in.csv:2:2: the value is missing (nan)");
   EXPECT_EQ(ErrorOf("a,b\n1,1e999\n"), "in.csv:2:2: '1e999' is not a finite number");
@@ -119,7 +120,7 @@ class RecordingFile : public ::testing::Test {
   void Write(std::string_view text) { std::ofstream(path_, std::ios::binary) << text; }
   std::string LoadError() {
     try {
-      LoadRecording(path_);
+      LoadRecording(path_, {});
     } catch (const UserError& error) {
       return error.what();
     }
@@ -132,7 +133,7 @@ class RecordingFile : public ::testing::Test {
 
 TEST_F(RecordingFile, GivesAnglesInRadiansUnderTheChannelsNames) {
   Write("time_s,elbow_flexion,index_mcp\n0,90,-45\n0.01,180,45\n");
-  const Recording recording = LoadRecording(path_);
+  const Recording recording = LoadRecording(path_, {});
   EXPECT_EQ(recording.angle_rad.rows(), 2);
   EXPECT_NEAR(recording.angle_rad(0, ChannelIndex("elbow_flexion")), 1.5707963267948966, 1e-15);
   EXPECT_NEAR(recording.angle_rad(1, ChannelIndex("index_mcp")), 0.78539816339744828, 1e-15);
@@ -143,19 +144,22 @@ TEST_F(RecordingFile, RejectsWhatCannotBeARecording) {
   EXPECT_EQ(LoadError(), path_.string() + ": cannot open: No such file or directory");
   Write("time_s,index_mpc\n0,1\n");
   EXPECT_EQ(LoadError(),
-            path_.string() + ":1:2: unknown channel 'index_mpc' (did you mean index_mcp?)");
+            path_.string() + ":1:2: unknown column 'index_mpc' (did you mean index_mcp?)");
   Write("time_s,index_mcp\n0,1\n0.01,2\n0.01,3\n");
   EXPECT_EQ(LoadError(),
-            path_.string() + ":4:1: time_s is 0.01, must be above 0.01 of the row before");
+            path_.string() + ":4:1: the time is 0.01 s, must be above 0.01 s of the row before");
   Write("index_mcp\n1\n2\n");
-  EXPECT_EQ(LoadError(), path_.string() + ":1:1: there is no column time_s");
+  EXPECT_EQ(LoadError(), path_.string() +
+                             ":1:1: there is no column of time; without one file_rate_hz must be "
+                             "given");
   Write("time_s,index_mcp,index_mcp\n0,1,1\n");
-  EXPECT_EQ(LoadError(), path_.string() + ":1:3: column index_mcp stands twice");
+  EXPECT_EQ(LoadError(), path_.string() + ":1:3: index_mcp stands twice");
 }
 
 TEST(DoorOpening, LiesInsideTheJointRangesAndMovesEveryChannel) {
-  const Recording recording = LoadRecording(std::filesystem::path(GAUNTLET_SOURCE_DIR) /
-                                            "scenarios/recordings/door_opening/angles.csv");
+  const Recording recording = LoadRecording(
+      std::filesystem::path(GAUNTLET_SOURCE_DIR) / "scenarios/recordings/door_opening/angles.csv",
+      {});
   EXPECT_GT(recording.time_s.back(), 10.0);
   for (std::size_t channel = 0; channel < GloveChannels().size(); ++channel) {
     const auto column = recording.angle_rad.col(static_cast<Eigen::Index>(channel)) * kDegPerRad;

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "sim/base/signal.h"
-#include "sim/glove/motions/motion_config.h"
+#include "sim/glove/sensor/converter.h"
+#include "sim/glove/sensor/sensor_config.h"
 
 namespace gauntlet::sim {
 
@@ -18,12 +19,47 @@ struct MotionSegment {
 
 /// True joint angles of the wearer over time. Channels are all of GloveChannels().
 struct Motion {
-  Signal angle_rad;  // samples x channels
+  Signal angle_rad;            // samples x channels
+  Signal velocity_rad_s;       // the same; empty if not asked for or not known in closed form
+  Signal acceleration_rad_s2;  // likewise
   std::vector<MotionSegment> segments;
+  /// What a recorded glove said, where the recording is of a glove; else empty. NaN is missing.
+  Signal measured_rad;
+  std::string reference_name = "ground truth";
+  std::vector<std::string> remarks;  // what was repaired in a recording, one line each
+
+  bool has_derivatives() const { return velocity_rad_s.rows() == angle_rad.rows(); }
 };
 
-/// Pure: same input, same bytes.
-/// Errors: UserError for a recording that cannot be read.
-Motion SynthesiseMotion(const MotionConfig& config, double rate_hz, std::uint64_t seed);
+/// What all kinds of motion need to know besides their own settings.
+struct MotionContext {
+  double rate_hz = 1000.0;
+  std::uint64_t seed = 0;
+  bool derivatives = false;
+  std::uint64_t part = 0;         // place in a sequence: its random streams are its own
+  std::vector<double> start_rad;  // per channel, where the part before ended; empty if none
+  SensorConfig sensor;            // nominal, for recordings in counts
+  ConverterConfig converter;
+
+  int SampleCount(double duration_s) const;
+  /// For a random stream of one channel of this part.
+  std::uint64_t StreamIndex(std::size_t channel) const { return part * 1000 + channel; }
+};
+
+/// A motion of this many samples that stands still at angle 0, with derivatives if wanted.
+Motion StillMotion(const MotionContext& context, int samples);
+/// `channel` stands still at this angle.
+void HoldChannel(std::size_t channel, double angle_rad, Motion& motion);
+
+/// One entry per channel: is it named? An empty list names all.
+/// Errors: UserError for an unknown name.
+std::vector<bool> SelectChannels(const std::vector<std::string>& names);
+
+/// Middle of a channel's range and `range_percent` of half of it.
+struct Excursion {
+  double middle_rad;
+  double half_rad;
+};
+Excursion ChannelExcursion(std::size_t channel, double range_percent);
 
 }  // namespace gauntlet::sim

@@ -1,5 +1,12 @@
 #include "sim/glove/motions/postures.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 
 namespace gauntlet::sim {
@@ -44,6 +51,14 @@ constexpr auto kNames = [] {
 
 std::span<const Posture> Postures() { return kPostures; }
 std::span<const std::string_view> PostureNames() { return kNames; }
+
+std::size_t PostureIndex(std::string_view name) {
+  const auto found = std::ranges::find(kNames, name);
+  if (found != kNames.end()) return static_cast<std::size_t>(found - kNames.begin());
+  throw UserError(
+      fmt::format("unknown posture '{}'{}", name.substr(0, 60),
+                  Suggestion(name, std::vector<std::string>(kNames.begin(), kNames.end()))));
+}
 
 std::vector<double> PostureAngles(std::size_t index) {
   std::vector<double> angles;

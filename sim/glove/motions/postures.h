@@ -19,6 +19,8 @@ struct Posture {
 std::span<const Posture> Postures();
 /// For a setting that is a choice of one posture; the same order.
 std::span<const std::string_view> PostureNames();
+/// Index of a posture; throws UserError with the nearest name if there is none.
+std::size_t PostureIndex(std::string_view name);
 /// The angles of a posture [rad, per channel].
 std::vector<double> PostureAngles(std::size_t index);
 

@@ -1,9 +1,12 @@
 #include "sim/glove/motions/random_motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/base/random.h"
 #include "sim/glove/channels.h"
+#include "sim/glove/motions/postures.h"
+#include "sim/glove/motions/settings_of_motions.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -20,37 +23,65 @@ struct Stretch {
         p1((c - a) / 2.0),
         p2((a - 2.0 * b + c) / 2.0),
         p3((d - a + 3.0 * (b - c)) / 6.0) {}
-  double operator()(double u) const { return p0 + u * (p1 + u * (p2 + u * p3)); }
+  double Value(double u) const { return p0 + u * (p1 + u * (p2 + u * p3)); }
+  double Slope(double u) const { return p1 + u * (2.0 * p2 + u * 3.0 * p3); }
+  double Bend(double u) const { return 2.0 * p2 + u * 6.0 * p3; }
 };
+
+/// The spline of one channel; derivatives only if their columns are there.
+void FillSpline(RandomStream& random, const Excursion& range, double knots_per_s, double rate_hz,
+                Eigen::Index column, Motion& motion) {
+  const auto draw = [&] {
+    return random.Uniform(range.middle_rad - range.half_rad, range.middle_rad + range.half_rad);
+  };
+  double a = draw(), b = draw(), c = draw(), d = draw();
+  const double knots_per_sample = knots_per_s / rate_hz;
+  const auto samples = static_cast<double>(motion.angle_rad.rows());
+  double* const angle = motion.angle_rad.col(column).data();
+  for (double knot = 0.0, begin = 0.0; begin < samples; knot += 1.0) {
+    const Stretch stretch(a, b, c, d);
+    const double end = std::min(samples, std::ceil((knot + 1.0) / knots_per_sample));
+    for (auto i = static_cast<Eigen::Index>(begin); i < static_cast<Eigen::Index>(end); ++i) {
+      const double u = static_cast<double>(i) * knots_per_sample - knot;
+      angle[i] = stretch.Value(u);
+      if (motion.has_derivatives()) {
+        motion.velocity_rad_s(i, column) = stretch.Slope(u) * knots_per_s;
+        motion.acceleration_rad_s2(i, column) = stretch.Bend(u) * knots_per_s * knots_per_s;
+      }
+    }
+    begin = end;
+    a = b, b = c, c = d, d = draw();
+  }
+}
 
 }  // namespace
 
-Signal RandomMotion(const RandomMotionConfig& config, int samples, double rate_hz,
-                    std::uint64_t seed) {
-  const auto channels = GloveChannels();
-  Signal angle_rad(samples, static_cast<Eigen::Index>(channels.size()));
-  const double knots_per_sample = config.bandwidth_hz / kKnotSpacingTimesBandwidth / rate_hz;
-  for (std::size_t channel = 0; channel < channels.size(); ++channel) {
-    const double middle = 0.5 * (channels[channel].max_deg + channels[channel].min_deg);
-    const double half = 0.5 * (channels[channel].max_deg - channels[channel].min_deg) *
-                        config.range_percent / 100.0;
-    RandomStream random(seed, "motion/random", channel);
-    const auto draw = [&] { return kRadPerDeg * random.Uniform(middle - half, middle + half); };
-    double a = draw(), b = draw(), c = draw(), d = draw();
-    auto column = angle_rad.col(static_cast<Eigen::Index>(channel));
-    Stretch stretch(a, b, c, d);
-    double knot = 0.0;
-    for (int i = 0; i < samples; ++i) {
-      const double place = i * knots_per_sample;
-      while (place >= knot + 1.0) {
-        a = b, b = c, c = d, d = draw();
-        stretch = Stretch(a, b, c, d);
-        knot += 1.0;
-      }
-      column[i] = stretch(place - knot);
+void RandomMotionConfig::Visit(controller::SettingsVisitor& visitor) {
+  VisitDuration(visitor, duration_s);
+  visitor.Number({.key = "bandwidth_hz",
+                  .help = "frequency at which the amplitude has fallen to 0.707 (-3 dB)",
+                  .min = 0.01,
+                  .max = 50},
+                 bandwidth_hz);
+  VisitRange(visitor, range_percent);
+  VisitChannels(visitor, channels);
+}
+
+Motion MakeMotion(const RandomMotionConfig& config, const MotionContext& context) {
+  Motion motion = StillMotion(context, context.SampleCount(config.duration_s));
+  const std::vector<bool> selected = SelectChannels(config.channels);
+  const std::vector<double> rest = context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
+  for (std::size_t channel = 0; channel < selected.size(); ++channel) {
+    if (!selected[channel]) {
+      HoldChannel(channel, rest[channel], motion);
+      continue;
     }
+    RandomStream random(context.seed, "motion/random", context.StreamIndex(channel));
+    FillSpline(random, ChannelExcursion(channel, config.range_percent),
+               config.bandwidth_hz / kKnotSpacingTimesBandwidth, context.rate_hz,
+               static_cast<Eigen::Index>(channel), motion);
   }
-  return angle_rad;
+  return motion;
 }
 
 }  // namespace gauntlet::sim

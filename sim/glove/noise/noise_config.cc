@@ -1,34 +1,130 @@
 #include "sim/glove/noise/noise_config.h"
 
+#include <Eigen/Cholesky>
 #include <array>
+#include <string>
 #include <string_view>
+
+#include "sim/glove/channels.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::array<std::string_view, 2> kKindNames = {"none", "box_muller"};
+constexpr std::array<std::string_view, 3> kKindNames = {"none", "box_muller", "galton"};
+constexpr std::array<std::string_view, 3> kSummaries = {
+    "no white noise", "white Gaussian noise by the Box-Muller transform, basic form",
+    "white, nearly Gaussian noise by a Galton board"};
+
+void VisitGalton(controller::SettingsVisitor& visitor, NoiseConfig& config) {
+  visitor.Integer({.key = "galton_rows", .help = "rows of pins", .min = 1, .max = 4096},
+                  config.galton_rows);
+  visitor.Integer({.key = "galton_balls",
+                   .help = "balls whose mean place makes one value",
+                   .min = 1,
+                   .max = 64},
+                  config.galton_balls);
+}
+
+void VisitRecording(controller::SettingsVisitor& visitor, NoiseConfig& config) {
+  visitor.Path({.key = "recording", .help = "file whose noise is added; empty: none"},
+               config.recording);
+  visitor.Path({.key = "recording_map", .help = "its column map, if its names are others"},
+               config.recording_map);
+  visitor.Number({.key = "recording_rate_hz",
+                  .help = "its rows per second if it has no time column",
+                  .min = 0,
+                  .max = 100000},
+                 config.recording_rate_hz);
+  visitor.Number({.key = "recording_smoothing_hz",
+                  .help = "what lies above this is its noise",
+                  .min = 0.1,
+                  .max = 20},
+                 config.recording_smoothing_hz);
+  visitor.Number({.key = "recording_scale", .help = "factor on its noise", .min = 0, .max = 1000},
+                 config.recording_scale);
+}
 
 }  // namespace
 
 double NoiseConfig::VarianceCounts2(int channel) const {
   const auto index = static_cast<std::size_t>(channel);
+  if (!covariance_counts2.empty()) {
+    return variance_scale * covariance_counts2.at(index * GloveChannels().size() + index);
+  }
   if (variance_counts2.empty()) return variance_scale * kPaperVarianceCounts2[index];
   if (variance_counts2.size() == 1) return variance_scale * variance_counts2[0];
   return variance_scale * variance_counts2.at(index);
 }
 
+void NoiseConfig::Check() const {
+  const std::size_t channels = GloveChannels().size();
+  const std::size_t variances = variance_counts2.size();
+  if (variances > 1 && variances != channels) {
+    throw controller::SettingError("noise.variance_counts2", "has " + std::to_string(variances) +
+                                                                 " values, must have 1 or 18");
+  }
+  if (covariance_counts2.empty()) return;
+  const std::string key = "noise.covariance_counts2";
+  if (covariance_counts2.size() != channels * channels) {
+    throw controller::SettingError(key, "has " + std::to_string(covariance_counts2.size()) +
+                                            " values, must have 324 (18 rows of 18)");
+  }
+  const Eigen::Map<const Eigen::MatrixXd> matrix(covariance_counts2.data(),
+                                                 static_cast<Eigen::Index>(channels),
+                                                 static_cast<Eigen::Index>(channels));
+  if (matrix != matrix.transpose()) throw controller::SettingError(key, "is not symmetric");
+  if (Eigen::LLT<Eigen::MatrixXd>(matrix).info() != Eigen::Success) {
+    throw controller::SettingError(key, "is not positive definite");
+  }
+}
+
 void NoiseConfig::Visit(controller::SettingsVisitor& visitor) {
   controller::VisitEnum(visitor, {.key = "kind", .help = "generator of white Gaussian noise"},
                         kKindNames, kind);
-  if (kind == WhiteNoiseKind::kNone) return;
-  visitor.Numbers(
-      {.key = "variance_counts2",
-       .help = "one number or 18, in counts of a 10-bit converter; empty: the paper's R",
-       .min = 0,
-       .max = 1e6},
-      variance_counts2);
-  visitor.Number({.key = "variance_scale", .help = "factor on all variances", .min = 0, .max = 1e6},
-                 variance_scale);
+  if (kind != WhiteNoiseKind::kNone) {
+    visitor.Numbers(
+        {.key = "variance_counts2",
+         .help = "one number or 18, in counts of a 10-bit converter; empty: the paper's R",
+         .min = 0,
+         .max = 1e6},
+        variance_counts2);
+    visitor.Numbers({.key = "covariance_counts2",
+                     .help = "18 rows of 18 in one list, if channels are correlated; else empty",
+                     .min = -1e6,
+                     .max = 1e6},
+                    covariance_counts2);
+    visitor.Number(
+        {.key = "variance_scale", .help = "factor on all variances", .min = 0, .max = 1e6},
+        variance_scale);
+  }
+  if (kind == WhiteNoiseKind::kGalton) VisitGalton(visitor, *this);
+  visitor.Number({.key = "pink_variance_counts2",
+                  .help = "variance of 1/f noise in each channel",
+                  .min = 0,
+                  .max = 1e6},
+                 pink_variance_counts2);
+  visitor.Number(
+      {.key = "mains_amplitude_counts", .help = "amplitude of mains hum", .min = 0, .max = 1000},
+      mains_amplitude_counts);
+  visitor.Number({.key = "mains_hz", .help = "mains frequency", .min = 10, .max = 400}, mains_hz);
+  visitor.Number({.key = "walk_counts_per_sqrt_s",
+                  .help = "random walk: standard deviation after one second",
+                  .min = 0,
+                  .max = 1000},
+                 walk_counts_per_sqrt_s);
+  VisitRecording(visitor, *this);
+}
+
+std::span<const NoiseKindInfo> NoiseKinds() {
+  static const auto kKinds = [] {
+    std::array<NoiseKindInfo, kKindNames.size()> kinds;
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      kinds[i] = {.name = kKindNames[i], .summary = kSummaries[i], .defaults = {}};
+      kinds[i].defaults.kind = static_cast<WhiteNoiseKind>(i);
+    }
+    return kinds;
+  }();
+  return kKinds;
 }
 
 }  // namespace gauntlet::sim

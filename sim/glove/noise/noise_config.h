@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "controller/settings.h"
@@ -12,18 +15,42 @@ inline constexpr double kPaperVarianceCounts2[18] = {21.18, 12.52, 10.62, 9.86, 
                                                      9.71,  17.58, 6.05,  9.91,  47.19, 11.04,
                                                      7.56,  23.94, 26.82, 28.82, 27.69, 31.49};
 
-enum class WhiteNoiseKind { kNone, kBoxMuller };
+enum class WhiteNoiseKind { kNone, kBoxMuller, kGalton };
 
-/// Noise of the electrical signal, before the converter. Counts are those of a 10-bit converter:
-/// a coarser converter sees the same noise in fewer counts.
+/// Noise of the electrical signal, before the converter: white Gaussian noise, and what may be
+/// added to it. Counts are those of a 10-bit converter: a coarser converter sees the same noise in
+/// fewer counts.
 struct NoiseConfig {
   WhiteNoiseKind kind = WhiteNoiseKind::kBoxMuller;
-  std::vector<double> variance_counts2;  // empty: the paper's
+  std::vector<double> variance_counts2;    // empty: the paper's
+  std::vector<double> covariance_counts2;  // 18 x 18 row by row; empty: channels are independent
   double variance_scale = 1.0;
+  int galton_rows = 64;
+  int galton_balls = 4;
+  double pink_variance_counts2 = 0.0;
+  double mains_amplitude_counts = 0.0;
+  double mains_hz = 50.0;
+  double walk_counts_per_sqrt_s = 0.0;
+  /// Noise of a real glove: what remains of a recording when its smoothed self is taken away.
+  std::string recording;
+  std::string recording_map;
+  double recording_rate_hz = 0.0;
+  double recording_smoothing_hz = 5.0;
+  double recording_scale = 1.0;
 
-  /// Variance of a channel, scale included [counts^2 of a 10-bit converter].
+  /// Variance of the white noise of a channel, scale included [counts^2 of a 10-bit converter].
   double VarianceCounts2(int channel) const;
+  /// Errors: SettingError for lists of a wrong length or a matrix that is no covariance.
+  void Check() const;
   void Visit(controller::SettingsVisitor& visitor);
 };
+
+/// One kind of white noise, with the settings it has if nothing is said.
+struct NoiseKindInfo {
+  std::string_view name;
+  std::string_view summary;
+  NoiseConfig defaults;
+};
+std::span<const NoiseKindInfo> NoiseKinds();
 
 }  // namespace gauntlet::sim

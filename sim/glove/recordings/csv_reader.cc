@@ -151,28 +151,53 @@ void CsvReader::ReadFirstLine() {
   }
   separator_ = FindSeparator(line);
   const bool decimal_comma = separator_ != ',';
-  std::vector<std::string> cells;
   bool is_header = false;
-  const bool ends_with_separator = separator_ != ' ' && line.back() == separator_;
-  for (std::string_view rest = line; !rest.empty();) {
-    const std::string_view cell = NextCell(rest);
+  for (const std::string_view cell : Cells(line)) {
+    header_.emplace_back(Unquoted(cell));
     is_header = is_header || !LooksLikeNumber(cell, decimal_comma);
-    cells.emplace_back(Unquoted(cell));
   }
-  if (ends_with_separator) cells.emplace_back();
-  column_count_ = cells.size();
+  column_count_ = header_.size();
   if (is_header) {
-    header_ = std::move(cells);
+    ReadFirstRowOfData();
   } else {
-    first_line_is_data_ = true;
-    first_line_ = line;
+    header_.clear();
+    has_first_row_ = true;
+    first_row_ = line;
+    first_row_line_ = row_;
   }
+  ignored_.assign(column_count_, false);
+}
+
+std::vector<std::string_view> CsvReader::Cells(std::string_view line) const {
+  std::vector<std::string_view> cells;
+  const bool ends_with_separator = separator_ != ' ' && line.ends_with(separator_);
+  for (std::string_view rest = line; !rest.empty();) cells.push_back(NextCell(rest));
+  if (ends_with_separator) cells.emplace_back();
+  return cells;
+}
+
+void CsvReader::ReadFirstRowOfData() {
+  const std::size_t header_line = row_;
+  std::string_view line;
+  if (!NextUsefulLine(line)) return;
+  has_first_row_ = true;
+  first_row_ = line;
+  first_row_line_ = row_;
+  row_ = header_line;  // where the reader stands, for messages, until the first row is asked for
+  const std::vector<std::string_view> cells = Cells(line);
+  if (cells.size() != header_.size() + 1 || Trimmed(cells.back()).empty()) return;
+  Problem("header too short", header_.size(),
+          fmt::format("the header has {} names for {} values", header_.size(), cells.size()));
+  const bool time_is_first = header_.front().starts_with("t");
+  header_.insert(time_is_first ? header_.end() : header_.begin(), std::string());
+  column_count_ = header_.size();
 }
 
 bool CsvReader::NextRow(std::span<double> values) {
-  if (first_line_is_data_) {
-    first_line_is_data_ = false;
-    ParseRow(first_line_, values);
+  if (has_first_row_) {
+    has_first_row_ = false;
+    row_ = first_row_line_;
+    ParseRow(first_row_, values);
     return true;
   }
   std::string_view line;
@@ -189,8 +214,8 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
   for (; column < column_count_ && more; ++column) {
     double value;
     const auto number = std::from_chars(rest.data(), end, value);
-    if (number.ec == std::errc() && std::isfinite(value) && separator_ != ' ' &&
-        (number.ptr == end || *number.ptr == separator_)) {
+    if (!ignored_[column] && number.ec == std::errc() && std::isfinite(value) &&
+        separator_ != ' ' && (number.ptr == end || *number.ptr == separator_)) {
       values[column] = value;
       more = number.ptr != end;
       rest = {number.ptr + (more ? 1 : 0), end};
@@ -199,7 +224,7 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
     // Everything that is not a plain number between separators: rare, so clarity over speed.
     const std::string_view cell = NextCell(rest);
     more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
-    values[column] = ParseSlowly(cell, column + 1);
+    values[column] = ignored_[column] ? kMissing : ParseSlowly(cell, column + 1);
   }
   if (column < column_count_) {
     Problem("truncated row", column,

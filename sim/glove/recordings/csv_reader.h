@@ -22,8 +22,9 @@ enum class ProblemHandling {
 /// Takes comma, semicolon, tab or spaces between cells (found from the first line), LF or CRLF, a
 /// byte order mark, blank lines, lines that start with '#', quoted names, and a decimal comma if
 /// the separator is another character. A first line with a cell that is not a number is the header.
-/// An empty cell or `nan` is a missing value.
-/// Errors: UserError `file:row:column: ...`; row is the line of the file, column the cell, from 1.
+/// An empty cell or `nan` is a missing value. A header one name short lacks the first column's
+/// name, or the last one's if it starts with the time. Errors: UserError `file:row:column: ...`;
+/// row is the line of the file, column the cell, from 1.
 class CsvReader {
  public:
   /// Fills a buffer and says how many bytes it gave; 0 is the end.
@@ -34,9 +35,12 @@ class CsvReader {
   /// `name` stands for the file in messages.
   CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener = {});
 
-  /// Empty if the file has none.
+  /// Empty if the file has none. A nameless column has an empty name.
   const std::vector<std::string>& header() const { return header_; }
   std::size_t column_count() const { return column_count_; }
+
+  /// Do not read this column (from 0): its values are NaN and may be text.
+  void Ignore(std::size_t column) { ignored_[column] = true; }
 
   /// The next row; false at the end. `values` has column_count() places.
   bool NextRow(std::span<double> values);
@@ -52,6 +56,8 @@ class CsvReader {
   bool NextUsefulLine(std::string_view& line);
   void Refill();
   void ReadFirstLine();
+  void ReadFirstRowOfData();
+  std::vector<std::string_view> Cells(std::string_view line) const;
   std::string_view NextCell(std::string_view& rest) const;
   void ParseRow(std::string_view line, std::span<double> values);
   double ParseSlowly(std::string_view cell, std::size_t column);
@@ -64,8 +70,10 @@ class CsvReader {
   std::vector<std::string> header_;
   std::size_t column_count_ = 0;
   char separator_ = ',';
-  bool first_line_is_data_ = false;
-  std::string first_line_;
+  std::vector<bool> ignored_;
+  bool has_first_row_ = false;
+  std::string first_row_;
+  std::size_t first_row_line_ = 0;
   std::size_t row_ = 0;
 
   std::vector<char> buffer_;

@@ -1,44 +1,149 @@
 #include "sim/glove/sensor/bend_sensor.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
 #include "sim/base/random.h"
 #include "sim/glove/channels.h"
 #include "sim/glove/noise/box_muller.h"
 
 namespace gauntlet::sim {
+namespace {
+
+/// Sensors that lie beside or in line with each other.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kNeighbours = {
+    {{"thumb_rotation", "thumb_abduction"},
+     {"thumb_abduction", "thumb_mcp"},
+     {"thumb_mcp", "thumb_ip"},
+     {"index_mcp", "index_pip"},
+     {"middle_mcp", "middle_pip"},
+     {"ring_mcp", "ring_pip"},
+     {"little_mcp", "little_pip"},
+     {"index_mcp", "middle_mcp"},
+     {"middle_mcp", "ring_mcp"},
+     {"ring_mcp", "little_mcp"},
+     {"index_mcp", "finger_spread"},
+     {"wrist_flexion", "wrist_deviation"},
+     {"elbow_flexion", "shoulder_flexion"}}};
+
+/// Bending of one channel, 0 .. 1 over the joint's range.
+void Bend(const Signal& angle_rad, Eigen::Index c, Signal& bend) {
+  const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+  const double min_rad = joint.min_deg * kRadPerDeg;
+  const double per_rad = 1.0 / ((joint.max_deg - joint.min_deg) * kRadPerDeg);
+  bend.col(c) = (angle_rad.col(c).array() - min_rad) * per_rad;
+}
+
+/// y' = (x - y) / lag, exact for a step input; starts settled.
+void Lag(double lag_s, double rate_hz, Eigen::Ref<Eigen::VectorXd> bend) {
+  const double share = -std::expm1(-1.0 / (lag_s * rate_hz));
+  double y = bend[0];
+  for (double& x : bend) {
+    y += share * (x - y);
+    x = y;
+  }
+}
+
+/// Play: the output stands still until the input has moved through half the play on either side.
+void Hysteresis(double play, Eigen::Ref<Eigen::VectorXd> bend) {
+  const double half = 0.5 * play;
+  double y = bend[0];
+  for (double& x : bend) {
+    y = std::max(x - half, std::min(x + half, y));
+    x = y;
+  }
+}
+
+void AddCrossTalk(const std::vector<CrossTalk>& cross_talk, Signal& bend) {
+  if (cross_talk.empty()) return;
+  // Block by block, each channel's own bending kept before the neighbours are added.
+  constexpr Eigen::Index kBlock = 512;
+  Signal own(kBlock, bend.cols());
+  for (Eigen::Index begin = 0; begin < bend.rows(); begin += kBlock) {
+    const Eigen::Index rows = std::min(kBlock, bend.rows() - begin);
+    own.topRows(rows) = bend.middleRows(begin, rows);
+    for (const CrossTalk& pair : cross_talk) {
+      bend.col(pair.to).segment(begin, rows).array() +=
+          pair.share * (own.col(pair.from).head(rows).array() - 0.5);
+    }
+  }
+}
+
+}  // namespace
 
 SensorParameters NominalSensor() {
   const std::size_t channels = GloveChannels().size();
-  return {std::vector<double>(channels, 1.0), std::vector<double>(channels, 0.0)};
+  const std::vector<double> zeros(channels, 0.0);
+  return {std::vector<double>(channels, 1.0), zeros, zeros, zeros, {}};
 }
 
 SensorParameters DrawSensor(const SensorConfig& config, std::uint64_t seed) {
   SensorParameters sensor = NominalSensor();
   for (std::size_t channel = 0; channel < sensor.gain.size(); ++channel) {
     RandomStream random(seed, "sensor/deviation", channel);
-    const NormalPair pair = BoxMuller(random);
-    sensor.gain[channel] += 0.01 * config.gain_deviation_percent * pair.first;
-    sensor.offset_share[channel] += 0.01 * config.offset_deviation_percent * pair.second;
+    const NormalPair line = BoxMuller(random);
+    const NormalPair rest = BoxMuller(random);
+    sensor.gain[channel] += 0.01 * config.gain_deviation_percent * line.first;
+    sensor.offset_share[channel] = 0.01 * config.offset_deviation_percent * line.second;
+    sensor.curvature_share[channel] = 0.01 * config.curvature_deviation_percent * rest.first;
+    sensor.drift_share[channel] = 0.01 * config.drift_deviation_percent * rest.second;
+  }
+  if (config.cross_talk_percent == 0.0) return sensor;
+  for (std::size_t pair = 0; pair < kNeighbours.size(); ++pair) {
+    const int a = ChannelIndex(kNeighbours[pair].first);
+    const int b = ChannelIndex(kNeighbours[pair].second);
+    RandomStream random(seed, "sensor/cross_talk", pair);
+    const NormalPair draws = BoxMuller(random);
+    // Half of the mean as deviation: sensors are sewn on by hand.
+    sensor.cross_talk.push_back({a, b, 0.01 * config.cross_talk_percent * (1 + 0.5 * draws.first)});
+    sensor.cross_talk.push_back(
+        {b, a, 0.01 * config.cross_talk_percent * (1 + 0.5 * draws.second)});
   }
   return sensor;
 }
 
 Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
-                 const Signal& angle_rad, double full_scale_counts) {
-  const auto channels = GloveChannels();
-  const double middle = 0.005 * (config.low_percent + config.high_percent);
-  const double span = 0.01 * (config.high_percent - config.low_percent);
-  Signal counts(angle_rad.rows(), angle_rad.cols());
-  for (std::size_t channel = 0; channel < channels.size(); ++channel) {
-    const double range_rad = (channels[channel].max_deg - channels[channel].min_deg) * kRadPerDeg;
-    const double center_rad =
-        0.5 * (channels[channel].max_deg + channels[channel].min_deg) * kRadPerDeg;
-    const double counts_per_rad = sensor.gain[channel] * span / range_rad * full_scale_counts;
-    const double center_counts = (middle + sensor.offset_share[channel]) * full_scale_counts;
-    const auto column = static_cast<Eigen::Index>(channel);
-    counts.col(column) =
-        center_counts + counts_per_rad * (angle_rad.col(column).array() - center_rad);
+                 const Signal& angle_rad, double rate_hz, double full_scale_counts) {
+  Signal bend(angle_rad.rows(), angle_rad.cols());
+  for (Eigen::Index c = 0; c < bend.cols(); ++c) {
+    Bend(angle_rad, c, bend);
+    if (config.lag_ms > 0.0) Lag(1e-3 * config.lag_ms, rate_hz, bend.col(c));
+    if (config.hysteresis_deg > 0.0) {
+      const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+      Hysteresis(config.hysteresis_deg / (joint.max_deg - joint.min_deg), bend.col(c));
+    }
   }
-  return counts;
+  AddCrossTalk(sensor.cross_talk, bend);
+  const double low = 0.01 * config.low_percent * full_scale_counts;
+  const double span = 0.01 * (config.high_percent - config.low_percent) * full_scale_counts;
+  for (Eigen::Index c = 0; c < bend.cols(); ++c) {
+    const auto channel = static_cast<std::size_t>(c);
+    const double gain = sensor.gain[channel];
+    const double bow = 4.0 * sensor.curvature_share[channel];
+    const double start =
+        low + span * (0.5 - 0.5 * gain) + sensor.offset_share[channel] * full_scale_counts;
+    const auto b = bend.col(c).array();
+    bend.col(c) = start + span * (b * (gain + bow * (1.0 - b)));
+    if (sensor.drift_share[channel] == 0.0) continue;
+    const double drift = sensor.drift_share[channel] * full_scale_counts;
+    for (Eigen::Index i = 0; i < bend.rows(); ++i) {
+      bend(i, c) -= drift * std::expm1(-static_cast<double>(i) / rate_hz / config.drift_time_s);
+    }
+  }
+  return bend;
+}
+
+Signal SenseBendNominal(const SensorConfig& config, const Signal& angle_rad,
+                        double full_scale_counts) {
+  SensorConfig nominal;
+  nominal.low_percent = config.low_percent;
+  nominal.high_percent = config.high_percent;
+  nominal.hysteresis_deg = 0.0;
+  nominal.lag_ms = 0.0;
+  return SenseBend(nominal, NominalSensor(), angle_rad, 1000.0, full_scale_counts);
 }
 
 }  // namespace gauntlet::sim

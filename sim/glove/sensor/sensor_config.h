@@ -6,16 +6,27 @@ namespace gauntlet::sim {
 
 /// Bend sensors: how an angle becomes a voltage, here a share of the converter's full scale.
 ///
-///     share = 0.5 (low + high) + gain (high - low) ((angle - min) / (max - min) - 0.5) + offset
+///     bend   = (angle - min) / (max - min)                      0 .. 1 over the joint's range
+///     bend'  = bend, late by the lag, held back by the hysteresis, with its neighbours' cross-talk
+///     output = low + (high - low) (0.5 + gain (bend' - 0.5) + curvature 4 bend' (1 - bend'))
+///              + offset + drift (1 - exp(-t / drift time))
 ///
-/// `gain` is 1 and `offset` 0 in the nominal sensor; a seed draws one glove with normal deviations.
-/// Source of the deviations: an assumption; a well calibrated CyberGlove has an RMS error below
-/// 10 deg at most joints, and these defaults give about 3 to 6 deg.
+/// The nominal sensor is straight and has neither; a seed draws one glove from it: each deviation
+/// is normal with the standard deviation given here, each coefficient one per channel or pair.
+/// Source: all sizes are assumptions. They stand for a glove that was calibrated with care: the
+/// best calibrated CyberGlove III has an RMS error below 10 deg at most joints, so its calibration
+/// error is larger than its noise; these defaults give about 2 to 3 deg.
 struct SensorConfig {
   double low_percent = 10.0;
   double high_percent = 90.0;
-  double gain_deviation_percent = 5.0;
-  double offset_deviation_percent = 2.0;
+  double gain_deviation_percent = 3.0;
+  double offset_deviation_percent = 1.0;
+  double curvature_deviation_percent = 1.0;
+  double cross_talk_percent = 1.0;
+  double hysteresis_deg = 0.5;
+  double lag_ms = 0.0;
+  double drift_deviation_percent = 0.0;
+  double drift_time_s = 120.0;
 
   void Visit(controller::SettingsVisitor& visitor);
 };

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "controller/settings.h"
+
+namespace gauntlet::sim {
+
+enum class FaultKind {
+  kSpikes,
+  kNoiseBursts,
+  kGainChange,
+  kTimeJitter,
+  kSaturated,
+  kStuck,
+  kDisconnected,
+  kDropouts,
+  kDuplicatedFrames,
+  kLateFrames
+};
+
+/// Something that goes wrong with the glove. Faults come at random, as often as `rate_per_s` says
+/// in each of the channels, or begin once at a given time and stay; durations are exponential about
+/// their mean. Counts are those of a 10-bit converter.
+struct FaultConfig {
+  FaultKind kind = FaultKind::kSpikes;
+  std::vector<std::string> channels;  // empty: all
+  double rate_per_s = 0.5;
+  double duration_ms = 50.0;
+  double amplitude_counts = 200.0;
+  double start_s = 5.0;
+  double gain = 0.7;
+  double deviation_ms = 1.0;
+  double delay_ms = 20.0;
+
+  /// Shows the kind and the settings of that kind.
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
+/// One kind of fault, with the settings it has if nothing is said.
+struct FaultKindInfo {
+  std::string_view name;
+  std::string_view summary;
+  FaultConfig defaults;
+};
+std::span<const FaultKindInfo> FaultKinds();
+
+}  // namespace gauntlet::sim

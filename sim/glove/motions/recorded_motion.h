@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "controller/settings.h"
+#include "sim/glove/motions/motion.h"
+#include "sim/glove/recordings/recording_reader.h"
+
+namespace gauntlet::sim {
+
+/// What a recording stands for.
+enum class RecordingUse {
+  kTruth,     // the wearer's true motion, under the simulated glove
+  kMeasured,  // what a real glove said: it goes to the converter as it is
+};
+
+/// Joint angles from a text file, brought to the sampling rate by shape-preserving interpolation.
+struct RecordedMotionConfig {
+  static constexpr std::string_view kKind = "recording";
+  static constexpr std::string_view kSummary = "joint angles or glove values from a file";
+
+  std::string file;
+  std::string map;
+  double file_rate_hz = 0.0;
+  ProblemHandling problems = ProblemHandling::kStrict;
+  double longest_gap_ms = 100.0;
+  double start_s = 0.0;
+  double duration_s = 0.0;  // 0: to the end
+  RecordingUse use = RecordingUse::kTruth;
+  std::string reference;      // for measured: a recording of the truth
+  double smoothing_hz = 5.0;  // for measured without one
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
+/// For `measured`, angle_rad is the reference and measured_rad what the glove said.
+/// The columns in counts are those of the default sensor and converter unless given.
+/// Errors: UserError for a file that cannot be read or is too short.
+Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,109 @@
+#include "sim/glove/motions/sequence.h"
+
+#include <algorithm>
+
+#include "sim/glove/channels.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Angle of one channel and its derivatives at one moment.
+struct State {
+  double angle, velocity, acceleration;
+};
+
+/// From three samples in a row, the one in question first; `step_s` is negative backward in time.
+State StateFrom(double y0, double y1, double y2, double step_s) {
+  return {y0, (-3.0 * y0 + 4.0 * y1 - y2) / (2.0 * step_s),
+          (y0 - 2.0 * y1 + y2) / (step_s * step_s)};
+}
+
+State StartState(const Signal& angle_rad, Eigen::Index c, double step_s) {
+  if (angle_rad.rows() < 3) return {angle_rad(0, c), 0.0, 0.0};
+  return StateFrom(angle_rad(0, c), angle_rad(1, c), angle_rad(2, c), step_s);
+}
+
+/// Where the motion would be one sample after its end.
+State StateAfter(const Signal& angle_rad, Eigen::Index c, double step_s) {
+  const Eigen::Index n = angle_rad.rows();
+  if (n < 3) return {angle_rad(n - 1, c), 0.0, 0.0};
+  const State end =
+      StateFrom(angle_rad(n - 1, c), angle_rad(n - 2, c), angle_rad(n - 3, c), -step_s);
+  return {end.angle + step_s * (end.velocity + 0.5 * step_s * end.acceleration),
+          end.velocity + step_s * end.acceleration, end.acceleration};
+}
+
+/// The polynomial that starts with a given state and ends after `duration_s` with all zero.
+class Correction {
+ public:
+  Correction(const State& start, double duration_s) : duration_s_(duration_s) {
+    const double p0 = start.angle;
+    const double p1 = start.velocity * duration_s;
+    const double p2 = 0.5 * start.acceleration * duration_s * duration_s;
+    coefficients_[0] = p0;
+    coefficients_[1] = p1;
+    coefficients_[2] = p2;
+    coefficients_[3] = -10.0 * p0 - 6.0 * p1 - 3.0 * p2;
+    coefficients_[4] = 15.0 * p0 + 8.0 * p1 + 3.0 * p2;
+    coefficients_[5] = -6.0 * p0 - 3.0 * p1 - p2;
+  }
+  State At(double t) const {
+    const double u = t / duration_s_;
+    State state{0.0, 0.0, 0.0};
+    for (int k = 5; k >= 0; --k) {  // Horner's scheme with derivatives
+      state.acceleration = state.acceleration * u + 2.0 * state.velocity;
+      state.velocity = state.velocity * u + state.angle;
+      state.angle = state.angle * u + coefficients_[k];
+    }
+    return {state.angle, state.velocity / duration_s_,
+            state.acceleration / (duration_s_ * duration_s_)};
+  }
+
+ private:
+  double duration_s_;
+  double coefficients_[6];
+};
+
+/// `below` under `above`; empty if one of them is.
+Signal Stacked(const Signal& above, const Signal& below) {
+  if (above.size() == 0 || below.size() == 0) return {};
+  Signal result(above.rows() + below.rows(), above.cols());
+  result << above, below;
+  return result;
+}
+
+}  // namespace
+
+void AppendMotion(const Motion& next, double blend_s, double rate_hz, Motion& motion) {
+  Motion joined = next;
+  const double step_s = 1.0 / rate_hz;
+  const Eigen::Index blend =
+      std::min(static_cast<Eigen::Index>(blend_s * rate_hz), joined.angle_rad.rows());
+  for (Eigen::Index c = 0; c < joined.angle_rad.cols(); ++c) {
+    const State before = StateAfter(motion.angle_rad, c, step_s);
+    const State after = StartState(joined.angle_rad, c, step_s);
+    const Correction correction({before.angle - after.angle, before.velocity - after.velocity,
+                                 before.acceleration - after.acceleration},
+                                static_cast<double>(blend) * step_s);
+    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+    for (Eigen::Index i = 0; i < blend; ++i) {
+      const State add = correction.At(static_cast<double>(i) * step_s);
+      // A fast end of the part before could carry the joint beyond its stop.
+      joined.angle_rad(i, c) = std::clamp(joined.angle_rad(i, c) + add.angle,
+                                          joint.min_deg * kRadPerDeg, joint.max_deg * kRadPerDeg);
+      if (!joined.has_derivatives()) continue;
+      joined.velocity_rad_s(i, c) += add.velocity;
+      joined.acceleration_rad_s2(i, c) += add.acceleration;
+    }
+  }
+  const int offset = static_cast<int>(motion.angle_rad.rows());
+  for (const MotionSegment& segment : joined.segments) {
+    motion.segments.push_back({segment.label, segment.begin + offset, segment.end + offset});
+  }
+  motion.velocity_rad_s = Stacked(motion.velocity_rad_s, joined.velocity_rad_s);
+  motion.acceleration_rad_s2 = Stacked(motion.acceleration_rad_s2, joined.acceleration_rad_s2);
+  motion.angle_rad = Stacked(motion.angle_rad, joined.angle_rad);
+  motion.remarks.insert(motion.remarks.end(), joined.remarks.begin(), joined.remarks.end());
+}
+
+}  // namespace gauntlet::sim

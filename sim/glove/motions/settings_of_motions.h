@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "controller/settings.h"
+
+namespace gauntlet::sim {
+
+// Settings that several kinds of motion share, described once.
+
+// An hour of 18 channels at 1 kHz is half a gigabyte a signal.
+inline constexpr double kLongestMotionS = 3600.0;
+
+inline void VisitDuration(controller::SettingsVisitor& visitor, double& duration_s) {
+  visitor.Number({.key = "duration_s", .help = "how long", .min = 0.01, .max = kLongestMotionS},
+                 duration_s);
+}
+
+inline void VisitRange(controller::SettingsVisitor& visitor, double& range_percent) {
+  visitor.Number({.key = "range_percent",
+                  .help = "largest excursion, of each joint's range about its middle",
+                  .min = 0,
+                  .max = 100},
+                 range_percent);
+}
+
+inline void VisitChannels(controller::SettingsVisitor& visitor,
+                          std::vector<std::string>& channels) {
+  visitor.Texts(
+      {.key = "channels", .help = "names of the channels that take part; empty: all of them"},
+      channels);
+}
+
+}  // namespace gauntlet::sim

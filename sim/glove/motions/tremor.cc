@@ -1,0 +1,77 @@
+#include "sim/glove/motions/tremor.h"
+
+#include <cmath>
+#include <complex>
+
+#include "sim/base/random.h"
+#include "sim/glove/channels.h"
+#include "sim/glove/motions/motion.h"
+#include "sim/glove/motions/settings_of_motions.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kTwoPi = 6.28318530717958647692;
+constexpr int kSines = 8;
+
+/// Sum of sines within the band with a mean square of 1.
+Eigen::VectorXd NarrowBand(RandomStream& random, const TremorConfig& config, int samples,
+                           double rate_hz) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(samples);
+  const double amplitude = std::sqrt(2.0 / kSines);
+  for (int k = 0; k < kSines; ++k) {
+    const double frequency_hz = random.Uniform(config.from_hz, config.to_hz);
+    // A rotating pointer; its length drifts by rounding only, 1e-16 a sample.
+    std::complex<double> pointer = std::polar(amplitude, random.Uniform(0.0, kTwoPi));
+    const std::complex<double> turn = std::polar(1.0, kTwoPi * frequency_hz / rate_hz);
+    for (int i = 0; i < samples; ++i) {
+      sum[i] += pointer.imag();
+      pointer = {pointer.real() * turn.real() - pointer.imag() * turn.imag(),
+                 pointer.real() * turn.imag() + pointer.imag() * turn.real()};
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+void TremorConfig::Visit(controller::SettingsVisitor& visitor) {
+  visitor.Number({.key = "rms_deg", .help = "size at each joint; 0 is none", .min = 0, .max = 20},
+                 rms_deg);
+  visitor.Number({.key = "from_hz", .help = "lower end of the band", .min = 0.5, .max = 25},
+                 from_hz);
+  visitor.Number({.key = "to_hz", .help = "upper end of the band", .min = 0.5, .max = 25}, to_hz);
+  visitor.Number({.key = "shared_percent",
+                  .help = "share of its power that all channels have in common",
+                  .min = 0,
+                  .max = 100},
+                 shared_percent);
+  VisitChannels(visitor, channels);
+  visitor.Flag({.key = "belongs_to_truth",
+                .help = "true: the hand should tremble likewise; false: it should not"},
+               belongs_to_truth);
+}
+
+Signal SynthesiseTremor(const TremorConfig& config, int samples, double rate_hz,
+                        std::uint64_t seed) {
+  if (config.rms_deg == 0.0) return {};
+  if (config.to_hz < config.from_hz) {
+    throw controller::SettingError("tremor.to_hz", "is below from_hz");
+  }
+  const std::vector<bool> selected = SelectChannels(config.channels);
+  RandomStream shared_random(seed, "tremor/shared");
+  const Eigen::VectorXd shared =
+      std::sqrt(0.01 * config.shared_percent) * NarrowBand(shared_random, config, samples, rate_hz);
+  Signal tremor_rad = Signal::Zero(samples, static_cast<Eigen::Index>(selected.size()));
+  for (std::size_t channel = 0; channel < selected.size(); ++channel) {
+    if (!selected[channel]) continue;
+    RandomStream random(seed, "tremor/own", channel);
+    const double own_share = std::sqrt(1.0 - 0.01 * config.shared_percent);
+    tremor_rad.col(static_cast<Eigen::Index>(channel)) =
+        kRadPerDeg * config.rms_deg *
+        (shared + own_share * NarrowBand(random, config, samples, rate_hz));
+  }
+  return tremor_rad;
+}
+
+}  // namespace gauntlet::sim

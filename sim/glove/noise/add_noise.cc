@@ -1,0 +1,130 @@
+#include "sim/glove/noise/add_noise.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "sim/base/random.h"
+#include "sim/glove/channels.h"
+#include "sim/glove/noise/box_muller.h"
+#include "sim/glove/noise/coloured_noise.h"
+#include "sim/glove/noise/galton_board.h"
+#include "sim/glove/recordings/recording.h"
+#include "sim/glove/recordings/zero_phase.h"
+#include "sim/glove/sensor/bend_sensor.h"
+
+namespace gauntlet::sim {
+namespace {
+
+// The full scale in whose counts noise is given, see NoiseConfig.
+constexpr double kNoiseFullScaleCounts = 1023.0;
+
+void AddWhite(const NoiseConfig& config, RandomStream& random, double deviation,
+              std::span<double> signal) {
+  if (config.kind == WhiteNoiseKind::kBoxMuller) AddBoxMuller(random, deviation, signal);
+  if (config.kind == WhiteNoiseKind::kGalton) {
+    AddGalton(random, config.galton_rows, config.galton_balls, deviation, signal);
+  }
+}
+
+/// Correlated white noise: independent normal numbers times the Cholesky factor of the covariance.
+void AddCorrelated(const NoiseConfig& config, double scale, std::uint64_t seed, Signal& counts) {
+  const Eigen::Index channels = counts.cols();
+  const Eigen::Map<const Eigen::MatrixXd> covariance(config.covariance_counts2.data(), channels,
+                                                     channels);
+  const Eigen::MatrixXd factor =
+      Eigen::LLT<Eigen::MatrixXd>(covariance * (config.variance_scale * scale * scale)).matrixL();
+  std::vector<RandomStream> random;
+  for (Eigen::Index c = 0; c < channels; ++c) {
+    random.emplace_back(seed, "noise/white", static_cast<std::uint64_t>(c));
+  }
+  // Blocks of an even number of samples stay in the cache and break no Box-Muller pair.
+  constexpr Eigen::Index kBlock = 256;
+  Eigen::VectorXd white(kBlock);
+  for (Eigen::Index begin = 0; begin < counts.rows(); begin += kBlock) {
+    const Eigen::Index rows = std::min(kBlock, counts.rows() - begin);
+    for (Eigen::Index k = 0; k < channels; ++k) {
+      white.setZero();
+      AddWhite(config, random[static_cast<std::size_t>(k)], 1.0,
+               {white.data(), static_cast<std::size_t>(rows)});
+      for (Eigen::Index c = k; c < channels; ++c) {
+        counts.col(c).segment(begin, rows) += factor(c, k) * white.head(rows);
+      }
+    }
+  }
+}
+
+/// The noise of a recording, played over and over, at the converter's counts.
+void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
+                      const ConverterConfig& converter, double rate_hz, Signal& counts,
+                      std::vector<std::string>& remarks) {
+  RecordingFormat format;
+  format.map = config.recording_map;
+  format.rate_hz = config.recording_rate_hz;
+  format.handling = ProblemHandling::kRepair;
+  format.sensor = sensor;
+  format.converter = converter;
+  const Recording recording = LoadRecording(config.recording, format);
+  remarks.insert(remarks.end(), recording.remarks.begin(), recording.remarks.end());
+  const auto samples =
+      static_cast<std::size_t>(std::clamp(recording.time_s.back() * rate_hz + 1.0, 2.0, 1e7));
+  for (Eigen::Index c = 0; c < counts.cols(); ++c) {
+    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
+    const Resampled raw = Resample(recording, c, 0.0, rate_hz, samples, 0.1);
+    std::vector<double> smooth = raw.value;
+    SmoothZeroPhase(config.recording_smoothing_hz, rate_hz, smooth);
+    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+    const double counts_per_rad = 0.01 * (sensor.high_percent - sensor.low_percent) *
+                                  converter.full_scale_counts() /
+                                  ((joint.max_deg - joint.min_deg) * kRadPerDeg);
+    std::vector<double> noise;
+    for (std::size_t i = 0; i < samples; ++i) {
+      // Where nothing was recorded there is no noise to take.
+      if (!raw.mask[i]) noise.push_back(counts_per_rad * (raw.value[i] - smooth[i]));
+    }
+    if (noise.empty()) continue;
+    for (Eigen::Index i = 0; i < counts.rows(); ++i) {
+      counts(i, c) += config.recording_scale * noise[static_cast<std::size_t>(i) % noise.size()];
+    }
+  }
+}
+
+}  // namespace
+
+void AddNoise(const NoiseConfig& config, const SensorConfig& sensor,
+              const ConverterConfig& converter, double rate_hz, std::uint64_t seed, Signal& counts,
+              std::vector<std::string>& remarks) {
+  const double scale = converter.full_scale_counts() / kNoiseFullScaleCounts;
+  const bool correlated =
+      config.kind != WhiteNoiseKind::kNone && !config.covariance_counts2.empty();
+  if (correlated) AddCorrelated(config, scale, seed, counts);
+  for (Eigen::Index c = 0; c < counts.cols(); ++c) {
+    const std::span<double> signal(counts.col(c).data(), static_cast<std::size_t>(counts.rows()));
+    const auto stream = [&](std::string_view purpose) {
+      return RandomStream(seed, purpose, static_cast<std::uint64_t>(c));
+    };
+    if (config.kind != WhiteNoiseKind::kNone && !correlated) {
+      RandomStream random = stream("noise/white");
+      AddWhite(config, random, scale * std::sqrt(config.VarianceCounts2(static_cast<int>(c))),
+               signal);
+    }
+    if (config.pink_variance_counts2 > 0.0) {
+      RandomStream random = stream("noise/pink");
+      AddPinkNoise(random, scale * std::sqrt(config.pink_variance_counts2), rate_hz, signal);
+    }
+    if (config.mains_amplitude_counts > 0.0) {
+      RandomStream random = stream("noise/mains");
+      AddMainsHum(random, scale * config.mains_amplitude_counts, config.mains_hz, rate_hz, signal);
+    }
+    if (config.walk_counts_per_sqrt_s > 0.0) {
+      RandomStream random = stream("noise/walk");
+      AddRandomWalk(random, scale * config.walk_counts_per_sqrt_s, rate_hz, signal);
+    }
+  }
+  if (!config.recording.empty()) {
+    AddRecordedNoise(config, sensor, converter, rate_hz, counts, remarks);
+  }
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,235 @@
+#include "sim/glove/recordings/column_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <utility>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/glove/channels.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, RecordedUnit>, 4> kUnits = {
+    {{"deg", RecordedUnit::kDegrees},
+     {"rad", RecordedUnit::kRadians},
+     {"counts", RecordedUnit::kCounts},
+     {"share", RecordedUnit::kShare}}};
+constexpr std::array<std::pair<std::string_view, double>, 3> kTimeUnits = {
+    {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}}};
+
+template <class Value, std::size_t kSize>
+const Value* FindIn(const std::array<std::pair<std::string_view, Value>, kSize>& list,
+                    std::string_view name) {
+  const auto found = std::ranges::find(list, name, &std::pair<std::string_view, Value>::first);
+  return found == list.end() ? nullptr : &found->second;
+}
+
+std::optional<int> FindChannel(std::string_view name) {
+  const auto channels = GloveChannels();
+  const auto found = std::ranges::find(channels, name, &Channel::name);
+  if (found == channels.end()) return std::nullopt;
+  return static_cast<int>(found - channels.begin());
+}
+
+/// True and part of the map if the name means something.
+bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
+  if (const auto channel = FindChannel(name)) {
+    map.channels.push_back({.column = column, .channel = *channel});
+    return true;
+  }
+  const std::size_t cut = name.rfind('_');
+  const std::string_view stem = name.substr(0, std::min(cut, name.size()));
+  const std::string_view suffix = cut < name.size() ? name.substr(cut + 1) : "s";
+  if (stem == "time" && !map.time_column) {
+    const double* scale = FindIn(kTimeUnits, suffix);
+    if (scale == nullptr) return false;
+    map.time_column = column;
+    map.time_scale_s = *scale;
+    return true;
+  }
+  const RecordedUnit* unit = FindIn(kUnits, suffix);
+  const auto channel = FindChannel(stem);
+  if (unit == nullptr || !channel) return false;
+  map.channels.push_back({.column = column, .channel = *channel, .unit = *unit});
+  return true;
+}
+
+/// The first channel that stands twice.
+std::optional<ColumnMapping> Repeated(const ColumnMap& map) {
+  std::vector<bool> seen(GloveChannels().size(), false);
+  for (const ColumnMapping& mapping : map.channels) {
+    if (seen[static_cast<std::size_t>(mapping.channel)]) return mapping;
+    seen[static_cast<std::size_t>(mapping.channel)] = true;
+  }
+  return std::nullopt;
+}
+
+std::string ChannelText(const ColumnMapping& mapping) {
+  return std::string(GloveChannels()[static_cast<std::size_t>(mapping.channel)].name);
+}
+
+/// Small text table for the map file.
+class MapFile {
+ public:
+  explicit MapFile(const std::filesystem::path& path) : name_(path.string()), file_(path) {
+    if (!file_) throw UserError(name_ + ": cannot open the column map");
+    if (!NextRow()) Fail(1, "the file holds no data");
+    header_ = cells_;
+    for (std::size_t i = 0; i < header_.size(); ++i) {
+      if (std::ranges::find(kKeys, header_[i]) == kKeys.end()) {
+        Fail(i + 1, fmt::format("unknown key {}{}", Quoted(header_[i]),
+                                Suggestion(header_[i], {kKeys.begin(), kKeys.end()})));
+      }
+    }
+    if (Find("column") == header_.size()) Fail(1, "there is no key column");
+    if (Find("channel") == header_.size()) Fail(1, "there is no key channel");
+  }
+
+  bool NextRow() {
+    std::string line;
+    while (std::getline(file_, line)) {
+      ++row_;
+      if (line.ends_with('\r')) line.pop_back();
+      if (line.empty() || line[0] == '#') continue;
+      cells_.clear();
+      for (std::size_t begin = 0; begin <= line.size();) {
+        const std::size_t end = std::min(line.find(',', begin), line.size());
+        const std::size_t first = std::min(line.find_first_not_of(" \t", begin), end);
+        const std::size_t last = line.find_last_not_of(" \t", end == 0 ? 0 : end - 1);
+        cells_.push_back(first < end ? line.substr(first, last - first + 1) : "");
+        begin = end + 1;
+      }
+      if (!header_.empty() && cells_.size() != header_.size()) {
+        Fail(cells_.size(),
+             fmt::format("the row has {} values, must have {}", cells_.size(), header_.size()));
+      }
+      return true;
+    }
+    return false;
+  }
+
+  std::string Text(std::string_view key, std::string_view fallback) const {
+    const std::size_t place = Find(key);
+    if (place == header_.size() || cells_[place].empty()) return std::string(fallback);
+    return cells_[place];
+  }
+  double Number(std::string_view key, double fallback) const {
+    const std::string text = Text(key, "");
+    if (text.empty()) return fallback;
+    double value = 0.0;
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (result.ec != std::errc() || result.ptr != text.data() + text.size() ||
+        !std::isfinite(value)) {
+      FailAt(key, Quoted(text) + " is not a finite number");
+    }
+    return value;
+  }
+  [[noreturn]] void FailAt(std::string_view key, const std::string& problem) const {
+    Fail(Find(key) + 1, problem);
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 6> kKeys = {"column", "channel", "unit",
+                                                            "scale",  "sign",    "offset"};
+
+  std::size_t Find(std::string_view key) const {
+    return static_cast<std::size_t>(std::ranges::find(header_, key) - header_.begin());
+  }
+  [[noreturn]] void Fail(std::size_t column, const std::string& problem) const {
+    throw UserError(fmt::format("{}:{}:{}: {}", name_, std::max(row_, 1), column, problem));
+  }
+
+  std::string name_;
+  std::ifstream file_;
+  int row_ = 0;
+  std::vector<std::string> header_;
+  std::vector<std::string> cells_;
+};
+
+std::size_t ColumnOf(const MapFile& map, const CsvReader& recording) {
+  const std::string name = map.Text("column", "");
+  const auto& header = recording.header();
+  const auto found = std::ranges::find(header, name);
+  if (!name.empty() && found != header.end()) {
+    return static_cast<std::size_t>(found - header.begin());
+  }
+  std::size_t number = 0;
+  const auto result = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (result.ec == std::errc() && result.ptr == name.data() + name.size() && number >= 1 &&
+      number <= recording.column_count()) {
+    return number - 1;
+  }
+  map.FailAt("column", fmt::format("{} has no column {}, must be one of its names or 1 to {}",
+                                   recording.name(), Quoted(name), recording.column_count()));
+}
+
+}  // namespace
+
+ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
+                      std::vector<std::string>& left_out) {
+  if (recording.header().empty()) {
+    recording.Fail(1, "the first line must name the columns, or a column map must be given");
+  }
+  ColumnMap map;
+  for (std::size_t column = 0; column < recording.column_count(); ++column) {
+    const std::string& name = recording.header()[column];
+    if (AddByName(name, column, map)) continue;
+    if (handling == ProblemHandling::kRepair) {
+      left_out.push_back(name);
+      continue;
+    }
+    recording.Fail(column + 1, fmt::format("unknown column {}{}", Quoted(name),
+                                           Suggestion(name, GloveChannelNames())));
+  }
+  if (const auto twice = Repeated(map)) {
+    recording.Fail(twice->column + 1, fmt::format("{} stands twice", ChannelText(*twice)));
+  }
+  if (map.channels.empty()) recording.Fail(1, "there is no column of a channel");
+  return map;
+}
+
+ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& recording) {
+  MapFile file(path);
+  ColumnMap map;
+  while (file.NextRow()) {
+    const std::size_t column = ColumnOf(file, recording);
+    const std::string channel = file.Text("channel", "");
+    if (channel == "time") {
+      const std::string unit = file.Text("unit", "s");
+      const double* scale = FindIn(kTimeUnits, unit);
+      if (scale == nullptr) file.FailAt("unit", Quoted(unit) + " must be one of: s, ms, us");
+      map.time_column = column;
+      map.time_scale_s = *scale;
+      continue;
+    }
+    const auto index = FindChannel(channel);
+    if (!index) {
+      file.FailAt("channel", fmt::format("unknown channel {}{}", Quoted(channel),
+                                         Suggestion(channel, GloveChannelNames())));
+    }
+    const std::string unit = file.Text("unit", "deg");
+    const RecordedUnit* known = FindIn(kUnits, unit);
+    if (known == nullptr) {
+      file.FailAt("unit", Quoted(unit) + " must be one of: deg, rad, counts, share");
+    }
+    const double sign = file.Number("sign", 1.0);
+    if (std::abs(sign) != 1.0) file.FailAt("sign", "must be 1 or -1");
+    map.channels.push_back({.column = column,
+                            .channel = *index,
+                            .unit = *known,
+                            .scale = sign * file.Number("scale", 1.0),
+                            .offset = file.Number("offset", 0.0)});
+    if (Repeated(map)) file.FailAt("channel", channel + " stands twice");
+  }
+  if (map.channels.empty()) file.FailAt("channel", "the map names no channel");
+  return map;
+}
+
+}  // namespace gauntlet::sim
