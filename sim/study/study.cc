@@ -19,13 +19,35 @@ struct SharedGlove {
   std::atomic<int> users_left{0};
 };
 
-Scores Score(const GloveSignal& glove, const Trace& trace) {
+Scores Score(const GloveSignal& glove, const Trace& trace, const std::vector<int>& cable_channel) {
+  std::vector<LabelledSegment> segments;
+  for (const MotionSegment& segment : glove.segments) {
+    segments.push_back({segment.label, segment.begin, segment.end});
+  }
   ScoreInput input;
   input.rate_hz = glove.rate_hz;
   input.reference_angle_rad = &glove.true_angle_rad;
   input.hand_angle_rad = &trace.hand_angle_rad;
   input.command_counts = &trace.command_counts;
+  input.motor_speed_rad_s = &trace.spool_speed_rad_s;
+  input.tension_n = &trace.tension_n;
+  input.cable_channel = cable_channel;
+  input.saturation_share = trace.saturation_share;
+  input.segments = segments;
   return ComputeScores(input);
+}
+
+/// Per cable the channel that it moves: the one whose name the cable's begins with.
+std::vector<int> CableChannels(const HandModel& hand) {
+  const std::vector<std::string>& channels = hand.transmission().channel_names;
+  std::vector<int> result;
+  for (const std::string& cable : hand.cable_names()) {
+    const auto found = std::find_if(channels.begin(), channels.end(), [&](const auto& channel) {
+      return cable.starts_with(channel + "_");
+    });
+    result.push_back(static_cast<int>(found - channels.begin()));
+  }
+  return result;
 }
 
 /// The trials of a study as tasks that threads take in the order of seeds.
@@ -35,7 +57,8 @@ class Schedule {
       : study_(study),
         options_(options),
         gloves_(static_cast<std::size_t>(options.seeds)),
-        controllers_(study.scenario.controllers.size()) {
+        controllers_(study.scenario.controllers.size()),
+        cable_channel_(CableChannels(*study.hand)) {
     result_.channel_names = study.hand->transmission().channel_names;
     result_.rate_hz = study.scenario.glove.rate_hz;
     for (const NamedController& c : study.scenario.controllers) {
@@ -84,7 +107,7 @@ class Schedule {
         RunTrial(named.name, named.config, glove.signal, study_.calibration, study_.scenario.event,
                  study_.hand, [&] { return Progress(1.0 / static_cast<double>(blocks)); });
     TrialOutcome& outcome = seed.controllers[controller_index];
-    outcome.scores = Score(glove.signal, trace);
+    outcome.scores = Score(glove.signal, trace, cable_channel_);
     outcome.health = trace.health;
     outcome.untrusted_samples = trace.untrusted_samples;
     const bool keep = seed_index == 0 && options_.keep_first_traces;
@@ -109,6 +132,7 @@ class Schedule {
   const StudyOptions& options_;
   std::vector<SharedGlove> gloves_;
   std::size_t controllers_;
+  std::vector<int> cable_channel_;
   StudyResult result_;
   std::atomic<std::size_t> next_task_{0};
   std::atomic<bool> stopped_{false};
