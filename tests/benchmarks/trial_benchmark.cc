@@ -95,6 +95,8 @@ void Run(int repetitions) {
   const RecordedForces forces = RecordForces(study, result.first_traces[0], result.first_glove);
   std::vector<double> trial_s;
   std::vector<double> loop_s;
+  std::vector<double> glove_s;
+  std::vector<double> files_s;
   std::vector<double> bare_s;
   for (int i = 0; i < repetitions; ++i) {
     loop_s.push_back(Seconds([&] {
@@ -105,6 +107,9 @@ void Run(int repetitions) {
       const StudyResult timed = RunStudy(study, {});
       WriteStudyFiles(folder, study, timed, Summarise(study, timed), {});
     }));
+    glove_s.push_back(Seconds([&] { SynthesiseGlove(study.scenario.glove, 1); }));
+    files_s.push_back(
+        Seconds([&] { WriteStudyFiles(folder, study, result, Summarise(study, result), {}); }));
     bare_s.push_back(Seconds([&] { BareLoop(study, result.first_glove, forces, steps); }));
   }
   std::filesystem::remove_all(folder);
@@ -117,6 +122,8 @@ void Run(int repetitions) {
   fmt::print("{} steps, one controller, median of {}\n", steps, repetitions);
   print("whole trial (glove, loop, scores, trace file)", Median(trial_s));
   print("trial loop alone", Median(loop_s));
+  print("glove alone", Median(glove_s));
+  print("files alone", Median(files_s));
   print("bare mj_step, same forces", Median(bare_s));
   std::vector<double> trial_ratio;
   std::vector<double> loop_ratio;
