@@ -16,6 +16,11 @@ void Fourier::Inverse(Values& values) {
   values.swap(result_);
 }
 
+void Fourier::Forward(const std::vector<double>& values, Values& lower_half) {
+  lower_half.resize(values.size() / 2 + 1);
+  transform_.fwd(lower_half.data(), values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
 int FastTransformSize(int size) {
   long long best = std::numeric_limits<int>::max();
   for (long long fives = 1; fives < best; fives *= 5) {

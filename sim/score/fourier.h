@@ -21,9 +21,11 @@ class Fourier {
   void Forward(Values& values);
   /// x_n = 1/N sum_k X_k exp(+2 pi i k n / N).
   void Inverse(Values& values);
+  /// The lower half, k = 0 .. N/2, of the transform of real values, in half the time.
+  void Forward(const std::vector<double>& values, Values& lower_half);
 
  private:
-  Eigen::FFT<double> transform_;
+  Eigen::FFT<double> transform_{{}, Eigen::FFT<double>::HalfSpectrum};
   Values result_;
 };
 

@@ -1,5 +1,6 @@
 #include "sim/score/smoothness.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -25,27 +26,28 @@ struct VelocityProfile {
   std::vector<double> velocity;
 };
 
-/// Low pass and derivative in one: v[n] = sum over k > 0 of gain_k (x[n + k] - x[n - k]).
-std::vector<double> DerivativeWeights(const LowPass& low_pass, double rate_hz) {
-  const int reach = low_pass.reach();
-  const auto weight = [&](int n) { return n <= reach ? low_pass.weights[n] : 0.0; };
-  std::vector<double> gains(reach + 2);
-  for (int k = 1; k <= reach + 1; ++k) gains[k] = 0.5 * rate_hz * (weight(k - 1) - weight(k + 1));
-  return gains;
+/// Low pass and derivative in one: v[n] = sum over k of weight_k x[n - reach + k].
+Eigen::VectorXd DerivativeWeights(const LowPass& low_pass, double rate_hz) {
+  const int reach = low_pass.reach() + 1;
+  const auto low = [&](int n) { return std::abs(n) < reach ? low_pass.weights[std::abs(n)] : 0.0; };
+  Eigen::VectorXd weights(2 * reach + 1);
+  for (int k = -reach; k <= reach; ++k) {
+    weights[reach + k] = 0.5 * rate_hz * (low(k - 1) - low(k + 1));
+  }
+  return weights;
 }
 
 VelocityProfile SmoothedVelocity(std::span<const double> angle, double rate_hz) {
   VelocityProfile profile;
   if (rate_hz <= 2.0 * kCutoff_hz + kTransition_hz) return profile;
-  const auto gains = DerivativeWeights(DesignLowPass(kCutoff_hz, kTransition_hz, rate_hz), rate_hz);
-  const int reach = static_cast<int>(gains.size()) - 1;
-  profile.first_sample = reach;
+  const Eigen::VectorXd weights =
+      DerivativeWeights(DesignLowPass(kCutoff_hz, kTransition_hz, rate_hz), rate_hz);
+  const Eigen::Map<const Eigen::VectorXd> signal(angle.data(),
+                                                 static_cast<Eigen::Index>(angle.size()));
+  profile.first_sample = static_cast<int>(weights.size() / 2);
   profile.step = std::max(1, static_cast<int>(std::lround(rate_hz / kProfileRate_hz)));
-  const int samples = static_cast<int>(angle.size());
-  for (int n = reach; n + reach < samples; n += profile.step) {
-    double velocity = 0.0;
-    for (int k = 1; k <= reach; ++k) velocity += gains[k] * (angle[n + k] - angle[n - k]);
-    profile.velocity.push_back(velocity);
+  for (Eigen::Index n = 0; n + weights.size() <= signal.size(); n += profile.step) {
+    profile.velocity.push_back(weights.dot(signal.segment(n, weights.size())));
   }
   return profile;
 }
@@ -67,20 +69,21 @@ std::span<const double> Cut(const VelocityProfile& profile, const Movement& move
 
 double SpectralArcLength(std::span<const double> speed, double rate_hz, Fourier& fourier) {
   const std::size_t size = std::bit_ceil(speed.size()) << kPaddingLevel;
-  Fourier::Values spectrum(size);
-  std::copy(speed.begin(), speed.end(), spectrum.begin());
-  fourier.Forward(spectrum);
+  std::vector<double> padded(size);
+  std::copy(speed.begin(), speed.end(), padded.begin());
+  Fourier::Values spectrum;
+  fourier.Forward(padded, spectrum);
 
-  double largest = 0.0;  // over all frequencies, as in the source
-  for (std::size_t k = 0; k <= size / 2; ++k) largest = std::max(largest, std::abs(spectrum[k]));
-  if (!(largest > 0.0)) return kNoScore;
+  double largest_power = 0.0;  // over all frequencies, as in the source
+  for (const auto& value : spectrum) largest_power = std::max(largest_power, std::norm(value));
+  if (!(largest_power > 0.0)) return kNoScore;
   const double step_hz = rate_hz / static_cast<double>(size);
   std::vector<double> amplitude;
   std::size_t first = size;
   std::size_t last = 0;
   for (std::size_t k = 0; k <= size / 2 && static_cast<double>(k) * step_hz <= kLargestFrequency_hz;
        ++k) {
-    amplitude.push_back(std::abs(spectrum[k]) / largest);
+    amplitude.push_back(std::sqrt(std::norm(spectrum[k]) / largest_power));
     if (amplitude.back() < kAmplitudeThreshold) continue;
     first = std::min(first, k);
     last = k;
@@ -89,7 +92,8 @@ double SpectralArcLength(std::span<const double> speed, double rate_hz, Fourier&
   const double step = 1.0 / static_cast<double>(last - first);
   double length = 0.0;
   for (std::size_t k = first; k < last; ++k) {
-    length += std::hypot(step, amplitude[k + 1] - amplitude[k]);
+    const double rise = amplitude[k + 1] - amplitude[k];
+    length += std::sqrt(step * step + rise * rise);
   }
   return -length;
 }

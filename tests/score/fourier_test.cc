@@ -35,6 +35,19 @@ TEST(Fourier, InverseGivesTheInputBack) {
   for (std::size_t n = 0; n < input.size(); ++n) ASSERT_LT(std::abs(values[n] - input[n]), 1e-12);
 }
 
+TEST(Fourier, OfRealValuesIsTheLowerHalf) {
+  for (const int size : {2, 16, 30, 1024}) {
+    const auto real = Noise(size, 7);
+    Fourier::Values complex(real.begin(), real.end());
+    Fourier::Values half;
+    Fourier fourier;
+    fourier.Forward(real, half);
+    fourier.Forward(complex);
+    ASSERT_EQ(half.size(), size / 2 + 1u);
+    for (int k = 0; k <= size / 2; ++k) EXPECT_LT(std::abs(half[k] - complex[k]), 1e-12);
+  }
+}
+
 TEST(Fourier, FastSizesAreLargeEnoughNearAndSmooth) {
   for (int size = 1; size < 200000; size = size * 5 / 4 + 1) {
     const int fast = FastTransformSize(size);
