@@ -27,6 +27,7 @@ void AlphaBetaGammaConfig::Visit(SettingsVisitor& visitor) {
 }
 
 std::unique_ptr<Filter> MakeFilter(const AlphaBetaConfig& config, int channel_count, double) {
+  CheckSettings(config);
   if (!(2.0 * config.alpha + config.beta < 4.0)) {
     throw SettingError("beta", "must be below 4 - 2 alpha, or the filter is not stable");
   }
@@ -37,6 +38,7 @@ std::unique_ptr<Filter> MakeFilter(const AlphaBetaConfig& config, int channel_co
 }
 
 std::unique_ptr<Filter> MakeFilter(const AlphaBetaGammaConfig& config, int channel_count, double) {
+  CheckSettings(config);
   if (!(2.0 * config.alpha + config.beta < 4.0)) {
     throw SettingError("beta", "must be below 4 - 2 alpha, or the filter is not stable");
   }

@@ -101,6 +101,7 @@ void ButterworthConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<Filter> MakeFilter(const ButterworthConfig& config, int channel_count,
                                    double rate_hz) {
+  CheckSettings(config);
   if (!(config.cutoff_hz < 0.5 * rate_hz)) {
     throw SettingError("cutoff_hz", "is " + std::to_string(config.cutoff_hz) +
                                         ", must be below half the rate, " +

@@ -33,6 +33,7 @@ class ExponentialFilter final : public RecursiveFilter {
 }  // namespace
 
 std::unique_ptr<Filter> MakeFilter(const ExponentialConfig& config, int channel_count, double) {
+  CheckSettings(config);
   return std::make_unique<ExponentialFilter>(config, channel_count);
 }
 

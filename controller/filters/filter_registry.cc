@@ -48,7 +48,6 @@ std::unique_ptr<Filter> MakeFilter(const FilterConfig& config, int channel_count
   if (!(rate_hz > 0.0)) {
     throw SettingError("rate_hz", "is " + std::to_string(rate_hz) + ", must be above 0");
   }
-  CheckSettings(config);
   return std::visit(
       [&](const auto& settings) { return MakeFilter(settings, channel_count, rate_hz); },
       config.settings);

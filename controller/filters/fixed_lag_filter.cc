@@ -174,6 +174,7 @@ void FixedLagConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<Filter> MakeFilter(const FixedLagConfig& config, int channel_count,
                                    double rate_hz) {
+  CheckSettings(config);
   return std::make_unique<FixedLagFilter>(config, channel_count, rate_hz);
 }
 

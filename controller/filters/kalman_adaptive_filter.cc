@@ -1,6 +1,7 @@
 #include "controller/filters/kalman_adaptive_filter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "controller/filters/channel_arrays.h"
@@ -11,37 +12,71 @@
 namespace gauntlet::controller {
 namespace {
 
-/// What is remembered per channel: the arrays of the filter itself, then the limits of learning.
-enum Array { kRMin = kKalmanArrays2, kRMax, kQMin, kQMax, kInitialR, kInitialQ, kArrays };
-
-/// A sample beyond five standard deviations teaches as much as one there: an outlier must not
-/// become the new normal.
-constexpr double kMostTimes = 25.0;
-
-struct Learning {
-  double r_rate, q_rate;  // 1 / memory, or 0 where nothing is learned
-  double q22_factor;
+/// What is kept per channel: the arrays of the filter itself, then what it has seen of the
+/// innovations, then the limits of learning.
+enum Array {
+  kBefore = kKalmanArrays2,  // the last innovation
+  kC0,
+  kC1,
+  kRMin,
+  kRMax,
+  kQMin,
+  kQMax,
+  kInitialR,
+  kInitialQ,
+  kArrays
 };
 
-/// After a step that gave `posterior` from `measured` and moved the velocity from `w_before` to
-/// `w`.
-GAUNTLET_VECTORISED void Learn(double* r, double* q, const double* r_min, const double* r_max,
-                               const double* q_min, const double* q_max, const double* p11,
-                               const double* w, const double* w_before, const double* measured,
-                               const double* posterior, Learning learning, int channel_count) {
+/// How fast things change per sample; 0 where nothing is to be learned.
+struct Rates {
+  double mean;   // of c_0 and c_1
+  double scale;  // of both R and q, towards the innovations' size
+  double r, q;   // of one of them, by the innovations' correlation
+};
+
+/// A sample beyond five standard deviations counts as one there.
+constexpr double kMostTimes = 25.0;
+
+struct LearningArrays {
+  double *r, *q, *before, *c0, *c1;
+  const double *p11, *r_min, *r_max, *q_min, *q_max;
+};
+
+/// After a step: `innovation` is what the step corrected.
+GAUNTLET_VECTORISED void Learn(LearningArrays a, Rates rates, const double* innovation,
+                               int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double residual = measured[i] - posterior[i];
-    const double correction = w[i] - w_before[i];  // K_2 e
-    const double r_raw = residual * residual + p11[i];
-    const double q_raw = correction * correction / learning.q22_factor;
-    const double r_seen = r_raw < kMostTimes * r[i] ? r_raw : kMostTimes * r[i];
-    const double q_seen = q_raw < kMostTimes * q[i] ? q_raw : kMostTimes * q[i];
-    const double r_new = r[i] + learning.r_rate * (r_seen - r[i]);
-    const double q_new = q[i] + learning.q_rate * (q_seen - q[i]);
-    r[i] = r_new < r_min[i] ? r_min[i] : r_new > r_max[i] ? r_max[i] : r_new;
-    q[i] = q_new < q_min[i] ? q_min[i] : q_new > q_max[i] ? q_max[i] : q_new;
+    // P_11 = K_1 R and 1 - K_1 = R / S give S back.
+    const double s = a.r[i] * a.r[i] / (a.r[i] - a.p11[i]);
+    const double square = innovation[i] * innovation[i];
+    const double most = kMostTimes * s;
+    const double weight = square > most ? std::sqrt(most / square) : 1.0;
+    const double e = weight * innovation[i];
+    const double mean = a.c0[i] + rates.mean * (e * e - a.c0[i]);
+    const double c0 = mean > a.r_min[i] ? mean : a.r_min[i];  // never 0 at absolute rest
+    const double c1 = a.c1[i] + rates.mean * (e * a.before[i] - a.c1[i]);
+    const double correlation = c1 / c0;
+    const double size = c0 / s < 2.0 ? c0 / s : 2.0;
+    const double scale = 1.0 + rates.scale * (size - 1.0);
+    const double r = a.r[i] * scale * (1.0 - rates.r * correlation);
+    const double q = a.q[i] * scale * (1.0 + rates.q * correlation);
+    a.before[i] = e;
+    a.c0[i] = c0;
+    a.c1[i] = c1;
+    a.r[i] = r < a.r_min[i] ? a.r_min[i] : r > a.r_max[i] ? a.r_max[i] : r;
+    a.q[i] = q < a.q_min[i] ? a.q_min[i] : q > a.q_max[i] ? a.q_max[i] : q;
   }
+}
+
+Rates RatesOf(const KalmanAdaptiveConfig& config) {
+  constexpr double kCorrelationSpeed = 4.0;
+  const double mean = 1.0 / config.memory;
+  const double by_correlation = kCorrelationSpeed * mean;
+  return {.mean = mean,
+          .scale = config.adapt_r && config.adapt_q ? mean : 0.0,
+          .r = config.adapt_r && !config.adapt_q ? by_correlation : 0.0,
+          .q = config.adapt_q ? by_correlation : 0.0};
 }
 
 class LearningKalmanFilter final : public KalmanAdaptiveFilter {
@@ -49,11 +84,10 @@ class LearningKalmanFilter final : public KalmanAdaptiveFilter {
   LearningKalmanFilter(const KalmanAdaptiveConfig& config, int channel_count, double rate_hz)
       : start_(config.start),
         factors_(FactorsOf(config.noise.process_noise, 2, 1.0 / rate_hz)),
-        learning_{config.adapt_r ? 1.0 / config.memory : 0.0,
-                  config.adapt_q ? 1.0 / config.memory : 0.0, factors_.q22},
+        rates_(RatesOf(config)),
         arrays_(kArrays, channel_count),
         measured_(static_cast<std::size_t>(channel_count)),
-        velocity_before_(static_cast<std::size_t>(channel_count)),
+        innovation_(static_cast<std::size_t>(channel_count)),
         fresh_(channel_count) {
     const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
     const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
@@ -75,11 +109,14 @@ class LearningKalmanFilter final : public KalmanAdaptiveFilter {
 
   void Step(std::span<const double> input, std::span<double> output) noexcept override {
     std::copy(input.begin(), input.end(), measured_.begin());
-    std::copy_n(arrays_[kW], channel_count(), velocity_before_.begin());
+    for (int i = 0; i < channel_count(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      innovation_[at] = measured_[at] - (arrays_[kX][i] + arrays_[kW][i]);
+    }
     StepKalman2(arrays_, factors_, measured_.data(), output.data());
-    Learn(arrays_[kR], arrays_[kQ], arrays_[kRMin], arrays_[kRMax], arrays_[kQMin], arrays_[kQMax],
-          arrays_[kP11], arrays_[kW], velocity_before_.data(), measured_.data(), output.data(),
-          learning_, channel_count());
+    Learn({arrays_[kR], arrays_[kQ], arrays_[kBefore], arrays_[kC0], arrays_[kC1], arrays_[kP11],
+           arrays_[kRMin], arrays_[kRMax], arrays_[kQMin], arrays_[kQMax]},
+          rates_, innovation_.data(), channel_count());
     if (!fresh_.any()) return;
     fresh_.StartAll(measured_, [&](int channel, double value) {
       SetState(channel, value);
@@ -97,7 +134,7 @@ class LearningKalmanFilter final : public KalmanAdaptiveFilter {
   bool CopyChannel(const Filter& from, int channel) noexcept override {
     const auto* other = dynamic_cast<const LearningKalmanFilter*>(&from);
     if (other == nullptr) return false;
-    for (int array = 0; array < kKalmanArrays2; ++array) {
+    for (int array = 0; array < kRMin; ++array) {
       arrays_[array][channel] = other->arrays_[array][channel];
     }
     arrays_[kR][channel] =
@@ -116,14 +153,17 @@ class LearningKalmanFilter final : public KalmanAdaptiveFilter {
     arrays_[kP22][channel] = 1.0;
     arrays_[kR][channel] = arrays_[kInitialR][channel];
     arrays_[kQ][channel] = arrays_[kInitialQ][channel];
+    arrays_[kBefore][channel] = 0.0;
+    arrays_[kC0][channel] = arrays_[kInitialR][channel];
+    arrays_[kC1][channel] = 0.0;
   }
 
   Start start_;
   ProcessNoiseFactors factors_;
-  Learning learning_;
+  Rates rates_;
   ChannelArrays arrays_;
   std::vector<double> measured_;
-  std::vector<double> velocity_before_;
+  std::vector<double> innovation_;
   FreshChannels fresh_;
 };
 
@@ -146,6 +186,7 @@ void KalmanAdaptiveConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<KalmanAdaptiveFilter> MakeKalmanAdaptiveFilter(const KalmanAdaptiveConfig& config,
                                                                int channel_count, double rate_hz) {
+  CheckSettings(config);
   return std::make_unique<LearningKalmanFilter>(config, channel_count, rate_hz);
 }
 

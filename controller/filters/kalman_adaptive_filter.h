@@ -12,16 +12,18 @@ namespace gauntlet::controller {
 
 /// The Kalman filter of KalmanConfig that learns R and q of every channel while it runs.
 ///
-///     innovation e = z - H x^-,  residual d = z - H x
-///     R <- R + (d^2 + H P H' - R) / memory
-///     q <- q + (K_2^2 e^2 / F_22 - q) / memory         Q = q F, F from `process_noise`
+///     e = z - H x^-,  c_0 = mean of e(k)^2,  c_1 = mean of e(k) e(k-1)   over about `memory`
+///     samples q / R  grows by 4 c_1 / (c_0 memory) of itself: right gains leave no correlation in
+///     e both   grow by (c_0 / S - 1) / memory of themselves: e is as large as S = H P^- H' + R
+///     says
 ///
-/// where d^2 + H P H' counts at most as 25 R and K_2^2 e^2 / F_22 at most as 25 q (five standard
-/// deviations). Both are what a filter that fits its signal keeps unchanged on average: E[d^2] = R
-/// - H P H', and K S K' = Q in the velocity's place. `r` and `q` are where it starts; neither
-/// leaves start / range .. start x range, so that a long rest cannot switch the filter off.
+/// The size of e alone cannot tell R from q: any pair with the right S explains it. Samples beyond
+/// five standard deviations count as one there, so that an outlier does not become the new normal.
+/// `r` and `q` are where it starts; neither leaves start / range .. start x range, so that a long
+/// rest cannot switch the filter off. With only one to learn, the correlation alone decides it.
 ///
-/// Source: Mohamed, Schwarz, Journal of Geodesy 73 (1999); Akhlaghi, Zhou, Huang, IEEE PES (2017).
+/// Source: Mehra, IEEE TAC 15 (1970): white innovations as the test of R and Q; the rule that acts
+/// on it, with the 4 for a damped approach, is ours.
 /// Errors: as KalmanConfig, and a `q` that is not above 0.
 struct KalmanAdaptiveConfig {
   static constexpr std::string_view kKind = "kalman_adaptive";

@@ -189,6 +189,7 @@ void KalmanDenseConfig::Visit(SettingsVisitor& visitor) {
 }
 
 std::unique_ptr<Filter> MakeFilter(const KalmanDenseConfig& config, int channel_count, double) {
+  CheckSettings(config);
   if (channel_count > kMostChannels) {
     throw SettingError("kind", "kalman_dense takes at most " + std::to_string(kMostChannels) +
                                    " channels, there are " + std::to_string(channel_count));

@@ -169,6 +169,7 @@ void KalmanConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<KalmanFilter> MakeKalmanFilter(const KalmanConfig& config, int channel_count,
                                                double rate_hz) {
+  CheckSettings(config);
   if (config.acceleration_window == 1 || config.acceleration_window == 2) {
     throw SettingError("acceleration_window",
                        "is " + std::to_string(config.acceleration_window) +

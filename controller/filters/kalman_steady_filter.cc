@@ -49,6 +49,7 @@ Eigen::ArrayXXd SteadyGains(const KalmanSteadyConfig& config, int channel_count,
 
 std::unique_ptr<Filter> MakeFilter(const KalmanSteadyConfig& config, int channel_count,
                                    double rate_hz) {
+  CheckSettings(config);
   return MakeConstantGainFilter(SteadyGains(config, channel_count, rate_hz), config.start);
 }
 

@@ -76,10 +76,12 @@ class HampelFilter final : public SortedWindowFilter {
 }  // namespace
 
 std::unique_ptr<Filter> MakeFilter(const MedianConfig& config, int channel_count, double) {
+  CheckSettings(config);
   return std::make_unique<MedianFilter>(config, channel_count);
 }
 
 std::unique_ptr<Filter> MakeFilter(const HampelConfig& config, int channel_count, double) {
+  CheckSettings(config);
   return std::make_unique<HampelFilter>(config, channel_count);
 }
 

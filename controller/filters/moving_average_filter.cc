@@ -79,6 +79,7 @@ class MovingAverageFilter final : public Filter {
 }  // namespace
 
 std::unique_ptr<Filter> MakeFilter(const MovingAverageConfig& config, int channel_count, double) {
+  CheckSettings(config);
   return std::make_unique<MovingAverageFilter>(config, channel_count);
 }
 

@@ -77,6 +77,7 @@ void OneEuroConfig::Visit(SettingsVisitor& visitor) {
 }
 
 std::unique_ptr<Filter> MakeFilter(const OneEuroConfig& config, int channel_count, double rate_hz) {
+  CheckSettings(config);
   return std::make_unique<OneEuroFilter>(config, channel_count, rate_hz);
 }
 

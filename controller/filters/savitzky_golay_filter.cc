@@ -58,6 +58,7 @@ void SavitzkyGolayConfig::Visit(SettingsVisitor& visitor) {
 }
 
 std::unique_ptr<Filter> MakeFilter(const SavitzkyGolayConfig& config, int channel_count, double) {
+  CheckSettings(config);
   if (config.order >= config.window) {
     throw SettingError("order", "is " + std::to_string(config.order) +
                                     ", must be below window, which is " +

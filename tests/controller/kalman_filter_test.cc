@@ -2,64 +2,21 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
-
 #include "tests/controller/test_signal.h"
+#include "tests/controller/textbook_kalman.h"
 
 namespace gauntlet::controller {
 namespace {
 
 constexpr int kChannels = 18;
-using Real = long double;
-
-/// The paper's equations as matrices, for one channel, in long double: nothing is shared with the
-/// filter but the algebra of section 2.3.2.
-template <int kStates>
-class TextbookKalman {
- public:
-  using Matrix = Eigen::Matrix<Real, kStates, kStates>;
-  using Vector = Eigen::Matrix<Real, kStates, 1>;
-
-  TextbookKalman(Real r, const Matrix& q) : r_(r), q_(q) {
-    for (int i = 0; i < kStates; ++i) {
-      Real factor = 1;
-      for (int j = i; j < kStates; ++j) {
-        a_(i, j) = factor;
-        factor /= static_cast<Real>(j - i + 1);
-      }
-    }
-  }
-
-  void StartAt(Real position) { x_ = Vector::Unit(0) * position; }
-  Real Step(Real z, Real acceleration = 0) {
-    Vector b = Vector::Zero();
-    b[0] = Real(0.5);
-    b[1] = 1;
-    const Vector prior = a_ * x_ + b * acceleration;
-    const Matrix p_prior = a_ * p_ * a_.transpose() + q_;
-    const Vector h = Vector::Unit(0);
-    const Vector gain = p_prior * h / ((h.transpose() * p_prior * h)(0) + r_);
-    x_ = prior + gain * (z - h.dot(prior));
-    p_ = (Matrix::Identity() - gain * h.transpose()) * p_prior;
-    return x_[0];
-  }
-
- private:
-  Real r_;
-  Matrix q_;
-  Matrix a_ = Matrix::Zero();
-  Vector x_ = Vector::Zero();
-  Matrix p_ = Matrix::Identity();
-};
-
 /// Largest difference from the textbook relative to the signal, over all channels and samples.
-template <int kStates>
-double LargestRelativeError(const KalmanConfig& config,
-                            const Eigen::Matrix<Real, kStates, kStates>& q, int samples) {
+double LargestRelativeError(const KalmanConfig& config, const RealMatrix& q, int samples) {
   const TestSignal input = GloveCounts(samples, kChannels);
   const auto filter = MakeFilter(config, kChannels, 1000.0);
-  std::vector<TextbookKalman<kStates>> textbook;
-  for (const double r : config.noise.r) textbook.emplace_back(Real(r), q);
+  std::vector<TextbookKalman> textbook;
+  for (const double r : config.noise.r) {
+    textbook.push_back(MakeTextbookKalman(1, config.states, q, RealMatrix::Constant(1, 1, r)));
+  }
   Eigen::RowVectorXd output(kChannels);
   double worst = 0.0;
   for (int k = 0; k < samples; ++k) {
@@ -67,7 +24,7 @@ double LargestRelativeError(const KalmanConfig& config,
     for (int i = 0; i < kChannels; ++i) {
       Real expected = input(k, i);
       if (config.start == Start::kFirst && k == 0) {
-        textbook[i].StartAt(expected);
+        textbook[i].x[0] = expected;
       } else {
         expected = textbook[i].Step(expected);
       }
@@ -80,44 +37,65 @@ double LargestRelativeError(const KalmanConfig& config,
 constexpr int kSamplesOfThePaper = 94096;
 
 TEST(KalmanFilter, FollowsThePapersEquationsOverThePapersExperiment) {
-  const Eigen::Matrix<Real, 2, 2> q = Eigen::Matrix<Real, 2, 2>::Identity();
-  EXPECT_LE(LargestRelativeError<2>({}, q, kSamplesOfThePaper), 1e-12);
-  EXPECT_LE(LargestRelativeError<2>({.start = Start::kZero}, q, kSamplesOfThePaper), 1e-12);
+  const RealMatrix q = RealMatrix::Identity(2, 2);
+  EXPECT_LE(LargestRelativeError({}, q, kSamplesOfThePaper), 1e-12);
+  EXPECT_LE(LargestRelativeError({.start = Start::kZero}, q, kSamplesOfThePaper), 1e-12);
 }
 
 TEST(KalmanFilter, StaysExactWithALowGain) {
-  const Eigen::Matrix<Real, 2, 2> q = Real(1e-4) * Eigen::Matrix<Real, 2, 2>::Identity();
-  EXPECT_LE(LargestRelativeError<2>({.noise = {.q = {1e-4}}}, q, kSamplesOfThePaper), 1e-12);
+  const RealMatrix q = Real(1e-4) * RealMatrix::Identity(2, 2);
+  EXPECT_LE(LargestRelativeError({.noise = {.q = {1e-4}}}, q, kSamplesOfThePaper), 1e-12);
 }
 
 TEST(KalmanFilter, TakesWhiteAccelerationInPhysicalUnits) {
   const Real t = Real(1) / 1000;
-  Eigen::Matrix<Real, 2, 2> q;  // states per step: velocity times t
+  RealMatrix q(2, 2);  // states per step: velocity times t
   q << t * t * t / 3, t * t * t / 2, t * t * t / 2, t * t * t;
   const KalmanConfig config{.noise = {.q = {1e6}, .process_noise = ProcessNoise::kWhite}};
-  EXPECT_LE(LargestRelativeError<2>(config, Real(1e6) * q, 20000), 1e-12);
+  EXPECT_LE(LargestRelativeError(config, Real(1e6) * q, 20000), 1e-12);
 }
 
 TEST(KalmanFilter, EstimatesAccelerationAsThirdState) {
-  const Eigen::Matrix<Real, 3, 3> q = Real(1e-6) * Eigen::Matrix<Real, 3, 3>::Identity();
-  EXPECT_LE(LargestRelativeError<3>({.noise = {.q = {1e-6}}, .states = 3}, q, 20000), 1e-12);
+  const RealMatrix q = Real(1e-6) * RealMatrix::Identity(3, 3);
+  EXPECT_LE(LargestRelativeError({.noise = {.q = {1e-6}}, .states = 3}, q, 20000), 1e-12);
 }
 
 TEST(KalmanFilter, UsesTheAccelerationInput) {
   const KalmanConfig config{.noise = {.r = {10.0}, .q = {1e-6}}};
   const auto filter = MakeKalmanFilter(config, 1, 1000.0);
-  TextbookKalman<2> textbook(10.0, Real(1e-6) * Eigen::Matrix<Real, 2, 2>::Identity());
-  textbook.StartAt(0);
+  TextbookKalman textbook = MakeTextbookKalman(1, 2, Real(1e-6) * RealMatrix::Identity(2, 2),
+                                               RealMatrix::Constant(1, 1, 10));
+  RealVector b(2);
+  b << Real(0.5), 1;
   double output = 0.0;
   for (int k = 0; k < 500; ++k) {
     const double z = 0.01 * k * k;
     const double u = 0.02;  // the second difference of z
     filter->StepWithAcceleration({&z, 1}, {&u, 1}, {&output, 1});
     if (k == 0) continue;
-    EXPECT_NEAR(output, textbook.Step(z, u), 1e-9 * (1.0 + z));
+    const Real expected = textbook.Step(RealVector::Constant(1, z), b * Real(u))[0];
+    EXPECT_NEAR(output, static_cast<double>(expected), 1e-9 * (1.0 + z));
   }
   // A parabola with known acceleration is followed without lag once the velocity is found.
   EXPECT_NEAR(output, 0.01 * 499 * 499, 0.5);
+}
+
+TEST(KalmanFilter, EstimatesTheAccelerationInputItself) {
+  // On a parabola the estimate is exact, so that a slow filter follows without lag.
+  const KalmanConfig with{.noise = {.r = {10.0}, .q = {1e-6}}, .acceleration_window = 20};
+  const KalmanConfig without{.noise = {.r = {10.0}, .q = {1e-6}}};
+  const auto aware = MakeFilter(with, 1, 1000.0);
+  const auto unaware = MakeFilter(without, 1, 1000.0);
+  double z = 0.0;
+  double output_aware = 0.0;
+  double output_unaware = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    z = 0.01 * k * k;
+    aware->Step({&z, 1}, {&output_aware, 1});
+    unaware->Step({&z, 1}, {&output_unaware, 1});
+  }
+  EXPECT_NEAR(output_aware, z, 1e-3);
+  EXPECT_GT(std::abs(output_unaware - z), 10.0);
 }
 
 TEST(KalmanFilter, StartsAtTheFirstSampleOrAtZero) {

@@ -1,0 +1,213 @@
+// Filters whose memory is a few numbers per channel, each against its definition.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "controller/filters/filter_registry.h"
+#include "tests/controller/test_signal.h"
+
+namespace gauntlet::controller {
+namespace {
+
+using Real = long double;
+constexpr double kRateHz = 1000.0;
+constexpr double kPi = std::numbers::pi;
+
+double StepOne(Filter& filter, double input) {
+  double output = 0.0;
+  filter.Step({&input, 1}, {&output, 1});
+  return output;
+}
+
+/// Gain at a frequency: the projection of the settled answer to a sine on sine and cosine.
+double GainAt(Filter& filter, double frequency_hz, int settling_periods) {
+  const int period = static_cast<int>(std::lround(kRateHz / frequency_hz));
+  std::complex<double> sum = 0.0;
+  for (int k = 0; k < (settling_periods + 1) * period; ++k) {
+    const double phase = 2.0 * kPi * k / period;
+    const double output = StepOne(filter, std::sin(phase));
+    if (k >= settling_periods * period) sum += output * std::polar(1.0, -phase);
+  }
+  return std::abs(sum) * 2.0 / period;
+}
+
+TEST(ExponentialFilter, AnswersAStepAsTheGeometricSeries) {
+  const auto filter = MakeFilter(ExponentialConfig{.alpha = 0.2}, 1, kRateHz);
+  StepOne(*filter, 0.0);
+  for (int k = 1; k < 60; ++k) {
+    EXPECT_NEAR(StepOne(*filter, 1.0), 1.0 - std::pow(0.8, k), 1e-14);
+  }
+}
+
+/// The published algorithm with its two low-pass objects, in long double.
+class ReferenceOneEuro {
+ public:
+  ReferenceOneEuro(Real rate, Real min_cutoff, Real beta, Real derivative_cutoff)
+      : rate_(rate), min_cutoff_(min_cutoff), beta_(beta), derivative_cutoff_(derivative_cutoff) {}
+
+  Real operator()(Real x) {
+    const Real derivative = position_.started ? (x - position_.value) * rate_ : 0;
+    const Real smooth_derivative = speed_(derivative, Alpha(derivative_cutoff_));
+    return position_(x, Alpha(min_cutoff_ + beta_ * std::abs(smooth_derivative)));
+  }
+
+ private:
+  struct LowPass {
+    bool started = false;
+    Real value = 0;
+    Real operator()(Real x, Real alpha) {
+      value = started ? alpha * x + (1 - alpha) * value : x;
+      started = true;
+      return value;
+    }
+  };
+  Real Alpha(Real cutoff) const {
+    const Real tau = 1 / (2 * std::numbers::pi_v<Real> * cutoff);
+    return 1 / (1 + tau * rate_);
+  }
+
+  Real rate_, min_cutoff_, beta_, derivative_cutoff_;
+  LowPass position_, speed_;
+};
+
+TEST(OneEuroFilter, FollowsThePublishedAlgorithm) {
+  const OneEuroConfig config{.min_cutoff_hz = 1.3, .beta = 0.004, .derivative_cutoff_hz = 2.0};
+  const auto filter = MakeFilter(config, 1, kRateHz);
+  ReferenceOneEuro reference(1000, 1.3, 0.004, 2);
+  const TestSignal input = GloveCounts(94096, 1);
+  double worst = 0.0;
+  for (int k = 0; k < input.rows(); ++k) {
+    const Real expected = reference(input(k, 0));
+    worst =
+        std::max<double>(worst, std::abs((StepOne(*filter, input(k, 0)) - expected) / expected));
+  }
+  EXPECT_LE(worst, 1e-12);
+}
+
+TEST(OneEuroFilter, OpensWhenTheSignalMoves) {
+  const auto slow = MakeFilter(OneEuroConfig{.beta = 0.0}, 1, kRateHz);
+  const auto fast = MakeFilter(OneEuroConfig{.beta = 0.05}, 1, kRateHz);
+  double lag_slow = 0.0;
+  double lag_fast = 0.0;
+  for (int k = 0; k < 1000; ++k) {
+    lag_slow = k - StepOne(*slow, k);
+    lag_fast = k - StepOne(*fast, k);
+  }
+  EXPECT_LT(lag_fast, 0.2 * lag_slow);
+}
+
+TEST(ButterworthFilter, LosesThreeDecibelsAtItsCutoff) {
+  for (int order = 1; order <= 8; ++order) {
+    for (const double cutoff_hz : {5.0, 50.0}) {
+      const ButterworthConfig config{.order = order, .cutoff_hz = cutoff_hz};
+      const auto filter = MakeFilter(config, 1, kRateHz);
+      EXPECT_NEAR(GainAt(*filter, cutoff_hz, 40), std::sqrt(0.5), 1e-3 * std::sqrt(0.5)) << order;
+    }
+  }
+}
+
+TEST(ButterworthFilter, HasTheGainOfItsDefinition) {
+  for (const int order : {1, 2, 5, 8}) {
+    for (const double frequency_hz : {4.0, 20.0, 25.0, 100.0}) {
+      const auto filter =
+          MakeFilter(ButterworthConfig{.order = order, .cutoff_hz = 20.0}, 1, kRateHz);
+      const double ratio = std::tan(kPi * frequency_hz / kRateHz) / std::tan(kPi * 20.0 / kRateHz);
+      const double expected = 1.0 / std::sqrt(1.0 + std::pow(ratio, 2 * order));
+      EXPECT_NEAR(GainAt(*filter, frequency_hz, 60), expected, 1e-6) << order << frequency_hz;
+    }
+  }
+}
+
+/// Second-order Butterworth in direct form, from the bilinear transform of 1 / (s^2 + sqrt(2) s +
+/// 1).
+TEST(ButterworthFilter, AgreesWithTheDirectForm) {
+  const Real k = std::tan(std::numbers::pi_v<Real> * 5 / 1000);
+  const Real root = std::sqrt(Real(2));
+  const Real norm = 1 + root * k + k * k;
+  const Real b0 = k * k / norm;
+  const Real a1 = 2 * (k * k - 1) / norm;
+  const Real a2 = (1 - root * k + k * k) / norm;
+  const auto filter = MakeFilter(ButterworthConfig{.start = Start::kZero}, 1, kRateHz);
+  Real x1 = 0, x2 = 0, y1 = 0, y2 = 0;
+  const TestSignal input = GloveCounts(94096, 1);
+  double worst = 0.0;
+  for (int i = 0; i < input.rows(); ++i) {
+    const Real x = input(i, 0);
+    const Real y = b0 * (x + 2 * x1 + x2) - a1 * y1 - a2 * y2;
+    worst = std::max<double>(worst, std::abs((StepOne(*filter, input(i, 0)) - y) / y));
+    x2 = x1, x1 = x, y2 = y1, y1 = y;
+  }
+  EXPECT_LE(worst, 1e-12);
+}
+
+TEST(ButterworthFilter, RefusesACutoffAboveHalfTheRate) {
+  EXPECT_THROW(MakeFilter(ButterworthConfig{.cutoff_hz = 500.0}, 1, kRateHz), SettingError);
+  EXPECT_THROW(MakeFilter({ButterworthConfig{.order = 9}}, 1, kRateHz), SettingError);
+}
+
+/// Largest pole of (I - K H) A, which decides whether gains are stable.
+double LargestPole(const Eigen::VectorXd& gain) {
+  const Eigen::Index n = gain.size();
+  Eigen::Matrix3d a;
+  a << 1.0, 1.0, 0.5, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0;
+  const Eigen::MatrixXd transition = a.topLeftCorner(n, n);
+  const Eigen::MatrixXd closed =
+      (Eigen::MatrixXd::Identity(n, n) - gain * Eigen::RowVectorXd::Unit(n, 0)) * transition;
+  return closed.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+bool IsAccepted(const FilterConfig& config) {
+  try {
+    MakeFilter(config, 1, kRateHz);
+  } catch (const SettingError&) {
+    return false;
+  }
+  return true;
+}
+
+TEST(AlphaBetaFilter, AcceptsExactlyTheStableGains) {
+  TestNoise noise(11);
+  int accepted = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double alpha = 2.0 * noise.Uniform();
+    const double beta = 4.0 * noise.Uniform();
+    const double gamma = 2.0 * alpha * beta / (2.0 - alpha) * noise.Uniform();
+    const bool two = IsAccepted({AlphaBetaConfig{.alpha = alpha, .beta = beta}});
+    EXPECT_EQ(two, LargestPole(Eigen::Vector2d(alpha, beta)) < 1.0) << alpha << " " << beta;
+    if (gamma >= 8.0) continue;
+    const bool three =
+        IsAccepted({AlphaBetaGammaConfig{.alpha = alpha, .beta = beta, .gamma = gamma}});
+    EXPECT_EQ(three, LargestPole(Eigen::Vector3d(alpha, beta, 2.0 * gamma)) < 1.0)
+        << alpha << " " << beta << " " << gamma;
+    accepted += two + three;
+  }
+  EXPECT_GT(accepted, 500);
+}
+
+TEST(AlphaBetaFilter, FollowsARampWithoutLag) {
+  const auto filter = MakeFilter(AlphaBetaConfig{}, 1, kRateHz);
+  double output = 0.0;
+  for (int k = 0; k < 2000; ++k) output = StepOne(*filter, 3.0 * k);
+  EXPECT_NEAR(output, 3.0 * 1999, 1e-8);
+}
+
+TEST(AlphaBetaGammaFilter, FollowsAParabolaWithoutLag) {
+  const auto filter = MakeFilter(AlphaBetaGammaConfig{}, 1, kRateHz);
+  double output = 0.0;
+  for (int k = 0; k < 2000; ++k) output = StepOne(*filter, 0.01 * k * k);
+  EXPECT_NEAR(output, 0.01 * 1999 * 1999, 1e-6);
+}
+
+TEST(AlphaBetaGammaFilter, HasItsDefaultPolesAtTheNamedPlace) {
+  const AlphaBetaGammaConfig config;
+  EXPECT_NEAR(LargestPole(Eigen::Vector3d(config.alpha, config.beta, 2.0 * config.gamma)), 0.95,
+              1e-4);  // a triple pole moves by the cube root of rounding
+}
+
+}  // namespace
+}  // namespace gauntlet::controller
