@@ -27,32 +27,16 @@ struct Entry {
   std::vector<SettingRow> settings;
 };
 
-std::vector<Entry> Filters() {
+/// The kinds of one thing; the first setting of a kind is its name.
+template <class Kinds>
+std::vector<Entry> EntriesOf(const Kinds& kinds) {
   std::vector<Entry> entries;
-  for (const controller::FilterKind& kind : controller::FilterKinds()) {
-    controller::FilterConfig config = kind.defaults;
+  for (const auto& kind : kinds) {
+    auto config = kind.defaults;
     std::vector<SettingRow> rows =
         ListSettings([&](controller::SettingsVisitor& visitor) { config.Visit(visitor); });
-    rows.erase(rows.begin());  // the kind itself, which is the entry's name
+    std::erase_if(rows, [](const SettingRow& row) { return row.key == "kind"; });
     entries.push_back({std::string(kind.name), std::string(kind.summary), std::move(rows)});
-  }
-  return entries;
-}
-
-std::vector<Entry> Motions() {
-  const std::pair<MotionKind, const char*> kinds[] = {
-      {MotionKind::kHold, "The wearer holds a posture still."},
-      {MotionKind::kRecording, "Recorded joint angles, brought to the sampling rate."},
-      {MotionKind::kRandom, "Band-limited random motion of every channel by itself."}};
-  std::vector<Entry> entries;
-  for (const auto& [kind, summary] : kinds) {
-    MotionConfig config;
-    config.kind = kind;
-    std::vector<SettingRow> rows =
-        ListSettings([&](controller::SettingsVisitor& visitor) { config.Visit(visitor); });
-    const std::string name = rows.front().default_value;
-    rows.erase(rows.begin());
-    entries.push_back({name, summary, std::move(rows)});
   }
   return entries;
 }
@@ -123,8 +107,10 @@ struct Topic {
 
 const std::vector<Topic>& Topics() {
   static const std::vector<Topic> topics = {
-      {"filters", "what a controller can do with the noise", Filters},
-      {"motions", "what the wearer can do", Motions},
+      {"filters", "what a controller can do with the noise",
+       [] { return EntriesOf(controller::FilterKinds()); }},
+      {"motions", "what the wearer can do", [] { return EntriesOf(MotionKinds()); }},
+      {"faults", "what can go wrong in the glove", [] { return EntriesOf(FaultKinds()); }},
       {"metrics", "what is measured", Scores},
       {"channels", "joints of wearer and hand, and how cables couple them", Channels},
       {"scenarios", "ready questions", Scenarios},
@@ -186,7 +172,7 @@ void List(const std::string& name, bool as_json) {
 
 void AddListCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "list", "List what there is: filters, motions, metrics, channels, scenarios, keys");
+      "list", "List what there is: filters, motions, faults, metrics, channels, scenarios, keys");
   const auto name = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
   command->add_option("what", *name, "one of the lists; all are named if left out");

@@ -8,7 +8,6 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/progress.h"
-#include "sim/glove/channels.h"
 #include "sim/scenario/scenario.h"
 #include "sim/trial/trace_file.h"
 #include "sim/video/comparison_video.h"
@@ -79,7 +78,14 @@ std::filesystem::path RenderFolder(const RenderOptions& options) {
                            .filtered_angle_rad = &trace.filtered_angle_rad,
                            .command_angle_rad = &command_angles[i]});
   }
-  input.channel = ChannelIndex(scenario.video.channel);
+  const auto channel =
+      std::find(file.channel_names.begin(), file.channel_names.end(), scenario.video.channel);
+  if (channel == file.channel_names.end()) {
+    throw UserError(fmt::format("{}: video.channel: {} is not in the trace{}", resolved.string(),
+                                scenario.video.channel,
+                                Suggestion(scenario.video.channel, file.channel_names)));
+  }
+  input.channel = static_cast<int>(channel - file.channel_names.begin());
   input.channel_name = scenario.video.channel;
   input.camera = scenario.video.camera;
   input.width_px = scenario.video.width_px;

@@ -1,5 +1,7 @@
 #include "sim/study/study.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -7,7 +9,7 @@
 #include <thread>
 
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
+#include "sim/base/nearest_name.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -157,7 +159,12 @@ Study PrepareStudy(Scenario scenario) {
       throw UserError("controllers." + named.name + "." + error.what());
     }
   }
-  ChannelIndex(scenario.video.channel);
+  const std::vector<std::string>& channels = glove.channel_names;
+  if (std::find(channels.begin(), channels.end(), scenario.video.channel) == channels.end()) {
+    throw UserError(fmt::format("video.channel: {} is no channel of this glove{}",
+                                scenario.video.channel,
+                                Suggestion(scenario.video.channel, channels)));
+  }
   study.scenario = std::move(scenario);
   return study;
 }
