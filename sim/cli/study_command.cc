@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <thread>
 
+#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/render_folder.h"
+#include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
 #include "sim/study/study_files.h"
@@ -87,6 +89,9 @@ void RunStudyCommand(const StudyCommand& options) {
   const Summary summary = Summarise(study, result);
   WriteStudyFiles(folder.path(), study, result, summary,
                   {.comparison = options.comparison, .trace_csv = options.csv});
+  WriteFileAtomically(folder.path() / "report.html",
+                      ReportPage(study, result, summary,
+                                 {.comparison = options.comparison, .video = options.video}));
   folder.Keep();
   if (options.json) {
     fmt::print("{}", ScoresJson(study, result, summary, options.comparison));
@@ -96,7 +101,7 @@ void RunStudyCommand(const StudyCommand& options) {
                          {.comparison = options.comparison, .colour = isatty(STDOUT_FILENO) != 0}));
   }
   std::fflush(stdout);
-  std::string written = "scores.json, scores.csv, trace.h5, scenario.resolved.yaml";
+  std::string written = "report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml";
   if (options.video) {
     RenderFolder({.folder = folder.path(),
                   .controllers = {},

@@ -10,10 +10,9 @@
 namespace gauntlet::sim {
 namespace {
 
-/// The columns of the table: the scores of the main question. All others are in scores.json.
-constexpr std::string_view kColumns[] = {"tracking_rmse_deg", "aligned_rmse_deg",
-                                         "peak_error_deg",    "delay_ms",
-                                         "jitter_rms_deg",    "command_reversals_per_s"};
+constexpr std::string_view kMainMetrics[] = {"tracking_rmse_deg", "aligned_rmse_deg",
+                                             "peak_error_deg",    "delay_ms",
+                                             "jitter_rms_deg",    "command_reversals_per_s"};
 
 /// Three significant digits are what the intervals usually allow.
 std::string Short(double value) {
@@ -82,7 +81,7 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
   }
   std::vector<std::vector<Cell>> columns;
   std::vector<std::size_t> widths;
-  for (const std::string_view key : kColumns) {
+  for (const std::string_view key : kMainMetrics) {
     const std::size_t metric = MetricIndex(key);
     if (metric == Metrics().size()) continue;
     std::vector<Cell>& cells = columns.emplace_back();
@@ -98,7 +97,7 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
   }
   out += Padded("controller", name_width, false);
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    out += "  " + Padded(std::string(kColumns[i]), widths[i], true) + " ";
+    out += "  " + Padded(std::string(kMainMetrics[i]), widths[i], true) + " ";
   }
   out += "\n";
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
@@ -110,9 +109,11 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
   }
 }
 
-/// What the numbers say, in one or two sentences.
+}  // namespace
+
+std::span<const std::string_view> MainMetrics() { return kMainMetrics; }
+
 std::string Verdict(const Summary& summary) {
-  if (summary.controllers.size() < 2) return "";
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
   const std::size_t jitter = MetricIndex("jitter_rms_deg");
   const std::size_t follows = BestController(summary, tracking);
@@ -123,6 +124,10 @@ std::string Verdict(const Summary& summary) {
   const auto value = [](const ControllerSummary& controller, std::size_t metric) {
     return Short(controller.summary[metric].mean);
   };
+  if (summary.controllers.size() == 1) {
+    return fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", follower.name,
+                       value(follower, tracking), value(follower, jitter));
+  }
   std::string text;
   if (follows == shakes) {
     text = fmt::format("{} follows best ({} deg RMS) and shakes least ({} deg RMS)", follower.name,
@@ -138,10 +143,8 @@ std::string Verdict(const Summary& summary) {
     const ControllerSummary& raw = summary.controllers[static_cast<std::size_t>(summary.raw)];
     text += fmt::format("; without a filter: {} and {}", value(raw, tracking), value(raw, jitter));
   }
-  return text + ".\n";
+  return text + ".";
 }
-
-}  // namespace
 
 std::string ScoreTable(const Study& study, const StudyResult& result, const Summary& summary,
                        const TableOptions& options) {
@@ -168,7 +171,7 @@ std::string ScoreTable(const Study& study, const StudyResult& result, const Summ
     }
   }
   const std::string verdict = Verdict(summary);
-  if (!verdict.empty()) out += "\n" + verdict;
+  if (!verdict.empty()) out += "\n" + verdict + "\n";
   return out;
 }
 

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+
+/// The files of sim/report/assets and of Debian's libjs-dygraphs, built into the program by
+/// embed_assets.cmake so that a report needs nothing beside it.
+namespace gauntlet::sim::assets {
+
+extern const std::string_view kPageHtml;     // the page with {{places}} to fill
+extern const std::string_view kStyle;        // page.css
+extern const std::string_view kScript;       // all *.js of the folder, in the order of CMake's list
+extern const std::string_view kPlotStyle;    // dygraph.min.css
+extern const std::string_view kPlotLibrary;  // dygraph.min.js
+
+}  // namespace gauntlet::sim::assets

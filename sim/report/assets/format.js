@@ -1,0 +1,44 @@
+// Three significant digits are what the intervals usually allow: the rule of the terminal's table.
+function formatNumber(value) {
+  if (value === null || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  const decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3;
+  return value.toFixed(decimals).replace("-", "−");
+}
+
+// The unit is the end of a key; what is left of it names the score.
+const UNITS = [
+  ["_deg_s", "deg/s"], ["_deg", "deg"], ["_ms", "ms"], ["_per_s", "per s"], ["_hz", "Hz"],
+  ["_n", "N"],
+];
+const CAPITALS = ["rms", "rmse", "sparc", "ldlj"];
+
+function metricName(key) {
+  const [ending, unit] = UNITS.find(([end]) => key.endsWith(end)) ?? ["", ""];
+  const words = key.slice(0, key.length - ending.length).split("_").map(
+    (word) => (CAPITALS.includes(word) ? word.toUpperCase() : word));
+  words[0] = words[0][0].toUpperCase() + words[0].slice(1);
+  return {name: words.join(" "), unit};
+}
+
+// element("td", {class: "best"}, "text", child...): text is always text, never markup.
+function element(tag, attributes = {}, ...children) {
+  const namespace = ["svg", "g", "path", "line", "rect", "circle", "text"].includes(tag)
+    ? "http://www.w3.org/2000/svg" : "http://www.w3.org/1999/xhtml";
+  const node = document.createElementNS(namespace, tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === false || value === null || value === undefined) continue;
+    if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
+    else if (name === "style") node.style.cssText = value;
+    else node.setAttribute(name, value === true ? "" : value);
+  }
+  node.append(...children.filter((child) => child !== null && child !== undefined));
+  return node;
+}
+
+const byId = (id) => document.getElementById(id);
+
+// Long names may break at their underscores.
+function breakable(name) {
+  return name.split(/(?<=_)/).flatMap((part, i) => (i ? [element("wbr"), part] : [part]));
+}

@@ -1,0 +1,59 @@
+// Channels x controllers for one score. The worst cell of the map is the warmest.
+
+const HEAT_MOST_PERCENT = 80;  // the text stays readable on the warmest cell
+
+function heatCell(value, low, high, lower_is_better) {
+  let share = 0;
+  if (value !== null && high > low) {
+    share = lower_is_better ? (value - low) / (high - low) : (high - value) / (high - low);
+  }
+  return element("td", {style: `--share: ${(share * HEAT_MOST_PERCENT).toFixed(1)}%`},
+    formatNumber(value));
+}
+
+function drawHeatMap(data, metric, onChannel) {
+  const values = data.controllers.flatMap((c) => c.channels.map((channel) => channel[metric]))
+    .filter((value) => value !== null);
+  const low = Math.min(...values);
+  const high = Math.max(...values);
+  const {lower_is_better} = data.metrics[metric];
+  byId("heat-scale").replaceChildren(
+    lower_is_better ? formatNumber(low) : formatNumber(high), element("i"),
+    `${formatNumber(lower_is_better ? high : low)} ${metricName(data.metrics[metric].key).unit}`);
+  byId("heat-map").replaceChildren(
+    element("thead", {}, element("tr", {}, element("td", {style: "background: none"}),
+      ...data.controllers.map((_, c) => element("th", {scope: "col"}, ...controllerLabel(data, c))))),
+    element("tbody", {}, ...data.channels.map((name, channel) => element("tr", {"data-channel": name},
+      element("th", {scope: "row"}, element("button", {type: "button",
+        title: `Show the curves of ${name}`, onclick: () => onChannel(name)}, name)),
+      ...data.controllers.map((c) =>
+        heatCell(c.channels[channel][metric], low, high, lower_is_better))))));
+}
+
+function markChannel(name) {
+  for (const row of byId("heat-map").querySelectorAll("tbody tr")) {
+    row.classList.toggle("chosen", row.dataset.channel === name);
+  }
+}
+
+function startHeatMap(data, onChannel) {
+  const select = byId("heat-metric");
+  data.metrics.forEach((metric, m) => {
+    if (!data.controllers.some((c) => c.channels.some((channel) => channel[m] !== null))) return;
+    const {name, unit} = metricName(metric.key);
+    select.append(element("option", {value: m}, unit ? `${name}, ${unit}` : name));
+  });
+  const tracking = data.metrics.findIndex((m) => m.key === "tracking_rmse_deg");
+  if (select.options.length === 0) {
+    byId("channels").hidden = true;
+    return;
+  }
+  select.value = String(tracking);
+  if (select.selectedIndex < 0) select.selectedIndex = 0;
+  const draw = () => {
+    drawHeatMap(data, Number(select.value), onChannel);
+    markChannel(byId("curves-channel").value);
+  };
+  select.addEventListener("change", draw);
+  draw();
+}

@@ -1,0 +1,62 @@
+#include "sim/report/report_page.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "sim/report/assets.h"
+#include "sim/report/command_angles.h"
+#include "sim/report/html_text.h"
+#include "sim/report/page_data.h"
+#include "sim/report/score_table.h"
+#include "sim/study/study_files.h"
+
+namespace gauntlet::sim {
+namespace {
+
+std::string Facts(const StudyResult& result, bool comparison) {
+  const double seconds = static_cast<double>(result.first_glove.counts.rows()) / result.rate_hz;
+  const int first = result.seeds.front().seed;
+  const int last = result.seeds.back().seed;
+  const std::string seeds =
+      comparison && result.seeds.size() > 1
+          ? fmt::format("{} seeds, {} to {}", result.seeds.size(), first, last)
+          : fmt::format("seed {}", first);
+  return fmt::format("{:.1f} s at {:g} Hz · {} channels · {} controllers · {} · compared with {}",
+                     seconds, result.rate_hz, result.channel_names.size(),
+                     result.controller_names.size(), seeds, result.reference_name);
+}
+
+}  // namespace
+
+std::string AssemblePage(const PageParts& parts) {
+  return FillTemplate(assets::kPageHtml, {{"title", EscapeHtml(parts.title)},
+                                          {"question", EscapeHtml(parts.question)},
+                                          {"facts", EscapeHtml(parts.facts)},
+                                          {"verdict", EscapeHtml(parts.verdict)},
+                                          {"settings", EscapeHtml(parts.resolved_scenario)},
+                                          {"video", parts.video ? "drawn" : "none"},
+                                          {"data", parts.data},
+                                          {"style", std::string(assets::kStyle)},
+                                          {"plot_style", std::string(assets::kPlotStyle)},
+                                          {"plot_library", std::string(assets::kPlotLibrary)},
+                                          {"script", std::string(assets::kScript)}});
+}
+
+std::string ReportPage(const Study& study, const StudyResult& result, const Summary& summary,
+                       const ReportOptions& options) {
+  std::vector<Signal> command_angle_rad;
+  for (const Trace& trace : result.first_traces) {
+    command_angle_rad.push_back(CommandAngles(study.hand->transmission(), trace.command_counts));
+  }
+  return AssemblePage({.title = study.scenario.name,
+                       .question = study.scenario.question,
+                       .facts = Facts(result, options.comparison),
+                       .verdict = Verdict(summary),
+                       .data = JsonForScript(PageData(study.scenario, result, summary,
+                                                      command_angle_rad, options.comparison)),
+                       .resolved_scenario = ResolvedScenario(study),
+                       .video = options.video});
+}
+
+}  // namespace gauntlet::sim

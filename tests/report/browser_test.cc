@@ -1,0 +1,162 @@
+// The page in a real browser. Skipped where there is no chromium: it is too large a package to ask
+// of everybody who builds.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "sim/report/html_text.h"
+#include "sim/report/page_data.h"
+#include "sim/report/report_page.h"
+#include "tests/report/made_up_study.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Runs first in the page: whatever goes wrong is kept.
+constexpr const char* kListen = R"(<script>
+  window.problems = [];
+  window.addEventListener("error", (e) => problems.push(String(e.message)), true);
+  window.addEventListener("securitypolicyviolation", (e) => problems.push(e.violatedDirective));
+  for (const kind of ["error", "warn"]) {
+    console[kind] = (...words) => problems.push(words.join(" "));
+  }
+</script>)";
+
+/// Runs last: uses the page as a person does, and leaves what it saw in an attribute.
+constexpr const char* kUse = R"(<script>
+  const seen = {};
+  const ink = () => {
+    let dots = 0;
+    for (const canvas of document.querySelectorAll("#curves-plot canvas")) {
+      const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      for (let i = 3; i < data.length; i += 4) dots += data[i] > 60;
+    }
+    return dots;
+  };
+  const picture = () => document.querySelector("#curves-plot canvas").toDataURL();
+  const get = (id) => document.getElementById(id);
+  const press = (key, shiftKey = false) =>
+    get("curves-plot").dispatchEvent(new KeyboardEvent("keydown", {key, shiftKey, bubbles: true}));
+  window.addEventListener("load", () => {
+    seen.channel = get("curves-channel").value;
+    seen.ink = ink();
+    const first = picture();
+    get("curves-channel").value = "channel_0";
+    get("curves-channel").dispatchEvent(new Event("change"));
+    seen.channel_switched = picture() !== first;
+    seen.chosen = document.querySelector("#heat-map tr.chosen").dataset.channel;
+    const whole = picture();
+    press("+");
+    seen.zoomed = picture() !== whole;
+    press("ArrowRight");
+    seen.readout = get("curves-readout").rows[1].cells[1].textContent;
+    press("0");
+    seen.whole_again = picture() === whole;
+    document.querySelector("#heat-map tbody tr:nth-child(2) button").click();
+    seen.channel_of_heat_map = get("curves-channel").value;
+    const metric = get("heat-metric");
+    const cells = get("heat-map").textContent;
+    metric.selectedIndex = metric.options.length - 1;
+    metric.dispatchEvent(new Event("change"));
+    seen.metric_switched = get("heat-map").textContent !== cells;
+    document.querySelectorAll("#curves-readout input").forEach((box) => box.click());
+    seen.points = document.querySelectorAll("#front-chart circle").length;
+    const explain = document.querySelector(".explain");
+    explain.click();
+    seen.explained = !get(explain.getAttribute("aria-controls")).hidden;
+    seen.wide = document.documentElement.scrollWidth - window.innerWidth;
+    seen.problems = problems;
+    document.documentElement.setAttribute("data-seen", encodeURIComponent(JSON.stringify(seen)));
+  });
+</script>)";
+
+class BrowserTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (test::RunProgram({"sh", "-c", "command -v chromium"}).exit_code != 0) {
+      GTEST_SKIP() << "chromium is not installed";
+    }
+  }
+
+  nlohmann::json Use(const std::string& page, int width_px) {
+    const test::TemporaryDirectory folder;
+    const std::size_t head = page.find("<title>");
+    const std::size_t end = page.rfind("</body>");
+    std::ofstream(folder.path() / "report.html")
+        << page.substr(0, head) << kListen << page.substr(head, end - head) << kUse
+        << page.substr(end);
+    const test::ProgramResult result = test::RunProgram(
+        {"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+         "--disable-background-networking", "--disable-dev-shm-usage", "--mute-audio",
+         "--user-data-dir=" + (folder.path() / "profile").string(),
+         "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=4000",
+         "--dump-dom", "file://" + (folder.path() / "report.html").string()});
+    EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+    const std::string mark = "data-seen=\"";
+    const std::size_t begin = result.standard_output.find(mark);
+    if (begin == std::string::npos) {
+      ADD_FAILURE() << "the page did not run:\n" << result.standard_error;
+      return {};
+    }
+    const std::size_t from = begin + mark.size();
+    return nlohmann::json::parse(Decoded(
+        result.standard_output.substr(from, result.standard_output.find('"', from) - from)));
+  }
+
+  static std::string Decoded(const std::string& text) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] != '%') {
+        out += text[i];
+        continue;
+      }
+      out += static_cast<char>(std::stoi(text.substr(i + 1, 2), nullptr, 16));
+      i += 2;
+    }
+    return out;
+  }
+
+  static std::string Page(const test::MadeUpStudy& made) {
+    const auto data =
+        PageData(made.study.scenario, made.result, made.summary, made.command_angle_rad, true);
+    return AssemblePage({.title = made.study.scenario.name,
+                         .question = made.study.scenario.question,
+                         .facts = "facts",
+                         .verdict = "verdict",
+                         .data = JsonForScript(data),
+                         .resolved_scenario = "made_with:\n  gauntlet_version: \"1\"\n"});
+  }
+
+  static void ExpectItWorks(const nlohmann::json& seen) {
+    EXPECT_EQ(seen["problems"], nlohmann::json::array());
+    EXPECT_EQ(seen["channel"], "channel_2");  // the one that the scenario names
+    EXPECT_GT(seen["ink"], 1000);
+    EXPECT_EQ(seen["channel_switched"], true);
+    EXPECT_EQ(seen["chosen"], "channel_0");
+    EXPECT_EQ(seen["zoomed"], true);
+    EXPECT_NE(seen["readout"], "");
+    EXPECT_EQ(seen["whole_again"], true);
+    EXPECT_EQ(seen["channel_of_heat_map"], "channel_1");
+    EXPECT_EQ(seen["metric_switched"], true);
+    EXPECT_EQ(seen["points"], 3);
+    EXPECT_EQ(seen["explained"], true);
+    EXPECT_LE(seen["wide"], 0) << "the page must not scroll sideways";
+  }
+};
+
+TEST_F(BrowserTest, ShowsCurvesAndSwitchesChannelsWithoutAConsoleError) {
+  ExpectItWorks(Use(Page(test::MakeUpStudy({})), 1200));
+}
+
+TEST_F(BrowserTest, WorksOnAPhone) { ExpectItWorks(Use(Page(test::MakeUpStudy({})), 500)); }
+
+TEST_F(BrowserTest, WorksWithFewerPointsThanSamples) {
+  ExpectItWorks(Use(Page(test::MakeUpStudy({.samples = 130'000})), 1200));
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

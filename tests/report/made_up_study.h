@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "sim/study/summary.h"
+
+namespace gauntlet::test {
+
+/// A study that nobody ran, with curves and scores of the right shapes: channels that swing, a raw
+/// glove that trembles, hands that lag. Commands are left out, as they need a hand.
+struct MadeUpStudy {
+  sim::Study study;
+  sim::StudyResult result;
+  std::vector<sim::Signal> command_angle_rad;
+  sim::Summary summary;
+};
+
+struct MadeUpShape {
+  int samples = 1500;
+  int channels = 3;
+  int controllers = 3;  // the first is the raw one
+  int seeds = 5;
+};
+
+inline sim::Signal Swing(const MadeUpShape& shape, double lag_s, double tremble_rad) {
+  sim::Signal angle(shape.samples, shape.channels);
+  for (int c = 0; c < shape.channels; ++c) {
+    for (int k = 0; k < shape.samples; ++k) {
+      const double t = k / 1000.0 - lag_s;
+      // Several frequencies without a common period: as rough as noise, and the same everywhere.
+      const double rough = std::sin(977.0 * k) + std::sin(1409.3 * k + c) + std::sin(2203.7 * k);
+      angle(k, c) = 0.6 + 0.5 * std::sin(2.1 * t + 0.7 * c) + tremble_rad * rough;
+    }
+  }
+  return angle;
+}
+
+inline void MakeUpScores(const MadeUpShape& shape, sim::StudyResult& result) {
+  for (int s = 0; s < shape.seeds; ++s) {
+    sim::SeedOutcome seed{.seed = 1 + s, .controllers = {}};
+    for (int i = 0; i < shape.controllers; ++i) {
+      sim::TrialOutcome trial;
+      for (std::size_t m = 0; m < sim::Metrics().size(); ++m) {
+        const double base = 1.0 + static_cast<double>(m) + 0.4 * std::cos(2.0 * i + 1.3 * m);
+        trial.scores.summary.push_back(base + 0.05 * std::sin(1.7 * s + i));
+      }
+      trial.scores.channels.assign(shape.channels, trial.scores.summary);
+      trial.untrusted_samples.assign(shape.channels, 0);
+      seed.controllers.push_back(trial);
+    }
+    result.seeds.push_back(seed);
+  }
+}
+
+inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
+  MadeUpStudy made;
+  made.study.scenario.name = "made_up";
+  made.study.scenario.question = "Is the page whole?";
+  sim::StudyResult& result = made.result;
+  result.reference_name = "ground truth";
+  for (int c = 0; c < shape.channels; ++c) {
+    result.channel_names.push_back("channel_" + std::to_string(c));
+  }
+  made.study.scenario.video.channel = result.channel_names.back();
+  result.first_glove.true_angle_rad = Swing(shape, 0.0, 0.0);
+  result.first_glove.counts = result.first_glove.true_angle_rad;
+  for (int i = 0; i < shape.controllers; ++i) {
+    sim::NamedController named{.name = i == 0 ? "raw" : "filter_" + std::to_string(i),
+                               .config = {}};
+    if (i > 0) {
+      controller::FilterConfig filter;
+      filter.settings = controller::MovingAverageConfig{};
+      named.config.filters = {filter};
+    }
+    made.study.scenario.controllers.push_back(named);
+    result.controller_names.push_back(named.name);
+    sim::Trace& trace = result.first_traces.emplace_back();
+    trace.controller_name = named.name;
+    trace.linearised_angle_rad = Swing(shape, 0.0, 0.02);
+    trace.filtered_angle_rad = Swing(shape, 0.01 * i, 0.02 / (1 + i));
+    trace.hand_angle_rad = Swing(shape, 0.06 + 0.01 * i, 0.004 / (1 + i));
+    made.command_angle_rad.push_back(trace.filtered_angle_rad);
+  }
+  MakeUpScores(shape, result);
+  made.summary = sim::Summarise(made.study, result);
+  return made;
+}
+
+}  // namespace gauntlet::test

@@ -1,0 +1,120 @@
+#include "sim/report/page_data.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/report/curve_codec.h"
+#include "sim/report/html_text.h"
+#include "sim/report/report_page.h"
+#include "tests/report/curve_decoder.h"
+#include "tests/report/made_up_study.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json Data(const test::MadeUpStudy& made) {
+  return PageData(made.study.scenario, made.result, made.summary, made.command_angle_rad, true);
+}
+
+std::string Page(const test::MadeUpStudy& made) {
+  return AssemblePage({.title = made.study.scenario.name,
+                       .question = made.study.scenario.question,
+                       .facts = "",
+                       .verdict = "",
+                       .data = JsonForScript(Data(made)),
+                       .resolved_scenario = ""});
+}
+
+/// The content of <script type="application/json">.
+Json DataOfPage(const std::string& page) {
+  const std::string open = R"(<script type="application/json" id="data">)";
+  const std::size_t begin = page.find(open) + open.size();
+  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+TEST(PageData, HasTheSummaryOfEveryController) {
+  const test::MadeUpStudy made = test::MakeUpStudy({});
+  const Json data = Data(made);
+  ASSERT_EQ(data["controllers"].size(), 3U);
+  ASSERT_EQ(data["metrics"].size(), Metrics().size());
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t m = 0; m < Metrics().size(); ++m) {
+      const MeanInterval& expected = made.summary.controllers[c].summary[m];
+      EXPECT_EQ(data["controllers"][c]["summary"][m],
+                Json({expected.mean, expected.ci95_low, expected.ci95_high}));
+    }
+  }
+  EXPECT_EQ(data["controllers"][0]["raw"], true);
+  EXPECT_TRUE(data["controllers"][0]["difference_to_raw"].empty());
+  EXPECT_EQ(data["controllers"][1]["difference_to_raw"].size(), Metrics().size());
+}
+
+TEST(PageData, CurvesAreTheTracesInDegrees) {
+  const test::MadeUpStudy made = test::MakeUpStudy({});
+  const Json curves = Data(made)["curves"];
+  EXPECT_EQ(curves["samples_per_bucket"], 1);
+  const std::vector<double> hand = test::DecodeCurve(
+      curves["channels"][1]["controllers"][2]["hand"].get<std::string>(), curves["step_deg"]);
+  const Signal& expected = made.result.first_traces[2].hand_angle_rad;
+  ASSERT_EQ(static_cast<Eigen::Index>(hand.size()), expected.rows());
+  for (Eigen::Index k = 0; k < expected.rows(); ++k) {
+    ASSERT_NEAR(hand[static_cast<std::size_t>(k)], expected(k, 1) * kDegPerRad,
+                0.5001 * kCurveStepDeg);
+  }
+}
+
+TEST(PageData, WritesScoresThatDoNotExistAsNull) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  made.summary.controllers[1].summary[0] = {NAN, NAN, NAN};
+  const Json data = DataOfPage(Page(made));
+  EXPECT_EQ(data["controllers"][1]["summary"][0], Json({nullptr, nullptr, nullptr}));
+}
+
+TEST(PageData, LeavesCurvesOutWhereNoTraceWasKept) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  made.result.first_traces.clear();
+  made.command_angle_rad.clear();
+  EXPECT_TRUE(Data(made)["curves"].is_null());
+}
+
+TEST(PageData, TakesAHandThatWasStoppedEarly) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  made.result.first_traces[1].hand_angle_rad.conservativeResize(100, Eigen::NoChange);
+  made.summary.controllers[1].problem = "at 0.1 s: bad value in qacc (dof 12)";
+  const Json data = Data(made);
+  EXPECT_EQ(data["controllers"][1]["problem"], "at 0.1 s: bad value in qacc (dof 12)");
+  const std::string hand = data["curves"]["channels"][0]["controllers"][1]["hand"];
+  EXPECT_EQ(test::DecodeCurve(hand, kCurveStepDeg).size(), 100U);
+}
+
+TEST(ReportPage, NamesOfAUserStayText) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  const std::string nasty = "</script><script>alert('1')</script>{{data}}<img src=x onerror=y>";
+  made.study.scenario.name = nasty;
+  made.study.scenario.question = nasty;
+  made.summary.controllers[1].name = nasty;
+  const std::string page = Page(made);
+  EXPECT_EQ(page.find("alert('1')</script>"), std::string::npos);
+  EXPECT_EQ(page.find("<img"), std::string::npos);
+  EXPECT_EQ(DataOfPage(page)["controllers"][1]["name"], nasty);
+  EXPECT_EQ(DataOfPage(page)["scenario"], nasty);
+}
+
+TEST(ReportPage, NamesNothingOutsideOfItself) {
+  const std::string page = Page(test::MakeUpStudy({}));
+  for (const char* outside : {"src=\"http", "href=\"http", "url(", "@import", "sourceMappingURL"}) {
+    EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+  }
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+}
+
+TEST(ReportPage, OfThePapersTestStaysBelowTenMegabytes) {
+  const std::string page =
+      Page(test::MakeUpStudy({.samples = 94'096, .channels = 18, .controllers = 4, .seeds = 1}));
+  EXPECT_LT(page.size(), 10'000'000U);
+  EXPECT_GT(page.size(), 3'000'000U);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
