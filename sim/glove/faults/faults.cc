@@ -20,9 +20,9 @@ bool IsWholeFrame(FaultKind kind) {
   return kind == FaultKind::kDuplicatedFrames || kind == FaultKind::kLateFrames;
 }
 
-RandomStream StreamOf(std::string_view purpose, std::size_t fault, int channel,
-                      std::uint64_t seed) {
-  return {seed, purpose, fault * 1000 + static_cast<std::uint64_t>(channel + 1)};
+/// Of a fault's place in the list and a channel; -1 is the whole frame.
+std::uint64_t StreamIndex(std::size_t fault, int channel) {
+  return fault * 1000 + static_cast<std::uint64_t>(channel + 1);
 }
 
 double Exponential(RandomStream& random, double mean) {
@@ -64,8 +64,8 @@ void AddEvents(const FaultConfig& fault, std::size_t number, int channel, int sa
     case FaultKind::kDisconnected:
       return AddLasting(fault, channel, samples, rate_hz, events);
     default:
-      return AddRepeated(fault, StreamOf("fault/when", number, channel, seed), channel, samples,
-                         rate_hz, events);
+      return AddRepeated(fault, RandomStream(seed, "fault/when", StreamIndex(number, channel)),
+                         channel, samples, rate_hz, events);
   }
 }
 
@@ -163,11 +163,13 @@ void ForEachEvent(const std::vector<FaultConfig>& faults, double rate_hz, std::u
                   Signal& counts, const Apply& apply) {
   for (std::size_t number = 0; number < faults.size(); ++number) {
     const FaultConfig& fault = faults[number];
-    const auto events = EventsOf(fault, number, static_cast<int>(counts.rows()), rate_hz, seed);
-    for (std::size_t i = 0; i < events.size(); ++i) {
-      RandomStream random =
-          StreamOf("fault/how " + std::to_string(i), number, events[i].channel, seed);
-      apply(fault, events[i], random);
+    auto events = EventsOf(fault, number, static_cast<int>(counts.rows()), rate_hz, seed);
+    // The last first: a late frame shows a frame from before, as it was before it came late itself.
+    if (fault.kind == FaultKind::kLateFrames) std::ranges::reverse(events);
+    for (const FaultEvent& event : events) {
+      const auto moment = static_cast<std::uint64_t>(event.begin) << 32;
+      RandomStream random(seed, "fault/how", moment + StreamIndex(number, event.channel));
+      apply(fault, event, random);
     }
   }
 }

@@ -61,7 +61,7 @@ std::vector<MotionSegment> LabelBySpeed(const Signal& angle_rad, double rate_hz)
     const double speed = std::sqrt(squares[i] / moving);
     labels[static_cast<std::size_t>(i)] = speed < kFastRadS ? kSlow : kFast;
     const double leading = SpeedAt(angle_rad, i, leader, half, rate_hz);
-    if (leading * before < 0.0 && speed > kRestRadS) {
+    if (leading * before < 0.0) {
       Paint(labels, i - at(kReversalS), i + at(kReversalS), kReversal);
     }
     if (leading != 0.0) before = leading;

@@ -1,0 +1,238 @@
+#include "sim/glove/faults/faults.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "controller/controller.h"
+#include "controller/filters/filter_registry.h"
+#include "sim/base/error.h"
+#include "sim/glove/channels.h"
+#include "sim/glove/glove.h"
+
+namespace gauntlet::sim {
+namespace {
+
+FaultConfig Fault(FaultKind kind) {
+  FaultConfig fault;
+  fault.kind = kind;
+  fault.start_s = 0.5;
+  fault.rate_per_s = 2.0;
+  return fault;
+}
+
+GloveConfig WithFaults(std::vector<FaultConfig> faults) {
+  GloveConfig config;
+  config.motion.random.duration_s = 4.0;
+  config.faults = std::move(faults);
+  return config;
+}
+
+std::vector<FaultConfig> AllFaults() {
+  std::vector<FaultConfig> faults;
+  for (const FaultKindInfo& kind : FaultKinds()) faults.push_back(Fault(kind.defaults.kind));
+  return faults;
+}
+
+class EveryFault : public ::testing::TestWithParam<FaultKind> {};
+
+TEST_P(EveryFault, ChangesTheSignalOnlyWhereItsTruthSaysSo) {
+  const GloveSignal clean = SynthesiseGlove(WithFaults({}), 1);
+  const GloveSignal faulty = SynthesiseGlove(WithFaults({Fault(GetParam())}), 1);
+  ASSERT_FALSE(faulty.faults.empty());
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> struck =
+      Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>::Constant(clean.counts.rows(), 18, false);
+  for (const FaultEvent& event : faulty.faults) {
+    EXPECT_EQ(event.kind, GetParam());
+    ASSERT_LT(event.begin, event.end);
+    if (event.channel < 0) {
+      struck.middleRows(event.begin, event.end - event.begin) = true;
+    } else {
+      struck.col(event.channel).segment(event.begin, event.end - event.begin) = true;
+    }
+  }
+  int changed = 0;
+  for (Eigen::Index i = 0; i < clean.counts.rows(); ++i) {
+    for (Eigen::Index c = 0; c < 18; ++c) {
+      // NaN differs from everything.
+      const bool same = clean.counts(i, c) == faulty.counts(i, c);
+      changed += same ? 0 : 1;
+      ASSERT_TRUE(same || struck(i, c)) << i << " " << c;
+    }
+  }
+  EXPECT_GT(changed, 0);
+  EXPECT_EQ(clean.true_angle_rad, faulty.true_angle_rad);
+}
+
+TEST_P(EveryFault, GivesWholeCountsInsideTheScaleOrNothing) {
+  const GloveSignal faulty = SynthesiseGlove(WithFaults({Fault(GetParam())}), 2);
+  for (const double value : faulty.counts.reshaped()) {
+    ASSERT_TRUE(std::isnan(value) ||
+                (value >= 0.0 && value <= 1023.0 && value == std::round(value)));
+  }
+}
+
+TEST_P(EveryFault, StrikesOnlyTheChannelsNamed) {
+  if (GetParam() == FaultKind::kDuplicatedFrames || GetParam() == FaultKind::kLateFrames) return;
+  FaultConfig fault = Fault(GetParam());
+  fault.channels = {"wrist_flexion"};
+  for (const FaultEvent& event : SynthesiseGlove(WithFaults({fault}), 1).faults) {
+    EXPECT_EQ(event.channel, ChannelIndex("wrist_flexion"));
+  }
+  fault.channels = {"wrist"};
+  EXPECT_THROW(SynthesiseGlove(WithFaults({fault}), 1), UserError);
+}
+
+std::vector<FaultKind> AllFaultKinds() {
+  std::vector<FaultKind> kinds;
+  for (const FaultKindInfo& kind : FaultKinds()) kinds.push_back(kind.defaults.kind);
+  return kinds;
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryFault, ::testing::ValuesIn(AllFaultKinds()),
+                         [](const auto& kind) {
+                           return std::string(
+                               FaultKinds()[static_cast<std::size_t>(kind.param)].name);
+                         });
+
+TEST(Faults, ComeAsOftenAndLastAsLongAsStated) {
+  FaultConfig fault = Fault(FaultKind::kDropouts);
+  fault.rate_per_s = 4.0;
+  fault.duration_ms = 30.0;
+  const auto events = DrawFaults({fault}, 1000000, 1000.0, 1);
+  double length_s = 0.0;
+  for (const FaultEvent& event : events) length_s += (event.end - event.begin) / 1000.0;
+  const double count = static_cast<double>(events.size());
+  // A mean gap of 250 ms and a mean length of 30.5 ms (rounded up to whole samples): per channel
+  // 3,565 in 1000 s. 64,000 events: the standard error is 0.4 %.
+  EXPECT_NEAR(count / 18.0, 1000.0 / 0.2805, 0.02 * 3565);
+  EXPECT_NEAR(length_s / count, 0.0305, 0.02 * 0.0305);
+}
+
+TEST(Faults, OfOneChannelDoNotDependOnTheOthers) {
+  FaultConfig all = Fault(FaultKind::kSpikes);
+  FaultConfig one = all;
+  one.channels = {"ring_pip"};
+  const int ring = ChannelIndex("ring_pip");
+  EXPECT_EQ(SynthesiseGlove(WithFaults({all}), 1).counts.col(ring),
+            SynthesiseGlove(WithFaults({one}), 1).counts.col(ring));
+}
+
+TEST(Faults, StuckChannelsRepeatTheirLastGoodValue) {
+  const GloveSignal glove = SynthesiseGlove(WithFaults({Fault(FaultKind::kStuck)}), 1);
+  for (const FaultEvent& event : glove.faults) {
+    const auto stretch =
+        glove.counts.col(event.channel).segment(event.begin, event.end - event.begin);
+    EXPECT_EQ(
+        (stretch.array() - glove.counts(std::max(event.begin - 1, 0), event.channel)).abs().sum(),
+        0.0);
+  }
+}
+
+TEST(Faults, LateFramesAreOldFrames) {
+  FaultConfig fault = Fault(FaultKind::kLateFrames);
+  fault.delay_ms = 15.0;
+  const GloveSignal clean = SynthesiseGlove(WithFaults({}), 1);
+  const GloveSignal late = SynthesiseGlove(WithFaults({fault}), 1);
+  for (const FaultEvent& event : late.faults) {
+    for (int i = event.begin; i < event.end; ++i) {
+      EXPECT_EQ(late.counts.row(i), clean.counts.row(std::max(i - 15, 0)));
+    }
+  }
+}
+
+TEST(Faults, AGainChangeScalesAboutTheMiddleAndStays) {
+  GloveConfig config = WithFaults({Fault(FaultKind::kGainChange)});
+  config.noise.kind = WhiteNoiseKind::kNone;
+  config.faults[0].gain = 0.5;
+  GloveConfig healthy = config;
+  healthy.faults.clear();
+  const Signal with = SynthesiseGlove(config, 1).counts;
+  const Signal without = SynthesiseGlove(healthy, 1).counts;
+  EXPECT_EQ(with.topRows(500), without.topRows(500));
+  const Signal expected = 511.5 + 0.5 * (without.bottomRows(3500).array() - 511.5);
+  EXPECT_LT((with.bottomRows(3500) - expected).cwiseAbs().maxCoeff(), 0.76);  // two roundings
+}
+
+TEST(Faults, MoveWithTheChannelsThatTheGloveHas) {
+  GloveConfig config = WithFaults({Fault(FaultKind::kSpikes)});
+  config.channels = {"index_mcp", "elbow_flexion"};
+  const GloveSignal glove = SynthesiseGlove(config, 1);
+  EXPECT_EQ(glove.counts.cols(), 2);
+  EXPECT_EQ(glove.channel_names[1], "elbow_flexion");
+  bool elbow = false;
+  for (const FaultEvent& event : glove.faults) {
+    ASSERT_LT(event.channel, 2);
+    elbow = elbow || event.channel == 1;
+  }
+  EXPECT_TRUE(elbow);
+  EXPECT_EQ(NominalCalibration(config).low_counts.size(), 2u);
+}
+
+/// A transmission without coupling: 10-bit motors that turn with their joint.
+controller::TendonTransmission PlainTransmission() {
+  controller::TendonTransmission hand;
+  hand.coupling.assign(18 * 18, 0.0);
+  for (std::size_t c = 0; c < 18; ++c) {
+    const Channel& joint = GloveChannels()[c];
+    hand.channel_names.emplace_back(joint.name);
+    hand.motor_names.emplace_back(joint.name);
+    hand.coupling[19 * c] = 1.0;
+    hand.reference_angle_rad.push_back(0.0);
+    hand.joint_min_rad.push_back(joint.min_deg * kRadPerDeg);
+    hand.joint_max_rad.push_back(joint.max_deg * kRadPerDeg);
+    hand.counts_per_rad.push_back(195.0);
+    hand.center_counts.push_back(512);
+    hand.min_counts.push_back(0);
+    hand.max_counts.push_back(1023);
+  }
+  return hand;
+}
+
+class EveryFilter : public ::testing::TestWithParam<std::size_t> {};
+
+/// Sends a signal through the controller and checks everything that comes out of it.
+void ExpectSaneCommands(const GloveConfig& config, const controller::FilterConfig& filter,
+                        controller::FilterOn filter_on) {
+  const GloveSignal glove = SynthesiseGlove(config, 3);
+  controller::ControllerConfig settings;
+  settings.filters = {filter};
+  settings.filter_on = filter_on;
+  controller::Controller controller(settings, NominalCalibration(config), PlainTransmission());
+  std::vector<double> counts(18);
+  for (Eigen::Index i = 0; i < glove.counts.rows(); ++i) {
+    for (Eigen::Index c = 0; c < 18; ++c) counts[static_cast<std::size_t>(c)] = glove.counts(i, c);
+    const controller::Command command = controller.Step({.counts = counts});
+    for (const std::int32_t motor : command.motor_counts) {
+      ASSERT_GE(motor, 0);
+      ASSERT_LE(motor, 1023);
+    }
+    for (const double angle : controller.filtered_angle_rad()) ASSERT_TRUE(std::isfinite(angle));
+    for (const double angle : controller.linearised_angle_rad()) ASSERT_TRUE(std::isfinite(angle));
+  }
+}
+
+TEST_P(EveryFilter, GivesSaneCommandsUnderEachFaultAloneAndAllTogether) {
+  const controller::FilterConfig& filter = controller::FilterKinds()[GetParam()].defaults;
+  for (const auto filter_on : {controller::FilterOn::kCounts, controller::FilterOn::kAngle}) {
+    for (const FaultConfig& fault : AllFaults()) {
+      GloveConfig config = WithFaults({fault});
+      config.motion.random.duration_s = 1.0;
+      ExpectSaneCommands(config, filter, filter_on);
+    }
+    ExpectSaneCommands(WithFaults(AllFaults()), filter, filter_on);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryFilter,
+                         ::testing::Range<std::size_t>(0, controller::FilterKinds().size()),
+                         [](const auto& kind) {
+                           return std::string(controller::FilterKinds()[kind.param].name);
+                         });
+
+}  // namespace
+}  // namespace gauntlet::sim
