@@ -12,10 +12,10 @@
 namespace gauntlet::test {
 
 struct ProgramOptions {
-  std::string standard_input;
-  std::map<std::string, std::string> environment;  // on top of the inherited one
+  std::string standard_input = {};
+  std::map<std::string, std::string> environment = {};  // on top of the inherited one
   bool inherit_environment = true;
-  std::filesystem::path working_directory;  // empty: the test's own
+  std::filesystem::path working_directory = {};  // empty: the test's own
   std::chrono::milliseconds timeout = std::chrono::seconds(60);
 };
 
