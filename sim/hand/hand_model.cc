@@ -8,6 +8,7 @@
 #include "sim/base/signal.h"
 #include "sim/hand/hand.h"
 #include "sim/hand/mujoco_messages.h"
+#include "sim/hand/stability.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -158,6 +159,7 @@ HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& c
   }
   followers_ = FindFollowers(*model_);
   drives_ = FindDrives(*model_, config, channel_names, joints, reference_rad, followers_);
+  CheckStability(*model_, drives_);
   transmission_ =
       MakeTransmission(*model_, config, channel_names, joints, reference_rad, followers_, drives_);
   for (const Drive& drive : drives_) {

@@ -1,0 +1,176 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cstring>
+#include <numbers>
+
+#include "tests/hand/hand_fixture.h"
+
+namespace gauntlet::sim::testing {
+namespace {
+
+/// A new random posture every 100 ms, and commands that tremble by two counts: worse than any
+/// glove.
+struct RandomMotion {
+  explicit RandomMotion(std::uint64_t seed) : random(seed, "motion") {}
+
+  void Step(Hand& hand, int sample) {
+    const controller::TendonTransmission& map = hand.hand_model().transmission();
+    if (sample % 100 == 0) goal = CountsFor(map, RandomPosture(map, random));
+    if (sample % 20 == 0) {
+      std::vector<std::int32_t> counts = goal;
+      for (std::int32_t& count : counts) count += static_cast<int>(random.Index(5)) - 2;
+      hand.SetCommand(counts);
+    }
+    hand.Step();
+  }
+  RandomStream random;
+  std::vector<std::int32_t> goal;
+};
+
+TEST(Motion, CablesNeverPushAndNothingWarnsInRandomMotion) {
+  const auto model = MakeModel();
+  Hand hand(model);
+  std::vector<double> tension(model->cable_names().size());
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    hand.Reset(model->transmission().reference_angle_rad);
+    RandomMotion motion(seed);
+    double least = 1.0;
+    for (int sample = 0; sample < 1500; ++sample) {
+      motion.Step(hand, sample);
+      hand.ReadCableTensions(tension);
+      least = std::min(least, *std::min_element(tension.begin(), tension.end()));
+    }
+    EXPECT_TRUE(hand.health().ok) << "seed " << seed << ": " << hand.health().problem;
+    EXPECT_EQ(least, 0.0) << "a motion as wild as this must slacken some cable";
+  }
+}
+
+TEST(Motion, SameCommandsGiveTheSameBits) {
+  const auto model = MakeModel();
+  Hand first(model);
+  Hand second(model);
+  // The second hand has lived before: Reset() must leave no trace of it.
+  RandomMotion other(7);
+  for (int sample = 0; sample < 300; ++sample) other.Step(second, sample);
+  first.Reset(HomePosture(model->transmission()));
+  second.Reset(HomePosture(model->transmission()));
+  RandomMotion one(8);
+  RandomMotion two(8);
+  for (int sample = 0; sample < 1000; ++sample) {
+    one.Step(first, sample);
+    two.Step(second, sample);
+  }
+  EXPECT_EQ(0,
+            std::memcmp(first.data().qpos, second.data().qpos, sizeof(double) * model->model().nq));
+  EXPECT_EQ(0,
+            std::memcmp(first.data().qvel, second.data().qvel, sizeof(double) * model->model().nv));
+}
+
+TEST(Motion, TheSameModelHasTheSameHashAndAnotherSettingAnotherHash) {
+  HandConfig stiff;
+  stiff.cable.stiffness_scale = 1.5;
+  HandConfig slow;
+  slow.servo.no_load_speed_deg_s = 300.0;
+  EXPECT_EQ(MakeModel()->Hash(), MakeModel()->Hash());
+  EXPECT_NE(MakeModel()->Hash(), MakeModel(stiff)->Hash());
+  EXPECT_NE(MakeModel()->Hash(), MakeModel(slow)->Hash());
+}
+
+// A full closing of the fingers takes 0.3 to 1 s (commercial prosthetic hands: 0.3 to 1 s).
+TEST(Motion, FingersCloseInThreeTenthsToOneSecond) {
+  Hand hand(MakeModel());
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  std::vector<double> open = HomePosture(map);
+  std::vector<double> closed = open;
+  for (const char* finger : {"index", "middle", "ring", "little"}) {
+    for (const char* joint : {"_mcp", "_pip"}) {
+      const int channel = ChannelIndex(std::string(finger) + joint);
+      open[channel] = 0.0;
+      closed[channel] = map.joint_max_rad[channel];
+    }
+  }
+  hand.Reset(open);
+  hand.SetCommand(CountsFor(map, closed));
+  int last = 0;
+  for (int sample = 1; sample <= 1500; ++sample) {
+    hand.Step();
+    const std::vector<double> angle = JointAngles(hand);
+    for (std::size_t i = 0; i < angle.size(); ++i) {
+      if (std::abs(angle[i] - closed[i]) > 5.0 * kRadPerDeg) last = sample;
+    }
+  }
+  EXPECT_GT(last, 300);
+  EXPECT_LT(last, 1000);
+}
+
+// Steps of 20 deg, every channel alone, with the default hand.
+TEST(Motion, StepResponsesOvershootByLessThanATenth) {
+  Hand hand(MakeModel());
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+    const std::vector<double> start = HomePosture(map);
+    std::vector<double> goal = start;
+    const double step = std::min(20.0 * kRadPerDeg, map.joint_max_rad[channel] - start[channel]);
+    goal[channel] += step;
+    hand.Reset(start);
+    hand.SetCommand(CountsFor(map, goal));
+    double highest = 0.0;
+    for (int sample = 0; sample < 600; ++sample) {
+      hand.Step();
+      highest = std::max(highest, (JointAngles(hand)[channel] - start[channel]) / step);
+    }
+    EXPECT_LT(highest, 1.10) << map.channel_names[channel];
+    EXPECT_GT(highest, 0.90) << map.channel_names[channel];
+  }
+}
+
+/// Energy that cables, gravity and motion hold together [J].
+double Energy(const Hand& hand) {
+  const HandModel& model = hand.hand_model();
+  std::unique_ptr<mjData, void (*)(mjData*)> copy(
+      mj_copyData(nullptr, &model.model(), &hand.data()), &mj_deleteData);
+  mj_fwdPosition(&model.model(), copy.get());
+  mj_fwdVelocity(&model.model(), copy.get());
+  std::vector<double> momentum(model.model().nv);
+  mj_mulM(&model.model(), copy.get(), momentum.data(), copy->qvel);
+  double energy = 0.5 * mju_dot(momentum.data(), copy->qvel, model.model().nv);
+  for (int body = 1; body < model.model().nbody; ++body) {
+    energy -=
+        model.model().body_mass[body] * mju_dot3(model.model().opt.gravity, copy->xipos + 3 * body);
+  }
+  for (const Drive& drive : model.drives()) {
+    const double wound = drive.drum_radius_m * copy->qpos[drive.spool_qpos];
+    for (const Cable* cable : {&drive.flexor, &drive.extensor}) {
+      const double sign = cable == &drive.flexor ? 1.0 : -1.0;
+      const double stretch =
+          std::max(0.0, copy->ten_length[cable->tendon] - cable->natural_length_m + sign * wound);
+      energy += 0.5 * cable->stiffness_n_m * stretch * stretch;
+    }
+  }
+  return energy;
+}
+
+// Motors without torque, the arm let go from a stretched posture: it falls and swings, and every
+// joule that it loses stays lost.
+TEST(Motion, EnergyDoesNotGrowWithoutInput) {
+  HandConfig config;
+  config.servo.torque_scale = 1e-9;
+  config.cable.capstan_friction = 0.0;
+  Hand hand(MakeModel(config));
+  hand.Reset(HomePosture(hand.hand_model().transmission()));
+  const double first = Energy(hand);
+  double lowest = first;
+  double growth = 0.0;
+  for (int sample = 0; sample < 1500; ++sample) {
+    hand.Step();
+    const double now = Energy(hand);
+    growth = std::max(growth, now - lowest);
+    lowest = std::min(lowest, now);
+  }
+  EXPECT_GT(first - lowest, 0.5) << "the arm did not fall";
+  EXPECT_LT(growth, 1e-6 * (first - lowest));
+}
+
+}  // namespace
+}  // namespace gauntlet::sim::testing
