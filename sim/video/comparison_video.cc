@@ -31,7 +31,9 @@ class FrameArtist {
         picture_(picture),
         renderer_(hand.model(), {.width_px = picture.view_width_px(),
                                  .height_px = picture.view_height_px(),
-                                 .camera = input.camera}),
+                                 .camera = input.camera,
+                                 .ground = false,
+                                 .plain_cables = true}),
         data_(mj_makeData(&hand.model())),
         views_(input.panes.size()) {
     if (data_ == nullptr) throw RunError("video: not enough memory for a posture");

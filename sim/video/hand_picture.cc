@@ -16,7 +16,9 @@ void WriteHandPng(const HandModel& hand, std::span<const double> joint_angle_rad
                                          .height_px = config.height_px,
                                          .camera = config.camera,
                                          .supersampling = 3,
+                                         .shadows = true,
                                          .shadow_map_px = 4096,
+                                         .ground = false,
                                          .sides = 64});
   const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&hand.model()),
                                                                &mj_deleteData);

@@ -11,6 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/video/scene_geoms.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -168,6 +169,7 @@ struct OsmesaRenderer::Context {
     copy->vis.quality.shadowsize = config.shadows ? config.shadow_map_px : 0;
     copy->vis.quality.numslices = config.sides;
     copy->vis.quality.numstacks = config.sides / 2;
+    copy->vis.quality.numquads = 1;  // more are for spot lights on large faces
     mjr_makeContext(copy.get(), &drawing, mjFONTSCALE_100);
     mjr_setBuffer(mjFB_OFFSCREEN, &drawing);
     if (drawing.currentBuffer != mjFB_OFFSCREEN || mjr_getError() != 0) {
@@ -183,12 +185,10 @@ struct OsmesaRenderer::Context {
     scene.flags[mjRND_REFLECTION] = 0;  // draws everything twice
     scene.flags[mjRND_SKYBOX] = 0;      // the background is the caller's
     scene.flags[mjRND_HAZE] = 0;
-    if (config.width_px >= config.height_px) return;
-    const float taller = static_cast<float>(config.height_px) / static_cast<float>(config.width_px);
-    for (mjvGLCamera& eye : scene.camera) {
-      eye.frustum_top *= taller;
-      eye.frustum_bottom *= taller;
-    }
+    if (!config.ground) RemovePlanes(scene);
+    if (config.plain_cables) FlattenCables(scene);
+    FitViewToShorterSide(scene, config.width_px, config.height_px);
+    if (!config.shadows) RemoveOutOfSight(scene, config.width_px, config.height_px);
   }
 
   /// Where a translucent shape lies over an opaque one, blending leaves an alpha below 1: the depth

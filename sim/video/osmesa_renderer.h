@@ -16,10 +16,15 @@ struct RendererConfig {
   /// A pixel is the mean of n x n drawn ones. On a software rasteriser twice the resolution in both
   /// directions costs half of what four samples a pixel cost, and smooths highlights, too.
   int supersampling = 2;
-  bool shadows = true;
+  bool shadows = false;  // cost two to three times the time without
   int shadow_map_px = 1024;
-  /// Round shapes are drawn with this many sides: 20 are enough for a finger some 20 px wide.
-  int sides = 20;
+  bool ground = true;  // planes; without them the hand stands before the caller's background
+  /// Round shapes are drawn with this many sides: 14 are enough for a finger some 20 px wide. The
+  /// number of triangles is what costs time.
+  int sides = 14;
+  /// Cables as bars of four sides, not as round ones: cannot be told apart up to 3 px of width, and
+  /// saves half of the time for a hand with 36 cables.
+  bool plain_cables = false;
 };
 
 /// Draws a model off-screen, without a display, on the CPU.

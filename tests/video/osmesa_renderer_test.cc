@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include "sim/base/error.h"
@@ -156,6 +157,71 @@ TEST(OsmesaRenderer, AShadowDarkensTheGround) {
     brightness[shadows] = sum;
   }
   EXPECT_LT(brightness[true], 0.99 * brightness[false]);
+}
+
+// The camera looks along a plane with balls everywhere, most of them out of sight.
+TEST(OsmesaRenderer, LeavesOutOnlyWhatIsOutOfSight) {
+  std::string balls;
+  for (int x = -6; x <= 6; ++x) {
+    for (int y = -6; y <= 6; ++y) {
+      balls += "<geom type='capsule' size='0.1 0.3' pos='" + std::to_string(0.7 * x) + " " +
+               std::to_string(0.7 * y) + " 0' euler='" + std::to_string(20 * x) + " 30 0'/>";
+    }
+  }
+  TinyModel model(
+      "<mujoco><worldbody><camera name='front' pos='0.3 -2 0.4' xyaxes='1 0.2 0 0 0 1'/>" + balls +
+      "</worldbody></mujoco>");
+  mj_forward(&model.model(), &model.data());
+  // Shadows keep everything; with no light that casts one, the picture must be the same.
+  Image all, seen;
+  for (const auto& [width, height] : {std::pair(160, 90), std::pair(90, 160)}) {
+    RendererConfig config = {.width_px = width, .height_px = height, .camera = "front"};
+    OsmesaRenderer(model.model(), config).Draw(model.data(), seen);
+    config.shadows = true;
+    OsmesaRenderer(model.model(), config).Draw(model.data(), all);
+    EXPECT_EQ(all.pixels, seen.pixels);
+  }
+}
+
+TEST(OsmesaRenderer, PlainCablesLookLikeRoundOnes) {
+  TinyModel model(R"(
+<mujoco>
+  <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+  <worldbody>
+    <camera name="front" pos="0 -2 0" xyaxes="1 0 0 0 0 1" fovy="53.13"/>
+    <body><joint type="slide" axis="1 0 0"/><geom size="0.01"/>
+      <site name="a" pos="-0.6 0 -0.2" size="0.001"/></body>
+    <site name="b" pos="0.6 0 0.2" size="0.001"/>
+  </worldbody>
+  <tendon><spatial width="0.02" rgba="1 0 0 1"><site site="a"/><site site="b"/></spatial></tendon>
+</mujoco>)");
+  mj_forward(&model.model(), &model.data());
+  double red[2] = {};
+  for (bool plain : {false, true}) {
+    OsmesaRenderer renderer(
+        model.model(),
+        {.width_px = 100, .height_px = 100, .camera = "front", .plain_cables = plain});
+    Image picture;
+    renderer.Draw(model.data(), picture);
+    EXPECT_GT(Red(picture.Row(45)[65]), 100);
+    for (std::uint32_t pixel : picture.pixels) red[plain] += Red(pixel) / 255.0;
+  }
+  EXPECT_GT(red[false], 90.0);
+  EXPECT_NEAR(red[true] / red[false], 1.0, 0.2);
+}
+
+TEST(OsmesaRenderer, TheGroundCanBeLeftOut) {
+  TinyModel model(R"(
+<mujoco><worldbody>
+  <camera name="front" pos="0 -2 1" xyaxes="1 0 0 0 1 1"/><geom type="plane" size="3 3 1"/>
+</worldbody></mujoco>)");
+  mj_forward(&model.model(), &model.data());
+  for (bool ground : {false, true}) {
+    OsmesaRenderer renderer(model.model(), {.camera = "front", .ground = ground});
+    Image picture;
+    renderer.Draw(model.data(), picture);
+    EXPECT_EQ(Alpha(picture.Row(240)[320]), ground ? 255 : 0);
+  }
 }
 
 TEST(OsmesaRenderer, ThreadsDrawTheSamePixels) {

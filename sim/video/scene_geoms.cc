@@ -1,0 +1,81 @@
+#include "sim/video/scene_geoms.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace gauntlet::sim {
+namespace {
+
+template <class Condition>
+void RemoveGeoms(mjvScene& scene, const Condition& condition) {
+  mjvGeom* end = std::remove_if(scene.geoms, scene.geoms + scene.ngeom, condition);
+  scene.ngeom = static_cast<int>(end - scene.geoms);
+}
+
+/// No shape reaches further from its centre: a capsule's length and radius add up.
+double BoundingRadius(const mjvGeom& geom) {
+  if (geom.type == mjGEOM_PLANE || geom.type == mjGEOM_HFIELD || geom.type == mjGEOM_MESH ||
+      geom.type >= mjGEOM_ARROW) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return geom.size[0] + geom.size[1] + geom.size[2];
+}
+
+/// Everything within an angle around the direction of the view.
+struct Cone {
+  std::array<double, 3> apex;
+  std::array<double, 3> axis;
+  double slope;  // tangent of that angle
+
+  bool Touches(const mjvGeom& geom) const {
+    double along = 0.0, square = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      const double difference = geom.pos[i] - apex[i];
+      along += difference * axis[i];
+      square += difference * difference;
+    }
+    const double aside = std::sqrt(std::max(0.0, square - along * along));
+    return aside <= slope * along + BoundingRadius(geom) * std::hypot(1.0, slope);
+  }
+};
+
+}  // namespace
+
+void RemovePlanes(mjvScene& scene) {
+  RemoveGeoms(scene, [](const mjvGeom& geom) { return geom.type == mjGEOM_PLANE; });
+}
+
+void FlattenCables(mjvScene& scene) {
+  constexpr float kHalfSide = 0.886f;  // of a square of the same area as a circle of radius 1
+  for (mjvGeom& geom : std::span(scene.geoms, static_cast<std::size_t>(scene.ngeom))) {
+    if (geom.objtype != mjOBJ_TENDON || geom.type != mjGEOM_CAPSULE) continue;
+    geom.type = mjGEOM_BOX;
+    geom.size[0] *= kHalfSide;
+    geom.size[1] *= kHalfSide;
+  }
+}
+
+void FitViewToShorterSide(mjvScene& scene, int width_px, int height_px) {
+  if (width_px >= height_px) return;
+  const float taller = static_cast<float>(height_px) / static_cast<float>(width_px);
+  for (mjvGLCamera& eye : scene.camera) {
+    eye.frustum_top *= taller;
+    eye.frustum_bottom *= taller;
+  }
+}
+
+void RemoveOutOfSight(mjvScene& scene, int width_px, int height_px) {
+  const auto& [left, right] = scene.camera;  // two eyes, a little apart
+  const double height = left.frustum_top / left.frustum_near;
+  Cone cone = {.apex = {}, .axis = {}, .slope = std::hypot(height, height * width_px / height_px)};
+  for (int i = 0; i < 3; ++i) {
+    cone.apex[i] = 0.5 * (left.pos[i] + right.pos[i]);
+    cone.axis[i] = left.forward[i];
+  }
+  RemoveGeoms(scene, [&cone](const mjvGeom& geom) { return !cone.Touches(geom); });
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+namespace gauntlet::sim {
+
+// What is changed in a scene between MuJoCo's mjv_updateScene() and its drawing.
+
+/// Planes: without them the rest stands before the caller's background.
+void RemovePlanes(mjvScene& scene);
+
+/// Cables as bars of four sides, not as round ones.
+void FlattenCables(mjvScene& scene);
+
+/// The field of view of cameras is that in height; for a tall picture make it that in width.
+void FitViewToShorterSide(mjvScene& scene, int width_px, int height_px);
+
+/// What cannot be in the picture: bounding spheres beyond the cone around the view. Not to be used
+/// with shadows, since what is out of sight may cast one into it.
+void RemoveOutOfSight(mjvScene& scene, int width_px, int height_px);
+
+}  // namespace gauntlet::sim
