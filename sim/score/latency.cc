@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kCutoff_hz = 6.0;  // hands move below 4 Hz; half a second of reach
 constexpr double kTransition_hz = 4.0;
+constexpr double kStationRate_hz = 250.0;  // ample for 8 Hz
 
 struct StageName {
   std::string_view key;
@@ -28,12 +29,14 @@ constexpr StageName kStages[] = {
 };
 constexpr int kStageCount = static_cast<int>(std::size(kStages));
 
-/// What is held from each multiple of `period` to the next.
-Signal Held(const Signal& signal, int period) {
+/// What is held from each of the samples first, first + period, .. to the next.
+Signal Held(const Signal& signal, int period, int first) {
   if (period <= 1) return signal;
-  Signal held(signal.rows(), signal.cols());
+  Signal held = signal;
   for (Eigen::Index c = 0; c < signal.cols(); ++c) {
-    for (Eigen::Index n = 0; n < signal.rows(); ++n) held(n, c) = signal(n - n % period, c);
+    for (Eigen::Index n = first; n < signal.rows(); ++n) {
+      held(n, c) = signal(n - (n - first) % period, c);
+    }
   }
   return held;
 }
@@ -55,22 +58,24 @@ void CheckShapes(const LatencyInput& input) {
   }
 }
 
-/// All stations of the way behind the low pass, from the wearer to the hand.
-std::vector<Signal> Stations(const LatencyInput& input, Fourier& fourier) {
+/// All stations of the way behind the low pass, from the wearer to the hand; every `step`-th
+/// sample.
+std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fourier) {
   const LowPass low_pass = DesignLowPass(kCutoff_hz, kTransition_hz, input.rate_hz);
   const auto rows = input.hand_angle_rad->rows();
   std::vector<Signal> stations;
   const auto add = [&](const Signal& signal) {
-    stations.push_back(Filter(low_pass, Band::kBelow, signal.topRows(rows), fourier).values);
+    const Signal low = Filter(low_pass, Band::kBelow, signal.topRows(rows), fourier).values;
+    stations.push_back(low(Eigen::seq(0, Eigen::last, step), Eigen::all));
   };
   const Signal arrived =
       input.command_counts->topRows(rows).cast<double>() * input.angle_per_count_rad.transpose();
   add(*input.wearer_angle_rad);
   add(*input.linearised_angle_rad);
   add(*input.filtered_angle_rad);
-  add(Held(*input.filtered_angle_rad, input.samples_per_event));
+  add(Held(*input.filtered_angle_rad, input.samples_per_event, 0));
   add(arrived);
-  add(Held(arrived, input.samples_per_servo_frame));
+  add(Held(arrived, input.samples_per_servo_frame, input.first_servo_frame));
   add(*input.hand_angle_rad);
   return stations;
 }
@@ -84,11 +89,13 @@ std::span<const double> Column(const Signal& signal, Eigen::Index channel) {
 LatencyBudget MeasureLatency(const LatencyInput& input) {
   CheckShapes(input);
   Fourier fourier;
-  const std::vector<Signal> stations = Stations(input, fourier);
+  const int step = std::max(1, static_cast<int>(input.rate_hz / kStationRate_hz));
+  const double rate_hz = input.rate_hz / step;
+  const std::vector<Signal> stations = Stations(input, step, fourier);
   const auto delay_ms = [&](int from, int to, Eigen::Index channel) {
     const auto delay = DelaySamples(Column(stations[from], channel), Column(stations[to], channel),
-                                    input.rate_hz, fourier);
-    return delay ? 1000.0 * *delay / input.rate_hz : kNoScore;
+                                    rate_hz, fourier);
+    return delay ? 1000.0 * *delay / rate_hz : kNoScore;
   };
 
   LatencyBudget budget;

@@ -22,6 +22,7 @@ struct LatencyInput {
   Eigen::MatrixXd angle_per_count_rad;
   int samples_per_event = 20;        // the controller sends a frame every so many samples
   int samples_per_servo_frame = 20;  // the servo takes one every so many samples; 0 or 1: at once
+  int first_servo_frame = 0;         // the sample of one of the servo's frames, where they begin
 };
 
 /// One stage of the way from the wearer's joint to the hand's.
@@ -46,7 +47,7 @@ struct LatencyBudget {
 /// All signals pass the same zero-phase low pass of 6 Hz (4 to 8 Hz) first: noise that a filter
 /// takes over from its input would otherwise draw the correlation to the filter's own impulse
 /// response. So these are delays of the motion and not of its noise. What the controller sends and
-/// what the servo takes is what was there at the last event or frame: multiples of the period.
+/// what the servo takes is what was there at the last event (a multiple of the period) or frame.
 ///
 /// Means are over the channels in which every stage and the whole has a value.
 /// Errors: std::invalid_argument for signals that do not fit each other.

@@ -84,6 +84,17 @@ TEST(Latency, OfTheMotionIsNotThatOfTheNoise) {
   ExpectKnownLatencies(MeasureLatency(Chain(2.0 * kRadPerDeg).Input()), 0.6);
 }
 
+TEST(Latency, OfTheServosFrameDependsOnWhereFramesBegin) {
+  const Chain chain(0.0);
+  LatencyInput input = chain.Input();
+  input.first_servo_frame = 30;  // just when commands arrive
+  EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 0.0, 1e-6);
+  input.first_servo_frame = 25;
+  EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 15.0, 0.3);
+  input.samples_per_servo_frame = 0;
+  EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 0.0, 1e-6);
+}
+
 TEST(Latency, OfAStillChannelDoesNotExistAndDoesNotCount) {
   const LatencyBudget budget = MeasureLatency(Chain(0.0).Input());
   for (const LatencyStage& stage : budget.stages) {
