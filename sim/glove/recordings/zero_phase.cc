@@ -36,9 +36,9 @@ LowPass Butterworth(double cutoff_hz, double rate_hz) {
 
 void SmoothZeroPhase(double cutoff_hz, double rate_hz, std::span<double> values) {
   if (values.size() < 2) return;
-  // Three time constants are enough for the start to be forgotten.
+  // Six time constants: what the start was is forgotten to 0.2 %.
   const auto reach = std::min(values.size() - 1,
-                              static_cast<std::size_t>(std::ceil(0.5 * rate_hz / cutoff_hz)) + 3);
+                              static_cast<std::size_t>(std::ceil(1.5 * rate_hz / cutoff_hz)) + 3);
   std::vector<double> padded;
   padded.reserve(values.size() + 2 * reach);
   for (std::size_t i = reach; i >= 1; --i) padded.push_back(2.0 * values.front() - values[i]);

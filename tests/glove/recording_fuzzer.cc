@@ -1,0 +1,8 @@
+// For libFuzzer: `cmake --build build --target recording_fuzzer`, then
+// `build/tests/glove/fuzz_recording -runs=10000000`.
+#include "tests/glove/recording_fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  gauntlet::sim::ReadFuzzedRecording(data, size);
+  return 0;
+}
