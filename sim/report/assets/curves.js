@@ -206,7 +206,8 @@ class CurvesView {
       this.cells.controllers.push(cells);
       body.append(element("tr", {}, element("th", {scope: "row"},
         this.choice(true, (on) => { this.controllers[i] = on; },
-          this.lineSample(colourName(i), SIGNALS[0]), controller.name)),
+          this.lineSample(colourName(i), SIGNALS[0]),
+          element("span", {}, ...breakable(controller.name)))),
         ...SIGNALS.map((signal) => cells[signal.key])));
     });
     const head = element("tr", {}, this.time_place, ...SIGNALS.map((signal) => element("th",

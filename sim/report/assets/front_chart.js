@@ -34,7 +34,7 @@ function placeNames(points, x, y, width) {
   const meets = (a) => taken.some(
     (b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom);
   return points.map((p) => {
-    const w = 7.2 * (p.name.length + (p.dominated ? 11 : 0));
+    const w = 8 * p.label.length;
     const px = x(p.delay[0]);
     const py = y(p.jitter[0]);
     const places = [[12, 4, "start"], [-12, 4, "end"], [12, -12, "start"], [-12, -12, "end"],
@@ -116,6 +116,9 @@ function drawFrontChart(data) {
   const x = (value) => FRONT_MARGIN.left + (value - low) / (high - low) * inner_width;
   const y = (value) => bottom - value / top * (bottom - FRONT_MARGIN.top);
 
+  for (const p of points) {
+    p.label = p.dominated && width >= 560 ? `${p.name} (dominated)` : p.name;
+  }
   const front = points.filter((p) => !p.dominated).sort((a, b) => a.delay[0] - b.delay[0]);
   const names = placeNames(points, x, y, width);
   const said = points.map((p) => `${p.name}: ${formatNumber(p.delay[0])} ms, ` +
@@ -129,5 +132,5 @@ function drawFrontChart(data) {
     ...points.flatMap((p) => pointShapes(p, x, y)),
     ...points.map((p, i) => element("text", {class: `name${p.dominated ? " faint" : ""}`,
       x: names[i].text_x, y: names[i].text_y, "text-anchor": names[i].anchor},
-      p.name + (p.dominated ? " (dominated)" : "")))));
+      p.label))));
 }

@@ -20,8 +20,10 @@ function drawHeatMap(data, metric, onChannel) {
   byId("heat-scale").replaceChildren(
     lower_is_better ? formatNumber(low) : formatNumber(high), element("i"),
     `${formatNumber(lower_is_better ? high : low)} ${metricName(data.metrics[metric].key).unit}`);
-  byId("heat-map").replaceChildren(
-    element("thead", {}, element("tr", {}, element("td", {style: "background: none"}),
+  const map = byId("heat-map");
+  map.style.setProperty("--controllers", data.controllers.length);
+  map.replaceChildren(
+    element("thead", {}, element("tr", {}, element("td"),
       ...data.controllers.map((_, c) => element("th", {scope: "col"}, ...controllerLabel(data, c))))),
     element("tbody", {}, ...data.channels.map((name, channel) => element("tr", {"data-channel": name},
       element("th", {scope: "row"}, element("button", {type: "button",

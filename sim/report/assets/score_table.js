@@ -2,7 +2,7 @@
 
 function spreadText(estimate) {
   const half = 0.5 * (estimate[2] - estimate[1]);
-  return estimate[1] === null || estimate[2] === null ? "" : ` ±\u202f${formatNumber(half)}`;
+  return estimate[1] === null || estimate[2] === null ? "" : ` ± ${formatNumber(half)}`;
 }
 
 function scoreCell(data, metric, controller) {
@@ -39,7 +39,7 @@ function definitionRow(data, metric, id) {
       cell.append(`${sign}${formatNumber(difference[0])} to raw`);
       if (data.comparison && difference[1] !== null) {
         cell.append(element("br"),
-          `95 %: ${formatNumber(difference[1])} to ${formatNumber(difference[2])}`);
+          `[${formatNumber(difference[1])}, ${formatNumber(difference[2])}]`);
       }
       const effect = controller.effect_size[metric];
       if (data.comparison && effect !== null && effect !== undefined) {
@@ -86,6 +86,7 @@ function showOtherMetrics(table, shown) {
 
 function drawScoreTable(data) {
   const table = byId("scores-table");
+  table.style.setProperty("--controllers", data.controllers.length);
   const has_score = (m) => data.controllers.some((c) => c.summary[m][0] !== null);
   const metrics = data.metrics.map((_, m) => m).filter(has_score);
   metrics.sort((a, b) => data.metrics[b].main - data.metrics[a].main || a - b);
@@ -109,7 +110,7 @@ function drawScoreTable(data) {
 
   byId("scores-note").textContent = data.comparison
     ? `Means over ${data.seeds.length} seeds, ± half of the 95 % interval; averaged over channels. ` +
-      "Each score opens its definition."
+      "Each score opens its definition and the paired difference to raw."
     : "Averaged over channels. Each score opens its definition.";
   const worse = data.controllers.some((c) => c.worse_than_raw.includes(true));
   byId("scores-legend").textContent = (data.controllers.length > 1 ? "★ best" : "") + (worse
