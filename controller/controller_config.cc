@@ -26,6 +26,12 @@ void ControllerConfig::Visit(SettingsVisitor& visitor) {
   visitor.Flag({.key = "coupling_compensation",
                 .help = "undo the coupling of cables that cross several joints"},
                coupling_compensation);
+  VisitGroup(visitor, {.key = "linearisation", .help = "from counts to bending angles"},
+             linearisation);
+  VisitGroup(visitor, {.key = "prediction", .help = "look ahead to make up for the delay"},
+             prediction);
+  VisitGroup(visitor, {.key = "motor", .help = "how commands become whole motor counts"}, motor);
+  VisitGroup(visitor, {.key = "untrusted", .help = "which samples are not trusted"}, untrusted);
 }
 
 }  // namespace gauntlet::controller

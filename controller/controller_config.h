@@ -4,6 +4,10 @@
 #include <vector>
 
 #include "controller/filters/filter_registry.h"
+#include "controller/linearisation/linearisation_config.h"
+#include "controller/motor_rounding_config.h"
+#include "controller/prediction/prediction_config.h"
+#include "controller/sample_guard.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -54,6 +58,10 @@ struct ControllerConfig {
   FilterAt filter_at = FilterAt::kSample;
   /// Undo the coupling of cables that cross several joints; off, one sees fingers drag each other.
   bool coupling_compensation = true;
+  LinearisationConfig linearisation;
+  PredictionConfig prediction;
+  MotorRoundingConfig motor;
+  SampleGuardConfig untrusted;
 
   void Visit(SettingsVisitor& visitor);
 

@@ -2,6 +2,8 @@
 
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "controller/controller_config.h"
 
@@ -10,7 +12,7 @@ namespace gauntlet::controller {
 /// Counts of the converter to bending angles, channel by channel, and back.
 ///
 /// Shapes: one value per channel; input and output may be the same memory. Units: counts and rad.
-/// Both directions neither throw nor allocate; finite in, finite out.
+/// Both directions neither throw nor allocate; finite in, finite out; each is the other's inverse.
 class Linearisation {
  public:
   virtual ~Linearisation() = default;
@@ -22,7 +24,10 @@ class Linearisation {
                         std::span<double> counts) const noexcept = 0;
 };
 
+/// `channel_names` give the order of the channels; curves with a name go to their channel.
 /// Errors: SettingError for data that do not fit together, or a curve that is not monotone.
-std::unique_ptr<Linearisation> MakeLinearisation(const GloveCalibration& calibration);
+std::unique_ptr<Linearisation> MakeLinearisation(const LinearisationConfig& config,
+                                                 const GloveCalibration& glove,
+                                                 const std::vector<std::string>& channel_names);
 
 }  // namespace gauntlet::controller
