@@ -22,7 +22,12 @@ std::string YamlSource::PlaceOf(const YAML::Node& node, const std::string& path)
     if (covers) return "--set " + text;
   }
   const YAML::Mark mark = node.Mark();
-  if (mark.is_null()) return file.string();
+  if (mark.is_null()) {  // made on the way to what an override sets
+    for (const auto& [key, text] : overrides) {
+      if (key.starts_with(path + ".")) return "--set " + text;
+    }
+    return file.string();
+  }
   return fmt::format("{}:{}:{}", file.string(), mark.line + 1, mark.column + 1);
 }
 

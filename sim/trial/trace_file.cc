@@ -85,8 +85,11 @@ void WriteMatrix(const DatasetPlace& place, const std::vector<std::string>& colu
                  const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
   const hsize_t size[2] = {static_cast<hsize_t>(matrix.rows()),
                            static_cast<hsize_t>(matrix.cols())};
+  // Without the time of writing, the same signals give the same bytes.
+  const H5::DSetCreatPropList properties;
+  H5Pset_obj_track_times(properties.getId(), false);
   H5::DataSet dataset =
-      place.group.createDataSet(place.name, FileType(Scalar{}), H5::DataSpace(2, size));
+      place.group.createDataSet(place.name, FileType(Scalar{}), H5::DataSpace(2, size), properties);
   const RowMajor<Scalar> rows = matrix;
   if (rows.size() > 0) dataset.write(rows.data(), MemoryType(Scalar{}));
   WriteText(dataset, "unit", place.unit);
