@@ -118,6 +118,7 @@ void ComparisonPicture::DrawBackground() {
       palette::kPage);
   DrawHeader(painter);
   const TextStyle title = {.size_px = 15.0 * unit, .bold = true};
+  const TextStyle caption = {.size_px = 11.0 * unit, .color = palette::kMutedInk};
   for (std::size_t i = 0; i < layout_.panes.size(); ++i) {
     const PaneLayout& pane = layout_.panes[i];
     painter.Clip(pane.card, kCardRadius * unit);
@@ -129,6 +130,8 @@ void ComparisonPicture::DrawBackground() {
     painter.Text(painter.Elide(input_.panes[i].title, pane.title.width, title),
                  {pane.title.x, pane.title.y + 26.0 * unit}, title);
     plots_[i].DrawScale(painter);
+    painter.Text(ChannelTitle(input_.channel_name), {pane.curves.x, pane.curves.y - 8.0 * unit},
+                 caption);
   }
 }
 
@@ -138,8 +141,8 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
   const TextStyle title = {.size_px = 19.0 * unit, .bold = true};
   const TextStyle subtitle = {.size_px = 12.5 * unit, .color = palette::kMutedInk};
   const std::string curves =
-      fmt::format("Curves: {}.  Scores: the whole hand, over all {} channels, up to now.",
-                  ChannelTitle(input_.channel_name), input_.true_angle_rad->cols());
+      fmt::format("Numbers: mean over all {} channels, up to now.  Curves: one channel, {}.",
+                  input_.true_angle_rad->cols(), ChannelTitle(input_.channel_name));
   painter.Text(painter.Elide(input_.title, 0.8 * header.width, title),
                {header.x, header.y + 28.0 * unit}, title);
   painter.Text(painter.Elide(curves, 0.62 * header.width, subtitle),
@@ -224,12 +227,8 @@ void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame, const Im
   painter.Picture(view, static_cast<int>(place.view.x), static_cast<int>(place.view.y));
   if (HasStopped(pane, frame)) DrawStop(painter, pane);
 
-  const double gap = 16.0 * layout_.unit;
-  Rect left = place.scores, right = place.scores;
-  left.width = right.width = (place.scores.width - gap) / 2.0;
-  right.x += left.width + gap;
-  DrawScore(painter, left, pane, frame, "RMSE so far", &RunningScores::tracking_rmse_deg);
-  DrawScore(painter, right, pane, frame, "Jitter so far", &RunningScores::jitter_rms_deg);
+  DrawScore(painter, place.tracking, pane, frame, "RMSE so far", &RunningScores::tracking_rmse_deg);
+  DrawScore(painter, place.jitter, pane, frame, "Jitter so far", &RunningScores::jitter_rms_deg);
 
   const VideoPane& signals = input_.panes[pane];
   const Curve curves[] = {

@@ -18,6 +18,7 @@ constexpr double kMargin = 0.06;       // of the range, free above and below
 constexpr double kSmallestRange_deg = 2.0;
 constexpr double kTargetTicks = 3.5;
 constexpr double kMinTimeTick_px = 52.0;
+constexpr int kMaxTimeTicks = 8;
 constexpr double kLabelSize = 10.5;
 
 /// The smallest of the usual steps that is at least `step`.
@@ -98,7 +99,8 @@ void CurvePlot::DrawScale(Painter& painter) const {
 void CurvePlot::DrawTimes(Painter& painter, double scrolled_px) const {
   const double px_per_s = px_per_sample_ * rate_hz_;
   constexpr double kSteps[] = {0.2, 0.5, 1, 2, 5, 10, 20, 30, 60};
-  const double step_s = NiceStep(kMinTimeTick_px * unit_ / px_per_s, kSteps);
+  const double step_s =
+      NiceStep(std::max(kMinTimeTick_px * unit_, area_.width / kMaxTimeTicks) / px_per_s, kSteps);
   const TextStyle label = {.size_px = kLabelSize * unit_,
                            .color = palette::kMutedInk,
                            .align = Align::kCenter,

@@ -27,19 +27,36 @@ struct FreeModel {
   void operator()(mjModel* model) const { mj_deleteModel(model); }
 };
 
-mjvCamera FindCamera(const mjModel& model, const std::string& name) {
+mjvCamera FixedCamera(int id) {
   mjvCamera camera;
+  mjv_defaultCamera(&camera);
+  camera.type = mjCAMERA_FIXED;
+  camera.fixedcamid = id;
+  return camera;
+}
+
+bool IsTall(const RendererConfig& config) { return config.width_px < config.height_px; }
+
+/// The number of the camera made for tall pictures; -1 if the model has none, or for wide pictures.
+int UprightCamera(const mjModel& model, const RendererConfig& config) {
+  if (!IsTall(config) || config.camera.empty()) return -1;
+  return mj_name2id(&model, mjOBJ_CAMERA, (config.camera + "_upright").c_str());
+}
+
+mjvCamera FindCamera(const mjModel& model, const RendererConfig& config) {
+  const std::string& name = config.camera;
   if (name.empty()) {
+    mjvCamera camera;
     mjv_defaultFreeCamera(&model, &camera);
     return camera;
   }
-  mjv_defaultCamera(&camera);
-  camera.type = mjCAMERA_FIXED;
-  camera.fixedcamid = mj_name2id(&model, mjOBJ_CAMERA, name.c_str());
-  if (camera.fixedcamid >= 0) return camera;
+  const int upright = UprightCamera(model, config);
+  if (upright >= 0) return FixedCamera(upright);
+  const int id = mj_name2id(&model, mjOBJ_CAMERA, name.c_str());
+  if (id >= 0) return FixedCamera(id);
   std::vector<std::string> names;
-  for (int id = 0; id < model.ncam; ++id) {
-    if (const char* known = mj_id2name(&model, mjOBJ_CAMERA, id)) names.emplace_back(known);
+  for (int i = 0; i < model.ncam; ++i) {
+    if (const char* known = mj_id2name(&model, mjOBJ_CAMERA, i)) names.emplace_back(known);
   }
   throw UserError(
       fmt::format("camera {}: the model has no such camera{}", name, Suggestion(name, names)));
@@ -129,7 +146,7 @@ struct OsmesaRenderer::Context {
   Context(const mjModel& given_model, const RendererConfig& given_config)
       : model(given_model),
         config(given_config),
-        camera(FindCamera(given_model, given_config.camera)),
+        camera(FindCamera(given_model, given_config)),
         placeholder(kPlaceholderSide * kPlaceholderSide * 4) {
     mjv_defaultOption(&option);
     mjv_defaultScene(&scene);
@@ -187,7 +204,9 @@ struct OsmesaRenderer::Context {
     scene.flags[mjRND_HAZE] = 0;
     if (!config.ground) RemovePlanes(scene);
     if (config.plain_cables) FlattenCables(scene);
-    FitViewToShorterSide(scene, config.width_px, config.height_px);
+    if (IsTall(config) && UprightCamera(model, config) < 0) {
+      WidenView(scene, static_cast<double>(config.height_px) / config.width_px);
+    }
     if (!config.shadows) RemoveOutOfSight(scene, config.width_px, config.height_px);
   }
 

@@ -29,8 +29,9 @@ struct RendererConfig {
 
 /// Draws a model off-screen, without a display, on the CPU.
 ///
-/// What the model does not cover stays transparent. The camera's field of view is that of the
-/// picture's shorter side, so that a tall picture does not cut the hand off.
+/// What the model does not cover stays transparent. For a picture taller than wide the camera
+/// `<name>_upright` is taken where the model has one; where not, the camera's field of view becomes
+/// that in width, so that the hand is not cut off.
 /// To be used on the thread that made it; one per thread.
 /// Errors: UserError for a camera that the model lacks, RunError for a context that cannot be made.
 class OsmesaRenderer {

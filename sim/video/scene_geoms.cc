@@ -58,12 +58,10 @@ void FlattenCables(mjvScene& scene) {
   }
 }
 
-void FitViewToShorterSide(mjvScene& scene, int width_px, int height_px) {
-  if (width_px >= height_px) return;
-  const float taller = static_cast<float>(height_px) / static_cast<float>(width_px);
+void WidenView(mjvScene& scene, double factor) {
   for (mjvGLCamera& eye : scene.camera) {
-    eye.frustum_top *= taller;
-    eye.frustum_bottom *= taller;
+    eye.frustum_top *= static_cast<float>(factor);
+    eye.frustum_bottom *= static_cast<float>(factor);
   }
 }
 

@@ -12,8 +12,8 @@ void RemovePlanes(mjvScene& scene);
 /// Cables as bars of four sides, not as round ones.
 void FlattenCables(mjvScene& scene);
 
-/// The field of view of cameras is that in height; for a tall picture make it that in width.
-void FitViewToShorterSide(mjvScene& scene, int width_px, int height_px);
+/// `factor` times as much to be seen in height.
+void WidenView(mjvScene& scene, double factor);
 
 /// What cannot be in the picture: bounding spheres beyond the cone around the view. Not to be used
 /// with shadows, since what is out of sight may cast one into it.

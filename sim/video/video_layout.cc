@@ -17,32 +17,58 @@ constexpr double kHeaderHeight = 60.0;
 constexpr double kProgressHeight = 4.0;
 constexpr double kPadding = 14.0;
 constexpr double kTitleHeight = 40.0;
-constexpr double kScoresHeight = 54.0;
+constexpr double kScoreHeight = 54.0;
+constexpr double kScoreGap = 16.0;
 constexpr double kAngleLabelWidth = 28.0;
 constexpr double kTimeLabelHeight = 18.0;
 constexpr double kPlotCaptionHeight = 22.0;
 constexpr double kPlotShare = 0.42;  // of what hand and curves have together
 constexpr double kMaxPlotHeight = 190.0;
+constexpr double kViewShare = 0.45;  // of a pane's width, where the hand stands beside
 
 Rect Rounded(const Rect& rect) {
   const double x = std::round(rect.x), y = std::round(rect.y);
   return {x, y, std::round(rect.right()) - x, std::round(rect.bottom()) - y};
 }
 
-PaneLayout LayOutPane(const Rect& card, double unit) {
+/// The plot's area between two heights; its caption is above, its labels are left and below.
+Rect PlotArea(double left, double right, double top, double bottom, double unit) {
+  const double x = left + kAngleLabelWidth * unit, y = top + kPlotCaptionHeight * unit;
+  return Rounded({x, y, right - x, bottom - kTimeLabelHeight * unit - y});
+}
+
+Rect TitleOf(const Rect& card, double unit) {
   const double padding = kPadding * unit;
-  PaneLayout pane;
-  pane.card = card;
-  pane.title = Rounded({card.x + padding, card.y, card.width - 2.0 * padding, kTitleHeight * unit});
-  const double below = card.height - (kTitleHeight + kScoresHeight) * unit;
+  return Rounded({card.x + padding, card.y, card.width - 2.0 * padding, kTitleHeight * unit});
+}
+
+/// From the top: title, hand, the two numbers side by side, curves.
+PaneLayout LayOutTallPane(const Rect& card, double unit) {
+  const double padding = kPadding * unit, gap = kScoreGap * unit;
+  const double left = card.x + padding, right = card.right() - padding;
+  PaneLayout pane = {.card = card, .title = TitleOf(card, unit)};
+  const double below = card.height - (kTitleHeight + kScoreHeight) * unit;
   const double plot_height = std::min(kPlotShare * below, kMaxPlotHeight * unit);
-  pane.view = Rounded({card.x, pane.title.bottom(), card.width, std::round(below - plot_height)});
-  pane.scores = Rounded(
-      {card.x + padding, pane.view.bottom(), card.width - 2.0 * padding, kScoresHeight * unit});
-  const double left = card.x + padding + kAngleLabelWidth * unit;
-  const double top = pane.scores.bottom() + kPlotCaptionHeight * unit;
-  pane.curves = Rounded({left, top, card.right() - padding - left,
-                         card.bottom() - padding - kTimeLabelHeight * unit - top});
+  pane.view = Rounded({card.x, pane.title.bottom(), card.width, below - plot_height});
+  const double width = (right - left - gap) / 2.0, height = kScoreHeight * unit;
+  pane.tracking = Rounded({left, pane.view.bottom(), width, height});
+  pane.jitter = Rounded({right - width, pane.view.bottom(), width, height});
+  pane.curves = PlotArea(left, right, pane.jitter.bottom(), card.bottom() - padding, unit);
+  return pane;
+}
+
+/// Below the title the hand on the left; on the right the two numbers and the curves.
+PaneLayout LayOutLowPane(const Rect& card, double unit) {
+  const double padding = kPadding * unit;
+  PaneLayout pane = {.card = card, .title = TitleOf(card, unit)};
+  pane.view = Rounded(
+      {card.x, pane.title.bottom(), kViewShare * card.width, card.bottom() - pane.title.bottom()});
+  const double left = pane.view.right() + padding, right = card.right() - padding;
+  const double height = kScoreHeight * unit;
+  pane.tracking = Rounded({left, pane.title.bottom(), right - left, height});
+  pane.jitter = Rounded({left, pane.tracking.bottom(), right - left, height});
+  pane.curves = PlotArea(left - 0.5 * padding, right, pane.jitter.bottom(),
+                         card.bottom() - 0.5 * padding, unit);
   return pane;
 }
 
@@ -72,8 +98,8 @@ VideoLayout LayOutVideo(int width_px, int height_px, int pane_count) {
   for (int i = 0; i < pane_count; ++i) {
     const double x = margin + (i % columns) * (width + gap);
     const double y = layout.header.height + (i / columns) * (height + gap);
-    layout.panes.push_back(
-        LayOutPane({std::round(x), std::round(y), std::floor(width), std::floor(height)}, unit));
+    const Rect card = {std::round(x), std::round(y), std::floor(width), std::floor(height)};
+    layout.panes.push_back(rows == 1 ? LayOutTallPane(card, unit) : LayOutLowPane(card, unit));
   }
   return layout;
 }

@@ -12,11 +12,12 @@ inline constexpr int kMinVideoHeight_px = 270;
 
 /// Where the parts of one pane lie. All edges are whole pixels.
 struct PaneLayout {
-  Rect card;
-  Rect title;
-  Rect view;    // the hand
-  Rect scores;  // the running numbers
-  Rect curves;  // the plot's area, without its labels
+  Rect card{};
+  Rect title{};
+  Rect view{};      // the hand
+  Rect tracking{};  // the running numbers
+  Rect jitter{};
+  Rect curves{};  // the plot's area, without its labels
 };
 
 struct VideoLayout {
@@ -26,8 +27,9 @@ struct VideoLayout {
   std::vector<PaneLayout> panes;
 };
 
-/// Panes in one row, from five on in two rows; all of the same size.
-/// Errors: UserError for a size or a number of panes that cannot be laid out.
+/// Panes in one row, the hand above its numbers and curves; from five on in two rows, the hand
+/// beside them, because curves would become too low. All panes have the same size. Errors:
+/// UserError for a size or a number of panes that cannot be laid out.
 VideoLayout LayOutVideo(int width_px, int height_px, int pane_count);
 
 }  // namespace gauntlet::sim

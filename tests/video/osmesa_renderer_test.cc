@@ -100,6 +100,26 @@ TEST(OsmesaRenderer, FieldOfViewIsThatOfTheShorterSide) {
   EXPECT_EQ(Alpha(wide.Row(50)[122]), 0);
 }
 
+TEST(OsmesaRenderer, ATallPictureTakesTheUprightCamera) {
+  TinyModel model(R"(
+<mujoco>
+  <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+  <worldbody>
+    <camera name="front" pos="0 -2 0" xyaxes="1 0 0 0 0 1" fovy="53.13"/>
+    <camera name="front_upright" pos="0 -2 0" xyaxes="0 0 1 -1 0 0" fovy="53.13"/>
+    <geom type="box" size="0.1 0.001 0.1" pos="0.5 0 0" rgba="1 0 0 1"/>
+  </worldbody>
+</mujoco>)");
+  mj_forward(&model.model(), &model.data());
+  Image wide, tall;
+  OsmesaRenderer(model.model(), {.width_px = 100, .height_px = 80, .camera = "front"})
+      .Draw(model.data(), wide);
+  OsmesaRenderer(model.model(), {.width_px = 80, .height_px = 100, .camera = "front"})
+      .Draw(model.data(), tall);
+  EXPECT_GT(Red(wide.Row(40)[50 + 20]), 200);  // 80 px are 2 m: 20 px right
+  EXPECT_GT(Red(tall.Row(50 + 25)[40]), 200);  // 100 px are 2 m: 25 px below
+}
+
 TEST(OsmesaRenderer, SupersamplingKeepsThePicture) {
   for (int supersampling : {1, 2, 3, 4}) {
     const Image picture = DrawShapes(

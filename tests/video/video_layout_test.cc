@@ -32,7 +32,7 @@ TEST_P(EveryVideoLayout, PartsAreLargeEnoughAndDoNotOverlap) {
     EXPECT_TRUE(Inside(pane.card, frame));
     EXPECT_TRUE(Apart(pane.card, layout.header));
     EXPECT_TRUE(Apart(pane.card, layout.progress));
-    const Rect parts[] = {pane.title, pane.view, pane.scores, pane.curves};
+    const Rect parts[] = {pane.title, pane.view, pane.tracking, pane.jitter, pane.curves};
     for (const Rect& part : parts) {
       EXPECT_TRUE(Inside(part, pane.card));
       EXPECT_EQ(part.x, std::round(part.x));
