@@ -13,7 +13,6 @@
 namespace gauntlet::controller {
 namespace {
 
-using testing::Each;
 using testing::ElementsAreArray;
 using testing::HasSubstr;
 
@@ -182,6 +181,131 @@ TEST(Controller, DoesNotAllocateInStep) {
   for (int k = 0; k < 200; ++k) controller.Step({.counts = RowOf(input, k)});
   controller.Reset();
   EXPECT_EQ(AllocationCount(), before);
+}
+
+TEST(Controller, LooksAheadWhenAsked) {
+  ControllerConfig config = WithFilter(NoFilterConfig{});
+  config.prediction = {.kind = PredictionKind::kLinear, .horizon_ms = 40.0, .window_ms = 20.0};
+  Controller controller = Make(config);
+  for (int k = 0; k < 100; ++k) {
+    const std::vector<double> counts(kChannels, 300.0 + 0.5 * k);
+    controller.Step({.counts = counts});
+  }
+  // 0.5 counts per ms are 0.00125 rad per ms.
+  EXPECT_NEAR(controller.target_angle_rad()[2], controller.filtered_angle_rad()[2] + 0.05, 1e-9);
+}
+
+TEST(Controller, HoldsAChannelThatIsSwitchedOffWhileTheOthersDoNotNotice) {
+  const ControllerConfig config = WithFilter(KalmanConfig{});
+  Controller controller = Make(config);
+  Controller undisturbed = Make(config);
+  const TestSignal input = GloveCounts(900, kChannels);
+  constexpr int kChannel = 6;
+  std::int32_t largest_step = 0;
+  std::int32_t last = 0;
+  for (int k = 0; k < 900; ++k) {
+    if (k == 300) controller.SetChannelActive(kChannel, false);
+    if (k == 600) controller.SetChannelActive(kChannel, true);
+    const double held = controller.target_angle_rad()[kChannel];
+    const auto counts = controller.Step({.counts = RowOf(input, k)}).motor_counts;
+    undisturbed.Step({.counts = RowOf(input, k)});
+    for (int i = 0; i < kChannels; ++i) {
+      if (i == kChannel) continue;
+      ASSERT_EQ(controller.target_angle_rad()[i], undisturbed.target_angle_rad()[i]);
+    }
+    if (k >= 300 && k < 600) {
+      ASSERT_EQ(controller.target_angle_rad()[kChannel], held);
+    }
+    if (k > 0) largest_step = std::max(largest_step, std::abs(counts[kChannel] - last));
+    last = counts[kChannel];
+  }
+  // 20 rad/s at 100 counts per rad and 1000 events per second: 2 counts and the rounding.
+  EXPECT_LE(largest_step, 3);
+}
+
+TEST(Controller, LoadsOtherSettingsWithoutAChangedBitInTheOtherChannels) {
+  KalmanConfig kalman;
+  Controller controller = Make(WithFilter(kalman));
+  Controller undisturbed = Make(WithFilter(kalman));
+  const TestSignal input = GloveCounts(600, kChannels);
+  constexpr int kChannel = 9;
+  bool changed = false;
+  for (int k = 0; k < 600; ++k) {
+    if (k == 251) {
+      kalman.noise.r[kChannel] = 5000.0;
+      controller.Load(WithFilter(kalman));
+    }
+    controller.Step({.counts = RowOf(input, k)});
+    undisturbed.Step({.counts = RowOf(input, k)});
+    for (int i = 0; i < kChannels; ++i) {
+      const double angle = controller.target_angle_rad()[i];
+      const double expected = undisturbed.target_angle_rad()[i];
+      if (i != kChannel) {
+        ASSERT_EQ(angle, expected);
+      } else {
+        ASSERT_NEAR(angle, expected, 0.2);
+        changed = changed || angle != expected;
+      }
+    }
+  }
+  EXPECT_TRUE(changed);
+}
+
+TEST(Controller, LoadsAnotherKindOfFilterWithinTheSpeedLimit) {
+  ControllerConfig config = WithFilter(ExponentialConfig{.alpha = 0.001});  // far behind
+  config.samples_per_event = 20;
+  Controller controller = Make(config);
+  std::vector<std::int32_t> last;
+  for (int k = 0; k < 400; ++k) {
+    if (k == 200) {
+      ControllerConfig other = WithFilter(NoFilterConfig{});
+      other.samples_per_event = 20;
+      controller.Load(other);
+    }
+    const std::vector<double> counts(kChannels, k < 100 ? 250.0 : 480.0);
+    const auto now = controller.Step({.counts = counts}).motor_counts;
+    for (std::size_t i = 0; k > 0 && i < now.size(); ++i) {
+      ASSERT_LE(std::abs(now[i] - last[i]), 40 + 1);  // 20 rad/s in 20 ms at 100 counts per rad
+    }
+    last.assign(now.begin(), now.end());
+  }
+}
+
+TEST(Controller, KeepsRunningWhenSettingsToLoadAreWrong) {
+  Controller controller = Make(WithFilter(MovingAverageConfig{}));
+  const TestSignal input = GloveCounts(20, kChannels);
+  controller.Step({.counts = RowOf(input, 0)});
+  EXPECT_THROW(controller.Load(WithFilter(MovingAverageConfig{.window = 0})), SettingError);
+  controller.Step({.counts = RowOf(input, 1)});
+  EXPECT_NEAR(controller.filtered_angle_rad()[0],
+              (0.5 * (input(0, 0) + input(1, 0)) - 200.0) / 400.0, 1e-12);
+}
+
+/// Any numbers at all, in any order: the commands stay in range and the angles finite.
+TEST(Controller, SurvivesAnythingThatAGloveCanSend) {
+  TestNoise noise(77);
+  for (const FilterKind& kind : FilterKinds()) {
+    ControllerConfig config = WithFilter(kind.defaults.settings);
+    config.prediction.kind = PredictionKind::kKalman;
+    Controller controller = Make(config);
+    std::vector<double> counts(kChannels);
+    for (int k = 0; k < 2000; ++k) {
+      for (double& value : counts) {
+        const double what = noise.Uniform();
+        value = what < 0.1   ? kNan
+                : what < 0.2 ? std::numeric_limits<double>::infinity()
+                : what < 0.4 ? std::pow(10.0, 600.0 * (noise.Uniform() - 0.5))
+                             : 1100.0 * noise.Uniform();
+      }
+      const std::size_t length = noise.Uniform() < 0.1 ? 7 : counts.size();
+      const auto command = controller.Step({.counts = {counts.data(), length}}).motor_counts;
+      for (const std::int32_t motor : command) {
+        ASSERT_GE(motor, 0);
+        ASSERT_LE(motor, 1023);
+      }
+      for (const double angle : controller.target_angle_rad()) ASSERT_TRUE(std::isfinite(angle));
+    }
+  }
 }
 
 TEST(Controller, NamesTheSettingThatIsWrong) {
