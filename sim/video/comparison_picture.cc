@@ -198,21 +198,24 @@ void ComparisonPicture::DrawScore(Painter& painter, const Rect& rect, int pane, 
                                   const char* label,
                                   std::vector<double> RunningScores::*score) const {
   const double unit = layout_.unit;
-  const auto shown = [&](double value) { return std::round(100.0 * value); };
   const double value = (scores_[pane].*score)[frame];
   double largest = 0.0, lowest = INFINITY;
   for (const RunningScores& other : scores_) {
     largest = std::fmax(largest, (other.*score).back());
     lowest = std::fmin(lowest, (other.*score)[frame]);
   }
+  // As many digits as tell the panes apart, the same from the first frame to the last.
+  const int decimals = largest < 1.0 ? 3 : 2;
+  const auto shown = [&](double number) {
+    return std::isfinite(number) ? fmt::format("{:.{}f}°", number, decimals) : "–";
+  };
   const bool best = scores_.size() > 1 && clock_.Time_s(frame) >= kRankingStarts_s &&
                     shown(value) == shown(lowest);
   const Color& accent = best ? palette::kGood : palette::kMutedInk;
 
   painter.Text(best ? std::string(label) + ", lowest" : label, {rect.x, rect.y + 17.0 * unit},
                {.size_px = 11.0 * unit, .color = accent});
-  painter.Text(std::isfinite(value) ? fmt::format("{:.2f}°", value) : "–",
-               {rect.x, rect.y + 39.0 * unit},
+  painter.Text(shown(value), {rect.x, rect.y + 39.0 * unit},
                {.size_px = 19.0 * unit, .bold = true, .tabular = true});
   const Rect bar = {rect.x, rect.y + 46.0 * unit, rect.width, 3.0 * unit};
   painter.Fill(bar, palette::kGrid, bar.height / 2.0);

@@ -1,0 +1,177 @@
+#include "sim/video/comparison_video.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <numbers>
+
+#include "sim/base/error.h"
+#include "sim/glove/channels.h"
+#include "sim/video/comparison_picture.h"
+#include "sim/video/hand_picture.h"
+#include "tests/video/test_files.h"
+#include "tests/video/video_reader.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::vector<std::string> kChannels = GloveChannelNames();
+
+const HandModel& TheHand() {
+  static const HandModel hand({}, kChannels);
+  return hand;
+}
+
+/// Half a second of fingers that bend, once exactly and once by half, as a video of two panes.
+class SmallComparison {
+ public:
+  SmallComparison() {
+    const auto channels = static_cast<Eigen::Index>(kChannels.size());
+    true_angle_rad_ = Signal::Zero(kSamples, channels);
+    for (int i = 0; i < kSamples; ++i) {
+      const double bent = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * i / kSamples);
+      for (int channel : {4, 6, 8, 10}) true_angle_rad_(i, channel) = bent;
+    }
+    half_ = 0.5 * true_angle_rad_;
+    spool_ = Signal::Zero(kSamples, channels);
+    input.title = "A test";
+    input.true_angle_rad = &true_angle_rad_;
+    input.raw_angle_rad = &true_angle_rad_;
+    input.channel = 4;
+    input.channel_name = "index_mcp";
+    input.camera = "hand";
+    input.width_px = 480;
+    input.height_px = 270;
+    input.panes = {{"all", &true_angle_rad_, &spool_, &true_angle_rad_, &true_angle_rad_},
+                   {"half", &half_, &spool_, &half_, &half_}};
+  }
+
+  SmallComparison(const SmallComparison&) = delete;  // the input points into it
+  SmallComparison& operator=(const SmallComparison&) = delete;
+
+  static constexpr int kSamples = 500;
+  VideoInput input;
+
+ private:
+  Signal true_angle_rad_, half_, spool_;
+};
+
+std::string Bytes(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string MessageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const UserError& error) {
+    return std::string("UserError: ") + error.what();
+  } catch (const RunError& error) {
+    return std::string("RunError: ") + error.what();
+  }
+  return "no error";
+}
+
+TEST(ComparisonVideo, HoldsEveryFrameOfTheMotion) {
+  const TemporaryFolder folder;
+  const SmallComparison comparison;
+  int calls = 0;
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4",
+                       [&](int done, int all) {
+                         EXPECT_EQ(done, ++calls);
+                         EXPECT_EQ(all, 15);
+                         return true;
+                       });
+  EXPECT_EQ(calls, 15);
+  const VideoContent content = ReadVideo(folder.path() / "a.mp4");
+  EXPECT_EQ(content.codec, "h264");
+  EXPECT_EQ(content.pixel_format, "yuv420p");
+  EXPECT_EQ(content.width_px, 480);
+  EXPECT_EQ(content.height_px, 270);
+  EXPECT_EQ(content.frames, 15);
+  EXPECT_TRUE(content.times_are_even);
+  for (const auto& [left, right] : content.brightness) {
+    EXPECT_GT(left, 100.0);  // light pages
+    EXPECT_GT(right, 100.0);
+  }
+}
+
+TEST(ComparisonVideo, DoesNotDependOnTheNumberOfThreads) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  for (int jobs : {1, 2, 4}) {
+    comparison.input.jobs = jobs;
+    WriteComparisonVideo(comparison.input, TheHand(),
+                         folder.path() / (std::to_string(jobs) + ".mp4"));
+  }
+  EXPECT_EQ(Bytes(folder.path() / "1.mp4"), Bytes(folder.path() / "2.mp4"));
+  EXPECT_EQ(Bytes(folder.path() / "1.mp4"), Bytes(folder.path() / "4.mp4"));
+}
+
+TEST(ComparisonVideo, StopsOnRequestAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const SmallComparison comparison;
+  EXPECT_THROW(WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4",
+                                    [](int done, int) { return done < 3; }),
+               Cancelled);
+  EXPECT_TRUE(folder.IsEmpty());
+}
+
+TEST(ComparisonVideo, NamesWhatIsWrongAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const auto message_of = [&](const std::function<void(VideoInput&)>& spoil, const char* name) {
+    SmallComparison comparison;
+    spoil(comparison.input);
+    return MessageOf(
+        [&] { WriteComparisonVideo(comparison.input, TheHand(), folder.path() / name); });
+  };
+  EXPECT_THAT(message_of([](VideoInput&) {}, "missing/a.mp4"),
+              AllOf(StartsWith("RunError: "), HasSubstr("missing/a.mp4")));
+  EXPECT_THAT(message_of([](VideoInput& input) { input.camera = "hnd"; }, "a.mp4"),
+              AllOf(StartsWith("UserError: "), HasSubstr("did you mean hand?")));
+  EXPECT_THAT(message_of([](VideoInput& input) { input.panes.resize(9, input.panes[0]); }, "a.mp4"),
+              AllOf(StartsWith("UserError: "), HasSubstr("9 controllers")));
+  EXPECT_THAT(message_of([](VideoInput& input) { input.channel = 18; }, "a.mp4"),
+              AllOf(StartsWith("RunError: "), HasSubstr("channel 18")));
+  EXPECT_TRUE(folder.IsEmpty());
+}
+
+TEST(ComparisonVideo, AStoppedTrialStandsStillToTheEnd) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  const Signal stopped = comparison.input.panes[1].hand_angle_rad->topRows(100);
+  comparison.input.panes[1] = {"stopped", &stopped, &stopped, &stopped, &stopped};
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
+  EXPECT_EQ(ReadVideo(folder.path() / "a.mp4").frames, 15);
+
+  const ComparisonPicture picture(comparison.input);
+  EXPECT_EQ(picture.SampleOf(0, 14), 466);
+  EXPECT_EQ(picture.SampleOf(1, 14), 99);
+}
+
+TEST(HandPicture, ShowsThePostureOnTheBackgroundAskedFor) {
+  const TemporaryFolder folder;
+  std::vector<double> open(kChannels.size(), 0.0), fist = open;
+  for (int channel : {4, 5, 6, 7, 8, 9, 10, 11}) fist[channel] = 1.2;
+  const auto write = [&](const std::vector<double>& posture, bool transparent, const char* name) {
+    WriteHandPng(TheHand(), posture, open,
+                 {.camera = "hand", .width_px = 160, .height_px = 120, .transparent = transparent},
+                 folder.path() / name);
+    return Bytes(folder.path() / name);
+  };
+  const std::string first = write(open, false, "open.png");
+  EXPECT_EQ(first.substr(1, 3), "PNG");
+  EXPECT_EQ(first, write(open, false, "again.png"));
+  EXPECT_NE(first, write(fist, false, "fist.png"));
+  EXPECT_NE(first, write(open, true, "transparent.png"));
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
