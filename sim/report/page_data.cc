@@ -104,11 +104,31 @@ Json CurvesJson(const StudyResult& result, const std::vector<Signal>& command_an
   return json;
 }
 
+/// Null where no controller has a latency, else stages with a value per controller.
+Json LatencyJson(const std::vector<std::optional<LatencyBudget>>& budgets) {
+  const auto any = std::find_if(budgets.begin(), budgets.end(),
+                                [](const auto& budget) { return budget.has_value(); });
+  if (any == budgets.end()) return nullptr;
+  Json json;
+  for (std::size_t s = 0; s < (*any)->stages.size(); ++s) {
+    Json values = Json::array();
+    for (const auto& budget : budgets) {
+      values.push_back(budget ? NumberOrNull(budget->stages[s].mean_ms) : Json(nullptr));
+    }
+    json["stages"].push_back({{"help", (*any)->stages[s].help}, {"ms", values}});
+  }
+  for (const auto& budget : budgets) {
+    json["sum_ms"].push_back(budget ? NumberOrNull(budget->sum_ms) : Json(nullptr));
+    json["total_ms"].push_back(budget ? NumberOrNull(budget->total_ms) : Json(nullptr));
+  }
+  return json;
+}
+
 }  // namespace
 
 nlohmann::ordered_json PageData(const Scenario& scenario, const StudyResult& result,
-                                const Summary& summary,
-                                const std::vector<Signal>& command_angle_rad, bool comparison) {
+                                const Summary& summary, const FirstSeed& first_seed,
+                                bool comparison) {
   Json json;
   json["scenario"] = scenario.name;
   json["comparison"] = comparison;
@@ -121,9 +141,10 @@ nlohmann::ordered_json PageData(const Scenario& scenario, const StudyResult& res
   }
   json["channels"] = result.channel_names;
   json["first_channel"] = scenario.video.channel;
+  json["latency"] = LatencyJson(first_seed.latency);
   json["curves"] = nullptr;
-  if (!result.first_traces.empty() && command_angle_rad.size() == result.first_traces.size()) {
-    json["curves"] = CurvesJson(result, command_angle_rad);
+  if (!first_seed.command_angle_rad.empty()) {
+    json["curves"] = CurvesJson(result, first_seed.command_angle_rad);
   }
   return json;
 }

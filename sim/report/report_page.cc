@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <vector>
-
 #include "sim/report/assets.h"
 #include "sim/report/command_angles.h"
 #include "sim/report/html_text.h"
+#include "sim/report/latency_of_trace.h"
 #include "sim/report/page_data.h"
 #include "sim/report/score_table.h"
 #include "sim/study/study_files.h"
@@ -45,16 +44,18 @@ std::string AssemblePage(const PageParts& parts) {
 
 std::string ReportPage(const Study& study, const StudyResult& result, const Summary& summary,
                        const ReportOptions& options) {
-  std::vector<Signal> command_angle_rad;
+  FirstSeed first_seed;
   for (const Trace& trace : result.first_traces) {
-    command_angle_rad.push_back(CommandAngles(study.hand->transmission(), trace.command_counts));
+    first_seed.command_angle_rad.push_back(
+        CommandAngles(study.hand->transmission(), trace.command_counts));
+    first_seed.latency.push_back(LatencyOfTrace(study, result.first_glove, trace));
   }
   return AssemblePage({.title = study.scenario.name,
                        .question = study.scenario.question,
                        .facts = Facts(result, options.comparison),
                        .verdict = Verdict(summary),
-                       .data = JsonForScript(PageData(study.scenario, result, summary,
-                                                      command_angle_rad, options.comparison)),
+                       .data = JsonForScript(PageData(study.scenario, result, summary, first_seed,
+                                                      options.comparison)),
                        .resolved_scenario = ResolvedScenario(study),
                        .video = options.video});
 }

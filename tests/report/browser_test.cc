@@ -122,7 +122,7 @@ class BrowserTest : public testing::Test {
 
   static std::string Page(const test::MadeUpStudy& made) {
     const auto data =
-        PageData(made.study.scenario, made.result, made.summary, made.command_angle_rad, true);
+        PageData(made.study.scenario, made.result, made.summary, made.first_seed, true);
     return AssemblePage({.title = made.study.scenario.name,
                          .question = made.study.scenario.question,
                          .facts = "facts",

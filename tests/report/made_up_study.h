@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "sim/report/page_data.h"
 #include "sim/study/summary.h"
 
 namespace gauntlet::test {
@@ -13,7 +15,7 @@ namespace gauntlet::test {
 struct MadeUpStudy {
   sim::Study study;
   sim::StudyResult result;
-  std::vector<sim::Signal> command_angle_rad;
+  sim::FirstSeed first_seed;
   sim::Summary summary;
 };
 
@@ -29,8 +31,9 @@ inline sim::Signal Swing(const MadeUpShape& shape, double lag_s, double tremble_
   for (int c = 0; c < shape.channels; ++c) {
     for (int k = 0; k < shape.samples; ++k) {
       const double t = k / 1000.0 - lag_s;
-      // Several frequencies without a common period: as rough as noise, and the same everywhere.
-      const double rough = std::sin(977.0 * k) + std::sin(1409.3 * k + c) + std::sin(2203.7 * k);
+      // As rough as noise and the same everywhere: Knuth's multiplicative hash, in -1 .. 1.
+      const std::uint32_t hash = static_cast<std::uint32_t>(1000 * k + c + 1) * 2654435761U;
+      const double rough = static_cast<double>(hash >> 8) / (1 << 23) - 1.0;
       angle(k, c) = 0.6 + 0.5 * std::sin(2.1 * t + 0.7 * c) + tremble_rad * rough;
     }
   }
@@ -81,7 +84,12 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
     trace.linearised_angle_rad = Swing(shape, 0.0, 0.02);
     trace.filtered_angle_rad = Swing(shape, 0.01 * i, 0.02 / (1 + i));
     trace.hand_angle_rad = Swing(shape, 0.06 + 0.01 * i, 0.004 / (1 + i));
-    made.command_angle_rad.push_back(trace.filtered_angle_rad);
+    made.first_seed.command_angle_rad.push_back(trace.filtered_angle_rad);
+    made.first_seed.latency.push_back(sim::LatencyBudget{
+        .stages = {{.key = "filter_ms", .help = "filter", .mean_ms = 3.0 + i, .channel_ms = {}},
+                   {.key = "rest_ms", .help = "rest", .mean_ms = 60.0, .channel_ms = {}}},
+        .sum_ms = 63.0 + i,
+        .total_ms = 64.0 + i});
   }
   MakeUpScores(shape, result);
   made.summary = sim::Summarise(made.study, result);

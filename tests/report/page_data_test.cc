@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json Data(const test::MadeUpStudy& made) {
-  return PageData(made.study.scenario, made.result, made.summary, made.command_angle_rad, true);
+  return PageData(made.study.scenario, made.result, made.summary, made.first_seed, true);
 }
 
 std::string Page(const test::MadeUpStudy& made) {
@@ -74,7 +74,7 @@ TEST(PageData, WritesScoresThatDoNotExistAsNull) {
 TEST(PageData, LeavesCurvesOutWhereNoTraceWasKept) {
   test::MadeUpStudy made = test::MakeUpStudy({});
   made.result.first_traces.clear();
-  made.command_angle_rad.clear();
+  made.first_seed = {};
   EXPECT_TRUE(Data(made)["curves"].is_null());
 }
 

@@ -90,6 +90,8 @@ function start() {
   showProblems(data);
   drawScoreTable(data);
   drawFrontChart(data);
+  if (data.latency) drawLatency(data);
+  else hidePart("latency");
   let curves = null;
   startHeatMap(data, (name) => {
     if (!curves) return;
