@@ -64,19 +64,21 @@ function followScreen(redraw) {
     width = window.innerWidth;
     redraw();
   });
-  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  dark.addEventListener("change", redraw);
   const details = document.querySelector("#settings details");
   let was_open = false;
   window.addEventListener("beforeprint", () => {
     was_open = details.open;
     details.open = true;
     document.documentElement.dataset.paper = "";
-    redraw();
+    // Paper is light. What is light already stays: a canvas drawn now may miss the print.
+    if (dark.matches) redraw();
   });
   window.addEventListener("afterprint", () => {
     details.open = was_open;
     delete document.documentElement.dataset.paper;
-    redraw();
+    if (dark.matches) redraw();
   });
 }
 
