@@ -6,23 +6,17 @@
 namespace gauntlet::controller {
 namespace {
 
-std::string ShortNumber(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
 std::string RangeText(const Setting& setting) {
   const bool has_min = std::isfinite(setting.min);
   const bool has_max = std::isfinite(setting.max);
   const char* at_least = setting.open_range ? "above " : "at least ";
   const char* at_most = setting.open_range ? "below " : "at most ";
   if (has_min && has_max) {
-    return (setting.open_range ? "between " : "from ") + ShortNumber(setting.min) +
-           (setting.open_range ? " and " : " to ") + ShortNumber(setting.max);
+    return (setting.open_range ? "between " : "from ") + NumberText(setting.min) +
+           (setting.open_range ? " and " : " to ") + NumberText(setting.max);
   }
-  if (has_min) return at_least + ShortNumber(setting.min);
-  if (has_max) return at_most + ShortNumber(setting.max);
+  if (has_min) return at_least + NumberText(setting.min);
+  if (has_max) return at_most + NumberText(setting.max);
   return "any finite number";
 }
 
@@ -82,11 +76,17 @@ class RangeChecker final : public SettingsVisitor {
 
 }  // namespace
 
+std::string NumberText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
 std::string RangeProblem(const Setting& setting, double value) {
   const bool inside = setting.open_range ? value > setting.min && value < setting.max
                                          : value >= setting.min && value <= setting.max;
   if (std::isfinite(value) && inside) return "";
-  return "is " + ShortNumber(value) + ", must be " + RangeText(setting);
+  return "is " + NumberText(value) + ", must be " + RangeText(setting);
 }
 
 void CheckSettings(const std::function<void(SettingsVisitor&)>& visit) {

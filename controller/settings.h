@@ -78,6 +78,9 @@ class SettingError : public std::invalid_argument {
   std::string problem_;
 };
 
+/// A number as errors show it: at most six digits.
+std::string NumberText(double value);
+
 /// The sentence for a number outside its range or not finite; empty if the number is allowed.
 std::string RangeProblem(const Setting& setting, double value);
 

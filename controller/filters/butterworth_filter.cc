@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <string>
 #include <vector>
 
 #include "controller/filters/recursive_filter.h"
@@ -103,9 +102,9 @@ std::unique_ptr<Filter> MakeFilter(const ButterworthConfig& config, int channel_
                                    double rate_hz) {
   CheckSettings(config);
   if (!(config.cutoff_hz < 0.5 * rate_hz)) {
-    throw SettingError("cutoff_hz", "is " + std::to_string(config.cutoff_hz) +
+    throw SettingError("cutoff_hz", "is " + NumberText(config.cutoff_hz) +
                                         ", must be below half the rate, " +
-                                        std::to_string(0.5 * rate_hz));
+                                        NumberText(0.5 * rate_hz));
   }
   return std::make_unique<ButterworthFilter>(config, channel_count, rate_hz);
 }

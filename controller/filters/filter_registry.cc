@@ -46,7 +46,7 @@ std::unique_ptr<Filter> MakeFilter(const FilterConfig& config, int channel_count
     throw SettingError("channels", "is " + std::to_string(channel_count) + ", must be at least 1");
   }
   if (!(rate_hz > 0.0)) {
-    throw SettingError("rate_hz", "is " + std::to_string(rate_hz) + ", must be above 0");
+    throw SettingError("rate_hz", "is " + NumberText(rate_hz) + ", must be above 0");
   }
   return std::visit(
       [&](const auto& settings) { return MakeFilter(settings, channel_count, rate_hz); },

@@ -67,7 +67,7 @@ Polynomial MakePolynomial(const ChannelCurve& curve, std::size_t channel) {
     const double u = static_cast<double>(i) / kChecks;
     if (polynomial.Slope(u) * sign > 0.0) continue;
     const double counts = curve.center_counts + u * curve.scale_counts;
-    throw SettingError(place, "the polynomial turns back at " + std::to_string(counts) +
+    throw SettingError(place, "the polynomial turns back at " + NumberText(counts) +
                                   " counts; it must grow or fall over its whole range");
   }
   return polynomial;

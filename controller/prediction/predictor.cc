@@ -126,7 +126,7 @@ std::unique_ptr<Filter> MakePredictor(const PredictionConfig& config, int channe
       const int window = static_cast<int>(std::lround(config.window_ms * 1e-3 * rate_hz));
       if (window < 2) {
         throw SettingError("window_ms", "must hold at least two steps of the filter, " +
-                                            std::to_string(2e3 / rate_hz) + " ms");
+                                            NumberText(2e3 / rate_hz) + " ms");
       }
       return std::make_unique<LinearPredictor>(window, horizon_steps, channel_count);
     }
