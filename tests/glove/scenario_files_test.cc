@@ -1,0 +1,42 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/glove/glove.h"
+#include "sim/scenario/scenario.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> ScenarioFiles() {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(fs::path(GAUNTLET_SOURCE_DIR) / "scenarios")) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+class EveryScenario : public ::testing::TestWithParam<fs::path> {};
+
+TEST_P(EveryScenario, GivesAGloveSignalThatIsWhole) {
+  const Scenario scenario = LoadScenario(GetParam(), {});
+  EXPECT_TRUE(scenario.question.ends_with("?")) << scenario.question;
+  EXPECT_GE(scenario.controllers.size(), 2u);
+  const GloveSignal glove = SynthesiseGlove(scenario.glove, 1);
+  EXPECT_GE(glove.counts.rows(), 2000);
+  EXPECT_FALSE(glove.true_angle_rad.hasNaN());
+  const auto missing = static_cast<double>(glove.counts.array().isNaN().count());
+  EXPECT_LT(missing, 0.2 * static_cast<double>(glove.counts.size()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, EveryScenario, ::testing::ValuesIn(ScenarioFiles()),
+                         [](const auto& file) { return file.param.stem().string(); });
+
+}  // namespace
+}  // namespace gauntlet::sim
