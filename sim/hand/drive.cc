@@ -24,6 +24,7 @@ std::vector<std::string> NamesInModel(const mjModel& model, mjtObj type) {
     const int count = type == mjOBJ_JOINT      ? model.njnt
                       : type == mjOBJ_TENDON   ? model.ntendon
                       : type == mjOBJ_ACTUATOR ? model.nu
+                      : type == mjOBJ_BODY     ? model.nbody
                                                : model.ngeom;
     if (index >= count) return names;
     if (name != nullptr) names.emplace_back(name);
@@ -38,6 +39,8 @@ const char* KindName(mjtObj type) {
       return "tendon";
     case mjOBJ_ACTUATOR:
       return "actuator";
+    case mjOBJ_BODY:
+      return "body";
     default:
       return "geom";
   }

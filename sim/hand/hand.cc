@@ -204,6 +204,7 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   }
   mj_resetData(&hand.model(), state.data.get());
   SetPosture(hand, angle, spool, *state.data);
+  if (hand.grasp().exists()) PlaceObject(hand.grasp(), *state.data);
   mj_fwdPosition(&hand.model(), state.data.get());
   mj_fwdVelocity(&hand.model(), state.data.get());
 
@@ -268,6 +269,19 @@ void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
   for (std::size_t i = 0; i < state_->cables.size(); ++i) {
     tension_n[i] = state_->cables[i].tension_n;
   }
+}
+
+GripReading Hand::ReadGrip() const noexcept {
+  const GraspParts& grasp = hand_model().grasp();
+  if (!grasp.exists()) return {};
+  return {.force_n = GripForce(hand_model().model(), grasp, data()),
+          .height_mm = 1e3 * ObjectHeight(grasp, data()),
+          .slip_mm_s = 1e3 * SlipSpeed(hand_model().model(), grasp, data())};
+}
+
+void Hand::ReadObjectPose(std::span<double> pose) const noexcept {
+  const GraspParts& grasp = hand_model().grasp();
+  if (grasp.exists()) std::copy_n(data().qpos + grasp.qpos, 7, pose.begin());
 }
 
 void Hand::ReadSaturation(std::span<std::uint8_t> saturated) const noexcept {

@@ -10,6 +10,7 @@
 
 #include "controller/controller_config.h"
 #include "sim/hand/drive.h"
+#include "sim/hand/grasp.h"
 #include "sim/hand/hand_config.h"
 
 namespace gauntlet::sim {
@@ -32,6 +33,7 @@ class HandModel {
   const controller::TendonTransmission& transmission() const { return transmission_; }
   /// Motors with their spools and cables, in the order of the channels.
   const std::vector<Drive>& drives() const { return drives_; }
+  const GraspParts& grasp() const { return grasp_; }
   /// Flexor and extensor of every motor.
   const std::vector<std::string>& cable_names() const { return cable_names_; }
   /// Of the compiled model and everything that shapes it, for `scenario.resolved.yaml`.
@@ -46,6 +48,7 @@ class HandModel {
   std::vector<int> channel_qpos_;
   std::vector<Follower> followers_;
   std::vector<Drive> drives_;
+  GraspParts grasp_;
   std::vector<std::string> cable_names_;
   controller::TendonTransmission transmission_;
   int steps_per_sample_ = 1;
@@ -55,6 +58,13 @@ class HandModel {
 struct HandHealth {
   bool ok = true;
   std::string problem;  // "at 1.234 s: bad value in qacc (dof 12)"
+};
+
+/// How the hand holds the object; all zero without one.
+struct GripReading {
+  double force_n = 0.0;    // sum of the contacts' normal forces between hand and object
+  double height_mm = 0.0;  // of the object above where it stood
+  double slip_mm_s = 0.0;  // speed of the object against the palm
 };
 
 /// One hand in motion. One per thread; all share a HandModel.
@@ -79,6 +89,10 @@ class Hand {
   void ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept;
   void ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept;
   void ReadCableTensions(std::span<double> tension_n) const noexcept;
+  GripReading ReadGrip() const noexcept;
+  /// Position [m] and attitude (quaternion) of the object in the world, 7 values; without an object
+  /// nothing is written.
+  void ReadObjectPose(std::span<double> pose) const noexcept;
   /// True per motor while the servo gives all the torque it has.
   void ReadSaturation(std::span<std::uint8_t> saturated) const noexcept;
   const HandHealth& health() const noexcept;
@@ -97,6 +111,10 @@ class Hand {
 /// where everything is.
 void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
                 std::span<const double> spool_angle_rad, mjData& data);
+
+/// Puts the object where it was, for drawing; call SetPosture() afterwards. Without an object
+/// nothing happens.
+void SetObjectPose(const HandModel& model, std::span<const double> pose, mjData& data);
 
 /// From now on errors and warnings of the physics engine become exceptions and health reports; no
 /// MUJOCO_LOG.TXT is written. Called by HandModel; safe to call twice.

@@ -1,5 +1,8 @@
 #include "sim/hand/hand_config.h"
 
+#include <array>
+#include <string_view>
+
 namespace gauntlet::sim {
 
 using controller::SettingsVisitor;
@@ -76,6 +79,17 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
                interference);
 }
 
+void ObjectConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Number({.key = "mass_kg", .help = "mass of the cylinder to grasp", .min = 0.01, .max = 5},
+                 mass_kg);
+  visitor.Number({.key = "diameter_mm", .help = "its diameter", .min = 20, .max = 60}, diameter_mm);
+  visitor.Number({.key = "friction",
+                  .help = "coefficient of friction between it and the hand",
+                  .min = 0.05,
+                  .max = 2},
+                 friction);
+}
+
 void HandConfig::Visit(SettingsVisitor& visitor) {
   visitor.Path({.key = "model_path", .help = "MJCF file; empty: the project's hand_arm.xml"},
                model_path);
@@ -88,6 +102,13 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
                          servo);
   controller::VisitGroup(visitor, {.key = "cable", .help = "the cables between spools and joints"},
                          cable);
+  static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};
+  controller::VisitEnum(
+      visitor,
+      {.key = "contact", .help = "what touches: nothing, the hand itself, or also an object"},
+      kContacts, contact);
+  controller::VisitGroup(
+      visitor, {.key = "object", .help = "the cylinder to grasp, if there is one"}, object);
 }
 
 }  // namespace gauntlet::sim

@@ -31,9 +31,25 @@ struct CableConfig {
   double stiffness_scale = 1.0;    // on the stiffness of the model
   double pretension_mm = 0.4;      // both cables of a motor are this much too short
   double slack_mm = 0.0;           // and this much too long
-  double capstan_friction = 0.04;  // coefficient of friction on pulleys and guides; 0 is off
+  double capstan_friction = 0.03;  // coefficient of friction on pulleys and guides; 0 is off
   double backlash_deg = 0.0;       // play of the drum on the motor's shaft, end to end
   bool interference = true;        // off: cables cross other joints without moving them
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
+/// What touches what. Contacts cost time, so they are off where they are not needed.
+enum class Contact {
+  kNone,    // bodies pass through each other
+  kHand,    // fingers, thumb and palm touch each other
+  kObject,  // and a cylinder that stands on a support in front of the palm
+};
+
+/// The cylinder to grasp.
+struct ObjectConfig {
+  double mass_kg = 0.3;
+  double diameter_mm = 44.0;
+  double friction = 1.0;  // of its surface on the hand, rubber on plastic: an assumption
 
   void Visit(controller::SettingsVisitor& visitor);
 };
@@ -44,6 +60,8 @@ struct HandConfig {
   double step_ms = 1.0;    // of the physics engine; commands and readings stay at 1 ms
   ServoConfig servo;
   CableConfig cable;
+  Contact contact = Contact::kNone;
+  ObjectConfig object;
 
   void Visit(controller::SettingsVisitor& visitor);
 };

@@ -19,7 +19,7 @@ std::filesystem::path ModelPath(const HandConfig& config) {
   if (!config.model_path.empty()) return config.model_path;
   const char* folder = std::getenv("GAUNTLET_MODELS");
   return std::filesystem::path(folder != nullptr && *folder ? folder : GAUNTLET_MODEL_DIR) /
-         "hand_arm.xml";
+         (config.contact == Contact::kObject ? "hand_arm_object.xml" : "hand_arm.xml");
 }
 
 mjModel* LoadModel(const std::filesystem::path& path) {
@@ -149,6 +149,9 @@ HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& c
   steps_per_sample_ = StepsPerSample(config.step_ms);
   model_.reset(LoadModel(ModelPath(config)));
   model_->opt.timestep = 1e-3 / steps_per_sample_;
+
+  if (config.contact != Contact::kNone) model_->opt.disableflags &= ~mjDSBL_CONTACT;
+  if (config.contact == Contact::kObject) grasp_ = MakeObject(*model_, config.object);
 
   const std::vector<int> joints = ChannelJoints(*model_, channel_names);
   std::vector<double> reference_rad;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "sim/hand/hand.h"
 
 namespace gauntlet::sim {
@@ -18,6 +20,10 @@ void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
   mj_comPos(&model.model(), &data);
   mj_camlight(&model.model(), &data);
   mj_tendon(&model.model(), &data);
+}
+
+void SetObjectPose(const HandModel& model, std::span<const double> pose, mjData& data) {
+  if (model.grasp().exists()) std::copy_n(pose.begin(), 7, data.qpos + model.grasp().qpos);
 }
 
 }  // namespace gauntlet::sim

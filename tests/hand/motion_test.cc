@@ -125,6 +125,64 @@ TEST(Motion, StepResponsesOvershootByLessThanATenth) {
   }
 }
 
+/// The phase of a signal of 1 Hz, as a delay.
+struct SineDelay {
+  double in_phase = 0.0;
+  double quadrature = 0.0;
+
+  void Add(double value, double phase) {
+    in_phase += value * std::sin(phase);
+    quadrature -= value * std::cos(phase);
+  }
+  double Milliseconds() const {
+    return 1e3 * std::atan2(quadrature, in_phase) / (2.0 * std::numbers::pi);
+  }
+};
+
+struct DriveDelay {
+  SineDelay spool;
+  SineDelay joint;
+};
+
+/// How far spool and joint lag behind a sine of 1 Hz and 30 deg that one channel is told in frames
+/// of 20 ms, in its third and fourth period.
+DriveDelay MeasureDelay(Hand& hand, int channel) {
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  const double omega = 2.0 * std::numbers::pi;
+  std::vector<double> angle = map.reference_angle_rad;
+  std::vector<double> spool(angle.size());
+  hand.Reset(angle);
+  DriveDelay delay;
+  for (int sample = 0; sample < 4000; ++sample) {
+    const double phase = omega * sample * 1e-3;
+    if (sample % 20 == 0) {
+      angle[channel] = map.reference_angle_rad[channel] + 30.0 * kRadPerDeg * std::sin(phase);
+      hand.SetCommand(CountsFor(map, angle));
+    }
+    hand.Step();
+    if (sample < 2000) continue;
+    hand.ReadSpoolAngles(spool);
+    // After the step the time is one sample later.
+    delay.spool.Add(spool[channel], phase + omega * 1e-3);
+    delay.joint.Add(JointAngles(hand)[channel], phase + omega * 1e-3);
+  }
+  return delay;
+}
+
+// A frame is held for 20 ms, which delays by 10 ms; the servo's ratio of gains is 12 ms, and its
+// dead band and friction and the load
+// add less than 9 ms. What cables and joints add to frame and servo is less than
+// 10 ms.
+TEST(Motion, FollowsASineWithTheDelayOfFrameAndServo) {
+  Hand hand(MakeModel());
+  for (const char* name : {"index_mcp", "middle_pip", "thumb_ip", "wrist_flexion",
+                           "forearm_rotation", "elbow_flexion", "shoulder_flexion"}) {
+    const DriveDelay delay = MeasureDelay(hand, ChannelIndex(name));
+    EXPECT_NEAR(delay.spool.Milliseconds(), 10.0 + 12.0, 9.0) << name;
+    EXPECT_NEAR(delay.joint.Milliseconds(), delay.spool.Milliseconds(), 10.0) << name;
+  }
+}
+
 /// Energy that cables, gravity and motion hold together [J].
 double Energy(const Hand& hand) {
   const HandModel& model = hand.hand_model();

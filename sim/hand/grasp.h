@@ -1,0 +1,40 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include "sim/hand/hand_config.h"
+
+namespace gauntlet::sim {
+
+/// Where the object, its support and the palm are in the model.
+struct GraspParts {
+  int object_body = -1;
+  int palm_body = -1;
+  int skin_geom = -1;  // the surface that the hand touches
+  int support_mocap = -1;
+  int qpos = -1;  // of the object: position and quaternion
+  double radius_m = 0.0;
+  double half_height_m = 0.0;
+  double support_half_height_m = 0.0;
+
+  bool exists() const { return object_body >= 0; }
+};
+
+/// Finds the object and gives it the size, mass and friction of the settings.
+/// Errors: UserError for a model without its parts.
+GraspParts MakeObject(mjModel& model, const ObjectConfig& config);
+
+/// Upright in front of the palm of the posture in `data`, between thumb and fingers, with the
+/// support under it. Wants a posture with the thumb up.
+void PlaceObject(const GraspParts& grasp, mjData& data);
+
+/// Sum of the normal forces between the object and the hand [N].
+double GripForce(const mjModel& model, const GraspParts& grasp, const mjData& data) noexcept;
+
+/// Height of the object above the place where it stood [m].
+double ObjectHeight(const GraspParts& grasp, const mjData& data) noexcept;
+
+/// Speed of the object's centre against the palm [m/s].
+double SlipSpeed(const mjModel& model, const GraspParts& grasp, const mjData& data) noexcept;
+
+}  // namespace gauntlet::sim

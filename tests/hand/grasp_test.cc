@@ -1,0 +1,156 @@
+#include "sim/hand/grasp.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "sim/base/error.h"
+#include "tests/hand/hand_fixture.h"
+
+namespace gauntlet::sim::testing {
+namespace {
+
+/// Thumb up and opposed, fingers open: the posture in which an object is put before the hand.
+std::vector<double> OpenHand() {
+  std::vector<double> angle(GloveChannels().size(), 0.0);
+  angle[ChannelIndex("thumb_rotation")] = 90.0 * kRadPerDeg;
+  angle[ChannelIndex("thumb_abduction")] = 60.0 * kRadPerDeg;
+  angle[ChannelIndex("elbow_flexion")] = 90.0 * kRadPerDeg;
+  return angle;
+}
+
+std::vector<double> ClosedHand() {
+  std::vector<double> angle = OpenHand();
+  for (const char* finger : {"index", "middle", "ring", "little"}) {
+    angle[ChannelIndex(std::string(finger) + "_mcp")] = 75.0 * kRadPerDeg;
+    angle[ChannelIndex(std::string(finger) + "_pip")] = 80.0 * kRadPerDeg;
+  }
+  angle[ChannelIndex("thumb_abduction")] = 35.0 * kRadPerDeg;
+  angle[ChannelIndex("thumb_mcp")] = 40.0 * kRadPerDeg;
+  angle[ChannelIndex("thumb_ip")] = 40.0 * kRadPerDeg;
+  return angle;
+}
+
+struct Grasp {
+  GripReading last;
+  double ripple_n = 0.0;  // RMS of the grip force's change per command frame while holding
+};
+
+/// Closes within 0.8 s, lifts by 20 deg at the elbow within 1 s, holds for 1 s; commands tremble by
+/// `noise_counts`.
+Grasp CloseLiftHold(const HandConfig& config, int noise_counts, std::uint64_t seed) {
+  Hand hand(MakeModel(config));
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  RandomStream random(seed, "tremble");
+  hand.Reset(OpenHand());
+  Grasp grasp;
+  double force = 0.0;
+  double sum = 0.0;
+  for (int frame = 0; frame < 160; ++frame) {
+    const double closed = std::clamp(frame / 40.0, 0.0, 1.0);
+    const double lifted = std::clamp((frame - 60) / 50.0, 0.0, 1.0);
+    std::vector<double> angle = OpenHand();
+    for (std::size_t i = 0; i < angle.size(); ++i)
+      angle[i] += closed * (ClosedHand()[i] - angle[i]);
+    angle[ChannelIndex("elbow_flexion")] += lifted * 20.0 * kRadPerDeg;
+    std::vector<std::int32_t> counts = CountsFor(map, angle);
+    for (std::int32_t& count : counts) {
+      count += static_cast<int>(random.Index(2 * noise_counts + 1)) - noise_counts;
+    }
+    hand.SetCommand(counts);
+    StepTimes(hand, 20);
+    grasp.last = hand.ReadGrip();
+    if (frame >= 120) sum += std::pow(grasp.last.force_n - force, 2);
+    force = grasp.last.force_n;
+  }
+  EXPECT_TRUE(hand.health().ok) << hand.health().problem;
+  grasp.ripple_n = std::sqrt(sum / 40.0);
+  return grasp;
+}
+
+HandConfig WithObject() {
+  HandConfig config;
+  config.contact = Contact::kObject;
+  return config;
+}
+
+TEST(Grasp, LiftsABottleAndHoldsIt) {
+  const Grasp grasp = CloseLiftHold(WithObject(), 0, 1);
+  EXPECT_GT(grasp.last.height_mm, 60.0);
+  EXPECT_GT(grasp.last.force_n, 10.0);
+  EXPECT_LT(grasp.last.slip_mm_s, 3.0);
+}
+
+TEST(Grasp, ASlipperyHeavyObjectStaysBehind) {
+  HandConfig config = WithObject();
+  config.object.friction = 0.05;
+  config.object.mass_kg = 3.0;
+  EXPECT_LT(CloseLiftHold(config, 0, 1).last.height_mm, 40.0);
+}
+
+// What the paper's filter is for: trembling commands show as ripple of the grip force.
+TEST(Grasp, TremblingCommandsRippleTheGripForce) {
+  const double calm = CloseLiftHold(WithObject(), 0, 1).ripple_n;
+  const double trembling = CloseLiftHold(WithObject(), 8, 1).ripple_n;
+  EXPECT_GT(trembling, 3.0 * calm);
+}
+
+// An object that nobody holds stands still: the support carries its weight.
+TEST(Grasp, TheObjectStandsOnItsSupport) {
+  Hand hand(MakeModel(WithObject()));
+  hand.Reset(OpenHand());
+  StepTimes(hand, 500);
+  EXPECT_NEAR(hand.ReadGrip().height_mm, 0.0, 0.5);
+  EXPECT_EQ(hand.ReadGrip().force_n, 0.0);
+}
+
+TEST(Grasp, WithoutAnObjectThereIsNoGrip) {
+  Hand hand(MakeModel());
+  StepTimes(hand, 10);
+  EXPECT_EQ(hand.ReadGrip().force_n, 0.0);
+  double pose[7] = {-1, -1, -1, -1, -1, -1, -1};
+  hand.ReadObjectPose(pose);
+  EXPECT_THAT(pose, ::testing::Each(-1.0));
+}
+
+TEST(Grasp, ADrawnObjectIsWhereItWas) {
+  const auto model = MakeModel(WithObject());
+  Hand hand(model);
+  hand.Reset(OpenHand());
+  double pose[7];
+  hand.ReadObjectPose(pose);
+  std::unique_ptr<mjData, void (*)(mjData*)> drawn(mj_makeData(&model->model()), &mj_deleteData);
+  SetObjectPose(*model, pose, *drawn);
+  SetPosture(*model, JointAngles(hand), std::vector<double>(model->drives().size()), *drawn);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(drawn->xpos[3 * model->grasp().object_body + axis], pose[axis]);
+  }
+}
+
+// Thumb and index finger meet only if the hand can touch itself.
+TEST(Grasp, FingersStopEachOtherOnlyWithContacts) {
+  const auto closest = [](Contact contact) {
+    HandConfig config;
+    config.contact = contact;
+    Hand hand(MakeModel(config));
+    const controller::TendonTransmission& map = hand.hand_model().transmission();
+    std::vector<double> angle = OpenHand();
+    hand.Reset(angle);
+    angle[ChannelIndex("thumb_abduction")] = 45.0 * kRadPerDeg;
+    angle[ChannelIndex("index_mcp")] = 60.0 * kRadPerDeg;
+    angle[ChannelIndex("index_pip")] = 40.0 * kRadPerDeg;
+    hand.SetCommand(CountsFor(map, angle));
+    int touching = 0;
+    for (int i = 0; i < 800; ++i) {
+      hand.Step();
+      touching += hand.data().ncon;
+    }
+    EXPECT_TRUE(hand.health().ok) << hand.health().problem;
+    return touching;
+  };
+  EXPECT_EQ(closest(Contact::kNone), 0);
+  EXPECT_GT(closest(Contact::kHand), 0);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim::testing
