@@ -29,6 +29,7 @@ int Run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "\nExample:\n  gauntlet compare scenarios/door_opening.yaml --video\n\n"
+      "The start script also has: ./gauntlet test, which builds and runs all tests.\n"
       "Exit codes: 0 done, 1 the run failed, 2 a mistake in what was asked.");
   gauntlet::sim::AddRunCommand(app);
   gauntlet::sim::AddCompareCommand(app);

@@ -4,34 +4,16 @@
 
 #include <algorithm>
 
-#include "controller/tendon_map.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/progress.h"
+#include "sim/report/command_angles.h"
 #include "sim/scenario/scenario.h"
 #include "sim/trial/trace_file.h"
 #include "sim/video/comparison_video.h"
 
 namespace gauntlet::sim {
 namespace {
-
-/// The command frames as joint angles, so that they can be drawn beside the joint.
-Signal CommandAngles(const controller::TendonTransmission& transmission,
-                     const IntegerSignal& command_counts) {
-  controller::TendonMap map(transmission, true);
-  Signal angle(command_counts.rows(), static_cast<Eigen::Index>(transmission.channel_names.size()));
-  std::vector<std::int32_t> counts(static_cast<std::size_t>(command_counts.cols()));
-  std::vector<double> joints(transmission.channel_names.size());
-  for (Eigen::Index k = 0; k < command_counts.rows(); ++k) {
-    for (std::size_t m = 0; m < counts.size(); ++m) {
-      counts[m] = command_counts(k, static_cast<Eigen::Index>(m));
-    }
-    map.ToJointAngles(std::span<const std::int32_t>(counts), joints);
-    for (std::size_t c = 0; c < joints.size(); ++c)
-      angle(k, static_cast<Eigen::Index>(c)) = joints[c];
-  }
-  return angle;
-}
 
 void CheckNames(const std::vector<std::string>& wanted, const Scenario& scenario) {
   std::vector<std::string> known;

@@ -75,7 +75,8 @@ TEST_F(CliTest, RunPrintsATableAndWritesTheFiles) {
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_THAT(result.standard_output, AllOf(HasSubstr("tracking_rmse_deg"), HasSubstr("raw"),
                                             HasSubstr("paper_kalman"), HasSubstr("* best")));
-  for (const char* name : {"scores.json", "scores.csv", "trace.h5", "scenario.resolved.yaml"}) {
+  for (const char* name :
+       {"report.html", "scores.json", "scores.csv", "trace.h5", "scenario.resolved.yaml"}) {
     EXPECT_TRUE(fs::exists(Out("a") / name)) << name;
   }
   EXPECT_FALSE(fs::exists(Out("MUJOCO_LOG.TXT")));
