@@ -211,6 +211,9 @@ struct BadScenario {
   std::string message;
 };
 
+/// What CTest shows of a case: its name, not the bytes of the struct.
+void PrintTo(const BadScenario& scenario, std::ostream* out) { *out << scenario.name; }
+
 const std::string kGood =
     "question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\ncontrollers: {raw: {}}\n";
 
