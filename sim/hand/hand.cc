@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/base/signal.h"
 #include "sim/hand/cable.h"
 #include "sim/hand/mujoco_messages.h"
 
@@ -18,6 +19,17 @@ struct CableState {
   double tension_n = 0.0;  // at the drum
 };
 
+/// How much longer a cable's way is than the cable, with the spool at 0.
+struct CableWay {
+  double excess_m = 0.0;
+  double rate_m_s = 0.0;
+};
+
+struct DrumMotion {
+  double angle_rad = 0.0;
+  double speed_rad_s = 0.0;
+};
+
 }  // namespace
 
 struct Hand::State {
@@ -27,7 +39,11 @@ struct Hand::State {
   void Advance();
   void PullCables() noexcept;
   void DriveSpools() noexcept;
-  double Stretch(const Cable& cable, double& rate_m_s) const noexcept;
+  CableWay Way(const Cable& cable) const noexcept;
+  double Bend(const Cable& cable) const noexcept;
+  double DrumRatio(const Cable& cable, const CableState& state) const noexcept;
+  DrumMotion TurnDrum(const Drive& drive, const CableState& flexor, const CableState& extensor,
+                      const CableWay& flexor_way, const CableWay& extensor_way) const noexcept;
   double Pull(const Cable& cable, double tension_n, CableState& state) noexcept;
   void ReadWarnings();
 
@@ -68,31 +84,39 @@ void Hand::State::TakeFrame() noexcept {
   ++frame_clock;
 }
 
-/// How much longer the way is than the cable, its spool at 0.
-double Hand::State::Stretch(const Cable& cable, double& rate_m_s) const noexcept {
-  double stretch = data->ten_length[cable.tendon] - cable.natural_length_m;
-  rate_m_s = data->ten_velocity[cable.tendon];
-  if (hand->config().cable.interference) return stretch;
+CableWay Hand::State::Way(const Cable& cable) const noexcept {
+  CableWay way{data->ten_length[cable.tendon] - cable.natural_length_m,
+               data->ten_velocity[cable.tendon]};
+  if (hand->config().cable.interference) return way;
   for (const Crossing& crossing : cable.crossings) {
     if (crossing.own) continue;
     const double turned = data->qpos[crossing.qpos] - crossing.reference_rad;
-    stretch -= crossing.moment_arm_m * turned;
-    rate_m_s -= crossing.moment_arm_m * data->qvel[crossing.dof];
+    way.excess_m -= crossing.moment_arm_m * turned;
+    way.rate_m_s -= crossing.moment_arm_m * data->qvel[crossing.dof];
   }
-  return stretch;
+  return way;
+}
+
+/// How far the cable bends in all [rad].
+double Hand::State::Bend(const Cable& cable) const noexcept {
+  double bend = cable.bend_rad;
+  for (const Crossing& crossing : cable.crossings) {
+    bend += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
+  }
+  return bend;
+}
+
+/// Tension at the drum over the tension in the middle of all bends, which the elastic law gives.
+double Hand::State::DrumRatio(const Cable& cable, const CableState& state) const noexcept {
+  const double mu = hand->config().cable.capstan_friction;
+  return mu == 0.0 ? 1.0 : CapstanRatio(mu, 0.5 * Bend(cable), state.friction);
 }
 
 /// The cable's pull on the joints that it passes; gives the tension at the drum.
 double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state) noexcept {
   const CableConfig& config = hand->config().cable;
   const double mu = config.capstan_friction;
-  // The elastic law gives the tension in the middle of all bends.
-  double bend = cable.bend_rad;
-  for (const Crossing& crossing : cable.crossings) {
-    bend += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
-  }
-  state.tension_n =
-      mu == 0.0 ? tension_n : tension_n * CapstanRatio(mu, 0.5 * bend, state.friction);
+  state.tension_n = tension_n * DrumRatio(cable, state);
   double turned = 0.0;
   for (const Crossing& crossing : cable.crossings) {
     turned += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
@@ -106,40 +130,52 @@ double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state
   return state.tension_n;
 }
 
+/// Where the drum is and how fast it turns. Without play it is the shaft; with play it has no mass
+/// and turns, as far as it can, to where both cables pull alike.
+DrumMotion Hand::State::TurnDrum(const Drive& drive, const CableState& flexor,
+                                 const CableState& extensor, const CableWay& flexor_way,
+                                 const CableWay& extensor_way) const noexcept {
+  const double shaft = data->qpos[drive.spool_qpos];
+  const double speed = data->qvel[drive.spool_dof];
+  const double play = hand->config().cable.backlash_deg * kRadPerDeg;
+  if (play == 0.0) return {shaft, speed};
+  const double flexor_weight = drive.flexor.stiffness_n_m * DrumRatio(drive.flexor, flexor);
+  const double extensor_weight = drive.extensor.stiffness_n_m * DrumRatio(drive.extensor, extensor);
+  const double lever = drive.drum_radius_m * (flexor_weight + extensor_weight);
+  const double balance =
+      (extensor_weight * extensor_way.excess_m - flexor_weight * flexor_way.excess_m) / lever;
+  const double angle = DrumAngle(shaft, balance, play);
+  if (angle != balance) return {angle, speed};
+  return {angle,
+          (extensor_weight * extensor_way.rate_m_s - flexor_weight * flexor_way.rate_m_s) / lever};
+}
+
 void Hand::State::PullCables() noexcept {
   mju_zero(data->qfrc_applied, hand->model().nv);
   const double step_s = hand->model().opt.timestep;
-  const CableConfig& config = hand->config().cable;
-  const double play = config.backlash_deg * (mjPI / 180.0);
   for (std::size_t motor = 0; motor < cables.size() / 2; ++motor) {
     const Drive& drive = hand->drives()[motor];
-    const double radius = drive.drum_radius_m;
     CableState& flexor = cables[2 * motor];
     CableState& extensor = cables[2 * motor + 1];
-    double flexor_rate = 0.0;
-    double extensor_rate = 0.0;
-    const double flexor_way = Stretch(drive.flexor, flexor_rate);
-    const double extensor_way = Stretch(drive.extensor, extensor_rate);
+    const CableWay flexor_way = Way(drive.flexor);
+    const CableWay extensor_way = Way(drive.extensor);
+    const DrumMotion drum = TurnDrum(drive, flexor, extensor, flexor_way, extensor_way);
+    const double wound = drive.drum_radius_m * drum.angle_rad;
+    const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
 
-    const double shaft = data->qpos[drive.spool_qpos];
-    const double balance = 0.5 * (extensor_way - flexor_way) / radius;
-    const double drum = DrumAngle(shaft, balance, play);
-    const double drum_speed = drum == balance && play > 0.0
-                                  ? 0.5 * (extensor_rate - flexor_rate) / radius
-                                  : data->qvel[drive.spool_dof];
-    const double wound_rate = radius * drum_speed;
-    flexor.friction = AdvanceFriction(flexor.friction, 0.5 * (wound_rate - flexor_rate) * step_s);
+    flexor.friction =
+        AdvanceFriction(flexor.friction, 0.5 * (wound_rate - flexor_way.rate_m_s) * step_s);
     extensor.friction =
-        AdvanceFriction(extensor.friction, 0.5 * (-wound_rate - extensor_rate) * step_s);
+        AdvanceFriction(extensor.friction, 0.5 * (-wound_rate - extensor_way.rate_m_s) * step_s);
     const double flexor_tension =
         CableTension(drive.flexor.stiffness_n_m, drive.flexor.damping_n_s_m,
-                     flexor_way + radius * drum, flexor_rate + wound_rate);
+                     flexor_way.excess_m + wound, flexor_way.rate_m_s + wound_rate);
     const double extensor_tension =
         CableTension(drive.extensor.stiffness_n_m, drive.extensor.damping_n_s_m,
-                     extensor_way - radius * drum, extensor_rate - wound_rate);
+                     extensor_way.excess_m - wound, extensor_way.rate_m_s - wound_rate);
     const double at_drum = Pull(drive.flexor, flexor_tension, flexor) -
                            Pull(drive.extensor, extensor_tension, extensor);
-    data->qfrc_applied[drive.spool_dof] -= radius * at_drum;
+    data->qfrc_applied[drive.spool_dof] -= drive.drum_radius_m * at_drum;
   }
 }
 

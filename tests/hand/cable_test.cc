@@ -97,7 +97,6 @@ double LostMotion(const CableConfig& cable) {
   SmallHand small = Fine();
   small.gravity_m_s2 = 0.0;
   small.config.cable = cable;
-  small.config.cable.capstan_friction = 0.0;
   Hand hand(small.Make());
   const double turn = 20.0 * kRadPerDeg;
   Creep(hand, 0.0, turn);
@@ -110,18 +109,27 @@ double LostMotion(const CableConfig& cable) {
 
 TEST(SmallHandCable, SlackAndBacklashLoseMotion) {
   CableConfig tight;
+  tight.capstan_friction = 0.0;
   EXPECT_NEAR(LostMotion(tight), 0.0, 5e-4);
 
   // Both cables 1 mm too long: the joint floats over 2 mm of cable.
-  CableConfig slack;
+  CableConfig slack = tight;
   slack.pretension_mm = 0.0;
   slack.slack_mm = 1.0;
   EXPECT_NEAR(LostMotion(slack), 2e-3 / SmallHand::kPulleyM, 2e-3);
 
   // A drum with 6 deg of play, as large as the pulley.
-  CableConfig play;
+  CableConfig play = tight;
   play.backlash_deg = 6.0;
   EXPECT_NEAR(LostMotion(play), 6.0 * kRadPerDeg, 2e-3);
+
+  // Friction holds the drum on its cables while the shaft turns through the play: both add up.
+  CableConfig rubbing;
+  rubbing.capstan_friction = 0.1;
+  const double rubbed = LostMotion(rubbing);
+  EXPECT_GT(rubbed, 0.01);
+  rubbing.backlash_deg = 6.0;
+  EXPECT_NEAR(LostMotion(rubbing), rubbed + 6.0 * kRadPerDeg, 0.1 * rubbed);
 }
 
 TEST(SmallHandCable, BendsAreFoundInTheModel) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numbers>
 
 #include "tests/hand/hand_fixture.h"
+#include "tests/hand/sine_delay.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -123,50 +123,6 @@ TEST(Motion, StepResponsesOvershootByLessThanATenth) {
     EXPECT_LT(highest, 1.10) << map.channel_names[channel];
     EXPECT_GT(highest, 0.90) << map.channel_names[channel];
   }
-}
-
-/// The phase of a signal of 1 Hz, as a delay.
-struct SineDelay {
-  double in_phase = 0.0;
-  double quadrature = 0.0;
-
-  void Add(double value, double phase) {
-    in_phase += value * std::sin(phase);
-    quadrature -= value * std::cos(phase);
-  }
-  double Milliseconds() const {
-    return 1e3 * std::atan2(quadrature, in_phase) / (2.0 * std::numbers::pi);
-  }
-};
-
-struct DriveDelay {
-  SineDelay spool;
-  SineDelay joint;
-};
-
-/// How far spool and joint lag behind a sine of 1 Hz and 30 deg that one channel is told in frames
-/// of 20 ms, in its third and fourth period.
-DriveDelay MeasureDelay(Hand& hand, int channel) {
-  const controller::TendonTransmission& map = hand.hand_model().transmission();
-  const double omega = 2.0 * std::numbers::pi;
-  std::vector<double> angle = map.reference_angle_rad;
-  std::vector<double> spool(angle.size());
-  hand.Reset(angle);
-  DriveDelay delay;
-  for (int sample = 0; sample < 4000; ++sample) {
-    const double phase = omega * sample * 1e-3;
-    if (sample % 20 == 0) {
-      angle[channel] = map.reference_angle_rad[channel] + 30.0 * kRadPerDeg * std::sin(phase);
-      hand.SetCommand(CountsFor(map, angle));
-    }
-    hand.Step();
-    if (sample < 2000) continue;
-    hand.ReadSpoolAngles(spool);
-    // After the step the time is one sample later.
-    delay.spool.Add(spool[channel], phase + omega * 1e-3);
-    delay.joint.Add(JointAngles(hand)[channel], phase + omega * 1e-3);
-  }
-  return delay;
 }
 
 // A frame is held for 20 ms, which delays by 10 ms; the servo's ratio of gains is 12 ms, and its

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+
+namespace gauntlet::sim::testing {
+
+/// What models/README.md says of the hand, measured; each prints to stdout.
+void PrintJoints();
+void PrintReach();
+void PrintSteps();
+void PrintDelays();
+void PrintWarnings();
+void PrintSpeed();
+
+/// Files for pictures, into `folder`.
+void WriteHysteresis(const std::filesystem::path& folder);
+void WriteConvergence(const std::filesystem::path& folder);
+void WritePictures(const std::filesystem::path& folder);
+
+}  // namespace gauntlet::sim::testing

@@ -1,0 +1,134 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "sim/video/hand_picture.h"
+#include "tests/hand/hand_fixture.h"
+#include "tests/hand/hand_measurements.h"
+
+namespace gauntlet::sim::testing {
+namespace {
+
+const Crossing& OwnCrossing(const Cable& cable) {
+  return *std::find_if(cable.crossings.begin(), cable.crossings.end(),
+                       [](const Crossing& crossing) { return crossing.own; });
+}
+
+/// Error of the moved channel after 1.2 s at a goal, from the home posture [deg].
+double SettledError(Hand& hand, int channel, double goal_rad) {
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  std::vector<double> angle = HomePosture(map);
+  hand.Reset(angle);
+  angle[channel] = goal_rad;
+  hand.SetCommand(CountsFor(map, angle));
+  StepTimes(hand, 1200);
+  return (JointAngles(hand)[channel] - goal_rad) * kDegPerRad;
+}
+
+/// Index finger told to creep to and fro; writes commanded and reached angle [deg] to a file and
+/// gives the widest gap between the ways up and down [deg].
+double Hysteresis(const HandConfig& config, const std::string& joint,
+                  const std::filesystem::path& file) {
+  Hand hand(MakeModel(config));
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  const int channel = ChannelIndex(joint);
+  std::vector<double> angle = map.reference_angle_rad;
+  hand.Reset(angle);
+  std::ofstream out(file);
+  out << "command_deg,joint_deg\n";
+  std::vector<double> up(61), down(61);
+  for (int frame = 0; frame < 3 * 240; ++frame) {  // 20 to 80 deg and back in 4.8 s, three times
+    const int place = frame % 240;
+    const double deg = 20.0 + (place < 120 ? place : 240 - place) * 0.5;
+    angle[channel] = deg * kRadPerDeg;
+    hand.SetCommand(CountsFor(map, angle));
+    StepTimes(hand, 20);
+    const double reached = JointAngles(hand)[channel] * kDegPerRad;
+    if (frame < 240) continue;
+    out << fmt::format("{:.3f},{:.3f}\n", deg, reached);
+    (place < 120 ? up : down)[static_cast<std::size_t>(deg - 20.0)] = reached;
+  }
+  double widest = 0.0;
+  for (std::size_t i = 5; i < 55; ++i) widest = std::max(widest, down[i] - up[i]);
+  return widest;
+}
+
+}  // namespace
+
+void PrintJoints() {
+  const auto hand = MakeModel();
+  const controller::TendonTransmission& map = hand->transmission();
+  const std::size_t count = map.channel_names.size();
+  fmt::print(
+      "| channel | range [deg] | pulley [mm] | drum [mm] | motor, stall [N m] | cable [N] | "
+      "stiffness [N/m] | bends [deg] | spool per joint angle "
+      "|\n|---|---|---|---|---|---|---|---|---|\n");
+  for (std::size_t motor = 0; motor < count; ++motor) {
+    const Drive& drive = hand->drives()[motor];
+    std::string coupling;
+    for (std::size_t channel = 0; channel < count; ++channel) {
+      const double value = map.coupling[motor * count + channel];
+      if (std::abs(value) < 1e-6) continue;
+      coupling += fmt::format("{}{:.3f} {}", coupling.empty() ? "" : ", ", value,
+                              map.channel_names[channel]);
+    }
+    fmt::print(
+        "| {} | {:.0f}..{:.0f} | {:.1f} | {:.0f} | {:.2f} | {:.0f} | {:.1e} | {:.0f} | {} |\n",
+        drive.name, map.joint_min_rad[motor] * kDegPerRad, map.joint_max_rad[motor] * kDegPerRad,
+        1e3 * std::abs(OwnCrossing(drive.flexor).moment_arm_m), 1e3 * drive.drum_radius_m,
+        drive.servo.stall_torque_nm, drive.servo.stall_torque_nm / drive.drum_radius_m,
+        drive.flexor.stiffness_n_m, drive.flexor.bend_rad * kDegPerRad, coupling);
+  }
+}
+
+void PrintReach() {
+  Hand free(MakeModel(FrictionFree()));
+  Hand real(MakeModel());
+  const controller::TendonTransmission& map = free.hand_model().transmission();
+  fmt::print("| channel | without friction [deg] | with friction [deg] |\n|---|---|---|\n");
+  for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+    double worst[2] = {};
+    for (double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      const double goal = map.joint_min_rad[channel] +
+                          share * (map.joint_max_rad[channel] - map.joint_min_rad[channel]);
+      worst[0] = std::max(worst[0], std::abs(SettledError(free, channel, goal)));
+      worst[1] = std::max(worst[1], std::abs(SettledError(real, channel, goal)));
+    }
+    fmt::print("| {} | {:.2f} | {:.2f} |\n", map.channel_names[channel], worst[0], worst[1]);
+  }
+}
+
+void WriteHysteresis(const std::filesystem::path& folder) {
+  HandConfig slack;
+  slack.cable.pretension_mm = 0.0;
+  slack.cable.slack_mm = 0.2;
+  HandConfig backlash;
+  backlash.cable.backlash_deg = 3.0;
+  const std::pair<const char*, HandConfig> hands[] = {
+      {"default", {}}, {"friction_free", FrictionFree()}, {"slack", slack}, {"backlash", backlash}};
+  for (const char* joint : {"index_mcp", "index_pip"}) {
+    for (const auto& [name, config] : hands) {
+      const std::filesystem::path file = folder / fmt::format("hysteresis_{}_{}.csv", joint, name);
+      fmt::print("{} {}: {:.2f} deg wide\n", joint, name, Hysteresis(config, joint, file));
+    }
+  }
+}
+
+void WritePictures(const std::filesystem::path& folder) {
+  const auto hand = MakeModel();
+  std::vector<double> angle(GloveChannels().size());
+  const std::pair<const char*, double> posture[] = {
+      {"thumb_rotation", 40}, {"thumb_abduction", 30}, {"thumb_mcp", 15},  {"thumb_ip", 15},
+      {"index_mcp", 15},      {"index_pip", 20},       {"middle_mcp", 25}, {"middle_pip", 30},
+      {"ring_mcp", 35},       {"ring_pip", 40},        {"little_mcp", 45}, {"little_pip", 50},
+      {"finger_spread", 8},   {"elbow_flexion", 90}};
+  for (const auto& [name, deg] : posture) angle[ChannelIndex(name)] = deg * kRadPerDeg;
+  const std::vector<double> spools(angle.size());
+  for (const char* camera : {"hand", "arm"}) {
+    WriteHandPng(*hand, angle, spools, {.camera = camera, .width_px = 1280, .height_px = 720},
+                 folder / fmt::format("{}.png", camera));
+  }
+}
+
+}  // namespace gauntlet::sim::testing
