@@ -1,7 +1,6 @@
 #include "controller/filters/kalman_adaptive_filter.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "controller/filters/channel_arrays.h"
@@ -34,38 +33,37 @@ struct Rates {
   double r, q;   // of one of them, by the innovations' correlation
 };
 
-/// A sample beyond five standard deviations counts as one there.
+/// A sample at m standard deviations, m > 5, counts as one at 25 / m.
 constexpr double kMostTimes = 25.0;
 
-struct LearningArrays {
-  double *r, *q, *before, *c0, *c1;
-  const double *p11, *r_min, *r_max, *q_min, *q_max;
-};
-
 /// After a step: `innovation` is what the step corrected.
-GAUNTLET_VECTORISED void Learn(LearningArrays a, Rates rates, const double* innovation,
-                               int channel_count) {
+GAUNTLET_VECTORISED void Learn(double* r, double* q, double* before, double* c0, double* c1,
+                               const double* p11, const double* r_min, const double* r_max,
+                               const double* q_min, const double* q_max, Rates rates,
+                               const double* innovation, int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     // P_11 = K_1 R and 1 - K_1 = R / S give S back.
-    const double s = a.r[i] * a.r[i] / (a.r[i] - a.p11[i]);
-    const double square = innovation[i] * innovation[i];
-    const double most = kMostTimes * s;
-    const double weight = square > most ? std::sqrt(most / square) : 1.0;
-    const double e = weight * innovation[i];
-    const double mean = a.c0[i] + rates.mean * (e * e - a.c0[i]);
-    const double c0 = mean > a.r_min[i] ? mean : a.r_min[i];  // never 0 at absolute rest
-    const double c1 = a.c1[i] + rates.mean * (e * a.before[i] - a.c1[i]);
-    const double correlation = c1 / c0;
-    const double size = c0 / s < 2.0 ? c0 / s : 2.0;
+    const double s = r[i] * r[i] / (r[i] - p11[i]);
+    const double ratio = kMostTimes * s / (innovation[i] * innovation[i]);
+    const double e = (ratio < 1.0 ? ratio : 1.0) * innovation[i];
+    const double mean = c0[i] + rates.mean * (e * e - c0[i]);
+    const double c0_new = mean > r_min[i] ? mean : r_min[i];  // never 0 at absolute rest
+    const double c1_new = c1[i] + rates.mean * (e * before[i] - c1[i]);
+    const double correlation = c1_new / c0_new;
+    const double size_seen = c0_new / s;
+    const double size = size_seen < 2.0 ? size_seen : 2.0;
     const double scale = 1.0 + rates.scale * (size - 1.0);
-    const double r = a.r[i] * scale * (1.0 - rates.r * correlation);
-    const double q = a.q[i] * scale * (1.0 + rates.q * correlation);
-    a.before[i] = e;
-    a.c0[i] = c0;
-    a.c1[i] = c1;
-    a.r[i] = r < a.r_min[i] ? a.r_min[i] : r > a.r_max[i] ? a.r_max[i] : r;
-    a.q[i] = q < a.q_min[i] ? a.q_min[i] : q > a.q_max[i] ? a.q_max[i] : q;
+    const double r_new = r[i] * scale * (1.0 - rates.r * correlation);
+    const double q_new = q[i] * scale * (1.0 + rates.q * correlation);
+    before[i] = e;
+    c0[i] = c0_new;
+    c1[i] = c1_new;
+    // One choice per line: the compiler gives up vectors for nested ones.
+    const double r_low = r_new < r_min[i] ? r_min[i] : r_new;
+    const double q_low = q_new < q_min[i] ? q_min[i] : q_new;
+    r[i] = r_low > r_max[i] ? r_max[i] : r_low;
+    q[i] = q_low > q_max[i] ? q_max[i] : q_low;
   }
 }
 
@@ -114,9 +112,9 @@ class LearningKalmanFilter final : public KalmanAdaptiveFilter {
       innovation_[at] = measured_[at] - (arrays_[kX][i] + arrays_[kW][i]);
     }
     StepKalman2(arrays_, factors_, measured_.data(), output.data());
-    Learn({arrays_[kR], arrays_[kQ], arrays_[kBefore], arrays_[kC0], arrays_[kC1], arrays_[kP11],
-           arrays_[kRMin], arrays_[kRMax], arrays_[kQMin], arrays_[kQMax]},
-          rates_, innovation_.data(), channel_count());
+    Learn(arrays_[kR], arrays_[kQ], arrays_[kBefore], arrays_[kC0], arrays_[kC1], arrays_[kP11],
+          arrays_[kRMin], arrays_[kRMax], arrays_[kQMin], arrays_[kQMax], rates_,
+          innovation_.data(), channel_count());
     if (!fresh_.any()) return;
     fresh_.StartAll(measured_, [&](int channel, double value) {
       SetState(channel, value);

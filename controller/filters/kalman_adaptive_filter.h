@@ -17,8 +17,8 @@ namespace gauntlet::controller {
 ///     e both   grow by (c_0 / S - 1) / memory of themselves: e is as large as S = H P^- H' + R
 ///     says
 ///
-/// The size of e alone cannot tell R from q: any pair with the right S explains it. Samples beyond
-/// five standard deviations count as one there, so that an outlier does not become the new normal.
+/// The size of e alone cannot tell R from q: any pair with the right S explains it. A sample at
+/// m > 5 standard deviations counts as one at 25 / m: an outlier does not become the new normal.
 /// `r` and `q` are where it starts; neither leaves start / range .. start x range, so that a long
 /// rest cannot switch the filter off. With only one to learn, the correlation alone decides it.
 ///
