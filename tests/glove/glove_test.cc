@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "sim/base/error.h"
 #include "sim/glove/channels.h"
@@ -45,6 +47,35 @@ TEST(Glove, SameSeedGivesTheSameBytesAndAnotherSeedOthers) {
   EXPECT_EQ(first.counts, second.counts);
   EXPECT_EQ(first.true_angle_rad, second.true_angle_rad);
   EXPECT_NE(first.counts, other.counts);
+}
+
+TEST(Glove, IsTheSameOnManyThreadsAtOnce) {
+  GloveConfig config;
+  config.motion.random.duration_s = 1.0;
+  config.tremor.rms_deg = 0.2;
+  config.noise.pink_variance_counts2 = 3.0;
+  config.faults = {FaultConfig{}};
+  const Signal alone = SynthesiseGlove(config, 7).counts;
+  std::vector<Signal> together(4);
+  std::vector<std::thread> threads;
+  for (Signal& counts : together) {
+    threads.emplace_back([&] { counts = SynthesiseGlove(config, 7).counts; });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const Signal& counts : together) EXPECT_EQ(counts, alone);
+}
+
+TEST(Glove, WithFewerChannelsGivesTheSameOfThose) {
+  GloveConfig config;
+  config.motion.random.duration_s = 1.0;
+  config.faults = {FaultConfig{}};
+  const GloveSignal all = SynthesiseGlove(config, 7);
+  config.channels = {"elbow_flexion", "index_pip"};  // their order is that of GloveChannels()
+  const GloveSignal two = SynthesiseGlove(config, 7);
+  EXPECT_EQ(two.channel_names, (std::vector<std::string>{"index_pip", "elbow_flexion"}));
+  EXPECT_EQ(two.counts.col(0), all.counts.col(ChannelIndex("index_pip")));
+  EXPECT_EQ(two.counts.col(1), all.counts.col(ChannelIndex("elbow_flexion")));
+  EXPECT_EQ(two.true_angle_rad.col(1), all.true_angle_rad.col(ChannelIndex("elbow_flexion")));
 }
 
 TEST(Glove, CountsAreWholeAndInsideTheScale) {

@@ -27,6 +27,22 @@ double SpeedAt(const Signal& angle_rad, Eigen::Index i, Eigen::Index c, Eigen::I
          static_cast<double>(std::max<Eigen::Index>(after - before, 1));
 }
 
+/// Root mean square over the channels that move at all of their speeds [rad/s], sample by sample.
+Eigen::VectorXd HandSpeed(const Signal& angle_rad, const Eigen::RowVectorXd& ranges,
+                          Eigen::Index half, double rate_hz) {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(angle_rad.rows());
+  double moving = 0.0;
+  for (Eigen::Index c = 0; c < angle_rad.cols(); ++c) {
+    if (ranges[c] == 0.0) continue;
+    moving += 1.0;
+    for (Eigen::Index i = 0; i < angle_rad.rows(); ++i) {
+      const double speed = SpeedAt(angle_rad, i, c, half, rate_hz);
+      squares[i] += speed * speed;
+    }
+  }
+  return (squares / moving).cwiseSqrt();
+}
+
 void Paint(std::vector<Label>& labels, std::int64_t begin, std::int64_t end, Label label) {
   const auto size = static_cast<std::int64_t>(labels.size());
   for (std::int64_t i = std::max<std::int64_t>(begin, 0); i < std::min(end, size); ++i) {
@@ -44,22 +60,12 @@ std::vector<MotionSegment> LabelBySpeed(const Signal& angle_rad, double rate_hz)
   if (ranges.maxCoeff(&leader) == 0.0) return {{"rest", 0, static_cast<int>(samples)}};
   const auto half = std::max<Eigen::Index>(1, std::lround(0.5 * kSpeedStepS * rate_hz));
 
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(samples);
-  double moving = 0.0;
-  for (Eigen::Index c = 0; c < angle_rad.cols(); ++c) {
-    if (ranges[c] == 0.0) continue;
-    moving += 1.0;
-    for (Eigen::Index i = 0; i < samples; ++i) {
-      const double speed = SpeedAt(angle_rad, i, c, half, rate_hz);
-      squares[i] += speed * speed;
-    }
-  }
+  const Eigen::VectorXd speed = HandSpeed(angle_rad, ranges, half, rate_hz);
   const auto at = [rate_hz](double seconds) { return std::lround(seconds * rate_hz); };
   std::vector<Label> labels(static_cast<std::size_t>(samples), kSlow);
   double before = 0.0;
   for (Eigen::Index i = 0; i < samples; ++i) {
-    const double speed = std::sqrt(squares[i] / moving);
-    labels[static_cast<std::size_t>(i)] = speed < kFastRadS ? kSlow : kFast;
+    labels[static_cast<std::size_t>(i)] = speed[i] < kFastRadS ? kSlow : kFast;
     const double leading = SpeedAt(angle_rad, i, leader, half, rate_hz);
     if (leading * before < 0.0) {
       Paint(labels, i - at(kReversalS), i + at(kReversalS), kReversal);
@@ -68,7 +74,7 @@ std::vector<MotionSegment> LabelBySpeed(const Signal& angle_rad, double rate_hz)
   }
   for (Eigen::Index begin = 0; begin < samples;) {
     Eigen::Index end = begin;
-    while (end < samples && squares[end] < moving * kRestRadS * kRestRadS) ++end;
+    while (end < samples && speed[end] < kRestRadS) ++end;
     if (end - begin >= at(kShortestRestS)) {
       Paint(labels, begin, end, kRest);
       Paint(labels, end, end + at(kOnsetS), kOnset);
