@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 namespace {
 
 /// Stiffness that stands for a cable that does not stretch, as a multiple of the real one. At 1 ms
-/// the stiffest joint of the hand stays stable up to about 20 times.
+/// the hand stays stable up to 32 times.
 constexpr double kInextensible = 8.0;
 
 /// Names of all parts of one kind.

@@ -27,7 +27,7 @@ double SettledError(Hand& hand, int channel, double goal_rad) {
 }
 
 /// Index finger told to creep to and fro; writes commanded and reached angle [deg] to a file and
-/// gives the widest gap between the ways up and down [deg].
+/// gives the widest gap between the ways up and down, between 30 and 70 deg [deg].
 double Hysteresis(const HandConfig& config, const std::string& joint,
                   const std::filesystem::path& file) {
   Hand hand(MakeModel(config));
@@ -37,7 +37,7 @@ double Hysteresis(const HandConfig& config, const std::string& joint,
   hand.Reset(angle);
   std::ofstream out(file);
   out << "command_deg,joint_deg\n";
-  std::vector<double> up(61), down(61);
+  std::vector<double> up(121), down(121);
   for (int frame = 0; frame < 3 * 240; ++frame) {  // 20 to 80 deg and back in 4.8 s, three times
     const int place = frame % 240;
     const double deg = 20.0 + (place < 120 ? place : 240 - place) * 0.5;
@@ -47,10 +47,10 @@ double Hysteresis(const HandConfig& config, const std::string& joint,
     const double reached = JointAngles(hand)[channel] * kDegPerRad;
     if (frame < 240) continue;
     out << fmt::format("{:.3f},{:.3f}\n", deg, reached);
-    (place < 120 ? up : down)[static_cast<std::size_t>(deg - 20.0)] = reached;
+    (place < 120 ? up : down)[static_cast<std::size_t>(2.0 * (deg - 20.0))] = reached;
   }
   double widest = 0.0;
-  for (std::size_t i = 5; i < 55; ++i) widest = std::max(widest, down[i] - up[i]);
+  for (std::size_t i = 20; i <= 100; ++i) widest = std::max(widest, down[i] - up[i]);
   return widest;
 }
 
