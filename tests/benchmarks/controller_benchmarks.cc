@@ -1,0 +1,215 @@
+// Time per sample of the filters and of the whole controller, beside copying the samples, 18
+// two-state filters written the plain way, and one dense filter. See README.md for the commands.
+
+#include <benchmark/benchmark.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include "controller/controller.h"
+#include "controller/filters/filter_registry.h"
+#include "tests/controller/test_hand.h"
+#include "tests/controller/test_signal.h"
+
+namespace gauntlet::controller {
+namespace {
+
+/// The paper's recording, 94,096 samples, so that copying it is what copying a recording costs; for
+/// more channels as many samples as are the same amount of numbers.
+int SampleCount(int channels) { return std::max(16, 94096 * 18 / std::max(channels, 18)); }
+constexpr double kRateHz = 1000.0;
+
+void CountSamples(benchmark::State& state, int samples) {
+  state.SetItemsProcessed(state.iterations() * samples);
+  state.counters["ns_per_sample"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * samples * 1e-9,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+/// The same copy from and to the first-level cache: the least that touching a sample can cost.
+void CachedCopyBenchmark(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(0));
+  const int samples = 256;
+  const TestSignal input = GloveCounts(samples, n);
+  std::vector<double> output(static_cast<std::size_t>(n));
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      std::memcpy(output.data(), input.row(k).data(), output.size() * sizeof(double));
+      benchmark::DoNotOptimize(output.data());
+      benchmark::ClobberMemory();
+    }
+  }
+  CountSamples(state, samples);
+}
+
+/// The copy that every filter is held against: the same samples to the same place.
+void CopyBenchmark(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(0));
+  const int samples = SampleCount(n);
+  const TestSignal input = GloveCounts(samples, n);
+  TestSignal output = TestSignal::Zero(samples, n);
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      std::memcpy(output.row(k).data(), input.row(k).data(),
+                  static_cast<std::size_t>(n) * sizeof(double));
+      benchmark::DoNotOptimize(output.data());
+      benchmark::ClobberMemory();
+    }
+  }
+  CountSamples(state, samples);
+}
+
+FilterConfig WithOneR(FilterConfig config) {
+  // Any number of channels: one variance for all.
+  std::visit(
+      [](auto& settings) {
+        if constexpr (requires { settings.noise.r; }) settings.noise.r = {15.0};
+        if constexpr (requires { settings.r; }) settings.r = {15.0};
+      },
+      config.settings);
+  return config;
+}
+
+void FilterBenchmark(benchmark::State& state, const FilterConfig& config) {
+  const int n = static_cast<int>(state.range(0));
+  const auto filter = MakeFilter(WithOneR(config), n, kRateHz);
+  const int samples = SampleCount(n);
+  const TestSignal input = GloveCounts(samples, n);
+  TestSignal output = TestSignal::Zero(samples, n);
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      filter->Step(RowOf(input, k), RowOf(output, k));
+      benchmark::DoNotOptimize(output.data());
+      benchmark::ClobberMemory();
+    }
+  }
+  CountSamples(state, samples);
+}
+
+/// How one writes it with Eigen: a struct with Matrix2d, the equations as in the paper.
+struct PlainKalman {
+  Eigen::Matrix2d a = (Eigen::Matrix2d() << 1, 1, 0, 1).finished();
+  Eigen::RowVector2d h = {1, 0};
+  Eigen::Matrix2d q = Eigen::Matrix2d::Identity();
+  double r = 15.0;
+  Eigen::Vector2d x = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d p = Eigen::Matrix2d::Identity();
+
+  double Step(double z) {
+    const Eigen::Vector2d x_prior = a * x;
+    const Eigen::Matrix2d p_prior = a * p * a.transpose() + q;
+    const Eigen::Vector2d gain = p_prior * h.transpose() / ((h * p_prior * h.transpose())(0) + r);
+    x = x_prior + gain * (z - h * x_prior);
+    p = (Eigen::Matrix2d::Identity() - gain * h) * p_prior;
+    return x[0];
+  }
+};
+
+void PlainEigenBenchmark(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(0));
+  std::vector<PlainKalman> filters(static_cast<std::size_t>(n));
+  const int samples = SampleCount(n);
+  const TestSignal input = GloveCounts(samples, n);
+  TestSignal output = TestSignal::Zero(samples, n);
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      for (int i = 0; i < n; ++i) output(k, i) = filters[i].Step(input(k, i));
+      benchmark::DoNotOptimize(output.data());
+      benchmark::ClobberMemory();
+    }
+  }
+  CountSamples(state, samples);
+}
+
+/// The same with matrices of a size known only at run time, as in "any number of channels".
+struct PlainDynamicKalman {
+  Eigen::MatrixXd a, h, q, r, p;
+  Eigen::VectorXd x;
+
+  explicit PlainDynamicKalman(int n) {
+    a = Eigen::MatrixXd::Identity(2 * n, 2 * n);
+    a.topRightCorner(n, n).setIdentity();
+    h = Eigen::MatrixXd::Identity(n, 2 * n);
+    q = p = Eigen::MatrixXd::Identity(2 * n, 2 * n);
+    r = 15.0 * Eigen::MatrixXd::Identity(n, n);
+    x = Eigen::VectorXd::Zero(2 * n);
+  }
+  void Step(const Eigen::VectorXd& z) {
+    x = a * x;
+    p = a * p * a.transpose() + q;
+    const Eigen::MatrixXd gain = p * h.transpose() * (h * p * h.transpose() + r).inverse();
+    x += gain * (z - h * x);
+    p = (Eigen::MatrixXd::Identity(x.size(), x.size()) - gain * h) * p;
+  }
+};
+
+void PlainDenseBenchmark(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(0));
+  PlainDynamicKalman filter(n);
+  const int samples = SampleCount(n);
+  const TestSignal input = GloveCounts(samples, n);
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      filter.Step(input.row(k).transpose());
+      benchmark::DoNotOptimize(filter.x.data());
+    }
+  }
+  CountSamples(state, samples);
+}
+
+void ControllerBenchmark(benchmark::State& state, const ControllerConfig& config) {
+  constexpr int n = 18;
+  Controller controller(config, PlainGlove(n), CoupledHand(n));
+  const int samples = SampleCount(n);
+  const TestSignal input = GloveCounts(samples, n);
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      const Command command = controller.Step({.counts = RowOf(input, k)});
+      benchmark::DoNotOptimize(command.motor_counts.data());
+    }
+  }
+  CountSamples(state, samples);
+}
+
+void Register() {
+  benchmark::RegisterBenchmark("memcpy", CopyBenchmark)->Arg(18);
+  benchmark::RegisterBenchmark("memcpy_in_cache", CachedCopyBenchmark)->Arg(18);
+  for (const FilterKind& kind : FilterKinds()) {
+    benchmark::RegisterBenchmark(std::string(kind.name).c_str(), FilterBenchmark, kind.defaults)
+        ->Arg(18);
+  }
+  benchmark::RegisterBenchmark("kalman_3_states", FilterBenchmark,
+                               FilterConfig{KalmanConfig{.noise = {.r = {15.0}}, .states = 3}})
+      ->Arg(18);
+  benchmark::RegisterBenchmark("eigen_2x2", PlainEigenBenchmark)->Arg(18);
+  benchmark::RegisterBenchmark("eigen_dense_36", PlainDenseBenchmark)->Arg(18);
+
+  ControllerConfig config;
+  config.filters = {{KalmanConfig{}}};
+  benchmark::RegisterBenchmark("controller_20ms_events", ControllerBenchmark, config);
+  config.samples_per_event = 1;
+  benchmark::RegisterBenchmark("controller_1ms_events", ControllerBenchmark, config);
+  config.filters.insert(config.filters.begin(), {HampelConfig{}});
+  config.prediction.kind = PredictionKind::kKalman;
+  benchmark::RegisterBenchmark("controller_everything", ControllerBenchmark, config);
+
+  for (const FilterKind& kind : FilterKinds()) {
+    if (kind.name == "kalman_dense") continue;  // its cost is cubic in the channels
+    auto* scaling = benchmark::RegisterBenchmark(("channels/" + std::string(kind.name)).c_str(),
+                                                 FilterBenchmark, kind.defaults);
+    scaling->RangeMultiplier(4)->Range(16, 4096);
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::controller
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  gauntlet::controller::Register();
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
