@@ -58,7 +58,8 @@ std::filesystem::path RenderFolder(const RenderOptions& options) {
                            .hand_angle_rad = &trace.hand_angle_rad,
                            .spool_angle_rad = &trace.spool_angle_rad,
                            .filtered_angle_rad = &trace.filtered_angle_rad,
-                           .command_angle_rad = &command_angles[i]});
+                           .command_angle_rad = &command_angles[i],
+                           .object_pose = &trace.object_pose});
   }
   const auto channel =
       std::find(file.channel_names.begin(), file.channel_names.end(), scenario.video.channel);

@@ -33,6 +33,7 @@ struct ChannelScores {
   double saturation_share = kNoScore;
   double slack_share = kNoScore;
   double tension_peak_n = kNoScore;
+  double grip_force_ripple_n = kNoScore;  // of the whole hand: only in a summary
 };
 
 /// Which field holds metric number `metric` of Metrics().

@@ -133,6 +133,12 @@ constexpr Row kRows[] = {
       .help = "the largest pull",
       .definition = "largest tension of the cables of the channel"},
      &ChannelScores::tension_peak_n},
+    {{.key = "grip_force_ripple_n",
+      .help = "trembling of the grip: the force on a held object above 10 Hz, RMS",
+      .definition =
+          "RMS of the grip force behind the high pass of jitter_rms_deg, over stretches of "
+          "grip, 0.63 s at both ends left out; of the whole hand"},
+     &ChannelScores::grip_force_ripple_n},
 };
 
 constexpr int kCount = static_cast<int>(std::size(kRows));

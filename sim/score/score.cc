@@ -7,6 +7,7 @@
 #include "sim/score/channel_scores.h"
 #include "sim/score/delay.h"
 #include "sim/score/fourier.h"
+#include "sim/score/grip.h"
 #include "sim/score/jitter.h"
 #include "sim/score/motors.h"
 #include "sim/score/smoothness.h"
@@ -40,6 +41,9 @@ void CheckShapes(const ScoreInput& input) {
   Check(input.saturation_share.empty() ||
             static_cast<Eigen::Index>(input.saturation_share.size()) == channels,
         "a saturation share is needed per motor");
+  Check(input.grip_force_n == nullptr ||
+            (input.grip_force_n->rows() >= rows && input.grip_force_n->cols() == 1),
+        "the grip force is no column as long as the hand's angles");
   if (input.tension_n != nullptr) {
     Check(input.tension_n->rows() >= rows, "the tensions are shorter than the hand's angles");
     Check(static_cast<Eigen::Index>(input.cable_channel.size()) == input.tension_n->cols(),
@@ -215,6 +219,10 @@ Scores ComputeScores(const ScoreInput& input) {
     all.push_back(static_cast<std::size_t>(index));
   }
   scores.summary = MeansOver(scores, all);
+  if (input.grip_force_n != nullptr) {
+    scores.summary[MetricIndex("grip_force_ripple_n")] =
+        GripForceRipple(Column(*input.grip_force_n, 0, rows), input.rate_hz, fourier);
+  }
   return scores;
 }
 

@@ -27,6 +27,7 @@ struct ScoreInput {
   const Signal* motor_speed_rad_s = nullptr;       // samples x motors
   const Signal* tension_n = nullptr;               // samples x cables
   std::span<const int> cable_channel = {};         // per cable: the channel that it moves
+  const Signal* grip_force_n = nullptr;            // samples x 1: of the hand on an object
   std::span<const double> saturation_share = {};   // per motor
   std::span<const LabelledSegment> segments = {};  // in place of a split by the wearer's speed
 };
@@ -45,7 +46,8 @@ std::span<const Metric> Metrics();
 std::size_t MetricIndex(std::string_view key);
 
 /// Values in the order of Metrics(). NaN where a score does not exist (a channel that never moved
-/// has no delay). Channels that do not move at all count in a summary where they have a value.
+/// has no delay; a grip is of the whole hand and only in the summary). Channels that do not move at
+/// all count in a summary where they have a value.
 struct Scores {
   std::vector<double> summary;                // metrics
   std::vector<std::vector<double>> channels;  // channels x metrics

@@ -34,6 +34,7 @@ Scores Score(const GloveSignal& glove, const Trace& trace, const std::vector<int
   input.motor_speed_rad_s = &trace.spool_speed_rad_s;
   input.tension_n = &trace.tension_n;
   input.cable_channel = cable_channel;
+  if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   input.saturation_share = trace.saturation_share;
   input.segments = segments;
   return ComputeScores(input);

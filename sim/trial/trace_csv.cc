@@ -40,7 +40,7 @@ void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove
   AddColumns("true_angle_rad", glove.channel_names, glove.true_angle_rad, columns);
   AddColumns("counts", glove.channel_names, glove.counts, columns);
   ForEachSignal(trace, [&](const char* name, const char*, TraceColumns kind, const auto& matrix) {
-    AddColumns(name, names.Of(kind), matrix, columns);
+    if (matrix.cols() > 0) AddColumns(name, names.Of(kind), matrix, columns);
   });
 
   fmt::memory_buffer text;

@@ -167,6 +167,7 @@ void TraceWriter::Add(const Trace& trace) {
                                  state_->hand.cable_names()};
     ForEachSignal(
         trace, [&](const char* name, const char* unit, TraceColumns columns, const auto& matrix) {
+          if (matrix.cols() == 0) return;
           WriteMatrix({group, name, unit, state_->rate_hz}, names.Of(columns), matrix);
         });
     WriteText(group, "health", trace.health.ok ? "ok" : trace.health.problem);
@@ -205,7 +206,7 @@ TraceFile ReadTraceFile(const std::filesystem::path& file, const std::vector<std
       Trace& trace = result.traces.emplace_back();
       trace.controller_name = name;
       ForEachSignal(trace, [&](const char* signal, const char*, TraceColumns, auto& matrix) {
-        ReadMatrix(group, signal, matrix);
+        if (group.nameExists(signal)) ReadMatrix(group, signal, matrix);
       });
       const std::string health = ReadText(group, "health");
       trace.health = {.ok = health == "ok", .problem = health == "ok" ? "" : health};

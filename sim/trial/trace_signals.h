@@ -9,7 +9,7 @@
 namespace gauntlet::sim {
 
 /// What the columns of a signal are.
-enum class TraceColumns { kChannels, kMotors, kCables };
+enum class TraceColumns { kChannels, kMotors, kCables, kGrip, kPose };
 
 /// Names of the columns of all signals of one hand.
 struct TraceColumnNames {
@@ -18,13 +18,27 @@ struct TraceColumnNames {
   const std::vector<std::string>& cables;
 
   const std::vector<std::string>& Of(TraceColumns columns) const {
-    if (columns == TraceColumns::kChannels) return channels;
-    return columns == TraceColumns::kMotors ? motors : cables;
+    static const std::vector<std::string> grip = {"object"};
+    static const std::vector<std::string> pose = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
+    switch (columns) {
+      case TraceColumns::kChannels:
+        return channels;
+      case TraceColumns::kMotors:
+        return motors;
+      case TraceColumns::kCables:
+        return cables;
+      case TraceColumns::kGrip:
+        return grip;
+      case TraceColumns::kPose:
+        return pose;
+    }
+    return channels;
   }
 };
 
 /// Shows every signal of a trace once: `visit(name, unit, columns, matrix)`. The one list that the
-/// writers and the reader of trace files share.
+/// writers and the reader of trace files share. The last two have no columns, and no place in a
+/// file, unless there is an object to grasp.
 template <class TraceType, class Visit>
 void ForEachSignal(TraceType& trace, Visit&& visit) {
   visit("linearised_angle_rad", "rad", TraceColumns::kChannels, trace.linearised_angle_rad);
@@ -34,6 +48,8 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
   visit("spool_speed_rad_s", "rad/s", TraceColumns::kMotors, trace.spool_speed_rad_s);
   visit("hand_angle_rad", "rad", TraceColumns::kChannels, trace.hand_angle_rad);
   visit("tension_n", "N", TraceColumns::kCables, trace.tension_n);
+  visit("grip_force_n", "N", TraceColumns::kGrip, trace.grip_force_n);
+  visit("object_pose", "m, quaternion", TraceColumns::kPose, trace.object_pose);
 }
 
 }  // namespace gauntlet::sim

@@ -84,14 +84,16 @@ class ColumnRecorder {
 /// The recorders of all signals of one trace.
 struct Recorders {
   Recorders(Trace& trace, Eigen::Index samples, Eigen::Index channels, Eigen::Index motors,
-            Eigen::Index cables)
+            Eigen::Index cables, bool object)
       : linearised(trace.linearised_angle_rad, samples, channels),
         filtered(trace.filtered_angle_rad, samples, channels),
         command(trace.command_counts, samples, motors),
         spool_angle(trace.spool_angle_rad, samples, motors),
         spool_speed(trace.spool_speed_rad_s, samples, motors),
         hand(trace.hand_angle_rad, samples, channels),
-        tension(trace.tension_n, samples, cables) {}
+        tension(trace.tension_n, samples, cables),
+        grip(trace.grip_force_n, samples, object ? 1 : 0),
+        pose(trace.object_pose, samples, object ? 7 : 0) {}
 
   void Flush(Eigen::Index samples_done) {
     linearised.Flush(samples_done);
@@ -101,6 +103,8 @@ struct Recorders {
     spool_speed.Flush(samples_done);
     hand.Flush(samples_done);
     tension.Flush(samples_done);
+    grip.Flush(samples_done);
+    pose.Flush(samples_done);
   }
 
   ColumnRecorder<double> linearised;
@@ -110,6 +114,8 @@ struct Recorders {
   ColumnRecorder<double> spool_speed;
   ColumnRecorder<double> hand;
   ColumnRecorder<double> tension;
+  ColumnRecorder<double> grip;
+  ColumnRecorder<double> pose;
 };
 
 template <class Scalar>
@@ -118,9 +124,9 @@ void Copy(std::span<const Scalar> from, std::span<Scalar> to) {
 }
 
 void Truncate(Trace& trace, Eigen::Index samples) {
-  for (Signal* signal :
-       {&trace.linearised_angle_rad, &trace.filtered_angle_rad, &trace.spool_angle_rad,
-        &trace.spool_speed_rad_s, &trace.hand_angle_rad, &trace.tension_n}) {
+  for (Signal* signal : {&trace.linearised_angle_rad, &trace.filtered_angle_rad,
+                         &trace.spool_angle_rad, &trace.spool_speed_rad_s, &trace.hand_angle_rad,
+                         &trace.tension_n, &trace.grip_force_n, &trace.object_pose}) {
     signal->conservativeResize(samples, Eigen::NoChange);
   }
   trace.command_counts.conservativeResize(samples, Eigen::NoChange);
@@ -148,7 +154,8 @@ Trace RunTrial(const std::string& controller_name,
   Trace trace;
   trace.controller_name = controller_name;
   trace.saturation_share.assign(static_cast<std::size_t>(motors), 0.0);
-  Recorders record(trace, samples, channels, motors, cables);
+  const bool object = hand_model->grasp().exists();
+  Recorders record(trace, samples, channels, motors, cables, object);
   std::vector<double> counts(static_cast<std::size_t>(channels));
   std::vector<std::uint8_t> saturated(static_cast<std::size_t>(motors));
 
@@ -168,6 +175,10 @@ Trace RunTrial(const std::string& controller_name,
     hand.ReadSpoolSpeeds(record.spool_speed.Row(sample));
     hand.ReadJointAngles(record.hand.Row(sample));
     hand.ReadCableTensions(record.tension.Row(sample));
+    if (object) {
+      record.grip.Row(sample)[0] = hand.ReadGrip().force_n;
+      hand.ReadObjectPose(record.pose.Row(sample));
+    }
     hand.ReadSaturation(saturated);
     for (std::size_t m = 0; m < saturated.size(); ++m) trace.saturation_share[m] += saturated[m];
 

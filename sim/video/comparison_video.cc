@@ -37,12 +37,20 @@ class FrameArtist {
         data_(mj_makeData(&hand.model())),
         views_(input.panes.size()) {
     if (data_ == nullptr) throw RunError("video: not enough memory for a posture");
+    if (!hand.grasp().exists()) return;
+    // The support stands where the object stood when the trial began.
+    SetPosture(hand, Row(*input.true_angle_rad, 0),
+               std::vector<double>(hand.transmission().motor_names.size()), *data_);
+    PlaceObject(hand.grasp(), *data_);
   }
 
   void Draw(int frame, Image& image) {
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const VideoPane& pane = input_.panes[i];
       const int sample = picture_.SampleOf(static_cast<int>(i), frame);
+      if (pane.object_pose != nullptr && pane.object_pose->cols() == 7) {
+        SetObjectPose(hand_, Row(*pane.object_pose, sample), *data_);
+      }
       SetPosture(hand_, Row(*pane.hand_angle_rad, sample), Row(*pane.spool_angle_rad, sample),
                  *data_);
       renderer_.Draw(*data_, views_[i]);

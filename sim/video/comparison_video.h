@@ -17,6 +17,7 @@ struct VideoPane {
   const Signal* spool_angle_rad = nullptr;     // samples x motors
   const Signal* filtered_angle_rad = nullptr;  // samples x channels
   const Signal* command_angle_rad = nullptr;   // samples x channels: the frame, as a joint angle
+  const Signal* object_pose = nullptr;         // samples x 7: of the object, if there is one
 };
 
 struct VideoInput {

@@ -110,6 +110,7 @@ struct FullExample {
   IntegerSignal command = IntegerSignal::Zero(kSamples, 2);
   Signal speed = Signal::Zero(kSamples, 2);
   Signal tension = Signal::Zero(kSamples, 3);
+  Signal grip = Signal::Zero(kSamples, 1);
   std::vector<int> cable_channel{0, 1, 0};
   std::vector<double> saturation{0.25, 0.75};
 
@@ -123,6 +124,7 @@ struct FullExample {
         command(n, c) = static_cast<int>(100.0 * At(n / 20 * 20, c));
         speed(n, c) = 0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 40.0 * n / 1000.0);
       }
+      grip(n, 0) = 9.0 + std::sqrt(2.0) * std::sin(2.0 * kPi * 25.0 * n / 1000.0);
       tension(n, 0) = n < kSamples / 10 ? 0.0 : 3.0;
       tension(n, 1) = 1.0;
       tension(n, 2) = n == 77 ? 8.0 : 2.0;
@@ -141,6 +143,7 @@ struct FullExample {
             .motor_speed_rad_s = &speed,
             .tension_n = &tension,
             .cable_channel = cable_channel,
+            .grip_force_n = &grip,
             .saturation_share = saturation};
   }
 };
@@ -150,8 +153,9 @@ TEST(Scores, AllExistWhereAllSignalsDo) {
   const Scores scores = ComputeScores(example.Input());
   for (std::size_t i = 0; i < Metrics().size(); ++i) {
     EXPECT_TRUE(std::isfinite(scores.summary[i])) << Metrics()[i].key;
+    const bool of_a_channel = Metrics()[i].key != "grip_force_ripple_n";
     for (const auto& channel : scores.channels) {
-      EXPECT_TRUE(std::isfinite(channel[i])) << Metrics()[i].key;
+      EXPECT_EQ(std::isfinite(channel[i]), of_a_channel) << Metrics()[i].key;
     }
   }
 }
@@ -174,6 +178,7 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
   EXPECT_DOUBLE_EQ(value("slack_share"), 0.05);
   EXPECT_DOUBLE_EQ(value("tension_peak_n"), 8.0);
   EXPECT_DOUBLE_EQ(scores.summary[IndexOf("saturation_share")], 0.5);
+  EXPECT_NEAR(scores.summary[IndexOf("grip_force_ripple_n")], 1.0, 1e-3);
 }
 
 TEST(Scores, FollowLabelsInPlaceOfTheSpeed) {
@@ -234,6 +239,9 @@ TEST(Scores, RefuseSignalsThatDoNotFit) {
   EXPECT_THROW(ComputeScores(input), std::invalid_argument);
   input = example.Input();
   input.tension_n = &example.hand;  // without the channels of its cables
+  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  input = example.Input();
+  input.grip_force_n = &narrow;
   EXPECT_THROW(ComputeScores(input), std::invalid_argument);
   input = example.Input();
   const double one_share[] = {0.5};

@@ -36,6 +36,7 @@ class TraceFileTest : public testing::Test {
     trace.spool_speed_rad_s = Signal::Random(5, 18);
     trace.hand_angle_rad = Signal::Random(5, 18);
     trace.tension_n = Signal::Random(5, static_cast<Eigen::Index>(hand_.cable_names().size()));
+    trace.object_pose = Signal::Random(5, 7);  // and no grip force: what has no columns is left out
     return trace;
   }
 
@@ -65,6 +66,8 @@ TEST_F(TraceFileTest, GivesBackEveryBit) {
   EXPECT_EQ(read.traces[1].hand_angle_rad, b.hand_angle_rad);
   EXPECT_EQ(read.traces[1].command_counts, b.command_counts);
   EXPECT_EQ(read.traces[0].tension_n, a.tension_n);
+  EXPECT_EQ(read.traces[0].object_pose, a.object_pose);
+  EXPECT_EQ(read.traces[0].grip_force_n.size(), 0);
   EXPECT_EQ(ReadTraceFile(file_, {"kalman"}).traces.size(), 1u);
 }
 

@@ -12,7 +12,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::array<Posture, 8> kPostures = {{
+constexpr std::array<Posture, 11> kPostures = {{
     // thumb: rotation, abduction, MCP, IP; index, middle, ring, little: MCP, PIP; spread; wrist
     // flexion, deviation; forearm rotation; elbow; shoulder
     {"rest",
@@ -39,6 +39,15 @@ constexpr std::array<Posture, 8> kPostures = {{
     {"point",
      "index finger straight, the others closed",
      {60, 30, 35, 45, 0, 5, 70, 85, 72, 88, 72, 85, 3, 0, 0, -20, 60, 40}},
+    {"around_bottle",
+     "the open hand around a bottle that stands in front of the palm, the thumb up",
+     {90, 60, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 90, 0}},
+    {"grip_bottle",
+     "fingers and thumb pressed on that bottle",
+     {90, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, 0, 0, 90, 0}},
+    {"lift_bottle",
+     "the same, the elbow bent by 20 deg more",
+     {90, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, 0, 0, 110, 0}},
 }};
 
 constexpr auto kNames = [] {
