@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <thread>
 
 #include "sim/base/atomic_file.h"
@@ -50,6 +51,18 @@ void WarnIfMadeElsewhere(const Study& study) {
              made.model_hash, study.hand->Hash());
 }
 
+/// Builds everything that the scenario names. What is wrong is said with the scenario's file,
+/// unless it is said with a file already: a model, a recording.
+Study Prepare(const StudyCommand& options, Scenario scenario) {
+  try {
+    return PrepareStudy(std::move(scenario));
+  } catch (const UserError& error) {
+    const std::string problem = error.what();
+    if (std::filesystem::exists(problem.substr(0, problem.find(':')))) throw;
+    throw UserError(fmt::format("{}: {}", options.scenario_file, problem));
+  }
+}
+
 }  // namespace
 
 void AddStudyOptions(CLI::App& command, StudyCommand& options) {
@@ -72,7 +85,7 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
 void RunStudyCommand(const StudyCommand& options) {
   Scenario scenario = LoadScenario(options.scenario_file, options.overrides);
   KeepOnly(options.controllers, scenario);
-  const Study study = PrepareStudy(std::move(scenario));
+  const Study study = Prepare(options, std::move(scenario));
   WarnIfMadeElsewhere(study);
   OutputFolder folder(options.out.empty() ? "out/" + study.scenario.name : options.out);
 

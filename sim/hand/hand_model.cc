@@ -40,6 +40,16 @@ mjModel* LoadModel(const std::filesystem::path& path) {
   throw UserError(fmt::format("{}: {}", path.string(), line));
 }
 
+/// Does something with the model; what it finds wrong there is said with the model's file.
+template <class Action>
+auto InModelFile(const std::filesystem::path& path, const Action& action) {
+  try {
+    return action();
+  } catch (const UserError& error) {
+    throw UserError(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
 /// How many physics steps make one sample of 1 ms.
 int StepsPerSample(double step_ms) {
   const double steps = std::round(1.0 / step_ms);
@@ -81,7 +91,7 @@ void AddCoupling(const Cable& cable, double sense, double radius_m, bool interfe
   }
 }
 
-/// Throws if the spool cannot turn as far as some posture asks for.
+/// Throws if the spool of a motor cannot turn as far as some posture asks for.
 void CheckTravel(const TendonTransmission& transmission, std::size_t motor, double travel_deg) {
   const std::size_t channels = transmission.channel_names.size();
   double needed_rad = 0.0;
@@ -130,7 +140,6 @@ TendonTransmission MakeTransmission(const mjModel& model, const HandConfig& conf
       throw UserError(
           fmt::format("the cables of '{}' in the model do not move its joint", names[motor]));
     }
-    CheckTravel(transmission, motor, config.servo.travel_deg);
   }
   return transmission;
 }
@@ -147,13 +156,17 @@ HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& c
   TakeOverMujocoMessages();
   controller::CheckSettings(config);
   steps_per_sample_ = StepsPerSample(config.step_ms);
-  model_.reset(LoadModel(ModelPath(config)));
+  const std::filesystem::path path = ModelPath(config);
+  model_.reset(LoadModel(path));
   model_->opt.timestep = 1e-3 / steps_per_sample_;
 
   if (config.contact != Contact::kNone) model_->opt.disableflags &= ~mjDSBL_CONTACT;
-  if (config.contact == Contact::kObject) grasp_ = MakeObject(*model_, config.object);
+  if (config.contact == Contact::kObject) {
+    grasp_ = InModelFile(path, [&] { return MakeObject(*model_, config.object); });
+  }
 
-  const std::vector<int> joints = ChannelJoints(*model_, channel_names);
+  const std::vector<int> joints =
+      InModelFile(path, [&] { return ChannelJoints(*model_, channel_names); });
   std::vector<double> reference_rad;
   for (int joint : joints) {
     channel_qpos_.push_back(model_->jnt_qposadr[joint]);
@@ -161,10 +174,17 @@ HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& c
                             (model_->jnt_range[2 * joint] + model_->jnt_range[2 * joint + 1]));
   }
   followers_ = FindFollowers(*model_);
-  drives_ = FindDrives(*model_, config, channel_names, joints, reference_rad, followers_);
+  drives_ = InModelFile(path, [&] {
+    return FindDrives(*model_, config, channel_names, joints, reference_rad, followers_);
+  });
   CheckStability(*model_, drives_);
-  transmission_ =
-      MakeTransmission(*model_, config, channel_names, joints, reference_rad, followers_, drives_);
+  transmission_ = InModelFile(path, [&] {
+    return MakeTransmission(*model_, config, channel_names, joints, reference_rad, followers_,
+                            drives_);
+  });
+  for (std::size_t motor = 0; motor < channel_names.size(); ++motor) {
+    CheckTravel(transmission_, motor, config.servo.travel_deg);
+  }
   for (const Drive& drive : drives_) {
     for (const Cable* cable : {&drive.flexor, &drive.extensor}) {
       cable_names_.emplace_back(mj_id2name(model_.get(), mjOBJ_TENDON, cable->tendon));

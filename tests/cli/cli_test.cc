@@ -246,6 +246,15 @@ INSTANTIATE_TEST_SUITE_P(
                     "controllers.a.filter"},
         BadScenario{"WrongChannel", kGood + "video: {channel: index_mpc}\n",
                     "did you mean index_mcp?"},
+        BadScenario{"NegativeStiffness", kGood + "hand: {cable: {stiffness_scale: -1}}\n",
+                    "scenario.yaml:4:33: hand.cable.stiffness_scale: is -1"},
+        BadScenario{"NoDiameter", kGood + "hand: {object: {diameter_mm: 0}}\n",
+                    "scenario.yaml:4:30: hand.object.diameter_mm: is 0"},
+        BadScenario{"TooLittleTravel", kGood + "hand: {servo: {travel_deg: 200}}\n",
+                    "scenario.yaml: hand.servo.travel_deg: 200 is too little"},
+        BadScenario{
+            "UnknownJoint", "question: q\nglove: {channels: [index_mpc]}\ncontrollers: {raw: {}}\n",
+            "scenario.yaml: channels: unknown channel 'index_mpc' (did you mean index_mcp?)"},
         BadScenario{"MissingRecording",
                     "question: q\nglove: {motion: {kind: recording, file: no.csv}}\ncontrollers: "
                     "{raw: {}}\n",

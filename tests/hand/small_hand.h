@@ -8,10 +8,28 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sim/hand/hand.h"
 
 namespace gauntlet::sim::testing {
+
+/// A hand of the model in this text; the file is gone afterwards.
+inline std::shared_ptr<const HandModel> MakeFromText(const std::string& xml, HandConfig config,
+                                                     const std::vector<std::string>& channels) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / fmt::format("small_hand_{}.xml", getpid());
+  std::ofstream(file) << xml;
+  config.model_path = file.string();
+  try {
+    auto model = std::make_shared<const HandModel>(config, channels);
+    std::filesystem::remove(file);
+    return model;
+  } catch (...) {
+    std::filesystem::remove(file);
+    throw;
+  }
+}
 
 /// A hand of one hinge, whose laws can be worked out on paper: a lever of mass m at distance l, a
 /// pulley of 10 mm around the hinge, a drum at 100 mm, and two cables.
@@ -72,21 +90,7 @@ struct SmallHand {
                        fmt::arg("mass", mass_kg), fmt::arg("stiffness", stiffness_n_m));
   }
 
-  std::shared_ptr<const HandModel> Make() const {
-    const std::filesystem::path file =
-        std::filesystem::temp_directory_path() / fmt::format("small_hand_{}.xml", getpid());
-    std::ofstream(file) << Xml();
-    HandConfig with_file = config;
-    with_file.model_path = file.string();
-    try {
-      auto model = std::make_shared<const HandModel>(with_file, std::vector<std::string>{"joint"});
-      std::filesystem::remove(file);
-      return model;
-    } catch (...) {
-      std::filesystem::remove(file);
-      throw;
-    }
-  }
+  std::shared_ptr<const HandModel> Make() const { return MakeFromText(Xml(), config, {"joint"}); }
 
   /// Torque of the weight about the hinge at a joint angle [N m], towards flexion.
   double WeightTorque(double angle_rad) const {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "sim/base/error.h"
 #include "sim/glove/channels.h"
 
 namespace gauntlet::sim {
@@ -33,7 +35,11 @@ void HoldChannel(std::size_t channel, double angle_rad, Motion& motion) {
 std::vector<bool> SelectChannels(const std::vector<std::string>& names) {
   std::vector<bool> selected(GloveChannels().size(), names.empty());
   for (const std::string& name : names) {
-    selected[static_cast<std::size_t>(ChannelIndex(name))] = true;
+    try {
+      selected[static_cast<std::size_t>(ChannelIndex(name))] = true;
+    } catch (const UserError& error) {
+      throw UserError(std::string("channels: ") + error.what());
+    }
   }
   return selected;
 }
