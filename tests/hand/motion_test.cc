@@ -5,6 +5,7 @@
 
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/sine_delay.h"
+#include "tests/hand/small_hand.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -163,6 +164,39 @@ double Energy(const Hand& hand) {
     }
   }
   return energy;
+}
+
+// A lever that falls freely, its cables slack, loses just what the damping of its hinge takes:
+//
+//     m g h + I omega^2 / 2 + integral of d omega^2 dt = constant
+TEST(SmallHandMotion, AFreeFallLosesTheEnergyThatDampingTakes) {
+  SmallHand small;
+  small.config.cable.pretension_mm = 0.0;
+  small.config.cable.slack_mm = 20.0;
+  Hand hand(small.Make());
+  hand.Reset(std::vector<double>{-0.9});
+  const double sphere_inertia = 0.4 * small.mass_kg * 0.004 * 0.004;
+  const double inertia =
+      small.mass_kg * SmallHand::kLeverM * SmallHand::kLeverM + sphere_inertia + 1e-4;
+  const double damping = 0.005;
+  const auto angle = [&] { return Read(hand).joint_rad; };
+  const auto height = [&] { return -SmallHand::kLeverM * std::sin(angle()); };
+  const double start = small.mass_kg * small.gravity_m_s2 * height();
+  double lost = 0.0;
+  double before = 0.0;
+  int steps = 0;
+  while (angle() < 0.9) {
+    ASSERT_LT(++steps, 1000) << "the lever does not fall";
+    hand.Step();
+    const double speed = hand.data().qvel[1];
+    lost += damping * 0.5 * (before * before + speed * speed) * 1e-3;
+    before = speed;
+  }
+  const double end =
+      small.mass_kg * small.gravity_m_s2 * height() + 0.5 * inertia * before * before;
+  EXPECT_GT(lost, 0.02);
+  EXPECT_NEAR(start - end, lost, 0.02 * lost);
+  EXPECT_EQ(Read(hand).flexor_n + Read(hand).extensor_n, 0.0);
 }
 
 // Motors without torque, the arm let go from a stretched posture: it falls and swings, and every

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -27,11 +28,22 @@ struct DriveDelay {
   SineDelay joint;
 };
 
-/// How far spool and joint lag behind a sine of 1 Hz and 30 deg that one channel is told in frames
-/// of 20 ms, in its third and fourth period.
+/// A hand whose cables pull with next to nothing: its servos turn nothing but their spools.
+inline HandConfig ServosAlone() {
+  HandConfig config;
+  config.cable.stiffness_scale = 1e-6;
+  config.cable.capstan_friction = 0.0;
+  return config;
+}
+
+/// How far spool and joint lag behind a sine of 1 Hz that one channel is told in frames of 20 ms,
+/// in its third and fourth period. The amplitude is 30 deg, or half the joint's range if that is
+/// less.
 inline DriveDelay MeasureDelay(Hand& hand, int channel) {
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   const double omega = 2.0 * std::numbers::pi;
+  const double amplitude =
+      std::min(30.0 * kRadPerDeg, 0.5 * (map.joint_max_rad[channel] - map.joint_min_rad[channel]));
   std::vector<double> angle = map.reference_angle_rad;
   std::vector<double> spool(angle.size());
   hand.Reset(angle);
@@ -39,7 +51,7 @@ inline DriveDelay MeasureDelay(Hand& hand, int channel) {
   for (int sample = 0; sample < 4000; ++sample) {
     const double phase = omega * sample * 1e-3;
     if (sample % 20 == 0) {
-      angle[channel] = map.reference_angle_rad[channel] + 30.0 * kRadPerDeg * std::sin(phase);
+      angle[channel] = map.reference_angle_rad[channel] + amplitude * std::sin(phase);
       hand.SetCommand(CountsFor(map, angle));
     }
     hand.Step();
