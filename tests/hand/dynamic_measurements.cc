@@ -54,11 +54,13 @@ double ProcessorSeconds(int who) {
 }
 
 /// A random posture every 100 ms and trembling commands; false if the hand was stopped.
-bool SurvivesRandomMotion(Hand& hand, std::uint64_t seed) {
+/// `least_tension_n` is lowered to the least of all cables.
+bool SurvivesRandomMotion(Hand& hand, std::uint64_t seed, double& least_tension_n) {
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   RandomStream random(seed, "motion");
   hand.Reset(RandomPosture(map, random));
   std::vector<std::int32_t> counts;
+  std::vector<double> tension(hand.hand_model().cable_names().size());
   for (int sample = 0; sample < 2000; ++sample) {
     if (sample % 100 == 0) counts = CountsFor(map, RandomPosture(map, random));
     if (sample % 20 == 0) {
@@ -66,6 +68,8 @@ bool SurvivesRandomMotion(Hand& hand, std::uint64_t seed) {
       hand.SetCommand(counts);
     }
     hand.Step();
+    hand.ReadCableTensions(tension);
+    least_tension_n = std::min(least_tension_n, *std::min_element(tension.begin(), tension.end()));
   }
   if (!hand.health().ok) fmt::print("seed {}: {}\n", seed, hand.health().problem);
   return hand.health().ok;
@@ -131,14 +135,50 @@ void PrintSteps() {
   }
 }
 
+void PrintClosing() {
+  Hand hand(MakeModel());
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  std::vector<double> open = HomePosture(map);
+  std::vector<double> closed = open;
+  for (const char* finger : {"index", "middle", "ring", "little"}) {
+    for (const char* joint : {"_mcp", "_pip"}) {
+      const int channel = ChannelIndex(std::string(finger) + joint);
+      open[channel] = 0.0;
+      closed[channel] = map.joint_max_rad[channel];
+    }
+  }
+  const auto time_ms = [&](const std::vector<double>& from, const std::vector<double>& to) {
+    hand.Reset(from);
+    hand.SetCommand(CountsFor(map, to));
+    int last = 0;
+    for (int sample = 1; sample <= 1500; ++sample) {
+      hand.Step();
+      const std::vector<double> angle = JointAngles(hand);
+      for (std::size_t i = 0; i < angle.size(); ++i) {
+        if (std::abs(angle[i] - to[i]) > 5.0 * kRadPerDeg) last = sample;
+      }
+    }
+    return last;
+  };
+  fmt::print("four fingers, all joints within 5 deg of the goal: closed after {} ms, ",
+             time_ms(open, closed));
+  fmt::print("open again after {} ms\n", time_ms(closed, open));
+}
+
 void PrintDelays() {
   Hand hand(MakeModel());
-  fmt::print("| channel | spool [ms] | joint [ms] |\n|---|---|---|\n");
-  for (const char* name : {"index_mcp", "middle_pip", "thumb_ip", "wrist_flexion",
-                           "forearm_rotation", "elbow_flexion", "shoulder_flexion"}) {
-    const DriveDelay delay = MeasureDelay(hand, ChannelIndex(name));
-    fmt::print("| {} | {:.1f} | {:.1f} |\n", name, delay.spool.Milliseconds(),
-               delay.joint.Milliseconds());
+  Hand servos(MakeModel(ServosAlone()));
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  fmt::print(
+      "| channel | frame and servo alone [ms] | spool in the hand [ms] | joint [ms] | cables and "
+      "load "
+      "[ms] |\n|---|---|---|---|---|\n");
+  for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+    const double alone = MeasureDelay(servos, channel).spool.Milliseconds();
+    const DriveDelay delay = MeasureDelay(hand, channel);
+    fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", map.channel_names[channel], alone,
+               delay.spool.Milliseconds(), delay.joint.Milliseconds(),
+               delay.joint.Milliseconds() - alone);
   }
 }
 
@@ -146,11 +186,15 @@ void PrintWarnings() {
   Hand hand(MakeModel());
   int motions = 0;
   int grasps = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) motions += SurvivesRandomMotion(hand, seed);
+  double least_n = 1e9;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    motions += SurvivesRandomMotion(hand, seed, least_n);
+  }
   for (std::uint64_t seed = 1; seed <= 20; ++seed) grasps += SurvivesRandomGrasp(seed);
   fmt::print(
-      "{} of 200 random motions of 2 s and {} of 20 random grasps of 3 s without a warning\n",
-      motions, grasps);
+      "{} of 200 random motions of 2 s and {} of 20 random grasps of 3 s without a warning; least "
+      "tension {} N\n",
+      motions, grasps, least_n);
 }
 
 void WriteConvergence(const std::filesystem::path& folder) {

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
       {"joints", PrintJoints},
       {"reach", PrintReach},
       {"steps", PrintSteps},
+      {"closing", PrintClosing},
       {"delays", PrintDelays},
       {"warnings", PrintWarnings},
       {"speed", PrintSpeed},

@@ -8,6 +8,7 @@ namespace gauntlet::sim::testing {
 void PrintJoints();
 void PrintReach();
 void PrintSteps();
+void PrintClosing();
 void PrintDelays();
 void PrintWarnings();
 void PrintSpeed();

@@ -15,10 +15,11 @@ const Crossing& OwnCrossing(const Cable& cable) {
                        [](const Crossing& crossing) { return crossing.own; });
 }
 
-/// Error of the moved channel after 1.2 s at a goal, from the home posture [deg].
-double SettledError(Hand& hand, int channel, double goal_rad) {
+/// Error of the moved channel after 1.2 s at a goal, all others in the home posture [deg].
+double SettledError(Hand& hand, std::size_t channel, double start_rad, double goal_rad) {
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   std::vector<double> angle = HomePosture(map);
+  angle[channel] = start_rad;
   hand.Reset(angle);
   angle[channel] = goal_rad;
   hand.SetCommand(CountsFor(map, angle));
@@ -86,14 +87,19 @@ void PrintReach() {
   Hand free(MakeModel(FrictionFree()));
   Hand real(MakeModel());
   const controller::TendonTransmission& map = free.hand_model().transmission();
-  fmt::print("| channel | without friction [deg] | with friction [deg] |\n|---|---|---|\n");
+  fmt::print(
+      "Largest error at 11 angles over the whole range, reached from both ends.\n"
+      "| channel | without friction [deg] | with friction [deg] |\n|---|---|---|\n");
   for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+    const double least = map.joint_min_rad[channel];
+    const double most = map.joint_max_rad[channel];
     double worst[2] = {};
-    for (double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-      const double goal = map.joint_min_rad[channel] +
-                          share * (map.joint_max_rad[channel] - map.joint_min_rad[channel]);
-      worst[0] = std::max(worst[0], std::abs(SettledError(free, channel, goal)));
-      worst[1] = std::max(worst[1], std::abs(SettledError(real, channel, goal)));
+    for (int place = 0; place <= 10; ++place) {
+      const double goal = least + 0.1 * place * (most - least);
+      for (double start : {least, most}) {
+        worst[0] = std::max(worst[0], std::abs(SettledError(free, channel, start, goal)));
+        worst[1] = std::max(worst[1], std::abs(SettledError(real, channel, start, goal)));
+      }
     }
     fmt::print("| {} | {:.2f} | {:.2f} |\n", map.channel_names[channel], worst[0], worst[1]);
   }
@@ -119,7 +125,7 @@ void WritePictures(const std::filesystem::path& folder) {
   const auto hand = MakeModel();
   std::vector<double> angle(GloveChannels().size());
   const std::pair<const char*, double> posture[] = {
-      {"thumb_rotation", 40}, {"thumb_abduction", 30}, {"thumb_mcp", 15},  {"thumb_ip", 15},
+      {"thumb_rotation", 35}, {"thumb_abduction", 55}, {"thumb_mcp", 12},  {"thumb_ip", 15},
       {"index_mcp", 15},      {"index_pip", 20},       {"middle_mcp", 25}, {"middle_pip", 30},
       {"ring_mcp", 35},       {"ring_pip", 40},        {"little_mcp", 45}, {"little_pip", 50},
       {"finger_spread", 8},   {"elbow_flexion", 90}};
