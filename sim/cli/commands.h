@@ -5,10 +5,12 @@
 namespace gauntlet::sim {
 
 // Each adds its subcommand with options and help; CLI11 runs it after parsing. Errors travel as
-// exceptions to main(), the only place that knows exit codes.
+// exceptions to main(), the only place that knows exit codes; a result that is no error but has an
+// exit code travels as CLI::RuntimeError.
 void AddRunCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
+void AddDiffCommand(CLI::App& app);
 void AddListCommand(CLI::App& app);
 void AddFilterCommand(CLI::App& app);
 

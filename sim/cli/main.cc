@@ -30,21 +30,26 @@ int Run(int argc, char** argv) {
   app.footer(
       "\nExample:\n  gauntlet compare scenarios/door_opening.yaml --video\n\n"
       "The start script also has: ./gauntlet test, which builds and runs all tests.\n"
-      "Exit codes: 0 done, 1 the run failed, 2 a mistake in what was asked.");
+      "Exit codes: 0 done, 1 the run failed or diff found a difference, 2 a mistake in what was "
+      "asked.");
   gauntlet::sim::AddRunCommand(app);
   gauntlet::sim::AddCompareCommand(app);
   gauntlet::sim::AddRenderCommand(app);
+  gauntlet::sim::AddDiffCommand(app);
   gauntlet::sim::AddFilterCommand(app);
   gauntlet::sim::AddListCommand(app);
+  int exit_code = 0;
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version
     app.exit(request);
+  } catch (const CLI::RuntimeError& result) {  // done, with an answer that is an exit code
+    exit_code = result.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return Complain(fmt::format("{} (see gauntlet --help)", error.what()), kUserMistake);
   }
   if (std::fflush(stdout) != 0) throw gauntlet::sim::RunError("standard output: cannot be written");
-  return 0;
+  return exit_code;
 }
 
 }  // namespace

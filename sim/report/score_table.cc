@@ -7,20 +7,14 @@
 #include <iterator>
 #include <limits>
 
+#include "sim/report/table_text.h"
+
 namespace gauntlet::sim {
 namespace {
 
 constexpr std::string_view kMainMetrics[] = {"tracking_rmse_deg", "aligned_rmse_deg",
                                              "peak_error_deg",    "delay_ms",
                                              "jitter_rms_deg",    "command_reversals_per_s"};
-
-/// Three significant digits are what the intervals usually allow.
-std::string Short(double value) {
-  if (!std::isfinite(value)) return "-";
-  const double size = std::abs(value);
-  const int decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3;
-  return fmt::format("{:.{}f}", value, decimals);
-}
 
 struct Cell {
   std::string text;
@@ -53,24 +47,12 @@ std::size_t BestController(const Summary& summary, std::size_t metric) {
   return best;
 }
 
-/// Characters on the screen: continuation bytes of UTF-8 take no place.
-std::size_t Width(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-  }));
-}
-
-std::string Padded(const std::string& text, std::size_t width, bool right) {
-  const std::string space(width > Width(text) ? width - Width(text) : 0, ' ');
-  return right ? space + text : text + space;
-}
-
 std::string Decorated(const Cell& cell, std::size_t width, bool colour) {
   const char* mark = cell.worse_than_raw ? "!" : cell.best ? "*" : " ";
   const std::string text = Padded(cell.text, width, true) + mark;
   if (!colour) return text;
-  if (cell.worse_than_raw) return "\033[33m" + text + "\033[0m";
-  if (cell.best) return "\033[1;32m" + text + "\033[0m";
+  if (cell.worse_than_raw) return Warning(text);
+  if (cell.best) return Good(text);
   return text;
 }
 

@@ -1,6 +1,8 @@
 #include "sim/scenario/scenario.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
 
 #include <cmath>
 
@@ -96,9 +98,38 @@ Scenario LoadScenario(const std::filesystem::path& file,
   return scenario;
 }
 
+namespace {
+
+void CollectValues(const std::string& key, const YAML::Node& node,
+                   std::vector<SettingValue>& values) {
+  const std::string prefix = key.empty() ? "" : key + ".";
+  if (node.IsMap()) {
+    for (const auto& entry : node) {
+      CollectValues(prefix + entry.first.Scalar(), entry.second, values);
+    }
+  } else if (node.IsSequence() && node.size() > 0 && node[0].IsMap()) {
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      CollectValues(prefix + std::to_string(i), node[i], values);
+    }
+  } else if (node.IsSequence()) {
+    values.push_back(
+        {key, fmt::format("[{}]", fmt::join(node.as<std::vector<std::string>>(), ", "))});
+  } else {
+    values.push_back({key, node.Scalar()});
+  }
+}
+
+}  // namespace
+
 std::string ScenarioToYaml(const Scenario& scenario) {
   Scenario copy = scenario;  // a visitor may change what it sees
   return SettingsToYaml([&copy](SettingsVisitor& visitor) { copy.Visit(visitor); });
+}
+
+std::vector<SettingValue> SettingValues(const Scenario& scenario) {
+  std::vector<SettingValue> values;
+  CollectValues("", YAML::Load(ScenarioToYaml(scenario)), values);
+  return values;
 }
 
 }  // namespace gauntlet::sim

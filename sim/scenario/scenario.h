@@ -58,4 +58,13 @@ Scenario LoadScenario(const std::filesystem::path& file, const std::vector<std::
 /// The scenario with every value used, as YAML that LoadScenario reads back to the same values.
 std::string ScenarioToYaml(const Scenario& scenario);
 
+/// One value of a scenario. The key is a path as --set takes it (`controllers.raw.filter.0.kind`).
+struct SettingValue {
+  std::string key;
+  std::string value;
+};
+
+/// Every value used, in the order of the file.
+std::vector<SettingValue> SettingValues(const Scenario& scenario);
+
 }  // namespace gauntlet::sim

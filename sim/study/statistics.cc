@@ -117,6 +117,23 @@ MeanInterval PairedDifference(std::span<const double> first, std::span<const dou
   return BootstrapMean(Differences(first, second), seed);
 }
 
+MeanInterval UnpairedDifference(std::span<const double> first, std::span<const double> second) {
+  const Sample a = FiniteValues(first);
+  const Sample b = FiniteValues(second);
+  const double difference = a.mean - b.mean;
+  if (a.size() < 2 || b.size() < 2) return {difference, kNaN, kNaN};
+  const double a_variance = a.scatter * a.scatter / a.size();
+  const double b_variance = b.scatter * b.scatter / b.size();
+  const double variance = a_variance + b_variance;
+  if (variance == 0.0) return {difference, difference, difference};
+  const double freedom =
+      variance * variance /
+      (a_variance * a_variance / (a.size() - 1) + b_variance * b_variance / (b.size() - 1));
+  // The sum of a hair keeps whole numbers whole; there is never less than 1.
+  const double half_width = StudentT(static_cast<int>(freedom + 1e-9)) * std::sqrt(variance);
+  return {difference, difference - half_width, difference + half_width};
+}
+
 double PairedEffectSize(std::span<const double> first, std::span<const double> second) {
   const Sample sample = FiniteValues(Differences(first, second));
   return sample.scatter > 0.0 ? sample.mean / sample.scatter : kNaN;

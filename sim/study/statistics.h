@@ -33,6 +33,14 @@ MeanInterval BootstrapMean(std::span<const double> values, std::uint64_t seed);
 MeanInterval PairedDifference(std::span<const double> first, std::span<const double> second,
                               std::uint64_t seed);
 
+/// The same of the means of two groups that share no seeds, first - second, by Welch's t:
+///
+///     error^2 = s1^2 / n1 + s2^2 / n2,   interval = mean1 - mean2 -+ t(97.5 %) error
+///
+/// with error^4 / ((s1^2 / n1)^2 / (n1 - 1) + (s2^2 / n2)^2 / (n2 - 1)) degrees of freedom, rounded
+/// down. No interval where a group has one value. Source: Welch 1947, doi 10.1093/biomet/34.1-2.28.
+MeanInterval UnpairedDifference(std::span<const double> first, std::span<const double> second);
+
 /// How large a paired difference is beside its scatter: Cohen's d_z = mean(d) / s(d), d = first -
 /// second. 0.2 counts as small, 0.5 as medium, 0.8 as large. NaN below two pairs or without
 /// scatter. Source: Cohen 1988, section 2.3.5; Lakens 2013, doi 10.3389/fpsyg.2013.00863.

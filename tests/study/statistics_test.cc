@@ -112,6 +112,41 @@ TEST(PairedDifference, IsNarrowWherePairsShareTheirDifficulty) {
   EXPECT_LT(difference.ci95_high, 1.2);
 }
 
+TEST(UnpairedDifference, CoversTheTruthOfGroupsOfOtherSizeAndScatter) {
+  constexpr int kStudies = 2000;
+  RandomStream random(5, "two groups");
+  int covered = 0;
+  for (int study = 0; study < kStudies; ++study) {
+    std::vector<double> first(6), second(12);
+    for (double& value : first) value = 2.0 + 3.0 * Normal(random);
+    for (double& value : second) value = 1.0 + Normal(random);
+    const MeanInterval interval = UnpairedDifference(first, second);
+    covered += interval.ci95_low <= 1.0 && 1.0 <= interval.ci95_high;
+  }
+  EXPECT_GE(covered, 0.93 * kStudies);
+  EXPECT_LE(covered, 0.97 * kStudies);
+}
+
+TEST(UnpairedDifference, OfEqualScattersIsStudentsTwoSampleTest) {
+  // Means 2 and 5, variance 1 each: error sqrt(2 / 3), 4 degrees of freedom, t = 2.7764.
+  const MeanInterval interval =
+      UnpairedDifference(std::vector<double>{1, 2, 3}, std::vector<double>{4, 5, 6, kNaN});
+  EXPECT_DOUBLE_EQ(interval.mean, -3.0);
+  EXPECT_NEAR(interval.ci95_low, -3.0 - 2.7764 * std::sqrt(2.0 / 3.0), 0.01);
+  EXPECT_NEAR(interval.ci95_high, -3.0 + 2.7764 * std::sqrt(2.0 / 3.0), 0.01);
+}
+
+TEST(UnpairedDifference, OfFewOrEqualValues) {
+  const std::vector<double> one{2.0};
+  const std::vector<double> equal{5.0, 5.0};
+  EXPECT_EQ(UnpairedDifference(one, equal).mean, -3.0);
+  EXPECT_TRUE(std::isnan(UnpairedDifference(one, equal).ci95_low));
+  EXPECT_EQ(UnpairedDifference(equal, equal).ci95_low, 0.0);
+  EXPECT_EQ(UnpairedDifference(equal, equal).ci95_high, 0.0);
+  const MeanInterval wide = UnpairedDifference(std::vector<double>{0, 1}, equal);
+  EXPECT_NEAR(wide.ci95_high, -4.5 + 12.7062 * 0.5, 1e-3);  // one degree of freedom
+}
+
 TEST(PairedEffectSize, IsTheMeanOverTheScatter) {
   const std::vector<double> first{3, 5, 7};
   const std::vector<double> second{2, 3, 4};

@@ -1,0 +1,54 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "sim/cli/commands.h"
+#include "sim/report/difference_table.h"
+#include "sim/study/study_difference.h"
+
+namespace gauntlet::sim {
+
+namespace {
+
+constexpr int kDifferent = 1;
+
+struct Options {
+  std::string a;
+  std::string b;
+  bool all = false;
+  bool json = false;
+};
+
+void Diff(const Options& options) {
+  const StudyFolder a = ReadStudyFolder(options.a);
+  const StudyFolder b = ReadStudyFolder(options.b);
+  const StudyDifference difference = CompareStudies(a, b);
+  if (options.json) {
+    fmt::print("{}", StudyDifferenceJson(a, b, difference));
+  } else {
+    const bool colour = isatty(STDOUT_FILENO) != 0;
+    fmt::print("{}", DifferenceTable(a, b, difference, {.all = options.all, .colour = colour}));
+  }
+  if (!difference.Same()) throw CLI::RuntimeError(kDifferent);
+}
+
+}  // namespace
+
+void AddDiffCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "diff", "Tell which settings and scores of two output folders differ; exit code 1 if any do");
+  const auto options = std::make_shared<Options>();
+  command->add_option("A", options->a, "output folder of run or compare")->required();
+  command->add_option("B", options->b, "another")->required();
+  command->add_flag("--all", options->all, "also show the scores that are the same");
+  command->add_flag("--json", options->json, "print JSON, with all scores");
+  command->footer(
+      "\nA score differs if the 95 % interval of its difference does not hold 0. With one seed\n"
+      "there is no interval and every difference counts. Versions are shown and do not count.\n"
+      "\nExample:\n  gauntlet diff out/baseline out/door_opening && echo nothing changed\n"
+      "\nExit codes: 0 the same, 1 something differs, 2 a folder is missing or incomplete.");
+  command->callback([options] { Diff(*options); });
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,31 @@
+#include "sim/report/table_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gauntlet::sim {
+
+std::string Short(double value) {
+  if (!std::isfinite(value)) return "-";
+  const double size = std::abs(value);
+  const int decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3;
+  return fmt::format("{:.{}f}", value, decimals);
+}
+
+std::size_t Width(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
+}
+
+std::string Padded(const std::string& text, std::size_t width, bool right) {
+  const std::string space(width > Width(text) ? width - Width(text) : 0, ' ');
+  return right ? space + text : text + space;
+}
+
+std::string Good(const std::string& text) { return "\033[1;32m" + text + "\033[0m"; }
+std::string Warning(const std::string& text) { return "\033[33m" + text + "\033[0m"; }
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,244 @@
+#include "sim/study/study_difference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "sim/score/score.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kVersions = "made_with.";
+constexpr double kRounding = 1e-9;
+
+std::vector<std::string> NotIn(const std::vector<std::string>& names,
+                               const std::vector<std::string>& others) {
+  std::vector<std::string> missing;
+  for (const std::string& name : names) {
+    if (std::find(others.begin(), others.end(), name) == others.end()) missing.push_back(name);
+  }
+  return missing;
+}
+
+// --- settings -----------------------------------------------------------------------------------
+
+/// The settings without those of controllers that the other folder does not have.
+std::vector<SettingValue> SharedSettings(const StudyFolder& folder,
+                                         const std::vector<std::string>& only_here) {
+  std::vector<SettingValue> values = SettingValues(folder.scenario);
+  for (const std::string& controller : only_here) {
+    const std::string prefix = "controllers." + controller + ".";
+    std::erase_if(values, [&](const SettingValue& value) { return value.key.starts_with(prefix); });
+  }
+  return values;
+}
+
+std::vector<SettingDifference> DifferentSettings(const std::vector<SettingValue>& a,
+                                                 const std::vector<SettingValue>& b) {
+  std::map<std::string, std::string> rest;  // of B, without what A has too
+  for (const SettingValue& value : b) rest.emplace(value.key, value.value);
+  std::vector<SettingDifference> differences;
+  for (const SettingValue& value : a) {
+    const auto found = rest.find(value.key);
+    if (found == rest.end()) {
+      differences.push_back({value.key, value.value, std::nullopt});
+      continue;
+    }
+    if (found->second != value.value) {
+      differences.push_back({value.key, value.value, found->second});
+    }
+    rest.erase(found);
+  }
+  for (const SettingValue& value : b) {
+    if (rest.contains(value.key)) differences.push_back({value.key, std::nullopt, value.value});
+  }
+  return differences;
+}
+
+// --- scores -------------------------------------------------------------------------------------
+
+DifferenceMethod MethodFor(const ScoreFile& a, const ScoreFile& b) {
+  if (a.seeds.size() < 2 || b.seeds.size() < 2) return DifferenceMethod::kPlain;
+  const bool same_seeds =
+      std::is_permutation(a.seeds.begin(), a.seeds.end(), b.seeds.begin(), b.seeds.end());
+  return same_seeds ? DifferenceMethod::kPaired : DifferenceMethod::kUnpaired;
+}
+
+/// The same scores with the seeds in another order.
+ScoreFile WithSeedsInOrder(const std::vector<int>& seeds, ScoreFile scores) {
+  for (auto& controller : scores.summary) {
+    for (std::vector<double>& values : controller) {
+      std::vector<double> ordered;
+      for (const int seed : seeds) {
+        const auto place = std::find(scores.seeds.begin(), scores.seeds.end(), seed);
+        ordered.push_back(values[static_cast<std::size_t>(place - scores.seeds.begin())]);
+      }
+      values = std::move(ordered);
+    }
+  }
+  scores.seeds = seeds;
+  return scores;
+}
+
+double MeanOfFinite(const std::vector<double>& values) {
+  double sum = 0.0;
+  int count = 0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    ++count;
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// B - A. Pairs of which too few have both scores are compared as groups.
+MeanInterval DifferenceOf(const std::vector<double>& a, const std::vector<double>& b,
+                          DifferenceMethod method) {
+  if (method == DifferenceMethod::kPaired) {
+    constexpr std::uint64_t kResamplingSeed = 1;
+    const MeanInterval paired = PairedDifference(b, a, kResamplingSeed);
+    if (std::isfinite(paired.ci95_low)) return paired;
+  }
+  return UnpairedDifference(b, a);
+}
+
+ScoreChange ChangeOf(const ScoreDifference& score, bool lower_is_better) {
+  if (std::isnan(score.b)) return ScoreChange::kOnlyInA;
+  if (std::isnan(score.a)) return ScoreChange::kOnlyInB;
+  const MeanInterval& difference = score.difference;
+  if (!(std::abs(difference.mean) > kRounding * std::max(std::abs(score.a), std::abs(score.b)))) {
+    return ScoreChange::kNone;
+  }
+  if (difference.ci95_low <= 0.0 && 0.0 <= difference.ci95_high) return ScoreChange::kNone;
+  return (difference.mean < 0.0) == lower_is_better ? ScoreChange::kBetter : ScoreChange::kWorse;
+}
+
+/// The scores of one controller that A or B has.
+void CompareScores(const std::string& controller, const std::vector<std::vector<double>>& a,
+                   const std::vector<std::vector<double>>& b, StudyDifference& result) {
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    ScoreDifference score{.controller = controller,
+                          .metric = m,
+                          .a = MeanOfFinite(a[m]),
+                          .b = MeanOfFinite(b[m]),
+                          .difference = DifferenceOf(a[m], b[m], result.method),
+                          .change = ScoreChange::kNone};
+    if (std::isnan(score.a) && std::isnan(score.b)) continue;
+    score.change = ChangeOf(score, Metrics()[m].lower_is_better);
+    result.scores.push_back(std::move(score));
+  }
+}
+
+// --- JSON ---------------------------------------------------------------------------------------
+
+Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json SettingsJson(const std::vector<SettingDifference>& settings) {
+  const auto text = [](const std::optional<std::string>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  Json json = Json::array();
+  for (const SettingDifference& setting : settings) {
+    json.push_back({{"key", setting.key}, {"a", text(setting.a)}, {"b", text(setting.b)}});
+  }
+  return json;
+}
+
+Json FolderJson(const StudyFolder& folder) {
+  return {{"folder", folder.name},
+          {"scenario", folder.scenario.name},
+          {"seeds", folder.scores.seeds},
+          {"gauntlet_version", folder.scenario.made_with.gauntlet_version},
+          {"model_hash", folder.scenario.made_with.model_hash}};
+}
+
+}  // namespace
+
+std::size_t StudyDifference::ChangedScores() const {
+  return static_cast<std::size_t>(std::count_if(
+      scores.begin(), scores.end(),
+      [](const ScoreDifference& score) { return score.change != ScoreChange::kNone; }));
+}
+
+bool StudyDifference::Same() const {
+  return settings.empty() && controllers_only_in_a.empty() && controllers_only_in_b.empty() &&
+         channels_only_in_a.empty() && channels_only_in_b.empty() && ChangedScores() == 0;
+}
+
+StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b) {
+  StudyDifference result;
+  result.controllers_only_in_a = NotIn(a.scores.controllers, b.scores.controllers);
+  result.controllers_only_in_b = NotIn(b.scores.controllers, a.scores.controllers);
+  result.channels_only_in_a = NotIn(a.scores.channels, b.scores.channels);
+  result.channels_only_in_b = NotIn(b.scores.channels, a.scores.channels);
+  for (SettingDifference& setting :
+       DifferentSettings(SharedSettings(a, result.controllers_only_in_a),
+                         SharedSettings(b, result.controllers_only_in_b))) {
+    const bool version = setting.key.starts_with(kVersions);
+    (version ? result.versions : result.settings).push_back(std::move(setting));
+  }
+  result.method = MethodFor(a.scores, b.scores);
+  const ScoreFile b_scores = result.method == DifferenceMethod::kPaired
+                                 ? WithSeedsInOrder(a.scores.seeds, b.scores)
+                                 : b.scores;
+  for (std::size_t c = 0; c < a.scores.controllers.size(); ++c) {
+    const std::string& name = a.scores.controllers[c];
+    const auto found = std::find(b_scores.controllers.begin(), b_scores.controllers.end(), name);
+    if (found == b_scores.controllers.end()) continue;
+    const auto other = static_cast<std::size_t>(found - b_scores.controllers.begin());
+    CompareScores(name, a.scores.summary[c], b_scores.summary[other], result);
+  }
+  return result;
+}
+
+std::string_view ChangeText(ScoreChange change) {
+  switch (change) {
+    case ScoreChange::kNone:
+      return "same";
+    case ScoreChange::kBetter:
+      return "better";
+    case ScoreChange::kWorse:
+      return "worse";
+    case ScoreChange::kOnlyInA:
+      return "only in A";
+    case ScoreChange::kOnlyInB:
+      return "only in B";
+  }
+  return "";
+}
+
+std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
+                                const StudyDifference& difference) {
+  constexpr const char* kMethods[] = {"paired", "unpaired", "plain"};
+  Json json;
+  json["same"] = difference.Same();
+  json["a"] = FolderJson(a);
+  json["b"] = FolderJson(b);
+  json["settings"] = SettingsJson(difference.settings);
+  json["versions"] = SettingsJson(difference.versions);
+  json["controllers_only_in_a"] = difference.controllers_only_in_a;
+  json["controllers_only_in_b"] = difference.controllers_only_in_b;
+  json["channels_only_in_a"] = difference.channels_only_in_a;
+  json["channels_only_in_b"] = difference.channels_only_in_b;
+  json["method"] = kMethods[static_cast<int>(difference.method)];
+  json["scores"] = Json::array();
+  for (const ScoreDifference& score : difference.scores) {
+    json["scores"].push_back({{"controller", score.controller},
+                              {"metric", Metrics()[score.metric].key},
+                              {"a", NumberOrNull(score.a)},
+                              {"b", NumberOrNull(score.b)},
+                              {"difference",
+                               {{"mean", NumberOrNull(score.difference.mean)},
+                                {"ci95_low", NumberOrNull(score.difference.ci95_low)},
+                                {"ci95_high", NumberOrNull(score.difference.ci95_high)}}},
+                              {"change", ChangeText(score.change)}});
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/study/statistics.h"
+#include "sim/study/study_folder.h"
+
+namespace gauntlet::sim {
+
+/// A setting with another value in B than in A; none where the folder has no such setting.
+struct SettingDifference {
+  std::string key;
+  std::optional<std::string> a;
+  std::optional<std::string> b;
+};
+
+enum class ScoreChange { kNone, kBetter, kWorse, kOnlyInA, kOnlyInB };
+
+/// One score of one controller. It changed if the 95 % interval of B - A does not hold 0, or, where
+/// there is no interval, if the values differ at all; never by less than one part in 10^9.
+struct ScoreDifference {
+  std::string controller;
+  std::size_t metric;  // of Metrics()
+  double a;            // means over the seeds
+  double b;
+  MeanInterval difference;  // B - A; NaN limits where there is no interval
+  ScoreChange change;
+};
+
+/// Where the intervals come from.
+enum class DifferenceMethod {
+  kPaired,    // both have the same seeds: PairedDifference()
+  kUnpaired,  // UnpairedDifference()
+  kPlain,     // one seed in A or B: no interval
+};
+
+/// Lists of names are those that only one of the two has.
+struct StudyDifference {
+  std::vector<SettingDifference> settings;  // of what both have; not the versions
+  std::vector<SettingDifference> versions;  // of the programs and the hand model
+  std::vector<std::string> controllers_only_in_a;
+  std::vector<std::string> controllers_only_in_b;
+  std::vector<std::string> channels_only_in_a;
+  std::vector<std::string> channels_only_in_b;
+  DifferenceMethod method = DifferenceMethod::kPlain;
+  std::vector<ScoreDifference> scores;  // of the controllers that both have
+
+  std::size_t ChangedScores() const;
+  /// Nothing differs; other versions that give the same scores do not count.
+  bool Same() const;
+};
+
+/// Pure and deterministic.
+StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b);
+
+/// The difference as JSON.
+std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
+                                const StudyDifference& difference);
+
+/// "better", "worse", ...: what a change means for B.
+std::string_view ChangeText(ScoreChange change);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,163 @@
+#include "sim/study/study_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+#include "sim/base/error.h"
+#include "sim/score/score.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::array<std::string_view, 3> kKeyColumns = {"seed", "controller", "channel"};
+constexpr std::string_view kSummary = "summary";
+
+/// The parts of `text` between separators; a separator at the end starts no part.
+std::vector<std::string_view> Split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  while (!text.empty()) {
+    const std::size_t size = std::min(text.find(separator), text.size());
+    parts.push_back(text.substr(0, size));
+    text.remove_prefix(std::min(size + 1, text.size()));
+  }
+  return parts;
+}
+
+[[noreturn]] void Fail(const std::string& name, std::size_t row, const std::string& problem) {
+  throw UserError(fmt::format("{}:{}: {}", name, row, problem));
+}
+
+template <class Number>
+Number ParseNumber(const std::string& name, std::size_t row, std::string_view text) {
+  Number value{};
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || rest != text.data() + text.size()) {
+    Fail(name, row, fmt::format("is \"{}\", must be a number", text));
+  }
+  return value;
+}
+
+/// The place of `value` in `list`, where it is added if it is new.
+template <class Value>
+std::size_t PlaceOf(std::vector<Value>& list, const Value& value) {
+  const auto found = std::find(list.begin(), list.end(), value);
+  const auto place = static_cast<std::size_t>(found - list.begin());
+  if (found == list.end()) list.push_back(value);
+  return place;
+}
+
+void CheckHeader(const std::string& name, std::string_view line) {
+  std::vector<std::string_view> expected(kKeyColumns.begin(), kKeyColumns.end());
+  for (const Metric& metric : Metrics()) expected.push_back(metric.key);
+  const std::vector<std::string_view> columns = Split(line, ',');
+  for (const std::string_view column : columns) {
+    if (std::find(expected.begin(), expected.end(), column) == expected.end()) {
+      Fail(name, 1, fmt::format("unknown column {}; written by another version?", column));
+    }
+  }
+  for (const std::string_view column : expected) {
+    if (std::find(columns.begin(), columns.end(), column) == columns.end()) {
+      Fail(name, 1, fmt::format("column {} is missing; written by another version?", column));
+    }
+  }
+  if (columns != expected) Fail(name, 1, "the columns are in another order");
+}
+
+struct Row {
+  int seed;
+  std::string controller;
+  std::string channel;
+  std::vector<double> values;  // NaN where the field is empty
+};
+
+Row ParseRow(const std::string& name, std::size_t number, std::string_view line) {
+  std::vector<std::string_view> fields = Split(line, ',');
+  if (line.ends_with(',')) fields.emplace_back();  // the last score is missing
+  const std::size_t field_count = kKeyColumns.size() + Metrics().size();
+  if (fields.size() != field_count) {
+    Fail(name, number, fmt::format("has {} fields, must have {}", fields.size(), field_count));
+  }
+  Row row{.seed = ParseNumber<int>(name, number, fields[0]),
+          .controller = std::string(fields[1]),
+          .channel = std::string(fields[2]),
+          .values = {}};
+  for (std::size_t i = kKeyColumns.size(); i < fields.size(); ++i) {
+    row.values.push_back(fields[i].empty() ? std::numeric_limits<double>::quiet_NaN()
+                                           : ParseNumber<double>(name, number, fields[i]));
+  }
+  return row;
+}
+
+std::string ReadText(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw UserError(fmt::format("{}: cannot be read", file.string()));
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
+  const std::vector<std::string_view> lines = Split(text, '\n');
+  if (lines.size() < 2) throw UserError(fmt::format("{}: holds no scores", name));
+  CheckHeader(name, lines[0]);
+  ScoreFile file;
+  std::vector<Row> rows;
+  std::set<std::tuple<int, std::string, std::string>> seen;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    Row row = ParseRow(name, i + 1, lines[i]);
+    if (!seen.insert({row.seed, row.controller, row.channel}).second) {
+      Fail(name, i + 1, "seed, controller and channel stand twice");
+    }
+    PlaceOf(file.seeds, row.seed);
+    PlaceOf(file.controllers, row.controller);
+    if (row.channel != kSummary) PlaceOf(file.channels, row.channel);
+    rows.push_back(std::move(row));
+  }
+  const std::size_t expected =
+      file.seeds.size() * file.controllers.size() * (file.channels.size() + 1);
+  if (rows.size() != expected) {
+    throw UserError(
+        fmt::format("{}: has {} rows, must have {}: one per seed, controller and channel", name,
+                    rows.size(), expected));
+  }
+  file.summary.assign(
+      file.controllers.size(),
+      std::vector<std::vector<double>>(Metrics().size(), std::vector<double>(file.seeds.size())));
+  for (const Row& row : rows) {
+    if (row.channel != kSummary) continue;
+    auto& controller = file.summary[PlaceOf(file.controllers, row.controller)];
+    const std::size_t seed = PlaceOf(file.seeds, row.seed);
+    for (std::size_t m = 0; m < row.values.size(); ++m) controller[m][seed] = row.values[m];
+  }
+  return file;
+}
+
+StudyFolder ReadStudyFolder(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    throw UserError(fmt::format("{}: is not a folder", folder.string()));
+  }
+  for (const char* file : {"scenario.resolved.yaml", "scores.csv"}) {
+    if (std::filesystem::exists(folder / file, ignored)) continue;
+    throw UserError(
+        fmt::format("{}: no {} there, must be the output folder of a finished gauntlet run or "
+                    "compare",
+                    folder.string(), file));
+  }
+  const std::filesystem::path scores = folder / "scores.csv";
+  return {.name = folder.string(),
+          .scenario = LoadScenario(folder / "scenario.resolved.yaml", {}),
+          .scores = ParseScoresCsv(scores.string(), ReadText(scores))};
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/scenario/scenario.h"
+
+namespace gauntlet::sim {
+
+/// The summaries of a `scores.csv`, seed by seed.
+struct ScoreFile {
+  std::vector<int> seeds;
+  std::vector<std::string> controllers;
+  std::vector<std::string> channels;
+  /// By controller, metric of Metrics(), seed. NaN: no score.
+  std::vector<std::vector<std::vector<double>>> summary;
+};
+
+/// What `run` or `compare` left in a folder, as far as two of them can be compared.
+struct StudyFolder {
+  std::string name;
+  Scenario scenario;
+  ScoreFile scores;
+};
+
+/// Reads what ScoresCsv() wrote; `name` stands for the file in messages.
+/// Errors: UserError `file:row: ...`, also for columns that are not those of Metrics().
+ScoreFile ParseScoresCsv(const std::string& name, std::string_view text);
+
+/// Reads `scenario.resolved.yaml` and `scores.csv`. Errors: UserError in one line.
+StudyFolder ReadStudyFolder(const std::filesystem::path& folder);
+
+}  // namespace gauntlet::sim

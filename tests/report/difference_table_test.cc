@@ -1,0 +1,65 @@
+#include "sim/report/difference_table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/score/score.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+StudyFolder Folder(const std::string& name, std::vector<double> jitter_by_seed) {
+  StudyFolder folder;
+  folder.name = name;
+  folder.scenario.name = "door";
+  folder.scenario.controllers = {{.name = "raw", .config = {}}};
+  folder.scores.controllers = {"raw"};
+  for (std::size_t i = 0; i < jitter_by_seed.size(); ++i) {
+    folder.scores.seeds.push_back(static_cast<int>(i) + 1);
+  }
+  const std::vector<double> same(jitter_by_seed.size(), 2.0);
+  folder.scores.summary = {{Metrics().size(), same}};
+  folder.scores.summary[0][MetricIndex("jitter_rms_deg")] = std::move(jitter_by_seed);
+  return folder;
+}
+
+std::string Table(const StudyFolder& a, const StudyFolder& b, DifferenceTableOptions options = {}) {
+  return DifferenceTable(a, b, CompareStudies(a, b), options);
+}
+
+TEST(DifferenceTable, ShowsWhatDiffersAndTheVerdict) {
+  const StudyFolder a = Folder("out/a", {0.5, 0.5, 0.5});
+  StudyFolder b = Folder("out/b", {0.25, 0.25, 0.25});
+  b.scenario.seed = 3;
+  const std::string text = Table(a, b);
+  EXPECT_THAT(text, AllOf(HasSubstr("A: out/a  door, seeds 1 to 3"), HasSubstr("seed: 1 -> 3"),
+                          HasSubstr("jitter_rms_deg  0.500  0.250  -0.25"), HasSubstr("better"),
+                          HasSubstr("differ in 1 setting and in 1 of "),
+                          Not(HasSubstr("tracking_rmse_deg")), Not(HasSubstr("\033["))));
+  EXPECT_THAT(Table(a, b, {.all = true}), HasSubstr("tracking_rmse_deg"));
+}
+
+TEST(DifferenceTable, ColoursBetterAndWorseOnATerminal) {
+  const StudyFolder a = Folder("a", {0.5, 0.5});
+  const StudyFolder b = Folder("b", {0.4, 0.4});
+  EXPECT_THAT(Table(a, b, {.colour = true}), HasSubstr("\033[1;32mbetter\033[0m"));
+  EXPECT_THAT(Table(b, a, {.colour = true}), HasSubstr("\033[33mworse\033[0m"));
+}
+
+TEST(DifferenceTable, SaysThatOneSeedHasNoInterval) {
+  EXPECT_THAT(Table(Folder("a", {0.5}), Folder("b", {0.4})),
+              AllOf(HasSubstr("one seed has no interval"), HasSubstr("A: a  door, seed 1,"),
+                    Not(HasSubstr("by chance"))));
+}
+
+TEST(DifferenceTable, OfTheSameIsTwoLinesAndAVerdict) {
+  const StudyFolder a = Folder("a", {0.5, 0.6});
+  EXPECT_THAT(Table(a, a), HasSubstr("A and B are the same in all settings and in "));
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
