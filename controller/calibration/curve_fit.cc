@@ -29,6 +29,7 @@ void CheckData(const VectorXd& counts, const VectorXd& angle_deg) {
 void Judge(const Linearisation& linearisation, const VectorXd& counts, const VectorXd& angle_deg,
            CurveFit& fit) {
   double sum = 0.0;
+  fit.largest_error_deg = 0.0;
   for (Index k = 0; k < counts.size(); ++k) {
     double angle_rad = 0.0;
     linearisation.ToAngles({&counts[k], 1}, {&angle_rad, 1});
@@ -102,6 +103,20 @@ CurveFit FitTable(const VectorXd& counts, const VectorXd& angle_deg) {
     fit.half_width_95_deg.push_back(slope * corners[i].half_width_counts);
   }
   Judge(*linearisation, counts, angle_deg, fit);
+  return fit;
+}
+
+CurveFit FitTwoPoint(const VectorXd& counts, const VectorXd& angle_deg) {
+  CheckData(counts, angle_deg);
+  if (counts.size() == 0) throw SettingError("recording", "has no pose of known angle");
+  const double lowest = angle_deg.minCoeff();
+  const double highest = angle_deg.maxCoeff();
+  std::vector<Index> ends;  // samples of the two poses
+  for (Index k = 0; k < counts.size(); ++k) {
+    if (angle_deg[k] == lowest || angle_deg[k] == highest) ends.push_back(k);
+  }
+  CurveFit fit = FitTable(counts(ends), angle_deg(ends));
+  Judge(*MakeTableLinearisation({fit.curve}), counts, angle_deg, fit);
   return fit;
 }
 

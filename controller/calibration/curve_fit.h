@@ -18,11 +18,14 @@ struct CurveFit {
 };
 
 /// A table from samples of known poses: one corner per different angle, at the mean of its counts.
-/// With two poses it is the two-point calibration.
 ///
 /// Shapes: one value per sample. Units: counts and deg.
 /// Errors: SettingError for fewer than two poses, or counts that do not follow the angle one way.
 CurveFit FitTable(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg);
+
+/// The straight line through the poses with the smallest and the largest angle, as a table of two
+/// corners. The errors are those over all samples. Errors: as FitTable().
+CurveFit FitTwoPoint(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg);
 
 /// A polynomial by least squares (QR), in u = (counts - center) / scale with u from -1 to 1 over
 /// the data.

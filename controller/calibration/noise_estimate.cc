@@ -95,6 +95,9 @@ std::vector<StillStretch> FindStillStretches(const Eigen::MatrixXd& counts, doub
     return ((a - b).cwiseAbs().array() <= allowed.array()).all();
   };
   const auto keep = [&](Index begin, Index end) {
+    // The block beside a motion may hold its slow beginning or end.
+    if (begin > 0) begin += block;
+    if (end + block <= counts.rows()) end -= block;
     if (static_cast<double>(end - begin) >= min_duration_s * rate_hz) {
       stretches.push_back({begin, end});
     }

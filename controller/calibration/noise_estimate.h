@@ -12,7 +12,8 @@ struct StillStretch {
 };
 
 /// Stretches of at least `min_duration_s` in which no channel moves: means over 50 ms stay where
-/// the stretch began and where the last one was, within what the noise of each channel allows.
+/// the stretch began and where the last one was, within what the noise of each channel allows. The
+/// 50 ms beside a motion are left out.
 ///
 /// The noise is judged from differences of neighbouring samples, which motion hardly touches.
 /// Shapes: `counts` is samples x channels, finite. Errors: none; no stretch is an empty list.

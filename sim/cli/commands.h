@@ -13,5 +13,6 @@ void AddRenderCommand(CLI::App& app);
 void AddDiffCommand(CLI::App& app);
 void AddListCommand(CLI::App& app);
 void AddFilterCommand(CLI::App& app);
+void AddCalibrateCommand(CLI::App& app);
 
 }  // namespace gauntlet::sim

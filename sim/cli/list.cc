@@ -94,8 +94,8 @@ std::vector<Entry> ScenarioKeys() {
            ListSettings([&](controller::SettingsVisitor& visitor) { scenario.Visit(visitor); })},
           {"controllers.<name>", "The keys of one controller.",
            ListSettings([](controller::SettingsVisitor& visitor) {
-             controller::ControllerConfig config;
-             config.Visit(visitor);
+             NamedController named;
+             named.Visit(visitor);
            })}};
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/glove/channels.h"
 #include "sim/scenario/yaml_reader.h"
 #include "sim/scenario/yaml_writer.h"
 
@@ -36,6 +37,15 @@ void MadeWith::Visit(SettingsVisitor& visitor) {
   visitor.Text({.key = "model_hash", .help = "of the compiled hand and arm"}, model_hash);
 }
 
+void NamedController::Visit(SettingsVisitor& visitor) {
+  visitor.Path(
+      {.key = "calibration",
+       .help = "file that gauntlet calibrate wrote: gives the linearisation, and r to every "
+               "filter that has it and is not given one"},
+      calibration);
+  config.Visit(visitor);
+}
+
 void Scenario::Visit(SettingsVisitor& visitor) {
   visitor.Text({.key = "name", .help = "name in tables and files; the file's name if left out"},
                name);
@@ -55,14 +65,14 @@ void Scenario::Visit(SettingsVisitor& visitor) {
       {.key = "controllers",
        .help = "what is compared: a name, then its settings",
        .required = true},
-      SettingMap{.size = [this] { return controllers.size(); },
-                 .name = [this](std::size_t i) { return controllers[i].name; },
-                 .add =
-                     [this](const std::string& added) {
-                       controllers.push_back({.name = added, .config = {}});
-                     },
-                 .visit = [this](std::size_t i,
-                                 SettingsVisitor& inner) { controllers[i].config.Visit(inner); }});
+      SettingMap{
+          .size = [this] { return controllers.size(); },
+          .name = [this](std::size_t i) { return controllers[i].name; },
+          .add =
+              [this](const std::string& added) {
+                controllers.push_back({.name = added, .calibration = {}, .config = {}});
+              },
+          .visit = [this](std::size_t i, SettingsVisitor& inner) { controllers[i].Visit(inner); }});
   VisitGroup(visitor, {.key = "made_with", .help = "written into resolved scenarios"}, made_with);
 }
 
@@ -82,7 +92,69 @@ void CheckEventPeriod(Scenario& scenario, const YamlSource& source) {
   }
 }
 
+YAML::Node Find(const YAML::Node& group, const std::string& key) {
+  if (group.IsMap()) {
+    for (const auto& entry : group) {
+      if (entry.first.Scalar() == key) return entry.second;
+    }
+  }
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+/// For each filter whether its own `r` is left out.
+std::vector<bool> WithoutR(const YAML::Node& filters, std::size_t count) {
+  std::vector<bool> without(count, true);
+  for (std::size_t i = 0; i < count; ++i) {
+    const YAML::Node filter = filters.IsSequence() ? filters[i] : filters;
+    without[i] = !Find(filter, "r").IsDefined();
+  }
+  return without;
+}
+
+std::vector<std::string> ChannelsOf(const GloveConfig& glove) {
+  const std::vector<bool> selected = SelectChannels(glove.channels);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < selected.size(); ++i) {
+    if (selected[i]) names.emplace_back(GloveChannels()[i].name);
+  }
+  return names;
+}
+
+/// What the file of a controller's calibration says becomes its settings; its own keys win.
+void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scenario& scenario) {
+  for (NamedController& controller : scenario.controllers) {
+    if (controller.calibration.empty()) continue;
+    const YAML::Node node = Find(Find(root, "controllers"), controller.name);
+    const Calibration calibration = LoadCalibration(controller.calibration);
+    try {
+      UseCalibration(
+          calibration, ChannelsOf(scenario.glove), !Find(node, "linearisation").IsDefined(),
+          WithoutR(Find(node, "filter"), controller.config.filters.size()), controller.config);
+    } catch (const controller::SettingError& error) {
+      const std::string path = fmt::format("controllers.{}.{}", controller.name, error.key());
+      throw UserError(fmt::format("{}: {}: {}: {}", source.PlaceOf(Find(node, "calibration"), path),
+                                  path, controller.calibration, error.problem()));
+    }
+    controller.calibration.clear();
+  }
+}
+
 }  // namespace
+
+Calibration LoadCalibration(const std::filesystem::path& file) {
+  const YAML::Node root = ParseYamlFile(file);
+  const YamlSource source{.file = file, .overrides = {}};
+  Calibration calibration;
+  YamlReader reader(root, "", source);
+  calibration.Visit(reader);
+  reader.RejectUnknownKeys();
+  return calibration;
+}
+
+std::string CalibrationToYaml(const Calibration& calibration) {
+  Calibration copy = calibration;  // a visitor may change what it sees
+  return SettingsToYaml([&copy](SettingsVisitor& visitor) { copy.Visit(visitor); });
+}
 
 Scenario LoadScenario(const std::filesystem::path& file,
                       const std::vector<std::string>& overrides) {
@@ -95,6 +167,7 @@ Scenario LoadScenario(const std::filesystem::path& file,
   scenario.Visit(reader);
   reader.RejectUnknownKeys();
   CheckEventPeriod(scenario, source);
+  IncludeCalibrations(root, source, scenario);
   return scenario;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "controller/controller_config.h"
+#include "sim/glove/calibration.h"
 #include "sim/glove/glove_config.h"
 #include "sim/hand/hand_config.h"
 #include "sim/trial/event_config.h"
@@ -13,7 +14,11 @@ namespace gauntlet::sim {
 
 struct NamedController {
   std::string name;
+  /// File of `gauntlet calibrate`. LoadScenario() puts what it says into `config` and empties this.
+  std::string calibration = {};
   controller::ControllerConfig config;
+
+  void Visit(controller::SettingsVisitor& visitor);
 };
 
 /// What the video shows besides the hands.
@@ -50,6 +55,10 @@ struct Scenario {
 
   void Visit(controller::SettingsVisitor& visitor);
 };
+
+/// Reads as strictly as LoadScenario().
+Calibration LoadCalibration(const std::filesystem::path& file);
+std::string CalibrationToYaml(const Calibration& calibration);
 
 /// Reads strictly: unknown, duplicate, missing or non-finite is a UserError with file:line:column.
 /// `overrides` are `key.path=value` as given by --set; they win over the file.

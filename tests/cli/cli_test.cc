@@ -1,4 +1,5 @@
 // The program as a program: exit codes, messages, files, determinism.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -197,8 +198,79 @@ TEST_F(CliTest, FilterAnswersALiveSourceBeforeItEnds) {
   EXPECT_EQ(result.standard_output, "a\n1\n");
 }
 
+TEST_F(CliTest, CalibrateTakesATraceOfKnownPosesAndAScenarioIncludesTheResult) {
+  ASSERT_EQ(
+      Gauntlet({"run", kScenarios + "known_poses.yaml", "--csv", "--controllers", "raw"}).exit_code,
+      0);
+  const ProgramResult result =
+      Gauntlet({"calibrate", "out/known_poses/trace.raw.csv", "--confidence", "99.99"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_THAT(result.standard_output,
+              AllOf(HasSubstr("two_point"), HasSubstr("99.99 % interval"), HasSubstr("index_mcp")));
+  EXPECT_THAT(result.standard_error, HasSubstr("wrote out/trace.raw.calibration.yaml"));
+
+  const ProgramResult json =
+      Gauntlet({"calibrate", "out/known_poses/trace.raw.csv", "--out", "glove.yaml", "--json",
+                "--confidence", "99.99", "--linearisation", "two_point"});
+  ASSERT_EQ(json.exit_code, 0) << json.standard_error;
+  const double paper[] = {21.18, 12.52, 10.62, 9.86, 26.94, 10.08, 9.71,  17.58, 6.05,
+                          9.91,  47.19, 11.04, 7.56, 23.94, 26.82, 28.82, 27.69, 31.49};
+  const auto channels = nlohmann::json::parse(json.standard_output)["channels"];
+  ASSERT_EQ(channels.size(), 18u);
+  for (std::size_t i = 0; i < 18; ++i) {
+    EXPECT_LE(channels[i]["variance_low_counts2"], paper[i]) << i;
+    EXPECT_GE(channels[i]["variance_high_counts2"], paper[i]) << i;
+    EXPECT_LT(channels[i]["table_rms_deg"], 1.5) << i;
+  }
+
+  const auto tracking = [&](const std::vector<std::string>& overrides) {
+    std::vector<std::string> arguments = {"run",
+                                          kScenarios + "calibrated_glove.yaml",
+                                          "--json",
+                                          "--controllers",
+                                          "not_calibrated",
+                                          "--out",
+                                          "b"};
+    arguments.insert(arguments.end(), overrides.begin(), overrides.end());
+    const ProgramResult run = Gauntlet(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.standard_error;
+    return nlohmann::json::parse(
+               run.standard_output)["controllers"][0]["summary"]["tracking_rmse_deg"]
+        .get<double>();
+  };
+  EXPECT_LT(tracking({"--set", "controllers.not_calibrated.calibration=glove.yaml"}),
+            0.6 * tracking({}));
+}
+
+TEST_F(CliTest, CalibrateRefusesBadInputInOneLineAndWritesNothing) {
+  const auto refuse = [&](const std::string& csv, std::vector<std::string> more,
+                          const std::string& message) {
+    std::ofstream(folder_.path() / "scenario.yaml") << csv;  // a name that Leftovers() expects
+    more.insert(more.begin(), {"calibrate", "scenario.yaml"});
+    const ProgramResult result = Gauntlet(more);
+    EXPECT_EQ(result.exit_code, 2) << csv;
+    EXPECT_THAT(result.standard_error, HasSubstr(message));
+    EXPECT_EQ(std::count(result.standard_error.begin(), result.standard_error.end(), '\n'), 1)
+        << result.standard_error;
+    EXPECT_EQ(result.standard_output, "");
+    EXPECT_THAT(Leftovers(), testing::IsEmpty());
+  };
+  std::string ramp = "t_s,a_counts,a_deg\n";
+  for (int k = 0; k < 3000; ++k) ramp += fmt::format("{},{},{}\n", k * 1e-3, k / 3, 0.03 * k);
+  refuse("", {}, "holds no data");
+  refuse("t_s,a_counts,a_deg\n0,1,x\n", {}, "scenario.yaml:2:3: 'x' is not a number");
+  refuse("t_s,a_count\n0,1\n", {}, "scenario.yaml:1:2: unknown column 'a_count'");
+  refuse(ramp, {}, "scenario.yaml: a: ");
+  refuse(ramp, {"--out", "scenario.yaml", "--settle-ms", "0"}, "is the recording itself");
+  refuse(ramp, {"--linearisation", "spline"}, "spline");
+  refuse(ramp, {"--degree", "0"}, "--degree");
+  refuse(ramp, {"--full-scale", "500"}, "must be from 0 to the converter's full scale of 500");
+  EXPECT_EQ(Gauntlet({"calibrate", "nowhere.csv"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"calibrate"}).exit_code, 2);
+}
+
 TEST_F(CliTest, HelpHasAnExample) {
-  for (const char* command : {"run", "compare", "render", "list", "filter"}) {
+  for (const char* command : {"run", "compare", "render", "list", "filter", "calibrate"}) {
     const ProgramResult result = Gauntlet({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.standard_output, HasSubstr("Example")) << command;

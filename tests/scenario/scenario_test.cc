@@ -1,6 +1,7 @@
 // Every scenario that is shipped loads, says what it asks, and survives being written and read.
 #include "sim/scenario/scenario.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -8,6 +9,7 @@
 #include <fstream>
 
 #include "sim/base/error.h"
+#include "tests/support/program.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -60,6 +62,114 @@ TEST(Scenario, AnEventPeriodIsAWholeNumberOfSamples) {
   const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
   EXPECT_THROW(LoadScenario(file, {"event.period_ms=2.5"}), UserError);
   EXPECT_EQ(LoadScenario(file, {"event.period_ms=10"}).controllers[0].config.samples_per_event, 10);
+}
+
+/// A calibration of two channels, with a full covariance, and scenarios that include it.
+class IncludedCalibration : public testing::Test {
+ protected:
+  IncludedCalibration() { Write("glove.yaml", kCalibration); }
+  void Write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_.path() / name) << text;
+  }
+  /// One controller with these keys.
+  controller::ControllerConfig Load(const std::string& keys,
+                                    const std::vector<std::string>& overrides = {}) {
+    Write("scenario.yaml",
+          "question: q\nglove: {channels: [index_mcp, index_pip]}\ncontrollers:\n  a: {" + keys +
+              "}\n");
+    const Scenario scenario = LoadScenario(folder_.path() / "scenario.yaml", overrides);
+    EXPECT_EQ(scenario.controllers[0].calibration, "");
+    // What is resolved holds the values, not the file.
+    Write("resolved.yaml", ScenarioToYaml(scenario));
+    EXPECT_EQ(ScenarioToYaml(LoadScenario(folder_.path() / "resolved.yaml", {})),
+              ScenarioToYaml(scenario));
+    return scenario.controllers[0].config;
+  }
+  std::string ErrorOf(const std::string& keys) {
+    try {
+      Load(keys);
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  // index_pip stands first: order is by name.
+  const std::string kCalibration =
+      "linearisation:\n  kind: table\n  channels:\n"
+      "    - {channel: index_pip, counts: [100, 900], angle_deg: [0, 100]}\n"
+      "    - {channel: index_mcp, counts: [200, 800], angle_deg: [-45, 90]}\n"
+      "channels:\n"
+      "  - {channel: index_pip, covariance_counts2: [9, 2]}\n"
+      "  - {channel: index_mcp, covariance_counts2: [2, 16]}\n";
+  test::TemporaryDirectory folder_;
+};
+
+template <class Settings>
+const Settings& FilterOf(const controller::ControllerConfig& config, std::size_t index = 0) {
+  return std::get<Settings>(config.filters.at(index).settings);
+}
+
+TEST_F(IncludedCalibration, GivesLinearisationAndRByTheNamesOfChannels) {
+  const auto config = Load("calibration: glove.yaml, filter: [hampel, kalman, kalman_steady]");
+  EXPECT_EQ(config.linearisation.kind, controller::LinearisationKind::kTable);
+  ASSERT_EQ(config.linearisation.channels.size(), 2u);
+  EXPECT_EQ(config.linearisation.channels[0].channel, "index_mcp");
+  EXPECT_EQ(config.linearisation.channels[0].counts, (std::vector<double>{200, 800}));
+  EXPECT_EQ(FilterOf<controller::KalmanConfig>(config, 1).noise.r, (std::vector<double>{16, 9}));
+  EXPECT_EQ(FilterOf<controller::KalmanSteadyConfig>(config, 2).noise.r,
+            (std::vector<double>{16, 9}));
+}
+
+TEST_F(IncludedCalibration, GivesTheDenseFilterTheFullCovariance) {
+  const auto config = Load("calibration: glove.yaml, filter: kalman_dense");
+  EXPECT_EQ(FilterOf<controller::KalmanDenseConfig>(config).r, (std::vector<double>{16, 2, 2, 9}));
+}
+
+TEST_F(IncludedCalibration, TakesRoundingForTheLeastNoise) {
+  Write("glove.yaml",
+        "channels:\n  - {channel: index_mcp, covariance_counts2: [0, 0]}\n"
+        "  - {channel: index_pip, covariance_counts2: [0, 9]}\n");
+  const auto config = Load("calibration: glove.yaml, filter: kalman");
+  EXPECT_EQ(FilterOf<controller::KalmanConfig>(config).noise.r,
+            (std::vector<double>{1.0 / 12.0, 9}));
+  EXPECT_EQ(config.linearisation.kind, controller::LinearisationKind::kGlove);  // it has none
+}
+
+TEST_F(IncludedCalibration, LosesAgainstTheControllersOwnKeys) {
+  const auto config =
+      Load("calibration: glove.yaml, filter: [{kind: kalman, r: 5}, kalman], linearisation: glove");
+  EXPECT_EQ(config.linearisation.kind, controller::LinearisationKind::kGlove);
+  EXPECT_EQ(FilterOf<controller::KalmanConfig>(config, 0).noise.r, std::vector<double>{5});
+  EXPECT_EQ(FilterOf<controller::KalmanConfig>(config, 1).noise.r, (std::vector<double>{16, 9}));
+  const std::string file = (folder_.path() / "glove.yaml").string();
+  EXPECT_EQ(FilterOf<controller::KalmanConfig>(
+                Load("filter: kalman",
+                     {"controllers.a.calibration=" + file, "controllers.a.filter.r=[3, 4]"}))
+                .noise.r,
+            (std::vector<double>{3, 4}));
+}
+
+TEST_F(IncludedCalibration, NamesThePlaceOfAMistake) {
+  using testing::HasSubstr;
+  EXPECT_THAT(ErrorOf("calibration: glove.yaml, filter_on: angle, filter: kalman"),
+              HasSubstr("scenario.yaml:4:20: controllers.a.calibration: "));
+  EXPECT_THAT(ErrorOf("calibration: glove.yaml, filter_on: angle, filter: kalman"),
+              HasSubstr("in rad^2"));
+  EXPECT_EQ(ErrorOf("calibration: glove.yaml, filter_on: angle, filter: {kind: kalman, r: 1e-4}"),
+            "");
+  EXPECT_THAT(ErrorOf("calibration: no.yaml"), HasSubstr("no.yaml: no such file"));
+  Write("glove.yaml", "channels:\n  - {channel: index_mcp, covariance_counts2: [16]}\n");
+  EXPECT_THAT(ErrorOf("calibration: glove.yaml"), HasSubstr("has nothing for channel index_pip"));
+  Write("glove.yaml", kCalibration + "chanels: []\n");
+  EXPECT_THAT(ErrorOf("calibration: glove.yaml"),
+              HasSubstr("glove.yaml:9:1: chanels: unknown key (did you mean channels?)"));
+  Write("glove.yaml", "channels:\n  - {channel: index_mcp}\n");
+  EXPECT_THAT(ErrorOf("calibration: glove.yaml"), HasSubstr("covariance_counts2: is missing"));
+  Write("glove.yaml",
+        "channels:\n  - {channel: index_mcp, covariance_counts2: [1]}\n"
+        "  - {channel: index_pip, covariance_counts2: [1, 2]}\n");
+  EXPECT_THAT(ErrorOf("calibration: glove.yaml"), HasSubstr("has 1 values, must have 2"));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ void CsvReader::Fail(std::size_t column, const std::string& problem) const {
 }
 
 void CsvReader::Problem(std::string_view kind, std::size_t column, const std::string& message) {
-  if (handling_ == ProblemHandling::kStrict) Fail(column, message);
+  if (handling_ != ProblemHandling::kRepair) Fail(column, message);
   if (listener_) listener_(kind, row_);
 }
 
@@ -240,7 +240,9 @@ double CsvReader::ParseSlowly(std::string_view cell, std::size_t column) {
   std::string text(Unquoted(cell).substr(0, 64));
   if (separator_ != ',') std::ranges::replace(text, ',', '.');
   if (text.empty()) {
-    Problem("missing value", column, "the value is missing");
+    if (handling_ != ProblemHandling::kAllowMissing) {
+      Problem("missing value", column, "the value is missing");
+    }
     return kMissing;
   }
   const char* const begin = text.data() + (text[0] == '+' ? 1 : 0);
@@ -252,7 +254,9 @@ double CsvReader::ParseSlowly(std::string_view cell, std::size_t column) {
     return kMissing;
   }
   if (number.ec == std::errc() && std::isnan(value)) {
-    Problem("missing value", column, "the value is missing (nan)");
+    if (handling_ != ProblemHandling::kAllowMissing) {
+      Problem("missing value", column, "the value is missing (nan)");
+    }
     return kMissing;
   }
   if (number.ec == std::errc::result_out_of_range || std::isinf(value)) {

@@ -12,8 +12,9 @@ namespace gauntlet::sim {
 
 /// What a reader does with a value or row that is not as it should be.
 enum class ProblemHandling {
-  kStrict,  // stops with a UserError at the first one
-  kRepair,  // gives NaN for the value and reports
+  kStrict,        // stops with a UserError at the first one
+  kRepair,        // gives NaN for the value and reports
+  kAllowMissing,  // strict, but an empty cell or `nan` is NaN and no problem
 };
 
 /// Reads numbers from text with one row a line, in one pass and with a fixed buffer, so that memory

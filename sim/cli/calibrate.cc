@@ -1,0 +1,202 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "sim/base/atomic_file.h"
+#include "sim/base/error.h"
+#include "sim/cli/commands.h"
+#include "sim/glove/calibration.h"
+#include "sim/scenario/scenario.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct CalibrateOptions {
+  std::string recording;
+  std::string out;  // empty: out/<recording>.calibration.yaml
+  std::string curve = "table";
+  PoseRecordingFormat format;
+  CalibrationOptions calibration;
+  bool json = false;
+};
+
+CurveKind KindOf(const std::string& name) {
+  if (name == "two_point") return CurveKind::kTwoPoint;
+  return name == "polynomial" ? CurveKind::kPolynomial : CurveKind::kTable;
+}
+
+constexpr CurveKind kCurves[] = {CurveKind::kTwoPoint, CurveKind::kPolynomial, CurveKind::kTable};
+
+const std::vector<double>& ErrorsOf(const CurveErrors& errors, CurveKind kind) {
+  if (kind == CurveKind::kTwoPoint) return errors.two_point_rms_deg;
+  return kind == CurveKind::kPolynomial ? errors.polynomial_rms_deg : errors.table_rms_deg;
+}
+
+void PrintTable(const Calibration& calibration, const CurveErrors& errors, CurveKind chosen) {
+  std::size_t width = 7;
+  for (const ChannelCalibration& channel : calibration.channels) {
+    width = std::max(width, channel.channel.size());
+  }
+  const bool has_curves = !errors.table_rms_deg.empty();
+  fmt::print("{} samples at {:.6g} Hz; R from {:.0f} still ones\n\n", calibration.samples,
+             calibration.rate_hz, calibration.degrees_of_freedom);
+  fmt::print("{:<{}}", "", width);
+  if (has_curves) fmt::print("  RMS error of the curve [deg]     ");
+  fmt::print("  R [counts^2]\n{:<{}}", "channel", width);
+  if (has_curves) fmt::print("  two_point  polynomial     table ");
+  fmt::print("  variance   {:.4g} % interval\n", calibration.confidence_percent);
+  for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
+    const ChannelCalibration& channel = calibration.channels[i];
+    fmt::print("{:<{}}", channel.channel, width);
+    if (has_curves) {
+      for (const CurveKind kind : kCurves) {
+        const double error = ErrorsOf(errors, kind)[i];
+        fmt::print("  {:>9}{}", std::isfinite(error) ? fmt::format("{:.3f}", error) : "-",
+                   kind == chosen ? '*' : ' ');
+      }
+    }
+    fmt::print("  {:>8.3f}   {:.3f} to {:.3f}\n", channel.variance_counts2,
+               channel.variance_low_counts2, channel.variance_high_counts2);
+  }
+  if (has_curves) fmt::print("* in the file; the noise of the sensor is part of each error\n");
+}
+
+void PrintJson(const Calibration& calibration, const CurveErrors& errors) {
+  nlohmann::ordered_json channels = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
+    const ChannelCalibration& channel = calibration.channels[i];
+    nlohmann::ordered_json row = {{"channel", channel.channel}};
+    if (!errors.table_rms_deg.empty()) {  // a NaN becomes null
+      row["two_point_rms_deg"] = errors.two_point_rms_deg[i];
+      row["polynomial_rms_deg"] = errors.polynomial_rms_deg[i];
+      row["table_rms_deg"] = errors.table_rms_deg[i];
+    }
+    row["variance_counts2"] = channel.variance_counts2;
+    row["variance_low_counts2"] = channel.variance_low_counts2;
+    row["variance_high_counts2"] = channel.variance_high_counts2;
+    row["covariance_counts2"] = channel.covariance_counts2;
+    channels.push_back(std::move(row));
+  }
+  const nlohmann::ordered_json json = {{"recording", calibration.recording},
+                                       {"samples", calibration.samples},
+                                       {"rate_hz", calibration.rate_hz},
+                                       {"degrees_of_freedom", calibration.degrees_of_freedom},
+                                       {"confidence_percent", calibration.confidence_percent},
+                                       {"channels", channels}};
+  fmt::print("{}\n", json.dump(2));
+}
+
+void Remark(const PoseRecording& recording, const Calibration& calibration) {
+  if (recording.rows_left_out > 0) {
+    fmt::print(stderr, "gauntlet: {}: {} rows with a missing count left out\n", recording.name,
+               recording.rows_left_out);
+  }
+  if (recording.angle_deg.cols() == 0) {
+    fmt::print(stderr,
+               "gauntlet: {}: no known angles (columns as index_mcp_deg), so no linearisation\n",
+               recording.name);
+  }
+  for (const ChannelCalibration& channel : calibration.channels) {
+    if (channel.variance_counts2 > 0.0) continue;
+    fmt::print(
+        stderr,
+        "gauntlet: warning: {}: {} has no noise beyond its rounding while the hand is still: "
+        "is the sensor connected?\n",
+        recording.name, channel.channel);
+  }
+}
+
+std::filesystem::path TargetOf(const CalibrateOptions& options) {
+  if (options.out.empty()) {
+    const std::string stem = std::filesystem::path(options.recording).stem().string();
+    return std::filesystem::path("out") / (stem + ".calibration.yaml");
+  }
+  std::error_code none;
+  if (std::filesystem::equivalent(options.out, options.recording, none)) {
+    throw UserError(fmt::format("--out {}: is the recording itself", options.out));
+  }
+  return options.out;
+}
+
+void RunCalibrate(const CalibrateOptions& options) {
+  const std::filesystem::path target = TargetOf(options);
+  const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
+  CurveErrors errors;
+  const Calibration calibration = Calibrate(recording, options.calibration, errors);
+  if (target.has_parent_path()) MakeDirectory(target.parent_path());
+  WriteFileAtomically(target,
+                      "# Made by gauntlet calibrate. A controller of a scenario includes it: "
+                      "`calibration: FILE`.\n" +
+                          CalibrationToYaml(calibration));
+  if (options.json) {
+    PrintJson(calibration, errors);
+  } else {
+    PrintTable(calibration, errors, options.calibration.curve);
+  }
+  std::fflush(stdout);
+  Remark(recording, calibration);
+  fmt::print(stderr, "wrote {}\n", target.string());
+}
+
+}  // namespace
+
+void AddCalibrateCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "calibrate", "Linearisation and measurement covariance R of a glove, from a recording");
+  const auto options = std::make_shared<CalibrateOptions>();
+  command
+      ->add_option("recording", options->recording,
+                   "CSV with NAME_counts and NAME_deg per channel, or a trace of run --csv")
+      ->required();
+  command->add_option("--out", options->out, "file to write [out/<recording>.calibration.yaml]")
+      ->type_name("FILE.yaml");
+  command
+      ->add_option("--linearisation", options->curve,
+                   "curve in the file: table (a corner per pose), two_point or polynomial")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"table", "two_point", "polynomial"}))
+      ->capture_default_str();
+  command->add_option("--degree", options->calibration.degree, "of the polynomial")
+      ->check(CLI::Range(1, 9))
+      ->capture_default_str();
+  command
+      ->add_option("--confidence", options->calibration.confidence_percent,
+                   "of the intervals of R, in percent")
+      ->check(CLI::Range(1.0, 99.9999))
+      ->capture_default_str();
+  command
+      ->add_option("--settle-ms", options->format.settle_ms,
+                   "a pose counts from so long after its angle last changed; 0 if angles were "
+                   "measured and never stand still")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command
+      ->add_option("--rate-hz", options->format.rate_hz, "of a recording without a column of time")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  command
+      ->add_option("--full-scale", options->format.full_scale_counts,
+                   "of the converter, in counts; values at either end are not used")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "print JSON instead of the table");
+  command->footer(
+      "\nKnown angles are empty where they are not known. Stretches in which no sensor moves for "
+      "half\n"
+      "a second or more give R.\n"
+      "\nExample:\n  gauntlet run scenarios/known_poses.yaml --csv\n"
+      "  gauntlet calibrate out/known_poses/trace.raw.csv --out out/my_glove.yaml\n"
+      "  gauntlet run scenarios/calibrated_glove.yaml --set "
+      "controllers.calibrated_kalman.calibration=out/my_glove.yaml\n");
+  command->callback([options] {
+    options->calibration.curve = KindOf(options->curve);
+    RunCalibrate(*options);
+  });
+}
+
+}  // namespace gauntlet::sim

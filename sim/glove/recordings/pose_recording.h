@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+
+/// What a glove said while its wearer held known poses.
+///
+/// Shapes: samples x channels; `angle_deg` has no columns if the file has no known angles.
+struct PoseRecording {
+  std::string name;  // of the file, for messages
+  std::vector<std::string> channel_names;
+  double rate_hz = 1000.0;
+  double full_scale_counts = 1023.0;
+  Signal counts;                     // finite
+  Signal angle_deg;                  // NaN where the pose is not known or not yet settled
+  std::size_t rows_left_out = 0;     // a count was missing
+  double resolution_counts = 0.0;    // 1 if all counts are whole numbers
+  std::size_t columns_left_out = 0;  // other signals of a trace
+};
+
+struct PoseRecordingFormat {
+  double rate_hz = 1000.0;            // of a file without a column of time
+  double full_scale_counts = 1023.0;  // of the converter
+  /// A pose counts from so long after its angle last changed.
+  double settle_ms = 200.0;
+};
+
+/// Makes the angles of one channel NaN until they have been the same for so many samples. They are
+/// rounded to 1e-6 deg, so that a pose that was computed twice is one pose.
+void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> angle_deg);
+
+/// Reads a table with a header. Per channel `NAME_counts`, and `NAME_deg` or `NAME_rad` for its
+/// known angle, empty where it is not known; all channels or none have known angles. Time is `t_s`,
+/// `time_s`, `time_ms`, or not there (`k` is passed over). The CSV of a trace is such a table, too:
+/// `counts.NAME`, `true_angle_rad.NAME`; its other signals are left out.
+/// Errors: UserError `file:row:column: ...`.
+PoseRecording LoadPoseRecording(const std::filesystem::path& file,
+                                const PoseRecordingFormat& format);
+
+}  // namespace gauntlet::sim
