@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <vector>
 
 #include "sim/report/table_text.h"
 
@@ -15,6 +16,18 @@ namespace {
 constexpr std::string_view kMainMetrics[] = {"tracking_rmse_deg", "aligned_rmse_deg",
                                              "peak_error_deg",    "delay_ms",
                                              "jitter_rms_deg",    "command_reversals_per_s"};
+
+/// The main metrics, and that of the grip where something was held.
+std::vector<std::string_view> ShownMetrics(const Summary& summary) {
+  std::vector<std::string_view> keys(std::begin(kMainMetrics), std::end(kMainMetrics));
+  const std::string_view grip = "grip_force_ripple_n";
+  const std::size_t metric = MetricIndex(grip);
+  const auto held = [metric](const ControllerSummary& controller) {
+    return std::isfinite(controller.summary[metric].mean);
+  };
+  if (std::ranges::any_of(summary.controllers, held)) keys.push_back(grip);
+  return keys;
+}
 
 struct Cell {
   std::string text;
@@ -63,9 +76,9 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
   }
   std::vector<std::vector<Cell>> columns;
   std::vector<std::size_t> widths;
-  for (const std::string_view key : kMainMetrics) {
+  const std::vector<std::string_view> keys = ShownMetrics(summary);
+  for (const std::string_view key : keys) {
     const std::size_t metric = MetricIndex(key);
-    if (metric == Metrics().size()) continue;
     std::vector<Cell>& cells = columns.emplace_back();
     std::size_t width = key.size();
     for (const auto& controller : summary.controllers) {
@@ -79,7 +92,7 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
   }
   out += Padded("controller", name_width, false);
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    out += "  " + Padded(std::string(kMainMetrics[i]), widths[i], true) + " ";
+    out += "  " + Padded(std::string(keys[i]), widths[i], true) + " ";
   }
   out += "\n";
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {

@@ -13,8 +13,9 @@ struct TableOptions {
   bool colour = false;      // mark best and worse-than-raw with terminal colours besides signs
 };
 
-/// The keys of the scores of the main question: the columns of the table. All others are in
-/// scores.json and on the report page.
+/// The keys of the scores of the main question: the columns of the table, besides
+/// `grip_force_ripple_n` where something was held. All others are in scores.json and on the report
+/// page.
 std::span<const std::string_view> MainMetrics();
 
 /// What the numbers say, in one sentence; empty where tracking or jitter has no value.

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = argc > 2 ? argv[2] : ".";
   const std::map<std::string, std::function<void()>> measurements = {
       {"joints", PrintJoints},
+      {"coupling", PrintCoupling},
       {"reach", PrintReach},
       {"steps", PrintSteps},
       {"closing", PrintClosing},

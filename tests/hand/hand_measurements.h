@@ -6,6 +6,7 @@ namespace gauntlet::sim::testing {
 
 /// What models/README.md says of the hand, measured; each prints to stdout.
 void PrintJoints();
+void PrintCoupling();
 void PrintReach();
 void PrintSteps();
 void PrintClosing();

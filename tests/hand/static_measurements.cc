@@ -60,27 +60,40 @@ double Hysteresis(const HandConfig& config, const std::string& joint,
 void PrintJoints() {
   const auto hand = MakeModel();
   const controller::TendonTransmission& map = hand->transmission();
-  const std::size_t count = map.channel_names.size();
   fmt::print(
-      "| channel | range [deg] | pulley [mm] | drum [mm] | motor, stall [N m] | cable [N] | "
-      "stiffness [N/m] | bends [deg] | spool per joint angle "
-      "|\n|---|---|---|---|---|---|---|---|---|\n");
-  for (std::size_t motor = 0; motor < count; ++motor) {
+      "| channel, joint and motor | range [deg] | moment arm [mm] | drum [mm] "
+      "| stall torque [N m] | pull at stall [N] | cable stiffness [N/mm] | bends [deg] |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  for (std::size_t motor = 0; motor < map.motor_names.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
-    std::string coupling;
-    for (std::size_t channel = 0; channel < count; ++channel) {
-      const double value = map.coupling[motor * count + channel];
-      if (std::abs(value) < 1e-6) continue;
-      coupling += fmt::format("{}{:.3f} {}", coupling.empty() ? "" : ", ", value,
-                              map.channel_names[channel]);
-    }
     fmt::print(
-        "| {} | {:.0f}..{:.0f} | {:.1f} | {:.0f} | {:.2f} | {:.0f} | {:.1e} | {:.0f} | {} |\n",
+        "| `{}` | {:.0f} .. {:.0f} | {:.1f} | {:.0f} | {:.2f} | {:.0f} | {:.0f} | {:.0f} |\n",
         drive.name, map.joint_min_rad[motor] * kDegPerRad, map.joint_max_rad[motor] * kDegPerRad,
         1e3 * std::abs(OwnCrossing(drive.flexor).moment_arm_m), 1e3 * drive.drum_radius_m,
         drive.servo.stall_torque_nm, drive.servo.stall_torque_nm / drive.drum_radius_m,
-        drive.flexor.stiffness_n_m, drive.flexor.bend_rad * kDegPerRad, coupling);
+        1e-3 * drive.flexor.stiffness_n_m, drive.flexor.bend_rad * kDegPerRad);
   }
+  const mjModel& model = hand->model();
+  for (const char* body : {"palm", "forearm", "upper_arm"}) {
+    fmt::print("{} and all that hangs on it: {:.2f} kg\n", body,
+               model.body_subtreemass[mj_name2id(&model, mjOBJ_BODY, body)]);
+  }
+}
+
+void PrintCoupling() {
+  const auto hand = MakeModel();
+  const controller::TendonTransmission& map = hand->transmission();
+  const std::size_t count = map.channel_names.size();
+  fmt::print("{:>19}", "");
+  for (std::size_t channel = 1; channel <= count; ++channel) fmt::print(" {:>4}", channel);
+  for (std::size_t motor = 0; motor < count; ++motor) {
+    fmt::print("\n{:>2} {:<16}", motor + 1, map.motor_names[motor]);
+    for (std::size_t channel = 0; channel < count; ++channel) {
+      const double value = map.coupling[motor * count + channel];
+      fmt::print(" {:>4}", std::abs(value) < 1e-6 ? "." : fmt::format("{:.2f}", value));
+    }
+  }
+  fmt::print("\n");
 }
 
 void PrintReach() {
@@ -131,10 +144,10 @@ void WritePictures(const std::filesystem::path& folder) {
       {"finger_spread", 8},   {"elbow_flexion", 90}};
   for (const auto& [name, deg] : posture) angle[ChannelIndex(name)] = deg * kRadPerDeg;
   const std::vector<double> spools(angle.size());
-  for (const char* camera : {"hand", "arm"}) {
-    WriteHandPng(*hand, angle, spools, {.camera = camera, .width_px = 1280, .height_px = 720},
-                 folder / fmt::format("{}.png", camera));
-  }
+  WriteHandPng(*hand, angle, spools, {.camera = "portrait", .width_px = 840, .height_px = 960},
+               folder / "hand.png");
+  WriteHandPng(*hand, angle, spools, {.camera = "arm_portrait", .width_px = 1080, .height_px = 840},
+               folder / "arm.png");
 }
 
 }  // namespace gauntlet::sim::testing
