@@ -125,7 +125,9 @@ void Print(const Topic& topic) {
     std::size_t width = 0;
     for (const SettingRow& row : entry.settings) width = std::max(width, row.key.size());
     for (const SettingRow& row : entry.settings) {
-      const std::string value = row.default_value.empty() ? "required" : row.default_value;
+      const std::string value = row.required                ? "required"
+                                : row.default_value.empty() ? "empty"
+                                                            : row.default_value;
       const std::string range = row.range.empty() ? "" : fmt::format(" ({})", row.range);
       fmt::print("    {:<{}}  {}; {}{}\n", row.key, width, value, row.help, range);
     }
@@ -139,6 +141,7 @@ nlohmann::ordered_json Json(const Topic& topic) {
     for (const SettingRow& row : entry.settings) {
       settings.push_back({{"key", row.key},
                           {"default", row.default_value},
+                          {"required", row.required},
                           {"range", row.range},
                           {"help", row.help}});
     }

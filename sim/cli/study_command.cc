@@ -87,6 +87,7 @@ void RunStudyCommand(const StudyCommand& options) {
   KeepOnly(options.controllers, scenario);
   const Study study = Prepare(options, std::move(scenario));
   WarnIfMadeElsewhere(study);
+  for (const std::string& remark : study.remarks) fmt::print(stderr, "gauntlet: {}\n", remark);
   OutputFolder folder(options.out.empty() ? "out/" + study.scenario.name : options.out);
 
   StudyResult result;

@@ -67,6 +67,7 @@ class RowCollector final : public controller::SettingsVisitor {
   void Add(const Setting& setting, std::string value, std::string range) {
     rows.push_back({.key = prefix_ + std::string(setting.key),
                     .default_value = setting.required ? "" : std::move(value),
+                    .required = setting.required,
                     .range = std::move(range),
                     .help = std::string(setting.help)});
   }

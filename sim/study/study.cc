@@ -149,8 +149,7 @@ class Schedule {
 Study PrepareStudy(Scenario scenario) {
   Study study;
   // A recording that cannot be read is found here, before anything is written.
-  const GloveSignal glove =
-      SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
+  GloveSignal glove = SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
   study.hand = std::make_shared<const HandModel>(scenario.hand, glove.channel_names);
   study.calibration = NominalCalibration(scenario.glove);
   for (const NamedController& named : scenario.controllers) {
@@ -167,6 +166,7 @@ Study PrepareStudy(Scenario scenario) {
                                 Suggestion(scenario.video.channel, channels)));
   }
   study.scenario = std::move(scenario);
+  study.remarks = std::move(glove.remarks);
   return study;
 }
 

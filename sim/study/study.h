@@ -16,6 +16,7 @@ struct Study {
   Scenario scenario;
   std::shared_ptr<const HandModel> hand;
   controller::GloveCalibration calibration;
+  std::vector<std::string> remarks;  // what was repaired in recordings, one line each
 };
 
 /// Builds hand, glove (of the first seed) and every controller. Errors: UserError.

@@ -43,8 +43,8 @@ void WriteTexts(H5::H5Object& object, const char* name, const std::vector<std::s
   std::vector<const char*> pointers;
   for (const std::string& text : texts) pointers.push_back(text.c_str());
   const hsize_t size = pointers.size();
-  object.createAttribute(name, TextType(), H5::DataSpace(1, &size))
-      .write(TextType(), static_cast<const void*>(pointers.data()));
+  const H5::Attribute attribute = object.createAttribute(name, TextType(), H5::DataSpace(1, &size));
+  if (size > 0) attribute.write(TextType(), static_cast<const void*>(pointers.data()));
 }
 
 std::string ReadText(const H5::H5Object& object, const char* name) {
@@ -109,6 +109,48 @@ void ReadMatrix(const H5::Group& group, const std::string& name,
   matrix = rows;
 }
 
+/// A stretch of samples [begin, end) with a name, and the channel it is about.
+struct Stretch {
+  const char* name;
+  const char* channel;
+  int begin;
+  int end;
+};
+
+/// A table: one row per stretch, columns by name.
+void WriteStretches(H5::Group& group, const char* table, const char* name_column,
+                    const std::vector<Stretch>& stretches) {
+  const H5::CompType row(sizeof(Stretch));
+  row.insertMember(name_column, HOFFSET(Stretch, name), TextType());
+  row.insertMember("channel", HOFFSET(Stretch, channel), TextType());
+  row.insertMember("begin_sample", HOFFSET(Stretch, begin), H5::PredType::NATIVE_INT);
+  row.insertMember("end_sample", HOFFSET(Stretch, end), H5::PredType::NATIVE_INT);
+  const hsize_t size = stretches.size();
+  const H5::DSetCreatPropList properties;
+  H5Pset_obj_track_times(properties.getId(), false);
+  const H5::DataSet dataset = group.createDataSet(table, row, H5::DataSpace(1, &size), properties);
+  if (!stretches.empty()) dataset.write(stretches.data(), row);
+}
+
+void WriteFaults(H5::Group& group, const GloveSignal& glove) {
+  std::vector<Stretch> stretches;
+  for (const FaultEvent& fault : glove.faults) {
+    const char* channel =
+        fault.channel < 0 ? "all"
+                          : glove.channel_names[static_cast<std::size_t>(fault.channel)].c_str();
+    stretches.push_back({fault.kind_name().data(), channel, fault.begin, fault.end});
+  }
+  WriteStretches(group, "faults", "kind", stretches);
+}
+
+void WriteSegments(H5::Group& group, const GloveSignal& glove) {
+  std::vector<Stretch> stretches;
+  for (const MotionSegment& segment : glove.segments) {
+    stretches.push_back({segment.label.c_str(), "all", segment.begin, segment.end});
+  }
+  WriteStretches(group, "segments", "label", stretches);
+}
+
 /// Runs `action`; what HDF5 throws becomes a RunError about `path`.
 template <class Action>
 void Guarded(const std::filesystem::path& path, const Action& action) {
@@ -148,6 +190,9 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
                         glove.true_angle_rad);
     WriteMatrix<double>({group, "counts", "counts", glove.rate_hz}, glove.channel_names,
                         glove.counts);
+    WriteFaults(group, glove);
+    WriteSegments(group, glove);
+    WriteTexts(group, "remarks", glove.remarks);
     state_->file->createGroup("controllers");
   });
 }

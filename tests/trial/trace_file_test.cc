@@ -1,6 +1,8 @@
 // What is written is what is read.
 #include "sim/trial/trace_file.h"
 
+#include <H5Cpp.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -69,6 +71,54 @@ TEST_F(TraceFileTest, GivesBackEveryBit) {
   EXPECT_EQ(read.traces[0].object_pose, a.object_pose);
   EXPECT_EQ(read.traces[0].grip_force_n.size(), 0);
   EXPECT_EQ(ReadTraceFile(file_, {"kalman"}).traces.size(), 1u);
+}
+
+struct StretchRow {
+  char* name;
+  char* channel;
+  int begin;
+  int end;
+};
+
+/// The rows of /glove/faults or /glove/segments as text.
+std::vector<std::string> ReadStretches(const fs::path& file, const std::string& table,
+                                       const std::string& name_column) {
+  H5::StrType text(H5::PredType::C_S1, H5T_VARIABLE);
+  text.setCset(H5T_CSET_UTF8);
+  const H5::CompType type(sizeof(StretchRow));
+  type.insertMember(name_column, HOFFSET(StretchRow, name), text);
+  type.insertMember("channel", HOFFSET(StretchRow, channel), text);
+  type.insertMember("begin_sample", HOFFSET(StretchRow, begin), H5::PredType::NATIVE_INT);
+  type.insertMember("end_sample", HOFFSET(StretchRow, end), H5::PredType::NATIVE_INT);
+  const H5::DataSet dataset =
+      H5::H5File(file.string(), H5F_ACC_RDONLY).openGroup("glove").openDataSet(table);
+  std::vector<StretchRow> rows(
+      static_cast<std::size_t>(dataset.getSpace().getSimpleExtentNpoints()));
+  if (!rows.empty()) dataset.read(rows.data(), type);
+  std::vector<std::string> texts;
+  for (const StretchRow& row : rows) {
+    texts.push_back(fmt::format("{} {} {} {}", row.name, row.channel, row.begin, row.end));
+    H5free_memory(row.name);
+    H5free_memory(row.channel);
+  }
+  return texts;
+}
+
+TEST_F(TraceFileTest, TellsTheTruthOfEveryFaultAndWhatTheWearerDid) {
+  glove_.faults = {{.kind = FaultKind::kStuck, .channel = 3, .begin = 1, .end = 4},
+                   {.kind = FaultKind::kLateFrames, .channel = -1, .begin = 0, .end = 2}};
+  glove_.segments = {{.label = "rest", .begin = 0, .end = 3},
+                     {.label = "fast", .begin = 3, .end = 5}};
+  TraceWriter(file_, glove_, hand_, "test", 1).Commit();
+  EXPECT_EQ(ReadStretches(file_, "faults", "kind"),
+            (std::vector<std::string>{"stuck " + glove_.channel_names[3] + " 1 4",
+                                      "late_frames all 0 2"}));
+  EXPECT_EQ(ReadStretches(file_, "segments", "label"),
+            (std::vector<std::string>{"rest all 0 3", "fast all 3 5"}));
+
+  glove_.faults.clear();
+  TraceWriter(file_, glove_, hand_, "test", 1).Commit();
+  EXPECT_TRUE(ReadStretches(file_, "faults", "kind").empty());
 }
 
 TEST_F(TraceFileTest, LeavesNothingWithoutCommit) {

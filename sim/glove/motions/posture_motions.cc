@@ -188,7 +188,8 @@ Motion MakeMotion(const StepsConfig& config, const MotionContext& context) {
   }
   MovePlan plan(low);
   const double half_s = 0.5 * config.period_s;
-  for (double now_s = half_s; now_s < config.duration_s; now_s += 2.0 * half_s) {
+  for (int step = 0; (step + 0.5) * config.period_s < config.duration_s; ++step) {
+    const double now_s = (step + 0.5) * config.period_s;
     plan.MoveTo(now_s, 0.0, high);
     plan.MoveTo(now_s + half_s, 0.0, low);
   }

@@ -77,7 +77,14 @@ void AddCrossTalk(const std::vector<CrossTalk>& cross_talk, Signal& bend) {
 SensorParameters NominalSensor() {
   const std::size_t channels = GloveChannels().size();
   const std::vector<double> zeros(channels, 0.0);
-  return {std::vector<double>(channels, 1.0), zeros, zeros, zeros, {}};
+  const std::vector<double> ones(channels, 1.0);
+  return {.gain = ones,
+          .offset_share = zeros,
+          .curvature_share = zeros,
+          .drift_share = zeros,
+          .hysteresis_scale = ones,
+          .lag_scale = ones,
+          .cross_talk = {}};
 }
 
 SensorParameters DrawSensor(const SensorConfig& config, std::uint64_t seed) {
@@ -86,10 +93,14 @@ SensorParameters DrawSensor(const SensorConfig& config, std::uint64_t seed) {
     RandomStream random(seed, "sensor/deviation", channel);
     const NormalPair line = BoxMuller(random);
     const NormalPair rest = BoxMuller(random);
+    const NormalPair late = BoxMuller(random);
     sensor.gain[channel] += 0.01 * config.gain_deviation_percent * line.first;
     sensor.offset_share[channel] = 0.01 * config.offset_deviation_percent * line.second;
     sensor.curvature_share[channel] = 0.01 * config.curvature_deviation_percent * rest.first;
     sensor.drift_share[channel] = 0.01 * config.drift_deviation_percent * rest.second;
+    sensor.hysteresis_scale[channel] =
+        std::exp(0.01 * config.hysteresis_deviation_percent * late.first);
+    sensor.lag_scale[channel] = std::exp(0.01 * config.lag_deviation_percent * late.second);
   }
   if (config.cross_talk_percent == 0.0) return sensor;
   for (std::size_t pair = 0; pair < kNeighbours.size(); ++pair) {
@@ -109,12 +120,13 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
                  const Signal& angle_rad, double rate_hz, double full_scale_counts) {
   Signal bend(angle_rad.rows(), angle_rad.cols());
   for (Eigen::Index c = 0; c < bend.cols(); ++c) {
+    const auto channel = static_cast<std::size_t>(c);
     Bend(angle_rad, c, bend);
-    if (config.lag_ms > 0.0) Lag(1e-3 * config.lag_ms, rate_hz, bend.col(c));
-    if (config.hysteresis_deg > 0.0) {
-      const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
-      Hysteresis(config.hysteresis_deg / (joint.max_deg - joint.min_deg), bend.col(c));
-    }
+    const double lag_s = 1e-3 * config.lag_ms * sensor.lag_scale[channel];
+    if (lag_s > 0.0) Lag(lag_s, rate_hz, bend.col(c));
+    const double play_deg = config.hysteresis_deg * sensor.hysteresis_scale[channel];
+    const Channel& joint = GloveChannels()[channel];
+    if (play_deg > 0.0) Hysteresis(play_deg / (joint.max_deg - joint.min_deg), bend.col(c));
   }
   AddCrossTalk(sensor.cross_talk, bend);
   const double low = 0.01 * config.low_percent * full_scale_counts;

@@ -17,10 +17,12 @@ struct CrossTalk {
 
 /// One glove: what a seed drew.
 struct SensorParameters {
-  std::vector<double> gain;             // per channel; 1 in the nominal sensor
-  std::vector<double> offset_share;     // per channel, of the full scale
-  std::vector<double> curvature_share;  // per channel, of the output's range
-  std::vector<double> drift_share;      // per channel, of the full scale
+  std::vector<double> gain;              // per channel; 1 in the nominal sensor
+  std::vector<double> offset_share;      // per channel, of the full scale
+  std::vector<double> curvature_share;   // per channel, of the output's range
+  std::vector<double> drift_share;       // per channel, of the full scale
+  std::vector<double> hysteresis_scale;  // per channel, on the setting
+  std::vector<double> lag_scale;         // per channel, on the setting
   std::vector<CrossTalk> cross_talk;
 };
 

@@ -23,8 +23,13 @@ void SensorConfig::Visit(controller::SettingsVisitor& visitor) {
          curvature_deviation_percent);
   number("cross_talk_percent", "how much of a neighbour's bending is measured too, about", 0, 50,
          cross_talk_percent);
-  number("hysteresis_deg", "play between bending and unbending", 0, 45, hysteresis_deg);
-  number("lag_ms", "time constant of the sensor, first order", 0, 1000, lag_ms);
+  number("hysteresis_deg", "play between bending and unbending, median", 0, 45, hysteresis_deg);
+  number("hysteresis_deviation_percent",
+         "standard deviation of the hysteresis' logarithm from glove to glove", 0, 100,
+         hysteresis_deviation_percent);
+  number("lag_ms", "time constant of the sensor, first order, median", 0, 1000, lag_ms);
+  number("lag_deviation_percent", "standard deviation of the lag's logarithm from glove to glove",
+         0, 100, lag_deviation_percent);
   number("drift_deviation_percent",
          "standard deviation of the offset that warming adds, of the full scale", 0, 50,
          drift_deviation_percent);

@@ -11,8 +11,10 @@ namespace gauntlet::sim {
 ///     output = low + (high - low) (0.5 + gain (bend' - 0.5) + curvature 4 bend' (1 - bend'))
 ///              + offset + drift (1 - exp(-t / drift time))
 ///
-/// The nominal sensor is straight and has neither; a seed draws one glove from it: each deviation
-/// is normal with the standard deviation given here, each coefficient one per channel or pair.
+/// The nominal sensor is straight and has neither; a seed draws one glove from it, per channel or
+/// pair: gain, offset, curvature and drift are normal about the nominal value, with the standard
+/// deviation given here; cross-talk is normal about its mean, with half of it as deviation;
+/// hysteresis and lag are log-normal about their median, as nothing negative can come of them.
 /// Source: all sizes are assumptions. They stand for a glove that was calibrated with care: the
 /// best calibrated CyberGlove III has an RMS error below 10 deg at most joints, so its calibration
 /// error is larger than its noise; these defaults give about 2 to 3 deg.
@@ -24,7 +26,9 @@ struct SensorConfig {
   double curvature_deviation_percent = 1.0;
   double cross_talk_percent = 1.0;
   double hysteresis_deg = 0.5;
+  double hysteresis_deviation_percent = 20.0;
   double lag_ms = 0.0;
+  double lag_deviation_percent = 20.0;
   double drift_deviation_percent = 0.0;
   double drift_time_s = 120.0;
 
