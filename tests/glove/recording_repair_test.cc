@@ -222,6 +222,38 @@ TEST_F(Files, CanBeReadInPart) {
   EXPECT_THROW(LoadRecording(file, {}, 50.0, 1.0), UserError);
 }
 
+TEST_F(Files, OfNoiseAreReadOnlyAsFarAsTheSignalGoes) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 1200; ++i) {
+    text += std::to_string(i * 0.05) + (i == 600 ? ",bad\n" : i % 2 == 0 ? ",1\n" : ",2\n");
+  }
+  GloveConfig config;
+  config.motion.kind = MotionKind::kHold;
+  config.noise.recording = Write("noise.csv", text);
+  config.motion.hold.duration_s = 10.0;
+  EXPECT_TRUE(SynthesiseGlove(config, 1).remarks.empty());
+  config.motion.hold.duration_s = 40.0;  // beyond the bad row at 30 s
+  EXPECT_THAT(SynthesiseGlove(config, 1).remarks, ElementsAre(HasSubstr("not a number")));
+}
+
+TEST_F(Files, LongerThanAnyMotionNeedADuration) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 4000; ++i) text += std::to_string(i) + (i < 3700 ? ",10\n" : ",bad\n");
+  GloveConfig config;
+  config.motion.kind = MotionKind::kRecording;
+  config.motion.recording.file = Write("long.csv", text);
+  config.motion.recording.longest_gap_ms = 2000.0;
+  try {
+    SynthesiseGlove(config, 1);
+    FAIL();
+  } catch (const UserError& error) {  // the bad row at 3700 s is not reached
+    EXPECT_THAT(error.what(), HasSubstr("is longer than 3600 s, duration_s must be given"));
+  }
+  config.motion.recording.start_s = 100.0;
+  config.motion.recording.duration_s = 2.0;
+  EXPECT_EQ(SynthesiseGlove(config, 1).counts.rows(), 2000);
+}
+
 TEST(RecordingReader, KeepsItsMemoryFlatOnALongFile) {
   // 200 MB of rows, made while they are read.
   const std::string row = "12.5,13.25,14.125,15,16.5,17,18,19.75,20\n";

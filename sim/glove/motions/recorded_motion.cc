@@ -34,7 +34,9 @@ RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext
 
 Recording Load(const RecordedMotionConfig& config, const RecordingFormat& format,
                const std::string& file) {
-  Recording recording = LoadRecording(file, format, config.start_s, config.duration_s);
+  // Reading ends where no motion goes, so that memory does not grow with the file.
+  const double duration_s = config.duration_s > 0.0 ? config.duration_s : kLongestMotionS + 1.0;
+  Recording recording = LoadRecording(file, format, config.start_s, duration_s);
   if (format.handling == ProblemHandling::kRepair) RemoveGlitches(recording);
   RemarkRepeats(recording);
   return recording;
@@ -83,8 +85,8 @@ std::size_t SampleCount(const RecordedMotionConfig& config, const Recording& rec
   }
   const double duration_s = config.duration_s > 0.0 ? config.duration_s : available_s;
   if (duration_s > kLongestMotionS) {
-    throw UserError(fmt::format("{}: is {:.0f} s long, duration_s must be given (at most {} s)",
-                                recording.name, duration_s, kLongestMotionS));
+    throw UserError(fmt::format("{}: is longer than {} s, duration_s must be given (at most {} s)",
+                                recording.name, kLongestMotionS, kLongestMotionS));
   }
   if (config.duration_s > 0.0) {
     return static_cast<std::size_t>(context.SampleCount(config.duration_s));

@@ -65,7 +65,9 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
   format.handling = ProblemHandling::kRepair;
   format.sensor = sensor;
   format.converter = converter;
-  const Recording recording = LoadRecording(config.recording, format);
+  // No more of the file than the signal can use, and a little for the smoothing at its end.
+  const double duration_s = static_cast<double>(counts.rows()) / rate_hz + 1.0;
+  const Recording recording = LoadRecording(config.recording, format, 0.0, duration_s);
   remarks.insert(remarks.end(), recording.remarks.begin(), recording.remarks.end());
   const auto samples =
       static_cast<std::size_t>(std::clamp(recording.time_s.back() * rate_hz + 1.0, 2.0, 1e7));
