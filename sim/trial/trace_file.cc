@@ -22,12 +22,12 @@ const H5::PredType& MemoryType(double) { return H5::PredType::NATIVE_DOUBLE; }
 const H5::PredType& MemoryType(int) { return H5::PredType::NATIVE_INT; }
 
 const H5::StrType& TextType() {
-  static const H5::StrType type = [] {
+  static const H5::StrType kType = [] {
     H5::StrType text(H5::PredType::C_S1, H5T_VARIABLE);
     text.setCset(H5T_CSET_UTF8);
     return text;
   }();
-  return type;
+  return kType;
 }
 
 void WriteText(H5::H5Object& object, const char* name, const std::string& text) {
