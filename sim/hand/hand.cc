@@ -45,7 +45,7 @@ struct Hand::State {
   DrumMotion TurnDrum(const Drive& drive, const CableState& flexor, const CableState& extensor,
                       const CableWay& flexor_way, const CableWay& extensor_way) const noexcept;
   double Pull(const Cable& cable, double tension_n, CableState& state) noexcept;
-  void ReadWarnings();
+  void ReadWarnings(double time_s);
 
   std::shared_ptr<const HandModel> hand;
   std::unique_ptr<mjData, void (*)(mjData*)> data;
@@ -189,29 +189,31 @@ void Hand::State::DriveSpools() noexcept {
   }
 }
 
-void Hand::State::ReadWarnings() {
+/// `time_s` is when the step began: where the engine gives up, it sets its own clock to 0.
+void Hand::State::ReadWarnings(double time_s) {
   for (int kind = 0; kind < mjNWARNING; ++kind) {
     const mjWarningStat& warning = data->warning[kind];
     if (warning.number == 0) continue;
     health.ok = false;
     health.problem =
-        fmt::format("at {:.3f} s: {}", data->time, mju_warningText(kind, warning.lastinfo));
+        fmt::format("at {:.3f} s: {}", time_s, mju_warningText(kind, warning.lastinfo));
     return;
   }
   const std::string other = TakeMujocoWarning();
   if (other.empty()) return;
   health.ok = false;
-  health.problem = fmt::format("at {:.3f} s: {}", data->time, other);
+  health.problem = fmt::format("at {:.3f} s: {}", time_s, other);
 }
 
 void Hand::State::Advance() {
   const mjModel& model = hand->model();
   for (int step = 0; step < hand->steps_per_sample_ && health.ok; ++step) {
+    const double time_s = data->time;
     mj_step1(&model, data.get());
     PullCables();
     DriveSpools();
     mj_step2(&model, data.get());
-    ReadWarnings();
+    ReadWarnings(time_s);
   }
 }
 

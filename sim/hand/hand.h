@@ -81,7 +81,8 @@ class Hand {
   void SetCommand(std::span<const std::int32_t> motor_counts) noexcept;
   /// The frame that the servos hold; after Reset() the one that keeps the posture.
   std::span<const std::int32_t> command() const noexcept;
-  /// One sampling period (1 ms). Reads every warning counter; does nothing once health is bad.
+  /// One sampling period (1 ms). Reads every warning counter. Once health is bad it does nothing,
+  /// and what is read below is no state of the hand any more.
   void Step() noexcept;
 
   // Per channel, motor or cable, after the last Step() or Reset().

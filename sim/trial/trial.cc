@@ -160,13 +160,14 @@ Trace RunTrial(const std::string& controller_name,
   std::vector<std::uint8_t> saturated(static_cast<std::size_t>(motors));
 
   Eigen::Index sample = 0;
-  for (; sample < samples && hand.health().ok; ++sample) {
+  for (; sample < samples; ++sample) {
     for (Eigen::Index c = 0; c < channels; ++c) counts[c] = glove.counts(sample, c);
     const controller::Command command = controller.Step({.counts = counts});
     const int now = static_cast<int>(sample);
     if (link.IsEvent(now)) link.Send(now, command.motor_counts);
     if (const Frame* frame = link.Arriving(now)) hand.SetCommand(frame->motor_counts);
     hand.Step();
+    if (!hand.health().ok) break;  // the engine has put the joints back to 0
 
     Copy(controller.linearised_angle_rad(), record.linearised.Row(sample));
     Copy(controller.filtered_angle_rad(), record.filtered.Row(sample));
@@ -191,7 +192,8 @@ Trace RunTrial(const std::string& controller_name,
   record.Flush(sample);
   if (sample < samples) Truncate(trace, sample);
 
-  for (double& share : trace.saturation_share) share /= static_cast<double>(sample);
+  for (double& share : trace.saturation_share)
+    share /= static_cast<double>(std::max<Eigen::Index>(sample, 1));
   const auto untrusted = controller.untrusted_samples();
   trace.untrusted_samples.assign(untrusted.begin(), untrusted.end());
   trace.health = hand.health();
