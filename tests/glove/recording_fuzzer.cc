@@ -1,5 +1,5 @@
-// For libFuzzer: `cmake --build build --target recording_fuzzer`, then
-// `build/tests/glove/fuzz_recording -runs=10000000`.
+// For libFuzzer: `cmake --build build/release --target recording_fuzzer`, then
+// `build/release/tests/glove/fuzz_recording -runs=10000000 -max_len=512`.
 #include "tests/glove/recording_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
