@@ -9,14 +9,14 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kTouch_n = 0.1;
+constexpr double kTouchN = 0.1;
 
 }  // namespace
 
 double GripForceRipple(std::span<const double> force_n, double rate_hz, Fourier& fourier) {
   double squares = 0.0;
   Eigen::Index count = 0;
-  const auto holds = [](double force) { return force >= kTouch_n; };
+  const auto holds = [](double force) { return force >= kTouchN; };
   auto begin = std::find_if(force_n.begin(), force_n.end(), holds);
   while (begin != force_n.end()) {
     const auto end = std::find_if_not(begin, force_n.end(), holds);
