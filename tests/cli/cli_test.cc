@@ -361,6 +361,19 @@ INSTANTIATE_TEST_SUITE_P(
                     BadScenario{"HalfARow", ThreeRows("0.02,1.5"), "bad.csv:4"}),
     [](const auto& test) { return test.param.name; });
 
+TEST_F(CliTest, TellsWhatWasRepairedInARecording) {
+  WriteScenario(
+      "question: q\nglove: {motion: {kind: recording, file: in.csv, problems: repair}}\n"
+      "controllers: {raw: {}}\n");
+  std::ofstream recording(folder_.path() / "in.csv");
+  recording << "time_s,index_mcp\n";
+  for (int i = 0; i < 50; ++i) recording << 0.02 * i << ',' << (i == 20 ? "?" : "10") << '\n';
+  recording.close();
+  const ProgramResult result = Gauntlet({"run", "scenario.yaml", "--out", "a"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.standard_error, HasSubstr("in.csv: not a number: 1 times, first in row 22"));
+}
+
 TEST_F(CliTest, MistakesOnTheCommandLineExitWithTwo) {
   EXPECT_EQ(Gauntlet({}).exit_code, 2);
   EXPECT_EQ(Gauntlet({"rnu"}).exit_code, 2);

@@ -15,9 +15,11 @@ namespace gauntlet::sim {
 /// pair: gain, offset, curvature and drift are normal about the nominal value, with the standard
 /// deviation given here; cross-talk is normal about its mean, with half of it as deviation;
 /// hysteresis and lag are log-normal about their median, as nothing negative can come of them.
-/// Source: all sizes are assumptions. They stand for a glove that was calibrated with care: the
-/// best calibrated CyberGlove III has an RMS error below 10 deg at most joints, so its calibration
-/// error is larger than its noise; these defaults give about 2 to 3 deg.
+/// Source: the split into these parts is an assumption; what they add up to, 1 to 4 deg, stands for
+/// a glove that was calibrated with care. VPL gave below 5 deg for its DataGlove model 4, and the
+/// best calibrated CyberGlove III has an RMS error below 10 deg at most joints. Before calibration
+/// bend sensors differ far more: 30 % in resistance (data sheet of Spectra Symbol's Flex Sensor,
+/// 2014).
 struct SensorConfig {
   double low_percent = 10.0;
   double high_percent = 90.0;
