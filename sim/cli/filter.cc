@@ -100,6 +100,7 @@ class FilterStream {
     filter_ = controller::MakeFilter(settings_.config, static_cast<int>(channels_.size()),
                                      settings_.rate_hz);
     values_.assign(channels_.size(), 0.0);
+    started_.assign(channels_.size(), false);
     fmt::print("{}\n", Trimmed(line));
     std::fflush(stdout);
   }
@@ -121,7 +122,8 @@ class FilterStream {
   std::size_t missing() const { return missing_; }
 
  private:
-  /// A filter gets finite numbers only: a missing one is the last good one again.
+  /// A filter gets finite numbers only: a missing one is the last good one again. Before a
+  /// channel's first good one its filter does not count; it starts there.
   void ReadValue(std::string_view field, std::size_t row, std::size_t channel) {
     double value = std::numeric_limits<double>::quiet_NaN();
     if (!field.empty()) {
@@ -134,6 +136,8 @@ class FilterStream {
     }
     if (std::isfinite(value)) {
       values_[channel] = value;
+      if (!started_[channel]) filter_->ResetChannel(static_cast<int>(channel));
+      started_[channel] = true;
     } else {
       ++missing_;
     }
@@ -146,7 +150,10 @@ class FilterStream {
     for (std::size_t column = 0; column < columns_; ++column) {
       if (column > 0) text_.push_back(',');
       if (channel < channels_.size() && channels_[channel] == column) {
-        fmt::format_to(out, "{:.17g}", filtered_[channel++]);
+        const double value =
+            started_[channel] ? filtered_[channel] : std::numeric_limits<double>::quiet_NaN();
+        fmt::format_to(out, "{:.17g}", value);
+        ++channel;
       } else {
         fmt::format_to(out, "{}", Trimmed(fields[column]));
       }
@@ -166,6 +173,7 @@ class FilterStream {
   std::vector<std::size_t> channels_;  // columns that are filtered
   std::vector<double> values_;
   std::vector<double> filtered_;
+  std::vector<bool> started_;  // had a good value
   std::size_t missing_ = 0;
   fmt::memory_buffer text_;
 };

@@ -174,6 +174,33 @@ TEST_F(CliTest, FilterIsALineByLineStream) {
   EXPECT_THAT(result.standard_error, HasSubstr("2 missing values"));
 }
 
+TEST_F(CliTest, FilterStartsAChannelAtItsFirstGoodValue) {
+  const ProgramResult result = Filter({"exponential", "--set", "alpha=0.5"}, "a,b\n,8\n4,4\n2,4\n");
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_EQ(result.standard_output, "a,b\nnan,8\n4,6\n3,5\n");
+}
+
+TEST_F(CliTest, FilterKeepsTimeNamesAndDigits) {
+  // Time as it stands, any names, numbers that read back to the same bits.
+  const std::string rows = "k,left thumb,b\n007,0.1,1e-300\n8.50,-0.30000000000000004,5\n";
+  EXPECT_EQ(Filter({"none"}, rows).standard_output,
+            "k,left thumb,b\n007,0.10000000000000001,1.0000000000000001e-300\n"
+            "8.50,-0.30000000000000004,5\n");
+  EXPECT_EQ(Filter({"none"}, "x\n1\n").standard_output, "x\n1\n");
+}
+
+TEST_F(CliTest, FilterRateIsASettingBesideTheFiltersOwn) {
+  const std::string rows = "a\n0\n1\n1\n1\n";
+  const auto filter = [&](std::vector<std::string> settings) {
+    std::vector<std::string> arguments = {"butterworth"};
+    for (const std::string& text : settings) arguments.insert(arguments.end(), {"--set", text});
+    return Filter(arguments, rows).standard_output;
+  };
+  EXPECT_EQ(filter({"cutoff_hz=5"}), filter({"cutoff_hz=5", "rate_hz=1000"}));
+  EXPECT_EQ(filter({"cutoff_hz=5"}), filter({"cutoff_hz=10", "rate_hz=2000"}));
+  EXPECT_NE(filter({"cutoff_hz=5"}), filter({"cutoff_hz=5", "rate_hz=100"}));
+}
+
 TEST_F(CliTest, FilterTakesOneValueForAllChannelsOrOneForEach) {
   const std::string rows = "k,a,b\n0,0,0\n1,1,1\n2,0,0\n";
   const auto filter = [&](const std::string& r) { return Filter({"kalman", "--set", r}, rows); };

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "tests/controller/allocation_counter.h"
@@ -172,16 +173,119 @@ TEST(Controller, ResetGivesTheStateAfterConstruction) {
   }
 }
 
-TEST(Controller, DoesNotAllocateInStep) {
-  ControllerConfig config = WithFilter(MovingAverageConfig{});
-  config.filters.push_back({KalmanConfig{}});
-  Controller controller = Make(config);
-  const TestSignal input = GloveCounts(200, kChannels);
-  const long before = AllocationCount();
-  for (int k = 0; k < 200; ++k) controller.Step({.counts = RowOf(input, k)});
-  controller.Reset();
-  EXPECT_EQ(AllocationCount(), before);
+/// A curve per channel that is not a straight line.
+LinearisationConfig Curves(LinearisationKind kind) {
+  LinearisationConfig config{.kind = kind, .channels = {}};
+  for (int i = 0; i < kChannels; ++i) {
+    ChannelCurve curve;
+    curve.counts = {100.0, 500.0, 900.0};
+    curve.angle_deg = {0.0, 50.0, 80.0};
+    curve.coefficients_deg = {45.0, 45.0, 10.0, 5.0};
+    config.channels.push_back(curve);
+  }
+  return config;
 }
+
+TEST(Controller, DoesNotAllocateInStepWhateverItIsMadeOf) {
+  TestSignal input = GloveCounts(200, kChannels);
+  input(20, 3) = kNan;
+  for (const LinearisationKind linearisation :
+       {LinearisationKind::kGlove, LinearisationKind::kTable, LinearisationKind::kPolynomial}) {
+    for (const PredictionKind prediction :
+         {PredictionKind::kNone, PredictionKind::kLinear, PredictionKind::kKalman}) {
+      for (const Rounding rounding :
+           {Rounding::kNearest, Rounding::kHysteresis, Rounding::kNoiseShaping}) {
+        ControllerConfig config = WithFilter(HampelConfig{});
+        config.filters.push_back({KalmanConfig{}});
+        config.linearisation = Curves(linearisation);
+        config.prediction.kind = prediction;
+        config.motor.rounding = rounding;
+        Controller controller = Make(config);
+        const long before = AllocationCount();
+        for (int k = 0; k < 200; ++k) controller.Step({.counts = RowOf(input, k), .number = k + 1});
+        controller.SetChannelActive(2, false);
+        controller.Reset();
+        EXPECT_EQ(AllocationCount(), before);
+      }
+    }
+  }
+}
+
+/// A fault of one channel, or of whole frames, from sample 400 to 800.
+struct Fault {
+  const char* name;
+  Untrusted kind;
+  std::function<double(double)> value;               // of the channel, while the fault lasts
+  std::function<std::int64_t(std::int64_t)> number;  // of the frame, while the fault lasts
+};
+
+std::vector<Fault> Faults() {
+  const auto same_number = [](std::int64_t k) { return k; };
+  const auto of_value = [&](const char* name, Untrusted kind, std::function<double(double)> value) {
+    return Fault{name, kind, std::move(value), same_number};
+  };
+  const auto of_frame = [](const char* name, std::function<std::int64_t(std::int64_t)> number) {
+    return Fault{name, Untrusted::kStale, [](double z) { return z; }, std::move(number)};
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {of_value("NotANumber", Untrusted::kMissing, [](double) { return kNan; }),
+          of_value("Infinite", Untrusted::kInfinite, [](double) { return -kInfinity; }),
+          of_value("OutOfRange", Untrusted::kOutOfRange, [](double z) { return z + 5000.0; }),
+          of_value("FullScale", Untrusted::kFullScale, [](double) { return 1023.0; }),
+          of_value("Stuck", Untrusted::kStuck, [](double) { return 512.0; }),
+          of_value("Jumping", Untrusted::kJumped,
+                   [odd = false](double) mutable { return (odd = !odd) ? 1000.0 : 20.0; }),
+          of_frame("Repeated", [](std::int64_t) { return 400; }),
+          of_frame("Late", [](std::int64_t k) { return k / 2; })};
+}
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class ControllerFault : public testing::TestWithParam<Fault> {};
+
+TEST_P(ControllerFault, IsCountedHeldAndRecoveredFromWithinTheSpeedLimit) {
+  const Fault& fault = GetParam();
+  const bool of_frames = fault.kind == Untrusted::kStale;
+  constexpr int kChannel = 5;
+  ControllerConfig config = WithFilter(NoFilterConfig{});
+  config.untrusted.stuck_after_ms = 50.0;
+  TendonTransmission hand = CoupledHand(kChannels);
+  hand.min_counts.assign(kChannels, 500);
+  hand.max_counts.assign(kChannels, 640);
+  Controller controller(config, PlainGlove(kChannels), hand);
+  Controller undisturbed(config, PlainGlove(kChannels), hand);
+  const TestSignal input = GloveCounts(1200, kChannels);
+  std::vector<double> counts(kChannels);
+  std::vector<std::int32_t> last;
+  for (int k = 0; k < 1200; ++k) {
+    const bool during = k >= 400 && k < 800;
+    counts.assign(RowOf(input, k).begin(), RowOf(input, k).end());
+    undisturbed.Step({.counts = counts, .number = k + 1});
+    if (during) counts[kChannel] = fault.value(counts[kChannel]);
+    const auto motors =
+        controller.Step({.counts = counts, .number = during ? fault.number(k + 1) : k + 1})
+            .motor_counts;
+    for (int i = 0; i < kChannels; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      ASSERT_TRUE(motors[at] >= 500 && motors[at] <= 640) << k;
+      // 20 rad/s at 100 counts per rad and 1000 events per second: 2 counts and the rounding.
+      ASSERT_TRUE(k == 0 || std::abs(motors[at] - last[at]) <= 3) << k;
+      ASSERT_TRUE(std::isfinite(controller.target_angle_rad()[at]));
+      if (of_frames || i == kChannel) continue;
+      ASSERT_EQ(controller.target_angle_rad()[at], undisturbed.target_angle_rad()[at]) << k;
+    }
+    last.assign(motors.begin(), motors.end());
+  }
+  // It has recovered, and the right counter of the right channels tells how long it took.
+  EXPECT_EQ(controller.target_angle_rad()[kChannel], undisturbed.target_angle_rad()[kChannel]);
+  const std::int64_t least = fault.kind == Untrusted::kStuck ? 340 : 390;
+  EXPECT_GE(controller.untrusted_samples(fault.kind)[kChannel], least);
+  EXPECT_LE(controller.untrusted_samples()[kChannel], 420);
+  EXPECT_EQ(controller.untrusted_samples(fault.kind)[kChannel + 1], of_frames ? 400 : 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, ControllerFault, testing::ValuesIn(Faults()),
+                         [](const auto& test) { return test.param.name; });
 
 TEST(Controller, LooksAheadWhenAsked) {
   ControllerConfig config = WithFilter(NoFilterConfig{});

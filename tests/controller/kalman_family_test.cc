@@ -131,35 +131,6 @@ TEST(KalmanDenseFilter, RefusesMatricesThatAreNoCovariances) {
   EXPECT_FALSE(is_refused({.r = {1.0, 0.5, 0.5, 1.0}}, 2));
 }
 
-/// Rauch-Tung-Striebel: filters all samples up to now, then goes back `lag` of them.
-TEST(FixedLagFilter, EqualsTheBackwardPass) {
-  constexpr int kLag = 6;
-  const double r = 9.0;
-  const double q = 0.01;
-  const auto filter =
-      MakeFilter(FixedLagConfig{.start = Start::kZero, .noise = {.r = {r}, .q = {q}}, .lag = kLag},
-                 1, kRateHz);
-  TextbookKalman textbook =
-      MakeTextbookKalman(1, 2, Real(q) * RealMatrix::Identity(2, 2), Diagonal({r}));
-  std::deque<TextbookKalman> passed;
-  const TestSignal input = GloveCounts(400, 1);
-  for (int k = 0; k < 400; ++k) {
-    double output = 0.0;
-    filter->Step(RowOf(input, k), {&output, 1});
-    textbook.Step(Real(input(k, 0)));
-    passed.push_back(textbook);
-    if (passed.size() > kLag + 1) passed.pop_front();
-    RealVector smoothed = passed.back().x;
-    for (std::size_t i = passed.size() - 1; i-- > 0;) {
-      const TextbookKalman& now = passed[i];
-      const TextbookKalman& next = passed[i + 1];
-      const RealMatrix back = now.p * now.a.transpose() * next.p_prior.inverse();
-      smoothed = now.x + back * (smoothed - next.x_prior);
-    }
-    ASSERT_NEAR(output / static_cast<double>(smoothed[0]), 1.0, 1e-11) << k;
-  }
-}
-
 /// A random walk of the velocity, with measurement noise: the model itself.
 std::vector<double> ModelSignal(double r, double q, int samples, std::uint64_t seed) {
   TestNoise noise(seed);

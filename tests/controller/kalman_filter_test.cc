@@ -42,24 +42,6 @@ TEST(KalmanFilter, FollowsThePapersEquationsOverThePapersExperiment) {
   EXPECT_LE(LargestRelativeError({.start = Start::kZero}, q, kSamplesOfThePaper), 1e-12);
 }
 
-TEST(KalmanFilter, StaysExactWithALowGain) {
-  const RealMatrix q = Real(1e-4) * RealMatrix::Identity(2, 2);
-  EXPECT_LE(LargestRelativeError({.noise = {.q = {1e-4}}}, q, kSamplesOfThePaper), 1e-12);
-}
-
-TEST(KalmanFilter, TakesWhiteAccelerationInPhysicalUnits) {
-  const Real t = Real(1) / 1000;
-  RealMatrix q(2, 2);  // states per step: velocity times t
-  q << t * t * t / 3, t * t * t / 2, t * t * t / 2, t * t * t;
-  const KalmanConfig config{.noise = {.q = {1e6}, .process_noise = ProcessNoise::kWhite}};
-  EXPECT_LE(LargestRelativeError(config, Real(1e6) * q, 20000), 1e-12);
-}
-
-TEST(KalmanFilter, EstimatesAccelerationAsThirdState) {
-  const RealMatrix q = Real(1e-6) * RealMatrix::Identity(3, 3);
-  EXPECT_LE(LargestRelativeError({.noise = {.q = {1e-6}}, .states = 3}, q, 20000), 1e-12);
-}
-
 TEST(KalmanFilter, UsesTheAccelerationInput) {
   const KalmanConfig config{.noise = {.r = {10.0}, .q = {1e-6}}};
   const auto filter = MakeKalmanFilter(config, 1, 1000.0);

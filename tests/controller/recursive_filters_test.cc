@@ -106,7 +106,8 @@ TEST(ButterworthFilter, LosesThreeDecibelsAtItsCutoff) {
     for (const double cutoff_hz : {5.0, 50.0}) {
       const ButterworthConfig config{.order = order, .cutoff_hz = cutoff_hz};
       const auto filter = MakeFilter(config, 1, kRateHz);
-      EXPECT_NEAR(GainAt(*filter, cutoff_hz, 40), std::sqrt(0.5), 1e-3 * std::sqrt(0.5)) << order;
+      // The gain falls by order / 2 times the frequency's share: within 0.1 % of the cutoff.
+      EXPECT_NEAR(GainAt(*filter, cutoff_hz, 40) / std::sqrt(0.5), 1.0, 5e-4) << order;
     }
   }
 }
@@ -121,28 +122,6 @@ TEST(ButterworthFilter, HasTheGainOfItsDefinition) {
       EXPECT_NEAR(GainAt(*filter, frequency_hz, 60), expected, 1e-6) << order << frequency_hz;
     }
   }
-}
-
-/// Second-order Butterworth in direct form, from the bilinear transform of 1 / (s^2 + sqrt(2) s +
-/// 1).
-TEST(ButterworthFilter, AgreesWithTheDirectForm) {
-  const Real k = std::tan(std::numbers::pi_v<Real> * 5 / 1000);
-  const Real root = std::sqrt(Real(2));
-  const Real norm = 1 + root * k + k * k;
-  const Real b0 = k * k / norm;
-  const Real a1 = 2 * (k * k - 1) / norm;
-  const Real a2 = (1 - root * k + k * k) / norm;
-  const auto filter = MakeFilter(ButterworthConfig{.start = Start::kZero}, 1, kRateHz);
-  Real x1 = 0, x2 = 0, y1 = 0, y2 = 0;
-  const TestSignal input = GloveCounts(94096, 1);
-  double worst = 0.0;
-  for (int i = 0; i < input.rows(); ++i) {
-    const Real x = input(i, 0);
-    const Real y = b0 * (x + 2 * x1 + x2) - a1 * y1 - a2 * y2;
-    worst = std::max<double>(worst, std::abs((StepOne(*filter, input(i, 0)) - y) / y));
-    x2 = x1, x1 = x, y2 = y1, y1 = y;
-  }
-  EXPECT_LE(worst, 1e-12);
 }
 
 TEST(ButterworthFilter, RefusesACutoffAboveHalfTheRate) {
