@@ -138,7 +138,8 @@ void Print() {
       "| filter | settings | ns per sample | delay at 1 Hz, ms | noise gain | -3 dB, Hz | "
       "bytes per channel |\n|---|---|---|---|---|---|---|\n");
   for (const Row& row : Rows()) {
-    const double delay_ms = -std::arg(GainAt(row.config, 1.0)) / (2.0 * std::numbers::pi) * 1e3;
+    const double delay_s = -std::arg(GainAt(row.config, 1.0)) / (2.0 * std::numbers::pi);
+    const double delay_ms = std::round(delay_s * 1e4) / 10.0;  // to 0.1 ms, without a minus zero
     const double three_db = ThreeDecibelHz(row.config);
     std::printf("| `%s` | %s | %.3g | %.1f | %.3f | ", std::string(row.config.kind()).c_str(),
                 row.settings.c_str(), NsPerSample(row.config), delay_ms + 0.0,
