@@ -18,8 +18,8 @@ namespace gauntlet::sim {
 inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;
   RecordingFormat format;
-  format.handling = data[0] & 1 ? ProblemHandling::kRepair : ProblemHandling::kStrict;
-  format.rate_hz = data[0] & 2 ? 100.0 : 0.0;
+  format.handling = static_cast<ProblemHandling>(data[0] % 3);
+  format.rate_hz = data[0] & 128 ? 100.0 : 0.0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
     RecordingReader reader("fuzz", TextSource(text), format);

@@ -48,7 +48,7 @@ std::string Mutated(RandomStream& random) {
         text.insert(at, other.substr(random.Index(other.size()), random.Index(20)));
     }
   }
-  return static_cast<char>(random.Index(4)) + text;
+  return static_cast<char>(random.Bits() & 0xFF) + text;
 }
 
 TEST(RecordingFuzz, NoMutationOfRealFilesBreaksTheReader) {
