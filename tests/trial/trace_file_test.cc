@@ -18,12 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// More than the writer takes at a time.
+constexpr int kSamples = 5000;
+
 class TraceFileTest : public testing::Test {
  protected:
   TraceFileTest() {
     glove_.channel_names = GloveChannelNames();
-    glove_.true_angle_rad = Signal::Random(5, 18);
-    glove_.counts = Signal::Constant(5, 18, 512.0);
+    glove_.true_angle_rad = Signal::Random(kSamples, 18);
+    glove_.counts = Signal::Constant(kSamples, 18, 512.0);
     glove_.counts(2, 3) = std::numeric_limits<double>::quiet_NaN();
     glove_.reference_name = "ground truth";
   }
@@ -31,14 +34,15 @@ class TraceFileTest : public testing::Test {
   Trace MakeTrace(const std::string& name) const {
     Trace trace;
     trace.controller_name = name;
-    trace.linearised_angle_rad = Signal::Random(5, 18);
-    trace.filtered_angle_rad = Signal::Random(5, 18);
-    trace.command_counts = IntegerSignal::Constant(5, 18, 7);
-    trace.spool_angle_rad = Signal::Random(5, 18);
-    trace.spool_speed_rad_s = Signal::Random(5, 18);
-    trace.hand_angle_rad = Signal::Random(5, 18);
-    trace.tension_n = Signal::Random(5, static_cast<Eigen::Index>(hand_.cable_names().size()));
-    trace.object_pose = Signal::Random(5, 7);  // and no grip force: what has no columns is left out
+    trace.linearised_angle_rad = Signal::Random(kSamples, 18);
+    trace.filtered_angle_rad = Signal::Random(kSamples, 18);
+    trace.command_counts = IntegerSignal::Constant(kSamples, 18, 7);
+    trace.spool_angle_rad = Signal::Random(kSamples, 18);
+    trace.spool_speed_rad_s = Signal::Random(kSamples, 18);
+    trace.hand_angle_rad = Signal::Random(kSamples, 18);
+    trace.tension_n =
+        Signal::Random(kSamples, static_cast<Eigen::Index>(hand_.cable_names().size()));
+    trace.object_pose = Signal::Random(kSamples, 7);  // and no grip force: what has no columns is left out
     return trace;
   }
 
@@ -48,7 +52,10 @@ class TraceFileTest : public testing::Test {
   GloveSignal glove_;
 };
 
-TEST_F(TraceFileTest, GivesBackEveryBit) {
+/// What 24 significant bits leave of a signal.
+Signal Stored(const Signal& signal) { return signal.cast<float>().cast<double>(); }
+
+TEST_F(TraceFileTest, GivesBackTwentyFourBitsOfEverySignal) {
   const Trace a = MakeTrace("raw");
   const Trace b = MakeTrace("kalman");
   TraceWriter writer(file_, glove_, hand_, "test", 42);
@@ -61,14 +68,14 @@ TEST_F(TraceFileTest, GivesBackEveryBit) {
   EXPECT_EQ(read.seed, 42);
   EXPECT_EQ(read.scenario, "test");
   EXPECT_EQ(read.channel_names, GloveChannelNames());
-  EXPECT_EQ(read.true_angle_rad, glove_.true_angle_rad);
+  EXPECT_EQ(read.true_angle_rad, Stored(glove_.true_angle_rad));
   EXPECT_TRUE(std::isnan(read.counts(2, 3)));
   ASSERT_EQ(read.traces.size(), 2u);
   EXPECT_EQ(read.traces[1].controller_name, "kalman");
-  EXPECT_EQ(read.traces[1].hand_angle_rad, b.hand_angle_rad);
+  EXPECT_EQ(read.traces[1].hand_angle_rad, Stored(b.hand_angle_rad));
   EXPECT_EQ(read.traces[1].command_counts, b.command_counts);
-  EXPECT_EQ(read.traces[0].tension_n, a.tension_n);
-  EXPECT_EQ(read.traces[0].object_pose, a.object_pose);
+  EXPECT_EQ(read.traces[0].tension_n, Stored(a.tension_n));
+  EXPECT_EQ(read.traces[0].object_pose, Stored(a.object_pose));
   EXPECT_EQ(read.traces[0].grip_force_n.size(), 0);
   EXPECT_EQ(ReadTraceFile(file_, {"kalman"}).traces.size(), 1u);
 }
