@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <vector>
 
 #include "sim/report/table_text.h"
@@ -46,20 +45,6 @@ Cell MakeCell(const ControllerSummary& controller, std::size_t metric, bool comp
   return cell;
 }
 
-std::size_t BestController(const Summary& summary, std::size_t metric) {
-  std::size_t best = summary.controllers.size();
-  double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    const double mean = summary.controllers[c].summary[metric].mean;
-    const double value = Metrics()[metric].lower_is_better ? mean : -mean;
-    if (value < lowest) {
-      lowest = value;
-      best = c;
-    }
-  }
-  return best;
-}
-
 std::string Decorated(const Cell& cell, std::size_t width, bool colour) {
   const char* mark = cell.worse_than_raw ? "!" : cell.best ? "*" : " ";
   const std::string text = Padded(cell.text, width, true) + mark;
@@ -83,10 +68,8 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
     std::size_t width = key.size();
     for (const auto& controller : summary.controllers) {
       cells.push_back(MakeCell(controller, metric, options.comparison));
+      cells.back().best = summary.controllers.size() > 1 && controller.as_good_as_best[metric];
       width = std::max(width, Width(cells.back().text));
-    }
-    if (const std::size_t best = BestController(summary, metric); best < cells.size()) {
-      cells[best].best = cells.size() > 1;
     }
     widths.push_back(width);
   }
@@ -111,31 +94,41 @@ std::span<const std::string_view> MainMetrics() { return kMainMetrics; }
 std::string Verdict(const Summary& summary) {
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
   const std::size_t jitter = MetricIndex("jitter_rms_deg");
-  const std::size_t follows = BestController(summary, tracking);
-  const std::size_t shakes = BestController(summary, jitter);
-  if (follows >= summary.controllers.size() || shakes >= summary.controllers.size()) return "";
-  const ControllerSummary& follower = summary.controllers[follows];
-  const ControllerSummary& calm = summary.controllers[shakes];
+  const auto& all = summary.controllers;
   const auto value = [](const ControllerSummary& controller, std::size_t metric) {
     return Short(controller.summary[metric].mean);
   };
-  if (summary.controllers.size() == 1) {
-    return fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", follower.name,
-                       value(follower, tracking), value(follower, jitter));
+  // Of those that follow as well as the best, the one that shakes least.
+  const ControllerSummary* follower = nullptr;
+  const ControllerSummary* calm = nullptr;
+  for (const ControllerSummary& controller : all) {
+    if (controller.rank[jitter] == 0) continue;
+    const auto calmer = [&](const ControllerSummary* than) {
+      return than == nullptr || controller.rank[jitter] < than->rank[jitter];
+    };
+    if (controller.as_good_as_best[tracking] && calmer(follower)) follower = &controller;
+    if (calmer(calm)) calm = &controller;
   }
+  if (follower == nullptr) return "";
+  if (all.size() == 1) {
+    return fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", follower->name,
+                       value(*follower, tracking), value(*follower, jitter));
+  }
+  const bool tie = std::count_if(all.begin(), all.end(), [&](const auto& controller) {
+                     return controller.as_good_as_best[tracking];
+                   }) > 1;
+  const char* best = tie ? "follows as well as any" : "follows best";
   std::string text;
-  if (follows == shakes) {
-    text = fmt::format("{} follows best ({} deg RMS) and shakes least ({} deg RMS)", follower.name,
-                       value(follower, tracking), value(follower, jitter));
+  if (follower->as_good_as_best[jitter]) {
+    text = fmt::format("{} {} ({} deg RMS) and shakes least ({} deg RMS)", follower->name, best,
+                       value(*follower, tracking), value(*follower, jitter));
   } else {
-    text = fmt::format(
-        "{} follows best ({} deg RMS, jitter {}); {} shakes least ({} deg RMS, "
-        "tracking {})",
-        follower.name, value(follower, tracking), value(follower, jitter), calm.name,
-        value(calm, jitter), value(calm, tracking));
+    text = fmt::format("{} {} ({} deg RMS, jitter {}); {} shakes least ({} deg RMS, tracking {})",
+                       follower->name, best, value(*follower, tracking), value(*follower, jitter),
+                       calm->name, value(*calm, jitter), value(*calm, tracking));
   }
-  if (summary.raw >= 0 && summary.raw != static_cast<int>(follows)) {
-    const ControllerSummary& raw = summary.controllers[static_cast<std::size_t>(summary.raw)];
+  if (summary.raw >= 0 && follower != &all[static_cast<std::size_t>(summary.raw)]) {
+    const ControllerSummary& raw = all[static_cast<std::size_t>(summary.raw)];
     text += fmt::format("; without a filter: {} and {}", value(raw, tracking), value(raw, jitter));
   }
   return text + ".";
@@ -152,7 +145,7 @@ std::string ScoreTable(const Study& study, const StudyResult& result, const Summ
   out += fmt::format("{:.1f} s, {} channels; {}; reference: {}\n\n", seconds,
                      result.channel_names.size(), seeds, result.reference_name);
   AppendRows(summary, options, out);
-  out += "* best";
+  out += options.comparison ? "* best, or as good within chance" : "* best";
   const bool any_worse = std::any_of(
       summary.controllers.begin(), summary.controllers.end(), [](const ControllerSummary& c) {
         return std::find(c.worse_than_raw.begin(), c.worse_than_raw.end(), true) !=

@@ -22,7 +22,8 @@ std::span<const std::string_view> MainMetrics();
 std::string Verdict(const Summary& summary);
 
 /// The scores for a person at a terminal: what was asked, one row per controller, a star at the
-/// best value of each column, an exclamation mark where a filter is worse than none, and a verdict.
+/// best of each column and at those no worse beyond chance, an exclamation mark where a filter is
+/// worse than none, and a verdict.
 std::string ScoreTable(const Study& study, const StudyResult& result, const Summary& summary,
                        const TableOptions& options);
 

@@ -51,6 +51,10 @@ Json ControllerJson(const StudyResult& result, const ControllerSummary& controll
     if (controller.worse_than_raw[m]) worse.push_back(Metrics()[m].key);
   }
   json["worse_than_raw"] = worse;
+  json["as_good_as_best"] = Json::array();
+  for (std::size_t m = 0; m < controller.as_good_as_best.size(); ++m) {
+    if (controller.as_good_as_best[m]) json["as_good_as_best"].push_back(Metrics()[m].key);
+  }
   for (std::size_t m = 0; m < controller.rank.size(); ++m) {
     json["rank"][std::string(Metrics()[m].key)] = controller.rank[m];
   }

@@ -53,16 +53,21 @@ std::vector<std::vector<double>> ChannelMeans(const StudyResult& result, std::si
   return means;
 }
 
+/// Whether the whole interval of a difference lies on the wrong side.
+bool IsWorse(const MeanInterval& difference, const Metric& metric) {
+  // One seed has no interval: there the plain difference decides.
+  const bool no_interval = !std::isfinite(difference.ci95_low);
+  const double low = no_interval ? difference.mean : difference.ci95_low;
+  const double high = no_interval ? difference.mean : difference.ci95_high;
+  return metric.lower_is_better ? low > 0.0 : high < 0.0;
+}
+
 void CompareWithRaw(const std::vector<double>& values, const std::vector<double>& raw,
                     const Metric& metric, std::uint64_t seed, ControllerSummary& summary) {
   const MeanInterval difference = PairedDifference(values, raw, seed);
   summary.difference_to_raw.push_back(difference);
   summary.effect_size.push_back(PairedEffectSize(values, raw));
-  // One seed has no interval: there the plain difference decides.
-  const bool no_interval = !std::isfinite(difference.ci95_low);
-  const double low = no_interval ? difference.mean : difference.ci95_low;
-  const double high = no_interval ? difference.mean : difference.ci95_high;
-  summary.worse_than_raw.push_back(metric.lower_is_better ? low > 0.0 : high < 0.0);
+  summary.worse_than_raw.push_back(IsWorse(difference, metric));
 }
 
 std::string FirstProblem(const StudyResult& result, std::size_t controller) {
@@ -71,6 +76,23 @@ std::string FirstProblem(const StudyResult& result, std::size_t controller) {
     if (!health.ok) return health.problem + " (seed " + std::to_string(seed.seed) + ")";
   }
   return "";
+}
+
+void FindAsGoodAsBest(const StudyResult& result, std::uint64_t seed, Summary& summary) {
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    const auto best = std::find_if(summary.controllers.begin(), summary.controllers.end(),
+                                   [&](const auto& c) { return c.rank[m] == 1; });
+    const auto best_index = static_cast<std::size_t>(best - summary.controllers.begin());
+    for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+      ControllerSummary& controller = summary.controllers[c];
+      controller.as_good_as_best.push_back(
+          controller.rank[m] == 1 ||
+          (controller.rank[m] > 1 &&
+           !IsWorse(
+               PairedDifference(SeedValues(result, c, m), SeedValues(result, best_index, m), seed),
+               Metrics()[m])));
+    }
+  }
 }
 
 void RankControllers(Summary& summary) {
@@ -113,6 +135,7 @@ Summary Summarise(const Study& study, const StudyResult& result) {
     }
   }
   RankControllers(summary);
+  FindAsGoodAsBest(result, seed, summary);
   summary.dominated = DominatedControllers(summary);
   return summary;
 }

@@ -17,6 +17,7 @@ struct ControllerSummary {
   std::vector<double> effect_size;            // of that difference; empty likewise
   std::vector<bool> worse_than_raw;           // the whole interval lies on the wrong side
   std::vector<int> rank;                      // 1 is the best of the controllers
+  std::vector<bool> as_good_as_best;          // the best one, and those no worse beyond chance
   std::vector<std::vector<double>> channels;  // channels x metrics, means
   std::string problem;                        // first problem of its hands; empty if all were well
 };

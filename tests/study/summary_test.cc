@@ -67,6 +67,23 @@ TEST_F(SummaryTest, RanksAndMarksDominatedControllers) {
   EXPECT_EQ(summary.dominated, (std::vector<bool>{true, false, true}));
 }
 
+TEST_F(SummaryTest, CallsAsGoodAsTheBestWhatChanceCannotTellFromIt) {
+  for (SeedOutcome& seed : result_.seeds) {  // "worse" becomes "better" with a scatter of its own
+    seed.controllers[2] = seed.controllers[1];
+    seed.controllers[2].scores.summary[0] += 0.1 * std::cos(2.9 * seed.seed) + 0.005;
+  }
+  const Summary summary = Summarise(study_, result_);
+  EXPECT_EQ(summary.controllers[1].rank[0], 1);
+  EXPECT_FALSE(summary.controllers[0].as_good_as_best[0]);
+  EXPECT_TRUE(summary.controllers[1].as_good_as_best[0]);
+  EXPECT_TRUE(summary.controllers[2].as_good_as_best[0]);
+}
+
+TEST_F(SummaryTest, CallsNothingGoodThatHasNoValue) {
+  for (SeedOutcome& seed : result_.seeds) seed.controllers[2].scores.summary[0] = std::nan("");
+  EXPECT_FALSE(Summarise(study_, result_).controllers[2].as_good_as_best[0]);
+}
+
 TEST_F(SummaryTest, ChannelsAreMeansOverSeeds) {
   const Summary summary = Summarise(study_, result_);
   EXPECT_NEAR(summary.controllers[0].channels[0][0], 2.0 * summary.controllers[0].summary[0].mean,

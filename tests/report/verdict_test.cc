@@ -1,0 +1,67 @@
+// The sentence that stands first on the page and last below the table.
+#include <gtest/gtest.h>
+
+#include "sim/report/score_table.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct Entry {
+  std::string name;
+  double tracking_deg;
+  double jitter_deg;
+  bool follows_as_well_as_best;
+  bool shakes_as_little_as_least;
+};
+
+Summary Of(const std::vector<Entry>& entries) {
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  Summary summary;
+  summary.raw = 0;
+  for (const Entry& entry : entries) {
+    ControllerSummary& controller = summary.controllers.emplace_back();
+    controller.name = entry.name;
+    controller.summary.resize(Metrics().size());
+    controller.summary[tracking].mean = entry.tracking_deg;
+    controller.summary[jitter].mean = entry.jitter_deg;
+    controller.rank.assign(Metrics().size(), 1);
+    for (const Entry& other : entries) {
+      controller.rank[tracking] += other.tracking_deg < entry.tracking_deg;
+      controller.rank[jitter] += other.jitter_deg < entry.jitter_deg;
+    }
+    controller.as_good_as_best.assign(Metrics().size(), false);
+    controller.as_good_as_best[tracking] = entry.follows_as_well_as_best;
+    controller.as_good_as_best[jitter] = entry.shakes_as_little_as_least;
+  }
+  return summary;
+}
+
+TEST(Verdict, NamesTheOneThatIsBestInBoth) {
+  EXPECT_EQ(
+      Verdict(Of({{"raw", 5.0, 0.5, false, false}, {"filter", 4.0, 0.2, true, true}})),
+      "filter follows best (4.00 deg RMS) and shakes least (0.200 deg RMS); without a filter: "
+      "5.00 and 0.500.");
+}
+
+TEST(Verdict, AmongEqualFollowersTakesTheCalmest) {
+  EXPECT_EQ(
+      Verdict(Of({{"raw", 4.9, 0.5, true, false},
+                  {"calm", 5.0, 0.3, true, false},
+                  {"late", 6.0, 0.1, false, true}})),
+      "calm follows as well as any (5.00 deg RMS, jitter 0.300); late shakes least (0.100 deg "
+      "RMS, tracking 6.00); without a filter: 4.90 and 0.500.");
+}
+
+TEST(Verdict, AdmitsThatNoFilterIsBetter) {
+  EXPECT_EQ(Verdict(Of({{"raw", 4.0, 0.1, true, true}, {"filter", 5.0, 0.2, false, false}})),
+            "raw follows best (4.00 deg RMS) and shakes least (0.100 deg RMS).");
+}
+
+TEST(Verdict, OfOneControllerJudgesNothing) {
+  EXPECT_EQ(Verdict(Of({{"only", 4.0, 0.1, true, true}})),
+            "only follows within 4.00 deg RMS and shakes by 0.100 deg RMS.");
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
