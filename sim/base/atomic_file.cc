@@ -6,12 +6,16 @@
 
 #include <atomic>
 #include <cerrno>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {
 namespace {
+
+constexpr std::string_view kSuffix = ".part";
 
 // Fixed places, because a signal handler may read them at any moment. A program has few files open
 // at once; a file beyond the last place is only not removed by a signal.
@@ -37,6 +41,19 @@ void Forget(const std::filesystem::path& path) {
   }
 }
 
+/// What a killed program was writing at the same target: its process is no more.
+void RemoveRemains(const std::filesystem::path& target) {
+  const std::string prefix = fmt::format(".{}.", target.filename().string());
+  std::error_code ignored;
+  const auto folder = target.has_parent_path() ? target.parent_path() : ".";
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix) || !name.ends_with(kSuffix)) continue;
+    const int process = std::atoi(name.c_str() + prefix.size());
+    if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) unlink(entry.path().c_str());
+  }
+}
+
 [[noreturn]] void Fail(std::string_view action, const std::filesystem::path& path, int error) {
   throw RunError(fmt::format("{}: cannot {}: {}", path.string(), action, std::strerror(error)));
 }
@@ -44,8 +61,9 @@ void Forget(const std::filesystem::path& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
-  temporary_ =
-      target_.parent_path() / fmt::format(".{}.{}.part", target_.filename().string(), getpid());
+  temporary_ = target_.parent_path() /
+               fmt::format(".{}.{}{}", target_.filename().string(), getpid(), kSuffix);
+  RemoveRemains(target_);
   Remember(temporary_);
 }
 

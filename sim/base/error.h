@@ -18,6 +18,8 @@ class RunError : public std::runtime_error {
 };
 
 /// Long work was stopped on request (Ctrl-C).
-struct Cancelled {};
+struct Cancelled {
+  std::string kept = {};  // what of it was not in vain, for the user; may be empty
+};
 
 }  // namespace gauntlet::sim

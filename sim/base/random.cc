@@ -1,5 +1,7 @@
 #include "sim/base/random.h"
 
+#include "sim/base/hash.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -11,21 +13,13 @@ std::uint64_t SplitMix64(std::uint64_t& state) {
   return z ^ (z >> 31);
 }
 
-/// FNV-1a, 64 bits.
-std::uint64_t HashOf(std::string_view text) {
-  std::uint64_t hash = 0xCBF29CE484222325u;
-  for (const char c : text) {
-    hash ^= static_cast<unsigned char>(c);
-    hash *= 0x100000001B3u;
-  }
-  return hash;
-}
-
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view purpose, std::uint64_t index) {
+  Hash name;
+  name.Add(purpose);
   std::uint64_t mixer = seed;
-  mixer = SplitMix64(mixer) ^ HashOf(purpose);
+  mixer = SplitMix64(mixer) ^ name.value();
   mixer = SplitMix64(mixer) ^ index;
   for (std::uint64_t& word : state_) word = SplitMix64(mixer);
 }

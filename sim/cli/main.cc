@@ -59,8 +59,9 @@ int main(int argc, char** argv) {
   gauntlet::sim::CatchInterrupts();
   try {
     return Run(argc, argv);
-  } catch (const gauntlet::sim::Cancelled&) {
-    return Complain("interrupted; nothing half-written was left", kInterrupted);
+  } catch (const gauntlet::sim::Cancelled& cancelled) {
+    const std::string kept = cancelled.kept.empty() ? "" : "; " + cancelled.kept;
+    return Complain("interrupted; nothing half-written was left" + kept, kInterrupted);
   } catch (const gauntlet::sim::UserError& error) {
     return Complain(error.what(), kUserMistake);
   } catch (const gauntlet::controller::SettingError& error) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "sim/base/atomic_file.h"
@@ -17,6 +18,7 @@
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
+#include "sim/study/study_database.h"
 #include "sim/study/study_files.h"
 
 namespace gauntlet::sim {
@@ -63,6 +65,36 @@ Study Prepare(const StudyCommand& options, Scenario scenario) {
   }
 }
 
+std::string Trials(int count) { return fmt::format("{} trial{}", count, count == 1 ? "" : "s"); }
+
+/// The trials with their progress bar. Those of a comparison are kept in study.db as they finish.
+StudyResult RunTrials(const Study& study, const StudyCommand& options,
+                      const std::filesystem::path& folder) {
+  const int total = static_cast<int>(study.scenario.controllers.size()) * options.seeds;
+  std::optional<StudyDatabase> database;
+  if (options.comparison) {
+    database.emplace(folder / "study.db", study);
+    if (const int known = database->TrialCount(); known > 0) {
+      fmt::print(stderr, "goes on from {}, which holds {}\n", (folder / "study.db").string(),
+                 Trials(known));
+    }
+  }
+  Progress progress(Trials(total));
+  try {
+    return RunStudy(study,
+                    {.seeds = options.seeds,
+                     .jobs = JobsOrCores(options.jobs),
+                     .progress = [&](double done, int all) { return progress.Update(done, all); },
+                     .keep_first_traces = true,
+                     .database = database ? &*database : nullptr});
+  } catch (const Cancelled&) {
+    const int known = database ? database->TrialCount() : 0;
+    if (known == 0) throw;
+    throw Cancelled{fmt::format("{} are kept in {}: the same command goes on from there",
+                                Trials(known), (folder / "study.db").string())};
+  }
+}
+
 }  // namespace
 
 void AddStudyOptions(CLI::App& command, StudyCommand& options) {
@@ -90,16 +122,7 @@ void RunStudyCommand(const StudyCommand& options) {
   for (const std::string& remark : study.remarks) fmt::print(stderr, "gauntlet: {}\n", remark);
   OutputFolder folder(options.out.empty() ? "out/" + study.scenario.name : options.out);
 
-  StudyResult result;
-  {
-    Progress progress(fmt::format(
-        "{} trials", static_cast<int>(study.scenario.controllers.size()) * options.seeds));
-    result = RunStudy(
-        study, {.seeds = options.seeds,
-                .jobs = JobsOrCores(options.jobs),
-                .progress = [&](double done, int total) { return progress.Update(done, total); },
-                .keep_first_traces = true});
-  }
+  const StudyResult result = RunTrials(study, options, folder.path());
   const Summary summary = Summarise(study, result);
   WriteStudyFiles(folder.path(), study, result, summary,
                   {.comparison = options.comparison, .trace_csv = options.csv});
@@ -116,6 +139,7 @@ void RunStudyCommand(const StudyCommand& options) {
   }
   std::fflush(stdout);
   std::string written = "report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml";
+  if (options.comparison) written += ", study.db";
   if (options.video) {
     RenderFolder({.folder = folder.path(),
                   .controllers = {},

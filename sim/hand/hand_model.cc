@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/base/hash.h"
 #include "sim/base/signal.h"
 #include "sim/hand/hand.h"
 #include "sim/hand/mujoco_messages.h"
@@ -144,11 +145,6 @@ TendonTransmission MakeTransmission(const mjModel& model, const HandConfig& conf
   return transmission;
 }
 
-/// FNV-1a, 64 bit.
-void AddToHash(std::uint64_t& hash, std::span<const unsigned char> bytes) {
-  for (unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3ULL;
-}
-
 }  // namespace
 
 HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& channel_names)
@@ -196,10 +192,10 @@ HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& c
 }
 
 std::string HandModel::Hash() const {
-  std::vector<unsigned char> bytes(mj_sizeModel(model_.get()));
+  std::string bytes(static_cast<std::size_t>(mj_sizeModel(model_.get())), '\0');
   mj_saveModel(model_.get(), nullptr, bytes.data(), static_cast<int>(bytes.size()));
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  AddToHash(hash, bytes);
+  sim::Hash hash;
+  hash.Add(bytes);
   for (const Drive& drive : drives_) {
     const double numbers[] = {drive.drum_radius_m,           drive.servo.gain_nm_rad,
                               drive.servo.damping_nm_s_rad,  drive.servo.dead_band_rad,
@@ -207,9 +203,9 @@ std::string HandModel::Hash() const {
                               drive.flexor.stiffness_n_m,    drive.flexor.damping_n_s_m,
                               drive.flexor.natural_length_m, drive.extensor.stiffness_n_m,
                               drive.extensor.damping_n_s_m,  drive.extensor.natural_length_m};
-    AddToHash(hash, {reinterpret_cast<const unsigned char*>(numbers), sizeof numbers});
+    hash.Add(std::span<const double>(numbers));
   }
-  return fmt::format("{:016x}", hash);
+  return hash.Text();
 }
 
 }  // namespace gauntlet::sim

@@ -9,7 +9,9 @@
 #include <thread>
 
 #include "sim/base/error.h"
+#include "sim/base/hash.h"
 #include "sim/base/nearest_name.h"
+#include "sim/study/study_database.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -51,6 +53,14 @@ std::vector<int> CableChannels(const HandModel& hand) {
     result.push_back(static_cast<int>(found - channels.begin()));
   }
   return result;
+}
+
+std::string HashOf(const GloveSignal& glove) {
+  Hash hash;
+  for (const Signal* signal : {&glove.counts, &glove.true_angle_rad}) {
+    hash.Add(std::span<const double>(signal->data(), static_cast<std::size_t>(signal->size())));
+  }
+  return hash.Text();
 }
 
 /// The trials of a study as tasks that threads take in the order of seeds.
@@ -101,6 +111,8 @@ class Schedule {
   void RunTask(std::size_t seed_index, std::size_t controller_index) {
     SeedOutcome& seed = result_.seeds[seed_index];
     SharedGlove& glove = gloves_[seed_index];
+    TrialOutcome& outcome = seed.controllers[controller_index];
+    if (Recall(seed_index, controller_index, outcome)) return;
     std::call_once(glove.once, [&] {
       glove.signal = SynthesiseGlove(study_.scenario.glove, static_cast<std::uint64_t>(seed.seed));
     });
@@ -109,10 +121,12 @@ class Schedule {
     Trace trace =
         RunTrial(named.name, named.config, glove.signal, study_.calibration, study_.scenario.event,
                  study_.hand, [&] { return Progress(1.0 / static_cast<double>(blocks)); });
-    TrialOutcome& outcome = seed.controllers[controller_index];
     outcome.scores = Score(glove.signal, trace, cable_channel_);
     outcome.health = trace.health;
     outcome.untrusted_samples = trace.untrusted_samples;
+    if (options_.database != nullptr) {
+      options_.database->Keep(seed.seed, controller_index, outcome);
+    }
     const bool keep = seed_index == 0 && options_.keep_first_traces;
     if (keep) result_.first_traces[controller_index] = std::move(trace);
     if (--glove.users_left == 0) {
@@ -120,6 +134,17 @@ class Schedule {
       if (keep || seed_index == 0) result_.first_glove = std::move(glove.signal);
       glove.signal = {};
     }
+  }
+
+  /// Takes a trial from the database, if it is there. The first seed runs again: its signals are
+  /// wanted, too.
+  bool Recall(std::size_t seed_index, std::size_t controller_index, TrialOutcome& outcome) {
+    if (options_.database == nullptr || seed_index == 0) return false;
+    auto known = options_.database->Find(result_.seeds[seed_index].seed, controller_index);
+    if (!known) return false;
+    outcome = std::move(*known);
+    Progress(1.0);
+    return true;
   }
 
   bool Progress(double trials) {
@@ -152,6 +177,7 @@ Study PrepareStudy(Scenario scenario) {
   GloveSignal glove = SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
   study.hand = std::make_shared<const HandModel>(scenario.hand, glove.channel_names);
   study.calibration = NominalCalibration(scenario.glove);
+  study.glove_hash = HashOf(glove);
   for (const NamedController& named : scenario.controllers) {
     try {
       controller::Controller(named.config, study.calibration, study.hand->transmission());

@@ -17,10 +17,13 @@ struct Study {
   std::shared_ptr<const HandModel> hand;
   controller::GloveCalibration calibration;
   std::vector<std::string> remarks;  // what was repaired in recordings, one line each
+  std::string glove_hash;  // of the first seed's signal
 };
 
 /// Builds hand, glove (of the first seed) and every controller. Errors: UserError.
 Study PrepareStudy(Scenario scenario);
+
+class StudyDatabase;
 
 /// What one controller did with one seed.
 struct TrialOutcome {
@@ -43,6 +46,8 @@ struct StudyOptions {
   std::function<bool(double, int)> progress;
   /// Keep the glove signal and the traces of the first seed.
   bool keep_first_traces = true;
+  /// Where finished trials are kept and looked for; null: nowhere.
+  StudyDatabase* database = nullptr;
 };
 
 struct StudyResult {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace gauntlet::sim {
+
+/// Tells contents apart, the same on every machine: FNV-1a, 64 bits. Not against attackers.
+/// Source: Fowler, Noll, Vo, draft-eastlake-fnv.
+class Hash {
+ public:
+  void Add(std::string_view bytes) {
+    for (const char byte : bytes) {
+      value_ = (value_ ^ static_cast<unsigned char>(byte)) * 0x100000001B3u;
+    }
+  }
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void Add(std::span<const Number> numbers) {
+    Add(std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()));
+  }
+
+  std::uint64_t value() const { return value_; }
+  /// 16 hexadecimal digits.
+  std::string Text() const;
+
+ private:
+  std::uint64_t value_ = 0xCBF29CE484222325u;
+};
+
+}  // namespace gauntlet::sim

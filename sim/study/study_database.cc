@@ -1,0 +1,304 @@
+#include "sim/study/study_database.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Raised whenever the tables change.
+constexpr int kFormat = 1;
+/// Another program may be reading.
+constexpr int kPatience_ms = 10'000;
+constexpr const char* kSummary = "summary";
+
+constexpr const char* kTables = R"(
+  CREATE TABLE trial (
+    id INTEGER PRIMARY KEY,
+    seed INTEGER NOT NULL,
+    controller TEXT NOT NULL,
+    made_from TEXT NOT NULL,  -- hash of all that the trial depends on
+    problem TEXT NOT NULL,    -- why the hand stopped early; empty if all was well
+    UNIQUE (seed, controller)
+  );
+  CREATE TABLE score (
+    trial INTEGER NOT NULL REFERENCES trial (id) ON DELETE CASCADE,
+    channel TEXT NOT NULL,    -- 'summary' is the mean over the channels
+    metric TEXT NOT NULL,
+    value REAL,               -- NULL: there is no such score
+    PRIMARY KEY (trial, channel, metric)
+  ) WITHOUT ROWID;
+  CREATE TABLE untrusted (
+    trial INTEGER NOT NULL REFERENCES trial (id) ON DELETE CASCADE,
+    channel TEXT NOT NULL,
+    samples INTEGER NOT NULL, -- samples of the glove that the controller did not believe
+    PRIMARY KEY (trial, channel)
+  ) WITHOUT ROWID;
+  CREATE VIEW scores AS
+    SELECT seed, controller, channel, metric, value FROM score JOIN trial ON trial.id = trial;
+)";
+
+/// The program's own bytes: another build may compute other bytes.
+const std::string& Program() {
+  static const std::string hash = [] {
+    std::ifstream file("/proc/self/exe", std::ios::binary);
+    Hash content;
+    content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
+    return content.Text();
+  }();
+  return hash;
+}
+
+/// What a trial of one controller is made from, whatever its seed.
+std::string MadeFrom(const Study& study, std::size_t controller) {
+  Scenario scenario = study.scenario;
+  scenario.name.clear();
+  scenario.question.clear();
+  scenario.video = {};
+  scenario.made_with = {};
+  scenario.controllers = {study.scenario.controllers[controller]};
+  Hash hash;
+  hash.Add(ScenarioToYaml(scenario));
+  hash.Add(study.hand->Hash());
+  hash.Add(study.glove_hash);  // holds the content of a recording, too
+  hash.Add(Program());
+  return hash.Text();
+}
+
+double NumberOrNan(const SQLite::Column& column) {
+  return column.isNull() ? std::numeric_limits<double>::quiet_NaN() : column.getDouble();
+}
+
+}  // namespace
+
+struct StudyDatabase::State {
+  State(fs::path path, const Study& s) : file(std::move(path)), study(s) {
+    for (std::size_t c = 0; c < study.scenario.controllers.size(); ++c) {
+      made_from.push_back(MadeFrom(study, c));
+    }
+  }
+
+  void Open(bool make);
+  void RemoveOthers();
+  std::int64_t FindTrial(int seed, std::size_t controller);
+  void AddScores(std::int64_t trial, const TrialOutcome& outcome);
+  const std::string& Controller(std::size_t index) const {
+    return study.scenario.controllers[index].name;
+  }
+  const std::vector<std::string>& Channels() const {
+    return study.hand->transmission().channel_names;
+  }
+
+  /// Runs `action` on the database, one thread at a time; what SQLite throws becomes one line.
+  template <class Action>
+  auto Guarded(const Action& action) {
+    const std::lock_guard lock(mutex);
+    try {
+      return action();
+    } catch (const SQLite::Exception& error) {
+      const std::string line = fmt::format("{}: {}", file.string(), error.what());
+      if (error.getErrorCode() == SQLITE_NOTADB || error.getErrorCode() == SQLITE_CORRUPT) {
+        throw UserError(line + "; remove it, or name another folder by --out");
+      }
+      throw RunError(line);
+    }
+  }
+
+  fs::path file;
+  const Study& study;
+  std::vector<std::string> made_from;  // per controller
+  std::mutex mutex;
+  std::optional<SQLite::Database> database;
+  bool made = false;
+};
+
+void StudyDatabase::State::Open(bool make) {
+  if (database) return;
+  const bool exists = fs::exists(file);
+  if (!exists && !make) return;
+  database.emplace(file.string(), SQLite::OPEN_READWRITE | (make ? SQLite::OPEN_CREATE : 0),
+                   kPatience_ms);
+  database->exec("PRAGMA foreign_keys = ON");
+  database->exec("PRAGMA synchronous = NORMAL");
+  if (!exists || fs::file_size(file) == 0) {
+    made = !exists;
+    SQLite::Transaction transaction(*database);
+    database->exec(kTables);
+    database->exec(fmt::format("PRAGMA user_version = {}", kFormat));
+    transaction.commit();
+  } else if (database->execAndGet("PRAGMA user_version").getInt() != kFormat) {
+    database.reset();
+    throw UserError(fmt::format(
+        "{}: no study database of this version of Gauntlet; remove it, or name another folder by "
+        "--out",
+        file.string()));
+  }
+}
+
+void StudyDatabase::State::RemoveOthers() {
+  std::string known;
+  for (const std::string& hash : made_from) known += fmt::format("'{}',", hash);
+  known.pop_back();
+  database->exec(fmt::format("DELETE FROM trial WHERE made_from NOT IN ({})", known));
+}
+
+std::int64_t StudyDatabase::State::FindTrial(int seed, std::size_t controller) {
+  SQLite::Statement find(
+      *database, "SELECT id FROM trial WHERE seed = ? AND controller = ? AND made_from = ?");
+  find.bind(1, seed);
+  find.bind(2, Controller(controller));
+  find.bind(3, made_from[controller]);
+  return find.executeStep() ? find.getColumn(0).getInt64() : 0;
+}
+
+void StudyDatabase::State::AddScores(std::int64_t trial, const TrialOutcome& outcome) {
+  SQLite::Statement add(*database, "INSERT INTO score VALUES (?, ?, ?, ?)");
+  const auto add_all = [&](const std::string& channel, const std::vector<double>& values) {
+    for (std::size_t m = 0; m < values.size(); ++m) {
+      add.bind(1, trial);
+      add.bind(2, channel);
+      add.bind(3, std::string(Metrics()[m].key));
+      if (std::isfinite(values[m])) {
+        add.bind(4, values[m]);
+      } else {
+        add.bind(4);
+      }
+      add.exec();
+      add.reset();
+    }
+  };
+  add_all(kSummary, outcome.scores.summary);
+  SQLite::Statement count(*database, "INSERT INTO untrusted VALUES (?, ?, ?)");
+  for (std::size_t c = 0; c < Channels().size(); ++c) {
+    add_all(Channels()[c], outcome.scores.channels[c]);
+    count.bind(1, trial);
+    count.bind(2, Channels()[c]);
+    count.bind(3, static_cast<std::int64_t>(outcome.untrusted_samples[c]));
+    count.exec();
+    count.reset();
+  }
+}
+
+StudyDatabase::StudyDatabase(fs::path file, const Study& study)
+    : state_(std::make_unique<State>(std::move(file), study)) {
+  state_->Guarded([&] { state_->Open(false); });
+}
+StudyDatabase::~StudyDatabase() {
+  // A file without a trial is of no use: the disk was full, say.
+  State& state = *state_;
+  if (!state.made) return;
+  bool empty = false;
+  try {
+    empty = state.database->execAndGet("SELECT count(*) FROM trial").getInt() == 0;
+  } catch (const SQLite::Exception&) {
+    empty = true;  // not even the tables are there
+  }
+  state.database.reset();
+  std::error_code ignored;
+  if (empty) fs::remove(state.file, ignored);
+}
+
+std::optional<TrialOutcome> StudyDatabase::Find(int seed, std::size_t controller) {
+  State& state = *state_;
+  return state.Guarded([&]() -> std::optional<TrialOutcome> {
+    if (!state.database) return std::nullopt;
+    const std::int64_t trial = state.FindTrial(seed, controller);
+    if (trial == 0) return std::nullopt;
+
+    const double missing = std::numeric_limits<double>::quiet_NaN();
+    TrialOutcome outcome;
+    outcome.scores.summary.assign(Metrics().size(), missing);
+    outcome.scores.channels.assign(state.Channels().size(), outcome.scores.summary);
+    outcome.untrusted_samples.assign(state.Channels().size(), 0);
+    const auto channel_index = [&](const std::string& name) {
+      return static_cast<std::size_t>(
+          std::find(state.Channels().begin(), state.Channels().end(), name) -
+          state.Channels().begin());
+    };
+
+    SQLite::Statement health(*state.database, "SELECT problem FROM trial WHERE id = ?");
+    health.bind(1, trial);
+    health.executeStep();
+    outcome.health.problem = health.getColumn(0).getString();
+    outcome.health.ok = outcome.health.problem.empty();
+
+    SQLite::Statement scores(*state.database,
+                             "SELECT channel, metric, value FROM score WHERE trial = ?");
+    scores.bind(1, trial);
+    while (scores.executeStep()) {
+      const std::string channel = scores.getColumn(0).getString();
+      const std::size_t metric = MetricIndex(scores.getColumn(1).getString());
+      const double value = NumberOrNan(scores.getColumn(2));
+      const std::size_t index = channel_index(channel);
+      if (metric >= Metrics().size()) continue;
+      if (channel == kSummary) outcome.scores.summary[metric] = value;
+      if (index < outcome.scores.channels.size()) outcome.scores.channels[index][metric] = value;
+    }
+    SQLite::Statement untrusted(*state.database,
+                                "SELECT channel, samples FROM untrusted WHERE trial = ?");
+    untrusted.bind(1, trial);
+    while (untrusted.executeStep()) {
+      const std::size_t index = channel_index(untrusted.getColumn(0).getString());
+      if (index >= outcome.untrusted_samples.size()) continue;
+      outcome.untrusted_samples[index] = untrusted.getColumn(1).getInt64();
+    }
+    return outcome;
+  });
+}
+
+void StudyDatabase::Keep(int seed, std::size_t controller, const TrialOutcome& outcome) {
+  State& state = *state_;
+  state.Guarded([&] {
+    state.Open(true);
+    SQLite::Transaction transaction(*state.database);
+    state.RemoveOthers();
+    SQLite::Statement remove(*state.database,
+                             "DELETE FROM trial WHERE seed = ? AND controller = ?");
+    remove.bind(1, seed);
+    remove.bind(2, state.Controller(controller));
+    remove.exec();
+    SQLite::Statement add(
+        *state.database,
+        "INSERT INTO trial (seed, controller, made_from, problem) VALUES (?, ?, ?, ?)");
+    add.bind(1, seed);
+    add.bind(2, state.Controller(controller));
+    add.bind(3, state.made_from[controller]);
+    add.bind(4, outcome.health.problem);
+    add.exec();
+    state.AddScores(state.database->getLastInsertRowid(), outcome);
+    transaction.commit();
+  });
+}
+
+int StudyDatabase::TrialCount() {
+  State& state = *state_;
+  return state.Guarded([&] {
+    if (!state.database) return 0;
+    int count = 0;
+    for (std::size_t c = 0; c < state.made_from.size(); ++c) {
+      SQLite::Statement query(*state.database,
+                              "SELECT count(*) FROM trial WHERE controller = ? AND made_from = ?");
+      query.bind(1, state.Controller(c));
+      query.bind(2, state.made_from[c]);
+      query.executeStep();
+      count += query.getColumn(0).getInt();
+    }
+    return count;
+  });
+}
+
+}  // namespace gauntlet::sim

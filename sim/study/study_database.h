@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "sim/study/study.h"
+
+namespace gauntlet::sim {
+
+/// The finished trials of a comparison in `study.db`, an SQLite database that any tool opens: a row
+/// per trial and score. A comparison that was stopped, even killed, goes on from it.
+///
+///     SELECT controller, avg(value) FROM scores
+///     WHERE metric = 'tracking_rmse_deg' AND channel = 'summary' GROUP BY controller;
+///
+/// A trial belongs to what it was made from: every setting, the model, the glove signal of the
+/// first seed and the program itself. Trials of anything else are not found, and are removed when
+/// the first new trial is kept. The file appears with the first trial.
+///
+/// Any thread may call Find and Keep. Errors: UserError for a file that is no such database,
+/// RunError when the disk does not take a trial.
+class StudyDatabase {
+ public:
+  /// `study` has to outlive the database.
+  StudyDatabase(std::filesystem::path file, const Study& study);
+  ~StudyDatabase();
+
+  std::optional<TrialOutcome> Find(int seed, std::size_t controller);
+  void Keep(int seed, std::size_t controller, const TrialOutcome& outcome);
+
+  /// Trials of this study that the file holds.
+  int TrialCount();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gauntlet::sim
