@@ -2,9 +2,10 @@
 
 #include <H5Cpp.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <optional>
+#include <memory>
 #include <type_traits>
 
 #include "sim/base/atomic_file.h"
@@ -91,18 +92,16 @@ struct DatasetPlace {
   double rate_hz;
 };
 
+/// HDF5 1.10 writes what it still holds when it closes, complains where that fails, and crashes
+/// when it closes again. Once a file that the disk did not take is empty, the disk has room for
+/// that.
+void MakeRoom(const std::string& file) { static_cast<void>(truncate(file.c_str(), 0)); }
+
+/// Block by block through a small buffer: turning the whole matrix at once costs as much memory
+/// again, and the time to get it.
 template <class Scalar>
-void WriteMatrix(const DatasetPlace& place, const std::vector<std::string>& columns,
+void WriteBlocks(H5::DataSet& dataset, const hsize_t (&size)[2],
                  const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
-  const hsize_t size[2] = {static_cast<hsize_t>(matrix.rows()),
-                           static_cast<hsize_t>(matrix.cols())};
-  // Without the time of writing, the same signals give the same bytes.
-  const H5::DSetCreatPropList properties;
-  H5Pset_obj_track_times(properties.getId(), false);
-  H5::DataSet dataset = place.group.createDataSet(place.name, FileType(Stored<Scalar>{}),
-                                                  H5::DataSpace(2, size), properties);
-  // Block by block through a small buffer: turning the whole matrix at once costs as much memory
-  // again, and the time to get it.
   RowMajor<Stored<Scalar>> block;
   for (Eigen::Index row = 0; row < matrix.rows(); row += kBlockRows) {
     block = matrix.middleRows(row, std::min(kBlockRows, matrix.rows() - row))
@@ -114,9 +113,28 @@ void WriteMatrix(const DatasetPlace& place, const std::vector<std::string>& colu
     dataset.write(block.data(), MemoryType(Stored<Scalar>{}), H5::DataSpace(2, count),
                   place_in_file);
   }
-  WriteText(dataset, "unit", place.unit);
-  WriteNumber(dataset, "rate_hz", place.rate_hz);
-  WriteTexts(dataset, "columns", columns);
+}
+
+template <class Scalar>
+void WriteMatrix(const DatasetPlace& place, const std::vector<std::string>& columns,
+                 const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
+  const hsize_t size[2] = {static_cast<hsize_t>(matrix.rows()),
+                           static_cast<hsize_t>(matrix.cols())};
+  // Without the time of writing, the same signals give the same bytes.
+  const H5::DSetCreatPropList properties;
+  H5Pset_obj_track_times(properties.getId(), false);
+  H5::DataSet dataset = place.group.createDataSet(place.name, FileType(Stored<Scalar>{}),
+                                                  H5::DataSpace(2, size), properties);
+  try {
+    WriteBlocks(dataset, size, matrix);
+    WriteText(dataset, "unit", place.unit);
+    WriteNumber(dataset, "rate_hz", place.rate_hz);
+    WriteTexts(dataset, "columns", columns);
+    dataset.close();
+  } catch (const H5::Exception&) {
+    MakeRoom(place.group.getFileName());  // before the dataset goes
+    throw;
+  }
 }
 
 template <class Scalar>
@@ -194,7 +212,7 @@ struct TraceWriter::State {
   const HandModel& hand;
   double rate_hz = 1000.0;
   std::vector<std::string> controllers;
-  std::optional<H5::H5File> file;
+  std::unique_ptr<H5::H5File> file;
 };
 
 TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal& glove,
@@ -203,7 +221,8 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
   H5::Exception::dontPrint();
   state_->rate_hz = glove.rate_hz;
   Guarded(target, [&] {
-    state_->file.emplace(state_->atomic.temporary_path().string(), H5F_ACC_TRUNC);
+    state_->file =
+        std::make_unique<H5::H5File>(state_->atomic.temporary_path().string(), H5F_ACC_TRUNC);
     WriteText(*state_->file, "scenario", scenario);
     WriteNumber(*state_->file, "seed", seed);
     H5::Group group = state_->file->createGroup("glove");
@@ -220,9 +239,12 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
 }
 
 TraceWriter::~TraceWriter() {
+  if (!state_->file) return;  // committed, or never opened
+  MakeRoom(state_->atomic.temporary_path().string());
   try {
-    if (state_->file) state_->file->close();
-  } catch (const H5::Exception&) {  // the file is removed anyway
+    state_->file->close();
+  } catch (const H5::Exception&) {
+    static_cast<void>(state_->file.release());  // closing twice is what crashes
   }
 }
 
@@ -247,6 +269,7 @@ void TraceWriter::Commit() {
     WriteTexts(*state_->file, "controllers", state_->controllers);
     state_->file->flush(H5F_SCOPE_GLOBAL);
     state_->file->close();
+    state_->file.reset();
   });
   state_->atomic.Commit();
 }

@@ -4,7 +4,11 @@
 #include <H5Cpp.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -12,6 +16,25 @@
 #include "sim/base/error.h"
 #include "sim/glove/channels.h"
 #include "tests/support/program.h"
+
+namespace {
+
+constexpr off_t kEndless = std::numeric_limits<off_t>::max();
+/// What the disk still takes of one file.
+off_t disk_room_bytes = kEndless;
+
+}  // namespace
+
+/// Stands in for the C library's, which HDF5 writes by: a disk of a given size.
+extern "C" ssize_t pwrite(int file, const void* data, size_t size, off_t offset) {
+  struct stat info = {};
+  fstat(file, &info);
+  if (512 * info.st_blocks + static_cast<off_t>(size) > disk_room_bytes) {
+    errno = ENOSPC;
+    return -1;
+  }
+  return syscall(SYS_pwrite64, file, data, size, offset);
+}
 
 namespace gauntlet::sim {
 namespace {
@@ -42,7 +65,8 @@ class TraceFileTest : public testing::Test {
     trace.hand_angle_rad = Signal::Random(kSamples, 18);
     trace.tension_n =
         Signal::Random(kSamples, static_cast<Eigen::Index>(hand_.cable_names().size()));
-    trace.object_pose = Signal::Random(kSamples, 7);  // and no grip force: what has no columns is left out
+    trace.object_pose =
+        Signal::Random(kSamples, 7);  // and no grip force: what has no columns is left out
     return trace;
   }
 
@@ -139,8 +163,23 @@ TEST_F(TraceFileTest, RefusesWhatIsNoTrace) {
   EXPECT_THROW(ReadTraceFile(file_), UserError);
 }
 
-TEST_F(TraceFileTest, AFullDiskIsARunError) {
+TEST_F(TraceFileTest, AFolderThatCannotBeIsARunError) {
   EXPECT_THROW(TraceWriter("/dev/full/trace.h5", glove_, hand_, "test", 1), RunError);
+}
+
+TEST_F(TraceFileTest, AFullDiskIsARunErrorWhereverItHappens) {
+  for (disk_room_bytes = 0; disk_room_bytes < 3'000'000; disk_room_bytes += 150'000) {
+    EXPECT_THROW(
+        {
+          TraceWriter writer(file_, glove_, hand_, "test", 1);
+          writer.Add(MakeTrace("raw"));
+          writer.Commit();
+        },
+        RunError)
+        << disk_room_bytes;
+    EXPECT_TRUE(fs::is_empty(folder_.path())) << disk_room_bytes;
+  }
+  disk_room_bytes = kEndless;
 }
 
 }  // namespace
