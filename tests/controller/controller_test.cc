@@ -355,6 +355,28 @@ TEST(Controller, LoadsOtherSettingsWithoutAChangedBitInTheOtherChannels) {
   EXPECT_TRUE(changed);
 }
 
+TEST(Controller, DoesNotNoticeThatTheSameSettingsAreLoaded) {
+  const TestSignal input = GloveCounts(300, kChannels);
+  for (const FilterKind& kind : FilterKinds()) {
+    ControllerConfig config = WithFilter(kind.defaults.settings);
+    config.samples_per_event = 20;
+    config.prediction.kind = PredictionKind::kKalman;
+    config.motor.rounding = Rounding::kNoiseShaping;
+    Controller controller = Make(config);
+    Controller undisturbed = Make(config);
+    for (int k = 0; k < 300; ++k) {
+      if (k % 37 == 0) controller.Load(config);
+      const auto expected = undisturbed.Step({.counts = RowOf(input, k)}).motor_counts;
+      ASSERT_THAT(controller.Step({.counts = RowOf(input, k)}).motor_counts,
+                  ElementsAreArray(expected))
+          << kind.name;
+      for (int i = 0; i < kChannels; ++i) {
+        ASSERT_EQ(controller.target_angle_rad()[i], undisturbed.target_angle_rad()[i]) << kind.name;
+      }
+    }
+  }
+}
+
 TEST(Controller, LoadsAnotherKindOfFilterWithinTheSpeedLimit) {
   ControllerConfig config = WithFilter(ExponentialConfig{.alpha = 0.001});  // far behind
   config.samples_per_event = 20;
