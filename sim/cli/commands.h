@@ -11,6 +11,7 @@ void AddRunCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
 void AddDiffCommand(CLI::App& app);
+void AddReproduceCommand(CLI::App& app);
 void AddListCommand(CLI::App& app);
 void AddFilterCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);

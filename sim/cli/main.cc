@@ -38,6 +38,7 @@ int Run(int argc, char** argv) {
   gauntlet::sim::AddDiffCommand(app);
   gauntlet::sim::AddFilterCommand(app);
   gauntlet::sim::AddCalibrateCommand(app);
+  gauntlet::sim::AddReproduceCommand(app);
   gauntlet::sim::AddListCommand(app);
   int exit_code = 0;
   try {

@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include "sim/base/atomic_file.h"
+#include "sim/cli/commands.h"
+#include "sim/cli/output_folder.h"
+#include "sim/cli/progress.h"
+#include "sim/report/paper_page.h"
+#include "sim/study/study_files.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct Options {
+  std::string out = "out/paper";
+  bool quick = false;
+  int jobs = 0;
+};
+
+std::filesystem::path ScenarioFile() {
+  const std::filesystem::path here = "scenarios/paper_claims.yaml";
+  return std::filesystem::exists(here)
+             ? here
+             : std::filesystem::path(GAUNTLET_SCENARIO_DIR) / "paper_claims.yaml";
+}
+
+void Reproduce(const Options& options) {
+  OutputFolder folder(options.out);
+  const auto experiment = [&] {
+    Progress progress("the paper's experiments");
+    return RunPaperExperiment(
+        {.scenario = ScenarioFile(),
+         .quick = options.quick,
+         .jobs = options.jobs > 0
+                     ? options.jobs
+                     : std::max(1, static_cast<int>(std::thread::hardware_concurrency())),
+         .progress = [&](double done, double total) { return progress.Update(done, total); }});
+  }();
+  const std::vector<PaperFigure> figures = PaperFigures(experiment);
+  WriteStudyFiles(folder.path(), experiment.study, experiment.result, experiment.summary,
+                  {.comparison = true, .trace_csv = false});
+  for (const PaperFigure& figure : figures) {
+    for (const PaperChart& chart : figure.charts) {
+      WriteFileAtomically(folder.path() / chart.file, chart.svg);
+    }
+  }
+  WriteFileAtomically(folder.path() / "reproduce.html", PaperPage(experiment, figures));
+  folder.Keep();
+  fmt::print("{}", PaperTable(experiment));
+  std::fflush(stdout);
+  fmt::print(stderr,
+             "wrote {}: reproduce.html, figure_*.svg, scores.json, scores.csv, "
+             "trace.h5, scenario.resolved.yaml\n",
+             folder.path().string());
+}
+
+}  // namespace
+
+void AddReproduceCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "reproduce", "Repeat the paper's experiments and figures, and measure its claims");
+  const auto options = std::make_shared<Options>();
+  command->add_option("--out", options->out, "output folder")
+      ->type_name("DIR")
+      ->capture_default_str();
+  command->add_flag("--quick", options->quick,
+                    "6 s of motion instead of the paper's 94, to see how it looks");
+  command->add_option("--jobs", options->jobs, "trials at a time [number of cores]")
+      ->check(CLI::Range(1, 1024));
+  command->footer(
+      "\nBai, Jiang, Yokoi: Multiple-Channel Real Time Filtering for a Myoelectric Prosthetic\n"
+      "Hand-Arm Robot System (arXiv:2103.02750).\n"
+      "\nExample:\n  gauntlet reproduce --out out/paper\n");
+  command->callback([options] { Reproduce(*options); });
+}
+
+}  // namespace gauntlet::sim

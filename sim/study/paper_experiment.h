@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/study/statistics.h"
+#include "sim/study/study.h"
+#include "sim/study/summary.h"
+
+namespace gauntlet::sim {
+
+/// What a filter is, told without any signal: from its answer to a single pulse, once it has
+/// settled.
+struct FilterFacts {
+  std::string name;
+  bool per_event = false;    // a step is an event and not a sample
+  std::vector<double> gain;  // per channel: the share of a jump that passes at once
+  std::vector<double>
+      noise_share;        // per channel: standard deviation after over before, white noise
+  double delay_ms = 0.0;  // at 1 Hz, mean over channels
+};
+
+/// How sure the answer to a claim is.
+enum class Answer { kConfirmed, kRefuted, kUndecided };
+
+/// One claim of the paper, with the number that decides it.
+struct Claim {
+  std::string claim;
+  std::string measured;  // what the two numbers are
+  double before = 0.0;   // as a mean over seeds
+  double after = 0.0;
+  MeanInterval difference;  // after - before, paired by seed
+  Answer answer = Answer::kUndecided;
+};
+
+/// The first test of the paper: one channel, filtered alone [counts].
+struct OneChannelTest {
+  std::vector<double> truth, measured, filtered;
+  double textbook_difference = 0.0;  // largest, against the recursion as printed in textbooks
+};
+
+/// The two generators of noise. Bins of the normal one are 0.1 standard deviations wide.
+struct GeneratorTest {
+  std::int64_t draws = 0;
+  double first_bin = 0.0;
+  double bin_width = 0.1;
+  std::vector<double> normal_density;  // of Box-Muller, per bin
+  double normal_mean = 0.0, normal_deviation = 0.0, normal_kurtosis = 0.0;
+  int galton_rows = 0;
+  std::vector<double> galton_share;   // of the balls, per bin
+  double galton_distance = 0.0;       // of the board from the normal law
+  double galton_seen_distance = 0.0;  // of the balls from the board's own law
+};
+
+/// All that the paper did and said, measured.
+struct PaperExperiment {
+  bool quick = false;
+  Study study;
+  StudyResult result;
+  Summary summary;
+  StudyResult precise_result;  // raw and paper_kalman with a servo as precise as can be
+  std::vector<FilterFacts> filters;
+  std::vector<Claim> claims;
+  OneChannelTest one_channel;
+  GeneratorTest generators;
+  std::vector<double> estimated_variance;      // R of the glove, from a hand that holds still
+  std::vector<double> estimated_variance_low;  // 95 % interval
+  std::vector<double> estimated_variance_high;
+  double switching_change = 0.0;  // of other channels' outputs when one is switched off and on
+};
+
+struct PaperExperimentOptions {
+  std::filesystem::path scenario;  // paper_claims.yaml
+  bool quick = false;              // seconds instead of minutes of motion
+  int jobs = 1;
+  std::function<bool(double done, double total)> progress;
+};
+
+/// Deterministic. Errors: UserError for the scenario, Cancelled.
+PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options);
+
+/// Index of a controller by its name. Errors: UserError if the scenario has none of that name.
+std::size_t ControllerIndex(const StudyResult& result, const std::string& name);
+
+}  // namespace gauntlet::sim
