@@ -233,8 +233,7 @@ Chart EmptyChart(std::string title, std::string x_label, std::string y_label) {
 
 PaperFigure Figure4(const PaperExperiment& experiment) {
   const GloveSignal& glove = experiment.result.first_glove;
-  Chart chart{
-      .title = "Figure 4: the raw signal of the glove", .x_label = "time [s]", .y_label = "counts"};
+  Chart chart = EmptyChart("Figure 4: the raw signal of the glove", "time [s]", "counts");
   for (const int channel : {0, 7, 10}) {
     const Eigen::VectorXd counts =
         glove.counts.col(channel).head(std::min<Eigen::Index>(2000, glove.counts.rows()));

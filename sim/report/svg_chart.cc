@@ -60,6 +60,7 @@ class Writer {
  public:
   explicit Writer(const Chart& chart) : chart_(chart) {
     for (const ChartCurve& curve : chart.curves) {
+      if (curve.values.empty()) continue;  // only takes a colour
       x_.Take(curve.first_x);
       x_.Take(curve.first_x + curve.step_x * static_cast<double>(curve.values.size() - 1));
       for (const double value : curve.values) y_.Take(value);

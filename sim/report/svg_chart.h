@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// A curve of equidistant values.
+/// A curve of equidistant values. One without values only uses up a colour.
 struct ChartCurve {
   std::string name;
   double first_x = 0.0;

@@ -23,7 +23,9 @@ constexpr int kSeeds = 4;
 
 // --- Filters, by their answer to a pulse --------------------------------------------------------
 
-FilterFacts FactsOf(const NamedController& named) {
+}  // namespace
+
+FilterFacts AnalyseFilter(const NamedController& named) {
   FilterFacts facts;
   facts.name = named.name;
   facts.per_event = named.config.filter_at == controller::FilterAt::kEvent;
@@ -55,6 +57,8 @@ FilterFacts FactsOf(const NamedController& named) {
   return facts;
 }
 
+namespace {
+
 // --- The first test: one channel ----------------------------------------------------------------
 
 /// The recursion as textbooks have it, with its 2 x 2 matrices (section 2.3.2 of the paper, with K
@@ -77,7 +81,9 @@ std::vector<double> TextbookKalman(const std::vector<double>& measured, double r
   return posterior;
 }
 
-OneChannelTest RunOneChannel() {
+}  // namespace
+
+OneChannelTest RunOneChannelTest() {
   OneChannelTest test;
   const double r = controller::PaperMeasurementVariance().front();
   RandomStream random(1, "one channel of the paper", 0);
@@ -107,7 +113,7 @@ OneChannelTest RunOneChannel() {
 
 // --- Noise --------------------------------------------------------------------------------------
 
-GeneratorTest RunGenerators(std::int64_t draws) {
+GeneratorTest RunGeneratorTest(std::int64_t draws) {
   GeneratorTest test;
   test.draws = draws;
   constexpr double kReach = 4.5;
@@ -149,6 +155,8 @@ GeneratorTest RunGenerators(std::int64_t draws) {
   test.galton_distance = GaltonDistanceFromNormal(test.galton_rows);
   return test;
 }
+
+namespace {
 
 /// R of the scenario's own glove, as `gauntlet calibrate` finds it from a hand that holds still.
 void EstimateVariance(const Scenario& scenario, bool quick, PaperExperiment& experiment) {
@@ -302,11 +310,11 @@ PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
   experiment.summary = Summarise(experiment.study, experiment.result);
 
   for (const NamedController& named : experiment.study.scenario.controllers) {
-    if (named.name != "prediction") experiment.filters.push_back(FactsOf(named));
+    if (named.name != "prediction") experiment.filters.push_back(AnalyseFilter(named));
   }
   experiment.claims = JudgeClaims(experiment);
-  experiment.one_channel = RunOneChannel();
-  experiment.generators = RunGenerators(options.quick ? 100'000 : 1'000'000);
+  experiment.one_channel = RunOneChannelTest();
+  experiment.generators = RunGeneratorTest(options.quick ? 100'000 : 1'000'000);
   EstimateVariance(experiment.study.scenario, options.quick, experiment);
   experiment.switching_change = SwitchingChange(experiment.study, experiment.result.first_glove);
   return experiment;

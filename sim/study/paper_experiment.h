@@ -72,6 +72,11 @@ struct PaperExperiment {
   double switching_change = 0.0;  // of other channels' outputs when one is switched off and on
 };
 
+/// Facts about the first filter of a controller, for 18 channels with the paper's R.
+FilterFacts AnalyseFilter(const NamedController& controller);
+OneChannelTest RunOneChannelTest();
+GeneratorTest RunGeneratorTest(std::int64_t draws);
+
 struct PaperExperimentOptions {
   std::filesystem::path scenario;  // paper_claims.yaml
   bool quick = false;              // seconds instead of minutes of motion

@@ -109,6 +109,23 @@ TEST_F(CliTest, TheResolvedScenarioRepeatsTheRun) {
   }
 }
 
+TEST_F(CliTest, ReproduceMeasuresThePaper) {
+  const ProgramResult result = Gauntlet({"reproduce", "--quick", "--out", "paper"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_THAT(result.standard_output,
+              AllOf(HasSubstr("Much less local jumps"), HasSubstr("claims are confirmed")));
+  const std::string page = ReadFile(Out("paper") / "reproduce.html");
+  for (const char* row : {"<td>P1</td>", "<td>P17</td>", "Figure 4", "Figure 7", "Figure 9",
+                          "Figure 10", "Figure 12: channel 16"}) {
+    EXPECT_THAT(page, HasSubstr(row));
+  }
+  EXPECT_THAT(page, testing::Not(HasSubstr("http-equiv=\"refresh\"")));
+  for (const char* name : {"figure_04.svg", "figure_07.svg", "figure_09.svg", "figure_10.svg",
+                           "figure_12_channel_01.svg", "scores.json", "trace.h5"}) {
+    EXPECT_TRUE(fs::exists(Out("paper") / name)) << name;
+  }
+}
+
 TEST_F(CliTest, AComparisonDoesNotDependOnTheNumberOfJobs) {
   const std::string scenario = kScenarios + "hold_still.yaml";
   ASSERT_EQ(ShortRun({"compare", scenario, "--seeds", "3", "--jobs", "1", "--out", "a"}).exit_code,
