@@ -13,10 +13,10 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kLeft_px = 62.0;
-constexpr double kRight_px = 14.0;
-constexpr double kTop_px = 52.0;
-constexpr double kBottom_px = 44.0;
+constexpr double kLeftPx = 62.0;
+constexpr double kRightPx = 14.0;
+constexpr double kTopPx = 52.0;
+constexpr double kBottomPx = 44.0;
 constexpr int kColours = 4;
 
 constexpr const char* kStyle = R"(<style>
@@ -55,6 +55,16 @@ double TickStep(const Extent& extent, int count) {
   return 10.0 * power;
 }
 
+/// The multiples of `step` in the extent.
+std::vector<double> Ticks(const Extent& extent, double step) {
+  std::vector<double> ticks;
+  const auto last = static_cast<int>(std::floor(extent.high / step));
+  for (int i = static_cast<int>(std::ceil(extent.low / step)); i <= last; ++i) {
+    ticks.push_back(i * step);
+  }
+  return ticks;
+}
+
 /// Writes one chart.
 class Writer {
  public:
@@ -83,16 +93,16 @@ class Writer {
         "height=\"{1}\" role=\"img\" aria-label=\"{2}\">{3}<rect class=\"ground\" width=\"{0}\" "
         "height=\"{1}\"/>",
         chart_.width_px, chart_.height_px, EscapeHtml(chart_.title), kStyle);
-    Text(kLeft_px, 18.0, "ink title", "start", chart_.title);
+    Text(kLeftPx, 18.0, "ink title", "start", chart_.title);
     Grid();
     for (const ChartBars& bars : chart_.bars) Bars(bars);
     for (std::size_t i = 0; i < chart_.curves.size(); ++i) Curve(chart_.curves[i], i % kColours);
     Legend();
-    Text(0.5 * (kLeft_px + chart_.width_px - kRight_px), chart_.height_px - 8.0, "muted", "middle",
+    Text(0.5 * (kLeftPx + chart_.width_px - kRightPx), chart_.height_px - 8.0, "muted", "middle",
          chart_.x_label);
     Add("<text class=\"muted\" text-anchor=\"middle\" transform=\"translate(14 {:.1f}) "
         "rotate(-90)\">{}</text></svg>\n",
-        0.5 * (kTop_px + chart_.height_px - kBottom_px), EscapeHtml(chart_.y_label));
+        0.5 * (kTopPx + chart_.height_px - kBottomPx), EscapeHtml(chart_.y_label));
     return fmt::to_string(out_);
   }
 
@@ -106,25 +116,24 @@ class Writer {
         anchor, EscapeHtml(text));
   }
   double X(double value) const {
-    return kLeft_px +
-           (value - x_.low) / (x_.high - x_.low) * (chart_.width_px - kLeft_px - kRight_px);
+    return kLeftPx + (value - x_.low) / (x_.high - x_.low) * (chart_.width_px - kLeftPx - kRightPx);
   }
   double Y(double value) const {
-    const double bottom = chart_.height_px - kBottom_px;
-    return bottom - (value - y_.low) / (y_.high - y_.low) * (bottom - kTop_px);
+    const double bottom = chart_.height_px - kBottomPx;
+    return bottom - (value - y_.low) / (y_.high - y_.low) * (bottom - kTopPx);
   }
 
   void Grid() {
-    const double right = chart_.width_px - kRight_px;
+    const double right = chart_.width_px - kRightPx;
     const double y_step = TickStep(y_, 5);
-    for (double tick = std::ceil(y_.low / y_step) * y_step; tick <= y_.high; tick += y_step) {
-      Add("<line class=\"grid\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>",
-          kLeft_px, right, Y(tick), Y(tick));
-      Text(kLeft_px - 6.0, Y(tick) + 4.0, "muted", "end", Number(tick, y_step));
+    for (const double tick : Ticks(y_, y_step)) {
+      Add("<line class=\"grid\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", kLeftPx,
+          right, Y(tick), Y(tick));
+      Text(kLeftPx - 6.0, Y(tick) + 4.0, "muted", "end", Number(tick, y_step));
     }
     const double x_step = TickStep(x_, 8);
-    for (double tick = std::ceil(x_.low / x_step) * x_step; tick <= x_.high; tick += x_step) {
-      Text(X(tick), chart_.height_px - kBottom_px + 16.0, "muted", "middle", Number(tick, x_step));
+    for (const double tick : Ticks(x_, x_step)) {
+      Text(X(tick), chart_.height_px - kBottomPx + 16.0, "muted", "middle", Number(tick, x_step));
     }
   }
   /// Without the -0 and the many digits of sums of steps.
@@ -156,7 +165,7 @@ class Writer {
   }
 
   void Legend() {
-    double x = kLeft_px;
+    double x = kLeftPx;
     const auto entry = [&](const std::string& name, const std::string& mark) {
       if (name.empty()) return;
       Add("{}", mark);

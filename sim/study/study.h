@@ -17,7 +17,7 @@ struct Study {
   std::shared_ptr<const HandModel> hand;
   controller::GloveCalibration calibration;
   std::vector<std::string> remarks;  // what was repaired in recordings, one line each
-  std::string glove_hash;  // of the first seed's signal
+  std::string glove_hash;            // of the first seed's signal
 };
 
 /// Builds hand, glove (of the first seed) and every controller. Errors: UserError.

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 /// Raised whenever the tables change.
 constexpr int kFormat = 1;
 /// Another program may be reading.
-constexpr int kPatience_ms = 10'000;
+constexpr int kPatienceMs = 10'000;
 constexpr const char* kSummary = "summary";
 
 constexpr const char* kTables = R"(
@@ -53,18 +53,15 @@ constexpr const char* kTables = R"(
 )";
 
 /// The program's own bytes: another build may compute other bytes.
-const std::string& Program() {
-  static const std::string hash = [] {
-    std::ifstream file("/proc/self/exe", std::ios::binary);
-    Hash content;
-    content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
-    return content.Text();
-  }();
-  return hash;
+std::string HashOfProgram() {
+  std::ifstream file("/proc/self/exe", std::ios::binary);
+  Hash content;
+  content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
+  return content.Text();
 }
 
 /// What a trial of one controller is made from, whatever its seed.
-std::string MadeFrom(const Study& study, std::size_t controller) {
+std::string MadeFrom(const Study& study, std::size_t controller, const std::string& program) {
   Scenario scenario = study.scenario;
   scenario.name.clear();
   scenario.question.clear();
@@ -75,7 +72,7 @@ std::string MadeFrom(const Study& study, std::size_t controller) {
   hash.Add(ScenarioToYaml(scenario));
   hash.Add(study.hand->Hash());
   hash.Add(study.glove_hash);  // holds the content of a recording, too
-  hash.Add(Program());
+  hash.Add(program);
   return hash.Text();
 }
 
@@ -87,8 +84,9 @@ double NumberOrNan(const SQLite::Column& column) {
 
 struct StudyDatabase::State {
   State(fs::path path, const Study& s) : file(std::move(path)), study(s) {
+    const std::string program = HashOfProgram();
     for (std::size_t c = 0; c < study.scenario.controllers.size(); ++c) {
-      made_from.push_back(MadeFrom(study, c));
+      made_from.push_back(MadeFrom(study, c, program));
     }
   }
 
@@ -131,7 +129,7 @@ void StudyDatabase::State::Open(bool make) {
   const bool exists = fs::exists(file);
   if (!exists && !make) return;
   database.emplace(file.string(), SQLite::OPEN_READWRITE | (make ? SQLite::OPEN_CREATE : 0),
-                   kPatience_ms);
+                   kPatienceMs);
   database->exec("PRAGMA foreign_keys = ON");
   database->exec("PRAGMA synchronous = NORMAL");
   if (!exists || fs::file_size(file) == 0) {

@@ -18,8 +18,9 @@ struct TraceColumnNames {
   const std::vector<std::string>& cables;
 
   const std::vector<std::string>& Of(TraceColumns columns) const {
-    static const std::vector<std::string> grip = {"object"};
-    static const std::vector<std::string> pose = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
+    static const std::vector<std::string> kGripName = {"object"};
+    static const std::vector<std::string> kPoseNames = {"x_m", "y_m", "z_m", "qw",
+                                                        "qx",  "qy",  "qz"};
     switch (columns) {
       case TraceColumns::kChannels:
         return channels;
@@ -28,9 +29,9 @@ struct TraceColumnNames {
       case TraceColumns::kCables:
         return cables;
       case TraceColumns::kGrip:
-        return grip;
+        return kGripName;
       case TraceColumns::kPose:
-        return pose;
+        return kPoseNames;
     }
     return channels;
   }
