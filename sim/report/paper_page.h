@@ -3,24 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/report/paper_figures.h"
 #include "sim/study/paper_experiment.h"
 
 namespace gauntlet::sim {
-
-struct PaperChart {
-  std::string file;  // figure_12_channel_01.svg
-  std::string svg;
-};
-
-/// Drawings and what is said below them.
-struct PaperFigure {
-  std::string name;  // figure_12
-  std::string caption;
-  std::vector<PaperChart> charts;
-};
-
-/// Figures 4, 7, 9, 10 and 12 of the paper.
-std::vector<PaperFigure> PaperFigures(const PaperExperiment& experiment);
 
 /// One self-contained page that a reader of the paper can hold beside it.
 std::string PaperPage(const PaperExperiment& experiment, const std::vector<PaperFigure>& figures);
