@@ -152,6 +152,12 @@ nlohmann::ordered_json Json(const Topic& topic) {
 
 void List(const std::string& name, bool as_json) {
   if (name.empty()) {
+    if (as_json) {
+      nlohmann::ordered_json all;
+      for (const Topic& topic : Topics()) all[topic.name] = Json(topic);
+      fmt::print("{}\n", all.dump(2));
+      return;
+    }
     for (const Topic& topic : Topics()) {
       fmt::print("gauntlet list {:<10} {}\n", topic.name, topic.summary);
     }

@@ -35,6 +35,9 @@ void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
       throw UserError(
           fmt::format("--controllers: {}: unknown controller{}", name, Suggestion(name, known)));
     }
+    if (std::count(names.begin(), names.end(), name) > 1) {
+      throw UserError(fmt::format("--controllers: {}: named twice", name));
+    }
     kept.push_back(scenario.controllers[static_cast<std::size_t>(found - known.begin())]);
   }
   scenario.controllers = std::move(kept);
@@ -74,6 +77,10 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   std::optional<StudyDatabase> database;
   if (options.comparison) {
     database.emplace(folder / "study.db", study);
+    if (const int others = database->OtherTrialCount(); others > 0) {
+      fmt::print(stderr, "{}: {} of other settings make room\n", (folder / "study.db").string(),
+                 Trials(others));
+    }
     if (const int known = database->TrialCount(); known > 0) {
       fmt::print(stderr, "goes on from {}, which holds {}\n", (folder / "study.db").string(),
                  Trials(known));

@@ -110,7 +110,7 @@ std::string VerdictOf(const StudyDifference& difference) {
       difference.channels_only_in_a.size() + difference.channels_only_in_b.size();
   const std::size_t changed = difference.ChangedScores();
   if (difference.Same()) {
-    return fmt::format("A and B are the same in all settings and in {}.",
+    return fmt::format("A and B have the same settings, and {} without a difference beyond chance.",
                        Count(difference.scores.size(), "score"));
   }
   std::string text = fmt::format("A and B differ in {} and in {} of {}",

@@ -181,7 +181,7 @@ std::string Rows(const PaperExperiment& e) {
                   e.generators.galton_rows, e.generators.galton_distance,
                   1.0 / std::sqrt(2.0 * std::numbers::pi * e.generators.galton_rows),
                   e.generators.draws, e.generators.galton_seen_distance));
-  add("P11", "First test: 6000 steps of one channel (figure 10)", "figure 10 below");
+  add("P11", "First test: 6000 steps of one channel (figure 10)", "figure 10 above");
   add("P12", "Matrices whose size follows the number of channels, with Eigen",
       "sized once, no allocation in a step (a test counts them)");
   add("P13", "1000 Hz, an event every 0.02 s, event time below 45 ms",
@@ -194,7 +194,7 @@ std::string Rows(const PaperExperiment& e) {
       fmt::format("{} x {} samples for each of {} controllers and {} seeds", glove.counts.rows(),
                   glove.counts.cols(), e.result.controller_names.size(), e.result.seeds.size()));
   add("P15", "Figure 12: six channels, original, processed, sent to the motor",
-      "figure 12 below; the command is integer");
+      "figure 12 above; the command is integer");
   add("P16",
       "Less local jumps, quieter, lower motor noise, more so in slow motion, and with better "
       "servos",
@@ -247,7 +247,7 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
   const std::string facts = fmt::format(
       "{} samples x {} channels · {} controllers · {} seeds{}", result.first_glove.counts.rows(),
       result.channel_names.size(), result.controller_names.size(), result.seeds.size(),
-      experiment.quick ? " · quick: seconds instead of the paper's 94,096 samples" : "");
+      experiment.quick ? " · quick: 6 s of motion instead of the paper's 94" : "");
   return FillTemplate(assets::kPaperHtml,
                       {{"style", std::string(assets::kStyle)},
                        {"verdict", EscapeHtml(PaperVerdict(experiment))},
@@ -269,6 +269,7 @@ std::string PaperTable(const PaperExperiment& experiment) {
     out += fmt::format("{}  {:<9}  {:>6} -> {:>6}  {}\n", Padded(claim.claim, width, false),
                        Word(claim.answer), Short(claim.before), Short(claim.after), claim.measured);
   }
+  if (experiment.quick) out += "\nQuick: 6 s of motion instead of the paper's 94.";
   return out + "\n" + PaperVerdict(experiment) + "\n";
 }
 

@@ -148,8 +148,11 @@ std::string ScoreTable(const Study& study, const StudyResult& result, const Summ
   out += options.comparison ? "* best, or as good within chance" : "* best";
   const bool any_worse = std::any_of(
       summary.controllers.begin(), summary.controllers.end(), [](const ControllerSummary& c) {
-        return std::find(c.worse_than_raw.begin(), c.worse_than_raw.end(), true) !=
-               c.worse_than_raw.end();
+        return std::any_of(std::begin(kMainMetrics), std::end(kMainMetrics),
+                           [&](std::string_view key) {
+                             const std::size_t metric = MetricIndex(key);
+                             return metric < c.worse_than_raw.size() && c.worse_than_raw[metric];
+                           });
       });
   if (any_worse) out += "   ! worse than raw";
   out += "\n";

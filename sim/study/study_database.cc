@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raised whenever the tables change.
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 /// Another program may be reading.
 constexpr int kPatienceMs = 10'000;
 constexpr const char* kSummary = "summary";
@@ -31,7 +31,8 @@ constexpr const char* kTables = R"(
     id INTEGER PRIMARY KEY,
     seed INTEGER NOT NULL,
     controller TEXT NOT NULL,
-    made_from TEXT NOT NULL,  -- hash of all that the trial depends on
+    study TEXT NOT NULL,      -- hash of glove, hand, event and program
+    settings TEXT NOT NULL,   -- hash of the controller's settings
     problem TEXT NOT NULL,    -- why the hand stopped early; empty if all was well
     UNIQUE (seed, controller)
   );
@@ -60,20 +61,35 @@ std::string HashOfProgram() {
   return content.Text();
 }
 
-/// What a trial of one controller is made from, whatever its seed.
-std::string MadeFrom(const Study& study, std::size_t controller, const std::string& program) {
+/// What all trials of a study share, whatever their seed.
+std::string HashOfStudy(const Study& study) {
   Scenario scenario = study.scenario;
   scenario.name.clear();
   scenario.question.clear();
   scenario.video = {};
   scenario.made_with = {};
-  scenario.controllers = {study.scenario.controllers[controller]};
+  scenario.controllers.clear();
   Hash hash;
   hash.Add(ScenarioToYaml(scenario));
   hash.Add(study.hand->Hash());
   hash.Add(study.glove_hash);  // holds the content of a recording, too
-  hash.Add(program);
+  hash.Add(HashOfProgram());
   return hash.Text();
+}
+
+std::string HashOfSettings(const NamedController& controller) {
+  Scenario scenario;
+  scenario.controllers = {controller};
+  Hash hash;
+  hash.Add(ScenarioToYaml(scenario));
+  return hash.Text();
+}
+
+/// Text as it stands in a statement.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
+  return quoted + "'";
 }
 
 double NumberOrNan(const SQLite::Column& column) {
@@ -84,14 +100,14 @@ double NumberOrNan(const SQLite::Column& column) {
 
 struct StudyDatabase::State {
   State(fs::path path, const Study& s) : file(std::move(path)), study(s) {
-    const std::string program = HashOfProgram();
-    for (std::size_t c = 0; c < study.scenario.controllers.size(); ++c) {
-      made_from.push_back(MadeFrom(study, c, program));
+    study_hash = HashOfStudy(study);
+    for (const NamedController& named : study.scenario.controllers) {
+      settings.push_back(HashOfSettings(named));
     }
   }
 
   void Open(bool make);
-  void RemoveOthers();
+  std::string Others() const;
   std::int64_t FindTrial(int seed, std::size_t controller);
   void AddScores(std::int64_t trial, const TrialOutcome& outcome);
   const std::string& Controller(std::size_t index) const {
@@ -118,7 +134,8 @@ struct StudyDatabase::State {
 
   fs::path file;
   const Study& study;
-  std::vector<std::string> made_from;  // per controller
+  std::string study_hash;
+  std::vector<std::string> settings;  // hashes, per controller
   std::mutex mutex;
   std::optional<SQLite::Database> database;
   bool made = false;
@@ -147,19 +164,25 @@ void StudyDatabase::State::Open(bool make) {
   }
 }
 
-void StudyDatabase::State::RemoveOthers() {
-  std::string known;
-  for (const std::string& hash : made_from) known += fmt::format("'{}',", hash);
-  known.pop_back();
-  database->exec(fmt::format("DELETE FROM trial WHERE made_from NOT IN ({})", known));
+/// True of trials of another study, and of controllers of this one that had other settings.
+/// Controllers that this call leaves out keep their trials.
+std::string StudyDatabase::State::Others() const {
+  std::string changed = "0";
+  for (std::size_t c = 0; c < settings.size(); ++c) {
+    changed += fmt::format(" OR (controller = {} AND settings != '{}')", Quoted(Controller(c)),
+                           settings[c]);
+  }
+  return fmt::format("study != '{}' OR {}", study_hash, changed);
 }
 
 std::int64_t StudyDatabase::State::FindTrial(int seed, std::size_t controller) {
-  SQLite::Statement find(
-      *database, "SELECT id FROM trial WHERE seed = ? AND controller = ? AND made_from = ?");
+  SQLite::Statement find(*database,
+                         "SELECT id FROM trial WHERE seed = ? AND controller = ? AND study = ? AND "
+                         "settings = ?");
   find.bind(1, seed);
   find.bind(2, Controller(controller));
-  find.bind(3, made_from[controller]);
+  find.bind(3, study_hash);
+  find.bind(4, settings[controller]);
   return find.executeStep() ? find.getColumn(0).getInt64() : 0;
 }
 
@@ -263,7 +286,7 @@ void StudyDatabase::Keep(int seed, std::size_t controller, const TrialOutcome& o
   state.Guarded([&] {
     state.Open(true);
     SQLite::Transaction transaction(*state.database);
-    state.RemoveOthers();
+    state.database->exec("DELETE FROM trial WHERE " + state.Others());
     SQLite::Statement remove(*state.database,
                              "DELETE FROM trial WHERE seed = ? AND controller = ?");
     remove.bind(1, seed);
@@ -271,11 +294,12 @@ void StudyDatabase::Keep(int seed, std::size_t controller, const TrialOutcome& o
     remove.exec();
     SQLite::Statement add(
         *state.database,
-        "INSERT INTO trial (seed, controller, made_from, problem) VALUES (?, ?, ?, ?)");
+        "INSERT INTO trial (seed, controller, study, settings, problem) VALUES (?, ?, ?, ?, ?)");
     add.bind(1, seed);
     add.bind(2, state.Controller(controller));
-    add.bind(3, state.made_from[controller]);
-    add.bind(4, outcome.health.problem);
+    add.bind(3, state.study_hash);
+    add.bind(4, state.settings[controller]);
+    add.bind(5, outcome.health.problem);
     add.exec();
     state.AddScores(state.database->getLastInsertRowid(), outcome);
     transaction.commit();
@@ -287,15 +311,26 @@ int StudyDatabase::TrialCount() {
   return state.Guarded([&] {
     if (!state.database) return 0;
     int count = 0;
-    for (std::size_t c = 0; c < state.made_from.size(); ++c) {
-      SQLite::Statement query(*state.database,
-                              "SELECT count(*) FROM trial WHERE controller = ? AND made_from = ?");
+    for (std::size_t c = 0; c < state.settings.size(); ++c) {
+      SQLite::Statement query(
+          *state.database,
+          "SELECT count(*) FROM trial WHERE controller = ? AND study = ? AND settings = ?");
       query.bind(1, state.Controller(c));
-      query.bind(2, state.made_from[c]);
+      query.bind(2, state.study_hash);
+      query.bind(3, state.settings[c]);
       query.executeStep();
       count += query.getColumn(0).getInt();
     }
     return count;
+  });
+}
+
+int StudyDatabase::OtherTrialCount() {
+  State& state = *state_;
+  return state.Guarded([&] {
+    if (!state.database) return 0;
+    return state.database->execAndGet("SELECT count(*) FROM trial WHERE " + state.Others())
+        .getInt();
   });
 }
 

@@ -16,8 +16,9 @@ namespace gauntlet::sim {
 ///     WHERE metric = 'tracking_rmse_deg' AND channel = 'summary' GROUP BY controller;
 ///
 /// A trial belongs to what it was made from: every setting, the model, the glove signal of the
-/// first seed and the program itself. Trials of anything else are not found, and are removed when
-/// the first new trial is kept. The file appears with the first trial.
+/// first seed and the program itself. Trials of another study, and of a controller whose settings
+/// changed, are not found, and are removed when the first new trial is kept; those of controllers
+/// that a call leaves out stay. The file appears with the first trial.
 ///
 /// Any thread may call Find and Keep. Errors: UserError for a file that is no such database,
 /// RunError when the disk does not take a trial.
@@ -32,6 +33,8 @@ class StudyDatabase {
 
   /// Trials of this study that the file holds.
   int TrialCount();
+  /// Trials that the next Keep() removes.
+  int OtherTrialCount();
 
  private:
   struct State;

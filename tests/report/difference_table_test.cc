@@ -58,7 +58,7 @@ TEST(DifferenceTable, SaysThatOneSeedHasNoInterval) {
 
 TEST(DifferenceTable, OfTheSameIsTwoLinesAndAVerdict) {
   const StudyFolder a = Folder("a", {0.5, 0.6});
-  EXPECT_THAT(Table(a, a), HasSubstr("A and B are the same in all settings and in "));
+  EXPECT_THAT(Table(a, a), HasSubstr("A and B have the same settings, and "));
 }
 
 }  // namespace

@@ -88,6 +88,32 @@ TEST_F(StudyDatabaseTest, AnotherWordingIsTheSameStudyAnotherSettingIsNot) {
   EXPECT_EQ(StudyDatabase(file_, study_).TrialCount(), 0);
 }
 
+TEST_F(StudyDatabaseTest, AControllerThatIsLeftOutKeepsItsTrials) {
+  StudyDatabase(file_, study_).Keep(7, 1, MakeOutcome());
+  Study only_raw = study_;
+  only_raw.scenario.controllers.pop_back();
+  {
+    StudyDatabase database(file_, only_raw);
+    EXPECT_EQ(database.OtherTrialCount(), 0);
+    database.Keep(7, 0, MakeOutcome());
+  }
+  EXPECT_EQ(StudyDatabase(file_, study_).TrialCount(), 2);
+}
+
+TEST_F(StudyDatabaseTest, AControllerWithOtherSettingsMakesRoom) {
+  study_.scenario.controllers[1].name = "it's mine";
+  StudyDatabase(file_, study_).Keep(7, 0, MakeOutcome());
+  StudyDatabase(file_, study_).Keep(7, 1, MakeOutcome());
+  Study changed = study_;
+  changed.scenario.controllers[1].config.filter_at = controller::FilterAt::kEvent;
+  StudyDatabase database(file_, changed);
+  EXPECT_EQ(database.OtherTrialCount(), 1);
+  EXPECT_TRUE(database.Find(7, 0));
+  EXPECT_FALSE(database.Find(7, 1));
+  database.Keep(8, 0, MakeOutcome());
+  EXPECT_EQ(StudyDatabase(file_, study_).TrialCount(), 2);  // seeds 7 and 8 of the first
+}
+
 TEST_F(StudyDatabaseTest, TheFileAppearsWithTheFirstTrial) {
   {
     StudyDatabase database(file_, study_);
