@@ -53,7 +53,7 @@ TEST_F(DiffTest, ExitsWithZeroForARepeatedComparison) {
   const ProgramResult result = Gauntlet({"diff", "a", "b"});
   EXPECT_EQ(result.exit_code, 0) << result.standard_output;
   EXPECT_EQ(result.standard_error, "");
-  EXPECT_THAT(result.standard_output, HasSubstr("are the same"));
+  EXPECT_THAT(result.standard_output, HasSubstr("have the same settings"));
 }
 
 TEST_F(DiffTest, ExitsWithOneAndNamesTheSettingAndTheScoresThatItChanged) {
