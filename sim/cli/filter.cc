@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <iostream>
@@ -89,12 +90,17 @@ class FilterStream {
   void ReadHeader(const std::string& line) {
     columns_ = SplitFields(line).size();
     std::size_t column = 0;
+    std::size_t numbers = 0;
     for (const std::string_view name : SplitFields(line)) {
       const std::string_view trimmed = Trimmed(name);
       if (trimmed.empty()) Fail(1, column, "has no name");
-      const bool is_time = trimmed == "t_s" || trimmed == "k";
-      if (!is_time) channels_.push_back(column);
+      if (!IsTime(trimmed)) channels_.push_back(column);
+      numbers += IsNumber(trimmed);
       ++column;
+    }
+    if (numbers == columns_) {  // names that data frames give; or the header was forgotten
+      fmt::print(stderr,
+                 "gauntlet: warning: standard input:1: numbers only, taken as the header\n");
     }
     if (channels_.empty()) throw UserError("standard input:1: has no channel besides the time");
     filter_ = controller::MakeFilter(settings_.config, static_cast<int>(channels_.size()),
@@ -122,6 +128,24 @@ class FilterStream {
   std::size_t missing() const { return missing_; }
 
  private:
+  static bool IsTime(std::string_view name) {
+    if (name.size() > 2 && name.front() == '"' && name.back() == '"') {
+      name = name.substr(1, name.size() - 2);
+    }
+    std::string lower(name);
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const char* time : {"t_s", "k", "time", "time_s", "time_ms"}) {
+      if (lower == time) return true;
+    }
+    return false;
+  }
+
+  static bool IsNumber(std::string_view text) {
+    double number = 0.0;
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc() && rest == text.data() + text.size();
+  }
+
   /// A filter gets finite numbers only: a missing one is the last good one again. Before a
   /// channel's first good one its filter does not count; it starts there.
   void ReadValue(std::string_view field, std::size_t row, std::size_t channel) {
@@ -184,6 +208,7 @@ void RunFilter(const FilterOptions& options) {
   std::ios::sync_with_stdio(false);
   std::string line;
   if (!std::getline(std::cin, line)) throw UserError("standard input: is empty, needs a header");
+  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // the mark that spreadsheets write
   stream.ReadHeader(line);
   for (std::size_t row = 2; std::getline(std::cin, line); ++row) {
     if (!Trimmed(line).empty()) stream.ReadRow(line, row);
@@ -206,7 +231,7 @@ void AddFilterCommand(CLI::App& app) {
       ->type_name("key=value")
       ->take_all();
   command->footer(
-      "\nColumns named t_s or k pass through; all others are channels.\n"
+      "\nColumns named t_s, k, time, time_s or time_ms pass through; all others are channels.\n"
       "\nExample:\n  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv\n");
   command->callback([options] { RunFilter(*options); });
 }

@@ -235,6 +235,23 @@ TEST_F(CliTest, FilterNamesTheRowAndColumnOfAMistake) {
   EXPECT_EQ(Filter({"kalmann"}, "").exit_code, 2);
 }
 
+TEST_F(CliTest, FilterKnowsTimeByItsUsualNames) {
+  for (const char* name :
+       {"t_s", "k", "time", "time_s", "time_ms", "T_S", "\"t_s\"", "\xEF\xBB\xBFt_s"}) {
+    const ProgramResult result =
+        Filter({"moving_average", "--set", "window=2"}, std::string(name) + ",a\n5,1\n7,3\n");
+    EXPECT_EQ(result.exit_code, 0) << name;
+    EXPECT_THAT(result.standard_output, testing::EndsWith("a\n5,1\n7,2\n")) << name;
+  }
+}
+
+TEST_F(CliTest, FilterWarnsOfAHeaderOfNumbers) {
+  const ProgramResult result = Filter({"none"}, "0,1\n3,4\n");
+  EXPECT_EQ(result.exit_code, 0);  // data frames name their columns so
+  EXPECT_EQ(result.standard_output, "0,1\n3,4\n");
+  EXPECT_THAT(result.standard_error, HasSubstr("standard input:1: numbers only"));
+}
+
 TEST_F(CliTest, FilterAnswersALiveSourceBeforeItEnds) {
   const ProgramResult result =
       RunProgram({"/bin/sh", "-c",
