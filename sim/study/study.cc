@@ -129,11 +129,18 @@ class Schedule {
     }
     const bool keep = seed_index == 0 && options_.keep_first_traces;
     if (keep) result_.first_traces[controller_index] = std::move(trace);
-    if (--glove.users_left == 0) {
-      if (seed_index == 0) result_.reference_name = glove.signal.reference_name;
-      if (keep || seed_index == 0) result_.first_glove = std::move(glove.signal);
-      glove.signal = {};
+    LeaveGlove(seed_index);
+  }
+
+  /// The last trial of a seed frees its signal, or hands out that of the first seed.
+  void LeaveGlove(std::size_t seed_index) {
+    SharedGlove& glove = gloves_[seed_index];
+    if (--glove.users_left > 0) return;
+    if (seed_index == 0) {
+      result_.reference_name = glove.signal.reference_name;
+      result_.first_glove = std::move(glove.signal);
     }
+    glove.signal = {};
   }
 
   /// Takes a trial from the database, if it is there. The first seed runs again: its signals are
@@ -143,6 +150,7 @@ class Schedule {
     auto known = options_.database->Find(result_.seeds[seed_index].seed, controller_index);
     if (!known) return false;
     outcome = std::move(*known);
+    LeaveGlove(seed_index);
     Progress(1.0);
     return true;
   }
