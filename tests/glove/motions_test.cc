@@ -205,16 +205,20 @@ TEST(Sine, HasTheGivenFrequencyAmplitudeAndPhase) {
 TEST(Chirp, GoesThroughTheNumberOfPeriodsOfItsIntegral) {
   ChirpConfig config;
   config.duration_s = 20.0;
-  config.from_hz = 0.2;
-  config.to_hz = 3.2;
+  config.from_hz = {0.2};
+  config.to_hz = std::vector<double>(18, 3.2);
+  config.to_hz[6] = 0.2;
   const Motion motion = MakeMotion(config, At1kHz());
-  const double middle = ChannelExcursion(5, 0).middle_rad;
-  int crossings = 0;
-  for (Eigen::Index i = 1; i < motion.angle_rad.rows(); ++i) {
-    crossings += (motion.angle_rad(i, 5) > middle) != (motion.angle_rad(i - 1, 5) > middle);
-  }
+  const auto periods = [&](int channel) {
+    const double middle = ChannelExcursion(static_cast<std::size_t>(channel), 0).middle_rad;
+    const auto above = (motion.angle_rad.col(channel).array() > middle).eval();
+    return (above.head(above.size() - 1) != above.tail(above.size() - 1)).count() / 2.0;
+  };
   // Integral of from (to/from)^(t/T): T (to - from) / ln(to / from) = 21.64 periods.
-  EXPECT_NEAR(crossings / 2.0, 20.0 * 3.0 / std::log(16.0), 0.6);
+  EXPECT_NEAR(periods(5), 20.0 * 3.0 / std::log(16.0), 0.6);
+  EXPECT_NEAR(periods(6), 20.0 * 0.2, 0.6);
+  config.from_hz = {1.0, 2.0};
+  EXPECT_THROW(MakeMotion(config, At1kHz()), controller::SettingError);
 }
 
 TEST(RandomMotion, IsBandLimitedAsStated) {

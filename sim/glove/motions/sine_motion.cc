@@ -32,6 +32,23 @@ void Swing(const Excursion& range, double rate_hz, const std::function<Phase(dou
   }
 }
 
+void VisitFrequency(controller::SettingsVisitor& visitor, std::string_view key,
+                    std::string_view help, double min, std::vector<double>& frequency_hz) {
+  visitor.Numbers({.key = key, .help = help, .min = min, .max = 50}, frequency_hz);
+}
+
+/// Throws SettingError unless there is one frequency, or one per channel of the glove.
+void CheckFrequency(const char* key, const std::vector<double>& frequency_hz) {
+  const std::size_t count = frequency_hz.size();
+  if (count == 1 || count == GloveChannels().size()) return;
+  throw controller::SettingError(key, "has " + std::to_string(count) + " values, must have 1 or " +
+                                          std::to_string(GloveChannels().size()));
+}
+
+double FrequencyOf(const std::vector<double>& frequency_hz, std::size_t channel) {
+  return frequency_hz[frequency_hz.size() == 1 ? 0 : channel];
+}
+
 /// Calls `swing` for each moving channel with the channel and its number among them.
 Motion ForEachChannel(const std::vector<std::string>& names, int samples,
                       const MotionContext& context,
@@ -54,11 +71,8 @@ Motion ForEachChannel(const std::vector<std::string>& names, int samples,
 
 void SineConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
-  visitor.Numbers({.key = "frequency_hz",
-                   .help = "one number, or 18 in the order of the channels",
-                   .min = 0,
-                   .max = 50},
-                  frequency_hz);
+  VisitFrequency(visitor, "frequency_hz", "one number, or 18 in the order of the channels", 0,
+                 frequency_hz);
   VisitRange(visitor, range_percent);
   visitor.Number({.key = "phase_step_deg",
                   .help = "how much earlier each channel is than the one before",
@@ -69,15 +83,10 @@ void SineConfig::Visit(controller::SettingsVisitor& visitor) {
 }
 
 Motion MakeMotion(const SineConfig& config, const MotionContext& context) {
-  const std::size_t count = config.frequency_hz.size();
-  if (count != 1 && count != GloveChannels().size()) {
-    throw controller::SettingError("frequency_hz",
-                                   "has " + std::to_string(count) + " values, must have 1 or 18");
-  }
+  CheckFrequency("frequency_hz", config.frequency_hz);
   return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context,
                         [&](std::size_t channel, int number, Motion& motion) {
-                          const double omega =
-                              kTwoPi * config.frequency_hz[count == 1 ? 0 : channel];
+                          const double omega = kTwoPi * FrequencyOf(config.frequency_hz, channel);
                           const double offset = number * config.phase_step_deg * kRadPerDeg;
                           Swing(
                               ChannelExcursion(channel, config.range_percent), context.rate_hz,
@@ -90,28 +99,33 @@ Motion MakeMotion(const SineConfig& config, const MotionContext& context) {
 
 void ChirpConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
-  visitor.Number({.key = "from_hz", .help = "frequency at the start", .min = 0.001, .max = 50},
+  VisitFrequency(visitor, "from_hz",
+                 "frequency at the start: one number, or 18 in the order of the channels", 0.001,
                  from_hz);
-  visitor.Number({.key = "to_hz", .help = "frequency at the end", .min = 0.001, .max = 50}, to_hz);
+  VisitFrequency(visitor, "to_hz", "frequency at the end, likewise", 0.001, to_hz);
   VisitRange(visitor, range_percent);
   VisitChannels(visitor, channels);
 }
 
 Motion MakeMotion(const ChirpConfig& config, const MotionContext& context) {
-  const double growth_per_s = std::log(config.to_hz / config.from_hz) / config.duration_s;
-  const auto phase_at = [&](double t) {
-    const double speed = kTwoPi * config.from_hz * std::exp(growth_per_s * t);
-    // The limit of no growth is a plain sine.
-    const double value =
-        growth_per_s == 0.0 ? speed * t
-                            : kTwoPi * config.from_hz * std::expm1(growth_per_s * t) / growth_per_s;
-    return Phase{value, speed, growth_per_s * speed};
+  CheckFrequency("from_hz", config.from_hz);
+  CheckFrequency("to_hz", config.to_hz);
+  const auto swing = [&](std::size_t channel, int, Motion& motion) {
+    const double start_speed = kTwoPi * FrequencyOf(config.from_hz, channel);
+    const double end_speed = kTwoPi * FrequencyOf(config.to_hz, channel);
+    const double growth_per_s = std::log(end_speed / start_speed) / config.duration_s;
+    const auto phase_at = [=](double t) {
+      const double speed = start_speed * std::exp(growth_per_s * t);
+      // The limit of no growth is a plain sine.
+      const double value = growth_per_s == 0.0
+                               ? speed * t
+                               : start_speed * std::expm1(growth_per_s * t) / growth_per_s;
+      return Phase{value, speed, growth_per_s * speed};
+    };
+    Swing(ChannelExcursion(channel, config.range_percent), context.rate_hz, phase_at,
+          static_cast<Eigen::Index>(channel), motion);
   };
-  return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context,
-                        [&](std::size_t channel, int, Motion& motion) {
-                          Swing(ChannelExcursion(channel, config.range_percent), context.rate_hz,
-                                phase_at, static_cast<Eigen::Index>(channel), motion);
-                        });
+  return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context, swing);
 }
 
 }  // namespace gauntlet::sim

@@ -32,11 +32,12 @@ Motion MakeMotion(const SineConfig& config, const MotionContext& context);
 ///     angle(t) = middle + half sin(phase(t)),   phase'(t) = 2 pi from (to / from)^(t / duration)
 struct ChirpConfig {
   static constexpr std::string_view kKind = "chirp";
-  static constexpr std::string_view kSummary = "sine whose frequency rises evenly in octaves";
+  static constexpr std::string_view kSummary =
+      "sine whose frequency rises evenly in octaves, per channel";
 
   double duration_s = 20.0;
-  double from_hz = 0.1;
-  double to_hz = 5.0;
+  std::vector<double> from_hz = {0.1};  // each one, or one per channel of the glove
+  std::vector<double> to_hz = {5.0};
   double range_percent = 30.0;
   std::vector<std::string> channels;
 
