@@ -39,8 +39,8 @@ void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
   std::vector<FaultEvent> faults;
   for (FaultEvent event : glove.faults) {
     const auto place = std::ranges::find(indices, event.channel);
-    if (event.channel >= 0 && place == indices.end()) continue;
-    if (event.channel >= 0) event.channel = static_cast<int>(place - indices.begin());
+    if (place == indices.end()) continue;
+    event.channel = static_cast<int>(place - indices.begin());
     faults.push_back(event);
   }
   glove.faults = std::move(faults);

@@ -175,10 +175,8 @@ void WriteStretches(H5::Group& group, const char* table, const char* name_column
 void WriteFaults(H5::Group& group, const GloveSignal& glove) {
   std::vector<Stretch> stretches;
   for (const FaultEvent& fault : glove.faults) {
-    const char* channel =
-        fault.channel < 0 ? "all"
-                          : glove.channel_names[static_cast<std::size_t>(fault.channel)].c_str();
-    stretches.push_back({fault.kind_name().data(), channel, fault.begin, fault.end});
+    const std::string& channel = glove.channel_names[static_cast<std::size_t>(fault.channel)];
+    stretches.push_back({fault.kind_name().data(), channel.c_str(), fault.begin, fault.end});
   }
   WriteStretches(group, "faults", "kind", stretches);
 }

@@ -53,6 +53,19 @@ TEST(Scenario, OverridesReachControllersByName) {
   EXPECT_NE(text.find("window: 7"), std::string::npos);
 }
 
+TEST(Scenario, AFaultHasTheDefaultsOfItsKind) {
+  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const Scenario scenario = LoadScenario(
+      file, {"glove.faults=[spikes, {kind: disconnected, rate_per_s: 0.1}, dropouts]"});
+  const std::vector<FaultConfig>& faults = scenario.glove.faults;
+  ASSERT_EQ(faults.size(), 3u);
+  EXPECT_LT(faults[0].start_s, 0.0);  // at random
+  EXPECT_EQ(faults[1].start_s, 5.0);
+  EXPECT_EQ(faults[1].rate_per_s, 0.1);
+  EXPECT_EQ(faults[1].duration_ms, 0.0);  // to the end
+  EXPECT_EQ(faults[2].duration_ms, 50.0);
+}
+
 TEST(Scenario, AnOverrideCannotInventAController) {
   const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
   EXPECT_THROW(LoadScenario(file, {"controllers.rav.filter=none"}), UserError);

@@ -137,13 +137,13 @@ std::vector<std::string> ReadStretches(const fs::path& file, const std::string& 
 
 TEST_F(TraceFileTest, TellsTheTruthOfEveryFaultAndWhatTheWearerDid) {
   glove_.faults = {{.kind = FaultKind::kStuck, .channel = 3, .begin = 1, .end = 4},
-                   {.kind = FaultKind::kLateFrames, .channel = -1, .begin = 0, .end = 2}};
+                   {.kind = FaultKind::kLateFrames, .channel = 0, .begin = 0, .end = 2}};
   glove_.segments = {{.label = "rest", .begin = 0, .end = 3},
                      {.label = "fast", .begin = 3, .end = 5}};
   TraceWriter(file_, glove_, hand_, "test", 1).Commit();
   EXPECT_EQ(ReadStretches(file_, "faults", "kind"),
             (std::vector<std::string>{"stuck " + glove_.channel_names[3] + " 1 4",
-                                      "late_frames all 0 2"}));
+                                      "late_frames " + glove_.channel_names[0] + " 0 2"}));
   EXPECT_EQ(ReadStretches(file_, "segments", "label"),
             (std::vector<std::string>{"rest all 0 3", "fast all 3 5"}));
 

@@ -16,11 +16,14 @@ namespace {
 // Noise and spikes are given in counts of a 10-bit converter.
 constexpr double kFaultFullScaleCounts = 1023.0;
 
-bool IsWholeFrame(FaultKind kind) {
+/// In place of a channel: that of all channels together.
+constexpr int kFrame = -1;
+
+bool IsOfFrames(FaultKind kind) {
   return kind == FaultKind::kDuplicatedFrames || kind == FaultKind::kLateFrames;
 }
 
-/// Of a fault's place in the list and a channel; -1 is the whole frame.
+/// Of a fault's place in the list and a channel.
 std::uint64_t StreamIndex(std::size_t fault, int channel) {
   return fault * 1000 + static_cast<std::uint64_t>(channel + 1);
 }
@@ -29,70 +32,53 @@ double Exponential(RandomStream& random, double mean) {
   return -mean * std::log(random.UniformAboveZero());
 }
 
-/// Comes once and stays.
-void AddLasting(const FaultConfig& fault, int channel, int samples, double rate_hz,
-                std::vector<FaultEvent>& events) {
-  const double start =
-      fault.kind == FaultKind::kTimeJitter ? 0.0 : std::ceil(fault.start_s * rate_hz);
-  if (start < samples) {
-    events.push_back({fault.kind, channel, static_cast<int>(start), samples});
-  }
-}
-
-/// Comes again and again: exponential times between the end of one and the start of the next.
-void AddRepeated(const FaultConfig& fault, RandomStream random, int channel, int samples,
-                 double rate_hz, std::vector<FaultEvent>& events) {
-  if (fault.rate_per_s <= 0.0) return;
-  for (double now = 0.0;;) {
-    now += Exponential(random, rate_hz / fault.rate_per_s);
-    if (now >= samples) return;
-    const double length =
-        fault.kind == FaultKind::kSpikes
-            ? 1.0
-            : std::max(1.0, Exponential(random, 1e-3 * fault.duration_ms * rate_hz));
-    const double end = std::min(std::floor(now) + std::ceil(length), static_cast<double>(samples));
-    events.push_back({fault.kind, channel, static_cast<int>(now), static_cast<int>(end)});
-    now = end;
-  }
-}
-
-void AddEvents(const FaultConfig& fault, std::size_t number, int channel, int samples,
-               double rate_hz, std::uint64_t seed, std::vector<FaultEvent>& events) {
-  switch (fault.kind) {
-    case FaultKind::kGainChange:
-    case FaultKind::kTimeJitter:
-    case FaultKind::kDisconnected:
-      return AddLasting(fault, channel, samples, rate_hz, events);
-    default:
-      return AddRepeated(fault, RandomStream(seed, "fault/when", StreamIndex(number, channel)),
-                         channel, samples, rate_hz, events);
+/// Of one channel, which the stream belongs to. The time to the next counts from the end of the
+/// one before.
+void AddEvents(const FaultConfig& fault, RandomStream random, int channel, int samples,
+               double rate_hz, std::vector<FaultEvent>& events) {
+  const double never = samples;
+  const auto wait = [&] {
+    return fault.rate_per_s > 0.0 ? Exponential(random, rate_hz / fault.rate_per_s) : never;
+  };
+  double begin = fault.start_s < 0.0 ? wait() : std::round(fault.start_s * rate_hz);
+  while (begin < samples) {
+    double length = never;
+    if (fault.duration_ms > 0.0) {
+      length = std::max(1.0, std::ceil(Exponential(random, 1e-3 * fault.duration_ms * rate_hz)));
+    }
+    const double end = std::min(std::floor(begin) + length, static_cast<double>(samples));
+    events.push_back({fault.kind, channel, static_cast<int>(begin), static_cast<int>(end)});
+    begin = end + wait();
   }
 }
 
 std::vector<FaultEvent> EventsOf(const FaultConfig& fault, std::size_t number, int samples,
                                  double rate_hz, std::uint64_t seed) {
   std::vector<FaultEvent> events;
-  if (IsWholeFrame(fault.kind)) {
-    AddEvents(fault, number, -1, samples, rate_hz, seed, events);
-    return events;
-  }
   const std::vector<bool> selected = SelectChannels(fault.channels);
-  for (std::size_t channel = 0; channel < selected.size(); ++channel) {
-    if (!selected[channel]) continue;
-    AddEvents(fault, number, static_cast<int>(channel), samples, rate_hz, seed, events);
+  for (int channel = 0; channel < static_cast<int>(selected.size()); ++channel) {
+    if (!selected[static_cast<std::size_t>(channel)]) continue;
+    const int stream = IsOfFrames(fault.kind) ? kFrame : channel;
+    AddEvents(fault, RandomStream(seed, "fault/when", StreamIndex(number, stream)), channel,
+              samples, rate_hz, events);
   }
   return events;
 }
 
-/// Samples taken a little off their time: linear interpolation between what lies beside.
-void JitterTime(const FaultConfig& fault, double rate_hz, RandomStream random,
-                Eigen::Ref<Eigen::VectorXd> column) {
-  const Eigen::VectorXd exact = column;
-  const double last = static_cast<double>(exact.size() - 1);
-  for (Eigen::Index i = 0; i < exact.size(); ++i) {
-    const double off = 1e-3 * fault.deviation_ms * rate_hz * BoxMuller(random).first;
-    const double place = std::clamp(static_cast<double>(i) + off, 0.0, last);
-    const auto before = std::min(static_cast<Eigen::Index>(place), exact.size() - 1);
+/// The samples of [event.begin, event.end), each taken a little off its time: linear interpolation
+/// between what lies beside.
+void JitterTime(const FaultConfig& fault, const FaultEvent& event, double rate_hz,
+                RandomStream& random, Eigen::Ref<Eigen::VectorXd> column) {
+  const double deviation = 1e-3 * fault.deviation_ms * rate_hz;
+  const auto reach = static_cast<Eigen::Index>(6.0 * deviation) + 1;  // beyond: twice in 10^9
+  const Eigen::Index first = std::max<Eigen::Index>(event.begin - reach, 0);
+  const Eigen::Index last = std::min(event.end + reach, column.size()) - 1;
+  const Eigen::VectorXd exact = column.segment(first, last - first + 1);
+  for (Eigen::Index i = event.begin; i < event.end; ++i) {
+    const double off = deviation * BoxMuller(random).first;
+    const double place = std::clamp(static_cast<double>(i - first) + off, 0.0,
+                                    static_cast<double>(exact.size() - 1));
+    const auto before = static_cast<Eigen::Index>(place);
     const auto after = std::min(before + 1, exact.size() - 1);
     const double share = place - static_cast<double>(before);
     column[i] = exact[before] + share * (exact[after] - exact[before]);
@@ -116,7 +102,7 @@ void ApplyAnalog(const FaultConfig& fault, const FaultEvent& event, double full_
       stretch = 0.5 * full_scale + fault.gain * (stretch.array() - 0.5 * full_scale);
       return;
     case FaultKind::kTimeJitter:
-      return JitterTime(fault, rate_hz, random, column);
+      return JitterTime(fault, event, rate_hz, random, column);
     default:
       return;
   }
@@ -124,32 +110,26 @@ void ApplyAnalog(const FaultConfig& fault, const FaultEvent& event, double full_
 
 void ApplyDigital(const FaultConfig& fault, const FaultEvent& event, double full_scale,
                   double rate_hz, RandomStream& random, Signal& counts) {
-  const Eigen::Index size = event.end - event.begin;
-  const Eigen::Index before = std::max(event.begin - 1, 0);
+  auto column = counts.col(event.channel);
+  auto stretch = column.segment(event.begin, event.end - event.begin);
   switch (fault.kind) {
     case FaultKind::kSaturated:
-      counts.col(event.channel)
-          .segment(event.begin, size)
-          .setConstant(random.Bits() >> 63 ? full_scale : 0.0);
+      stretch.setConstant(random.Bits() >> 63 ? full_scale : 0.0);
       return;
     case FaultKind::kStuck:
-      counts.col(event.channel)
-          .segment(event.begin, size)
-          .setConstant(counts(before, event.channel));
+    case FaultKind::kDuplicatedFrames: {
+      const double before = column[std::max(event.begin - 1, 0)];
+      stretch.setConstant(before);
       return;
+    }
     case FaultKind::kDisconnected:
     case FaultKind::kDropouts:
-      counts.col(event.channel)
-          .segment(event.begin, size)
-          .setConstant(std::numeric_limits<double>::quiet_NaN());
-      return;
-    case FaultKind::kDuplicatedFrames:
-      counts.middleRows(event.begin, size) = counts.row(before).eval().replicate(size, 1);
+      stretch.setConstant(std::numeric_limits<double>::quiet_NaN());
       return;
     case FaultKind::kLateFrames: {
       const auto late = std::max<Eigen::Index>(1, std::lround(1e-3 * fault.delay_ms * rate_hz));
       for (Eigen::Index i = event.end - 1; i >= event.begin; --i) {
-        counts.row(i) = counts.row(std::max<Eigen::Index>(i - late, 0)).eval();
+        column[i] = column[std::max<Eigen::Index>(i - late, 0)];
       }
       return;
     }
@@ -190,9 +170,7 @@ void ApplyAnalogFaults(const std::vector<FaultConfig>& faults, double full_scale
                        double rate_hz, std::uint64_t seed, Signal& counts) {
   ForEachEvent(faults, rate_hz, seed, counts,
                [&](const FaultConfig& fault, const FaultEvent& event, RandomStream& random) {
-                 if (event.channel >= 0) {
-                   ApplyAnalog(fault, event, full_scale_counts, rate_hz, random, counts);
-                 }
+                 ApplyAnalog(fault, event, full_scale_counts, rate_hz, random, counts);
                });
 }
 

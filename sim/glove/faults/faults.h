@@ -12,15 +12,16 @@ namespace gauntlet::sim {
 /// The truth of one fault: what was wrong, where and when.
 struct FaultEvent {
   FaultKind kind = FaultKind::kSpikes;
-  int channel = 0;  // -1: the whole frame
-  int begin = 0;    // samples [begin, end)
+  int channel = 0;
+  int begin = 0;  // samples [begin, end)
   int end = 0;
 
   std::string_view kind_name() const { return FaultKinds()[static_cast<std::size_t>(kind)].name; }
 };
 
 /// When and where each fault of the list strikes in a signal of this length. Ordered by the list,
-/// then by channel, then by time. Each fault and channel has a random stream of its own.
+/// then by channel, then by time. Each fault and channel has a random stream of its own; faults of
+/// frames strike all their channels at once.
 std::vector<FaultEvent> DrawFaults(const std::vector<FaultConfig>& faults, int samples,
                                    double rate_hz, std::uint64_t seed);
 
