@@ -1,6 +1,8 @@
 #include "sim/cli/output_folder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -15,21 +17,30 @@ namespace fs = std::filesystem;
 
 OutputFolder::OutputFolder(fs::path path) : path_(std::move(path)) {
   std::error_code ignored;
+  if (fs::exists(path_, ignored) && !fs::is_directory(path_, ignored)) {
+    throw UserError(fmt::format("--out {}: is a file, must be a folder", path_.string()));
+  }
   for (fs::path p = fs::absolute(path_).lexically_normal(); !p.empty() && !fs::exists(p, ignored);
        p = p.parent_path()) {
     if (p.has_filename()) first_made_ = p;
   }
   MakeDirectory(path_);
-  if (!fs::is_directory(path_, ignored)) {
-    throw RunError(fmt::format("{}: is not a folder", path_.string()));
-  }
   if (access(path_.c_str(), W_OK) != 0) {
     throw RunError(
         fmt::format("{}: cannot write into the folder: {}", path_.string(), std::strerror(errno)));
   }
+  // A file system without locks is no reason to stop: only a lock that another holds is.
+  descriptor_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close(descriptor_);
+    throw RunError(fmt::format(
+        "{}: another gauntlet writes into this folder; wait for its end, or give another --out",
+        path_.string()));
+  }
 }
 
 OutputFolder::~OutputFolder() {
+  if (descriptor_ >= 0) close(descriptor_);
   if (keep_ || first_made_.empty()) return;
   std::error_code ignored;
   // Only folders that this object made, and only while they are empty, from the inside out.

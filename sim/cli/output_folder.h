@@ -5,8 +5,10 @@
 namespace gauntlet::sim {
 
 /// A folder for results, made before long work begins so that an unwritable place is found at once.
-/// If the work fails and the folder is new and empty, it goes away again.
-/// Errors: RunError with the path and the system's reason.
+/// If the work fails and the folder is new and empty, it goes away again. Two programs that wrote
+/// into one folder would mix their results, so it is locked until the object or the program ends.
+/// Errors: UserError for a path that is no folder; RunError with the path and the system's reason,
+/// or when another program writes there.
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path path);
@@ -20,6 +22,7 @@ class OutputFolder {
  private:
   std::filesystem::path path_;
   std::filesystem::path first_made_;  // the topmost folder that was not there before
+  int descriptor_ = -1;               // holds the lock
   bool keep_ = false;
 };
 

@@ -4,7 +4,9 @@
 #include <memory>
 #include <thread>
 
+#include "sim/base/error.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/controllers_option.h"
 #include "sim/cli/render_folder.h"
 
 namespace gauntlet::sim {
@@ -19,13 +21,15 @@ void AddRenderCommand(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   command->add_option("folder", options->folder, "output folder of run or compare")->required();
-  command->add_option("--controllers", options->controllers, "only these, separated by commas")
-      ->delimiter(',');
+  AddControllersOption(*command, options->controllers);
   command->add_option("--out", options->out, "video file [comparison.mp4 in the folder]")
       ->type_name("FILE.mp4");
   command->footer(
       "\nExample:\n  gauntlet render out/door_opening --controllers raw,tuned_kalman\n");
   command->callback([options] {
+    if (!options->out.empty() && !options->out.ends_with(".mp4")) {
+      throw UserError(fmt::format("--out {}: must end in .mp4", options->out));
+    }
     const auto file =
         RenderFolder({.folder = options->folder,
                       .controllers = options->controllers,

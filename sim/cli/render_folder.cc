@@ -6,6 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/cli/controllers_option.h"
 #include "sim/cli/progress.h"
 #include "sim/report/command_angles.h"
 #include "sim/scenario/scenario.h"
@@ -13,20 +14,6 @@
 #include "sim/video/comparison_video.h"
 
 namespace gauntlet::sim {
-namespace {
-
-void CheckNames(const std::vector<std::string>& wanted, const Scenario& scenario) {
-  std::vector<std::string> known;
-  for (const NamedController& controller : scenario.controllers) known.push_back(controller.name);
-  for (const std::string& name : wanted) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    throw UserError(
-        fmt::format("--controllers: {}: unknown controller{}", name, Suggestion(name, known)));
-  }
-}
-
-}  // namespace
-
 std::filesystem::path RenderFolder(const RenderOptions& options) {
   const std::filesystem::path resolved = options.folder / "scenario.resolved.yaml";
   if (!std::filesystem::exists(resolved)) {
@@ -36,7 +23,7 @@ std::filesystem::path RenderFolder(const RenderOptions& options) {
                     options.folder.string()));
   }
   const Scenario scenario = LoadScenario(resolved, {});
-  CheckNames(options.controllers, scenario);
+  CheckControllersOption(options.controllers, scenario);
   const TraceFile file = ReadTraceFile(options.folder / "trace.h5", options.controllers);
   if (file.traces.empty()) {
     throw UserError(fmt::format("{}: holds no controller", (options.folder / "trace.h5").string()));

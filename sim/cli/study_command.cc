@@ -11,7 +11,7 @@
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
-#include "sim/base/nearest_name.h"
+#include "sim/cli/controllers_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/render_folder.h"
@@ -25,20 +25,11 @@ namespace gauntlet::sim {
 namespace {
 
 void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
+  CheckControllersOption(names, scenario);
   if (names.empty()) return;
-  std::vector<std::string> known;
-  for (const NamedController& controller : scenario.controllers) known.push_back(controller.name);
   std::vector<NamedController> kept;
   for (const std::string& name : names) {
-    const auto found = std::find(known.begin(), known.end(), name);
-    if (found == known.end()) {
-      throw UserError(
-          fmt::format("--controllers: {}: unknown controller{}", name, Suggestion(name, known)));
-    }
-    if (std::count(names.begin(), names.end(), name) > 1) {
-      throw UserError(fmt::format("--controllers: {}: named twice", name));
-    }
-    kept.push_back(scenario.controllers[static_cast<std::size_t>(found - known.begin())]);
+    kept.push_back(*std::ranges::find(scenario.controllers, name, &NamedController::name));
   }
   scenario.controllers = std::move(kept);
 }
@@ -112,8 +103,7 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
                   "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated")
       ->type_name("key=value")
       ->take_all();
-  command.add_option("--controllers", options.controllers, "only these, separated by commas")
-      ->delimiter(',');
+  AddControllersOption(command, options.controllers);
   command.add_option("--jobs", options.jobs, "trials at a time [number of cores]")
       ->check(CLI::Range(1, 1024));
   command.add_flag("--video", options.video, "also draw comparison.mp4");
@@ -146,6 +136,7 @@ void RunStudyCommand(const StudyCommand& options) {
   }
   std::fflush(stdout);
   std::string written = "report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml";
+  if (options.csv) written += ", trace.<controller>.csv";
   if (options.comparison) written += ", study.db";
   if (options.video) {
     RenderFolder({.folder = folder.path(),

@@ -38,6 +38,8 @@ class HandModel {
   const std::vector<std::string>& cable_names() const { return cable_names_; }
   /// Of the compiled model and everything that shapes it, for `scenario.resolved.yaml`.
   std::string Hash() const;
+  /// Of MuJoCo, as "2.2.2".
+  static std::string EngineVersion();
 
  private:
   friend class Hand;

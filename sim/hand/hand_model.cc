@@ -191,6 +191,8 @@ HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& c
   }
 }
 
+std::string HandModel::EngineVersion() { return mj_versionString(); }
+
 std::string HandModel::Hash() const {
   std::string bytes(static_cast<std::size_t>(mj_sizeModel(model_.get())), '\0');
   mj_saveModel(model_.get(), nullptr, bytes.data(), static_cast<int>(bytes.size()));

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "sim/base/atomic_file.h"
 #include "sim/trial/trace_file.h"
@@ -118,15 +120,35 @@ std::string ScoresCsv(const StudyResult& result) {
 std::string ResolvedScenario(const Study& study) {
   Scenario scenario = study.scenario;
   scenario.made_with = {.gauntlet_version = GAUNTLET_VERSION,
-                        .mujoco_version = mj_versionString(),
+                        .mujoco_version = HandModel::EngineVersion(),
                         .model_hash = study.hand->Hash()};
   return ScenarioToYaml(scenario);
 }
+
+namespace {
+
+/// Video and trace tables that an earlier study left: of another scenario, they would be taken for
+/// those of this one.
+void RemoveLeftovers(const std::filesystem::path& folder, const std::string& resolved) {
+  std::ostringstream earlier;
+  earlier << std::ifstream(folder / "scenario.resolved.yaml").rdbuf();
+  if (earlier.str() == resolved) return;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool table = name.starts_with("trace.") && name.ends_with(".csv");
+    if (table || name == "comparison.mp4") std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
+}  // namespace
 
 void WriteStudyFiles(const std::filesystem::path& folder, const Study& study,
                      const StudyResult& result, const Summary& summary,
                      const StudyFileOptions& options) {
   MakeDirectory(folder);
+  const std::string resolved = ResolvedScenario(study);
+  RemoveLeftovers(folder, resolved);
   if (!result.first_traces.empty()) {
     TraceWriter trace_file(folder / "trace.h5", result.first_glove, *study.hand,
                            study.scenario.name, result.seeds[0].seed);
@@ -139,7 +161,7 @@ void WriteStudyFiles(const std::filesystem::path& folder, const Study& study,
     }
     trace_file.Commit();
   }
-  WriteFileAtomically(folder / "scenario.resolved.yaml", ResolvedScenario(study));
+  WriteFileAtomically(folder / "scenario.resolved.yaml", resolved);
   WriteFileAtomically(folder / "scores.csv", ScoresCsv(result));
   WriteFileAtomically(folder / "scores.json",
                       ScoresJson(study, result, summary, options.comparison));

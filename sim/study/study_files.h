@@ -23,7 +23,8 @@ struct StudyFileOptions {
 };
 
 /// Writes scores.json, scores.csv, scenario.resolved.yaml and trace.h5 (of the first seed), each
-/// whole or not at all. Errors: RunError.
+/// whole or not at all. The video and trace tables of another scenario, which the folder held
+/// before, are removed. Errors: RunError.
 void WriteStudyFiles(const std::filesystem::path& folder, const Study& study,
                      const StudyResult& result, const Summary& summary,
                      const StudyFileOptions& options);

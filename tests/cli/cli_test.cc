@@ -168,7 +168,30 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_GT(fs::file_size(Out("a") / "comparison.mp4"), 1000u);
   EXPECT_EQ(Gauntlet({"render", "a", "--controllers", "rav"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"render", "a", "--controllers", "raw,raw"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"render", "a", "--out", "video.avi"}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(Out("video.avi")));
   EXPECT_EQ(Gauntlet({"render", "nowhere"}).exit_code, 2);
+}
+
+TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
+  const auto run = [&](const std::string& seed) {
+    return ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a", "--seed", seed,
+                     "--controllers", "raw"});
+  };
+  const auto leave = [&] {
+    for (const char* name : {"comparison.mp4", "trace.raw.csv", "notes.txt"}) {
+      std::ofstream(Out("a") / name) << "old";
+    }
+  };
+  ASSERT_EQ(run("1").exit_code, 0);
+  leave();
+  ASSERT_EQ(run("1").exit_code, 0);  // the same again: what is there still belongs to it
+  EXPECT_TRUE(fs::exists(Out("a") / "comparison.mp4"));
+  ASSERT_EQ(run("2").exit_code, 0);
+  EXPECT_FALSE(fs::exists(Out("a") / "comparison.mp4"));
+  EXPECT_FALSE(fs::exists(Out("a") / "trace.raw.csv"));
+  EXPECT_TRUE(fs::exists(Out("a") / "notes.txt"));
 }
 
 TEST_F(CliTest, EveryListPrints) {
@@ -451,6 +474,23 @@ TEST_F(CliTest, AnUnwritablePlaceIsFoundBeforeTheWork) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.standard_error, HasSubstr("file/a"));
   EXPECT_EQ(std::count(result.standard_error.begin(), result.standard_error.end(), '\n'), 1);
+  const ProgramResult file = ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "file"});
+  EXPECT_EQ(file.exit_code, 2);
+  EXPECT_THAT(file.standard_error, HasSubstr("--out file: is a file, must be a folder"));
+  EXPECT_EQ(ReadFile(Out("file")), "x");
+}
+
+TEST_F(CliTest, TwoProgramsDoNotWriteIntoOneFolder) {
+  ProgramOptions options;
+  options.working_directory = folder_.path();
+  Program first({kProgram, "run", kScenarios + "paper.yaml", "--out", "a"}, options);
+  ASSERT_TRUE(first.WaitForPath(Out("a")));
+  const ProgramResult second = ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a"});
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_THAT(second.standard_error, HasSubstr("a: another gauntlet writes into this folder"));
+  first.SendSignal(SIGINT);
+  EXPECT_EQ(first.Wait().exit_code, 130);
+  EXPECT_EQ(ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a"}).exit_code, 0);
 }
 
 TEST_F(CliTest, AFullStandardOutputIsAFailure) {
