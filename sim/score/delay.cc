@@ -17,6 +17,8 @@ constexpr double kStillRms = 0.1 * kRadPerDeg;
 constexpr double kLargestDelay_s = 2.0;
 /// An overlap that holds less of a signal's variance than this says nothing about its delay.
 constexpr double kSmallestOverlapVariance = 0.1;
+/// Stands for the coefficient of such an overlap; below any that there is.
+constexpr double kNothingSaid = -2.0;
 
 double Mean(std::span<const double> values) {
   double sum = 0.0;
@@ -103,9 +105,9 @@ Values CrossProducts(const Pair& pair, Fourier& fourier) {
   return products;
 }
 
-/// Pearson's coefficient at lags -bound .. bound; -1 where the overlap says nothing.
+/// Pearson's coefficient at lags -bound .. bound; kNothingSaid where the overlap says nothing.
 std::vector<double> Correlations(const Pair& pair, const Values& products, int bound) {
-  std::vector<double> result(2 * bound + 1, -1.0);
+  std::vector<double> result(2 * bound + 1, kNothingSaid);
   const int samples = pair.samples;
   for (const int direction : {1, -1}) {
     Moments leader = pair.leader;
@@ -152,6 +154,8 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
   const auto peak = std::max_element(correlations.begin(), correlations.end());
   const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();
   if (at_the_bound || !(*peak > 0.0)) return std::nullopt;
+  // Beside an overlap that says nothing the largest coefficient is an end, too, and no peak.
+  if (peak[-1] == kNothingSaid || peak[1] == kNothingSaid) return std::nullopt;
   const double lag = static_cast<double>(peak - correlations.begin()) - bound;
   return lag + ParabolaPeak(peak[-1], peak[0], peak[1]);
 }

@@ -18,7 +18,9 @@ namespace gauntlet::sim {
 /// (a periodic motion has a second, equal peak beyond), by a quarter of the signal and by 2 s.
 ///
 /// None where there is nothing to find: a signal that moves by less than 0.1 deg RMS (a constant
-/// channel), no positive correlation, or no peak inside the bound.
+/// channel), no positive correlation, or no peak inside the bound and inside the lags whose overlap
+/// holds a tenth of each signal's variance. So it is for a finger that an object pushes against the
+/// wearer's motion.
 ///
 /// Units: signals in rad, the delay in samples. Shapes: both signals of the same length.
 /// Source: Knapp and Carter 1976 (delay by correlation); parabola: Jacovitti and Scarano 1993.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/score/signals.h"
 
 namespace gauntlet::sim {
@@ -89,6 +91,24 @@ TEST(Delay, DoesNotExistForConstantOrUnrelatedSignals) {
   const auto ramp = Sampled(10.0, kRate_hz, [](double t) { return t; });
   const auto falling = Sampled(10.0, kRate_hz, [](double t) { return -t; });
   EXPECT_FALSE(Delay_ms(ramp, falling));
+}
+
+/// From 0 before `begin_s` to 1 after `end_s`, smoothly.
+double Rise(double time_s, double begin_s, double end_s) {
+  const double share = std::clamp((time_s - begin_s) / (end_s - begin_s), 0.0, 1.0);
+  return share * share * (3.0 - 2.0 * share);
+}
+
+TEST(Delay, DoesNotExistWhereAnObjectPushesTheFingerTheOtherWay) {
+  // As a thumb on a bottle: the wearer closes it by 10 deg, the bottle opens it, and it creeps.
+  // Only at lags that leave nothing but the creep do both go the same way.
+  const auto leader = Sampled(
+      6.4, kRate_hz, [](double t) { return (60.0 - 10.0 * Rise(t, 0.9, 1.7)) * kRadPerDeg; });
+  const auto follower = Sampled(6.4, kRate_hz, [](double t) {
+    return (60.0 - 3.3 * Rise(t, 0.95, 1.2) + 8.0 * Rise(t, 1.2, 1.6) - 1.8 * Rise(t, 1.6, 6.4)) *
+           kRadPerDeg;
+  });
+  EXPECT_FALSE(Delay_ms(leader, follower));
 }
 
 TEST(Delay, OfNotANumberDoesNotExist) {
