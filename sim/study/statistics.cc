@@ -13,6 +13,11 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kResamples = 2000;
 constexpr int kSmallestBootstrap = 5;
+/// A resample whose standard deviation is below this share of the sample's has no scatter: it
+/// missed the one value that makes the scatter, and dividing by what is left says nothing but how
+/// equal the others are. Without it one delay of 175 ms among seven of 45 ms gives +-218 ms. With
+/// it the coverage of normal and exponential values stays within 0.5 %.
+constexpr double kSmallestResampledScatter = 0.1;
 
 /// Student's t at 97.5 %. Source: Abramowitz and Stegun 1964, table 26.10 and formula 26.7.5, which
 /// is right to 0.01 from 4 degrees of freedom on.
@@ -57,7 +62,7 @@ Sample FiniteValues(std::span<const double> values) {
   return sample;
 }
 
-/// The studentised mean of one resample; infinite where the resample has no scatter.
+/// The studentised mean of one resample; infinite where the resample has no scatter of its own.
 double ResampledT(const Sample& sample, RandomStream& random) {
   const int count = sample.size();
   double sum = 0.0;
@@ -69,8 +74,8 @@ double ResampledT(const Sample& sample, RandomStream& random) {
   }
   const double mean = sum / count;
   const double variance = (squares - sum * mean) / (count - 1);
-  // Rounding leaves a little variance where all resampled values are one and the same.
-  if (variance < 1e-12 * sample.scatter * sample.scatter) {
+  const double least_scatter = kSmallestResampledScatter * sample.scatter;
+  if (variance < least_scatter * least_scatter) {
     return std::copysign(std::numeric_limits<double>::infinity(), mean);
   }
   return mean / std::sqrt(variance / count);

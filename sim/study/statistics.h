@@ -19,9 +19,9 @@ struct MeanInterval {
 ///     t* = (mean* - mean) / (s* / sqrt(n)),   interval = mean - t*(97.5 %, 2.5 %) s / sqrt(n)
 ///
 /// Not the plain percentile bootstrap: with 8 seeds that covers the truth in 89 % of studies, this
-/// one in 95 %, and it follows skewed scores. Where resamples hold too little (below 5
-/// values, or values nearly all equal) the interval is Student's. One value has no interval, equal
-/// values have one of no width.
+/// one in 95 %, and it follows skewed scores. Where resamples hold too little (below 5 values, or
+/// values nearly all equal beside one far away) the interval is Student's. One value has no
+/// interval, equal values have one of no width.
 ///
 /// Deterministic: `seed` fixes the resampling.
 /// Source: Efron and Tibshirani 1993, An Introduction to the Bootstrap, section 12.5.
