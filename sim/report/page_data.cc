@@ -19,7 +19,7 @@ Json Estimates(const std::vector<MeanInterval>& estimates) {
   Json json = Json::array();
   for (const MeanInterval& estimate : estimates) {
     json.push_back({NumberOrNull(estimate.mean), NumberOrNull(estimate.ci95_low),
-                    NumberOrNull(estimate.ci95_high)});
+                    NumberOrNull(estimate.ci95_high), estimate.count});
   }
   return json;
 }
@@ -131,7 +131,7 @@ nlohmann::ordered_json PageData(const Scenario& scenario, const StudyResult& res
                                 bool comparison) {
   Json json;
   json["scenario"] = scenario.name;
-  json["comparison"] = comparison;
+  json["comparison"] = comparison && result.seeds.size() > 1;  // one seed has no interval
   for (const SeedOutcome& seed : result.seeds) json["seeds"].push_back(seed.seed);
   json["rate_hz"] = result.rate_hz;
   json["reference"] = result.reference_name;

@@ -37,7 +37,7 @@ struct Cell {
 Cell MakeCell(const ControllerSummary& controller, std::size_t metric, bool comparison) {
   const MeanInterval& estimate = controller.summary[metric];
   Cell cell{.text = Short(estimate.mean), .best = false, .worse_than_raw = false};
-  if (comparison && std::isfinite(estimate.mean)) {
+  if (comparison && std::isfinite(estimate.ci95_low)) {
     cell.text += fmt::format(" ±{}", Short(0.5 * (estimate.ci95_high - estimate.ci95_low)));
   }
   cell.worse_than_raw =
@@ -84,6 +84,19 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
       out += "  " + Decorated(columns[i][c], widths[i], options.colour);
     }
     out += "\n";
+  }
+}
+
+/// Where a score of the table is a mean over some of the seeds, as the others have none.
+void AppendMissingSeeds(const StudyResult& result, const Summary& summary, std::string& out) {
+  const auto seeds = static_cast<int>(result.seeds.size());
+  for (const ControllerSummary& controller : summary.controllers) {
+    for (const std::string_view key : ShownMetrics(summary)) {
+      const int count = controller.summary[MetricIndex(key)].count;
+      if (count == 0 || count == seeds) continue;
+      out += fmt::format("{}: {} from {} of {} seeds; the others have none\n", controller.name, key,
+                         count, seeds);
+    }
   }
 }
 
@@ -138,14 +151,16 @@ std::string ScoreTable(const Study& study, const StudyResult& result, const Summ
                        const TableOptions& options) {
   std::string out = fmt::format("{}: {}\n", study.scenario.name, study.scenario.question);
   const double seconds = static_cast<double>(result.first_glove.counts.rows()) / result.rate_hz;
-  const std::string seeds = options.comparison
+  // One seed has neither an interval nor chance.
+  const bool several = options.comparison && result.seeds.size() > 1;
+  const std::string seeds = several
                                 ? fmt::format("seeds {} to {}, mean ± half of the 95 % interval",
                                               result.seeds.front().seed, result.seeds.back().seed)
                                 : fmt::format("seed {}", result.seeds.front().seed);
   out += fmt::format("{:.1f} s, {} channels; {}; reference: {}\n\n", seconds,
                      result.channel_names.size(), seeds, result.reference_name);
   AppendRows(summary, options, out);
-  out += options.comparison ? "* best, or as good within chance" : "* best";
+  out += several ? "* best, or as good within chance" : "* best";
   const bool any_worse = std::any_of(
       summary.controllers.begin(), summary.controllers.end(), [](const ControllerSummary& c) {
         return std::any_of(std::begin(kMainMetrics), std::end(kMainMetrics),
@@ -161,6 +176,7 @@ std::string ScoreTable(const Study& study, const StudyResult& result, const Summ
       out += fmt::format("{} stopped early: {}\n", controller.name, controller.problem);
     }
   }
+  AppendMissingSeeds(result, summary, out);
   const std::string verdict = Verdict(summary);
   if (!verdict.empty()) out += "\n" + verdict + "\n";
   return out;

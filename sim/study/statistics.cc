@@ -97,8 +97,8 @@ std::vector<double> Differences(std::span<const double> first, std::span<const d
 MeanInterval BootstrapMean(std::span<const double> values, std::uint64_t seed) {
   const Sample sample = FiniteValues(values);
   const int count = sample.size();
-  if (count < 2) return {sample.mean, kNaN, kNaN};
-  if (sample.scatter == 0.0) return {sample.mean, sample.mean, sample.mean};
+  if (count < 2) return {sample.mean, kNaN, kNaN, count};
+  if (sample.scatter == 0.0) return {sample.mean, sample.mean, sample.mean, count};
   double low_t = -StudentT(count - 1);
   double high_t = -low_t;
   if (count >= kSmallestBootstrap) {
@@ -114,7 +114,7 @@ MeanInterval BootstrapMean(std::span<const double> values, std::uint64_t seed) {
     }
   }
   const double error = sample.scatter / std::sqrt(count);
-  return {sample.mean, sample.mean - high_t * error, sample.mean - low_t * error};
+  return {sample.mean, sample.mean - high_t * error, sample.mean - low_t * error, count};
 }
 
 MeanInterval PairedDifference(std::span<const double> first, std::span<const double> second,
@@ -126,17 +126,18 @@ MeanInterval UnpairedDifference(std::span<const double> first, std::span<const d
   const Sample a = FiniteValues(first);
   const Sample b = FiniteValues(second);
   const double difference = a.mean - b.mean;
-  if (a.size() < 2 || b.size() < 2) return {difference, kNaN, kNaN};
+  const int count = a.size() + b.size();
+  if (a.size() < 2 || b.size() < 2) return {difference, kNaN, kNaN, count};
   const double a_variance = a.scatter * a.scatter / a.size();
   const double b_variance = b.scatter * b.scatter / b.size();
   const double variance = a_variance + b_variance;
-  if (variance == 0.0) return {difference, difference, difference};
+  if (variance == 0.0) return {difference, difference, difference, count};
   const double freedom =
       variance * variance /
       (a_variance * a_variance / (a.size() - 1) + b_variance * b_variance / (b.size() - 1));
   // The sum of a hair keeps whole numbers whole; there is never less than 1.
   const double half_width = StudentT(static_cast<int>(freedom + 1e-9)) * std::sqrt(variance);
-  return {difference, difference - half_width, difference + half_width};
+  return {difference, difference - half_width, difference + half_width, count};
 }
 
 double PairedEffectSize(std::span<const double> first, std::span<const double> second) {

@@ -12,6 +12,7 @@ struct MeanInterval {
   double mean;
   double ci95_low;
   double ci95_high;
+  int count = 0;  // of the values, or pairs, that it is made of; of two groups both together
 };
 
 /// The mean of independent values, its interval by the studentised bootstrap of 2,000 resamples:

@@ -32,7 +32,8 @@ Json MetricEstimates(const std::vector<MeanInterval>& estimates) {
   for (std::size_t m = 0; m < estimates.size(); ++m) {
     json[std::string(Metrics()[m].key)] = {{"mean", NumberOrNull(estimates[m].mean)},
                                            {"ci95_low", NumberOrNull(estimates[m].ci95_low)},
-                                           {"ci95_high", NumberOrNull(estimates[m].ci95_high)}};
+                                           {"ci95_high", NumberOrNull(estimates[m].ci95_high)},
+                                           {"seeds", estimates[m].count}};
   }
   return json;
 }

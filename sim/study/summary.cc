@@ -53,12 +53,11 @@ std::vector<std::vector<double>> ChannelMeans(const StudyResult& result, std::si
   return means;
 }
 
-/// Whether the whole interval of a difference lies on the wrong side.
-bool IsWorse(const MeanInterval& difference, const Metric& metric) {
-  // One seed has no interval: there the plain difference decides.
-  const bool no_interval = !std::isfinite(difference.ci95_low);
-  const double low = no_interval ? difference.mean : difference.ci95_low;
-  const double high = no_interval ? difference.mean : difference.ci95_high;
+/// Whether the whole interval of a difference lies on the wrong side. A study of one seed has no
+/// interval: there the plain difference decides. Where several seeds leave one pair, nothing does.
+bool IsWorse(const MeanInterval& difference, const Metric& metric, bool one_seed) {
+  const double low = one_seed ? difference.mean : difference.ci95_low;
+  const double high = one_seed ? difference.mean : difference.ci95_high;
   return metric.lower_is_better ? low > 0.0 : high < 0.0;
 }
 
@@ -67,7 +66,7 @@ void CompareWithRaw(const std::vector<double>& values, const std::vector<double>
   const MeanInterval difference = PairedDifference(values, raw, seed);
   summary.difference_to_raw.push_back(difference);
   summary.effect_size.push_back(PairedEffectSize(values, raw));
-  summary.worse_than_raw.push_back(IsWorse(difference, metric));
+  summary.worse_than_raw.push_back(IsWorse(difference, metric, values.size() == 1));
 }
 
 std::string FirstProblem(const StudyResult& result, std::size_t controller) {
@@ -90,7 +89,7 @@ void FindAsGoodAsBest(const StudyResult& result, std::uint64_t seed, Summary& su
           (controller.rank[m] > 1 &&
            !IsWorse(
                PairedDifference(SeedValues(result, c, m), SeedValues(result, best_index, m), seed),
-               Metrics()[m])));
+               Metrics()[m], result.seeds.size() == 1)));
     }
   }
 }

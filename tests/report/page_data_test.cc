@@ -42,7 +42,7 @@ TEST(PageData, HasTheSummaryOfEveryController) {
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
       const MeanInterval& expected = made.summary.controllers[c].summary[m];
       EXPECT_EQ(data["controllers"][c]["summary"][m],
-                Json({expected.mean, expected.ci95_low, expected.ci95_high}));
+                Json({expected.mean, expected.ci95_low, expected.ci95_high, 5}));
     }
   }
   EXPECT_EQ(data["controllers"][0]["raw"], true);
@@ -68,7 +68,12 @@ TEST(PageData, WritesScoresThatDoNotExistAsNull) {
   test::MadeUpStudy made = test::MakeUpStudy({});
   made.summary.controllers[1].summary[0] = {NAN, NAN, NAN};
   const Json data = DataOfPage(Page(made));
-  EXPECT_EQ(data["controllers"][1]["summary"][0], Json({nullptr, nullptr, nullptr}));
+  EXPECT_EQ(data["controllers"][1]["summary"][0], Json({nullptr, nullptr, nullptr, 0}));
+}
+
+TEST(PageData, OfOneSeedIsNoComparison) {
+  EXPECT_EQ(Data(test::MakeUpStudy({.seeds = 1}))["comparison"], false);
+  EXPECT_EQ(Data(test::MakeUpStudy({.seeds = 2}))["comparison"], true);
 }
 
 TEST(PageData, LeavesCurvesOutWhereNoTraceWasKept) {

@@ -9,6 +9,7 @@
 namespace gauntlet::sim {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -22,6 +23,32 @@ TEST(ScoreTable, ShowsTheGripOnlyWhereSomethingWasHeld) {
   }
   EXPECT_THAT(table(), Not(HasSubstr("grip_force_ripple_n")));
   EXPECT_THAT(table(), HasSubstr("tracking_rmse_deg"));
+}
+
+TEST(ScoreTable, OfOneSeedClaimsNoIntervalAndNoChance) {
+  const test::MadeUpStudy one = test::MakeUpStudy({.seeds = 1});
+  const std::string table =
+      ScoreTable(one.study, one.result, one.summary, {.comparison = true, .colour = false});
+  EXPECT_THAT(table, HasSubstr("3 channels; seed 1; reference"));
+  EXPECT_THAT(table, Not(HasSubstr("±")));
+  EXPECT_THAT(table, Not(HasSubstr("chance")));
+  const test::MadeUpStudy five = test::MakeUpStudy({});
+  EXPECT_THAT(ScoreTable(five.study, five.result, five.summary, {.comparison = true}),
+              AllOf(HasSubstr("seeds 1 to 5"), HasSubstr("±"), HasSubstr("within chance"),
+                    Not(HasSubstr("of 5 seeds"))));
+}
+
+TEST(ScoreTable, TellsOfHowManySeedsAScoreIs) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t delay = MetricIndex("delay_ms");
+  for (const int seed : {0, 2}) made.result.seeds[seed].controllers[1].scores.summary[delay] = kNaN;
+  for (SeedOutcome& seed : made.result.seeds) seed.controllers[2].scores.summary[delay] = kNaN;
+  made.summary = Summarise(made.study, made.result);
+  const std::string table =
+      ScoreTable(made.study, made.result, made.summary, {.comparison = true, .colour = false});
+  EXPECT_THAT(table, HasSubstr("filter_1: delay_ms from 3 of 5 seeds; the others have none\n"));
+  EXPECT_THAT(table, Not(HasSubstr("filter_2: ")));  // a "-" says it
 }
 
 }  // namespace

@@ -84,6 +84,19 @@ TEST_F(SummaryTest, CallsNothingGoodThatHasNoValue) {
   EXPECT_FALSE(Summarise(study_, result_).controllers[2].as_good_as_best[0]);
 }
 
+TEST_F(SummaryTest, OnePairOfManySeedsDecidesNothing) {
+  for (SeedOutcome& seed : result_.seeds) {
+    if (seed.seed > 0) seed.controllers[2].scores.summary[0] = std::nan("");
+  }
+  const ControllerSummary worse = Summarise(study_, result_).controllers[2];
+  EXPECT_EQ(worse.summary[0].count, 1);
+  EXPECT_EQ(worse.summary[1].count, 10);
+  EXPECT_GT(worse.difference_to_raw[0].mean, 0.0);
+  EXPECT_FALSE(worse.worse_than_raw[0]);
+  result_.seeds.resize(1);
+  EXPECT_TRUE(Summarise(study_, result_).controllers[2].worse_than_raw[0]);
+}
+
 TEST_F(SummaryTest, ChannelsAreMeansOverSeeds) {
   const Summary summary = Summarise(study_, result_);
   EXPECT_NEAR(summary.controllers[0].channels[0][0], 2.0 * summary.controllers[0].summary[0].mean,

@@ -5,6 +5,13 @@ function spreadText(estimate) {
   return estimate[1] === null || estimate[2] === null ? "" : ` ± ${formatNumber(half)}`;
 }
 
+// Where some seeds have no such score, the mean is over the others.
+function seedsText(data, estimate) {
+  const count = estimate[3];
+  const all = data.seeds.length;
+  return count === 0 || count === all ? "" : ` ${count} of ${all} seeds`;
+}
+
 function scoreCell(data, metric, controller) {
   const c = data.controllers[controller];
   const estimate = c.summary[metric];
@@ -16,7 +23,8 @@ function scoreCell(data, metric, controller) {
   const said = best ? "best" : worse ? "worse than without a filter" : "";
   return element("td", {class: worse ? "worse" : best ? "best" : null, title: said || null},
     element("span", {class: "value"}, formatNumber(estimate[0])),
-    data.comparison ? element("span", {class: "spread"}, spreadText(estimate)) : null,
+    data.comparison ? element("span", {class: "spread"}, spreadText(estimate),
+      seedsText(data, estimate)) : null,
     element("span", {class: "mark", "aria-hidden": "true"}, worse ? "▲" : best ? "★" : ""),
     said ? element("span", {class: "hidden-text"}, ` (${said})`) : null,
     bars && estimate[0] !== null
