@@ -13,6 +13,10 @@
 namespace gauntlet::sim {
 namespace {
 
+/// The filter follows the raw signal so closely that it would cover it: the raw one is drawn wider.
+constexpr double kBehind_px = 4.0;
+constexpr double kOver_px = 1.2;
+
 std::vector<double> Degrees(const Signal& angle_rad, int channel, Eigen::Index samples) {
   const Eigen::VectorXd degrees =
       kDegPerRad * angle_rad.col(channel).head(std::min(samples, angle_rad.rows()));
@@ -97,7 +101,8 @@ PaperFigure Figure10(const OneChannelTest& test) {
       all.push_back({.name = name,
                      .first_x = zoom ? 900.0 : 0.0,
                      .step_x = 1.0,
-                     .values = zoom ? part(*values) : *values});
+                     .values = zoom ? part(*values) : *values,
+                     .width_px = all.empty() && !zoom ? kBehind_px : kOver_px});
     }
     return all;
   };
@@ -122,15 +127,14 @@ PaperFigure Figure12(const PaperExperiment& experiment) {
     Chart chart = EmptyChart(fmt::format("Figure 12: channel {}, {}", number,
                                          result.channel_names[static_cast<std::size_t>(channel)]),
                              "time [s]", "deg");
-    chart.width_px = 560;
-    chart.height_px = 260;
     for (const auto& [name, angle] : {std::pair{"original", &trace.linearised_angle_rad},
                                       std::pair{"processed", &trace.filtered_angle_rad},
                                       std::pair{"sent to the motor", &command}}) {
       chart.curves.push_back({.name = name,
                               .first_x = 0.0,
                               .step_x = 1.0 / result.rate_hz,
-                              .values = Degrees(*angle, channel, kSamples)});
+                              .values = Degrees(*angle, channel, kSamples),
+                              .width_px = chart.curves.empty() ? kBehind_px : kOver_px});
     }
     charts.push_back({fmt::format("figure_12_channel_{:02}.svg", number), SvgChart(chart)});
   }

@@ -28,73 +28,92 @@ std::string Range(const std::vector<double>& values) {
   return fmt::format("{:.2f} to {:.2f}", *low, *high);
 }
 
-/// A row of a table. A cell that is a number stands at the right.
+/// A cell that is a number stands at the right.
 struct Cell {
   std::string text;
   bool number = false;
   std::string style = {};
 };
-std::string Row(const std::vector<Cell>& cells, const char* element = "td") {
-  std::string row = "<tr>";
-  for (const Cell& cell : cells) {
-    const std::string style = cell.number ? "number" : cell.style;
-    row += fmt::format("<{0}{1}>{2}</{0}>", element,
-                       style.empty() ? "" : fmt::format(" class=\"{}\"", style),
-                       EscapeHtml(cell.text));
-  }
-  return row + "</tr>\n";
+using Row = std::vector<Cell>;
+
+std::string CellHtml(const Cell& cell, const char* element, const std::string& attributes) {
+  const std::string style = cell.number ? "number" : cell.style;
+  return fmt::format("<{0}{1}{2}>{3}</{0}>", element,
+                     style.empty() ? "" : fmt::format(" class=\"{}\"", style), attributes,
+                     EscapeHtml(cell.text));
 }
 
-std::string Claims(const PaperExperiment& experiment) {
-  std::string rows;
-  for (const Claim& claim : experiment.claims) {
-    rows += Row({{claim.claim},
-                 {claim.measured},
-                 {Short(claim.before), true},
-                 {Short(claim.after), true},
-                 {fmt::format("{} ({} to {})", Short(claim.difference.mean),
-                              Short(claim.difference.ci95_low), Short(claim.difference.ci95_high)),
-                  true},
-                 {Word(claim.answer), false, Word(claim.answer)}});
-  }
-  return rows;
-}
-
-std::string ScoreRows(const PaperExperiment& experiment) {
-  std::string rows;
-  for (const ControllerSummary& controller : experiment.summary.controllers) {
-    std::vector<Cell> cells = {{controller.name}};
-    for (const std::string_view key : MainMetrics()) {
-      const MeanInterval& value = controller.summary[MetricIndex(key)];
-      if (!std::isfinite(value.mean)) continue;
-      cells.push_back({fmt::format("{} ±{}", Short(value.mean),
-                                   Short(0.5 * (value.ci95_high - value.ci95_low))),
-                       true});
+/// A table. Each cell knows its column's name: on a phone rows stand below each other, and no head.
+std::string Table(const Row& head, const std::vector<Row>& rows) {
+  std::string html = "<table class=\"plain\">\n<thead><tr>";
+  for (const Cell& cell : head) html += CellHtml(cell, "th", "");
+  html += "</tr></thead>\n<tbody>\n";
+  for (const Row& row : rows) {
+    html += "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      html += CellHtml(row[i], "td", fmt::format(" data-column=\"{}\"", EscapeHtml(head[i].text)));
     }
-    rows += Row(cells);
+    html += "</tr>\n";
   }
-  return rows;
+  return html + "</tbody></table>";
 }
 
-std::string ScoreHead(const PaperExperiment& experiment) {
-  std::vector<Cell> cells = {{"Controller"}};
+std::string ClaimTable(const PaperExperiment& experiment) {
+  std::vector<Row> rows;
+  for (const Claim& claim : experiment.claims) {
+    rows.push_back(
+        {{claim.claim},
+         {claim.measured},
+         {Short(claim.before), true},
+         {Short(claim.after), true},
+         {fmt::format("{} ({} to {})", Short(claim.difference.mean),
+                      Short(claim.difference.ci95_low), Short(claim.difference.ci95_high)),
+          true},
+         {Word(claim.answer), false, Word(claim.answer)}});
+  }
+  return Table({{"Claim"},
+                {"Measured by"},
+                {"Before", true},
+                {"After", true},
+                {"Difference, 95 % interval", true},
+                {"Answer"}},
+               rows);
+}
+
+std::string ScoresTable(const PaperExperiment& experiment) {
+  Row head = {{"Controller"}};
+  std::vector<Row> rows;
+  for (const ControllerSummary& controller : experiment.summary.controllers) {
+    rows.push_back({{controller.name}});
+  }
   for (const std::string_view key : MainMetrics()) {
-    if (!std::isfinite(experiment.summary.controllers[0].summary[MetricIndex(key)].mean)) continue;
-    cells.push_back({std::string(key), true});
+    const std::size_t metric = MetricIndex(key);
+    if (!std::isfinite(experiment.summary.controllers[0].summary[metric].mean)) continue;
+    head.push_back({std::string(key), true});
+    for (std::size_t c = 0; c < rows.size(); ++c) {
+      const MeanInterval& value = experiment.summary.controllers[c].summary[metric];
+      const double half_width = 0.5 * (value.ci95_high - value.ci95_low);
+      rows[c].push_back({fmt::format("{} ±{}", Short(value.mean), Short(half_width)), true});
+    }
   }
-  return Row(cells, "th");
+  return Table(head, rows);
 }
 
-std::string Filters(const PaperExperiment& experiment) {
-  std::string rows;
+std::string FilterTable(const PaperExperiment& experiment) {
+  std::vector<Row> rows;
   for (const FilterFacts& facts : experiment.filters) {
-    rows += Row({{facts.name},
-                 {facts.per_event ? "an event, 20 ms" : "a sample, 1 ms"},
-                 {Range(facts.gain), true},
-                 {Range(facts.noise_share), true},
-                 {fmt::format("{:.1f}", facts.delay_ms + 0.0), true}});
+    rows.push_back({{facts.name},
+                    {facts.per_event ? "an event, 20 ms" : "a sample, 1 ms"},
+                    {Range(facts.gain), true},
+                    {Range(facts.noise_share), true},
+                    {fmt::format("{:.1f}", facts.delay_ms + 0.0), true}});
   }
-  return rows;
+  return Table({{"Controller"},
+                {"One step is"},
+                {"Passes at once", true},
+                {"Noise left", true},
+                {"Delay at 1 Hz, ms", true}},
+               rows);
 }
 
 double Score(const PaperExperiment& experiment, const char* controller, const char* metric) {
@@ -131,15 +150,15 @@ double LargestCoupling(const controller::TendonTransmission& hand) {
   return largest;
 }
 
-std::string Rows(const PaperExperiment& e) {
+std::string RowTable(const PaperExperiment& e) {
   const auto& glove = e.result.first_glove;
   const auto& hand = e.study.hand->transmission();
   const auto claim = [&](std::size_t i) {
     return fmt::format("{}: {}", e.claims[i].claim, Word(e.claims[i].answer));
   };
-  std::string rows;
+  std::vector<Row> rows;
   const auto add = [&](const char* number, const char* paper, const std::string& here) {
-    rows += Row({{number}, {paper}, {here}});
+    rows.push_back({{number}, {paper}, {here}});
   };
   add("P1", "A glove of 18 bend sensors, very noisy (figure 4)",
       fmt::format("{} named channels, {} to {} counts", glove.counts.cols(),
@@ -212,7 +231,7 @@ std::string Rows(const PaperExperiment& e) {
                   Short(Score(e, "prediction", "tracking_rmse_deg")),
                   Short(Score(e, "prediction", "delay_ms")),
                   Short(Score(e, "prediction", "jitter_rms_deg"))));
-  return rows;
+  return Table({{""}, {"In the paper"}, {"Here"}}, rows);
 }
 
 std::string FigureHtml(const std::vector<PaperFigure>& figures) {
@@ -252,12 +271,11 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
                       {{"style", std::string(assets::kStyle)},
                        {"verdict", EscapeHtml(PaperVerdict(experiment))},
                        {"facts", EscapeHtml(facts)},
-                       {"claims", Claims(experiment)},
-                       {"score_head", ScoreHead(experiment)},
-                       {"scores", ScoreRows(experiment)},
-                       {"filters", Filters(experiment)},
+                       {"claims", ClaimTable(experiment)},
+                       {"scores", ScoresTable(experiment)},
+                       {"filters", FilterTable(experiment)},
                        {"figures", FigureHtml(figures)},
-                       {"rows", Rows(experiment)},
+                       {"rows", RowTable(experiment)},
                        {"settings", EscapeHtml(ResolvedScenario(experiment.study))}});
 }
 

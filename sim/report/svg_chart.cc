@@ -21,12 +21,12 @@ constexpr int kColours = 4;
 
 constexpr const char* kStyle = R"(<style>
 .ink{fill:#1b2330}.muted{fill:#5b6675}.ground{fill:#fff}.grid{stroke:#dfe3e9}
-.line{fill:none;stroke-width:1.4;stroke-linejoin:round}
-.s0{stroke:#b9c0ca}.s1{stroke:#cc4455}.s2{stroke:#2b6fd1}.s3{stroke:#12866f}.bar{fill:#9db8dd}
+.line{fill:none;stroke-linejoin:round}
+.s0{stroke:#a3acb8}.s1{stroke:#cc4455}.s2{stroke:#2b6fd1}.s3{stroke:#12866f}.bar{fill:#9db8dd}
 @media (prefers-color-scheme:dark){.ink{fill:#e6eaf0}.muted{fill:#98a3b2}.ground{fill:#12161c}
-.grid{stroke:#2b333f}.s0{stroke:#4b5563}.s1{stroke:#f07a88}.s2{stroke:#6fa5f2}.s3{stroke:#4cc2a8}
+.grid{stroke:#2b333f}.s0{stroke:#5d6978}.s1{stroke:#f07a88}.s2{stroke:#6fa5f2}.s3{stroke:#4cc2a8}
 .bar{fill:#3d5a86}}
-text{font:12px system-ui,"DejaVu Sans",sans-serif}.title{font-size:14px;font-weight:600}
+text{font:13px system-ui,"DejaVu Sans",sans-serif}.title{font-size:14px;font-weight:600}
 </style>)";
 
 struct Extent {
@@ -156,7 +156,7 @@ class Writer {
     const std::vector<double> points = KeepPeaks(curve.values, per_column);
     const double points_per_bucket = per_column == 1 ? 1.0 : 2.0;
     const double step = curve.step_x * per_column / points_per_bucket;
-    Add("<polyline class=\"line s{}\" points=\"", colour);
+    Add("<polyline class=\"line s{}\" stroke-width=\"{:g}\" points=\"", colour, curve.width_px);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (!std::isfinite(points[i])) continue;
       Add("{:.1f},{:.1f} ", X(curve.first_x + step * static_cast<double>(i)), Y(points[i]));
@@ -170,7 +170,7 @@ class Writer {
       if (name.empty()) return;
       Add("{}", mark);
       Text(x + 22.0, 40.0, "ink", "start", name);
-      x += 40.0 + 7.0 * static_cast<double>(name.size());
+      x += 40.0 + 7.4 * static_cast<double>(name.size());
     };
     for (const ChartBars& bars : chart_.bars) {
       entry(
@@ -178,10 +178,11 @@ class Writer {
           fmt::format("<rect class=\"bar\" x=\"{:.1f}\" y=\"31\" width=\"16\" height=\"10\"/>", x));
     }
     for (std::size_t i = 0; i < chart_.curves.size(); ++i) {
-      entry(chart_.curves[i].name,
-            fmt::format("<line class=\"line s{}\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"36\" "
-                        "y2=\"36\"/>",
-                        i % kColours, x, x + 16.0));
+      entry(
+          chart_.curves[i].name,
+          fmt::format("<line class=\"line s{}\" stroke-width=\"{:g}\" x1=\"{:.1f}\" x2=\"{:.1f}\" "
+                      "y1=\"36\" y2=\"36\"/>",
+                      i % kColours, chart_.curves[i].width_px, x, x + 16.0));
     }
   }
 

@@ -11,6 +11,7 @@ struct ChartCurve {
   double first_x = 0.0;
   double step_x = 1.0;
   std::vector<double> values;
+  double width_px = 1.4;  // a wide one is still seen behind another that covers it
 };
 
 /// Bars side by side: bar i is centred at first_x + i step_x.
@@ -27,8 +28,8 @@ struct Chart {
   std::string y_label;
   std::vector<ChartBars> bars;  // behind the curves
   std::vector<ChartCurve> curves;
-  int width_px = 760;
-  int height_px = 300;
+  int width_px = 460;  // small, so that its texts can be read on a phone, too
+  int height_px = 270;
 };
 
 /// A drawing that stands by itself as a file and inside a page, in light and dark. Curves with more

@@ -65,7 +65,7 @@ TEST(SvgChart, ACurveWithoutValuesOnlyTakesAColour) {
   Chart chart = OneCurve({1.0, 2.0});
   chart.curves.insert(chart.curves.begin(), ChartCurve{});
   EXPECT_EQ(Points(SvgChart(chart)).size(), 0u);  // the first polyline is the empty one
-  EXPECT_THAT(SvgChart(chart), HasSubstr("class=\"line s1\" points=\"6"));
+  EXPECT_THAT(SvgChart(chart), HasSubstr("class=\"line s1\" stroke-width=\"1.4\" points=\"6"));
   EXPECT_THAT(SvgChart(chart), Not(HasSubstr("nan")));
 }
 
