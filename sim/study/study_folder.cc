@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <tuple>
@@ -19,6 +21,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kKeyColumns = {"seed", "controller", "channel"};
 constexpr std::string_view kSummary = "summary";
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 /// The parts of `text` between separators; a separator at the end starts no part.
 std::vector<std::string_view> Split(std::string_view text, char separator) {
@@ -31,17 +34,32 @@ std::vector<std::string_view> Split(std::string_view text, char separator) {
   return parts;
 }
 
+/// The lines of a file, without the mark and the carriage returns that a spreadsheet puts in.
+std::vector<std::string_view> Lines(std::string_view text) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::vector<std::string_view> lines = Split(text, '\n');
+  for (std::string_view& line : lines) {
+    if (line.ends_with('\r')) line.remove_suffix(1);
+  }
+  return lines;
+}
+
 [[noreturn]] void Fail(const std::string& name, std::size_t row, const std::string& problem) {
   throw UserError(fmt::format("{}:{}: {}", name, row, problem));
 }
 
+[[noreturn]] void Fail(const std::string& name, std::size_t row, std::size_t column,
+                       const std::string& problem) {
+  throw UserError(fmt::format("{}:{}:{}: {}", name, row, column, problem));
+}
+
+/// None where the text is anything but one finite number.
 template <class Number>
-Number ParseNumber(const std::string& name, std::size_t row, std::string_view text) {
+std::optional<Number> ParseNumber(std::string_view text) {
   Number value{};
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size()) {
-    Fail(name, row, fmt::format("is \"{}\", must be a number", text));
-  }
+  if (error != std::errc() || rest != text.data() + text.size()) return std::nullopt;
+  if (!std::isfinite(static_cast<double>(value))) return std::nullopt;
   return value;
 }
 
@@ -85,13 +103,23 @@ Row ParseRow(const std::string& name, std::size_t number, std::string_view line)
   if (fields.size() != field_count) {
     Fail(name, number, fmt::format("has {} fields, must have {}", fields.size(), field_count));
   }
-  Row row{.seed = ParseNumber<int>(name, number, fields[0]),
+  const std::optional<int> seed = ParseNumber<int>(fields[0]);
+  if (!seed) {
+    Fail(name, number, 1, fmt::format("seed is \"{}\", must be a whole number", fields[0]));
+  }
+  Row row{.seed = *seed,
           .controller = std::string(fields[1]),
           .channel = std::string(fields[2]),
           .values = {}};
   for (std::size_t i = kKeyColumns.size(); i < fields.size(); ++i) {
-    row.values.push_back(fields[i].empty() ? std::numeric_limits<double>::quiet_NaN()
-                                           : ParseNumber<double>(name, number, fields[i]));
+    const std::optional<double> value = fields[i].empty() ? std::numeric_limits<double>::quiet_NaN()
+                                                          : ParseNumber<double>(fields[i]);
+    if (!value) {
+      Fail(name, number, i + 1,
+           fmt::format("{} is \"{}\", must be a finite number, or empty where there is no score",
+                       Metrics()[i - kKeyColumns.size()].key, fields[i]));
+    }
+    row.values.push_back(*value);
   }
   return row;
 }
@@ -107,7 +135,7 @@ std::string ReadText(const std::filesystem::path& file) {
 }  // namespace
 
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
-  const std::vector<std::string_view> lines = Split(text, '\n');
+  const std::vector<std::string_view> lines = Lines(text);
   if (lines.size() < 2) throw UserError(fmt::format("{}: holds no scores", name));
   CheckHeader(name, lines[0]);
   ScoreFile file;

@@ -25,8 +25,10 @@ struct StudyFolder {
   ScoreFile scores;
 };
 
-/// Reads what ScoresCsv() wrote; `name` stands for the file in messages.
-/// Errors: UserError `file:row: ...`, also for columns that are not those of Metrics().
+/// Reads what ScoresCsv() wrote, also after a spreadsheet put a byte order mark and carriage
+/// returns into it; `name` stands for the file in messages. A score is a finite number, or empty:
+/// undefined. Errors: UserError `file:row:column: ...`, also for columns that are not those of
+/// Metrics().
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text);
 
 /// Reads `scenario.resolved.yaml` and `scores.csv`. Errors: UserError in one line.

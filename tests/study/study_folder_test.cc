@@ -54,6 +54,18 @@ TEST(ParseScoresCsv, ReadsBackWhatWasWritten) {
   }
 }
 
+TEST(ParseScoresCsv, ReadsWhatASpreadsheetSaved) {
+  const std::string written = ScoresCsv(MadeUpResult());
+  std::string saved = "\xEF\xBB\xBF";
+  for (const char c : written) saved += c == '\n' ? "\r\n" : std::string(1, c);
+  const ScoreFile plain = ParseScoresCsv("scores.csv", written);
+  const ScoreFile read = ParseScoresCsv("scores.csv", saved);
+  EXPECT_EQ(read.seeds, plain.seeds);
+  EXPECT_EQ(read.channels, plain.channels);
+  EXPECT_EQ(read.summary[1], plain.summary[1]);
+  EXPECT_TRUE(std::isnan(read.summary[0].back()[1]));  // the last field of its line
+}
+
 std::string Complaint(const std::string& text) {
   try {
     ParseScoresCsv("scores.csv", text);
@@ -79,9 +91,14 @@ TEST(ParseScoresCsv, NamesThePlaceOfWhatIsWrong) {
   EXPECT_EQ(Complaint(With(good, "seed,controller", "controller,seed")),
             "scores.csv:1: the columns are in another order");
   EXPECT_EQ(Complaint(With(good, "\n4,", "\nfour,")),
-            "scores.csv:2: is \"four\", must be a number");
-  EXPECT_EQ(Complaint(With(good, "raw,summary,400", "raw,summary,4oo")),
-            "scores.csv:2: is \"4oo\", must be a number");
+            "scores.csv:2:1: seed is \"four\", must be a whole number");
+  for (const char* text : {"4oo", "nan", "inf", "-inf", "1e999", " "}) {
+    EXPECT_EQ(
+        Complaint(With(good, "raw,summary,400,", fmt::format("raw,summary,{},", text))),
+        fmt::format("scores.csv:2:4: tracking_rmse_deg is \"{}\", must be a finite number, or "
+                    "empty where there is no score",
+                    text));
+  }
   EXPECT_EQ(Complaint(With(good, "raw,summary,400,", "raw,summary,")),
             fmt::format("scores.csv:2: has {} fields, must have {}", Metrics().size() + 2,
                         Metrics().size() + 3));
