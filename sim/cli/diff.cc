@@ -44,8 +44,13 @@ void AddDiffCommand(CLI::App& app) {
   command->add_flag("--all", options->all, "also show the scores that are the same");
   command->add_flag("--json", options->json, "print JSON, with all scores");
   command->footer(
-      "\nA score differs if the 95 % interval of its difference does not hold 0. With one seed\n"
-      "there is no interval and every difference counts. Versions are shown and do not count.\n"
+      "\nSeeds that both have are compared, pair by pair; so a run can be held beside a "
+      "comparison.\n"
+      "Without any, all of A are compared with all of B. A score differs if the 95 % interval of "
+      "its\n"
+      "difference does not hold 0. With one seed there is no interval and every difference "
+      "counts.\n"
+      "Versions are shown and do not count.\n"
       "\nExample:\n  gauntlet diff out/baseline out/door_opening && echo nothing changed\n"
       "\nExit codes: 0 the same, 1 something differs, 2 a folder is missing or incomplete.");
   command->callback([options] { Diff(*options); });

@@ -44,14 +44,26 @@ void AppendNames(const std::string& title, const std::vector<std::string>& names
   if (!names.empty()) out += fmt::format("{}: {}\n", title, fmt::join(names, ", "));
 }
 
-std::string MethodText(DifferenceMethod method) {
-  switch (method) {
+/// " of the common seeds 1 to 4" where A or B has others besides; these are not compared.
+std::string OfCommonSeeds(const StudyFolder& a, const StudyFolder& b,
+                          const StudyDifference& difference) {
+  const std::size_t common = difference.common_seeds.size();
+  if (common == 0 || common == std::max(a.scores.seeds.size(), b.scores.seeds.size())) return "";
+  return fmt::format(" of the common {}", SeedsText(difference.common_seeds));
+}
+
+std::string MethodText(const StudyDifference& difference) {
+  switch (difference.method) {
     case DifferenceMethod::kPaired:
       return "paired by seed, with the 95 % interval of B - A";
     case DifferenceMethod::kUnpaired:
-      return "the seeds differ, so unpaired, with the 95 % interval of B - A";
+      return "no seed in common, so unpaired, with the 95 % interval of B - A";
     case DifferenceMethod::kPlain:
-      return "one seed has no interval, so every difference counts";
+      return difference.common_seeds.empty()
+                 ? "no seed in common and one seed has no interval, so every difference counts, "
+                   "also "
+                   "by chance"
+                 : "one seed has no interval, so every difference counts";
   }
   return "";
 }
@@ -77,8 +89,8 @@ std::string Coloured(const std::string& text, ScoreChange change, bool colour) {
   return change == ScoreChange::kBetter ? Good(text) : Warning(text);
 }
 
-void AppendScores(const StudyDifference& difference, const DifferenceTableOptions& options,
-                  std::string& out) {
+void AppendScores(const StudyDifference& difference, const std::string& of_seeds,
+                  const DifferenceTableOptions& options, std::string& out) {
   std::vector<Row> rows = {{"controller", "score", "A", "B", "B - A", "95 % interval", "B is"}};
   std::vector<ScoreChange> changes = {ScoreChange::kNone};
   for (const ScoreDifference& score : difference.scores) {
@@ -91,7 +103,7 @@ void AppendScores(const StudyDifference& difference, const DifferenceTableOption
   for (const Row& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], Width(row[i]));
   }
-  out += fmt::format("\nscores, {}:\n", MethodText(difference.method));
+  out += fmt::format("\nscores{}, {}:\n", of_seeds, MethodText(difference));
   for (std::size_t r = 0; r < rows.size(); ++r) {
     for (std::size_t i = 0; i + 1 < rows[r].size(); ++i) {
       out += Padded(rows[r][i], widths[i], i >= 2) + "  ";
@@ -104,18 +116,19 @@ std::string Count(std::size_t count, const std::string& what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-std::string VerdictOf(const StudyDifference& difference) {
+std::string VerdictOf(const StudyDifference& difference, const std::string& of_seeds) {
   const std::size_t names =
       difference.controllers_only_in_a.size() + difference.controllers_only_in_b.size() +
       difference.channels_only_in_a.size() + difference.channels_only_in_b.size();
   const std::size_t changed = difference.ChangedScores();
   if (difference.Same()) {
-    return fmt::format("A and B have the same settings, and {} without a difference beyond chance.",
-                       Count(difference.scores.size(), "score"));
+    return fmt::format("A and B have the same settings, and {}{} without a difference{}.",
+                       Count(difference.scores.size(), "score"), of_seeds,
+                       difference.method == DifferenceMethod::kPlain ? "" : " beyond chance");
   }
-  std::string text = fmt::format("A and B differ in {} and in {} of {}",
+  std::string text = fmt::format("A and B differ in {} and in {} of {}{}",
                                  Count(difference.settings.size(), "setting"), changed,
-                                 Count(difference.scores.size(), "score"));
+                                 Count(difference.scores.size(), "score"), of_seeds);
   if (names > 0) text += fmt::format("; {} in one of them only", names);
   if (changed > 0 && difference.method != DifferenceMethod::kPlain) {
     text += "; by chance alone about 1 score in 20 leaves its interval";
@@ -143,8 +156,9 @@ std::string DifferenceTable(const StudyFolder& a, const StudyFolder& b,
   AppendNames("channels only in A", difference.channels_only_in_a, names);
   AppendNames("channels only in B", difference.channels_only_in_b, names);
   if (!names.empty()) out += "\n" + names;
-  AppendScores(difference, options, out);
-  return out + "\n" + VerdictOf(difference) + "\n";
+  const std::string of_seeds = OfCommonSeeds(a, b, difference);
+  AppendScores(difference, of_seeds, options, out);
+  return out + "\n" + VerdictOf(difference, of_seeds) + "\n";
 }
 
 }  // namespace gauntlet::sim

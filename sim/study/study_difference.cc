@@ -62,15 +62,23 @@ std::vector<SettingDifference> DifferentSettings(const std::vector<SettingValue>
 
 // --- scores -------------------------------------------------------------------------------------
 
-DifferenceMethod MethodFor(const ScoreFile& a, const ScoreFile& b) {
-  if (a.seeds.size() < 2 || b.seeds.size() < 2) return DifferenceMethod::kPlain;
-  const bool same_seeds =
-      std::is_permutation(a.seeds.begin(), a.seeds.end(), b.seeds.begin(), b.seeds.end());
-  return same_seeds ? DifferenceMethod::kPaired : DifferenceMethod::kUnpaired;
+std::vector<int> CommonSeeds(const ScoreFile& a, const ScoreFile& b) {
+  std::vector<int> common;
+  for (const int seed : a.seeds) {
+    if (std::find(b.seeds.begin(), b.seeds.end(), seed) != b.seeds.end()) common.push_back(seed);
+  }
+  return common;
 }
 
-/// The same scores with the seeds in another order.
-ScoreFile WithSeedsInOrder(const std::vector<int>& seeds, ScoreFile scores) {
+DifferenceMethod MethodFor(const ScoreFile& a, const ScoreFile& b, std::size_t common_seeds) {
+  if (common_seeds > 1) return DifferenceMethod::kPaired;
+  const bool groups = a.seeds.size() > 1 && b.seeds.size() > 1;
+  return common_seeds == 0 && groups ? DifferenceMethod::kUnpaired : DifferenceMethod::kPlain;
+}
+
+/// The scores of these seeds, in this order; all of them where there are no such seeds.
+ScoreFile OfSeeds(const std::vector<int>& seeds, ScoreFile scores) {
+  if (seeds.empty()) return scores;
   for (auto& controller : scores.summary) {
     for (std::vector<double>& values : controller) {
       std::vector<double> ordered;
@@ -182,16 +190,16 @@ StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b) {
     const bool version = setting.key.starts_with(kVersions);
     (version ? result.versions : result.settings).push_back(std::move(setting));
   }
-  result.method = MethodFor(a.scores, b.scores);
-  const ScoreFile b_scores = result.method == DifferenceMethod::kPaired
-                                 ? WithSeedsInOrder(a.scores.seeds, b.scores)
-                                 : b.scores;
-  for (std::size_t c = 0; c < a.scores.controllers.size(); ++c) {
-    const std::string& name = a.scores.controllers[c];
+  result.common_seeds = CommonSeeds(a.scores, b.scores);
+  result.method = MethodFor(a.scores, b.scores, result.common_seeds.size());
+  const ScoreFile a_scores = OfSeeds(result.common_seeds, a.scores);
+  const ScoreFile b_scores = OfSeeds(result.common_seeds, b.scores);
+  for (std::size_t c = 0; c < a_scores.controllers.size(); ++c) {
+    const std::string& name = a_scores.controllers[c];
     const auto found = std::find(b_scores.controllers.begin(), b_scores.controllers.end(), name);
     if (found == b_scores.controllers.end()) continue;
     const auto other = static_cast<std::size_t>(found - b_scores.controllers.begin());
-    CompareScores(name, a.scores.summary[c], b_scores.summary[other], result);
+    CompareScores(name, a_scores.summary[c], b_scores.summary[other], result);
   }
   return result;
 }
@@ -226,6 +234,7 @@ std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
   json["channels_only_in_a"] = difference.channels_only_in_a;
   json["channels_only_in_b"] = difference.channels_only_in_b;
   json["method"] = kMethods[static_cast<int>(difference.method)];
+  json["common_seeds"] = difference.common_seeds;
   json["scores"] = Json::array();
   for (const ScoreDifference& score : difference.scores) {
     json["scores"].push_back({{"controller", score.controller},

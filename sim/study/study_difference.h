@@ -30,11 +30,12 @@ struct ScoreDifference {
   ScoreChange change;
 };
 
-/// Where the intervals come from.
+/// Where the intervals come from. Seeds that both have are compared, and no others: the same seed
+/// is the same glove.
 enum class DifferenceMethod {
-  kPaired,    // both have the same seeds: PairedDifference()
-  kUnpaired,  // UnpairedDifference()
-  kPlain,     // one seed in A or B: no interval
+  kPaired,    // several such seeds: PairedDifference()
+  kUnpaired,  // none: UnpairedDifference() of all
+  kPlain,     // one such seed, or none and A or B has but one: no interval
 };
 
 /// Lists of names are those that only one of the two has.
@@ -46,6 +47,7 @@ struct StudyDifference {
   std::vector<std::string> channels_only_in_a;
   std::vector<std::string> channels_only_in_b;
   DifferenceMethod method = DifferenceMethod::kPlain;
+  std::vector<int> common_seeds;        // in the order of A
   std::vector<ScoreDifference> scores;  // of the controllers that both have
 
   std::size_t ChangedScores() const;

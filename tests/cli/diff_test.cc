@@ -82,6 +82,14 @@ TEST_F(DiffTest, AnotherSeedIsAnotherSetting) {
   EXPECT_THAT(result.standard_output, AllOf(HasSubstr("seed: 1 -> 50"), HasSubstr("50 to 51")));
 }
 
+TEST_F(DiffTest, ARunIsTheSameAsItsSeedOfAComparison) {
+  Compare("a", {"--seeds", "1"});
+  Compare("b", {"--seeds", "3"});
+  const ProgramResult result = Gauntlet({"diff", "a", "b"});
+  EXPECT_EQ(result.exit_code, 0) << result.standard_output;
+  EXPECT_THAT(result.standard_output, HasSubstr("of the common seed 1"));
+}
+
 TEST_F(DiffTest, MistakesAreOneLineAndExitWithTwo) {
   Compare("a", {"--seeds", "1"});
   EXPECT_EQ(Gauntlet({"diff", "a"}).exit_code, 2);

@@ -56,6 +56,20 @@ TEST(DifferenceTable, SaysThatOneSeedHasNoInterval) {
                     Not(HasSubstr("by chance"))));
 }
 
+TEST(DifferenceTable, OfARunAndAComparisonIsOfTheSeedThatBothHave) {
+  const StudyFolder comparison = Folder("comparison", {0.5, 0.9, 0.9});
+  EXPECT_THAT(Table(Folder("run", {0.5}), comparison),
+              AllOf(HasSubstr("A: run         door, seed 1,"),
+                    HasSubstr("scores of the common seed 1 without a difference.")));
+  EXPECT_THAT(Table(Folder("run", {0.4}), comparison),
+              AllOf(HasSubstr("\nscores of the common seed 1, one seed has no interval"),
+                    HasSubstr("0.400  0.500   +0.1"), Not(HasSubstr("by chance"))));
+  StudyFolder other_seed = Folder("run", {0.5});
+  other_seed.scores.seeds = {9};
+  EXPECT_THAT(Table(other_seed, comparison),
+              HasSubstr("scores, no seed in common and one seed has no interval"));
+}
+
 TEST(DifferenceTable, OfTheSameIsTwoLinesAndAVerdict) {
   const StudyFolder a = Folder("a", {0.5, 0.6});
   EXPECT_THAT(Table(a, a), HasSubstr("A and B have the same settings, and "));

@@ -70,6 +70,21 @@ TEST(CompareStudies, PairsTheSeedsWhateverTheirOrder) {
   EXPECT_TRUE(CompareStudies(a, b).Same());
 }
 
+TEST(CompareStudies, ComparesTheSeedsThatBothHave) {
+  const StudyFolder a = Folder(5.0, 1, 8);
+  const StudyDifference more = CompareStudies(a, Folder(5.0, 3, 20));
+  EXPECT_EQ(more.method, DifferenceMethod::kPaired);
+  EXPECT_EQ(more.common_seeds, (std::vector<int>{3, 4, 5, 6, 7, 8}));
+  EXPECT_TRUE(more.Same());
+  EXPECT_EQ(CompareStudies(a, Folder(5.1, 3, 20)).ChangedScores(), Metrics().size());
+
+  const StudyDifference run = CompareStudies(Folder(5.0, 3, 1), a);
+  EXPECT_EQ(run.method, DifferenceMethod::kPlain);
+  EXPECT_EQ(run.common_seeds, std::vector<int>{3});
+  EXPECT_TRUE(run.Same());
+  EXPECT_EQ(CompareStudies(Folder(5.0, 9, 1), a).common_seeds.size(), 0u);
+}
+
 TEST(CompareStudies, WithOneSeedEveryDifferenceButRoundingCounts) {
   const StudyFolder a = Folder(5.0, 1, 1);
   StudyFolder b = a;
