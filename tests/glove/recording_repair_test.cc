@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -6,12 +7,14 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/glove/channels.h"
 #include "sim/glove/glove.h"
+#include "sim/glove/recordings/glitches.h"
 #include "sim/glove/recordings/recording.h"
 #include "sim/glove/recordings/zero_phase.h"
 
@@ -19,8 +22,10 @@ namespace gauntlet::sim {
 namespace {
 
 using ::testing::Contains;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Row {
   double time_s;
@@ -51,13 +56,18 @@ ReadResult Repair(const std::string& text) {
   return Read(text, format);
 }
 
-std::string StrictError(const std::string& text) {
+template <class Action>
+std::string ErrorOf(const Action& action) {
   try {
-    Read(text, {});
+    action();
   } catch (const UserError& error) {
     return error.what();
   }
   return "no error";
+}
+
+std::string StrictError(const std::string& text) {
+  return ErrorOf([&] { Read(text, {}); });
 }
 
 TEST(RecordingRepair, LeavesOutWhatIsNoNumberAndSaysWhereAndHowOften) {
@@ -124,16 +134,57 @@ TEST(RecordingRepair, LeavesOutUnknownColumnsAndSaysSo) {
               Contains("in.csv: unknown column 'label' left out: 1 times, first in row 1"));
 }
 
-TEST(Recording, TakesSingleWildValuesAway) {
-  Recording recording;
-  recording.has_channel.assign(18, false);
-  recording.has_channel[4] = true;
-  recording.angle_rad.setZero(9, 18);
-  recording.angle_rad.col(4) << 0.0, 0.1, 2.0, 0.2, 0.3, 1.4, 1.4, 1.4, 0.2;
-  RemoveGlitches(recording);
-  EXPECT_TRUE(std::isnan(recording.angle_rad(2, 4)));
-  EXPECT_FALSE(recording.angle_rad.col(4).tail(6).hasNaN());  // three in a row may be a movement
-  EXPECT_EQ(recording.remarks.size(), 1u);
+/// Places of glitches in values of a joint with a range of 1, as a whole file.
+std::vector<std::size_t> Glitches(const std::vector<double>& values, double rate_hz = 100.0,
+                                  StretchEnds ends = {true, true}) {
+  std::vector<double> time_s;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    time_s.push_back(static_cast<double>(i) / rate_hz);
+  }
+  return FindGlitches(time_s, values, 1.0, ends);
+}
+
+TEST(Glitches, AreOneOrTwoWildValuesInARow) {
+  EXPECT_THAT(Glitches({0, 0, 0.3, 0, 0}), ElementsAre(2));
+  EXPECT_THAT(Glitches({0, 0, -0.3, 0, 0}), ElementsAre(2));
+  EXPECT_THAT(Glitches({0, 0, 0.9, 0.4, 0, 0}), ElementsAre(2, 3));
+  EXPECT_THAT(Glitches({0, 0, 0.9, -0.9, 0, 0}), ElementsAre(2, 3));
+  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.9, 0.9, 0, 0, 0}), ElementsAre());  // may be a movement
+  EXPECT_THAT(Glitches({0, 0.9, 0, 0.9, 0}), ElementsAre(1, 3));
+  EXPECT_THAT(Glitches({0, 0, 0.2, 0, 0}), ElementsAre());
+  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.9, 0.9, 0.9}), ElementsAre());  // a step
+}
+
+TEST(Glitches, AreFoundBesideMissingValues) {
+  const double nan = std::nan("");
+  EXPECT_THAT(Glitches({0, 0, nan, 0.9, nan, 0, 0}), ElementsAre(3));
+  EXPECT_THAT(Glitches({nan, nan}), ElementsAre());
+}
+
+TEST(Glitches, AreFoundAtTheEndsOfAFileButNotOfAStretchOfIt) {
+  EXPECT_THAT(Glitches({0.9, 0, 0, 0, 0}), ElementsAre(0));
+  EXPECT_THAT(Glitches({0.9, 0.8, 0, 0, 0}), ElementsAre(0, 1));
+  EXPECT_THAT(Glitches({0, 0, 0, 0, 0.9}), ElementsAre(4));
+  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.8}), ElementsAre(3, 4));
+  EXPECT_THAT(Glitches({0.9, 0, 0.2, 0.4, 0.6}), ElementsAre());  // nothing to compare with
+  EXPECT_THAT(Glitches({0, 0.9}), ElementsAre());
+  EXPECT_THAT(Glitches({0.9, 0, 0, 0, 0.9}, 100.0, {false, false}), ElementsAre());
+}
+
+TEST(Glitches, AreNotWhatAHandCanDoBetweenTwoRows) {
+  EXPECT_THAT(Glitches({0, 0, 0.5, 0, 0}, 50.0), ElementsAre(2));
+  EXPECT_THAT(Glitches({0, 0, 0.5, 0, 0}, 20.0), ElementsAre());
+  // Opening and closing six times a second by 60 % of the range, with minimum jerk, at the rates of
+  // real files.
+  for (const double rate_hz : {12.0, 20.0, 25.0, 30.0, 50.0, 60.0, 100.0, 1000.0}) {
+    std::vector<double> bursts;
+    for (int i = 0; i < static_cast<int>(3 * rate_hz); ++i) {
+      const double cycle = std::fmod(i / rate_hz * 6.0, 1.0);
+      const double way = cycle < 0.5 ? 2.0 * cycle : 2.0 - 2.0 * cycle;
+      bursts.push_back(0.6 * way * way * way * (10.0 - 15.0 * way + 6.0 * way * way));
+    }
+    EXPECT_THAT(Glitches(bursts, rate_hz), ElementsAre()) << rate_hz;
+  }
 }
 
 TEST(Recording, FillsShortGapsAndMasksLongOnes) {
@@ -163,6 +214,55 @@ class Files : public ::testing::Test {
       std::filesystem::path(::testing::TempDir()) /
       ("gauntlet_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
 };
+
+/// 3 s of index_mcp at 100 Hz: 20 + 10 sin t [deg], with other angles in some lines of the file.
+std::string SlowSine(const std::map<int, double>& wild_deg) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i <= 300; ++i) {
+    const auto wild = wild_deg.find(i + 2);
+    const double angle_deg = wild != wild_deg.end() ? wild->second : 20 + 10 * std::sin(0.01 * i);
+    text += fmt::format("{},{}\n", 0.01 * i, angle_deg);
+  }
+  return text;
+}
+
+TEST_F(Files, WithGlitchesStopAStrictReadingAndAreRepaired) {
+  const std::string file = Write("in.csv", SlowSine({{2, 80}, {101, 85}, {201, -40}, {202, 75}}));
+  EXPECT_EQ(ErrorOf([&] { LoadRecording(file, {}); }),
+            file + ":2:2: index_mcp jumps to 80 deg and back, faster than a hand");
+  EXPECT_EQ(ErrorOf([&] { LoadRecording(file, {}, 0.5); }),
+            file + ":101:2: index_mcp jumps to 85 deg and back, faster than a hand");
+  RecordingFormat repair;
+  repair.handling = ProblemHandling::kRepair;
+  const Recording recording = LoadRecording(file, repair);
+  EXPECT_THAT(recording.remarks,
+              ElementsAre(file + ": index_mcp: glitch, value left out: 4 times, first in row 2"));
+  const auto angle = recording.angle_rad.col(ChannelIndex("index_mcp"));
+  EXPECT_EQ(angle.array().isNaN().count(), 4);
+  EXPECT_TRUE(std::isnan(angle[99]));
+}
+
+TEST_F(Files, ThatAreShippedHaveNoGlitch) {
+  const std::string folder = GAUNTLET_SOURCE_DIR "/scenarios/recordings/";
+  RecordingFormat format;
+  EXPECT_THAT(LoadRecording(folder + "door_opening/angles.csv", format).remarks, ElementsAre());
+  format.handling = ProblemHandling::kRepair;
+  EXPECT_THAT(LoadRecording(folder + "door_opening/targets.csv", format).remarks,
+              Each(Not(HasSubstr("glitch"))));
+  format.rate_hz = 50.0;
+  format.map = folder + "sign_glove/map.csv";
+  EXPECT_THAT(LoadRecording(folder + "sign_glove/letters_v_h_r.csv", format).remarks,
+              Each(Not(HasSubstr("glitch"))));
+}
+
+TEST_F(Files, OfASlowDeviceAreRemarked) {
+  std::string text = "time_s,index_mcp\n0,1\n";
+  for (int i = 1; i < 10; ++i) text += fmt::format("{},{}\n", 0.01 * i, i / 4);
+  const std::string file = Write("in.csv", text);
+  EXPECT_THAT(LoadRecording(file, {}).remarks,
+              ElementsAre(file + ": index_mcp: 6 of 10 rows repeat the value before, first in row "
+                                 "4, 3 rows in a row at most"));
+}
 
 TEST_F(Files, AreMappedByAMapFile) {
   RecordingFormat format;
@@ -367,7 +467,7 @@ TEST(MeasuredRecording, OfAHomeMadeGloveNamesItsReference) {
   const GloveSignal glove = SynthesiseGlove(config, 1);
   EXPECT_EQ(glove.reference_name, "recording smoothed at 5 Hz, zero phase");
   EXPECT_EQ(glove.counts.rows(), 20000);
-  EXPECT_THAT(glove.remarks, Contains(HasSubstr("of the rows repeat the value before")));
+  EXPECT_THAT(glove.remarks, Contains(HasSubstr("rows repeat the value before")));
   // The letter V: index and middle finger straight, ring and little finger bent.
   const auto mean_deg = [&](std::string_view name) {
     return glove.true_angle_rad.col(ChannelIndex(name)).mean() * kDegPerRad;

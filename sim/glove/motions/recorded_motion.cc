@@ -36,10 +36,7 @@ Recording Load(const RecordedMotionConfig& config, const RecordingFormat& format
                const std::string& file) {
   // Reading ends where no motion goes, so that memory does not grow with the file.
   const double duration_s = config.duration_s > 0.0 ? config.duration_s : kLongestMotionS + 1.0;
-  Recording recording = LoadRecording(file, format, config.start_s, duration_s);
-  if (format.handling == ProblemHandling::kRepair) RemoveGlitches(recording);
-  RemarkRepeats(recording);
-  return recording;
+  return LoadRecording(file, format, config.start_s, duration_s);
 }
 
 /// The stretch at the sampling rate; channels that the recording lacks hold the posture `rest`.

@@ -66,8 +66,12 @@ CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, 
 }
 
 void CsvReader::Fail(std::size_t column, const std::string& problem) const {
+  FailInRow(row_, column, problem);
+}
+
+void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string& problem) const {
   throw UserError(
-      fmt::format("{}:{}:{}: {}", name_, std::max<std::size_t>(row_, 1), column, problem));
+      fmt::format("{}:{}:{}: {}", name_, std::max<std::size_t>(row, 1), column, problem));
 }
 
 void CsvReader::Problem(std::string_view kind, std::size_t column, const std::string& message) {

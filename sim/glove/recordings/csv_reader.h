@@ -49,8 +49,10 @@ class CsvReader {
   std::size_t row() const { return row_; }
   const std::string& name() const { return name_; }
 
-  /// A UserError at a place of this file.
+  /// A UserError at a place of this file: in the row that NextRow() gave last, or in `row`.
   [[noreturn]] void Fail(std::size_t column, const std::string& problem) const;
+  [[noreturn]] void FailInRow(std::size_t row, std::size_t column,
+                              const std::string& problem) const;
 
  private:
   bool NextLine(std::string_view& line);

@@ -2,23 +2,69 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "sim/base/error.h"
 #include "sim/glove/channels.h"
+#include "sim/glove/recordings/glitches.h"
 #include "sim/glove/recordings/pchip.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-constexpr double kGlitchJump = 0.25;    // of the joint's range
-constexpr double kGlitchReturn = 0.10;  // of the joint's range
+// Rows before and behind a stretch that are read with it: a glitch at its end is known by them.
+constexpr std::size_t kRowsBeside = 3;
 
-double RangeOf(Eigen::Index channel) {
-  const Channel& joint = GloveChannels()[static_cast<std::size_t>(channel)];
-  return (joint.max_deg - joint.min_deg) * kRadPerDeg;
+struct Glitch {
+  Eigen::Index place;
+  Eigen::Index channel;
+};
+
+/// Reports them in the order of rows and makes them NaN. `rows` are lines of the file.
+void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& rows, StretchEnds ends,
+                    Recording& recording) {
+  std::vector<Glitch> glitches;
+  for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
+    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
+    for (const std::size_t place :
+         FindGlitches(recording.time_s, {recording.angle_rad.col(c).data(), rows.size()},
+                      (joint.max_deg - joint.min_deg) * kRadPerDeg, ends)) {
+      glitches.push_back({static_cast<Eigen::Index>(place), c});
+    }
+  }
+  std::ranges::stable_sort(glitches, {}, &Glitch::place);
+  for (const auto [place, c] : glitches) {
+    const std::string_view name = GloveChannels()[static_cast<std::size_t>(c)].name;
+    double& angle = recording.angle_rad(place, c);
+    reader.Report(fmt::format("{}: glitch, value left out", name),
+                  rows[static_cast<std::size_t>(place)], static_cast<std::size_t>(c),
+                  fmt::format("{} jumps to {:.6g} deg and back, faster than a hand", name,
+                              angle * kDegPerRad));
+    angle = kMissing;
+  }
+}
+
+void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
+  for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
+    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
+    const auto angle = recording.angle_rad.col(c);
+    Eigen::Index repeats = 0, run = 0, longest = 0, first = 0;
+    for (Eigen::Index i = 1; i < angle.size(); ++i) {
+      run = angle[i] == angle[i - 1] ? run + 1 : 0;
+      if (run > 0 && repeats++ == 0) first = i;
+      longest = std::max(longest, run);
+    }
+    if (2 * repeats < angle.size()) continue;
+    recording.remarks.push_back(fmt::format(
+        "{}: {}: {} of {} rows repeat the value before, first in row {}, {} rows in a row at most",
+        recording.name, GloveChannels()[static_cast<std::size_t>(c)].name, repeats, angle.size(),
+        rows[static_cast<std::size_t>(first)], longest));
+  }
 }
 
 }  // namespace
@@ -30,33 +76,41 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   recording.name = file.string();
   recording.has_channel = reader.has_channel();
   const std::size_t width = GloveChannels().size();
-  std::vector<double> row(width);
-  std::vector<double> rows;
+  std::vector<double> angles(width);
+  std::vector<double> table;
+  std::vector<std::size_t> rows;  // lines of the file
+  StretchEnds ends{.at_first_row = true, .at_last_row = true};
   double first_s = kMissing;
   double time_s = 0.0;
-  int rows_behind = 0;
-  while (reader.NextRow(time_s, row)) {
+  std::size_t rows_behind = 0;
+  while (reader.NextRow(time_s, angles)) {
     if (std::isnan(first_s)) first_s = time_s;
     const double since_start_s = time_s - first_s;
-    // Two rows on either side of the stretch are kept: the slopes at its ends need them.
-    if (since_start_s <= start_s && recording.time_s.size() == 2) {
+    if (since_start_s <= start_s && rows.size() == kRowsBeside) {
       recording.time_s.erase(recording.time_s.begin());
-      rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(width));
+      rows.erase(rows.begin());
+      table.erase(table.begin(), table.begin() + static_cast<std::ptrdiff_t>(width));
+      ends.at_first_row = false;
     }
     recording.time_s.push_back(since_start_s);
-    rows.insert(rows.end(), row.begin(), row.end());
-    if (duration_s > 0.0 && since_start_s >= start_s + duration_s && ++rows_behind == 2) break;
+    rows.push_back(reader.row());
+    table.insert(table.end(), angles.begin(), angles.end());
+    if (duration_s > 0.0 && since_start_s >= start_s + duration_s && ++rows_behind == kRowsBeside) {
+      ends.at_last_row = false;
+      break;
+    }
   }
   if (recording.time_s.size() < 2 || recording.time_s.back() <= start_s) {
     throw UserError(fmt::format(
         "{}:{}:1: the recording has {} rows after start_s {}, must have at least 2", recording.name,
         std::max<std::size_t>(reader.row(), 1), recording.time_s.size(), start_s));
   }
-  const Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> table(
-      rows.data(), static_cast<Eigen::Index>(recording.time_s.size()),
-      static_cast<Eigen::Index>(width));
-  recording.angle_rad = table;
+  using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  recording.angle_rad = Eigen::Map<const Table>(
+      table.data(), static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(width));
+  HandleGlitches(reader, rows, ends, recording);
   recording.remarks = reader.Remarks();
+  RemarkRepeats(rows, recording);
   return recording;
 }
 
@@ -85,46 +139,6 @@ Resampled Resample(const Recording& recording, Eigen::Index channel, double star
     result.mask[i] = !on_a_value && after - before > gap_s + 1e-9;
   }
   return result;
-}
-
-void RemoveGlitches(Recording& recording) {
-  for (Eigen::Index channel = 0; channel < recording.angle_rad.cols(); ++channel) {
-    if (!recording.has_channel[static_cast<std::size_t>(channel)]) continue;
-    auto angle = recording.angle_rad.col(channel);
-    const double range = RangeOf(channel);
-    std::size_t count = 0;
-    for (Eigen::Index i = 1; i + 1 < angle.size(); ++i) {
-      const double back = angle[i] - angle[i - 1];
-      const double ahead = angle[i] - angle[i + 1];
-      if (std::min(std::abs(back), std::abs(ahead)) > kGlitchJump * range && back * ahead > 0.0 &&
-          std::abs(ahead - back) < kGlitchReturn * range) {
-        angle[i] = kMissing;
-        ++count;
-      }
-    }
-    if (count == 0) continue;
-    recording.remarks.push_back(
-        fmt::format("{}: {}: {} single wild values left out", recording.name,
-                    GloveChannels()[static_cast<std::size_t>(channel)].name, count));
-  }
-}
-
-void RemarkRepeats(Recording& recording) {
-  for (Eigen::Index channel = 0; channel < recording.angle_rad.cols(); ++channel) {
-    if (!recording.has_channel[static_cast<std::size_t>(channel)]) continue;
-    const auto angle = recording.angle_rad.col(channel);
-    Eigen::Index repeats = 0, run = 0, longest = 0;
-    for (Eigen::Index i = 1; i < angle.size(); ++i) {
-      run = angle[i] == angle[i - 1] ? run + 1 : 0;
-      repeats += run > 0 ? 1 : 0;
-      longest = std::max(longest, run);
-    }
-    if (2 * repeats < angle.size()) continue;
-    recording.remarks.push_back(fmt::format(
-        "{}: {}: {:.0f} % of the rows repeat the value before, {} rows in a row at most",
-        recording.name, GloveChannels()[static_cast<std::size_t>(channel)].name,
-        100.0 * static_cast<double>(repeats) / static_cast<double>(angle.size()), longest));
-  }
 }
 
 }  // namespace gauntlet::sim

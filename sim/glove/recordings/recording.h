@@ -20,6 +20,11 @@ struct Recording {
 
 /// Reads from start_s for duration_s (0: to the end). Rows before the stretch are passed over and
 /// reading ends behind it, so memory grows with the stretch and not with the file.
+///
+/// Glitches (see FindGlitches) are a problem like all that RecordingReader finds: strict reading
+/// stops at the first of the stretch, repair makes them NaN. A remark tells where a channel hardly
+/// ever changes: a slow device that was polled fast, a sensor at its stop.
+///
 /// Errors: UserError in one line, also if the stretch has fewer than two rows.
 Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
                         double start_s = 0.0, double duration_s = 0.0);
@@ -34,13 +39,5 @@ struct Resampled {
 /// Errors: UserError if the channel has no good value.
 Resampled Resample(const Recording& recording, Eigen::Index channel, double start_s, double rate_hz,
                    std::size_t samples, double gap_s);
-
-/// Single wild values: those that jump away from both neighbours by more than a quarter of the
-/// joint's range while these agree within a tenth. They become NaN; a remark counts them.
-void RemoveGlitches(Recording& recording);
-
-/// Says where a channel hardly ever changes: a slow device that was polled fast, a sensor at its
-/// stop. Changes no value.
-void RemarkRepeats(Recording& recording);
 
 }  // namespace gauntlet::sim

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,11 +24,9 @@ constexpr double kGlitchShare = 0.5;
 RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
                                  const RecordingFormat& format)
     : handling_(format.handling), longest_gap_s_(1e-3 * format.longest_gap_ms) {
-  csv_ = std::make_unique<CsvReader>(std::move(name), std::move(source), format.handling,
-                                     [this](std::string_view kind, std::size_t row) {
-                                       Count& count = problems_[std::string(kind)];
-                                       if (count.rows++ == 0) count.first_row = row;
-                                     });
+  csv_ = std::make_unique<CsvReader>(
+      std::move(name), std::move(source), format.handling,
+      [this](std::string_view kind, std::size_t row) { Note(std::string(kind), row); });
   std::vector<std::string> left_out;
   map_ = format.map.empty() ? MapByHeader(*csv_, format.handling, left_out)
                             : ReadColumnMap(format.map, *csv_);
@@ -80,11 +79,24 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
                        .highest_rad = min_rad + (1.0 + kGlitchShare) * range_rad});
 }
 
-void RecordingReader::Report(const std::string& kind, std::size_t column,
-                             const std::string& message) {
-  if (handling_ == ProblemHandling::kStrict) csv_->Fail(column, message);
+void RecordingReader::Note(const std::string& kind, std::size_t row) {
   Count& count = problems_[kind];
-  if (count.rows++ == 0) count.first_row = csv_->row();
+  if (count.rows++ == 0) count.first_row = row;
+}
+
+void RecordingReader::ReportHere(const std::string& kind, std::size_t column,
+                                 const std::string& message) {
+  if (handling_ == ProblemHandling::kStrict) csv_->Fail(column, message);
+  Note(kind, csv_->row());
+}
+
+void RecordingReader::Report(const std::string& kind, std::size_t row, std::size_t channel,
+                             const std::string& message) {
+  if (handling_ == ProblemHandling::kStrict) {
+    const auto linear = std::ranges::find(channels_, channel, &Linear::channel);
+    csv_->FailInRow(row, linear->column + 1, message);
+  }
+  Note(kind, row);
 }
 
 bool RecordingReader::FixTime(double& time_s) {
@@ -96,7 +108,7 @@ bool RecordingReader::FixTime(double& time_s) {
   const double given_s = values_[*map_.time_column] * map_.time_scale_s;
   if (!std::isfinite(given_s)) return false;  // the CSV reader has reported it
   if (std::abs(given_s) > 1e12) {
-    Report("time out of range", column, fmt::format("the time is {} s", given_s));
+    ReportHere("time out of range", column, fmt::format("the time is {} s", given_s));
     return false;
   }
   time_s = given_s + clock_offset_s_;
@@ -104,21 +116,21 @@ bool RecordingReader::FixTime(double& time_s) {
   const double step_s = time_s - last_time_s_;
   if (step_s > 0.0) {
     if (step_s > longest_gap_s_) {
-      Report("gap in time", column, fmt::format("nothing for {:.6g} ms", 1e3 * step_s));
+      ReportHere("gap in time", column, fmt::format("nothing for {:.6g} ms", 1e3 * step_s));
     }
     return true;
   }
   const std::string message =
       fmt::format("the time is {} s, must be above {} s of the row before", time_s, last_time_s_);
   if (step_s == 0.0) {
-    Report("repeated time, row left out", column, message);
+    ReportHere("repeated time, row left out", column, message);
     return false;
   }
   if (step_s > -kClockRestartS) {
-    Report("row out of order, left out", column, message);
+    ReportHere("row out of order, left out", column, message);
     return false;
   }
-  Report("clock started anew", column, message);
+  ReportHere("clock started anew", column, message);
   const double expected_s = last_time_s_ + (last_step_s_ > 0.0 ? last_step_s_ : 0.01);
   clock_offset_s_ += expected_s - time_s;
   time_s = expected_s;
@@ -136,9 +148,9 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
       const double angle = linear.factor * values_[linear.column] + linear.offset_rad;
       if (angle < linear.lowest_rad || angle > linear.highest_rad) {
         const Channel& joint = GloveChannels()[linear.channel];
-        Report("glitch far outside the joint's range", linear.column + 1,
-               fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name,
-                           angle * kDegPerRad, joint.min_deg, joint.max_deg));
+        ReportHere("glitch far outside the joint's range", linear.column + 1,
+                   fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name,
+                               angle * kDegPerRad, joint.min_deg, joint.max_deg));
         continue;
       }
       angle_rad[linear.channel] = angle;

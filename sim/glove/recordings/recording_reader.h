@@ -42,6 +42,10 @@ class RecordingReader {
   const std::vector<bool>& has_channel() const { return has_channel_; }
   /// Line of the last row, from 1.
   std::size_t row() const { return csv_->row(); }
+  /// Notes a problem that was found in an earlier row of a channel; in a strict reading a
+  /// UserError.
+  void Report(const std::string& kind, std::size_t row, std::size_t channel,
+              const std::string& message);
   /// One line per kind of problem: what, how often, and the first row.
   std::vector<std::string> Remarks() const;
 
@@ -60,7 +64,8 @@ class RecordingReader {
     double highest_rad;
   };
 
-  void Report(const std::string& kind, std::size_t column, const std::string& message);
+  void ReportHere(const std::string& kind, std::size_t column, const std::string& message);
+  void Note(const std::string& kind, std::size_t row);
   bool FixTime(double& time_s);
   void AddLinear(const ColumnMapping& mapping, const RecordingFormat& format);
 
