@@ -231,6 +231,7 @@ TEST(Noise, TakesTheResidualOfARecordingAndNothingElse) {
   NoiseConfig config;
   config.kind = WhiteNoiseKind::kNone;
   config.recording = GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/targets.csv";
+  config.recording_problems = ProblemHandling::kRepair;
   const Signal noise = NoiseOf(config, 5000);
   const int index = ChannelIndex("index_mcp");
   EXPECT_GT(noise.col(index).norm() / std::sqrt(5000.0), 5.0);

@@ -19,7 +19,6 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr std::array<std::string_view, 2> kUseNames = {"truth", "measured"};
-constexpr std::array<std::string_view, 2> kProblemNames = {"strict", "repair"};
 
 RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext& context) {
   RecordingFormat format;
@@ -104,7 +103,7 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
                  file_rate_hz);
   controller::VisitEnum(
       visitor, {.key = "problems", .help = "stop at the first bad value, or repair and report"},
-      kProblemNames, problems);
+      kProblemHandlingNames, problems);
   visitor.Number({.key = "longest_gap_ms",
                   .help = "a shorter gap is filled by interpolation; a longer one is a problem",
                   .min = 0,

@@ -62,7 +62,8 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
   RecordingFormat format;
   format.map = config.recording_map;
   format.rate_hz = config.recording_rate_hz;
-  format.handling = ProblemHandling::kRepair;
+  format.handling = config.recording_problems;
+  format.longest_gap_ms = config.recording_longest_gap_ms;
   format.sensor = sensor;
   format.converter = converter;
   // No more of the file than the signal can use, and a little for the smoothing at its end.
@@ -73,7 +74,8 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
       static_cast<std::size_t>(std::clamp(recording.time_s.back() * rate_hz + 1.0, 2.0, 1e7));
   for (Eigen::Index c = 0; c < counts.cols(); ++c) {
     if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
-    const Resampled raw = Resample(recording, c, 0.0, rate_hz, samples, 0.1);
+    const Resampled raw =
+        Resample(recording, c, 0.0, rate_hz, samples, 1e-3 * config.recording_longest_gap_ms);
     std::vector<double> smooth = raw.value;
     SmoothZeroPhase(config.recording_smoothing_hz, rate_hz, smooth);
     const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];

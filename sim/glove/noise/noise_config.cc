@@ -35,6 +35,15 @@ void VisitRecording(controller::SettingsVisitor& visitor, NoiseConfig& config) {
                   .min = 0,
                   .max = 100000},
                  config.recording_rate_hz);
+  controller::VisitEnum(
+      visitor,
+      {.key = "recording_problems", .help = "stop at its first bad value, or repair and report"},
+      kProblemHandlingNames, config.recording_problems);
+  visitor.Number({.key = "recording_longest_gap_ms",
+                  .help = "a longer gap in it is a problem, and gives no noise",
+                  .min = 0,
+                  .max = 1e7},
+                 config.recording_longest_gap_ms);
   visitor.Number({.key = "recording_smoothing_hz",
                   .help = "what lies above this is its noise",
                   .min = 0.1,

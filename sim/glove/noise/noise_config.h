@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "controller/settings.h"
+#include "sim/glove/recordings/csv_reader.h"
 
 namespace gauntlet::sim {
 
@@ -35,6 +36,8 @@ struct NoiseConfig {
   std::string recording;
   std::string recording_map;
   double recording_rate_hz = 0.0;
+  ProblemHandling recording_problems = ProblemHandling::kStrict;
+  double recording_longest_gap_ms = 100.0;
   double recording_smoothing_hz = 5.0;
   double recording_scale = 1.0;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -16,6 +17,8 @@ enum class ProblemHandling {
   kRepair,        // gives NaN for the value and reports
   kAllowMissing,  // strict, but an empty cell or `nan` is NaN and no problem
 };
+/// As settings name the first two.
+inline constexpr std::array<std::string_view, 2> kProblemHandlingNames = {"strict", "repair"};
 
 /// Reads numbers from text with one row a line, in one pass and with a fixed buffer, so that memory
 /// does not grow with the file.
