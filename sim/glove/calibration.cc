@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "controller/calibration/curve_fit.h"
@@ -31,6 +33,7 @@ bool IsClipped(const PoseRecording& recording, Index sample, Index channel) {
 struct Poses {
   VectorXd counts;
   VectorXd angle_deg;
+  std::size_t clipped = 0;  // poses that do reach one
 };
 
 Poses PosesOf(const PoseRecording& recording, Index channel) {
@@ -44,23 +47,58 @@ Poses PosesOf(const PoseRecording& recording, Index channel) {
     const double angle = recording.angle_deg(k, channel);
     if (std::isfinite(angle) && !clipped.contains(angle)) settled.push_back(k);
   }
-  return {recording.counts.col(channel)(settled), recording.angle_deg.col(channel)(settled)};
+  return {recording.counts.col(channel)(settled), recording.angle_deg.col(channel)(settled),
+          clipped.size()};
 }
 
-int DifferentAngles(const VectorXd& angle_deg) {
-  std::vector<double> sorted(angle_deg.begin(), angle_deg.end());
-  std::sort(sorted.begin(), sorted.end());
-  return static_cast<int>(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
+/// Mean counts of each pose, by its angle.
+std::map<double, double> MeanCounts(const Poses& poses) {
+  std::map<double, double> counts;
+  std::map<double, int> samples;
+  for (Index k = 0; k < poses.counts.size(); ++k) {
+    counts[poses.angle_deg[k]] += poses.counts[k];
+    ++samples[poses.angle_deg[k]];
+  }
+  for (auto& [angle, sum] : counts) sum /= samples[angle];
+  return counts;
+}
+
+/// What keeps a curve from being fitted, in the words of a recording; empty if nothing does.
+std::string ProblemOf(const PoseRecording& recording, const std::string& channel,
+                      const Poses& poses, CurveKind kind) {
+  const std::map<double, double> counts = MeanCounts(poses);
+  if (counts.size() < 2) {
+    const std::string clipped =
+        poses.clipped == 0 ? ""
+                           : fmt::format(" besides {} at 0 or at full scale (--full-scale {:g})",
+                                         poses.clipped, recording.full_scale_counts);
+    return fmt::format(
+        "has {} pose{}{}, must have at least 2; a pose is a known angle ({}_deg) that stays the "
+        "same for more than {:g} ms (--settle-ms; 0 takes angles that never stand still)",
+        counts.size(), counts.size() == 1 ? "" : "s", clipped, channel, recording.settle_ms);
+  }
+  if (kind != CurveKind::kTable) return "";
+  const bool grows = counts.begin()->second < counts.rbegin()->second;
+  for (auto pose = counts.begin(), next = std::next(pose); next != counts.end(); pose = next++) {
+    if (grows ? pose->second < next->second : pose->second > next->second) continue;
+    return fmt::format(
+        "its counts do not follow its angle one way: {:.1f} counts at {:g} deg, {:.1f} at {:g} "
+        "deg; "
+        "check these poses, or use --linearisation two_point or polynomial",
+        pose->second, pose->first, next->second, next->first);
+  }
+  return "";
 }
 
 CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
   if (kind == CurveKind::kTable) return controller::FitTable(poses.counts, poses.angle_deg);
   if (kind == CurveKind::kTwoPoint) return controller::FitTwoPoint(poses.counts, poses.angle_deg);
   // Noise makes all counts different, so that the fit itself cannot see that poses are too few.
-  const int angles = DifferentAngles(poses.angle_deg);
+  const auto angles = static_cast<int>(MeanCounts(poses).size());
   if (degree >= angles) {
-    throw SettingError(
-        "degree", fmt::format("is {}, must be below the {} poses of known angle", degree, angles));
+    throw SettingError("degree", fmt::format("is {}, must be from 1 to {}, below its {} poses of "
+                                             "known angle: lower it or record more poses",
+                                             degree, angles - 1, angles));
   }
   return controller::FitPolynomial(poses.counts, poses.angle_deg, degree);
 }
@@ -86,14 +124,19 @@ void FitCurves(const PoseRecording& recording, const CalibrationOptions& options
                                        : controller::LinearisationKind::kTable;
   for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
     const Poses poses = PosesOf(recording, static_cast<Index>(i));
+    const std::string& name = recording.channel_names[i];
+    const std::string problem = ProblemOf(recording, name, poses, options.curve);
+    if (!problem.empty()) throw UserError(fmt::format("{}: {}: {}", recording.name, name, problem));
     CurveFit fit;
     try {
       fit = FitCurve(poses, options.curve, options.degree);
     } catch (const SettingError& error) {
-      throw UserError(
-          fmt::format("{}: {}: {}", recording.name, recording.channel_names[i], error.problem()));
+      const bool degree = error.key() == "degree";
+      const bool bent = !degree && options.curve == CurveKind::kPolynomial;
+      throw UserError(fmt::format("{}: {}: {}{}{}", recording.name, name, degree ? "--degree " : "",
+                                  error.problem(), bent ? "; lower --degree" : ""));
     }
-    fit.curve.channel = recording.channel_names[i];
+    fit.curve.channel = name;
     ChannelCalibration& channel = calibration.channels[i];
     channel.rms_error_deg = fit.rms_error_deg;
     channel.largest_error_deg = fit.largest_error_deg;
@@ -119,8 +162,11 @@ std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
 std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& recording) {
   auto stretches = controller::FindStillStretches(recording.counts, recording.rate_hz);
   if (stretches.empty()) {
-    throw UserError(fmt::format(
-        "{}: the hand never holds still for half a second, R cannot be estimated", recording.name));
+    throw UserError(
+        fmt::format("{}: the hand never holds still for half a second, R cannot be estimated: "
+                    "record it at rest "
+                    "for a second or more",
+                    recording.name));
   }
   Index at_the_end = 0;  // a channel that spoils stretches
   std::erase_if(stretches, [&](const controller::StillStretch& stretch) {

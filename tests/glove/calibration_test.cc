@@ -162,7 +162,10 @@ TEST(Calibrate, NamesWhatARecordingLacks) {
 
   GloveConfig moving;
   moving.motion.kind = MotionKind::kSine;
-  EXPECT_THAT(ErrorOf(RecordingOf(SynthesiseGlove(moving, 1))), HasSubstr("poses of known angle"));
+  EXPECT_THAT(
+      ErrorOf(RecordingOf(SynthesiseGlove(moving, 1))),
+      HasSubstr("thumb_rotation: has 0 poses, must have at least 2; a pose is a known angle "
+                "(thumb_rotation_deg) that stays the same for more than 200 ms"));
   PoseRecording no_angles = RecordingOf(SynthesiseGlove(moving, 1));
   no_angles.angle_deg.resize(no_angles.counts.rows(), 0);
   EXPECT_THAT(ErrorOf(no_angles), HasSubstr("never holds still"));
@@ -173,7 +176,17 @@ TEST(Calibrate, NamesWhatARecordingLacks) {
   EXPECT_THAT(ErrorOf(broken), HasSubstr("middle_pip: is at 0 or at full scale"));
 
   EXPECT_THAT(ErrorOf(good, {.curve = CurveKind::kPolynomial, .degree = 9}),
-              HasSubstr("thumb_rotation: is 9, must be below the 6 poses"));
+              HasSubstr("thumb_rotation: --degree is 9, must be from 1 to 5, below its 6 poses"));
+
+  PoseRecording clipped = good;
+  clipped.counts.col(4).setConstant(1023.0);
+  EXPECT_THAT(ErrorOf(clipped), testing::ContainsRegex("index_mcp: has 0 poses besides [0-9]+ "
+                                                       "at 0 or at full scale"));
+  PoseRecording turned = good;
+  for (Eigen::Index k = 0; k < turned.counts.rows(); ++k) {
+    if (turned.angle_deg(k, 4) > 0.0) turned.counts(k, 4) = 500.0;
+  }
+  EXPECT_THAT(ErrorOf(turned), HasSubstr("index_mcp: its counts do not follow its angle one way"));
 }
 
 class PoseFile : public testing::Test {

@@ -206,6 +206,7 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
                          rows.count, kFewestRows));
   }
   recording.full_scale_counts = format.full_scale_counts;
+  recording.settle_ms = format.settle_ms;
   recording.rate_hz = format.rate_hz;
   if (columns.time) {
     recording.rate_hz = static_cast<double>(rows.count + recording.rows_left_out - 1) /
