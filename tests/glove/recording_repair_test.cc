@@ -129,6 +129,36 @@ TEST(RecordingRepair, FindsTheNameThatAHeaderLacks) {
             "in.csv:1:2: the header has 2 names for 3 values");
 }
 
+TEST(Recording, KnowsTheTimeOfTheProjectsOwnTables) {
+  // As `gauntlet run --csv` and `gauntlet filter` name it.
+  const ReadResult result = Read("k,t_s,index_mcp\n0,2,1\n1,2.05,2\n", {});
+  ASSERT_EQ(result.rows.size(), 2u);
+  EXPECT_NEAR(result.rows[1].time_s, 2.05, 1e-12);
+  EXPECT_NEAR(result.rows[1].index_mcp_deg, 2.0, 1e-12);
+  EXPECT_NEAR(Read("Time_ms,index_mcp\n0,1\n20,2\n", {}).rows[1].time_s, 0.02, 1e-12);
+
+  EXPECT_EQ(StrictError("k,index_mcp\n0,1\n"),
+            "in.csv:1:1: there is no column of time; without one file_rate_hz must be given");
+  RecordingFormat format;
+  format.rate_hz = 50.0;
+  const ReadResult numbered = Read("k,index_mcp\n0,1\n1,2\n", format);
+  EXPECT_NEAR(numbered.rows[1].time_s, 0.02, 1e-12);
+  EXPECT_TRUE(numbered.remarks.empty());
+}
+
+TEST(Recording, WithTimeNeedsNoRate) {
+  const std::string text = "index_mcp,time_s\n1,0\n2,0.01\n";
+  RecordingFormat format;
+  format.rate_hz = 50.0;
+  EXPECT_EQ(ErrorOf([&] { Read(text, format); }),
+            "in.csv:1:2: is a column of time, file_rate_hz must not be given");
+  format.handling = ProblemHandling::kRepair;
+  const ReadResult result = Read(text, format);
+  EXPECT_NEAR(result.rows[1].time_s, 0.01, 1e-12);
+  EXPECT_THAT(result.remarks, ElementsAre("in.csv: file_rate_hz not used beside a column of time: "
+                                          "1 times, first in row 1"));
+}
+
 TEST(RecordingRepair, LeavesOutUnknownColumnsAndSaysSo) {
   const ReadResult result = Repair("time_s,label,index_mcp\n0,V,1\n0.01,H,2\n");
   EXPECT_NEAR(result.rows[1].index_mcp_deg, 2.0, 1e-12);

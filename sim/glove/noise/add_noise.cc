@@ -62,6 +62,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
   RecordingFormat format;
   format.map = config.recording_map;
   format.rate_hz = config.recording_rate_hz;
+  format.rate_key = "recording_rate_hz";
   format.handling = config.recording_problems;
   format.longest_gap_ms = config.recording_longest_gap_ms;
   format.sensor = sensor;

@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/glove/channels.h"
+#include "sim/glove/recordings/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -44,18 +45,15 @@ bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
     map.channels.push_back({.column = column, .channel = *channel});
     return true;
   }
-  const std::size_t cut = name.rfind('_');
-  const std::string_view stem = name.substr(0, std::min(cut, name.size()));
-  const std::string_view suffix = cut < name.size() ? name.substr(cut + 1) : "s";
-  if (stem == "time" && !map.time_column) {
-    const double* scale = FindIn(kTimeUnits, suffix);
-    if (scale == nullptr) return false;
+  if (const auto scale_s = TimeScaleS(name); scale_s && !map.time_column) {
     map.time_column = column;
-    map.time_scale_s = *scale;
+    map.time_scale_s = *scale_s;
     return true;
   }
-  const RecordedUnit* unit = FindIn(kUnits, suffix);
-  const auto channel = FindChannel(stem);
+  if (IsSampleNumber(name)) return true;
+  const std::size_t cut = std::min(name.rfind('_'), name.size());
+  const RecordedUnit* unit = FindIn(kUnits, name.substr(std::min(cut + 1, name.size())));
+  const auto channel = FindChannel(name.substr(0, cut));
   if (unit == nullptr || !channel) return false;
   map.channels.push_back({.column = column, .channel = *channel, .unit = *unit});
   return true;

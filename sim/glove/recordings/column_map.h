@@ -34,9 +34,10 @@ struct ColumnMap {
   std::vector<ColumnMapping> channels;
 };
 
-/// From the names in the file's header: `time` or the name of a channel, with the unit as a suffix
-/// (`time_ms`, `index_mcp_rad`); without a suffix seconds and degrees. In a strict reading every
-/// column must be known; otherwise the unknown ones are reported and left out.
+/// From the names in the file's header: a column of time (see TimeScaleS) or the name of a channel
+/// with the unit as a suffix (`index_mcp_rad`), without one degrees. `k`, the sample's number in a
+/// trace, is passed over. In a strict reading every column must be known; otherwise the unknown
+/// ones are reported and left out.
 /// Errors: UserError at the place in the recording.
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
                       std::vector<std::string>& left_out);

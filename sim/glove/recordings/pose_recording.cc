@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/glove/recordings/csv_reader.h"
+#include "sim/glove/recordings/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -62,9 +63,10 @@ bool AddChannel(const std::string& name, std::size_t column, PoseColumns& column
 }
 
 bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) {
-  if (name != "t_s" && name != "time_s" && name != "time_ms") return name == "k";
+  const auto scale_s = TimeScaleS(name);
+  if (!scale_s) return IsSampleNumber(name);
   columns.time = column;
-  columns.time_scale_s = name == "time_ms" ? 1e-3 : 1.0;
+  columns.time_scale_s = *scale_s;
   return true;
 }
 
@@ -108,9 +110,11 @@ PoseColumns FindColumns(const CsvReader& csv) {
     const std::string& name = csv.header()[column];
     if (AddTime(name, column, columns) || AddChannel(name, column, columns)) continue;
     if (name.find('.') == std::string::npos) {
-      csv.Fail(column + 1, fmt::format("unknown column {}, must be t_s, time_s, time_ms, k, or a "
-                                       "channel's name with _counts, _deg or _rad behind it",
-                                       Quoted(name)));
+      csv.Fail(
+          column + 1,
+          fmt::format("unknown column {}, must be t_s, time, time_s, time_ms, time_us, k, or a "
+                      "channel's name with _counts, _deg or _rad behind it",
+                      Quoted(name)));
     }
     ++columns.left_out;
   }

@@ -33,10 +33,16 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   for (const std::string& column : left_out) {
     problems_[fmt::format("unknown column {} left out", Quoted(column))] = {1, csv_->row()};
   }
-  if (!map_.time_column) {
-    if (format.rate_hz <= 0.0) {
-      csv_->Fail(1, "there is no column of time; without one file_rate_hz must be given");
+  if (map_.time_column) {
+    if (format.rate_hz > 0.0) {
+      ReportHere(fmt::format("{} not used beside a column of time", format.rate_key),
+                 *map_.time_column + 1,
+                 fmt::format("is a column of time, {} must not be given", format.rate_key));
     }
+  } else if (format.rate_hz <= 0.0) {
+    csv_->Fail(1, fmt::format("there is no column of time; without one {} must be given",
+                              format.rate_key));
+  } else {
     row_period_s_ = 1.0 / format.rate_hz;
   }
   values_.resize(csv_->column_count());

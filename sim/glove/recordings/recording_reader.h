@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/glove/recordings/column_map.h"
@@ -18,6 +19,7 @@ namespace gauntlet::sim {
 struct RecordingFormat {
   std::string map;       // column map; empty: the header's names
   double rate_hz = 0.0;  // rows per second of a file without time; 0: the file has a time column
+  std::string_view rate_key = "file_rate_hz";  // what messages call it
   ProblemHandling handling = ProblemHandling::kStrict;
   double longest_gap_ms = 100.0;  // a longer one is a problem
   SensorConfig sensor;            // nominal: for columns in counts
