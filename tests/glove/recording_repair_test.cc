@@ -107,6 +107,57 @@ TEST(RecordingRepair, MakesTimeRise) {
             "in.csv:4:1: the time is 10.01 s, must be above 10.01 s of the row before");
 }
 
+/// Times of 9 rows at 100 Hz from 10 s, of which some lines of the file have another.
+std::string Times(const std::map<int, double>& wild_s) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 9; ++i) {
+    const auto wild = wild_s.find(i + 2);
+    text += fmt::format("{},{}\n", wild != wild_s.end() ? wild->second : 10.0 + 0.01 * i, i);
+  }
+  return text;
+}
+
+double LengthS(const ReadResult& result) {
+  return result.rows.back().time_s - result.rows.front().time_s;
+}
+
+TEST(RecordingRepair, LeavesOutOneWildTime) {
+  for (const double wild_s : {50.0, 1e6, 10.3, 2.0, -1e6}) {
+    const ReadResult result = Repair(Times({{6, wild_s}}));
+    EXPECT_EQ(result.rows.size(), 8u) << wild_s;
+    EXPECT_NEAR(LengthS(result), 0.08, 1e-9) << wild_s;
+    EXPECT_THAT(result.remarks,
+                ElementsAre("in.csv: wild time, row left out: 1 times, first in row 6"));
+    EXPECT_THAT(StrictError(Times({{6, wild_s}})), HasSubstr("in.csv:6:1: "));
+  }
+  const ReadResult last = Repair(Times({{10, 50.0}}));
+  EXPECT_NEAR(LengthS(last), 0.07, 1e-9);
+  const ReadResult twice = Repair(Times({{5, 50.0}, {7, 60.0}}));
+  EXPECT_EQ(twice.rows.size(), 7u);
+  EXPECT_THAT(twice.remarks,
+              ElementsAre("in.csv: wild time, row left out: 2 times, first in row 5"));
+}
+
+TEST(RecordingRepair, FindsWhatIsWrongInTheRowBehindAWildTime) {
+  const ReadResult result =
+      Repair("time_s,index_mcp\n0,1\n0.01,2\n50,3\n0.03,x\n0.04,5\n0.04,6\n0.05,7\n");
+  ASSERT_EQ(result.rows.size(), 5u);
+  EXPECT_TRUE(std::isnan(result.rows[2].index_mcp_deg));
+  EXPECT_THAT(result.remarks,
+              ElementsAre("in.csv: not a number: 1 times, first in row 5",
+                          "in.csv: repeated time, row left out: 1 times, first in row 7",
+                          "in.csv: wild time, row left out: 1 times, first in row 4"));
+}
+
+TEST(RecordingRepair, TakesNoGapAndNoNewStartForAWildTime) {
+  const ReadResult gap = Repair("time_s,index_mcp\n0,1\n0.01,2\n50,3\n50.01,4\n");
+  EXPECT_EQ(gap.rows.size(), 4u);
+  EXPECT_THAT(gap.remarks, ElementsAre("in.csv: gap in time: 1 times, first in row 4"));
+  const ReadResult anew = Repair("time_s,index_mcp\n7,1\n7.01,2\n0,3\n0.01,4\n");
+  EXPECT_EQ(anew.rows.size(), 4u);
+  EXPECT_THAT(anew.remarks, ElementsAre("in.csv: clock started anew: 1 times, first in row 4"));
+}
+
 TEST(RecordingRepair, ReportsGaps) {
   const std::string text = "time_ms,index_mcp\n0,1\n10,2\n670,3\n";
   EXPECT_THAT(Repair(text).remarks, ElementsAre("in.csv: gap in time: 1 times, first in row 4"));
@@ -285,6 +336,21 @@ TEST_F(Files, ThatAreShippedHaveNoGlitch) {
   format.map = folder + "sign_glove/map.csv";
   EXPECT_THAT(LoadRecording(folder + "sign_glove/letters_v_h_r.csv", format).remarks,
               Each(Not(HasSubstr("glitch"))));
+}
+
+TEST_F(Files, ThatAreTooShortSayWhy) {
+  const std::string file = Write("in.csv", SlowSine({}));
+  EXPECT_EQ(ErrorOf([&] { LoadRecording(file, {}, 5.0); }),
+            file + ":302:1: the recording is 3 s long, must be longer than start_s 5");
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 300; ++i) text += "1,20\n";
+  RecordingFormat repair;
+  repair.handling = ProblemHandling::kRepair;
+  const std::string repeats = Write("repeats.csv", text);
+  EXPECT_EQ(ErrorOf([&] { LoadRecording(repeats, repair); }),
+            repeats +
+                ":301:1: the recording has 1 good rows, must have at least 2 (found: repeated "
+                "time, row left out: 299 times, first in row 3)");
 }
 
 TEST_F(Files, OfASlowDeviceAreRemarked) {

@@ -24,6 +24,20 @@ struct Glitch {
   Eigen::Index channel;
 };
 
+[[noreturn]] void FailAsTooShort(const RecordingReader& reader, const Recording& recording,
+                                 double start_s) {
+  std::string problem =
+      recording.time_s.size() < 2
+          ? fmt::format("the recording has {} good rows, must have at least 2",
+                        recording.time_s.size())
+          : fmt::format("the recording is {:.6g} s long, must be longer than start_s {:.6g}",
+                        recording.time_s.back(), start_s);
+  const std::string found = reader.MostFrequentProblem();
+  if (!found.empty()) problem += fmt::format(" (found: {})", found);
+  throw UserError(
+      fmt::format("{}:{}:1: {}", recording.name, std::max<std::size_t>(reader.row(), 1), problem));
+}
+
 /// Reports them in the order of rows and makes them NaN. `rows` are lines of the file.
 void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& rows, StretchEnds ends,
                     Recording& recording) {
@@ -101,9 +115,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
     }
   }
   if (recording.time_s.size() < 2 || recording.time_s.back() <= start_s) {
-    throw UserError(fmt::format(
-        "{}:{}:1: the recording has {} rows after start_s {}, must have at least 2", recording.name,
-        std::max<std::size_t>(reader.row(), 1), recording.time_s.size(), start_s));
+    FailAsTooShort(reader, recording, start_s);
   }
   using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   recording.angle_rad = Eigen::Map<const Table>(

@@ -27,6 +27,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   csv_ = std::make_unique<CsvReader>(
       std::move(name), std::move(source), format.handling,
       [this](std::string_view kind, std::size_t row) { Note(std::string(kind), row); });
+  row_ = csv_->row();
   std::vector<std::string> left_out;
   map_ = format.map.empty() ? MapByHeader(*csv_, format.handling, left_out)
                             : ReadColumnMap(format.map, *csv_);
@@ -46,6 +47,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
     row_period_s_ = 1.0 / format.rate_hz;
   }
   values_.resize(csv_->column_count());
+  next_values_.resize(csv_->column_count());
   has_channel_.assign(GloveChannels().size(), false);
   std::vector<bool> used(csv_->column_count(), false);
   if (map_.time_column) used[*map_.time_column] = true;
@@ -92,8 +94,8 @@ void RecordingReader::Note(const std::string& kind, std::size_t row) {
 
 void RecordingReader::ReportHere(const std::string& kind, std::size_t column,
                                  const std::string& message) {
-  if (handling_ == ProblemHandling::kStrict) csv_->Fail(column, message);
-  Note(kind, csv_->row());
+  if (handling_ == ProblemHandling::kStrict) csv_->FailInRow(row_, column, message);
+  Note(kind, row_);
 }
 
 void RecordingReader::Report(const std::string& kind, std::size_t row, std::size_t channel,
@@ -120,6 +122,10 @@ bool RecordingReader::FixTime(double& time_s) {
   time_s = given_s + clock_offset_s_;
   if (good_rows_ == 0) return true;
   const double step_s = time_s - last_time_s_;
+  if (handling_ == ProblemHandling::kRepair && IsWildTime(step_s)) {
+    Note("wild time, row left out", row_);
+    return false;
+  }
   if (step_s > 0.0) {
     if (step_s > longest_gap_s_) {
       ReportHere("gap in time", column, fmt::format("nothing for {:.6g} ms", 1e3 * step_s));
@@ -143,8 +149,35 @@ bool RecordingReader::FixTime(double& time_s) {
   return time_s > last_time_s_;
 }
 
+bool RecordingReader::IsWildTime(double step_s) {
+  // The longest way from one row to the next but one, also in a slow recording.
+  const double longest_step_s = std::max(longest_gap_s_, 3.0 * last_step_s_);
+  const bool is_far = step_s > longest_step_s || step_s <= -kClockRestartS;
+  if (!is_far || good_rows_ < 2) return false;
+  if (!has_next_) {
+    has_next_ = csv_->NextRow(next_values_);
+    next_row_ = csv_->row();
+  }
+  if (!has_next_) return std::abs(step_s) > kClockRestartS;
+  const double next_s = next_values_[*map_.time_column] * map_.time_scale_s + clock_offset_s_;
+  const double next_step_s = next_s - last_time_s_;
+  return next_step_s > 0.0 && next_step_s <= longest_step_s;
+}
+
+bool RecordingReader::ReadRow() {
+  if (has_next_) {
+    std::swap(values_, next_values_);
+    row_ = next_row_;
+    has_next_ = false;
+    return true;
+  }
+  if (!csv_->NextRow(values_)) return false;
+  row_ = csv_->row();
+  return true;
+}
+
 bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
-  while (csv_->NextRow(values_)) {
+  while (ReadRow()) {
     double now_s = 0.0;
     if (!FixTime(now_s)) continue;
     if (good_rows_++ > 0) last_step_s_ = now_s - last_time_s_;
@@ -169,10 +202,20 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
 std::vector<std::string> RecordingReader::Remarks() const {
   std::vector<std::string> remarks;
   for (const auto& [kind, count] : problems_) {
-    remarks.push_back(fmt::format("{}: {}: {} times, first in row {}", csv_->name(), kind,
-                                  count.rows, count.first_row));
+    remarks.push_back(fmt::format("{}: {}", csv_->name(), Remark(kind, count)));
   }
   return remarks;
+}
+
+std::string RecordingReader::MostFrequentProblem() const {
+  if (problems_.empty()) return "";
+  const auto& [kind, count] = *std::ranges::max_element(
+      problems_, {}, [](const auto& problem) { return problem.second.rows; });
+  return Remark(kind, count);
+}
+
+std::string RecordingReader::Remark(const std::string& kind, const Count& count) {
+  return fmt::format("{}: {} times, first in row {}", kind, count.rows, count.first_row);
 }
 
 }  // namespace gauntlet::sim

@@ -31,9 +31,11 @@ struct RecordingFormat {
 ///
 /// What is found: everything that CsvReader finds; time that stands still (the row is left out),
 /// that goes back by up to a second (left out) or by more (a new start of the clock: time goes on),
-/// gaps, and angles further outside the joint's range than half of that range (left out as a
-/// glitch). Strict reading stops at the first of them; repair counts them. Errors: UserError
-/// `file:row:column: ...` in one line.
+/// gaps, a wild time (left out: one row far ahead or far back, while the next row goes on from the
+/// row before it; or the last row of the file, if it is more than a second away), and angles
+/// further outside the joint's range than half of that range (left out as a glitch). Strict reading
+/// stops at the first of them; repair counts them. Errors: UserError `file:row:column: ...` in one
+/// line.
 class RecordingReader {
  public:
   RecordingReader(std::string name, CsvReader::Source source, const RecordingFormat& format);
@@ -43,13 +45,15 @@ class RecordingReader {
 
   const std::vector<bool>& has_channel() const { return has_channel_; }
   /// Line of the last row, from 1.
-  std::size_t row() const { return csv_->row(); }
+  std::size_t row() const { return row_; }
   /// Notes a problem that was found in an earlier row of a channel; in a strict reading a
   /// UserError.
   void Report(const std::string& kind, std::size_t row, std::size_t channel,
               const std::string& message);
   /// One line per kind of problem: what, how often, and the first row.
   std::vector<std::string> Remarks() const;
+  /// The problem found most often, as such a line without the file; empty if there is none.
+  std::string MostFrequentProblem() const;
 
  private:
   struct Count {
@@ -67,8 +71,11 @@ class RecordingReader {
   };
 
   void ReportHere(const std::string& kind, std::size_t column, const std::string& message);
+  static std::string Remark(const std::string& kind, const Count& count);
   void Note(const std::string& kind, std::size_t row);
+  bool ReadRow();
   bool FixTime(double& time_s);
+  bool IsWildTime(double step_s);
   void AddLinear(const ColumnMapping& mapping, const RecordingFormat& format);
 
   ProblemHandling handling_;
@@ -78,6 +85,10 @@ class RecordingReader {
   std::vector<Linear> channels_;
   std::vector<bool> has_channel_;
   std::vector<double> values_;
+  std::size_t row_ = 0;
+  std::vector<double> next_values_;  // of the row behind, if it was needed
+  std::size_t next_row_ = 0;
+  bool has_next_ = false;
   double row_period_s_ = 0.0;
   double longest_gap_s_ = 0.0;
   double last_time_s_ = 0.0;
