@@ -376,6 +376,20 @@ TEST_F(Files, AreMappedByAMapFile) {
   EXPECT_NEAR(recording.angle_rad(0, ChannelIndex("little_pip")) * kDegPerRad, 25.0, 1e-9);
 }
 
+TEST_F(Files, OfMapsAreTablesLikeRecordings) {
+  const std::string file = Write("in.csv", "a b,c\n0,1\n1,2\n");
+  RecordingFormat format;
+  format.rate_hz = 100.0;
+  for (const std::string_view text :
+       {"\xEF\xBB\xBF\"column\";\"channel\";\"scale\"\r\n\"a b\";\"index_mcp\";0,5\r\n",
+        "# by hand\ncolumn\tchannel\tscale\na b\tindex_mcp\t+0.5",
+        "\n'column' , channel,scale\n'a b', index_mcp ,0.5\n\n"}) {
+    format.map = Write("map.csv", text);
+    const Recording recording = LoadRecording(file, format);
+    EXPECT_NEAR(recording.angle_rad(1, ChannelIndex("index_mcp")) * kDegPerRad, 0.5, 1e-12);
+  }
+}
+
 TEST_F(Files, OfMapsAreReadStrictly) {
   const std::string file = Write("in.csv", "a,b\n0,1\n1,2\n");
   const auto error_of = [&](std::string_view text) -> std::string {
@@ -392,6 +406,9 @@ TEST_F(Files, OfMapsAreReadStrictly) {
   };
   EXPECT_EQ(error_of("column,channel\na,index_mcp\n"), "no error");
   EXPECT_EQ(error_of(""), "map.csv:1:1: the file holds no data");
+  EXPECT_EQ(error_of("1,2\n"), "map.csv:1:1: there is no key column");
+  EXPECT_EQ(error_of("column,channel,scale\na,index_mcp,1e999\n"),
+            "map.csv:2:3: '1e999' is not a finite number");
   EXPECT_EQ(error_of("column,chanel\n"),
             "map.csv:1:2: unknown key 'chanel' (did you mean channel?)");
   EXPECT_EQ(error_of("column,channel\na,index_mpc\n"),
@@ -399,12 +416,12 @@ TEST_F(Files, OfMapsAreReadStrictly) {
   EXPECT_EQ(error_of("column,channel,unit\na,index_mcp,m\n"),
             "map.csv:2:3: 'm' must be one of: deg, rad, counts, share");
   EXPECT_EQ(error_of("column,channel,scale\na,index_mcp,two\n"),
-            "map.csv:2:3: 'two' is not a finite number");
+            "map.csv:2:3: 'two' is not a number");
   EXPECT_EQ(error_of("column,channel,sign\na,index_mcp,2\n"), "map.csv:2:3: must be 1 or -1");
   EXPECT_THAT(error_of("column,channel\nc,index_mcp\n"), HasSubstr("has no column 'c'"));
   EXPECT_EQ(error_of("column,channel\na,index_mcp\nb,index_mcp\n"),
             "map.csv:3:2: index_mcp stands twice");
-  EXPECT_EQ(error_of("column,channel\na\n"), "map.csv:2:1: the row has 1 values, must have 2");
+  EXPECT_EQ(error_of("column,channel\na\n"), "map.csv:2:1: the row has 1 of 2 values");
 }
 
 TEST_F(Files, CanBeReadInPart) {

@@ -6,10 +6,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <utility>
 
-#include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/glove/channels.h"
 #include "sim/glove/recordings/time_columns.h"
@@ -73,64 +71,35 @@ std::string ChannelText(const ColumnMapping& mapping) {
   return std::string(GloveChannels()[static_cast<std::size_t>(mapping.channel)].name);
 }
 
-/// Small text table for the map file.
+/// The text table of a map file.
 class MapFile {
  public:
-  explicit MapFile(const std::filesystem::path& path) : name_(path.string()), file_(path) {
-    if (!file_) throw UserError(name_ + ": cannot open the column map");
-    if (!NextRow()) Fail(1, "the file holds no data");
-    header_ = cells_;
-    for (std::size_t i = 0; i < header_.size(); ++i) {
-      if (std::ranges::find(kKeys, header_[i]) == kKeys.end()) {
-        Fail(i + 1, fmt::format("unknown key {}{}", Quoted(header_[i]),
-                                Suggestion(header_[i], {kKeys.begin(), kKeys.end()})));
+  explicit MapFile(const std::filesystem::path& path)
+      : csv_(path.string(), FileSource(path), ProblemHandling::kStrict) {
+    const std::vector<std::string>& header = csv_.header();
+    for (std::size_t i = 0; i < header.size(); ++i) {
+      if (std::ranges::find(kKeys, header[i]) == kKeys.end()) {
+        csv_.Fail(i + 1, fmt::format("unknown key {}{}", Quoted(header[i]),
+                                     Suggestion(header[i], {kKeys.begin(), kKeys.end()})));
       }
     }
-    if (Find("column") == header_.size()) Fail(1, "there is no key column");
-    if (Find("channel") == header_.size()) Fail(1, "there is no key channel");
+    if (Find("column") == header.size()) csv_.Fail(1, "there is no key column");
+    if (Find("channel") == header.size()) csv_.Fail(1, "there is no key channel");
   }
 
-  bool NextRow() {
-    std::string line;
-    while (std::getline(file_, line)) {
-      ++row_;
-      if (line.ends_with('\r')) line.pop_back();
-      if (line.empty() || line[0] == '#') continue;
-      cells_.clear();
-      for (std::size_t begin = 0; begin <= line.size();) {
-        const std::size_t end = std::min(line.find(',', begin), line.size());
-        const std::size_t first = std::min(line.find_first_not_of(" \t", begin), end);
-        const std::size_t last = line.find_last_not_of(" \t", end == 0 ? 0 : end - 1);
-        cells_.push_back(first < end ? line.substr(first, last - first + 1) : "");
-        begin = end + 1;
-      }
-      if (!header_.empty() && cells_.size() != header_.size()) {
-        Fail(cells_.size(),
-             fmt::format("the row has {} values, must have {}", cells_.size(), header_.size()));
-      }
-      return true;
-    }
-    return false;
-  }
+  bool NextRow() { return csv_.NextRow(cells_); }
 
   std::string Text(std::string_view key, std::string_view fallback) const {
     const std::size_t place = Find(key);
-    if (place == header_.size() || cells_[place].empty()) return std::string(fallback);
+    if (place == csv_.header().size() || cells_[place].empty()) return std::string(fallback);
     return cells_[place];
   }
-  double Number(std::string_view key, double fallback) const {
+  double Number(std::string_view key, double fallback) {
     const std::string text = Text(key, "");
-    if (text.empty()) return fallback;
-    double value = 0.0;
-    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (result.ec != std::errc() || result.ptr != text.data() + text.size() ||
-        !std::isfinite(value)) {
-      FailAt(key, Quoted(text) + " is not a finite number");
-    }
-    return value;
+    return text.empty() ? fallback : csv_.Number(text, Find(key) + 1);
   }
   [[noreturn]] void FailAt(std::string_view key, const std::string& problem) const {
-    Fail(Find(key) + 1, problem);
+    csv_.Fail(Find(key) + 1, problem);
   }
 
  private:
@@ -138,16 +107,10 @@ class MapFile {
                                                             "scale",  "sign",    "offset"};
 
   std::size_t Find(std::string_view key) const {
-    return static_cast<std::size_t>(std::ranges::find(header_, key) - header_.begin());
-  }
-  [[noreturn]] void Fail(std::size_t column, const std::string& problem) const {
-    throw UserError(fmt::format("{}:{}:{}: {}", name_, std::max(row_, 1), column, problem));
+    return static_cast<std::size_t>(std::ranges::find(csv_.header(), key) - csv_.header().begin());
   }
 
-  std::string name_;
-  std::ifstream file_;
-  int row_ = 0;
-  std::vector<std::string> header_;
+  CsvReader csv_;
   std::vector<std::string> cells_;
 };
 

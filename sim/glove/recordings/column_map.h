@@ -42,10 +42,11 @@ struct ColumnMap {
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
                       std::vector<std::string>& left_out);
 
-/// From a map file: text with a header `column,channel` and any of `unit`, `scale`, `sign`,
-/// `offset`. `column` is a name in the recording's header or a number from 1; `channel` is a
-/// channel or `time`; `unit` is deg, rad, counts or share, for time s, ms or us. Columns that the
-/// map does not name are left out. Errors: UserError `map:row:column: ...`.
+/// From a map file: a text table like a recording (see CsvReader), with a header `column,channel`
+/// and any of `unit`, `scale`, `sign`, `offset`. `column` is a name in the recording's header or a
+/// number from 1; `channel` is a channel or `time`; `unit` is deg, rad, counts or share, for time
+/// s, ms or us. Columns that the map does not name are left out. Errors: UserError `map:row:column:
+/// ...`.
 ColumnMap ReadColumnMap(const std::filesystem::path& map, const CsvReader& recording);
 
 }  // namespace gauntlet::sim

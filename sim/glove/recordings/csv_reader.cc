@@ -197,16 +197,31 @@ void CsvReader::ReadFirstRowOfData() {
   column_count_ = header_.size();
 }
 
+bool CsvReader::NextLineOfData(std::string_view& line) {
+  if (!has_first_row_) return NextUsefulLine(line);
+  has_first_row_ = false;
+  row_ = first_row_line_;
+  line = first_row_;
+  return true;
+}
+
 bool CsvReader::NextRow(std::span<double> values) {
-  if (has_first_row_) {
-    has_first_row_ = false;
-    row_ = first_row_line_;
-    ParseRow(first_row_, values);
-    return true;
-  }
   std::string_view line;
-  if (!NextUsefulLine(line)) return false;
+  if (!NextLineOfData(line)) return false;
   ParseRow(line, values);
+  return true;
+}
+
+bool CsvReader::NextRow(std::vector<std::string>& cells) {
+  std::string_view line;
+  if (!NextLineOfData(line)) return false;
+  cells.clear();
+  for (const std::string_view cell : Cells(line)) cells.emplace_back(Unquoted(cell));
+  if (cells.size() != column_count_) {
+    Problem(cells.size() < column_count_ ? "truncated row" : "row too long", cells.size(),
+            fmt::format("the row has {} of {} values", cells.size(), column_count_));
+    cells.resize(column_count_);
+  }
   return true;
 }
 
@@ -228,7 +243,7 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
     // Everything that is not a plain number between separators: rare, so clarity over speed.
     const std::string_view cell = NextCell(rest);
     more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
-    values[column] = ignored_[column] ? kMissing : ParseSlowly(cell, column + 1);
+    values[column] = ignored_[column] ? kMissing : Number(cell, column + 1);
   }
   if (column < column_count_) {
     Problem("truncated row", column,
@@ -240,7 +255,7 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
   }
 }
 
-double CsvReader::ParseSlowly(std::string_view cell, std::size_t column) {
+double CsvReader::Number(std::string_view cell, std::size_t column) {
   std::string text(Unquoted(cell).substr(0, 64));
   if (separator_ != ',') std::ranges::replace(text, ',', '.');
   if (text.empty()) {

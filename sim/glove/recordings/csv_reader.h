@@ -48,6 +48,10 @@ class CsvReader {
 
   /// The next row; false at the end. `values` has column_count() places.
   bool NextRow(std::span<double> values);
+  /// The same as text, without quotes.
+  bool NextRow(std::vector<std::string>& cells);
+  /// The number in a cell of the row that was given last; column from 1.
+  double Number(std::string_view cell, std::size_t column);
   /// Line of the row that NextRow() gave last, from 1.
   std::size_t row() const { return row_; }
   const std::string& name() const { return name_; }
@@ -65,8 +69,8 @@ class CsvReader {
   void ReadFirstRowOfData();
   std::vector<std::string_view> Cells(std::string_view line) const;
   std::string_view NextCell(std::string_view& rest) const;
+  bool NextLineOfData(std::string_view& line);
   void ParseRow(std::string_view line, std::span<double> values);
-  double ParseSlowly(std::string_view cell, std::size_t column);
   void Problem(std::string_view kind, std::size_t column, const std::string& message);
 
   std::string name_;
