@@ -10,13 +10,14 @@ void KalmanNoise::Visit(SettingsVisitor& visitor) {
   visitor.Numbers({.key = "r",
                    .help = "measurement variance [unit of the input squared], one for all channels "
                            "or one for each; the default is the paper's, for 18 channels in counts",
-                   .min = 0,
-                   .open_range = true},
+                   .min = 1e-20,
+                   .max = 1e20},
                   r);
   visitor.Numbers({.key = "q",
                    .help = "how much the motion may change, one for all channels or one for each; "
                            "see process_noise; the default is the paper's Q = I",
-                   .min = 0},
+                   .min = 0,
+                   .max = 1e20},
                   q);
   VisitProcessNoise(visitor, process_noise);
 }

@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/interrupt.h"
 #include "sim/scenario/yaml_reader.h"
 
 namespace gauntlet::sim {
@@ -55,6 +56,13 @@ StreamFilter ReadFilter(const FilterOptions& options) {
     throw UserError(
         fmt::format("filter {}: unknown kind{}", options.kind, Suggestion(options.kind, kinds)));
   }
+  for (const std::string& text : options.settings) {
+    if (text.starts_with("kind=")) {
+      throw UserError(fmt::format("--set {}: the kind is an argument: gauntlet filter {}", text,
+                                  text.substr(5)));
+    }
+    if (text.ends_with(',')) throw UserError(fmt::format("--set {}: ends with a comma", text));
+  }
   YAML::Node root(YAML::NodeType::Map);
   root["kind"] = options.kind;
   YamlSource source{.file = "command line", .overrides = {}};
@@ -94,7 +102,7 @@ class FilterStream {
     for (const std::string_view name : SplitFields(line)) {
       const std::string_view trimmed = Trimmed(name);
       if (trimmed.empty()) Fail(1, column, "has no name");
-      if (!IsTime(trimmed)) channels_.push_back(column);
+      if (!IsTime(trimmed, column)) channels_.push_back(column);
       numbers += IsNumber(trimmed);
       ++column;
     }
@@ -128,16 +136,17 @@ class FilterStream {
   std::size_t missing() const { return missing_; }
 
  private:
-  static bool IsTime(std::string_view name) {
+  /// `k`, the number of the sample, is time in the first column only.
+  static bool IsTime(std::string_view name, std::size_t column) {
     if (name.size() > 2 && name.front() == '"' && name.back() == '"') {
       name = name.substr(1, name.size() - 2);
     }
     std::string lower(name);
     for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    for (const char* time : {"t_s", "k", "time", "time_s", "time_ms"}) {
+    for (const char* time : {"t_s", "time", "time_s", "time_ms"}) {
       if (lower == time) return true;
     }
-    return false;
+    return lower == "k" && column == 0;
   }
 
   static bool IsNumber(std::string_view text) {
@@ -146,8 +155,9 @@ class FilterStream {
     return error == std::errc() && rest == text.data() + text.size();
   }
 
-  /// A filter gets finite numbers only: a missing one is the last good one again. Before a
-  /// channel's first good one its filter does not count; it starts there.
+  /// A filter gets finite numbers only, and none so large that a sum of them is not: another is
+  /// the last good one again. Before a channel's first good one its filter does not count; it
+  /// starts there.
   void ReadValue(std::string_view field, std::size_t row, std::size_t channel) {
     double value = std::numeric_limits<double>::quiet_NaN();
     if (!field.empty()) {
@@ -158,7 +168,8 @@ class FilterStream {
         Fail(row, channels_[channel], fmt::format("is \"{}\", must be a number", field));
       }
     }
-    if (std::isfinite(value)) {
+    constexpr double kLargest = 1e100;
+    if (std::abs(value) <= kLargest) {
       values_[channel] = value;
       if (!started_[channel]) filter_->ResetChannel(static_cast<int>(channel));
       started_[channel] = true;
@@ -203,6 +214,7 @@ class FilterStream {
 };
 
 void RunFilter(const FilterOptions& options) {
+  EndAtInterrupts();  // it waits for its source, and has nothing to tidy up
   const StreamFilter settings = ReadFilter(options);
   FilterStream stream(settings);
   std::ios::sync_with_stdio(false);
@@ -231,7 +243,8 @@ void AddFilterCommand(CLI::App& app) {
       ->type_name("key=value")
       ->take_all();
   command->footer(
-      "\nColumns named t_s, k, time, time_s or time_ms pass through; all others are channels.\n"
+      "\nColumns named t_s, time, time_s or time_ms pass through, and k if it is the first; all "
+      "others are channels.\nA missing value, or one beyond 1e100, is held at the last good one.\n"
       "\nExample:\n  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv\n");
   command->callback([options] { RunFilter(*options); });
 }

@@ -19,14 +19,18 @@ void OnSignal(int) {
   interrupted = 1;
 }
 
-}  // namespace
-
-void CatchInterrupts() {
+void Handle(void (*handler)(int)) {
   struct sigaction action = {};
-  action.sa_handler = OnSignal;
+  action.sa_handler = handler;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
+
+}  // namespace
+
+void CatchInterrupts() { Handle(OnSignal); }
+
+void EndAtInterrupts() { Handle(SIG_DFL); }
 
 bool Interrupted() { return interrupted != 0; }
 

@@ -6,6 +6,9 @@ namespace gauntlet::sim {
 /// at once, without leaving temporary files.
 void CatchInterrupts();
 
+/// From now on Ctrl-C and SIGTERM end the program at once, as they do any that has nothing to tidy.
+void EndAtInterrupts();
+
 /// Whether somebody pressed Ctrl-C.
 bool Interrupted();
 
