@@ -78,6 +78,16 @@ class SettingError : public std::invalid_argument {
   std::string problem_;
 };
 
+/// The result of `work`; a SettingError from it gets the path of `key` before its own.
+template <class Work>
+auto WithinSetting(const std::string& key, const Work& work) {
+  try {
+    return work();
+  } catch (const SettingError& error) {
+    throw SettingError(error.key().empty() ? key : key + "." + error.key(), error.problem());
+  }
+}
+
 /// A number as errors show it: at most six digits.
 std::string NumberText(double value);
 

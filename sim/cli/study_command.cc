@@ -52,6 +52,8 @@ void WarnIfMadeElsewhere(const Study& study) {
 Study Prepare(const StudyCommand& options, Scenario scenario) {
   try {
     return PrepareStudy(std::move(scenario));
+  } catch (const controller::SettingError& error) {
+    throw UserError(fmt::format("{}: {}", options.scenario_file, error.what()));
   } catch (const UserError& error) {
     const std::string problem = error.what();
     if (std::filesystem::exists(problem.substr(0, problem.find(':')))) throw;

@@ -1,5 +1,7 @@
 #include "sim/glove/glove.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -62,6 +64,18 @@ Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& trem
                    full_scale);
 }
 
+void AddRemarksOnFaults(const GloveConfig& config, int samples, std::vector<std::string>& remarks) {
+  for (std::size_t i = 0; i < config.faults.size(); ++i) {
+    const FaultConfig& fault = config.faults[i];
+    const double end_s = samples / config.rate_hz;
+    if (fault.start_s < end_s) continue;
+    remarks.push_back(fmt::format(
+        "glove.faults[{}]: {} never comes: start_s is {}, the motion ends "
+        "at {} s",
+        i, FaultKinds()[static_cast<std::size_t>(fault.kind)].name, fault.start_s, end_s));
+  }
+}
+
 }  // namespace
 
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
@@ -70,18 +84,21 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   const std::vector<int> indices = ChannelsOf(config);
   const double full_scale = config.converter.full_scale_counts();
 
-  Motion motion = SynthesiseMotion(config.motion, {.rate_hz = config.rate_hz,
-                                                   .seed = seed,
-                                                   .start_rad = {},
-                                                   .sensor = config.sensor,
-                                                   .converter = config.converter});
+  Motion motion = controller::WithinSetting("motion", [&] {
+    return SynthesiseMotion(config.motion, {.rate_hz = config.rate_hz,
+                                            .seed = seed,
+                                            .start_rad = {},
+                                            .sensor = config.sensor,
+                                            .converter = config.converter});
+  });
   const auto samples = static_cast<int>(motion.angle_rad.rows());
   GloveSignal glove;
   glove.rate_hz = config.rate_hz;
   for (const int c : indices) {
     glove.channel_names.emplace_back(GloveChannels()[static_cast<std::size_t>(c)].name);
   }
-  glove.tremor_rad = SynthesiseTremor(config.tremor, samples, config.rate_hz, seed);
+  glove.tremor_rad = controller::WithinSetting(
+      "tremor", [&] { return SynthesiseTremor(config.tremor, samples, config.rate_hz, seed); });
   glove.counts = Sense(config, motion, glove.tremor_rad, seed);
   glove.true_angle_rad = std::move(motion.angle_rad);
   if (glove.tremor_rad.size() > 0 && config.tremor.belongs_to_truth) {
@@ -91,12 +108,14 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   glove.reference_name = std::move(motion.reference_name);
   glove.remarks = std::move(motion.remarks);
 
+  ApplySamplingFaults(config.faults, config.rate_hz, seed, glove.counts);
   AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
            glove.remarks);
   ApplyAnalogFaults(config.faults, full_scale, config.rate_hz, seed, glove.counts);
   ConvertAll(full_scale, glove.counts);
   ApplyDigitalFaults(config.faults, full_scale, config.rate_hz, seed, glove.counts);
   glove.faults = DrawFaults(config.faults, samples, config.rate_hz, seed);
+  AddRemarksOnFaults(config, samples, glove.remarks);
   KeepChannels(indices, glove);
   return glove;
 }

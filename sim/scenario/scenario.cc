@@ -18,8 +18,10 @@ using controller::SettingsVisitor;
 using controller::VisitGroup;
 
 void VideoConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Text({.key = "channel", .help = "channel whose curves are drawn below the hands"},
-               channel);
+  visitor.Text(
+      {.key = "channel",
+       .help = "channel whose curves are drawn below the hands; empty: index_mcp, or the first"},
+      channel);
   visitor.Text({.key = "camera", .help = "camera of the model: hand or arm"}, camera);
   visitor.Integer({.key = "width_px", .help = "picture width", .min = 320, .max = 3840}, width_px);
   visitor.Integer({.key = "height_px", .help = "picture height", .min = 240, .max = 2160},
@@ -111,25 +113,33 @@ std::vector<bool> WithoutR(const YAML::Node& filters, std::size_t count) {
   return without;
 }
 
-std::vector<std::string> ChannelsOf(const GloveConfig& glove) {
-  const std::vector<bool> selected = SelectChannels(glove.channels);
+std::vector<std::string> ChannelsOf(const GloveConfig& glove, const YAML::Node& root,
+                                    const YamlSource& source) {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < selected.size(); ++i) {
-    if (selected[i]) names.emplace_back(GloveChannels()[i].name);
+  try {
+    const std::vector<bool> selected = SelectChannels(glove.channels);
+    for (std::size_t i = 0; i < selected.size(); ++i) {
+      if (selected[i]) names.emplace_back(GloveChannels()[i].name);
+    }
+  } catch (const controller::SettingError& error) {
+    const std::string path = "glove." + error.key();
+    const YAML::Node node = Find(Find(root, "glove"), error.key());
+    throw UserError(fmt::format("{}: {}: {}", source.PlaceOf(node, path), path, error.problem()));
   }
   return names;
 }
 
 /// What the file of a controller's calibration says becomes its settings; its own keys win.
 void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scenario& scenario) {
+  const std::vector<std::string> channels = ChannelsOf(scenario.glove, root, source);
   for (NamedController& controller : scenario.controllers) {
     if (controller.calibration.empty()) continue;
     const YAML::Node node = Find(Find(root, "controllers"), controller.name);
     const Calibration calibration = LoadCalibration(controller.calibration);
     try {
-      UseCalibration(
-          calibration, ChannelsOf(scenario.glove), !Find(node, "linearisation").IsDefined(),
-          WithoutR(Find(node, "filter"), controller.config.filters.size()), controller.config);
+      UseCalibration(calibration, channels, !Find(node, "linearisation").IsDefined(),
+                     WithoutR(Find(node, "filter"), controller.config.filters.size()),
+                     controller.config);
     } catch (const controller::SettingError& error) {
       const std::string path = fmt::format("controllers.{}.{}", controller.name, error.key());
       throw UserError(fmt::format("{}: {}: {}: {}", source.PlaceOf(Find(node, "calibration"), path),

@@ -23,7 +23,7 @@ struct NamedController {
 
 /// What the video shows besides the hands.
 struct VideoConfig {
-  std::string channel = "index_mcp";  // whose curves are drawn
+  std::string channel;  // whose curves are drawn; empty: index_mcp, or the first of the glove
   std::string camera = "hand";
   int width_px = 1280;
   int height_px = 720;

@@ -1,7 +1,5 @@
 #include "sim/study/study.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -177,28 +175,34 @@ class Schedule {
   double trials_done_ = 0.0;
 };
 
+/// Errors: SettingError for a channel that the glove does not have.
+void ChooseVideoChannel(const std::vector<std::string>& channels, std::string& channel) {
+  const auto has = [&channels](const std::string& name) {
+    return std::ranges::find(channels, name) != channels.end();
+  };
+  if (channel.empty()) channel = has("index_mcp") ? "index_mcp" : channels.front();
+  if (has(channel)) return;
+  throw controller::SettingError(
+      "video.channel", channel + " is no channel of this glove" + Suggestion(channel, channels));
+}
+
 }  // namespace
 
 Study PrepareStudy(Scenario scenario) {
   Study study;
   // A recording that cannot be read is found here, before anything is written.
-  GloveSignal glove = SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
+  GloveSignal glove = controller::WithinSetting("glove", [&scenario] {
+    return SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
+  });
   study.hand = std::make_shared<const HandModel>(scenario.hand, glove.channel_names);
   study.calibration = NominalCalibration(scenario.glove);
   study.glove_hash = HashOf(glove);
   for (const NamedController& named : scenario.controllers) {
-    try {
-      controller::Controller(named.config, study.calibration, study.hand->transmission());
-    } catch (const controller::SettingError& error) {
-      throw UserError("controllers." + named.name + "." + error.what());
-    }
+    controller::WithinSetting("controllers." + named.name, [&] {
+      return controller::Controller(named.config, study.calibration, study.hand->transmission());
+    });
   }
-  const std::vector<std::string>& channels = glove.channel_names;
-  if (std::find(channels.begin(), channels.end(), scenario.video.channel) == channels.end()) {
-    throw UserError(fmt::format("video.channel: {} is no channel of this glove{}",
-                                scenario.video.channel,
-                                Suggestion(scenario.video.channel, channels)));
-  }
+  ChooseVideoChannel(glove.channel_names, scenario.video.channel);
   study.scenario = std::move(scenario);
   study.remarks = std::move(glove.remarks);
   return study;

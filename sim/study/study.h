@@ -20,7 +20,7 @@ struct Study {
   std::string glove_hash;            // of the first seed's signal
 };
 
-/// Builds hand, glove (of the first seed) and every controller. Errors: UserError.
+/// Builds hand, glove (of the first seed) and every controller. Errors: UserError, SettingError.
 Study PrepareStudy(Scenario scenario);
 
 class StudyDatabase;

@@ -26,6 +26,9 @@ const std::string kScenarios = GAUNTLET_SOURCE_DIR "/scenarios/";
 // One and a half seconds of motion: enough for every stage to work, little enough for many tests.
 const std::vector<std::string> kShort = {"--set", "glove.motion.duration_s=1.5"};
 
+const std::string kGood =
+    "question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\ncontrollers: {raw: {}}\n";
+
 std::string ReadFile(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
@@ -203,6 +206,22 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
   EXPECT_EQ(Gauntlet({"render", "nowhere"}).exit_code, 2);
 }
 
+TEST_F(CliTest, AGloveWithoutTheChannelOfTheVideoTakesAnother) {
+  const std::string scenario = WriteScenario(kGood);
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command = {"run", scenario, "--out",
+                                        "a",   "--set",  "glove.channels=[thumb_ip,elbow_flexion]"};
+    command.insert(command.end(), more.begin(), more.end());
+    return Gauntlet(command);
+  };
+  EXPECT_EQ(run({}).exit_code, 0);
+  EXPECT_THAT(ReadFile(Out("a") / "scenario.resolved.yaml"), HasSubstr("channel: \"thumb_ip\""));
+  const ProgramResult named = run({"--set", "video.channel=index_mcp"});
+  EXPECT_EQ(named.exit_code, 2);
+  EXPECT_THAT(named.standard_error,
+              HasSubstr("scenario.yaml: video.channel: index_mcp is no channel of this glove"));
+}
+
 TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
   const auto run = [&](const std::string& seed) {
     return ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a", "--seed", seed,
@@ -256,6 +275,55 @@ TEST_F(CliTest, FilterKeepsTimeNamesAndDigits) {
             "k,left thumb,b\n007,0.10000000000000001,1e-300\n"
             "8.50,-0.30000000000000004,5\n");
   EXPECT_EQ(Filter({"none"}, "x\n1\n").standard_output, "x\n1\n");
+}
+
+TEST_F(CliTest, FilterTakesKForTheNumberOfASampleInTheFirstColumnOnly) {
+  EXPECT_EQ(
+      Filter({"moving_average", "--set", "window=2"}, "i,j,k\n1,1,1\n3,3,3\n").standard_output,
+      "i,j,k\n1,1,1\n2,2,2\n");
+}
+
+TEST_F(CliTest, FilterGivesFiniteNumbersForFiniteNumbers) {
+  for (const char* kind : {"moving_average", "one_euro", "exponential", "kalman_steady"}) {
+    std::vector<std::string> arguments = {kind};
+    if (kind == std::string("kalman_steady")) {
+      arguments.insert(arguments.end(), {"--set", "r=1e-20", "--set", "q=1e20"});
+    }
+    const ProgramResult result =
+        Filter(arguments, "a\n1.7e308\n1e100\n-1e100\n-1.7e308\n0\n0\n5\n");
+    EXPECT_EQ(result.exit_code, 0) << kind;
+    EXPECT_THAT(result.standard_error, HasSubstr("2 missing values")) << kind;
+    const std::string after_the_first = result.standard_output.substr(6);
+    EXPECT_THAT(after_the_first, testing::Not(HasSubstr("nan"))) << kind;
+    EXPECT_THAT(after_the_first, testing::Not(HasSubstr("inf"))) << kind;
+  }
+}
+
+TEST_F(CliTest, FilterRefusesSettingsThatMeanSomethingElse) {
+  const auto refuse = [](const std::string& setting, const std::string& why) {
+    const ProgramResult result = Filter({"kalman", "--set", setting}, "a\n1\n");
+    EXPECT_EQ(result.exit_code, 2) << setting;
+    EXPECT_THAT(result.standard_error, HasSubstr(why));
+    EXPECT_EQ(result.standard_output, "");
+  };
+  refuse("kind=median", "the kind is an argument: gauntlet filter median");
+  refuse("r=21.18,", "ends with a comma");
+  refuse("r=1e-300", "r: is 1e-300, must be");
+}
+
+TEST_F(CliTest, FilterEndsAtTheFirstSignal) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::string source = "source_" + std::to_string(signal);
+    ProgramOptions options;
+    options.working_directory = folder_.path();
+    Program program({"/bin/sh", "-c",
+                     "mkfifo " + source + "; (echo a; echo 1; sleep 60) > " + source +
+                         " 2> /dev/null & exec " + kProgram + " filter none < " + source},
+                    options);
+    ASSERT_TRUE(program.WaitForText("a\n1\n"));
+    program.SendSignal(signal);
+    EXPECT_EQ(program.Wait().signal, signal);
+  }
 }
 
 TEST_F(CliTest, FilterRateIsASettingBesideTheFiltersOwn) {
@@ -399,9 +467,6 @@ struct BadScenario {
 /// What CTest shows of a case: its name, not the bytes of the struct.
 void PrintTo(const BadScenario& scenario, std::ostream* out) { *out << scenario.name; }
 
-const std::string kGood =
-    "question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\ncontrollers: {raw: {}}\n";
-
 class BadScenarioTest : public CliTest, public testing::WithParamInterface<BadScenario> {};
 
 TEST_P(BadScenarioTest, IsOneClearLineAndLeavesNothing) {
@@ -437,9 +502,26 @@ INSTANTIATE_TEST_SUITE_P(
                     "scenario.yaml:4:30: hand.object.diameter_mm: is 0"},
         BadScenario{"TooLittleTravel", kGood + "hand: {servo: {travel_deg: 200}}\n",
                     "scenario.yaml: hand.servo.travel_deg: 200 is too little"},
-        BadScenario{
-            "UnknownJoint", "question: q\nglove: {channels: [index_mpc]}\ncontrollers: {raw: {}}\n",
-            "scenario.yaml: channels: unknown channel 'index_mpc' (did you mean index_mcp?)"},
+        BadScenario{"UnknownJoint",
+                    "question: q\nglove: {channels: [index_mpc]}\ncontrollers: {raw: {}}\n",
+                    "scenario.yaml:2:19: glove.channels: unknown channel 'index_mpc' (did you mean "
+                    "index_mcp?)"},
+        BadScenario{"UnknownChannelOfAFault",
+                    "question: q\nglove: {faults: [spikes, {kind: stuck, channels: [index_mpc]}]}\n"
+                    "controllers: {raw: {}}\n",
+                    "scenario.yaml: glove.faults[1].channels: unknown channel"},
+        BadScenario{"FewFrequencies",
+                    "question: q\nglove: {motion: {kind: sine, frequency_hz: [1, 2]}}\n"
+                    "controllers: {raw: {}}\n",
+                    "scenario.yaml: glove.motion.frequency_hz: has 2 values"},
+        BadScenario{"UnknownPosture",
+                    "question: q\nglove: {motion: {kind: sequence, parts: [{kind: moves, postures: "
+                    "[opn]}]}}\ncontrollers: {raw: {}}\n",
+                    "scenario.yaml: glove.motion.parts[0].postures: "},
+        BadScenario{"LongerThanAnHour",
+                    "question: q\nglove: {motion: {kind: grasp, repeats: 1000, rest_s: 60}}\n"
+                    "controllers: {raw: {}}\n",
+                    "s, must be at most 3600"},
         BadScenario{"MissingRecording",
                     "question: q\nglove: {motion: {kind: recording, file: no.csv}}\ncontrollers: "
                     "{raw: {}}\n",

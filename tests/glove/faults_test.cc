@@ -1,5 +1,6 @@
 #include "sim/glove/faults/faults.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +11,6 @@
 
 #include "controller/controller.h"
 #include "controller/filters/filter_registry.h"
-#include "sim/base/error.h"
 #include "sim/glove/channels.h"
 #include "sim/glove/glove.h"
 
@@ -84,7 +84,12 @@ TEST_P(EveryFault, StrikesOnlyTheChannelsNamed) {
     EXPECT_EQ(event.channel, ChannelIndex("wrist_flexion"));
   }
   fault.channels = {"wrist"};
-  EXPECT_THROW(SynthesiseGlove(WithFaults({fault}), 1), UserError);
+  try {
+    SynthesiseGlove(WithFaults({Fault(GetParam()), fault}), 1);
+    FAIL() << "an unknown channel";
+  } catch (const controller::SettingError& error) {
+    EXPECT_EQ(error.key(), "faults[1].channels");
+  }
 }
 
 TEST_P(EveryFault, ComesAsOftenAndLastsAsLongAsStated) {
@@ -97,10 +102,9 @@ TEST_P(EveryFault, ComesAsOftenAndLastsAsLongAsStated) {
   double length_s = 0.0;
   for (const FaultEvent& event : events) length_s += (event.end - event.begin) / 1000.0;
   const double count = static_cast<double>(events.size());
-  // A mean gap of 250 ms and a mean length of 30.5 ms (rounded up to whole samples): 64,171 in
-  // 18,000 s, with a standard error of 0.4 %.
-  EXPECT_NEAR(count, 18000.0 / 0.2805, 0.02 * 64171);
-  EXPECT_NEAR(length_s / count, 0.0305, 0.02 * 0.0305);
+  // 72,000 in 18,000 s: a standard error of 0.33 %, 0.37 % for the mean length.
+  EXPECT_NEAR(count, 4.0 * 18000.0, 0.015 * 72000);
+  EXPECT_NEAR(length_s / count, 0.03, 0.015 * 0.03);
 }
 
 TEST_P(EveryFault, ComesFirstWhenStatedAndOnceWithoutARate) {
@@ -159,11 +163,38 @@ TEST(Faults, TimeJitterTakesSamplesOffTheirTimeByItsDeviation) {
   Signal counts = Signal::Zero(samples, 18);
   counts.colwise() = counts_per_sample * Eigen::VectorXd::LinSpaced(samples, 0, samples - 1);
   const Signal exact = counts;
-  ApplyAnalogFaults({fault}, 1023.0, 1000.0, 1, counts);
+  ApplySamplingFaults({fault}, 1000.0, 1, counts);
   const auto inside = (counts - exact).middleRows(100, samples - 200) / counts_per_sample;
   const double values = static_cast<double>(inside.size());  // 356,400: a standard error of 0.12 %
   EXPECT_NEAR(std::sqrt(inside.squaredNorm() / values), 3.0, 0.03);
   EXPECT_NEAR(inside.sum() / values, 0.0, 0.03);
+}
+
+TEST(Faults, TimeJitterLeavesTheNoiseAsItIs) {
+  GloveConfig config = WithFaults({DefaultsOf(FaultKind::kTimeJitter)});
+  config.motion.kind = MotionKind::kHold;
+  config.motion.hold.duration_s = 20.0;
+  GloveConfig steady = config;
+  steady.faults.clear();
+  EXPECT_EQ(SynthesiseGlove(config, 1).counts, SynthesiseGlove(steady, 1).counts);
+}
+
+TEST(Faults, CannotComeAgainBeforeTheyEnd) {
+  FaultConfig fault = DefaultsOf(FaultKind::kDropouts);
+  fault.rate_per_s = 20.0;
+  fault.duration_ms = 49.0;
+  EXPECT_NO_THROW(DrawFaults({fault}, 1000, 1000.0, 1));
+  fault.duration_ms = 50.0;
+  EXPECT_THROW(DrawFaults({fault}, 1000, 1000.0, 1), controller::SettingError);
+}
+
+TEST(Faults, BehindTheEndAreTold) {
+  GloveConfig config = WithFaults({DefaultsOf(FaultKind::kDisconnected)});  // at 5 s
+  EXPECT_THAT(SynthesiseGlove(config, 1).remarks,
+              testing::ElementsAre("glove.faults[0]: disconnected never comes: start_s is 5, the "
+                                   "motion ends at 4 s"));
+  config.motion.random.duration_s = 6.0;
+  EXPECT_THAT(SynthesiseGlove(config, 1).remarks, testing::IsEmpty());
 }
 
 TEST(Faults, OfOneChannelDoNotDependOnTheOthers) {

@@ -149,7 +149,7 @@ TEST(Moves, ReachEachPostureAndHoldIt) {
     }
   }
   config.postures = {"pwer"};
-  EXPECT_THROW(MakeMotion(config, At1kHz()), UserError);
+  EXPECT_THROW(MakeMotion(config, At1kHz()), controller::SettingError);
 }
 
 TEST(Grasp, ClosesEveryKindAndComesBackToRest) {

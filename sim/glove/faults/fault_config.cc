@@ -60,7 +60,7 @@ void FaultConfig::Visit(controller::SettingsVisitor& visitor) {
       {.key = "start_s", .help = "when it comes first; below 0: at random", .min = -1, .max = 3600},
       start_s);
   visitor.Number({.key = "rate_per_s",
-                  .help = "how often it comes (again) at random; 0: never",
+                  .help = "how often it comes (again), on average; 0: never",
                   .min = 0,
                   .max = 1000},
                  rate_per_s);

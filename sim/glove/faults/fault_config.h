@@ -23,7 +23,7 @@ enum class FaultKind {
 };
 
 /// Something that goes wrong with the glove, again and again: the first time at `start_s` or at
-/// random, then at random, as often as `rate_per_s` says in each of the channels. Waiting times and
+/// random, then at random, as often as `rate_per_s` says in each of the channels. Gaps and
 /// durations are exponential about their means. Counts are those of a 10-bit converter.
 struct FaultConfig {
   FaultKind kind = FaultKind::kSpikes;

@@ -32,30 +32,39 @@ double Exponential(RandomStream& random, double mean) {
   return -mean * std::log(random.UniformAboveZero());
 }
 
-/// Of one channel, which the stream belongs to. The time to the next counts from the end of the
-/// one before.
+/// Of one channel, which the stream belongs to. From one to the next there is a gap, so that both
+/// the rate and the duration are as stated.
 void AddEvents(const FaultConfig& fault, RandomStream random, int channel, int samples,
                double rate_hz, std::vector<FaultEvent>& events) {
-  const double never = samples;
-  const auto wait = [&] {
-    return fault.rate_per_s > 0.0 ? Exponential(random, rate_hz / fault.rate_per_s) : never;
-  };
-  double begin = fault.start_s < 0.0 ? wait() : std::round(fault.start_s * rate_hz);
-  while (begin < samples) {
-    double length = never;
-    if (fault.duration_ms > 0.0) {
-      length = std::max(1.0, std::ceil(Exponential(random, 1e-3 * fault.duration_ms * rate_hz)));
-    }
-    const double end = std::min(std::floor(begin) + length, static_cast<double>(samples));
+  const double last = samples;
+  const double mean_length = 1e-3 * fault.duration_ms * rate_hz;
+  const double mean_gap = rate_hz / fault.rate_per_s - mean_length;
+  const auto gap = [&] { return fault.rate_per_s > 0.0 ? Exponential(random, mean_gap) : last; };
+  double begin = fault.start_s < 0.0 ? gap() : std::round(fault.start_s * rate_hz);
+  while (begin < last) {
+    const double length = mean_length > 0.0 ? Exponential(random, mean_length) : last;
+    const double end = std::clamp(begin + length, std::floor(begin) + 1.0, last);
     events.push_back({fault.kind, channel, static_cast<int>(begin), static_cast<int>(end)});
-    begin = end + wait();
+    begin = end + gap();
   }
+}
+
+void CheckRate(const FaultConfig& fault) {
+  const double share = 1e-3 * fault.duration_ms * fault.rate_per_s;
+  if (share < 1.0) return;
+  throw controller::SettingError("rate_per_s", "times duration_ms is " +
+                                                   controller::NumberText(1000.0 * share) +
+                                                   " ms in a second, must be below 1000");
 }
 
 std::vector<FaultEvent> EventsOf(const FaultConfig& fault, std::size_t number, int samples,
                                  double rate_hz, std::uint64_t seed) {
+  const std::vector<bool> selected =
+      controller::WithinSetting("faults[" + std::to_string(number) + "]", [&fault] {
+        CheckRate(fault);
+        return SelectChannels(fault.channels);
+      });
   std::vector<FaultEvent> events;
-  const std::vector<bool> selected = SelectChannels(fault.channels);
   for (int channel = 0; channel < static_cast<int>(selected.size()); ++channel) {
     if (!selected[static_cast<std::size_t>(channel)]) continue;
     const int stream = IsOfFrames(fault.kind) ? kFrame : channel;
@@ -86,9 +95,8 @@ void JitterTime(const FaultConfig& fault, const FaultEvent& event, double rate_h
 }
 
 void ApplyAnalog(const FaultConfig& fault, const FaultEvent& event, double full_scale,
-                 double rate_hz, RandomStream& random, Signal& counts) {
-  auto column = counts.col(event.channel);
-  auto stretch = column.segment(event.begin, event.end - event.begin);
+                 RandomStream& random, Signal& counts) {
+  auto stretch = counts.col(event.channel).segment(event.begin, event.end - event.begin);
   const double amplitude = fault.amplitude_counts * full_scale / kFaultFullScaleCounts;
   switch (fault.kind) {
     case FaultKind::kSpikes:
@@ -101,8 +109,6 @@ void ApplyAnalog(const FaultConfig& fault, const FaultEvent& event, double full_
     case FaultKind::kGainChange:
       stretch = 0.5 * full_scale + fault.gain * (stretch.array() - 0.5 * full_scale);
       return;
-    case FaultKind::kTimeJitter:
-      return JitterTime(fault, event, rate_hz, random, column);
     default:
       return;
   }
@@ -166,11 +172,20 @@ std::vector<FaultEvent> DrawFaults(const std::vector<FaultConfig>& faults, int s
   return all;
 }
 
+void ApplySamplingFaults(const std::vector<FaultConfig>& faults, double rate_hz, std::uint64_t seed,
+                         Signal& counts) {
+  ForEachEvent(faults, rate_hz, seed, counts,
+               [&](const FaultConfig& fault, const FaultEvent& event, RandomStream& random) {
+                 if (fault.kind != FaultKind::kTimeJitter) return;
+                 JitterTime(fault, event, rate_hz, random, counts.col(event.channel));
+               });
+}
+
 void ApplyAnalogFaults(const std::vector<FaultConfig>& faults, double full_scale_counts,
                        double rate_hz, std::uint64_t seed, Signal& counts) {
   ForEachEvent(faults, rate_hz, seed, counts,
                [&](const FaultConfig& fault, const FaultEvent& event, RandomStream& random) {
-                 ApplyAnalog(fault, event, full_scale_counts, rate_hz, random, counts);
+                 ApplyAnalog(fault, event, full_scale_counts, random, counts);
                });
 }
 

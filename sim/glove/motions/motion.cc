@@ -4,12 +4,24 @@
 #include <cmath>
 #include <string>
 
+#include "controller/settings.h"
 #include "sim/base/error.h"
 #include "sim/glove/channels.h"
 
 namespace gauntlet::sim {
 
+namespace {
+
+constexpr double kLongest_s = 3600.0;
+
+}  // namespace
+
 int MotionContext::SampleCount(double duration_s) const {
+  if (duration_s > kLongest_s) {
+    throw controller::SettingError("", "lasts " + controller::NumberText(duration_s) +
+                                           " s, must be at most " +
+                                           controller::NumberText(kLongest_s));
+  }
   return std::max(1, static_cast<int>(std::lround(duration_s * rate_hz)));
 }
 
@@ -38,7 +50,7 @@ std::vector<bool> SelectChannels(const std::vector<std::string>& names) {
     try {
       selected[static_cast<std::size_t>(ChannelIndex(name))] = true;
     } catch (const UserError& error) {
-      throw UserError(std::string("channels: ") + error.what());
+      throw controller::SettingError("channels", error.what());
     }
   }
   return selected;

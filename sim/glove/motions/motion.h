@@ -41,6 +41,7 @@ struct MotionContext {
   SensorConfig sensor;            // nominal, for recordings in counts
   ConverterConfig converter;
 
+  /// Errors: SettingError for more than an hour.
   int SampleCount(double duration_s) const;
   /// For a random stream of one channel of this part.
   std::uint64_t StreamIndex(std::size_t channel) const { return part * 1000 + channel; }
@@ -52,7 +53,7 @@ Motion StillMotion(const MotionContext& context, int samples);
 void HoldChannel(std::size_t channel, double angle_rad, Motion& motion);
 
 /// One entry per channel: is it named? An empty list names all.
-/// Errors: UserError for an unknown name.
+/// Errors: SettingError of `channels` for an unknown name.
 std::vector<bool> SelectChannels(const std::vector<std::string>& names);
 
 /// Middle of a channel's range and `range_percent` of half of it.

@@ -46,12 +46,12 @@ auto WithSettings(Config& config, const Use& use) {
     case MotionKind::kSequence:
       return use(config.sequence);
   }
-  throw controller::SettingError("motion.kind", "is none of the choices");
+  throw controller::SettingError("kind", "is none of the choices");
 }
 
 Motion MakeMotion(const SequenceConfig& config, const MotionContext& context) {
   if (config.parts.empty()) {
-    throw controller::SettingError("motion.parts", "is empty, must hold at least one motion");
+    throw controller::SettingError("parts", "is empty, must hold at least one motion");
   }
   Motion motion;
   for (std::size_t part = 0; part < config.parts.size(); ++part) {
@@ -61,16 +61,19 @@ Motion MakeMotion(const SequenceConfig& config, const MotionContext& context) {
       const Eigen::RowVectorXd last = motion.angle_rad.row(motion.angle_rad.rows() - 1);
       inner.start_rad.assign(last.begin(), last.end());
     }
-    Motion next = SynthesiseMotion(config.parts[part], inner);
-    if (next.measured_rad.size() > 0) {
-      throw controller::SettingError("motion.parts[" + std::to_string(part) + "].use",
-                                     "is measured, must be truth inside a sequence");
-    }
+    Motion next = controller::WithinSetting("parts[" + std::to_string(part) + "]", [&] {
+      Motion made = SynthesiseMotion(config.parts[part], inner);
+      if (made.measured_rad.size() > 0) {
+        throw controller::SettingError("use", "is measured, must be truth inside a sequence");
+      }
+      return made;
+    });
     if (part == 0) {
       motion = std::move(next);
     } else {
       AppendMotion(next, config.blend_s, context.rate_hz, motion);
     }
+    context.SampleCount(static_cast<double>(motion.angle_rad.rows()) / context.rate_hz);
   }
   return motion;
 }

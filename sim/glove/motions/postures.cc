@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "sim/base/error.h"
+#include "controller/settings.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 
@@ -64,7 +64,8 @@ std::span<const std::string_view> PostureNames() { return kNames; }
 std::size_t PostureIndex(std::string_view name) {
   const auto found = std::ranges::find(kNames, name);
   if (found != kNames.end()) return static_cast<std::size_t>(found - kNames.begin());
-  throw UserError(
+  throw controller::SettingError(
+      "postures",
       fmt::format("unknown posture '{}'{}", name.substr(0, 60),
                   Suggestion(name, std::vector<std::string>(kNames.begin(), kNames.end()))));
 }

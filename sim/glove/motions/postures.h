@@ -19,7 +19,7 @@ struct Posture {
 std::span<const Posture> Postures();
 /// For a setting that is a choice of one posture; the same order.
 std::span<const std::string_view> PostureNames();
-/// Index of a posture; throws UserError with the nearest name if there is none.
+/// Index of a posture; throws SettingError of `postures` with the nearest name if there is none.
 std::size_t PostureIndex(std::string_view name);
 /// The angles of a posture [rad, per channel].
 std::vector<double> PostureAngles(std::size_t index);

@@ -56,7 +56,7 @@ Signal SynthesiseTremor(const TremorConfig& config, int samples, double rate_hz,
                         std::uint64_t seed) {
   if (config.rms_deg == 0.0) return {};
   if (config.to_hz < config.from_hz) {
-    throw controller::SettingError("tremor.to_hz", "is below from_hz");
+    throw controller::SettingError("to_hz", "is below from_hz");
   }
   const std::vector<bool> selected = SelectChannels(config.channels);
   RandomStream shared_random(seed, "tremor/shared");

@@ -18,7 +18,7 @@ struct PoseRecording {
   std::vector<std::string> channel_names;
   double rate_hz = 1000.0;
   double full_scale_counts = 1023.0;
-  double settle_ms = 200.0;  // see PoseRecordingFormat
+  double settle_ms = 200.0;          // see PoseRecordingFormat
   Signal counts;                     // finite
   Signal angle_deg;                  // NaN where the pose is not known or not yet settled
   std::size_t rows_left_out = 0;     // a count was missing
