@@ -150,8 +150,10 @@ void AddCalibrateCommand(CLI::App& app) {
       "calibrate", "Linearisation and measurement covariance R of a glove, from a recording");
   const auto options = std::make_shared<CalibrateOptions>();
   command
-      ->add_option("recording", options->recording,
-                   "CSV with NAME_counts and NAME_deg per channel, or a trace of run --csv")
+      ->add_option(
+          "recording", options->recording,
+          "CSV with NAME_counts and NAME_deg per channel (see gauntlet list channels), or a "
+          "trace of run --csv")
       ->required();
   command->add_option("--out", options->out, "file to write [out/<recording>.calibration.yaml]")
       ->type_name("FILE.yaml");

@@ -436,15 +436,17 @@ TEST_F(CliTest, CalibrateRefusesBadInputInOneLineAndWritesNothing) {
     EXPECT_EQ(result.standard_output, "");
     EXPECT_THAT(Leftovers(), testing::IsEmpty());
   };
-  std::string ramp = "t_s,a_counts,a_deg\n";
+  std::string ramp = "t_s,index_mcp_counts,index_mcp_deg\n";
   for (int k = 0; k < 3000; ++k) ramp += fmt::format("{},{},{}\n", k * 1e-3, k / 3, 0.03 * k);
   refuse("", {}, "holds no data");
-  refuse("t_s,a_counts,a_deg\n0,1,x\n", {}, "scenario.yaml:2:3: 'x' is not a number");
-  refuse("t_s,a_count\n0,1\n", {}, "scenario.yaml:1:2: unknown column 'a_count'");
-  refuse(ramp, {}, "scenario.yaml: a: ");
+  refuse("t_s,index_mcp_counts,index_mcp_deg\n0,1,x\n", {},
+         "scenario.yaml:2:3: 'x' is not a number");
+  refuse("t_s,index_mcp_count\n0,1\n", {}, "scenario.yaml:1:2: unknown column 'index_mcp_count'");
+  refuse(ramp, {}, "scenario.yaml: index_mcp: has 0 poses");
   refuse(ramp, {"--out", "scenario.yaml", "--settle-ms", "0"}, "is the recording itself");
   refuse(ramp, {"--linearisation", "spline"}, "spline");
   refuse(ramp, {"--degree", "0"}, "--degree");
+  refuse("t_s,indx_mcp_counts\n0,1\n", {}, "unknown channel 'indx_mcp' (did you mean index_mcp?)");
   refuse(ramp, {"--full-scale", "500"}, "must be from 0 to the converter's full scale of 500");
   EXPECT_EQ(Gauntlet({"calibrate", "nowhere.csv"}).exit_code, 2);
   EXPECT_EQ(Gauntlet({"calibrate"}).exit_code, 2);

@@ -214,11 +214,11 @@ class PoseFile : public testing::Test {
 
 TEST_F(PoseFile, HasCountsAndAnglesOfEachChannelInAnyOrder) {
   const PoseRecording recording =
-      Load("t_s,b_rad,a_counts,a_deg,b_counts\n" + Rows(6, "1.5707963267948966,100,30,200.5") +
-               Rows(0, "") + "0.06,,101,30,\n" + "0.07,0,102,30,201\n0.08,0,103,,201\n" +
-               "0.09,0,103,31,201\n0.1,0,104,31,201\n",
+      Load("t_s,index_pip_rad,index_mcp_counts,index_mcp_deg,index_pip_counts\n" +
+               Rows(6, "1.5707963267948966,100,30,200.5") + Rows(0, "") + "0.06,,101,30,\n" +
+               "0.07,0,102,30,201\n0.08,0,103,,201\n" + "0.09,0,103,31,201\n0.1,0,104,31,201\n",
            {.settle_ms = 10.0});
-  EXPECT_THAT(recording.channel_names, testing::ElementsAre("a", "b"));
+  EXPECT_THAT(recording.channel_names, testing::ElementsAre("index_mcp", "index_pip"));
   EXPECT_EQ(recording.rows_left_out, 1u);
   EXPECT_NEAR(recording.rate_hz, 100.0, 1e-9);
   EXPECT_EQ(recording.resolution_counts, 0.0);
@@ -234,18 +234,19 @@ TEST_F(PoseFile, HasCountsAndAnglesOfEachChannelInAnyOrder) {
 
 TEST_F(PoseFile, MayBeATraceOrHaveNoAngles) {
   const PoseRecording trace =
-      Load("t_s,true_angle_rad.a,counts.a,hand_angle_rad.a\n" + Rows(12, "0,7,nan"));
-  EXPECT_THAT(trace.channel_names, testing::ElementsAre("a"));
+      Load("t_s,true_angle_rad.index_mcp,counts.index_mcp,hand_angle_rad.index_mcp\n" +
+           Rows(12, "0,7,nan"));
+  EXPECT_THAT(trace.channel_names, testing::ElementsAre("index_mcp"));
   EXPECT_EQ(trace.columns_left_out, 1u);
   EXPECT_EQ(trace.angle_deg.cols(), 1);
-  const PoseRecording still = Load("k,a_counts\n" + Rows(12, "7"), {.rate_hz = 250.0});
+  const PoseRecording still = Load("k,index_mcp_counts\n" + Rows(12, "7"), {.rate_hz = 250.0});
   EXPECT_EQ(still.angle_deg.cols(), 0);
   EXPECT_EQ(still.rate_hz, 250.0);
   EXPECT_EQ(still.resolution_counts, 1.0);
 }
 
 TEST_F(PoseFile, NamesThePlaceOfAMistake) {
-  const std::string header = "t_s,a_counts,a_deg\n";
+  const std::string header = "t_s,index_mcp_counts,index_mcp_deg\n";
   EXPECT_EQ(ErrorOfFile(header + "0,1,2\n0.01,x,2\n"), "poses.csv:3:2: 'x' is not a number");
   EXPECT_EQ(ErrorOfFile(header + "0,1\n"), "poses.csv:2:2: the row has 2 of 3 values");
   EXPECT_THAT(ErrorOfFile(header + "0,1,2\n0,1,2\n"),
@@ -256,12 +257,20 @@ TEST_F(PoseFile, NamesThePlaceOfAMistake) {
   EXPECT_THAT(ErrorOfFile(header + "0,1,2\n"), HasSubstr("has 1 rows"));
   EXPECT_THAT(ErrorOfFile(header), HasSubstr("has 0 rows"));
   EXPECT_THAT(ErrorOfFile("t_s,a\n0,1\n"), HasSubstr("poses.csv:1:2: unknown column 'a'"));
-  EXPECT_THAT(ErrorOfFile("t_s,a_deg\n0,1\n"), HasSubstr("no column of counts"));
-  EXPECT_THAT(ErrorOfFile("a_counts,b_counts,a_deg\n1,2,3\n"),
-              HasSubstr("poses.csv:1:2: 'b' has counts but no known angle, add a column b_deg"));
-  EXPECT_THAT(ErrorOfFile("a_counts,a_deg,b_deg\n1,2,3\n"),
-              HasSubstr("poses.csv:1:3: 'b' has a known angle but no counts"));
-  EXPECT_THAT(ErrorOfFile("a_counts,a_deg,a_rad\n1,2,3\n"), HasSubstr("'a' stands twice"));
+  EXPECT_THAT(ErrorOfFile("t_s,index_mcp_deg\n0,1\n"), HasSubstr("no column of counts"));
+  EXPECT_THAT(
+      ErrorOfFile("index_mcp_counts,index_pip_counts,index_mcp_deg\n1,2,3\n"),
+      HasSubstr(
+          "poses.csv:1:2: 'index_pip' has counts but no known angle, add a column index_pip_deg"));
+  EXPECT_THAT(ErrorOfFile("index_mcp_counts,index_mcp_deg,index_pip_deg\n1,2,3\n"),
+              HasSubstr("poses.csv:1:3: 'index_pip' has a known angle but no counts"));
+  EXPECT_THAT(ErrorOfFile("index_mcp_counts,index_mcp_deg,index_mcp_rad\n1,2,3\n"),
+              HasSubstr("'index_mcp' stands twice"));
+  EXPECT_EQ(ErrorOfFile("t_s,index_mpc_counts\n0,1\n"),
+            "poses.csv:1:2: unknown channel 'index_mpc' (did you mean index_mcp?); gauntlet list "
+            "channels names all 18");
+  EXPECT_EQ(ErrorOfFile("index_mcp_counts,Glove7_deg\n1,2\n"),
+            "poses.csv:1:2: unknown channel 'Glove7'; gauntlet list channels names all 18");
   EXPECT_THAT(ErrorOfFile(""), HasSubstr("holds no data"));
 }
 

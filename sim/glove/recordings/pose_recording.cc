@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/glove/channels.h"
 #include "sim/glove/recordings/csv_reader.h"
 #include "sim/glove/recordings/time_columns.h"
 
@@ -70,6 +71,19 @@ bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) 
   return true;
 }
 
+void RejectUnknownChannels(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
+  const std::vector<std::string> known = GloveChannelNames();
+  for (const ChannelColumn& column : columns) {
+    if (std::ranges::find(known, column.channel) != known.end()) continue;
+    const std::string nearest = NearestName(column.channel, known);
+    csv.Fail(column.column + 1,
+             fmt::format("unknown channel {}{}; gauntlet list channels names all {}",
+                         Quoted(column.channel),
+                         nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest),
+                         known.size()));
+  }
+}
+
 void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -119,6 +133,8 @@ PoseColumns FindColumns(const CsvReader& csv) {
     ++columns.left_out;
   }
   if (columns.counts.empty()) csv.Fail(1, "there is no column of counts (as index_mcp_counts)");
+  RejectUnknownChannels(csv, columns.counts);
+  RejectUnknownChannels(csv, columns.angles);
   RejectRepeats(csv, columns.counts);
   RejectRepeats(csv, columns.angles);
   PairUp(csv, columns);
