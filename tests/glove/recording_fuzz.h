@@ -9,12 +9,14 @@
 
 #include "sim/base/error.h"
 #include "sim/glove/channels.h"
+#include "sim/glove/recordings/glitches.h"
 #include "sim/glove/recordings/recording_reader.h"
 
 namespace gauntlet::sim {
 
 /// One input of the fuzzer: the first byte chooses how to read, the rest is the file. Whatever it
-/// is, the reader ends with rows of rising time and NaN or sane angles, or with a UserError.
+/// is, the reader ends with rows of rising time and NaN or sane angles, or with a UserError; and
+/// only values are glitches.
 inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;
   RecordingFormat format;
@@ -26,12 +28,18 @@ inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
     std::vector<double> angles(GloveChannels().size());
     double before_s = -std::numeric_limits<double>::infinity();
     double time_s = 0.0;
+    std::vector<double> times_s, index_mcp;
     while (reader.NextRow(time_s, angles)) {
       if (!(time_s > before_s)) std::abort();
       before_s = time_s;
       for (const double angle : angles) {
         if (!std::isnan(angle) && !(std::abs(angle) < 10.0)) std::abort();
       }
+      times_s.push_back(time_s);
+      index_mcp.push_back(angles[4]);
+    }
+    for (const std::size_t place : FindGlitches(times_s, index_mcp, 2.0, {true, true})) {
+      if (std::isnan(index_mcp.at(place))) std::abort();
     }
     if (reader.Remarks().size() > size) std::abort();
   } catch (const UserError& error) {
