@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <iostream>
@@ -15,6 +14,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
+#include "sim/glove/recordings/time_columns.h"
 #include "sim/scenario/yaml_reader.h"
 
 namespace gauntlet::sim {
@@ -141,12 +141,7 @@ class FilterStream {
     if (name.size() > 2 && name.front() == '"' && name.back() == '"') {
       name = name.substr(1, name.size() - 2);
     }
-    std::string lower(name);
-    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    for (const char* time : {"t_s", "time", "time_s", "time_ms"}) {
-      if (lower == time) return true;
-    }
-    return lower == "k" && column == 0;
+    return TimeScaleS(name) || (IsSampleNumber(name) && column == 0);
   }
 
   static bool IsNumber(std::string_view text) {
@@ -243,8 +238,9 @@ void AddFilterCommand(CLI::App& app) {
       ->type_name("key=value")
       ->take_all();
   command->footer(
-      "\nColumns named t_s, time, time_s or time_ms pass through, and k if it is the first; all "
-      "others are channels.\nA missing value, or one beyond 1e100, is held at the last good one.\n"
+      "\nColumns named t_s, time, time_s, time_ms or time_us pass through, and k if it is the\n"
+      "first; all others are channels. A missing value, or one beyond 1e100, is held at the last\n"
+      "good one.\n"
       "\nExample:\n  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv\n");
   command->callback([options] { RunFilter(*options); });
 }
