@@ -3,7 +3,8 @@ function formatNumber(value) {
   if (value === null || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
   const decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3;
-  return value.toFixed(decimals).replace("-", "−");
+  const digits = size.toFixed(decimals);
+  return value < 0 && Number(digits) !== 0 ? `−${digits}` : digits;
 }
 
 // The unit is the end of a key; what is left of it names the score.
