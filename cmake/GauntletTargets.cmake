@@ -10,14 +10,14 @@ if(GAUNTLET_SANITIZE)
   target_link_options(gauntlet_options INTERFACE -fsanitize=address,undefined)
 endif()
 
-# gauntlet_add_library(<room> SOURCES <file>... [LIBRARIES <target>...])
-# Makes the static library gauntlet_<room>, included from the project's root.
-function(gauntlet_add_library room)
+# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...])
+# Makes the static library gauntlet_<folder>, included from the project's root.
+function(gauntlet_add_library folder)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
-  add_library(gauntlet_${room} STATIC ${ARG_SOURCES})
-  target_include_directories(gauntlet_${room} PUBLIC ${PROJECT_SOURCE_DIR})
-  target_link_libraries(gauntlet_${room} PUBLIC ${ARG_LIBRARIES} PRIVATE gauntlet_options)
-  target_compile_features(gauntlet_${room} PUBLIC cxx_std_20)
+  add_library(gauntlet_${folder} STATIC ${ARG_SOURCES})
+  target_include_directories(gauntlet_${folder} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(gauntlet_${folder} PUBLIC ${ARG_LIBRARIES} PRIVATE gauntlet_options)
+  target_compile_features(gauntlet_${folder} PUBLIC cxx_std_20)
 endfunction()
 
 # gauntlet_add_test(<name> SOURCES <file>... LIBRARIES <target>...)

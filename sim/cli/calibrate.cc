@@ -9,8 +9,8 @@
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/calibrate/calibration.h"
 #include "sim/cli/commands.h"
-#include "sim/glove/calibration.h"
 #include "sim/scenario/scenario.h"
 
 namespace gauntlet::sim {

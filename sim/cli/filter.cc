@@ -14,8 +14,8 @@
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
-#include "sim/glove/recordings/time_columns.h"
-#include "sim/scenario/yaml_reader.h"
+#include "sim/recordings/time_columns.h"
+#include "sim/settings/yaml_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -8,14 +8,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
-#include "sim/glove/channels.h"
 #include "sim/hand/hand.h"
 #include "sim/scenario/scenario.h"
-#include "sim/scenario/setting_rows.h"
 #include "sim/score/score.h"
+#include "sim/settings/setting_rows.h"
 
 namespace gauntlet::sim {
 namespace {

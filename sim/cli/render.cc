@@ -7,7 +7,8 @@
 #include "sim/base/error.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/controllers_option.h"
-#include "sim/cli/render_folder.h"
+#include "sim/cli/progress.h"
+#include "sim/video/render_folder.h"
 
 namespace gauntlet::sim {
 
@@ -30,11 +31,13 @@ void AddRenderCommand(CLI::App& app) {
     if (!options->out.empty() && !options->out.ends_with(".mp4")) {
       throw UserError(fmt::format("--out {}: must end in .mp4", options->out));
     }
+    Progress progress("video");
     const auto file =
         RenderFolder({.folder = options->folder,
                       .controllers = options->controllers,
                       .target = options->out,
-                      .jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()))});
+                      .jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()))},
+                     [&progress](int done, int total) { return progress.Update(done, total); });
     fmt::print(stderr, "wrote {}\n", file.string());
   });
 }

@@ -8,7 +8,7 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
-#include "sim/report/paper_page.h"
+#include "sim/paper/paper_page.h"
 #include "sim/study/study_files.h"
 
 namespace gauntlet::sim {

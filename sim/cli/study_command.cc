@@ -14,18 +14,18 @@
 #include "sim/cli/controllers_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
-#include "sim/cli/render_folder.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
 #include "sim/study/study_database.h"
 #include "sim/study/study_files.h"
+#include "sim/video/render_folder.h"
 
 namespace gauntlet::sim {
 namespace {
 
 void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
-  CheckControllersOption(names, scenario);
+  CheckControllerNames(names, scenario);
   if (names.empty()) return;
   std::vector<NamedController> kept;
   for (const std::string& name : names) {
@@ -141,10 +141,12 @@ void RunStudyCommand(const StudyCommand& options) {
   if (options.csv) written += ", trace.<controller>.csv";
   if (options.comparison) written += ", study.db";
   if (options.video) {
+    Progress progress("video");
     RenderFolder({.folder = folder.path(),
                   .controllers = {},
                   .target = {},
-                  .jobs = JobsOrCores(options.jobs)});
+                  .jobs = JobsOrCores(options.jobs)},
+                 [&progress](int done, int total) { return progress.Update(done, total); });
     written += ", comparison.mp4";
   }
   fmt::print(stderr, "wrote {}: {}\n", folder.path().string(), written);

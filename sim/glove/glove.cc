@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/noise/add_noise.h"
 #include "sim/glove/sensor/bend_sensor.h"
 
@@ -127,10 +127,8 @@ controller::GloveCalibration NominalCalibration(const GloveConfig& config) {
     const Channel& channel = GloveChannels()[static_cast<std::size_t>(c)];
     calibration.low_angle_rad.push_back(channel.min_deg * kRadPerDeg);
     calibration.high_angle_rad.push_back(channel.max_deg * kRadPerDeg);
-    calibration.low_counts.push_back(0.01 * config.sensor.low_percent *
-                                     calibration.full_scale_counts);
-    calibration.high_counts.push_back(0.01 * config.sensor.high_percent *
-                                      calibration.full_scale_counts);
+    calibration.low_counts.push_back(config.sensor.low_counts(calibration.full_scale_counts));
+    calibration.high_counts.push_back(config.sensor.high_counts(calibration.full_scale_counts));
   }
   return calibration;
 }

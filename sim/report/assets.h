@@ -7,7 +7,6 @@
 namespace gauntlet::sim::assets {
 
 extern const std::string_view kPageHtml;     // the page with {{places}} to fill
-extern const std::string_view kPaperHtml;    // the page of `reproduce`, likewise
 extern const std::string_view kStyle;        // page.css
 extern const std::string_view kScript;       // all *.js of the folder, in the order of CMake's list
 extern const std::string_view kPlotStyle;    // dygraph.min.css

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include "sim/report/assets.h"
-#include "sim/report/command_angles.h"
 #include "sim/report/html_text.h"
-#include "sim/report/latency_of_trace.h"
 #include "sim/report/page_data.h"
 #include "sim/report/score_table.h"
 #include "sim/study/study_files.h"
+#include "sim/trial/command_angles.h"
+#include "sim/trial/latency_of_trace.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -48,7 +48,8 @@ std::string ReportPage(const Study& study, const StudyResult& result, const Summ
   for (const Trace& trace : result.first_traces) {
     first_seed.command_angle_rad.push_back(
         CommandAngles(study.hand->transmission(), trace.command_counts));
-    first_seed.latency.push_back(LatencyOfTrace(study, result.first_glove, trace));
+    first_seed.latency.push_back(
+        LatencyOfTrace(*study.hand, study.scenario.event, result.first_glove, trace));
   }
   return AssemblePage({.title = study.scenario.name,
                        .question = study.scenario.question,

@@ -4,12 +4,14 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
-#include "sim/scenario/yaml_reader.h"
-#include "sim/scenario/yaml_writer.h"
+#include "sim/base/nearest_name.h"
+#include "sim/settings/yaml_reader.h"
+#include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
 
@@ -150,6 +152,20 @@ void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scena
 }
 
 }  // namespace
+
+void CheckControllerNames(const std::vector<std::string>& names, const Scenario& scenario) {
+  std::vector<std::string> known;
+  for (const NamedController& controller : scenario.controllers) known.push_back(controller.name);
+  for (const std::string& name : names) {
+    if (std::ranges::find(known, name) == known.end()) {
+      throw UserError(
+          fmt::format("--controllers: {}: unknown controller{}", name, Suggestion(name, known)));
+    }
+    if (std::ranges::count(names, name) > 1) {
+      throw UserError(fmt::format("--controllers: {}: named twice", name));
+    }
+  }
+}
 
 Calibration LoadCalibration(const std::filesystem::path& file) {
   const YAML::Node root = ParseYamlFile(file);

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "controller/controller_config.h"
-#include "sim/glove/calibration.h"
+#include "sim/calibrate/calibration.h"
 #include "sim/glove/glove_config.h"
 #include "sim/hand/hand_config.h"
-#include "sim/trial/event_config.h"
+#include "sim/loop/event_config.h"
 
 namespace gauntlet::sim {
 
@@ -55,6 +55,9 @@ struct Scenario {
 
   void Visit(controller::SettingsVisitor& visitor);
 };
+
+/// Errors: UserError for a name that the scenario does not have, or that is given twice.
+void CheckControllerNames(const std::vector<std::string>& names, const Scenario& scenario);
 
 /// Reads as strictly as LoadScenario().
 Calibration LoadCalibration(const std::filesystem::path& file);

@@ -9,7 +9,7 @@
 #include "sim/base/signal.h"
 #include "sim/glove/glove.h"
 #include "sim/hand/hand.h"
-#include "sim/trial/event_config.h"
+#include "sim/loop/event_config.h"
 
 namespace gauntlet::sim {
 

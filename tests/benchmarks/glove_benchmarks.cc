@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/channels.h"
 #include "sim/base/random.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/glove.h"
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/galton_board.h"
-#include "sim/glove/recordings/csv_reader.h"
-#include "sim/glove/recordings/recording_reader.h"
+#include "sim/recordings/csv_reader.h"
+#include "sim/recordings/recording_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "controller/controller.h"
 #include "controller/filters/filter_registry.h"
-#include "sim/glove/channels.h"
+#include "sim/base/channels.h"
 #include "sim/glove/glove.h"
 
 namespace gauntlet::sim {

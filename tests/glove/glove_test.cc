@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -6,8 +6,8 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/glove.h"
 #include "sim/glove/motions/minimum_jerk.h"
 #include "sim/glove/motions/postures.h"

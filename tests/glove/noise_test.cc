@@ -8,8 +8,8 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
+#include "sim/base/channels.h"
 #include "sim/base/random.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/noise/add_noise.h"
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/coloured_noise.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/glove/channels.h"
+#include "sim/base/channels.h"
 #include "sim/glove/sensor/bend_sensor.h"
 
 namespace gauntlet::sim {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/channels.h"
 #include "sim/base/random.h"
 #include "sim/base/signal.h"
-#include "sim/glove/channels.h"
 #include "sim/hand/hand.h"
 
 namespace gauntlet::sim::testing {

@@ -13,8 +13,8 @@
 #include <fstream>
 #include <limits>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
 #include "tests/support/program.h"
 
 namespace {

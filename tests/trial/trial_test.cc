@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
 
 namespace gauntlet::sim {
 namespace {

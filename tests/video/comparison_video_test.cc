@@ -8,8 +8,8 @@
 #include <functional>
 #include <numbers>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
 #include "sim/video/comparison_picture.h"
 #include "sim/video/hand_picture.h"
 #include "tests/video/test_files.h"

@@ -5,8 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "sim/base/channels.h"
 #include "sim/base/random.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/motions/motion.h"
 #include "sim/glove/noise/box_muller.h"
 

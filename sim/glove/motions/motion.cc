@@ -5,8 +5,8 @@
 #include <string>
 
 #include "controller/settings.h"
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
 
 namespace gauntlet::sim {
 

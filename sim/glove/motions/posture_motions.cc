@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "sim/base/channels.h"
 #include "sim/base/random.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/motions/minimum_jerk.h"
 #include "sim/glove/motions/postures.h"
 #include "sim/glove/motions/settings_of_motions.h"

@@ -8,12 +8,12 @@
 #include <limits>
 #include <span>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/motions/postures.h"
 #include "sim/glove/motions/settings_of_motions.h"
-#include "sim/glove/recordings/recording.h"
-#include "sim/glove/recordings/zero_phase.h"
+#include "sim/recordings/recording.h"
+#include "sim/recordings/zero_phase.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -26,8 +26,8 @@ RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext
   format.rate_hz = config.file_rate_hz;
   format.handling = config.problems;
   format.longest_gap_ms = config.longest_gap_ms;
-  format.sensor = context.sensor;
-  format.converter = context.converter;
+  format.low_counts = context.sensor.low_counts(context.converter.full_scale_counts());
+  format.high_counts = context.sensor.high_counts(context.converter.full_scale_counts());
   return format;
 }
 

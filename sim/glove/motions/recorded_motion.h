@@ -6,7 +6,7 @@
 
 #include "controller/settings.h"
 #include "sim/glove/motions/motion.h"
-#include "sim/glove/recordings/recording_reader.h"
+#include "sim/recordings/recording_reader.h"
 
 namespace gauntlet::sim {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/glove/channels.h"
+#include "sim/base/channels.h"
 
 namespace gauntlet::sim {
 namespace {

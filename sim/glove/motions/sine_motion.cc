@@ -3,7 +3,7 @@
 #include <cmath>
 #include <functional>
 
-#include "sim/glove/channels.h"
+#include "sim/base/channels.h"
 #include "sim/glove/motions/postures.h"
 #include "sim/glove/motions/settings_of_motions.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <complex>
 
+#include "sim/base/channels.h"
 #include "sim/base/random.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/motions/motion.h"
 #include "sim/glove/motions/settings_of_motions.h"
 

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <span>
 
+#include "sim/base/channels.h"
 #include "sim/base/random.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/coloured_noise.h"
 #include "sim/glove/noise/galton_board.h"
-#include "sim/glove/recordings/recording.h"
-#include "sim/glove/recordings/zero_phase.h"
 #include "sim/glove/sensor/bend_sensor.h"
+#include "sim/recordings/recording.h"
+#include "sim/recordings/zero_phase.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -65,8 +65,8 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
   format.rate_key = "recording_rate_hz";
   format.handling = config.recording_problems;
   format.longest_gap_ms = config.recording_longest_gap_ms;
-  format.sensor = sensor;
-  format.converter = converter;
+  format.low_counts = sensor.low_counts(converter.full_scale_counts());
+  format.high_counts = sensor.high_counts(converter.full_scale_counts());
   // No more of the file than the signal can use, and a little for the smoothing at its end.
   const double duration_s = static_cast<double>(counts.rows()) / rate_hz + 1.0;
   const Recording recording = LoadRecording(config.recording, format, 0.0, duration_s);

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/glove/channels.h"
+#include "sim/base/channels.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "controller/settings.h"
-#include "sim/glove/recordings/csv_reader.h"
+#include "sim/recordings/csv_reader.h"
 
 namespace gauntlet::sim {
 

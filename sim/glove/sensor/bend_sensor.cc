@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "sim/base/channels.h"
 #include "sim/base/random.h"
-#include "sim/glove/channels.h"
 #include "sim/glove/noise/box_muller.h"
 
 namespace gauntlet::sim {

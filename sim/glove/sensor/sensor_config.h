@@ -35,6 +35,14 @@ struct SensorConfig {
   double drift_deviation_percent = 0.0;
   double drift_time_s = 120.0;
 
+  /// What the nominal sensor gives at the ends of a joint's range.
+  double low_counts(double full_scale_counts) const {
+    return 0.01 * low_percent * full_scale_counts;
+  }
+  double high_counts(double full_scale_counts) const {
+    return 0.01 * high_percent * full_scale_counts;
+  }
+
   void Visit(controller::SettingsVisitor& visitor);
 };
 

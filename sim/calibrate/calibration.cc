@@ -1,0 +1,359 @@
+#include "sim/calibrate/calibration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "controller/calibration/curve_fit.h"
+#include "controller/calibration/noise_estimate.h"
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using controller::CurveFit;
+using controller::SettingError;
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// At an end of the converter's scale a sensor says nothing more.
+bool IsClipped(const PoseRecording& recording, Index sample, Index channel) {
+  const double counts = recording.counts(sample, channel);
+  return counts == 0.0 || counts == recording.full_scale_counts;
+}
+
+/// The settled samples of one channel, of poses that never reach an end of the scale.
+struct Poses {
+  VectorXd counts;
+  VectorXd angle_deg;
+  std::size_t clipped = 0;  // poses that do reach one
+};
+
+Poses PosesOf(const PoseRecording& recording, Index channel) {
+  std::set<double> clipped;
+  for (Index k = 0; k < recording.counts.rows(); ++k) {
+    const double angle = recording.angle_deg(k, channel);
+    if (std::isfinite(angle) && IsClipped(recording, k, channel)) clipped.insert(angle);
+  }
+  std::vector<Index> settled;
+  for (Index k = 0; k < recording.counts.rows(); ++k) {
+    const double angle = recording.angle_deg(k, channel);
+    if (std::isfinite(angle) && !clipped.contains(angle)) settled.push_back(k);
+  }
+  return {recording.counts.col(channel)(settled), recording.angle_deg.col(channel)(settled),
+          clipped.size()};
+}
+
+/// Mean counts of each pose, by its angle.
+std::map<double, double> MeanCounts(const Poses& poses) {
+  std::map<double, double> counts;
+  std::map<double, int> samples;
+  for (Index k = 0; k < poses.counts.size(); ++k) {
+    counts[poses.angle_deg[k]] += poses.counts[k];
+    ++samples[poses.angle_deg[k]];
+  }
+  for (auto& [angle, sum] : counts) sum /= samples[angle];
+  return counts;
+}
+
+/// What keeps a curve from being fitted, in the words of a recording; empty if nothing does.
+std::string ProblemOf(const PoseRecording& recording, const std::string& channel,
+                      const Poses& poses, CurveKind kind) {
+  const std::map<double, double> counts = MeanCounts(poses);
+  if (counts.size() < 2) {
+    const std::string clipped =
+        poses.clipped == 0 ? ""
+                           : fmt::format(" besides {} at 0 or at full scale (--full-scale {:g})",
+                                         poses.clipped, recording.full_scale_counts);
+    return fmt::format(
+        "has {} pose{}{}, must have at least 2; a pose is a known angle ({}_deg) that stays the "
+        "same for more than {:g} ms (--settle-ms; 0 takes angles that never stand still)",
+        counts.size(), counts.size() == 1 ? "" : "s", clipped, channel, recording.settle_ms);
+  }
+  if (kind != CurveKind::kTable) return "";
+  const bool grows = counts.begin()->second < counts.rbegin()->second;
+  for (auto pose = counts.begin(), next = std::next(pose); next != counts.end(); pose = next++) {
+    if (grows ? pose->second < next->second : pose->second > next->second) continue;
+    return fmt::format(
+        "its counts do not follow its angle one way: {:.1f} counts at {:g} deg, {:.1f} at {:g} "
+        "deg; "
+        "check these poses, or use --linearisation two_point or polynomial",
+        pose->second, pose->first, next->second, next->first);
+  }
+  return "";
+}
+
+CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
+  if (kind == CurveKind::kTable) return controller::FitTable(poses.counts, poses.angle_deg);
+  if (kind == CurveKind::kTwoPoint) return controller::FitTwoPoint(poses.counts, poses.angle_deg);
+  // Noise makes all counts different, so that the fit itself cannot see that poses are too few.
+  const auto angles = static_cast<int>(MeanCounts(poses).size());
+  if (degree >= angles) {
+    throw SettingError("degree", fmt::format("is {}, must be from 1 to {}, below its {} poses of "
+                                             "known angle: lower it or record more poses",
+                                             degree, angles - 1, angles));
+  }
+  return controller::FitPolynomial(poses.counts, poses.angle_deg, degree);
+}
+
+double RmsErrorOrNan(const Poses& poses, CurveKind kind, int degree) {
+  try {
+    return FitCurve(poses, kind, degree).rms_error_deg;
+  } catch (const SettingError&) {
+    return kNan;
+  }
+}
+
+std::vector<double> OnlyIfFinite(const std::vector<double>& values) {
+  const bool finite = std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
+  return finite ? values : std::vector<double>();
+}
+
+void FitCurves(const PoseRecording& recording, const CalibrationOptions& options,
+               Calibration& calibration, CurveErrors& errors) {
+  if (recording.angle_deg.cols() == 0) return;
+  calibration.linearisation.kind = options.curve == CurveKind::kPolynomial
+                                       ? controller::LinearisationKind::kPolynomial
+                                       : controller::LinearisationKind::kTable;
+  for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
+    const Poses poses = PosesOf(recording, static_cast<Index>(i));
+    const std::string& name = recording.channel_names[i];
+    const std::string problem = ProblemOf(recording, name, poses, options.curve);
+    if (!problem.empty()) throw UserError(fmt::format("{}: {}: {}", recording.name, name, problem));
+    CurveFit fit;
+    try {
+      fit = FitCurve(poses, options.curve, options.degree);
+    } catch (const SettingError& error) {
+      const bool degree = error.key() == "degree";
+      const bool bent = !degree && options.curve == CurveKind::kPolynomial;
+      throw UserError(fmt::format("{}: {}: {}{}{}", recording.name, name, degree ? "--degree " : "",
+                                  error.problem(), bent ? "; lower --degree" : ""));
+    }
+    fit.curve.channel = name;
+    ChannelCalibration& channel = calibration.channels[i];
+    channel.rms_error_deg = fit.rms_error_deg;
+    channel.largest_error_deg = fit.largest_error_deg;
+    channel.half_width_95_deg = OnlyIfFinite(fit.half_width_95_deg);
+    calibration.linearisation.channels.push_back(std::move(fit.curve));
+    const auto rms = [&](CurveKind kind) { return RmsErrorOrNan(poses, kind, options.degree); };
+    errors.two_point_rms_deg.push_back(rms(CurveKind::kTwoPoint));
+    errors.polynomial_rms_deg.push_back(rms(CurveKind::kPolynomial));
+    errors.table_rms_deg.push_back(rms(CurveKind::kTable));
+  }
+}
+
+/// Six digits: more than an estimate is worth.
+double Short(double value) { return std::stod(controller::NumberText(value)); }
+
+std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
+  std::vector<double> values;
+  for (const double value : matrix.row(row)) values.push_back(Short(value));
+  return values;
+}
+
+/// Still stretches in which no channel reaches an end of the converter's scale: noise is cut there.
+std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& recording) {
+  auto stretches = controller::FindStillStretches(recording.counts, recording.rate_hz);
+  if (stretches.empty()) {
+    throw UserError(
+        fmt::format("{}: the hand never holds still for half a second, R cannot be estimated: "
+                    "record it at rest "
+                    "for a second or more",
+                    recording.name));
+  }
+  Index at_the_end = 0;  // a channel that spoils stretches
+  std::erase_if(stretches, [&](const controller::StillStretch& stretch) {
+    for (Index c = 0; c < recording.counts.cols(); ++c) {
+      for (Index k = stretch.begin; k < stretch.end; ++k) {
+        if (!IsClipped(recording, k, c)) continue;
+        at_the_end = c;
+        return true;
+      }
+    }
+    return false;
+  });
+  if (stretches.empty()) {
+    throw UserError(fmt::format(
+        "{}: {}: is at 0 or at full scale whenever the hand holds still: R cannot be estimated",
+        recording.name, recording.channel_names[static_cast<std::size_t>(at_the_end)]));
+  }
+  return stretches;
+}
+
+void EstimateR(const PoseRecording& recording, Calibration& calibration) {
+  const controller::NoiseEstimate noise =
+      controller::EstimateNoise(recording.counts, StretchesInRange(recording),
+                                {.confidence = 0.01 * calibration.confidence_percent,
+                                 .resolution_counts = calibration.resolution_counts});
+  calibration.degrees_of_freedom = noise.degrees_of_freedom;
+  for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    ChannelCalibration& channel = calibration.channels[i];
+    channel.variance_counts2 = Short(noise.variance[row]);
+    channel.variance_low_counts2 = Short(noise.variance_low[row]);
+    channel.variance_high_counts2 = Short(noise.variance_high[row]);
+    channel.neighbour_correlation = Short(noise.correlation[row]);
+    channel.covariance_counts2 = RowOf(noise.covariance, row);
+    channel.covariance_low_counts2 = RowOf(noise.covariance_low, row);
+    channel.covariance_high_counts2 = RowOf(noise.covariance_high, row);
+  }
+}
+
+/// Where each named channel stands in the calibration.
+std::vector<std::size_t> PlacesOf(const Calibration& calibration,
+                                  const std::vector<std::string>& channel_names) {
+  std::vector<std::size_t> places;
+  for (const std::string& name : channel_names) {
+    const auto found = std::ranges::find(calibration.channels, name, &ChannelCalibration::channel);
+    if (found == calibration.channels.end()) {
+      throw SettingError("calibration", "has nothing for channel " + name);
+    }
+    places.push_back(static_cast<std::size_t>(found - calibration.channels.begin()));
+  }
+  return places;
+}
+
+/// R of the channels at `places`, row by row. Rounding to counts is noise, too: where the sensor
+/// has less, its variance stands on the diagonal.
+std::vector<double> CovarianceOf(const Calibration& calibration,
+                                 const std::vector<std::size_t>& places) {
+  const double rounding = calibration.resolution_counts * calibration.resolution_counts / 12.0;
+  std::vector<double> covariance;
+  for (const std::size_t row : places) {
+    const std::vector<double>& values = calibration.channels[row].covariance_counts2;
+    if (values.size() != calibration.channels.size()) {
+      throw SettingError("calibration",
+                         fmt::format("channels[{}].covariance_counts2: has {} "
+                                     "values, must have {}, one per channel",
+                                     row, values.size(), calibration.channels.size()));
+    }
+    for (const std::size_t column : places) {
+      covariance.push_back(row == column ? std::max(values[column], rounding) : values[column]);
+    }
+  }
+  return covariance;
+}
+
+std::vector<double> DiagonalOf(const std::vector<double>& covariance, std::size_t size) {
+  std::vector<double> diagonal;
+  for (std::size_t i = 0; i < size; ++i) diagonal.push_back(covariance[i * size + i]);
+  return diagonal;
+}
+
+controller::ChannelCurve CurveOf(const Calibration& calibration, const std::string& channel) {
+  for (const controller::ChannelCurve& curve : calibration.linearisation.channels) {
+    if (curve.channel == channel) return curve;
+  }
+  throw SettingError("calibration", "linearisation.channels has no curve for channel " + channel);
+}
+
+}  // namespace
+
+void ChannelCalibration::Visit(controller::SettingsVisitor& visitor) {
+  visitor.Text({.key = "channel", .help = "name of the channel", .required = true}, channel);
+  visitor.Number({.key = "rms_error_deg", .help = "of the curve on the settled samples", .min = 0},
+                 rms_error_deg);
+  visitor.Number({.key = "largest_error_deg", .help = "of the curve on a settled sample", .min = 0},
+                 largest_error_deg);
+  visitor.Numbers({.key = "half_width_95_deg",
+                   .help = "half of the 95 % interval of each angle or coefficient of the curve"},
+                  half_width_95_deg);
+  visitor.Number({.key = "variance_counts2", .help = "R of the channel", .min = 0},
+                 variance_counts2);
+  visitor.Number({.key = "variance_low_counts2", .help = "lower end of its confidence interval"},
+                 variance_low_counts2);
+  visitor.Number({.key = "variance_high_counts2", .help = "upper end of its confidence interval"},
+                 variance_high_counts2);
+  visitor.Number({.key = "neighbour_correlation",
+                  .help = "of samples that follow each other; 0 is white noise"},
+                 neighbour_correlation);
+  visitor.Numbers({.key = "covariance_counts2",
+                   .help = "row of the full R: with every channel, in the order of this list",
+                   .required = true},
+                  covariance_counts2);
+  visitor.Numbers({.key = "covariance_low_counts2", .help = "lower ends of the intervals"},
+                  covariance_low_counts2);
+  visitor.Numbers({.key = "covariance_high_counts2", .help = "upper ends of the intervals"},
+                  covariance_high_counts2);
+}
+
+void Calibration::Visit(controller::SettingsVisitor& visitor) {
+  visitor.Text({.key = "recording", .help = "what it was made from"}, recording);
+  visitor.Integer({.key = "samples", .help = "of the recording", .min = 0}, samples);
+  visitor.Number({.key = "rate_hz", .help = "samples per second", .min = 0, .open_range = true},
+                 rate_hz);
+  visitor.Number({.key = "confidence_percent",
+                  .help = "of the intervals of R",
+                  .min = 0,
+                  .max = 100,
+                  .open_range = true},
+                 confidence_percent);
+  visitor.Number({.key = "resolution_counts", .help = "steps of the recorded values", .min = 0},
+                 resolution_counts);
+  visitor.Number({.key = "degrees_of_freedom",
+                  .help = "still samples less still stretches, the weight of R",
+                  .min = 0},
+                 degrees_of_freedom);
+  controller::VisitGroup(visitor,
+                         {.key = "linearisation", .help = "the curves; kind glove if it has none"},
+                         linearisation);
+  controller::VisitList(visitor, {.key = "channels", .help = "how good curves are; R"}, channels);
+}
+
+Calibration Calibrate(const PoseRecording& recording, const CalibrationOptions& options,
+                      CurveErrors& errors) {
+  Calibration calibration;
+  calibration.recording = std::filesystem::path(recording.name).filename().string();
+  calibration.samples = static_cast<int>(recording.counts.rows());
+  calibration.rate_hz = recording.rate_hz;
+  calibration.confidence_percent = options.confidence_percent;
+  calibration.resolution_counts = recording.resolution_counts;
+  calibration.channels.resize(recording.channel_names.size());
+  for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
+    calibration.channels[i].channel = recording.channel_names[i];
+  }
+  FitCurves(recording, options, calibration, errors);
+  EstimateR(recording, calibration);
+  return calibration;
+}
+
+void UseCalibration(const Calibration& calibration, const std::vector<std::string>& channel_names,
+                    bool take_linearisation, const std::vector<bool>& take_r,
+                    controller::ControllerConfig& config) {
+  const std::vector<std::size_t> places = PlacesOf(calibration, channel_names);
+  if (take_linearisation &&
+      calibration.linearisation.kind != controller::LinearisationKind::kGlove) {
+    config.linearisation.kind = calibration.linearisation.kind;
+    config.linearisation.channels.clear();
+    for (const std::string& name : channel_names) {
+      config.linearisation.channels.push_back(CurveOf(calibration, name));
+    }
+  }
+  const std::vector<double> covariance = CovarianceOf(calibration, places);
+  const auto set_r = [&](std::vector<double>& r, bool full) {
+    if (config.filter_on == controller::FilterOn::kAngle) {
+      throw SettingError("calibration",
+                         "gives r in counts^2, but filter_on is angle: give the filter its own r, "
+                         "in rad^2");
+    }
+    r = full ? covariance : DiagonalOf(covariance, channel_names.size());
+  };
+  for (std::size_t i = 0; i < config.filters.size(); ++i) {
+    if (!take_r[i]) continue;
+    std::visit(
+        [&](auto& settings) {
+          if constexpr (requires { settings.noise.r; }) set_r(settings.noise.r, false);
+          if constexpr (requires { settings.r; }) set_r(settings.r, true);
+        },
+        config.filters[i].settings);
+  }
+}
+
+}  // namespace gauntlet::sim

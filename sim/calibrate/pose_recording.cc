@@ -1,0 +1,249 @@
+#include "sim/calibrate/pose_recording.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "sim/base/channels.h"
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/recordings/csv_reader.h"
+#include "sim/recordings/time_columns.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFewestRows = 10;
+
+/// A column of a channel's counts or angle; `scale` brings the angle to degrees.
+struct ChannelColumn {
+  std::size_t column = 0;
+  std::string channel;
+  double scale = 1.0;
+};
+
+/// Which column of the file is what.
+struct PoseColumns {
+  std::optional<std::size_t> time;
+  double time_scale_s = 1.0;
+  std::vector<ChannelColumn> counts;
+  std::vector<ChannelColumn> angles;  // in the order of `counts` once sorted
+  std::size_t left_out = 0;
+};
+
+struct NamePattern {
+  std::string_view before;
+  std::string_view after;
+  bool is_angle;
+  double scale;
+};
+constexpr NamePattern kPatterns[] = {{"", "_counts", false, 1.0},
+                                     {"counts.", "", false, 1.0},
+                                     {"", "_deg", true, 1.0},
+                                     {"true_angle_rad.", "", true, kDegPerRad},
+                                     {"", "_rad", true, kDegPerRad}};
+
+bool AddChannel(const std::string& name, std::size_t column, PoseColumns& columns) {
+  for (const NamePattern& pattern : kPatterns) {
+    if (!name.starts_with(pattern.before) || !name.ends_with(pattern.after) ||
+        name.size() <= pattern.before.size() + pattern.after.size()) {
+      continue;
+    }
+    const std::string channel = name.substr(
+        pattern.before.size(), name.size() - pattern.before.size() - pattern.after.size());
+    if (channel.find('.') != std::string::npos) continue;
+    (pattern.is_angle ? columns.angles : columns.counts)
+        .push_back({column, channel, pattern.scale});
+    return true;
+  }
+  return false;
+}
+
+bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) {
+  const auto scale_s = TimeScaleS(name);
+  if (!scale_s) return IsSampleNumber(name);
+  columns.time = column;
+  columns.time_scale_s = *scale_s;
+  return true;
+}
+
+void RejectUnknownChannels(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
+  const std::vector<std::string> known = GloveChannelNames();
+  for (const ChannelColumn& column : columns) {
+    if (std::ranges::find(known, column.channel) != known.end()) continue;
+    const std::string nearest = NearestName(column.channel, known);
+    csv.Fail(column.column + 1,
+             fmt::format("unknown channel {}{}; gauntlet list channels names all {}",
+                         Quoted(column.channel),
+                         nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest),
+                         known.size()));
+  }
+}
+
+void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (columns[i].channel != columns[j].channel) continue;
+      csv.Fail(columns[i].column + 1, fmt::format("{} stands twice", Quoted(columns[i].channel)));
+    }
+  }
+}
+
+/// Puts the angles in the order of the counts.
+void PairUp(const CsvReader& csv, PoseColumns& columns) {
+  if (columns.angles.empty()) return;
+  std::vector<std::string> channels;
+  std::vector<ChannelColumn> ordered;
+  for (const ChannelColumn& counts : columns.counts) {
+    channels.push_back(counts.channel);
+    const auto found = std::ranges::find(columns.angles, counts.channel, &ChannelColumn::channel);
+    if (found == columns.angles.end()) {
+      csv.Fail(counts.column + 1,
+               fmt::format("{} has counts but no known angle, add a column {}_deg",
+                           Quoted(counts.channel), counts.channel));
+    }
+    ordered.push_back(*found);
+  }
+  for (const ChannelColumn& angle : columns.angles) {
+    if (std::ranges::find(channels, angle.channel) != channels.end()) continue;
+    csv.Fail(angle.column + 1,
+             fmt::format("{} has a known angle but no counts{}", Quoted(angle.channel),
+                         Suggestion(angle.channel, channels)));
+  }
+  columns.angles = std::move(ordered);
+}
+
+PoseColumns FindColumns(const CsvReader& csv) {
+  if (csv.header().empty()) csv.Fail(1, "the first line must name the columns");
+  PoseColumns columns;
+  for (std::size_t column = 0; column < csv.column_count(); ++column) {
+    const std::string& name = csv.header()[column];
+    if (AddTime(name, column, columns) || AddChannel(name, column, columns)) continue;
+    if (name.find('.') == std::string::npos) {
+      csv.Fail(
+          column + 1,
+          fmt::format("unknown column {}, must be t_s, time, time_s, time_ms, time_us, k, or a "
+                      "channel's name with _counts, _deg or _rad behind it",
+                      Quoted(name)));
+    }
+    ++columns.left_out;
+  }
+  if (columns.counts.empty()) csv.Fail(1, "there is no column of counts (as index_mcp_counts)");
+  RejectUnknownChannels(csv, columns.counts);
+  RejectUnknownChannels(csv, columns.angles);
+  RejectRepeats(csv, columns.counts);
+  RejectRepeats(csv, columns.angles);
+  PairUp(csv, columns);
+  return columns;
+}
+
+/// The rows of the file, and the times of the first and the last.
+struct Rows {
+  std::vector<double> counts;
+  std::vector<double> angle_deg;
+  double first_s = kMissing;
+  double last_s = kMissing;
+  std::size_t count = 0;
+};
+
+void TakeTime(const CsvReader& csv, const PoseColumns& columns, const std::vector<double>& values,
+              Rows& rows) {
+  if (!columns.time) return;
+  const double time_s = values[*columns.time] * columns.time_scale_s;
+  if (std::isnan(time_s)) csv.Fail(*columns.time + 1, "the time is missing");
+  if (time_s <= rows.last_s) {
+    csv.Fail(*columns.time + 1,
+             fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
+                         rows.last_s));
+  }
+  if (std::isnan(rows.first_s)) rows.first_s = time_s;
+  rows.last_s = time_s;
+}
+
+}  // namespace
+
+void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> angle_deg) {
+  double held = kMissing;
+  Eigen::Index since = 0;
+  for (Eigen::Index k = 0; k < angle_deg.size(); ++k) {
+    const double angle = std::round(angle_deg[k] * 1e6) / 1e6 + 0.0;  // no minus zero
+    if (!(angle == held)) since = k;
+    held = angle;
+    angle_deg[k] = k - since >= settle_samples ? angle : kMissing;
+  }
+}
+
+PoseRecording LoadPoseRecording(const std::filesystem::path& file,
+                                const PoseRecordingFormat& format) {
+  CsvReader csv(file.string(), FileSource(file), ProblemHandling::kAllowMissing);
+  const PoseColumns columns = FindColumns(csv);
+  std::vector<bool> used(csv.column_count(), false);
+  if (columns.time) used[*columns.time] = true;
+  for (const ChannelColumn& c : columns.counts) used[c.column] = true;
+  for (const ChannelColumn& c : columns.angles) used[c.column] = true;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) csv.Ignore(i);
+  }
+
+  PoseRecording recording;
+  recording.name = file.string();
+  recording.columns_left_out = columns.left_out;
+  recording.resolution_counts = 1.0;
+  for (const ChannelColumn& c : columns.counts) recording.channel_names.push_back(c.channel);
+
+  Rows rows;
+  std::vector<double> values(csv.column_count());
+  while (csv.NextRow(values)) {
+    TakeTime(csv, columns, values, rows);
+    const bool whole = std::ranges::none_of(
+        columns.counts, [&](const ChannelColumn& c) { return std::isnan(values[c.column]); });
+    if (!whole) {
+      ++recording.rows_left_out;
+      continue;
+    }
+    ++rows.count;
+    for (const ChannelColumn& c : columns.counts) {
+      const double counts = values[c.column];
+      if (counts < 0.0 || counts > format.full_scale_counts) {
+        csv.Fail(c.column + 1, fmt::format("is {} counts, must be from 0 to the converter's full "
+                                           "scale of {} (--full-scale)",
+                                           counts, format.full_scale_counts));
+      }
+      rows.counts.push_back(counts);
+      if (counts != std::round(counts)) recording.resolution_counts = 0.0;
+    }
+    for (const ChannelColumn& c : columns.angles) {
+      rows.angle_deg.push_back(values[c.column] * c.scale);
+    }
+  }
+  if (rows.count < kFewestRows) {
+    csv.Fail(1,
+             fmt::format("the recording has {} rows without missing counts, must have at least {}",
+                         rows.count, kFewestRows));
+  }
+  recording.full_scale_counts = format.full_scale_counts;
+  recording.settle_ms = format.settle_ms;
+  recording.rate_hz = format.rate_hz;
+  if (columns.time) {
+    recording.rate_hz = static_cast<double>(rows.count + recording.rows_left_out - 1) /
+                        (rows.last_s - rows.first_s);
+  }
+  using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto samples = static_cast<Eigen::Index>(rows.count);
+  recording.counts = Eigen::Map<const Table>(rows.counts.data(), samples,
+                                             static_cast<Eigen::Index>(columns.counts.size()));
+  recording.angle_deg = Eigen::Map<const Table>(rows.angle_deg.data(), samples,
+                                                static_cast<Eigen::Index>(columns.angles.size()));
+  const auto settle =
+      static_cast<Eigen::Index>(std::lround(format.settle_ms * 1e-3 * recording.rate_hz));
+  for (Eigen::Index c = 0; c < recording.angle_deg.cols(); ++c) {
+    KeepSettledPoses(settle, recording.angle_deg.col(c));
+  }
+  return recording;
+}
+
+}  // namespace gauntlet::sim

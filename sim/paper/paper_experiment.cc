@@ -1,0 +1,323 @@
+#include "sim/paper/paper_experiment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "controller/calibration/noise_estimate.h"
+#include "controller/filters/paper_noise.h"
+#include "sim/base/error.h"
+#include "sim/glove/noise/box_muller.h"
+#include "sim/glove/noise/galton_board.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kRateHz = 1000.0;
+constexpr double kEventRateHz = 50.0;
+constexpr int kOneChannelSamples = 6000;  // the paper's
+constexpr int kSeeds = 4;
+
+// --- Filters, by their answer to a pulse --------------------------------------------------------
+
+}  // namespace
+
+FilterFacts AnalyseFilter(const NamedController& named) {
+  FilterFacts facts;
+  facts.name = named.name;
+  facts.per_event = named.config.filter_at == controller::FilterAt::kEvent;
+  const double rate_hz = facts.per_event ? kEventRateHz : kRateHz;
+  const int channels = static_cast<int>(controller::PaperMeasurementVariance().size());
+  const auto filter = controller::MakeFilter(named.config.filters.at(0), channels, rate_hz);
+
+  constexpr int kSettling = 20'000;
+  constexpr int kAnswer = 20'000;
+  std::vector<double> input(static_cast<std::size_t>(channels), 0.0);
+  std::vector<double> output(input.size());
+  for (int k = 0; k < kSettling; ++k) filter->Step(input, output);
+  std::vector<double> power(input.size(), 0.0);
+  std::vector<std::complex<double>> at_1_hz(input.size());
+  for (int k = 0; k < kAnswer; ++k) {
+    std::fill(input.begin(), input.end(), k == 0 ? 1.0 : 0.0);
+    filter->Step(input, output);
+    if (k == 0) facts.gain = output;
+    const auto turn = std::polar(1.0, -2.0 * std::numbers::pi * k / rate_hz);
+    for (std::size_t c = 0; c < output.size(); ++c) {
+      power[c] += output[c] * output[c];
+      at_1_hz[c] += output[c] * turn;
+    }
+  }
+  for (std::size_t c = 0; c < output.size(); ++c) {
+    facts.noise_share.push_back(std::sqrt(power[c]));
+    facts.delay_ms -= 1e3 * std::arg(at_1_hz[c]) / (2.0 * std::numbers::pi) / channels;
+  }
+  return facts;
+}
+
+namespace {
+
+// --- The first test: one channel ----------------------------------------------------------------
+
+/// The recursion as textbooks have it, with its 2 x 2 matrices (section 2.3.2 of the paper, with K
+/// from the a-priori covariance).
+std::vector<double> TextbookKalman(const std::vector<double>& measured, double r, double q) {
+  Eigen::Matrix2d a;
+  a << 1.0, 1.0, 0.0, 1.0;
+  const Eigen::RowVector2d h(1.0, 0.0);
+  Eigen::Vector2d x(measured[0], 0.0);
+  Eigen::Matrix2d p = Eigen::Matrix2d::Identity();
+  std::vector<double> posterior{measured[0]};
+  for (std::size_t k = 1; k < measured.size(); ++k) {
+    x = a * x;
+    p = a * p * a.transpose() + q * Eigen::Matrix2d::Identity();
+    const Eigen::Vector2d gain = p * h.transpose() / (h * p * h.transpose() + r);
+    x += gain * (measured[k] - h * x);
+    p = (Eigen::Matrix2d::Identity() - gain * h) * p;
+    posterior.push_back(x[0]);
+  }
+  return posterior;
+}
+
+}  // namespace
+
+OneChannelTest RunOneChannelTest() {
+  OneChannelTest test;
+  const double r = controller::PaperMeasurementVariance().front();
+  RandomStream random(1, "one channel of the paper", 0);
+  for (int k = 0; k < kOneChannelSamples; ++k) {  // a finger that bends to and fro, in counts
+    test.truth.push_back(500.0 + 150.0 * std::sin(2.0 * std::numbers::pi * 0.5 * k / kRateHz));
+  }
+  test.measured = test.truth;
+  AddBoxMuller(random, std::sqrt(r), test.measured);
+
+  controller::FilterConfig config;
+  controller::KalmanConfig kalman;
+  kalman.noise.r = {r};
+  config.settings = kalman;
+  const auto filter = controller::MakeFilter(config, 1, kRateHz);
+  for (const double z : test.measured) {
+    double x = 0.0;
+    filter->Step({&z, 1}, {&x, 1});
+    test.filtered.push_back(x);
+  }
+  const std::vector<double> textbook = TextbookKalman(test.measured, r, 1.0);
+  for (std::size_t k = 0; k < textbook.size(); ++k) {
+    test.textbook_difference =
+        std::max(test.textbook_difference, std::abs(textbook[k] - test.filtered[k]));
+  }
+  return test;
+}
+
+// --- Noise --------------------------------------------------------------------------------------
+
+GeneratorTest RunGeneratorTest(std::int64_t draws) {
+  GeneratorTest test;
+  test.draws = draws;
+  constexpr double kReach = 4.5;
+  test.first_bin = -kReach + 0.5 * test.bin_width;
+  test.normal_density.assign(static_cast<std::size_t>(std::lround(2.0 * kReach / test.bin_width)),
+                             0.0);
+  RandomStream random(1, "figure 7 of the paper", 0);
+  double sum = 0.0, squares = 0.0, fourth = 0.0;
+  const auto take = [&](double value) {
+    sum += value;
+    squares += value * value;
+    fourth += value * value * value * value;
+    const double bin = std::floor((value + kReach) / test.bin_width);
+    if (bin < 0.0 || bin >= static_cast<double>(test.normal_density.size())) return;
+    test.normal_density[static_cast<std::size_t>(bin)] +=
+        1.0 / (static_cast<double>(draws) * test.bin_width);
+  };
+  for (std::int64_t i = 0; i < draws / 2; ++i) {
+    const NormalPair pair = BoxMuller(random);
+    take(pair.first);
+    take(pair.second);
+  }
+  const double n = static_cast<double>(draws);
+  test.normal_mean = sum / n;
+  test.normal_deviation = std::sqrt(squares / n);
+  test.normal_kurtosis = fourth / n / (squares / n * squares / n);
+
+  test.galton_rows = 20;
+  RandomStream board(1, "figure 9 of the paper", 0);
+  const std::vector<double> law = GaltonProbabilities(test.galton_rows);
+  double seen = 0.0, expected = 0.0;
+  const std::vector<std::int64_t> balls = GaltonHistogram(board, test.galton_rows, draws);
+  for (std::size_t bin = 0; bin < balls.size(); ++bin) {
+    test.galton_share.push_back(static_cast<double>(balls[bin]) / n);
+    seen += test.galton_share.back();
+    expected += law[bin];
+    test.galton_seen_distance = std::max(test.galton_seen_distance, std::abs(seen - expected));
+  }
+  test.galton_distance = GaltonDistanceFromNormal(test.galton_rows);
+  return test;
+}
+
+namespace {
+
+/// R of the scenario's own glove, as `gauntlet calibrate` finds it from a hand that holds still.
+void EstimateVariance(const Scenario& scenario, bool quick, PaperExperiment& experiment) {
+  GloveConfig glove = scenario.glove;
+  glove.motion.kind = MotionKind::kHold;
+  glove.motion.hold.duration_s = quick ? 5.0 : 60.0;
+  const GloveSignal signal = SynthesiseGlove(glove, static_cast<std::uint64_t>(scenario.seed));
+  const auto estimate = controller::EstimateNoise(signal.counts, {{0, signal.counts.rows()}});
+  for (Eigen::Index c = 0; c < estimate.variance.size(); ++c) {
+    experiment.estimated_variance.push_back(estimate.variance[c]);
+    experiment.estimated_variance_low.push_back(estimate.variance_low[c]);
+    experiment.estimated_variance_high.push_back(estimate.variance_high[c]);
+  }
+}
+
+/// Filtered angles of all other channels, with one switched off and on again, against those
+/// without.
+double SwitchingChange(const Study& study, const GloveSignal& glove) {
+  const auto& config = study.scenario.controllers[1].config;
+  controller::Controller undisturbed(config, study.calibration, study.hand->transmission());
+  controller::Controller switched(config, study.calibration, study.hand->transmission());
+  const auto channels = static_cast<std::size_t>(glove.counts.cols());
+  constexpr std::size_t kSwitched = 3;
+  double change = 0.0;
+  std::vector<double> counts(channels);
+  for (Eigen::Index k = 0; k < std::min<Eigen::Index>(3000, glove.counts.rows()); ++k) {
+    if (k == 1000) switched.SetChannelActive(kSwitched, false);
+    if (k == 2000) switched.SetChannelActive(kSwitched, true);
+    for (std::size_t c = 0; c < channels; ++c) {
+      counts[c] = glove.counts(k, static_cast<Eigen::Index>(c));
+    }
+    undisturbed.Step({.counts = counts});
+    switched.Step({.counts = counts});
+    for (std::size_t c = 0; c < channels; ++c) {
+      if (c == kSwitched) continue;
+      change = std::max(
+          change, std::abs(undisturbed.filtered_angle_rad()[c] - switched.filtered_angle_rad()[c]));
+    }
+  }
+  return change;
+}
+
+// --- Claims -------------------------------------------------------------------------------------
+
+std::vector<double> SeedValues(const StudyResult& result, const std::string& controller,
+                               std::string_view metric) {
+  const std::size_t index = ControllerIndex(result, controller);
+  std::vector<double> values;
+  for (const SeedOutcome& seed : result.seeds) {
+    values.push_back(seed.controllers[index].scores.summary[MetricIndex(metric)]);
+  }
+  return values;
+}
+
+/// What the filter takes away of a score, in percent, seed by seed.
+std::vector<double> Reduction(const StudyResult& result, std::string_view metric) {
+  const std::vector<double> raw = SeedValues(result, "raw", metric);
+  std::vector<double> percent = SeedValues(result, "paper_kalman", metric);
+  for (std::size_t i = 0; i < raw.size(); ++i) percent[i] = 100.0 * (1.0 - percent[i] / raw[i]);
+  return percent;
+}
+
+Claim Judge(std::string claim, std::string measured, const std::vector<double>& before,
+            const std::vector<double>& after, bool less_is_claimed) {
+  Claim judged;
+  judged.claim = std::move(claim);
+  judged.measured = std::move(measured);
+  judged.difference = PairedDifference(after, before, 1);
+  judged.before = BootstrapMean(before, 1).mean;
+  judged.after = BootstrapMean(after, 1).mean;
+  const bool below = judged.difference.ci95_high < 0.0;
+  const bool above = judged.difference.ci95_low > 0.0;
+  if (below || above) {
+    judged.answer = below == less_is_claimed ? Answer::kConfirmed : Answer::kRefuted;
+  }
+  return judged;
+}
+
+std::vector<Claim> JudgeClaims(const PaperExperiment& experiment) {
+  const StudyResult& result = experiment.result;
+  const auto filter_lowers = [&](const char* claim, const char* metric) {
+    return Judge(claim, fmt::format("{}: raw, then paper_kalman", metric),
+                 SeedValues(result, "raw", metric), SeedValues(result, "paper_kalman", metric),
+                 true);
+  };
+  std::vector<Claim> claims;
+  claims.push_back(filter_lowers("Much less local jumps", "command_reversals_per_s"));
+  claims.push_back(filter_lowers("Fingers move quieter", "jitter_rms_deg"));
+  claims.push_back(filter_lowers("Motor noise is lower in level", "motor_speed_rms_deg_s"));
+  claims.push_back(filter_lowers("Motor noise is lower in frequency", "motor_speed_centroid_hz"));
+  claims.push_back(Judge(
+      "More so in slow motion", "jitter that the filter takes away, %: fast motion, then slow",
+      Reduction(result, "fast_jitter_rms_deg"), Reduction(result, "slow_jitter_rms_deg"), false));
+  claims.push_back(Judge("Better servos gain more",
+                         "jitter that the filter takes away, %: servo of 10 bits with dead band, "
+                         "then of 16 bits without",
+                         Reduction(result, "jitter_rms_deg"),
+                         Reduction(experiment.precise_result, "jitter_rms_deg"), false));
+  claims.push_back(Judge("A mean filter costs real-time behaviour",
+                         "delay_ms: paper_kalman, then mean_20",
+                         SeedValues(result, "paper_kalman", "delay_ms"),
+                         SeedValues(result, "mean_20", "delay_ms"), false));
+  claims.push_back(Judge("Prediction follows better when the master moves quickly (never built)",
+                         "fast_tracking_rmse_deg: tuned_kalman, then prediction",
+                         SeedValues(result, "tuned_kalman", "fast_tracking_rmse_deg"),
+                         SeedValues(result, "prediction", "fast_tracking_rmse_deg"), true));
+  return claims;
+}
+
+}  // namespace
+
+std::size_t ControllerIndex(const StudyResult& result, const std::string& name) {
+  const auto& names = result.controller_names;
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    throw UserError(fmt::format("the paper's scenario has no controller named {}", name));
+  }
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
+  PaperExperiment experiment;
+  experiment.quick = options.quick;
+  std::vector<std::string> overrides;
+  if (options.quick) overrides.push_back("glove.motion.duration_s=6");
+  experiment.study = PrepareStudy(LoadScenario(options.scenario, overrides));
+  overrides.insert(overrides.end(),
+                   {"hand.servo.resolution_bits=16", "hand.servo.dead_band_deg=0"});
+  Scenario precise = LoadScenario(options.scenario, overrides);
+  std::erase_if(precise.controllers, [](const NamedController& named) {
+    return named.name != "raw" && named.name != "paper_kalman";
+  });
+  const Study precise_study = PrepareStudy(std::move(precise));
+
+  const auto trials = [](const Study& study) {
+    return static_cast<double>(study.scenario.controllers.size()) * kSeeds;
+  };
+  const double total = trials(experiment.study) + trials(precise_study);
+  const auto run = [&](const Study& study, double before) {
+    return RunStudy(study, {.seeds = kSeeds,
+                            .jobs = options.jobs,
+                            .progress =
+                                [&options, before, total](double done, int) {
+                                  return !options.progress ||
+                                         options.progress(before + done, total);
+                                },
+                            .keep_first_traces = true});
+  };
+  experiment.result = run(experiment.study, 0.0);
+  experiment.precise_result = run(precise_study, trials(experiment.study));
+  experiment.summary = Summarise(experiment.study, experiment.result);
+
+  for (const NamedController& named : experiment.study.scenario.controllers) {
+    if (named.name != "prediction") experiment.filters.push_back(AnalyseFilter(named));
+  }
+  experiment.claims = JudgeClaims(experiment);
+  experiment.one_channel = RunOneChannelTest();
+  experiment.generators = RunGeneratorTest(options.quick ? 100'000 : 1'000'000);
+  EstimateVariance(experiment.study.scenario, options.quick, experiment);
+  experiment.switching_change = SwitchingChange(experiment.study, experiment.result.first_glove);
+  return experiment;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,317 @@
+#include "sim/recordings/csv_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+// Longer than any row of numbers; keeps memory flat on files that are not text.
+constexpr std::size_t kLongestLine = std::size_t{1} << 20;
+
+bool IsBlank(char c) { return c == ' ' || c == '\t'; }
+
+std::string_view Trimmed(std::string_view text) {
+  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && (IsBlank(text.back()) || text.back() == '\r')) text.remove_suffix(1);
+  return text;
+}
+
+std::string_view Unquoted(std::string_view text) {
+  text = Trimmed(text);
+  if (text.size() >= 2 && text.front() == text.back() && (text[0] == '"' || text[0] == '\'')) {
+    text = text.substr(1, text.size() - 2);
+  }
+  return text;
+}
+
+/// True for all that may stand where a number is expected, a missing value included.
+bool LooksLikeNumber(std::string_view cell, bool decimal_comma) {
+  std::string text(Unquoted(cell));
+  if (text.empty()) return true;
+  if (decimal_comma) std::ranges::replace(text, ',', '.');
+  double value;
+  const char* begin = text.data() + (text[0] == '+' ? 1 : 0);
+  const auto result = std::from_chars(begin, text.data() + text.size(), value);
+  return result.ec != std::errc::invalid_argument && result.ptr == text.data() + text.size();
+}
+
+char FindSeparator(std::string_view line) {
+  for (const char candidate : {';', '\t', ','}) {
+    if (line.find(candidate) != std::string_view::npos) return candidate;
+  }
+  return Trimmed(line).find(' ') != std::string_view::npos ? ' ' : ',';
+}
+
+}  // namespace
+
+CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener)
+    : name_(std::move(name)),
+      source_(std::move(source)),
+      handling_(handling),
+      listener_(std::move(listener)),
+      buffer_(std::size_t{1} << 16) {
+  ReadFirstLine();
+}
+
+void CsvReader::Fail(std::size_t column, const std::string& problem) const {
+  FailInRow(row_, column, problem);
+}
+
+void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string& problem) const {
+  throw UserError(
+      fmt::format("{}:{}:{}: {}", name_, std::max<std::size_t>(row, 1), column, problem));
+}
+
+void CsvReader::Problem(std::string_view kind, std::size_t column, const std::string& message) {
+  if (handling_ != ProblemHandling::kRepair) Fail(column, message);
+  if (listener_) listener_(kind, row_);
+}
+
+void CsvReader::Refill() {
+  if (begin_ > 0) {
+    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  if (end_ == buffer_.size()) {
+    if (buffer_.size() >= kLongestLine) {
+      ++row_;
+      Fail(1, fmt::format("the line is longer than {} bytes", kLongestLine));
+    }
+    buffer_.resize(buffer_.size() * 2);
+  }
+  const std::size_t got = source_(buffer_.data() + end_, buffer_.size() - end_);
+  if (got == 0) source_is_empty_ = true;
+  end_ += got;
+}
+
+bool CsvReader::NextLine(std::string_view& line) {
+  std::size_t searched = 0;
+  for (;;) {
+    const char* start = buffer_.data() + begin_;
+    const std::size_t size = end_ - begin_;
+    const void* found = std::memchr(start + searched, '\n', size - searched);
+    if (found != nullptr) {
+      line = {start, static_cast<const char*>(found)};
+      begin_ += line.size() + 1;
+      break;
+    }
+    if (source_is_empty_) {
+      if (size == 0) return false;
+      line = {start, size};
+      begin_ = end_;
+      break;
+    }
+    searched = size;
+    Refill();
+  }
+  ++row_;
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return true;
+}
+
+bool CsvReader::NextUsefulLine(std::string_view& line) {
+  while (NextLine(line)) {
+    const std::string_view text = Trimmed(line);
+    if (!text.empty() && text[0] != '#') return true;
+  }
+  return false;
+}
+
+std::string_view CsvReader::NextCell(std::string_view& rest) const {
+  if (separator_ == ' ') {
+    rest = Trimmed(rest);
+    const std::size_t size = std::min(rest.find_first_of(" \t"), rest.size());
+    const std::string_view cell = rest.substr(0, size);
+    rest = Trimmed(rest.substr(size));
+    return cell;
+  }
+  const std::size_t size = std::min(rest.find(separator_), rest.size());
+  const std::string_view cell = rest.substr(0, size);
+  rest = size < rest.size() ? rest.substr(size + 1) : rest.substr(size);
+  return cell;
+}
+
+void CsvReader::ReadFirstLine() {
+  std::string_view line;
+  bool found = NextLine(line);
+  if (found && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+  if (!found || Trimmed(line).empty() || Trimmed(line)[0] == '#') found = NextUsefulLine(line);
+  if (!found) {
+    row_ = 0;
+    Fail(1, "the file holds no data");
+  }
+  separator_ = FindSeparator(line);
+  const bool decimal_comma = separator_ != ',';
+  bool is_header = false;
+  for (const std::string_view cell : Cells(line)) {
+    header_.emplace_back(Unquoted(cell));
+    is_header = is_header || !LooksLikeNumber(cell, decimal_comma);
+  }
+  column_count_ = header_.size();
+  if (is_header) {
+    ReadFirstRowOfData();
+  } else {
+    header_.clear();
+    has_first_row_ = true;
+    first_row_ = line;
+    first_row_line_ = row_;
+  }
+  ignored_.assign(column_count_, false);
+}
+
+std::vector<std::string_view> CsvReader::Cells(std::string_view line) const {
+  std::vector<std::string_view> cells;
+  const bool ends_with_separator = separator_ != ' ' && line.ends_with(separator_);
+  for (std::string_view rest = line; !rest.empty();) cells.push_back(NextCell(rest));
+  if (ends_with_separator) cells.emplace_back();
+  return cells;
+}
+
+void CsvReader::ReadFirstRowOfData() {
+  const std::size_t header_line = row_;
+  std::string_view line;
+  if (!NextUsefulLine(line)) return;
+  has_first_row_ = true;
+  first_row_ = line;
+  first_row_line_ = row_;
+  row_ = header_line;  // where the reader stands, for messages, until the first row is asked for
+  const std::vector<std::string_view> cells = Cells(line);
+  if (cells.size() != header_.size() + 1 || Trimmed(cells.back()).empty()) return;
+  Problem("header too short", header_.size(),
+          fmt::format("the header has {} names for {} values", header_.size(), cells.size()));
+  const bool time_is_first = header_.front().starts_with("t");
+  header_.insert(time_is_first ? header_.end() : header_.begin(), std::string());
+  column_count_ = header_.size();
+}
+
+bool CsvReader::NextLineOfData(std::string_view& line) {
+  if (!has_first_row_) return NextUsefulLine(line);
+  has_first_row_ = false;
+  row_ = first_row_line_;
+  line = first_row_;
+  return true;
+}
+
+bool CsvReader::NextRow(std::span<double> values) {
+  std::string_view line;
+  if (!NextLineOfData(line)) return false;
+  ParseRow(line, values);
+  return true;
+}
+
+bool CsvReader::NextRow(std::vector<std::string>& cells) {
+  std::string_view line;
+  if (!NextLineOfData(line)) return false;
+  cells.clear();
+  for (const std::string_view cell : Cells(line)) cells.emplace_back(Unquoted(cell));
+  if (cells.size() != column_count_) {
+    Problem(cells.size() < column_count_ ? "truncated row" : "row too long", cells.size(),
+            fmt::format("the row has {} of {} values", cells.size(), column_count_));
+    cells.resize(column_count_);
+  }
+  return true;
+}
+
+void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
+  const char* const end = line.data() + line.size();
+  std::string_view rest = line;
+  std::size_t column = 0;
+  bool more = true;
+  for (; column < column_count_ && more; ++column) {
+    double value;
+    const auto number = std::from_chars(rest.data(), end, value);
+    if (!ignored_[column] && number.ec == std::errc() && std::isfinite(value) &&
+        separator_ != ' ' && (number.ptr == end || *number.ptr == separator_)) {
+      values[column] = value;
+      more = number.ptr != end;
+      rest = {number.ptr + (more ? 1 : 0), end};
+      continue;
+    }
+    // Everything that is not a plain number between separators: rare, so clarity over speed.
+    const std::string_view cell = NextCell(rest);
+    more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
+    values[column] = ignored_[column] ? kMissing : Number(cell, column + 1);
+  }
+  if (column < column_count_) {
+    Problem("truncated row", column,
+            fmt::format("the row has {} of {} values", column, column_count_));
+    for (; column < column_count_; ++column) values[column] = kMissing;
+  } else if (more && !Trimmed(rest).empty()) {
+    Problem("row too long", column_count_ + 1,
+            fmt::format("the row has more than {} values", column_count_));
+  }
+}
+
+double CsvReader::Number(std::string_view cell, std::size_t column) {
+  std::string text(Unquoted(cell).substr(0, 64));
+  if (separator_ != ',') std::ranges::replace(text, ',', '.');
+  if (text.empty()) {
+    if (handling_ != ProblemHandling::kAllowMissing) {
+      Problem("missing value", column, "the value is missing");
+    }
+    return kMissing;
+  }
+  const char* const begin = text.data() + (text[0] == '+' ? 1 : 0);
+  const char* const end = text.data() + text.size();
+  double value = kMissing;
+  const auto number = std::from_chars(begin, end, value);
+  if (number.ec == std::errc::invalid_argument || number.ptr != end) {
+    Problem("not a number", column, Quoted(cell) + " is not a number");
+    return kMissing;
+  }
+  if (number.ec == std::errc() && std::isnan(value)) {
+    if (handling_ != ProblemHandling::kAllowMissing) {
+      Problem("missing value", column, "the value is missing (nan)");
+    }
+    return kMissing;
+  }
+  if (number.ec == std::errc::result_out_of_range || std::isinf(value)) {
+    Problem("not finite", column, Quoted(cell) + " is not a finite number");
+    return kMissing;
+  }
+  return value;
+}
+
+CsvReader::Source FileSource(const std::filesystem::path& path) {
+  const std::shared_ptr<std::FILE> file(std::fopen(path.c_str(), "rb"), [](std::FILE* open) {
+    if (open != nullptr) std::fclose(open);
+  });
+  std::error_code ignored;
+  if (file == nullptr || std::filesystem::is_directory(path, ignored)) {
+    throw UserError(fmt::format("{}: cannot open: {}", path.string(),
+                                std::strerror(file == nullptr ? errno : EISDIR)));
+  }
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);  // the reader has a buffer of its own
+  return [file](char* buffer, std::size_t size) { return std::fread(buffer, 1, size, file.get()); };
+}
+
+CsvReader::Source TextSource(std::string_view text) {
+  return [text](char* buffer, std::size_t size) mutable {
+    const std::size_t count = std::min(size, text.size());
+    std::memcpy(buffer, text.data(), count);
+    text.remove_prefix(count);
+    return count;
+  };
+}
+
+std::string Quoted(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text.substr(0, 24)) result += c >= ' ' && c <= '~' ? c : '?';
+  result += text.size() > 24 ? "...'" : "'";
+  return result;
+}
+
+}  // namespace gauntlet::sim

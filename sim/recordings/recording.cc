@@ -1,0 +1,156 @@
+#include "sim/recordings/recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "sim/base/channels.h"
+#include "sim/base/error.h"
+#include "sim/recordings/glitches.h"
+#include "sim/recordings/pchip.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+// Rows before and behind a stretch that are read with it: a glitch at its end is known by them.
+constexpr std::size_t kRowsBeside = 3;
+
+struct Glitch {
+  Eigen::Index place;
+  Eigen::Index channel;
+};
+
+[[noreturn]] void FailAsTooShort(const RecordingReader& reader, const Recording& recording,
+                                 double start_s) {
+  std::string problem =
+      recording.time_s.size() < 2
+          ? fmt::format("the recording has {} good rows, must have at least 2",
+                        recording.time_s.size())
+          : fmt::format("the recording is {:.6g} s long, must be longer than start_s {:.6g}",
+                        recording.time_s.back(), start_s);
+  const std::string found = reader.MostFrequentProblem();
+  if (!found.empty()) problem += fmt::format(" (found: {})", found);
+  throw UserError(
+      fmt::format("{}:{}:1: {}", recording.name, std::max<std::size_t>(reader.row(), 1), problem));
+}
+
+/// Reports them in the order of rows and makes them NaN. `rows` are lines of the file.
+void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& rows, StretchEnds ends,
+                    Recording& recording) {
+  std::vector<Glitch> glitches;
+  for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
+    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
+    for (const std::size_t place :
+         FindGlitches(recording.time_s, {recording.angle_rad.col(c).data(), rows.size()},
+                      (joint.max_deg - joint.min_deg) * kRadPerDeg, ends)) {
+      glitches.push_back({static_cast<Eigen::Index>(place), c});
+    }
+  }
+  std::ranges::stable_sort(glitches, {}, &Glitch::place);
+  for (const auto [place, c] : glitches) {
+    const std::string_view name = GloveChannels()[static_cast<std::size_t>(c)].name;
+    double& angle = recording.angle_rad(place, c);
+    reader.Report(fmt::format("{}: glitch, value left out", name),
+                  rows[static_cast<std::size_t>(place)], static_cast<std::size_t>(c),
+                  fmt::format("{} jumps to {:.6g} deg and back, faster than a hand", name,
+                              angle * kDegPerRad));
+    angle = kMissing;
+  }
+}
+
+void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
+  for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
+    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
+    const auto angle = recording.angle_rad.col(c);
+    Eigen::Index repeats = 0, run = 0, longest = 0, first = 0;
+    for (Eigen::Index i = 1; i < angle.size(); ++i) {
+      run = angle[i] == angle[i - 1] ? run + 1 : 0;
+      if (run > 0 && repeats++ == 0) first = i;
+      longest = std::max(longest, run);
+    }
+    if (2 * repeats < angle.size()) continue;
+    recording.remarks.push_back(fmt::format(
+        "{}: {}: {} of {} rows repeat the value before, first in row {}, {} rows in a row at most",
+        recording.name, GloveChannels()[static_cast<std::size_t>(c)].name, repeats, angle.size(),
+        rows[static_cast<std::size_t>(first)], longest));
+  }
+}
+
+}  // namespace
+
+Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
+                        double start_s, double duration_s) {
+  RecordingReader reader(file.string(), FileSource(file), format);
+  Recording recording;
+  recording.name = file.string();
+  recording.has_channel = reader.has_channel();
+  const std::size_t width = GloveChannels().size();
+  std::vector<double> angles(width);
+  std::vector<double> table;
+  std::vector<std::size_t> rows;  // lines of the file
+  StretchEnds ends{.at_first_row = true, .at_last_row = true};
+  double first_s = kMissing;
+  double time_s = 0.0;
+  std::size_t rows_behind = 0;
+  while (reader.NextRow(time_s, angles)) {
+    if (std::isnan(first_s)) first_s = time_s;
+    const double since_start_s = time_s - first_s;
+    if (since_start_s <= start_s && rows.size() == kRowsBeside) {
+      recording.time_s.erase(recording.time_s.begin());
+      rows.erase(rows.begin());
+      table.erase(table.begin(), table.begin() + static_cast<std::ptrdiff_t>(width));
+      ends.at_first_row = false;
+    }
+    recording.time_s.push_back(since_start_s);
+    rows.push_back(reader.row());
+    table.insert(table.end(), angles.begin(), angles.end());
+    if (duration_s > 0.0 && since_start_s >= start_s + duration_s && ++rows_behind == kRowsBeside) {
+      ends.at_last_row = false;
+      break;
+    }
+  }
+  if (recording.time_s.size() < 2 || recording.time_s.back() <= start_s) {
+    FailAsTooShort(reader, recording, start_s);
+  }
+  using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  recording.angle_rad = Eigen::Map<const Table>(
+      table.data(), static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(width));
+  HandleGlitches(reader, rows, ends, recording);
+  recording.remarks = reader.Remarks();
+  RemarkRepeats(rows, recording);
+  return recording;
+}
+
+Resampled Resample(const Recording& recording, Eigen::Index channel, double start_s, double rate_hz,
+                   std::size_t samples, double gap_s) {
+  std::vector<double> time_s, value;
+  for (std::size_t i = 0; i < recording.time_s.size(); ++i) {
+    const double angle = recording.angle_rad(static_cast<Eigen::Index>(i), channel);
+    if (!std::isfinite(angle)) continue;
+    time_s.push_back(recording.time_s[i]);
+    value.push_back(angle);
+  }
+  if (value.empty()) {
+    throw UserError(fmt::format("{}: {} has no good value", recording.name,
+                                GloveChannels()[static_cast<std::size_t>(channel)].name));
+  }
+  Resampled result{std::vector<double>(samples), std::vector<bool>(samples, false)};
+  InterpolatePchip(time_s, value, start_s, rate_hz, result.value);
+  std::size_t k = 0;  // first good value after the sample
+  for (std::size_t i = 0; i < samples; ++i) {
+    const double t = start_s + static_cast<double>(i) / rate_hz;
+    while (k < time_s.size() && time_s[k] < t) ++k;
+    const double before = k > 0 ? time_s[k - 1] : recording.time_s.front() - gap_s;
+    const double after = k < time_s.size() ? time_s[k] : recording.time_s.back() + gap_s;
+    const bool on_a_value = k < time_s.size() && time_s[k] - t < 0.5 / rate_hz;
+    result.mask[i] = !on_a_value && after - before > gap_s + 1e-9;
+  }
+  return result;
+}
+
+}  // namespace gauntlet::sim

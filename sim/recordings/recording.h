@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/base/signal.h"
+#include "sim/recordings/recording_reader.h"
+
+namespace gauntlet::sim {
+
+/// A stretch of a recording, at its own times.
+struct Recording {
+  std::string name;                  // of the file, for messages
+  std::vector<double> time_s;        // rises strictly; 0 is the first row of the file
+  Signal angle_rad;                  // rows x channels of GloveChannels(); NaN is missing
+  std::vector<bool> has_channel;     // per channel
+  std::vector<std::string> remarks;  // what was repaired
+};
+
+/// Reads from start_s for duration_s (0: to the end). Rows before the stretch are passed over and
+/// reading ends behind it, so memory grows with the stretch and not with the file.
+///
+/// Glitches (see FindGlitches) are a problem like all that RecordingReader finds: strict reading
+/// stops at the first of the stretch, repair makes them NaN. A remark tells where a channel hardly
+/// ever changes: a slow device that was polled fast, a sensor at its stop.
+///
+/// Errors: UserError in one line, also if the stretch has fewer than two rows.
+Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
+                        double start_s = 0.0, double duration_s = 0.0);
+
+/// One channel brought to another rate.
+/// `gap_s`: where neighbouring good values are further apart, `mask` is set to true.
+struct Resampled {
+  std::vector<double> value;
+  std::vector<bool> mask;
+};
+/// Shape-preserving interpolation of the good values of `channel` at start_s + i / rate_hz.
+/// Errors: UserError if the channel has no good value.
+Resampled Resample(const Recording& recording, Eigen::Index channel, double start_s, double rate_hz,
+                   std::size_t samples, double gap_s);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,218 @@
+#include "sim/recordings/recording_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/base/channels.h"
+#include "sim/base/error.h"
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+// A clock that goes back further than this was started anew; less is a row out of order.
+constexpr double kClockRestartS = 1.0;
+// Further outside the joint's range than this share of it no hand and no bad calibration gets.
+constexpr double kGlitchShare = 0.5;
+
+}  // namespace
+
+RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
+                                 const RecordingFormat& format)
+    : handling_(format.handling), longest_gap_s_(1e-3 * format.longest_gap_ms) {
+  csv_ = std::make_unique<CsvReader>(
+      std::move(name), std::move(source), format.handling,
+      [this](std::string_view kind, std::size_t row) { Note(std::string(kind), row); });
+  row_ = csv_->row();
+  std::vector<std::string> left_out;
+  map_ = format.map.empty() ? MapByHeader(*csv_, format.handling, left_out)
+                            : ReadColumnMap(format.map, *csv_);
+  for (const std::string& column : left_out) {
+    problems_[fmt::format("unknown column {} left out", Quoted(column))] = {1, csv_->row()};
+  }
+  if (map_.time_column) {
+    if (format.rate_hz > 0.0) {
+      ReportHere(fmt::format("{} not used beside a column of time", format.rate_key),
+                 *map_.time_column + 1,
+                 fmt::format("is a column of time, {} must not be given", format.rate_key));
+    }
+  } else if (format.rate_hz <= 0.0) {
+    csv_->Fail(1, fmt::format("there is no column of time; without one {} must be given",
+                              format.rate_key));
+  } else {
+    row_period_s_ = 1.0 / format.rate_hz;
+  }
+  values_.resize(csv_->column_count());
+  next_values_.resize(csv_->column_count());
+  has_channel_.assign(GloveChannels().size(), false);
+  std::vector<bool> used(csv_->column_count(), false);
+  if (map_.time_column) used[*map_.time_column] = true;
+  for (const ColumnMapping& mapping : map_.channels) {
+    used[mapping.column] = true;
+    has_channel_[static_cast<std::size_t>(mapping.channel)] = true;
+    AddLinear(mapping, format);
+  }
+  for (std::size_t column = 0; column < used.size(); ++column) {
+    if (!used[column]) csv_->Ignore(column);
+  }
+}
+
+void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFormat& format) {
+  const Channel& joint = GloveChannels()[static_cast<std::size_t>(mapping.channel)];
+  const double min_rad = joint.min_deg * kRadPerDeg;
+  const double range_rad = (joint.max_deg - joint.min_deg) * kRadPerDeg;
+  double factor = kRadPerDeg;  // rad per unit
+  double zero_rad = 0.0;       // angle at 0
+  if (mapping.unit == RecordedUnit::kRadians) {
+    factor = 1.0;
+  } else if (mapping.unit == RecordedUnit::kShare) {
+    factor = range_rad;
+    zero_rad = min_rad;
+  } else if (mapping.unit == RecordedUnit::kCounts) {
+    factor = range_rad / (format.high_counts - format.low_counts);
+    zero_rad = min_rad - format.low_counts * factor;
+  }
+  channels_.push_back({.column = mapping.column,
+                       .channel = static_cast<std::size_t>(mapping.channel),
+                       .factor = factor * mapping.scale,
+                       .offset_rad = zero_rad + factor * mapping.offset,
+                       .lowest_rad = min_rad - kGlitchShare * range_rad,
+                       .highest_rad = min_rad + (1.0 + kGlitchShare) * range_rad});
+}
+
+void RecordingReader::Note(const std::string& kind, std::size_t row) {
+  Count& count = problems_[kind];
+  if (count.rows++ == 0) count.first_row = row;
+}
+
+void RecordingReader::ReportHere(const std::string& kind, std::size_t column,
+                                 const std::string& message) {
+  if (handling_ == ProblemHandling::kStrict) csv_->FailInRow(row_, column, message);
+  Note(kind, row_);
+}
+
+void RecordingReader::Report(const std::string& kind, std::size_t row, std::size_t channel,
+                             const std::string& message) {
+  if (handling_ == ProblemHandling::kStrict) {
+    const auto linear = std::ranges::find(channels_, channel, &Linear::channel);
+    csv_->FailInRow(row, linear->column + 1, message);
+  }
+  Note(kind, row);
+}
+
+bool RecordingReader::FixTime(double& time_s) {
+  if (!map_.time_column) {
+    time_s = static_cast<double>(good_rows_) * row_period_s_;
+    return true;
+  }
+  const std::size_t column = *map_.time_column + 1;
+  const double given_s = values_[*map_.time_column] * map_.time_scale_s;
+  if (!std::isfinite(given_s)) return false;  // the CSV reader has reported it
+  if (std::abs(given_s) > 1e12) {
+    ReportHere("time out of range", column, fmt::format("the time is {} s", given_s));
+    return false;
+  }
+  time_s = given_s + clock_offset_s_;
+  if (good_rows_ == 0) return true;
+  const double step_s = time_s - last_time_s_;
+  if (handling_ == ProblemHandling::kRepair && IsWildTime(step_s)) {
+    Note("wild time, row left out", row_);
+    return false;
+  }
+  if (step_s > 0.0) {
+    if (step_s > longest_gap_s_) {
+      ReportHere("gap in time", column, fmt::format("nothing for {:.6g} ms", 1e3 * step_s));
+    }
+    return true;
+  }
+  const std::string message =
+      fmt::format("the time is {} s, must be above {} s of the row before", time_s, last_time_s_);
+  if (step_s == 0.0) {
+    ReportHere("repeated time, row left out", column, message);
+    return false;
+  }
+  if (step_s > -kClockRestartS) {
+    ReportHere("row out of order, left out", column, message);
+    return false;
+  }
+  ReportHere("clock started anew", column, message);
+  const double expected_s = last_time_s_ + (last_step_s_ > 0.0 ? last_step_s_ : 0.01);
+  clock_offset_s_ += expected_s - time_s;
+  time_s = expected_s;
+  return time_s > last_time_s_;
+}
+
+bool RecordingReader::IsWildTime(double step_s) {
+  // The longest way from one row to the next but one, also in a slow recording.
+  const double longest_step_s = std::max(longest_gap_s_, 3.0 * last_step_s_);
+  const bool is_far = step_s > longest_step_s || step_s <= -kClockRestartS;
+  if (!is_far || good_rows_ < 2) return false;
+  if (!has_next_) {
+    has_next_ = csv_->NextRow(next_values_);
+    next_row_ = csv_->row();
+  }
+  if (!has_next_) return std::abs(step_s) > kClockRestartS;
+  const double next_s = next_values_[*map_.time_column] * map_.time_scale_s + clock_offset_s_;
+  const double next_step_s = next_s - last_time_s_;
+  return next_step_s > 0.0 && next_step_s <= longest_step_s;
+}
+
+bool RecordingReader::ReadRow() {
+  if (has_next_) {
+    std::swap(values_, next_values_);
+    row_ = next_row_;
+    has_next_ = false;
+    return true;
+  }
+  if (!csv_->NextRow(values_)) return false;
+  row_ = csv_->row();
+  return true;
+}
+
+bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
+  while (ReadRow()) {
+    double now_s = 0.0;
+    if (!FixTime(now_s)) continue;
+    if (good_rows_++ > 0) last_step_s_ = now_s - last_time_s_;
+    last_time_s_ = time_s = now_s;
+    for (std::size_t c = 0; c < angle_rad.size(); ++c) angle_rad[c] = kMissing;
+    for (const Linear& linear : channels_) {
+      const double angle = linear.factor * values_[linear.column] + linear.offset_rad;
+      if (angle < linear.lowest_rad || angle > linear.highest_rad) {
+        const Channel& joint = GloveChannels()[linear.channel];
+        ReportHere("glitch far outside the joint's range", linear.column + 1,
+                   fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name,
+                               angle * kDegPerRad, joint.min_deg, joint.max_deg));
+        continue;
+      }
+      angle_rad[linear.channel] = angle;
+    }
+    return true;
+  }
+  return false;
+}
+
+std::vector<std::string> RecordingReader::Remarks() const {
+  std::vector<std::string> remarks;
+  for (const auto& [kind, count] : problems_) {
+    remarks.push_back(fmt::format("{}: {}", csv_->name(), Remark(kind, count)));
+  }
+  return remarks;
+}
+
+std::string RecordingReader::MostFrequentProblem() const {
+  if (problems_.empty()) return "";
+  const auto& [kind, count] = *std::ranges::max_element(
+      problems_, {}, [](const auto& problem) { return problem.second.rows; });
+  return Remark(kind, count);
+}
+
+std::string RecordingReader::Remark(const std::string& kind, const Count& count) {
+  return fmt::format("{}: {} times, first in row {}", kind, count.rows, count.first_row);
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/recordings/column_map.h"
+#include "sim/recordings/csv_reader.h"
+
+namespace gauntlet::sim {
+
+/// What must be known to read a recording besides the file.
+struct RecordingFormat {
+  std::string map;       // column map; empty: the header's names
+  double rate_hz = 0.0;  // rows per second of a file without time; 0: the file has a time column
+  std::string_view rate_key = "file_rate_hz";  // what messages call it
+  ProblemHandling handling = ProblemHandling::kStrict;
+  double longest_gap_ms = 100.0;  // a longer one is a problem
+  // For columns in counts: those at the ends of a joint's range. By default 10 and 90 % of 10 bits.
+  double low_counts = 102.3;
+  double high_counts = 920.7;
+};
+
+/// Reads a recording row by row, in one pass and with flat memory: angles [rad] at times [s] that
+/// rise strictly. A missing value is NaN.
+///
+/// What is found: everything that CsvReader finds; time that stands still (the row is left out),
+/// that goes back by up to a second (left out) or by more (a new start of the clock: time goes on),
+/// gaps, a wild time (left out: one row far ahead or far back, while the next row goes on from the
+/// row before it; or the last row of the file, if it is more than a second away), and angles
+/// further outside the joint's range than half of that range (left out as a glitch). Strict reading
+/// stops at the first of them; repair counts them. Errors: UserError `file:row:column: ...` in one
+/// line.
+class RecordingReader {
+ public:
+  RecordingReader(std::string name, CsvReader::Source source, const RecordingFormat& format);
+
+  /// False at the end. `angle_rad` has one place per channel of GloveChannels().
+  bool NextRow(double& time_s, std::span<double> angle_rad);
+
+  const std::vector<bool>& has_channel() const { return has_channel_; }
+  /// Line of the last row, from 1.
+  std::size_t row() const { return row_; }
+  /// Notes a problem that was found in an earlier row of a channel; in a strict reading a
+  /// UserError.
+  void Report(const std::string& kind, std::size_t row, std::size_t channel,
+              const std::string& message);
+  /// One line per kind of problem: what, how often, and the first row.
+  std::vector<std::string> Remarks() const;
+  /// The problem found most often, as such a line without the file; empty if there is none.
+  std::string MostFrequentProblem() const;
+
+ private:
+  struct Count {
+    std::size_t rows = 0;
+    std::size_t first_row = 0;
+  };
+  /// unit(value): factor and offset to rad, found once.
+  struct Linear {
+    std::size_t column;
+    std::size_t channel;
+    double factor;
+    double offset_rad;
+    double lowest_rad;
+    double highest_rad;
+  };
+
+  void ReportHere(const std::string& kind, std::size_t column, const std::string& message);
+  static std::string Remark(const std::string& kind, const Count& count);
+  void Note(const std::string& kind, std::size_t row);
+  bool ReadRow();
+  bool FixTime(double& time_s);
+  bool IsWildTime(double step_s);
+  void AddLinear(const ColumnMapping& mapping, const RecordingFormat& format);
+
+  ProblemHandling handling_;
+  std::map<std::string, Count> problems_;
+  std::unique_ptr<CsvReader> csv_;
+  ColumnMap map_;
+  std::vector<Linear> channels_;
+  std::vector<bool> has_channel_;
+  std::vector<double> values_;
+  std::size_t row_ = 0;
+  std::vector<double> next_values_;  // of the row behind, if it was needed
+  std::size_t next_row_ = 0;
+  bool has_next_ = false;
+  double row_period_s_ = 0.0;
+  double longest_gap_s_ = 0.0;
+  double last_time_s_ = 0.0;
+  double last_step_s_ = 0.0;
+  double clock_offset_s_ = 0.0;
+  std::size_t good_rows_ = 0;
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,631 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/base/channels.h"
+#include "sim/base/error.h"
+#include "sim/base/random.h"
+#include "sim/glove/glove.h"
+#include "sim/glove/noise/box_muller.h"
+#include "sim/recordings/glitches.h"
+#include "sim/recordings/recording.h"
+#include "sim/recordings/zero_phase.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Row {
+  double time_s;
+  double index_mcp_deg;
+};
+
+/// Everything that a reader gives of a text with the columns time and index_mcp.
+struct ReadResult {
+  std::vector<Row> rows;
+  std::vector<std::string> remarks;
+};
+
+ReadResult Read(const std::string& text, RecordingFormat format) {
+  RecordingReader reader("in.csv", TextSource(text), format);
+  ReadResult result;
+  std::vector<double> angles(GloveChannels().size());
+  double time_s = 0.0;
+  while (reader.NextRow(time_s, angles)) {
+    result.rows.push_back({time_s, angles[ChannelIndex("index_mcp")] * kDegPerRad});
+  }
+  result.remarks = reader.Remarks();
+  return result;
+}
+
+ReadResult Repair(const std::string& text) {
+  RecordingFormat format;
+  format.handling = ProblemHandling::kRepair;
+  return Read(text, format);
+}
+
+template <class Action>
+std::string ErrorOf(const Action& action) {
+  try {
+    action();
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string StrictError(const std::string& text) {
+  return ErrorOf([&] { Read(text, {}); });
+}
+
+TEST(RecordingRepair, LeavesOutWhatIsNoNumberAndSaysWhereAndHowOften) {
+  const std::string text =
+      "time_s,index_mcp\r\n0,1\r\n0.01,x\r\n0.02\r\n0.03,nan\r\n0.04,\r\n0.05,6\r\n0.06,7,8\r\n";
+  const ReadResult result = Repair(text);
+  ASSERT_EQ(result.rows.size(), 7u);
+  EXPECT_TRUE(std::isnan(result.rows[1].index_mcp_deg));
+  EXPECT_TRUE(std::isnan(result.rows[2].index_mcp_deg));
+  EXPECT_NEAR(result.rows[5].index_mcp_deg, 6.0, 1e-12);
+  EXPECT_NEAR(result.rows[6].index_mcp_deg, 7.0, 1e-12);
+  EXPECT_THAT(result.remarks, ElementsAre("in.csv: missing value: 2 times, first in row 5",
+                                          "in.csv: not a number: 1 times, first in row 3",
+                                          "in.csv: row too long: 1 times, first in row 8",
+                                          "in.csv: truncated row: 1 times, first in row 4"));
+  EXPECT_EQ(StrictError(text), "in.csv:3:2: 'x' is not a number");
+}
+
+TEST(RecordingRepair, MakesTimeRise) {
+  const std::string text =
+      "time_s,index_mcp\n10,1\n10.01,2\n10.01,3\n10.005,4\n10.02,5\n0.5,6\n0.51,7\n";
+  const ReadResult result = Repair(text);
+  std::vector<double> times, angles;
+  for (const Row& row : result.rows) {
+    times.push_back(std::round(1000 * row.time_s) / 1000);
+    angles.push_back(std::round(row.index_mcp_deg));
+  }
+  EXPECT_THAT(angles, ElementsAre(1, 2, 5, 6, 7));
+  EXPECT_THAT(times, ElementsAre(10, 10.01, 10.02, 10.03, 10.04));
+  EXPECT_THAT(result.remarks,
+              ElementsAre("in.csv: clock started anew: 1 times, first in row 7",
+                          "in.csv: repeated time, row left out: 1 times, first in row 4",
+                          "in.csv: row out of order, left out: 1 times, first in row 5"));
+  EXPECT_EQ(StrictError(text),
+            "in.csv:4:1: the time is 10.01 s, must be above 10.01 s of the row before");
+}
+
+/// Times of 9 rows at 100 Hz from 10 s, of which some lines of the file have another.
+std::string Times(const std::map<int, double>& wild_s) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 9; ++i) {
+    const auto wild = wild_s.find(i + 2);
+    text += fmt::format("{},{}\n", wild != wild_s.end() ? wild->second : 10.0 + 0.01 * i, i);
+  }
+  return text;
+}
+
+double LengthS(const ReadResult& result) {
+  return result.rows.back().time_s - result.rows.front().time_s;
+}
+
+TEST(RecordingRepair, LeavesOutOneWildTime) {
+  for (const double wild_s : {50.0, 1e6, 10.3, 2.0, -1e6}) {
+    const ReadResult result = Repair(Times({{6, wild_s}}));
+    EXPECT_EQ(result.rows.size(), 8u) << wild_s;
+    EXPECT_NEAR(LengthS(result), 0.08, 1e-9) << wild_s;
+    EXPECT_THAT(result.remarks,
+                ElementsAre("in.csv: wild time, row left out: 1 times, first in row 6"));
+    EXPECT_THAT(StrictError(Times({{6, wild_s}})), HasSubstr("in.csv:6:1: "));
+  }
+  const ReadResult last = Repair(Times({{10, 50.0}}));
+  EXPECT_NEAR(LengthS(last), 0.07, 1e-9);
+  const ReadResult twice = Repair(Times({{5, 50.0}, {7, 60.0}}));
+  EXPECT_EQ(twice.rows.size(), 7u);
+  EXPECT_THAT(twice.remarks,
+              ElementsAre("in.csv: wild time, row left out: 2 times, first in row 5"));
+}
+
+TEST(RecordingRepair, FindsWhatIsWrongInTheRowBehindAWildTime) {
+  const ReadResult result =
+      Repair("time_s,index_mcp\n0,1\n0.01,2\n50,3\n0.03,x\n0.04,5\n0.04,6\n0.05,7\n");
+  ASSERT_EQ(result.rows.size(), 5u);
+  EXPECT_TRUE(std::isnan(result.rows[2].index_mcp_deg));
+  EXPECT_THAT(result.remarks,
+              ElementsAre("in.csv: not a number: 1 times, first in row 5",
+                          "in.csv: repeated time, row left out: 1 times, first in row 7",
+                          "in.csv: wild time, row left out: 1 times, first in row 4"));
+}
+
+TEST(RecordingRepair, TakesNoGapAndNoNewStartForAWildTime) {
+  const ReadResult gap = Repair("time_s,index_mcp\n0,1\n0.01,2\n50,3\n50.01,4\n");
+  EXPECT_EQ(gap.rows.size(), 4u);
+  EXPECT_THAT(gap.remarks, ElementsAre("in.csv: gap in time: 1 times, first in row 4"));
+  const ReadResult anew = Repair("time_s,index_mcp\n7,1\n7.01,2\n0,3\n0.01,4\n");
+  EXPECT_EQ(anew.rows.size(), 4u);
+  EXPECT_THAT(anew.remarks, ElementsAre("in.csv: clock started anew: 1 times, first in row 4"));
+}
+
+TEST(RecordingRepair, ReportsGaps) {
+  const std::string text = "time_ms,index_mcp\n0,1\n10,2\n670,3\n";
+  EXPECT_THAT(Repair(text).remarks, ElementsAre("in.csv: gap in time: 1 times, first in row 4"));
+  EXPECT_EQ(StrictError(text), "in.csv:4:1: nothing for 660 ms");
+}
+
+TEST(RecordingRepair, LeavesOutAbsurdValues) {
+  const std::string text = "time_s,index_mcp_counts\n0,512\n0.01,35512.6\n0.02,512\n";
+  const ReadResult result = Repair(text);
+  EXPECT_TRUE(std::isnan(result.rows[1].index_mcp_deg));
+  EXPECT_NEAR(result.rows[2].index_mcp_deg, 22.5, 0.1);  // half scale is the middle of the range
+  EXPECT_THAT(StrictError(text), HasSubstr("in.csv:3:2: index_mcp is 5796.14 deg"));
+}
+
+TEST(RecordingRepair, FindsTheNameThatAHeaderLacks) {
+  EXPECT_NEAR(Repair("time_s,index_mcp\n0,1,9\n1,2,9\n").rows[1].index_mcp_deg, 2.0, 1e-12);
+  // The first column has no name, as R writes row names.
+  EXPECT_NEAR(Repair("index_mcp,time_s\n7,1,0\n8,2,0.01\n").rows[1].index_mcp_deg, 2.0, 1e-12);
+  EXPECT_EQ(StrictError("time_s,index_mcp\n0,1,9\n"),
+            "in.csv:1:2: the header has 2 names for 3 values");
+}
+
+TEST(Recording, KnowsTheTimeOfTheProjectsOwnTables) {
+  // As `gauntlet run --csv` and `gauntlet filter` name it.
+  const ReadResult result = Read("k,t_s,index_mcp\n0,2,1\n1,2.05,2\n", {});
+  ASSERT_EQ(result.rows.size(), 2u);
+  EXPECT_NEAR(result.rows[1].time_s, 2.05, 1e-12);
+  EXPECT_NEAR(result.rows[1].index_mcp_deg, 2.0, 1e-12);
+  EXPECT_NEAR(Read("Time_ms,index_mcp\n0,1\n20,2\n", {}).rows[1].time_s, 0.02, 1e-12);
+
+  EXPECT_EQ(StrictError("k,index_mcp\n0,1\n"),
+            "in.csv:1:1: there is no column of time; without one file_rate_hz must be given");
+  RecordingFormat format;
+  format.rate_hz = 50.0;
+  const ReadResult numbered = Read("k,index_mcp\n0,1\n1,2\n", format);
+  EXPECT_NEAR(numbered.rows[1].time_s, 0.02, 1e-12);
+  EXPECT_TRUE(numbered.remarks.empty());
+}
+
+TEST(Recording, WithTimeNeedsNoRate) {
+  const std::string text = "index_mcp,time_s\n1,0\n2,0.01\n";
+  RecordingFormat format;
+  format.rate_hz = 50.0;
+  EXPECT_EQ(ErrorOf([&] { Read(text, format); }),
+            "in.csv:1:2: is a column of time, file_rate_hz must not be given");
+  format.handling = ProblemHandling::kRepair;
+  const ReadResult result = Read(text, format);
+  EXPECT_NEAR(result.rows[1].time_s, 0.01, 1e-12);
+  EXPECT_THAT(result.remarks, ElementsAre("in.csv: file_rate_hz not used beside a column of time: "
+                                          "1 times, first in row 1"));
+}
+
+TEST(RecordingRepair, LeavesOutUnknownColumnsAndSaysSo) {
+  const ReadResult result = Repair("time_s,label,index_mcp\n0,V,1\n0.01,H,2\n");
+  EXPECT_NEAR(result.rows[1].index_mcp_deg, 2.0, 1e-12);
+  EXPECT_THAT(result.remarks,
+              Contains("in.csv: unknown column 'label' left out: 1 times, first in row 1"));
+}
+
+/// Places of glitches in values of a joint with a range of 1, as a whole file.
+std::vector<std::size_t> Glitches(const std::vector<double>& values, double rate_hz = 100.0,
+                                  StretchEnds ends = {true, true}) {
+  std::vector<double> time_s;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    time_s.push_back(static_cast<double>(i) / rate_hz);
+  }
+  return FindGlitches(time_s, values, 1.0, ends);
+}
+
+TEST(Glitches, AreOneOrTwoWildValuesInARow) {
+  EXPECT_THAT(Glitches({0, 0, 0.3, 0, 0}), ElementsAre(2));
+  EXPECT_THAT(Glitches({0, 0, -0.3, 0, 0}), ElementsAre(2));
+  EXPECT_THAT(Glitches({0, 0, 0.9, 0.4, 0, 0}), ElementsAre(2, 3));
+  EXPECT_THAT(Glitches({0, 0, 0.9, -0.9, 0, 0}), ElementsAre(2, 3));
+  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.9, 0.9, 0, 0, 0}), ElementsAre());  // may be a movement
+  EXPECT_THAT(Glitches({0, 0.9, 0, 0.9, 0}), ElementsAre(1, 3));
+  EXPECT_THAT(Glitches({0, 0, 0.2, 0, 0}), ElementsAre());
+  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.9, 0.9, 0.9}), ElementsAre());  // a step
+}
+
+TEST(Glitches, AreFoundBesideMissingValues) {
+  const double nan = std::nan("");
+  EXPECT_THAT(Glitches({0, 0, nan, 0.9, nan, 0, 0}), ElementsAre(3));
+  EXPECT_THAT(Glitches({nan, nan}), ElementsAre());
+}
+
+TEST(Glitches, AreFoundAtTheEndsOfAFileButNotOfAStretchOfIt) {
+  EXPECT_THAT(Glitches({0.9, 0, 0, 0, 0}), ElementsAre(0));
+  EXPECT_THAT(Glitches({0.9, 0.8, 0, 0, 0}), ElementsAre(0, 1));
+  EXPECT_THAT(Glitches({0, 0, 0, 0, 0.9}), ElementsAre(4));
+  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.8}), ElementsAre(3, 4));
+  EXPECT_THAT(Glitches({0.9, 0, 0.2, 0.4, 0.6}), ElementsAre());  // nothing to compare with
+  EXPECT_THAT(Glitches({0, 0.9}), ElementsAre());
+  EXPECT_THAT(Glitches({0.9, 0, 0, 0, 0.9}, 100.0, {false, false}), ElementsAre());
+}
+
+TEST(Glitches, AreNotWhatAHandCanDoBetweenTwoRows) {
+  EXPECT_THAT(Glitches({0, 0, 0.5, 0, 0}, 50.0), ElementsAre(2));
+  EXPECT_THAT(Glitches({0, 0, 0.5, 0, 0}, 20.0), ElementsAre());
+  // Opening and closing six times a second by 60 % of the range, with minimum jerk, at the rates of
+  // real files.
+  for (const double rate_hz : {12.0, 20.0, 25.0, 30.0, 50.0, 60.0, 100.0, 1000.0}) {
+    std::vector<double> bursts;
+    for (int i = 0; i < static_cast<int>(3 * rate_hz); ++i) {
+      const double cycle = std::fmod(i / rate_hz * 6.0, 1.0);
+      const double way = cycle < 0.5 ? 2.0 * cycle : 2.0 - 2.0 * cycle;
+      bursts.push_back(0.6 * way * way * way * (10.0 - 15.0 * way + 6.0 * way * way));
+    }
+    EXPECT_THAT(Glitches(bursts, rate_hz), ElementsAre()) << rate_hz;
+  }
+}
+
+TEST(Recording, FillsShortGapsAndMasksLongOnes) {
+  Recording recording;
+  recording.has_channel.assign(18, true);
+  for (int i = 0; i <= 20; ++i) {
+    if (i == 3 || (i > 6 && i < 17)) continue;
+    recording.time_s.push_back(0.01 * i);
+  }
+  recording.angle_rad = Signal::Constant(static_cast<Eigen::Index>(recording.time_s.size()), 18, 1);
+  const Resampled resampled = Resample(recording, 0, 0.0, 1000.0, 201, 0.05);
+  for (int i = 0; i <= 200; ++i) {
+    EXPECT_EQ(resampled.mask[i], i > 60 && i < 170) << i;
+    EXPECT_EQ(resampled.value[i], 1.0);
+  }
+}
+
+class Files : public ::testing::Test {
+ protected:
+  Files() { std::filesystem::create_directories(folder_); }
+  ~Files() override { std::filesystem::remove_all(folder_); }
+  std::string Write(const std::string& name, std::string_view text) {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return (folder_ / name).string();
+  }
+  std::filesystem::path folder_ =
+      std::filesystem::path(::testing::TempDir()) /
+      ("gauntlet_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+};
+
+/// 3 s of index_mcp at 100 Hz: 20 + 10 sin t [deg], with other angles in some lines of the file.
+std::string SlowSine(const std::map<int, double>& wild_deg) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i <= 300; ++i) {
+    const auto wild = wild_deg.find(i + 2);
+    const double angle_deg = wild != wild_deg.end() ? wild->second : 20 + 10 * std::sin(0.01 * i);
+    text += fmt::format("{},{}\n", 0.01 * i, angle_deg);
+  }
+  return text;
+}
+
+TEST_F(Files, WithGlitchesStopAStrictReadingAndAreRepaired) {
+  const std::string file = Write("in.csv", SlowSine({{2, 80}, {101, 85}, {201, -40}, {202, 75}}));
+  EXPECT_EQ(ErrorOf([&] { LoadRecording(file, {}); }),
+            file + ":2:2: index_mcp jumps to 80 deg and back, faster than a hand");
+  EXPECT_EQ(ErrorOf([&] { LoadRecording(file, {}, 0.5); }),
+            file + ":101:2: index_mcp jumps to 85 deg and back, faster than a hand");
+  RecordingFormat repair;
+  repair.handling = ProblemHandling::kRepair;
+  const Recording recording = LoadRecording(file, repair);
+  EXPECT_THAT(recording.remarks,
+              ElementsAre(file + ": index_mcp: glitch, value left out: 4 times, first in row 2"));
+  const auto angle = recording.angle_rad.col(ChannelIndex("index_mcp"));
+  EXPECT_EQ(angle.array().isNaN().count(), 4);
+  EXPECT_TRUE(std::isnan(angle[99]));
+}
+
+TEST_F(Files, ThatAreShippedHaveNoGlitch) {
+  const std::string folder = GAUNTLET_SOURCE_DIR "/scenarios/recordings/";
+  RecordingFormat format;
+  EXPECT_THAT(LoadRecording(folder + "door_opening/angles.csv", format).remarks, ElementsAre());
+  format.handling = ProblemHandling::kRepair;
+  EXPECT_THAT(LoadRecording(folder + "door_opening/targets.csv", format).remarks,
+              Each(Not(HasSubstr("glitch"))));
+  format.rate_hz = 50.0;
+  format.map = folder + "sign_glove/map.csv";
+  EXPECT_THAT(LoadRecording(folder + "sign_glove/letters_v_h_r.csv", format).remarks,
+              Each(Not(HasSubstr("glitch"))));
+}
+
+TEST_F(Files, ThatAreTooShortSayWhy) {
+  const std::string file = Write("in.csv", SlowSine({}));
+  EXPECT_EQ(ErrorOf([&] { LoadRecording(file, {}, 5.0); }),
+            file + ":302:1: the recording is 3 s long, must be longer than start_s 5");
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 300; ++i) text += "1,20\n";
+  RecordingFormat repair;
+  repair.handling = ProblemHandling::kRepair;
+  const std::string repeats = Write("repeats.csv", text);
+  EXPECT_EQ(ErrorOf([&] { LoadRecording(repeats, repair); }),
+            repeats +
+                ":301:1: the recording has 1 good rows, must have at least 2 (found: repeated "
+                "time, row left out: 299 times, first in row 3)");
+}
+
+TEST_F(Files, OfASlowDeviceAreRemarked) {
+  std::string text = "time_s,index_mcp\n0,1\n";
+  for (int i = 1; i < 10; ++i) text += fmt::format("{},{}\n", 0.01 * i, i / 4);
+  const std::string file = Write("in.csv", text);
+  EXPECT_THAT(LoadRecording(file, {}).remarks,
+              ElementsAre(file + ": index_mcp: 6 of 10 rows repeat the value before, first in row "
+                                 "4, 3 rows in a row at most"));
+}
+
+TEST_F(Files, AreMappedByAMapFile) {
+  RecordingFormat format;
+  format.map = Write("map.csv",
+                     "column,channel,unit,scale,sign,offset\n"
+                     "t,time,ms,,,\n"
+                     "flex 1,index_pip,deg,0.5,-1,90\n"
+                     "3,little_pip,share,,,\n");
+  const std::string file = Write("in.csv", "t;flex 1;x;y\n0;20;0,25;a\n10;40;0,5;b\n");
+  const Recording recording = LoadRecording(file, format);
+  EXPECT_NEAR(recording.time_s[1], 0.01, 1e-12);
+  EXPECT_NEAR(recording.angle_rad(1, ChannelIndex("index_pip")) * kDegPerRad, 70.0, 1e-9);
+  EXPECT_NEAR(recording.angle_rad(0, ChannelIndex("little_pip")) * kDegPerRad, 25.0, 1e-9);
+}
+
+TEST_F(Files, OfMapsAreTablesLikeRecordings) {
+  const std::string file = Write("in.csv", "a b,c\n0,1\n1,2\n");
+  RecordingFormat format;
+  format.rate_hz = 100.0;
+  for (const std::string_view text :
+       {"\xEF\xBB\xBF\"column\";\"channel\";\"scale\"\r\n\"a b\";\"index_mcp\";0,5\r\n",
+        "# by hand\ncolumn\tchannel\tscale\na b\tindex_mcp\t+0.5",
+        "\n'column' , channel,scale\n'a b', index_mcp ,0.5\n\n"}) {
+    format.map = Write("map.csv", text);
+    const Recording recording = LoadRecording(file, format);
+    EXPECT_NEAR(recording.angle_rad(1, ChannelIndex("index_mcp")) * kDegPerRad, 0.5, 1e-12);
+  }
+}
+
+TEST_F(Files, OfMapsAreReadStrictly) {
+  const std::string file = Write("in.csv", "a,b\n0,1\n1,2\n");
+  const auto error_of = [&](std::string_view text) -> std::string {
+    RecordingFormat format;
+    format.rate_hz = 100.0;
+    format.map = Write("map.csv", text);
+    try {
+      LoadRecording(file, format);
+    } catch (const UserError& error) {
+      const std::string message = error.what();
+      return message.substr(message.find("map.csv"));
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error_of("column,channel\na,index_mcp\n"), "no error");
+  EXPECT_EQ(error_of(""), "map.csv:1:1: the file holds no data");
+  EXPECT_EQ(error_of("1,2\n"), "map.csv:1:1: there is no key column");
+  EXPECT_EQ(error_of("column,channel,scale\na,index_mcp,1e999\n"),
+            "map.csv:2:3: '1e999' is not a finite number");
+  EXPECT_EQ(error_of("column,chanel\n"),
+            "map.csv:1:2: unknown key 'chanel' (did you mean channel?)");
+  EXPECT_EQ(error_of("column,channel\na,index_mpc\n"),
+            "map.csv:2:2: unknown channel 'index_mpc' (did you mean index_mcp?)");
+  EXPECT_EQ(error_of("column,channel,unit\na,index_mcp,m\n"),
+            "map.csv:2:3: 'm' must be one of: deg, rad, counts, share");
+  EXPECT_EQ(error_of("column,channel,scale\na,index_mcp,two\n"),
+            "map.csv:2:3: 'two' is not a number");
+  EXPECT_EQ(error_of("column,channel,sign\na,index_mcp,2\n"), "map.csv:2:3: must be 1 or -1");
+  EXPECT_THAT(error_of("column,channel\nc,index_mcp\n"), HasSubstr("has no column 'c'"));
+  EXPECT_EQ(error_of("column,channel\na,index_mcp\nb,index_mcp\n"),
+            "map.csv:3:2: index_mcp stands twice");
+  EXPECT_EQ(error_of("column,channel\na\n"), "map.csv:2:1: the row has 1 of 2 values");
+}
+
+TEST_F(Files, CanBeReadInPart) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 1000; ++i) {
+    text += std::to_string(100.0 + i * 0.01) + "," + std::to_string(i * 0.05) + "\n";
+  }
+  const std::string file = Write("in.csv", text);
+  const Recording part = LoadRecording(file, {}, 5.0, 1.0);
+  EXPECT_LE(part.time_s.size(), 105u);
+  EXPECT_LE(part.time_s.front(), 5.0);
+  EXPECT_GE(part.time_s.back(), 6.0);
+  EXPECT_THROW(LoadRecording(file, {}, 50.0, 1.0), UserError);
+}
+
+TEST_F(Files, OfNoiseAreReadOnlyAsFarAsTheSignalGoes) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 1200; ++i) {
+    text += std::to_string(i * 0.05) + (i == 600 ? ",bad\n" : i % 2 == 0 ? ",1\n" : ",2\n");
+  }
+  GloveConfig config;
+  config.motion.kind = MotionKind::kHold;
+  config.noise.recording = Write("noise.csv", text);
+  config.motion.hold.duration_s = 10.0;
+  EXPECT_TRUE(SynthesiseGlove(config, 1).remarks.empty());
+  config.motion.hold.duration_s = 40.0;  // beyond the bad row at 30 s
+  EXPECT_THAT(ErrorOf([&] { SynthesiseGlove(config, 1); }), HasSubstr(":602:2: 'bad' is not a"));
+  config.noise.recording_problems = ProblemHandling::kRepair;
+  EXPECT_THAT(SynthesiseGlove(config, 1).remarks, ElementsAre(HasSubstr("not a number")));
+}
+
+TEST_F(Files, OfNoiseHaveTheirGlitchesLeftOut) {
+  RandomStream random(1, "test");
+  const auto text_with = [white = [&] {
+    std::vector<double> values(500);
+    AddBoxMuller(random, 0.5, values);
+    return values;
+  }()](double wild_deg) {
+    std::string text = "time_s,index_mcp\n";
+    for (int i = 0; i < 500; ++i) {
+      text += fmt::format("{},{}\n", 0.01 * i, 20 + white[i] + (i == 200 ? wild_deg : 0.0));
+    }
+    return text;
+  };
+  GloveConfig config;
+  config.motion.kind = MotionKind::kHold;
+  config.motion.hold.duration_s = 4.0;
+  config.noise.kind = WhiteNoiseKind::kNone;
+  const auto span_counts = [&](double wild_deg) {
+    config.noise.recording = Write("noise.csv", text_with(wild_deg));
+    const Eigen::VectorXd counts = SynthesiseGlove(config, 1).counts.col(ChannelIndex("index_mcp"));
+    return counts.maxCoeff() - counts.minCoeff();
+  };
+  const double clean_counts = span_counts(0.0);
+  EXPECT_GT(clean_counts, 5.0);
+  EXPECT_THAT(ErrorOf([&] { span_counts(40.0); }), HasSubstr("noise.csv:202:2: index_mcp jumps"));
+  config.noise.recording_problems = ProblemHandling::kRepair;
+  EXPECT_NEAR(span_counts(40.0), clean_counts, 2.0);
+  EXPECT_THAT(SynthesiseGlove(config, 1).remarks,
+              ElementsAre(HasSubstr("index_mcp: glitch, value left out: 1 times, first in row "
+                                    "202")));
+}
+
+TEST_F(Files, LongerThanAnyMotionNeedADuration) {
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i < 4000; ++i) text += std::to_string(i) + (i < 3700 ? ",10\n" : ",bad\n");
+  GloveConfig config;
+  config.motion.kind = MotionKind::kRecording;
+  config.motion.recording.file = Write("long.csv", text);
+  config.motion.recording.longest_gap_ms = 2000.0;
+  try {
+    SynthesiseGlove(config, 1);
+    FAIL();
+  } catch (const UserError& error) {  // the bad row at 3700 s is not reached
+    EXPECT_THAT(error.what(), HasSubstr("is longer than 3600 s, duration_s must be given"));
+  }
+  config.motion.recording.start_s = 100.0;
+  config.motion.recording.duration_s = 2.0;
+  EXPECT_EQ(SynthesiseGlove(config, 1).counts.rows(), 2000);
+}
+
+TEST(RecordingReader, KeepsItsMemoryFlatOnALongFile) {
+  // 200 MB of rows, made while they are read.
+  const std::string row = "12.5,13.25,14.125,15,16.5,17,18,19.75,20\n";
+  std::size_t left = 200u << 20;
+  bool first = true;
+  std::size_t at = 0;
+  const CsvReader::Source source = [&](char* buffer, std::size_t size) -> std::size_t {
+    if (first) {
+      const std::string header = "index_mcp,index_pip,a,b,c,d,e,f,g\n";
+      std::memcpy(buffer, header.data(), header.size());
+      first = false;
+      return header.size();
+    }
+    std::size_t given = 0;
+    while (given < size && left > 0) {
+      const std::size_t count = std::min(row.size() - at, size - given);
+      std::memcpy(buffer + given, row.data() + at, count);
+      given += count;
+      at = (at + count) % row.size();
+      left = left > count ? left - count : 0;
+    }
+    return given;
+  };
+  rusage before{}, after{};
+  RecordingFormat format;
+  format.handling = ProblemHandling::kRepair;
+  format.rate_hz = 1000.0;
+  RecordingReader reader("made", source, format);
+  std::vector<double> angles(18);
+  double time_s = 0.0;
+  std::size_t rows = 0;
+  reader.NextRow(time_s, angles);
+  getrusage(RUSAGE_SELF, &before);
+  while (reader.NextRow(time_s, angles)) ++rows;
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_GT(rows, 4000000u);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 4096);  // KiB
+}
+
+TEST(ZeroPhase, HasItsCutOffAndNoDelay) {
+  constexpr double kPi = 3.14159265358979323846;
+  for (const double frequency_hz : {0.5, 5.0, 20.0}) {
+    std::vector<double> sine(8000);
+    for (int i = 0; i < 8000; ++i) sine[i] = std::sin(2 * kPi * frequency_hz * i / 1000.0);
+    std::vector<double> smooth = sine;
+    SmoothZeroPhase(5.0, 1000.0, smooth);
+    double product = 0.0, squares = 0.0, quadrature = 0.0;
+    for (int i = 2000; i < 6000; ++i) {
+      product += sine[i] * smooth[i];
+      quadrature += std::cos(2 * kPi * frequency_hz * i / 1000.0) * smooth[i];
+      squares += sine[i] * sine[i];
+    }
+    // Two second-order passes: 1 / (1 + (f / f1)^4), and 0.707 at the cut-off.
+    const double f1 = 5.0 / std::pow(std::sqrt(2.0) - 1.0, 0.25);
+    const double gain = 1.0 / (1.0 + std::pow(frequency_hz / f1, 4));
+    EXPECT_NEAR(product / squares, gain, 0.002) << frequency_hz;
+    EXPECT_NEAR(quadrature / squares, 0.0, 1e-3) << frequency_hz;
+  }
+}
+
+TEST(ZeroPhase, KeepsAStraightLine) {
+  std::vector<double> line(3000);
+  for (int i = 0; i < 3000; ++i) line[i] = 0.01 * i - 3.0;
+  std::vector<double> smooth = line;
+  SmoothZeroPhase(3.0, 1000.0, smooth);
+  double worst = 0.0;
+  for (int i = 0; i < 3000; ++i) worst = std::max(worst, std::abs(smooth[i] - line[i]));
+  EXPECT_LT(worst, 0.01);  // a sample's step: a delay of one sample would show
+}
+
+GloveConfig Measured(const std::string& file) {
+  GloveConfig config;
+  config.motion.kind = MotionKind::kRecording;
+  config.motion.recording.file = GAUNTLET_SOURCE_DIR "/scenarios/recordings/" + file;
+  config.motion.recording.use = RecordingUse::kMeasured;
+  config.motion.recording.problems = ProblemHandling::kRepair;
+  config.noise.kind = WhiteNoiseKind::kNone;
+  return config;
+}
+
+TEST(MeasuredRecording, OfDoorTargetsIsScoredAgainstItsTruth) {
+  GloveConfig config = Measured("door_opening/targets.csv");
+  config.motion.recording.start_s = 1.5;
+  config.motion.recording.duration_s = 2.0;
+  config.motion.recording.reference =
+      GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/angles.csv";
+  const GloveSignal glove = SynthesiseGlove(config, 1);
+  EXPECT_EQ(glove.reference_name, "recorded reference");
+  GloveConfig truth = config;
+  truth.motion.recording.file = config.motion.recording.reference;
+  truth.motion.recording.use = RecordingUse::kTruth;
+  EXPECT_EQ(glove.true_angle_rad, SynthesiseGlove(truth, 1).true_angle_rad);
+  EXPECT_EQ(glove.counts, SynthesiseGlove(config, 2).counts);  // nothing is drawn
+  EXPECT_FALSE(glove.counts.hasNaN());
+}
+
+TEST(MeasuredRecording, IsMissingWhereNothingWasRecordedForLong) {
+  const GloveSignal glove = SynthesiseGlove(Measured("door_opening/targets.csv"), 1);
+  // Between the demonstrations 0.4 s are empty.
+  const Eigen::Index missing = glove.counts.col(4).array().isNaN().count();
+  EXPECT_GT(missing, 1500);
+  EXPECT_LT(missing, 3800);
+  EXPECT_FALSE(glove.true_angle_rad.hasNaN());
+}
+
+TEST(MeasuredRecording, OfAHomeMadeGloveNamesItsReference) {
+  GloveConfig config = Measured("sign_glove/letters_v_h_r.csv");
+  config.motion.recording.map = GAUNTLET_SOURCE_DIR "/scenarios/recordings/sign_glove/map.csv";
+  config.motion.recording.file_rate_hz = 50.0;
+  config.motion.recording.duration_s = 20.0;
+  const GloveSignal glove = SynthesiseGlove(config, 1);
+  EXPECT_EQ(glove.reference_name, "recording smoothed at 5 Hz, zero phase");
+  EXPECT_EQ(glove.counts.rows(), 20000);
+  EXPECT_THAT(glove.remarks, Contains(HasSubstr("rows repeat the value before")));
+  // The letter V: index and middle finger straight, ring and little finger bent.
+  const auto mean_deg = [&](std::string_view name) {
+    return glove.true_angle_rad.col(ChannelIndex(name)).mean() * kDegPerRad;
+  };
+  EXPECT_LT(mean_deg("index_pip"), 20.0);
+  EXPECT_LT(mean_deg("middle_pip"), 20.0);
+  EXPECT_GT(mean_deg("ring_pip"), 60.0);
+  EXPECT_GT(mean_deg("little_pip"), 60.0);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

@@ -1,0 +1,174 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "sim/base/channels.h"
+#include "sim/base/error.h"
+#include "sim/recordings/csv_reader.h"
+#include "sim/recordings/pchip.h"
+#include "sim/recordings/recording.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::vector<std::vector<double>> ReadAll(std::string_view text) {
+  CsvReader reader("in.csv", TextSource(text), ProblemHandling::kStrict);
+  std::vector<std::vector<double>> rows;
+  std::vector<double> row(reader.column_count());
+  while (reader.NextRow(row)) rows.push_back(row);
+  return rows;
+}
+
+std::string ErrorOf(std::string_view text) {
+  try {
+    ReadAll(text);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(CsvReader, ReadsTheSameNumbersWithAnySeparatorAndLineEnd) {
+  const std::vector<std::vector<double>> expected = {{1, -2.5, 3e-3}, {4, 5, 6}};
+  EXPECT_EQ(ReadAll("a,b,c\n1,-2.5,3e-3\n4,5,6\n"), expected);
+  EXPECT_EQ(ReadAll("a,b,c\r\n1, -2.5 ,3e-3\r\n4,5,6\r\n"), expected);
+  EXPECT_EQ(ReadAll("a;b;c\n1;-2,5;3e-3\n4;5;6"), expected);
+  EXPECT_EQ(ReadAll("1\t-2.5\t3e-3\n4\t5\t6\n"), expected);
+  EXPECT_EQ(ReadAll("\xEF\xBB\xBF  1   -2.5 +3e-3\n\n# said by hand\n4 5  6  \n"), expected);
+}
+
+TEST(CsvReader, TakesTheFirstLineAsNamesOnlyIfItHoldsText) {
+  CsvReader named("in.csv", TextSource("\"time_s\",index mcp\n0,1\n"), ProblemHandling::kStrict);
+  EXPECT_THAT(named.header(), ElementsAre("time_s", "index mcp"));
+  CsvReader unnamed("in.csv", TextSource("0,1\n"), ProblemHandling::kStrict);
+  EXPECT_TRUE(unnamed.header().empty());
+}
+
+TEST(CsvReader, NamesFileRowAndColumnOfEveryMistake) {
+  EXPECT_EQ(ErrorOf("a,b\n1,2\n3,oops\n"), "in.csv:3:2: 'oops' is not a number");
+  EXPECT_EQ(ErrorOf("a,b\n1,2\n3\n"), "in.csv:3:1: the row has 1 of 2 values");
+  EXPECT_EQ(ErrorOf("a,b\n1,2\n1,2,3\n"), "in.csv:3:3: the row has more than 2 values");
+  EXPECT_EQ(ErrorOf("a,b\n1,2,3\n"), "in.csv:1:2: the header has 2 names for 3 values");
+  EXPECT_EQ(ErrorOf("a,b\n1,\n"), "in.csv:2:2: the value is missing");
+  EXPECT_EQ(ErrorOf("a,b\n1,nan\n"), "in.csv:2:2: the value is missing (nan)");
+  EXPECT_EQ(ErrorOf("a,b\n1,1e999\n"), "in.csv:2:2: '1e999' is not a finite number");
+  EXPECT_EQ(ErrorOf("a,b\n1,inf\n"), "in.csv:2:2: 'inf' is not a finite number");
+  EXPECT_EQ(ErrorOf("a,b\n1,2 3\n"), "in.csv:2:2: '2 3' is not a number");
+  EXPECT_EQ(ErrorOf(""), "in.csv:1:1: the file holds no data");
+  EXPECT_EQ(ErrorOf("\r\n\n"), "in.csv:1:1: the file holds no data");
+  EXPECT_EQ(ErrorOf(std::string("a,b\n1,\0\x01\n", 9)), "in.csv:2:2: '?\?' is not a number");
+}
+
+TEST(CsvReader, StopsAtALineWithoutEnd) {
+  const std::string endless(3 << 20, '7');
+  EXPECT_THAT(ErrorOf("a,b\n" + endless), HasSubstr("in.csv:2:1: the line is longer than"));
+}
+
+TEST(Pchip, KeepsOrderOfConvergenceOnAMonotoneCurve) {
+  const auto worst_error = [](int points) {
+    std::vector<double> t, y;
+    for (int i = 0; i < points; ++i) {
+      t.push_back(2.0 * i / (points - 1));
+      y.push_back(std::exp(t.back()));
+    }
+    std::vector<double> result(20001);
+    InterpolatePchip(t, y, 0.0, 10000.0, result);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      worst = std::max(worst, std::abs(result[i] - std::exp(static_cast<double>(i) / 10000.0)));
+    }
+    return worst;
+  };
+  // The harmonic mean of two secants is a second-order slope, so the curve is of third order.
+  const double order = std::log2(worst_error(41) / worst_error(81));
+  EXPECT_GT(order, 2.8);
+  EXPECT_LT(worst_error(81), 1e-4);
+}
+
+TEST(Pchip, NeverLeavesTheIntervalOfItsNeighbours) {
+  const std::vector<double> t = {0, 0.1, 0.15, 0.4, 0.5, 0.9, 1.0};
+  const std::vector<double> y = {0, 0, 10, 10, 3, 3.5, -20};
+  std::vector<double> result(1001);
+  InterpolatePchip(t, y, 0.0, 1000.0, result);
+  std::size_t k = 0;
+  for (int i = 0; i <= 1000; ++i) {
+    while (k + 2 < t.size() && t[k + 1] <= i / 1000.0) ++k;
+    EXPECT_GE(result[i], std::min(y[k], y[k + 1]) - 1e-12) << i;
+    EXPECT_LE(result[i], std::max(y[k], y[k + 1]) + 1e-12) << i;
+  }
+  EXPECT_EQ(result[100], 0.0);
+  EXPECT_EQ(result[400], 10.0);
+}
+
+TEST(Pchip, HoldsTheEndsBeyondTheData) {
+  std::vector<double> result(5);
+  InterpolatePchip(std::vector<double>{1, 2}, std::vector<double>{3, 5}, 0.0, 1.0, result);
+  EXPECT_THAT(result, ElementsAre(3, 3, 5, 5, 5));
+}
+
+class RecordingFile : public ::testing::Test {
+ protected:
+  ~RecordingFile() override { std::filesystem::remove(path_); }
+  void Write(std::string_view text) { std::ofstream(path_, std::ios::binary) << text; }
+  std::string LoadError() {
+    try {
+      LoadRecording(path_, {});
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  std::filesystem::path path_ =
+      std::filesystem::path(::testing::TempDir()) /
+      (std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".csv");
+};
+
+TEST_F(RecordingFile, GivesAnglesInRadiansUnderTheChannelsNames) {
+  Write("time_s,elbow_flexion,index_mcp\n0,90,-45\n0.01,180,45\n");
+  const Recording recording = LoadRecording(path_, {});
+  EXPECT_EQ(recording.angle_rad.rows(), 2);
+  EXPECT_NEAR(recording.angle_rad(0, ChannelIndex("elbow_flexion")), 1.5707963267948966, 1e-15);
+  EXPECT_NEAR(recording.angle_rad(1, ChannelIndex("index_mcp")), 0.78539816339744828, 1e-15);
+  EXPECT_FALSE(recording.has_channel[ChannelIndex("index_pip")]);
+}
+
+TEST_F(RecordingFile, RejectsWhatCannotBeARecording) {
+  EXPECT_EQ(LoadError(), path_.string() + ": cannot open: No such file or directory");
+  Write("time_s,index_mpc\n0,1\n");
+  EXPECT_EQ(LoadError(),
+            path_.string() + ":1:2: unknown column 'index_mpc' (did you mean index_mcp?)");
+  Write("time_s,index_mcp\n0,1\n0.01,2\n0.01,3\n");
+  EXPECT_EQ(LoadError(),
+            path_.string() + ":4:1: the time is 0.01 s, must be above 0.01 s of the row before");
+  Write("index_mcp\n1\n2\n");
+  EXPECT_EQ(LoadError(), path_.string() +
+                             ":1:1: there is no column of time; without one file_rate_hz must be "
+                             "given");
+  Write("time_s,index_mcp,index_mcp\n0,1,1\n");
+  EXPECT_EQ(LoadError(), path_.string() + ":1:3: index_mcp stands twice");
+}
+
+TEST(DoorOpening, LiesInsideTheJointRangesAndMovesEveryChannel) {
+  const Recording recording = LoadRecording(
+      std::filesystem::path(GAUNTLET_SOURCE_DIR) / "scenarios/recordings/door_opening/angles.csv",
+      {});
+  EXPECT_GT(recording.time_s.back(), 10.0);
+  for (std::size_t channel = 0; channel < GloveChannels().size(); ++channel) {
+    const auto column = recording.angle_rad.col(static_cast<Eigen::Index>(channel)) * kDegPerRad;
+    EXPECT_TRUE(recording.has_channel[channel]);
+    EXPECT_GE(column.minCoeff(), GloveChannels()[channel].min_deg - 1e-9);
+    EXPECT_LE(column.maxCoeff(), GloveChannels()[channel].max_deg + 1e-9);
+    EXPECT_GT(column.maxCoeff() - column.minCoeff(), 5.0) << GloveChannels()[channel].name;
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
