@@ -7,27 +7,31 @@
 namespace gauntlet::controller {
 
 Controller::Controller(const ControllerConfig& config, const GloveCalibration& glove,
-                       const TendonTransmission& hand)
-    : state_(std::make_unique<State>(config, glove, hand)) {}
+                       const TendonTransmission& hand, const Timing& timing,
+                       const JointMapConfig& joint_map)
+    : Controller(RobotConfig{.controller = config,
+                             .glove = glove,
+                             .hand = hand,
+                             .joint_map = joint_map,
+                             .timing = timing}) {}
+Controller::Controller(const RobotConfig& robot) : state_(std::make_unique<State>(robot)) {}
 Controller::~Controller() = default;
 Controller::Controller(Controller&&) noexcept = default;
 Controller& Controller::operator=(Controller&&) noexcept = default;
 
 Command Controller::Step(const GloveSample& sample) noexcept {
-  State& state = *state_;
-  const bool event = state.samples_to_event == 0;
-  state.samples_to_event = (event ? state.config.samples_per_event : state.samples_to_event) - 1;
-  state.guard.Take(sample, [&state](int channel) { state.StartChannel(channel); });
-  state.linearisation->ToAngles(state.guard.trusted_counts(), state.linearised_rad);
-  if (event || state.config.filter_at == FilterAt::kSample) state.StepFilters();
-  if (event) state.StepMotors();
-  return {.motor_counts = state.motor_counts};
+  state_->TakeSample(sample);
+  return state_->StepEvent();
 }
+
+Command Controller::Step() noexcept { return state_->StepEvent(); }
 
 void Controller::Reset() noexcept { state_->Reset(); }
 
 void Controller::Load(const ControllerConfig& config) {
-  auto next = std::make_unique<State>(config, state_->glove, state_->hand);
+  RobotConfig robot = state_->robot;
+  robot.controller = config;
+  auto next = std::make_unique<State>(robot);
   next->TakeOver(*state_);
   state_ = std::move(next);
 }
@@ -38,7 +42,7 @@ void Controller::SetChannelActive(int channel, bool active) noexcept {
   if (active == (state.active[index] == 1)) return;
   state.active[index] = active ? 1 : 0;
   state.inactive_count += active ? -1 : 1;
-  state.held_rad[index] = state.target_rad[index];
+  state.held_rad[index] = state.predicted_rad[index];
   if (active) state.StartChannel(channel);
 }
 
@@ -47,6 +51,7 @@ bool Controller::channel_active(int channel) const noexcept {
 }
 
 int Controller::channel_count() const noexcept { return state_->linearisation->channel_count(); }
+int Controller::joint_count() const noexcept { return state_->joint_map.joint_count(); }
 int Controller::motor_count() const noexcept { return state_->tendon_map.motor_count(); }
 
 std::span<const double> Controller::linearised_angle_rad() const noexcept {

@@ -15,30 +15,40 @@ namespace gauntlet::controller {
 /// Shapes: one value per motor. Units: motor counts, always within the motor's range.
 struct Command {
   std::span<const std::int32_t> motor_counts;
+  bool event = false;  // a frame is due: `motor_counts` are new and are to be sent now
 };
 
-/// From glove to motors: linearisation, filters, prediction and tendon map, in one call per sample.
+/// From glove to motors: linearisation, filters, prediction, joint map and tendon map, in one call
+/// per tick of the control loop.
 ///
-///     counts -> [filter] -> linearisation -> [filter] -> [prediction] -> tendon map -> whole
-///     counts
+///     counts -> [filter] -> linearisation -> [filter] -> [prediction]     per channel
+///            -> joint map                                                 per joint
+///            -> tendon map -> whole counts                                per motor
 ///
-/// Call Step() once per sampling period (1 ms by default). It neither throws, allocates, locks nor
-/// reads a clock. An event is every `samples_per_event`-th call, beginning with the first: only
-/// there does the command change. A value that cannot be trusted (see Untrusted) never reaches a
-/// motor: its channel holds the last good value and counts the event; before the first good value
-/// it holds the reference angle. Prediction steps when the filter does.
+/// Call Step() once per tick (1 ms by default, see Timing): with the glove's sample where it has
+/// brought a new one, without where it has not. It neither throws, allocates, locks nor reads a
+/// clock. Events have a clock of their own, which begins with the first tick: only there does the
+/// command change. Filters step at each new sample, or at each event. A value that cannot be
+/// trusted (see Untrusted) never reaches a motor: its channel holds the last good value and counts
+/// the event; before the first good value the joint that it moves holds its reference angle.
+/// Prediction steps when the filter does.
 ///
 /// Errors: the constructor throws SettingError, which names the key and the allowed range.
 class Controller {
  public:
-  /// `glove` and `hand` say what the controller is connected to; `config` says what it does.
+  /// `config` says what the controller does; the others what it is connected to, and when.
   Controller(const ControllerConfig& config, const GloveCalibration& glove,
-             const TendonTransmission& hand);
+             const TendonTransmission& hand, const Timing& timing = {},
+             const JointMapConfig& joint_map = {});
+  explicit Controller(const RobotConfig& robot);
   ~Controller();
   Controller(Controller&&) noexcept;
   Controller& operator=(Controller&&) noexcept;
 
+  /// A tick with a new sample of the glove.
   Command Step(const GloveSample& sample) noexcept;
+  /// A tick without one.
+  Command Step() noexcept;
   void Reset() noexcept;
 
   /// Other settings from the next sample on. Filters of the same kind and memory go on where they
@@ -53,10 +63,11 @@ class Controller {
   bool channel_active(int channel) const noexcept;
 
   int channel_count() const noexcept;
+  int joint_count() const noexcept;
   int motor_count() const noexcept;
 
-  /// Joint angles of the last Step() [rad], one per channel: before the filter, behind it, and
-  /// behind the prediction, which is what the motors are to do.
+  /// Angles as they are after the last Step() [rad]: per channel before the filter and behind it,
+  /// and per joint behind prediction and joint map, which is what the motors are to do.
   std::span<const double> linearised_angle_rad() const noexcept;
   std::span<const double> filtered_angle_rad() const noexcept;
   std::span<const double> target_angle_rad() const noexcept;

@@ -4,26 +4,31 @@
 #include <vector>
 
 #include "controller/filters/filter_registry.h"
+#include "controller/joint_map.h"
 #include "controller/linearisation/linearisation_config.h"
 #include "controller/motor_rounding_config.h"
 #include "controller/prediction/prediction_config.h"
 #include "controller/sample_guard.h"
 #include "controller/settings.h"
+#include "controller/timing.h"
 
 namespace gauntlet::controller {
 
-/// What is known of the glove: two known poses per channel, and the converter's range.
+/// What is known of the glove: its channels, two known poses of each, and the converter's range.
 ///
 ///     angle_rad = low_angle_rad + (counts - low_counts) (high_angle_rad - low_angle_rad)
 ///                                                      / (high_counts - low_counts)
 ///
 /// Shapes: one value per channel. Errors: equal counts of both poses.
 struct GloveCalibration {
+  std::vector<std::string> channel_names;
   std::vector<double> low_counts;
   std::vector<double> high_counts;
   std::vector<double> low_angle_rad;
   std::vector<double> high_angle_rad;
   double full_scale_counts = 1023.0;
+
+  void Visit(SettingsVisitor& visitor);
 };
 
 /// What is known of the hand: how spools wind cables when joints turn.
@@ -31,19 +36,24 @@ struct GloveCalibration {
 ///     spool_angle_rad = coupling (joint_angle_rad - reference_angle_rad)
 ///     motor_counts    = round(center_counts + counts_per_rad spool_angle_rad)
 ///
-/// Shapes: coupling is motors x channels in row-major order, the others one value per motor or per
-/// channel as named. `coupling` is square and can be inverted.
+/// Shapes: coupling is motors x joints in row-major order, the others one value per motor or per
+/// joint as named. There may be fewer motors than joints: springs decide what cables leave open.
 struct TendonTransmission {
-  std::vector<std::string> channel_names;
+  std::vector<std::string> joint_names;
   std::vector<std::string> motor_names;
   std::vector<double> coupling;
-  std::vector<double> reference_angle_rad;  // per channel
-  std::vector<double> joint_min_rad;        // per channel
-  std::vector<double> joint_max_rad;        // per channel
+  /// Per joint the motor that is made for it; other motors' cables only pass. "": every cable that
+  /// passes is meant to move it. An empty list: the first motor for the first joint, and so on.
+  std::vector<std::string> motor_of_joint = {};
+  std::vector<double> reference_angle_rad;  // per joint
+  std::vector<double> joint_min_rad;        // per joint
+  std::vector<double> joint_max_rad;        // per joint
   std::vector<double> counts_per_rad;       // per motor
   std::vector<int> center_counts;           // per motor
   std::vector<int> min_counts;              // per motor
   std::vector<int> max_counts;              // per motor
+
+  void Visit(SettingsVisitor& visitor);
 };
 
 /// Where the filter sits: the paper filters raw counts.
@@ -64,10 +74,18 @@ struct ControllerConfig {
   SampleGuardConfig untrusted;
 
   void Visit(SettingsVisitor& visitor);
+};
 
-  // Set by the program, not by a scenario's controller: sampling rate and command frame.
-  double rate_hz = 1000.0;
-  int samples_per_event = 20;
+/// Everything that a Controller is made from: what it does, and what it is connected to.
+/// `gauntlet export` writes it as one file, so that a robot runs what was tuned.
+struct RobotConfig {
+  ControllerConfig controller;
+  GloveCalibration glove;
+  TendonTransmission hand;
+  JointMapConfig joint_map;
+  Timing timing;
+
+  void Visit(SettingsVisitor& visitor);
 };
 
 }  // namespace gauntlet::controller

@@ -9,7 +9,8 @@ namespace gauntlet::controller {
 namespace {
 
 int SamplesOf(double duration_ms, double rate_hz) {
-  const double samples = std::round(duration_ms * 1e-3 * rate_hz);
+  // A glove slower than the duration still has to say it once more.
+  const double samples = std::ceil(duration_ms * 1e-3 * rate_hz - 1e-6);
   return static_cast<int>(std::min(samples, 1e9));
 }
 

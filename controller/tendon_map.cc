@@ -1,7 +1,10 @@
 #include "controller/tendon_map.h"
 
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace gauntlet::controller {
@@ -15,43 +18,50 @@ Eigen::VectorXd ToVector(const std::vector<Value>& values) {
 }
 
 void CheckShapes(const TendonTransmission& hand) {
-  const std::size_t n = hand.reference_angle_rad.size();
-  const auto check = [n](const char* key, std::size_t size, std::size_t expected) {
-    if (size == expected && n > 0) return;
+  const std::size_t joints = hand.reference_angle_rad.size();
+  const std::size_t motors = hand.counts_per_rad.size();
+  const auto check = [&](const char* key, std::size_t size, std::size_t expected) {
+    if (size == expected && expected > 0) return;
     throw SettingError(std::string("transmission.") + key,
                        "has " + std::to_string(size) + " values, must have " +
-                           std::to_string(expected) + " for " + std::to_string(n) + " channels");
+                           std::to_string(expected) + " for " + std::to_string(joints) +
+                           " joints and " + std::to_string(motors) + " motors");
   };
-  check("reference_angle_rad", n, n);
-  check("coupling", hand.coupling.size(), n * n);
-  check("joint_min_rad", hand.joint_min_rad.size(), n);
-  check("joint_max_rad", hand.joint_max_rad.size(), n);
-  check("counts_per_rad", hand.counts_per_rad.size(), n);
-  check("center_counts", hand.center_counts.size(), n);
-  check("min_counts", hand.min_counts.size(), n);
-  check("max_counts", hand.max_counts.size(), n);
-}
-
-std::string NameOf(const std::vector<std::string>& names, std::size_t index) {
-  return index < names.size() ? names[index] : std::to_string(index);
+  check("joint_names", hand.joint_names.size(), joints);
+  check("motor_names", hand.motor_names.size(), motors);
+  check("coupling", hand.coupling.size(), motors * joints);
+  check("joint_min_rad", hand.joint_min_rad.size(), joints);
+  check("joint_max_rad", hand.joint_max_rad.size(), joints);
+  check("center_counts", hand.center_counts.size(), motors);
+  check("min_counts", hand.min_counts.size(), motors);
+  check("max_counts", hand.max_counts.size(), motors);
+  if (!hand.motor_of_joint.empty()) {
+    check("motor_of_joint", hand.motor_of_joint.size(), joints);
+  } else if (joints != motors) {
+    throw SettingError("transmission.motor_of_joint", "is missing: there are " +
+                                                          std::to_string(joints) + " joints and " +
+                                                          std::to_string(motors) + " motors");
+  }
 }
 
 void CheckValues(const TendonTransmission& hand) {
-  for (std::size_t i = 0; i < hand.reference_angle_rad.size(); ++i) {
+  for (std::size_t i = 0; i < hand.joint_names.size(); ++i) {
     const bool finite = std::isfinite(hand.reference_angle_rad[i]) &&
                         std::isfinite(hand.joint_min_rad[i]) &&
                         std::isfinite(hand.joint_max_rad[i]);
     if (!finite || !(hand.joint_min_rad[i] <= hand.joint_max_rad[i])) {
-      throw SettingError("transmission.joint_min_rad",
-                         "channel " + NameOf(hand.channel_names, i) +
-                             ": must be finite and at most joint_max_rad");
+      throw SettingError(
+          "transmission.joint_min_rad",
+          "joint " + hand.joint_names[i] + ": must be finite and at most joint_max_rad");
     }
+  }
+  for (std::size_t i = 0; i < hand.motor_names.size(); ++i) {
     if (!std::isfinite(hand.counts_per_rad[i]) || hand.counts_per_rad[i] == 0.0) {
       throw SettingError("transmission.counts_per_rad",
-                         "motor " + NameOf(hand.motor_names, i) + ": must be finite and not 0");
+                         "motor " + hand.motor_names[i] + ": must be finite and not 0");
     }
     if (hand.center_counts[i] < hand.min_counts[i] || hand.center_counts[i] > hand.max_counts[i]) {
-      throw SettingError("transmission.center_counts", "motor " + NameOf(hand.motor_names, i) +
+      throw SettingError("transmission.center_counts", "motor " + hand.motor_names[i] +
                                                            ": must be from min_counts to "
                                                            "max_counts");
     }
@@ -62,6 +72,47 @@ void CheckValues(const TendonTransmission& hand) {
 double ClampOr(double value, double low, double high, double otherwise) {
   if (value >= low) return value <= high ? value : high;
   return value < low ? low : otherwise;
+}
+
+/// Where the cables of a motor are meant to move a joint and do not only pass it: 1, else 0.
+Eigen::MatrixXd MeantToMove(const TendonTransmission& hand) {
+  const auto motors = static_cast<Eigen::Index>(hand.motor_names.size());
+  const auto joints = static_cast<Eigen::Index>(hand.joint_names.size());
+  if (hand.motor_of_joint.empty()) return Eigen::MatrixXd::Identity(motors, joints);
+  Eigen::MatrixXd meant = Eigen::MatrixXd::Zero(motors, joints);
+  for (Eigen::Index joint = 0; joint < joints; ++joint) {
+    const std::string& motor = hand.motor_of_joint[static_cast<std::size_t>(joint)];
+    if (motor.empty()) {
+      meant.col(joint).setOnes();
+      continue;
+    }
+    const auto found = std::find(hand.motor_names.begin(), hand.motor_names.end(), motor);
+    if (found == hand.motor_names.end()) {
+      throw SettingError("transmission.motor_of_joint", motor + " is not a motor of the hand");
+    }
+    meant(found - hand.motor_names.begin(), joint) = 1.0;
+  }
+  return meant;
+}
+
+/// C^+, with rows of NaN for the joints whose angle the spools do not decide. Joints and spools are
+/// of one order of size, so that plain tolerances do.
+Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& coupling) {
+  constexpr double kTolerance = 1e-9;
+  if (coupling.rows() == coupling.cols()) {
+    const Eigen::FullPivLU<Eigen::MatrixXd> decomposition(coupling);
+    if (decomposition.isInvertible()) return decomposition.inverse();
+  }
+  Eigen::MatrixXd inverse = coupling.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd decided = inverse * coupling;  // the identity where spools decide
+  for (Eigen::Index joint = 0; joint < inverse.rows(); ++joint) {
+    Eigen::RowVectorXd off = decided.row(joint);
+    off[joint] -= 1.0;
+    if (!(off.cwiseAbs().maxCoeff() < kTolerance)) {
+      inverse.row(joint).setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return inverse;
 }
 
 }  // namespace
@@ -76,18 +127,22 @@ TendonMap::TendonMap(const TendonTransmission& hand, bool coupling_compensation)
   center_counts_ = ToVector(hand.center_counts);
   min_counts_ = ToVector(hand.min_counts);
   max_counts_ = ToVector(hand.max_counts);
-  const Eigen::Index n = reference_rad_.size();
+  const auto motors = counts_per_rad_.size();
+  const auto joints = reference_rad_.size();
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
-      coupling(hand.coupling.data(), n, n);
-  const Eigen::FullPivLU<Eigen::MatrixXd> decomposition(coupling);
-  if (!coupling.allFinite() || !decomposition.isInvertible()) {
-    throw SettingError("transmission.coupling", "must be finite and have an inverse");
+      coupling(hand.coupling.data(), motors, joints);
+  const Eigen::MatrixXd meant = MeantToMove(hand).cwiseProduct(coupling);
+  for (Eigen::Index motor = 0; motor < motors; ++motor) {
+    if (coupling.allFinite() && !meant.row(motor).isZero(0.0)) continue;
+    throw SettingError("transmission.coupling",
+                       "of motor " + hand.motor_names[static_cast<std::size_t>(motor)] +
+                           ": must be finite and move a joint that the motor is made for");
   }
-  inverse_ = decomposition.inverse();
-  forward_ = coupling_compensation ? Eigen::MatrixXd(coupling)
-                                   : Eigen::MatrixXd(coupling.diagonal().asDiagonal());
-  joint_.setZero(n);
-  spool_.setZero(n);
+  coupling_ = coupling;
+  forward_ = coupling_compensation ? coupling_ : meant;
+  inverse_ = InverseOf(coupling_);
+  joint_.setZero(joints);
+  spool_.setZero(motors);
 }
 
 void TendonMap::ToExactMotorCounts(std::span<const double> joint_angle_rad,
@@ -130,6 +185,18 @@ void TendonMap::SolveJointAngles(std::span<double> joint_angle_rad) noexcept {
   joint_.noalias() = inverse_ * spool_;
   joint_ += reference_rad_;
   std::copy(joint_.begin(), joint_.end(), joint_angle_rad.begin());
+}
+
+Eigen::MatrixXd TendonMap::AnglePerCount() const {
+  return inverse_ * counts_per_rad_.cwiseInverse().asDiagonal();
+}
+
+void TendonMap::ToSpoolAngles(std::span<const double> joint_angle_rad,
+                              std::span<double> spool_angle_rad) noexcept {
+  std::copy(joint_angle_rad.begin(), joint_angle_rad.end(), joint_.begin());
+  joint_ -= reference_rad_;
+  spool_.noalias() = coupling_ * joint_;
+  std::copy(spool_.begin(), spool_.end(), spool_angle_rad.begin());
 }
 
 }  // namespace gauntlet::controller

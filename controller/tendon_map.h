@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,16 +12,20 @@ namespace gauntlet::controller {
 /// From joint angles to integer motor commands through the coupling of the cables, and back.
 ///
 ///     d     = clamp(joint_angle_rad, joint_min_rad, joint_max_rad) - reference_angle_rad
-///     spool = C d                     (without compensation only the diagonal of C)
+///     spool = C d          (without compensation a joint turns only the spool made for it)
 ///     counts = clamp(round(center_counts + counts_per_rad spool), min_counts, max_counts)
 ///
-/// Shapes: C is motors x channels, square. Units: rad and motor counts.
-/// Errors: SettingError for shapes that do not fit, an empty range, or a C that cannot be inverted.
+/// and back, as far as the spools decide the posture:
+///
+///     d = C^+ spool                   (C^+: pseudo-inverse; NaN for a joint that springs decide)
+///
+/// Shapes: C is motors x joints. Units: rad and motor counts.
+/// Errors: SettingError for shapes that do not fit, an empty range, or a motor that moves nothing.
 class TendonMap {
  public:
   TendonMap(const TendonTransmission& hand, bool coupling_compensation);
 
-  int channel_count() const noexcept { return static_cast<int>(reference_rad_.size()); }
+  int joint_count() const noexcept { return static_cast<int>(reference_rad_.size()); }
   int motor_count() const noexcept { return static_cast<int>(counts_per_rad_.size()); }
 
   /// The command before rounding, within each motor's range. A value that is not a number gives
@@ -32,12 +35,18 @@ class TendonMap {
   /// The command: rounded to the nearest count, halves away from zero.
   void ToMotorCounts(std::span<const double> joint_angle_rad,
                      std::span<std::int32_t> motor_counts) noexcept;
-  /// The posture that the hand takes with these spools when cables neither stretch nor go slack:
-  /// d = C^-1 spool with the whole C, compensated or not.
+  /// The posture that the hand takes with these spools when cables neither stretch nor go slack,
+  /// with the whole C, compensated or not; NaN for a joint that the spools alone do not decide.
   void ToJointAngles(std::span<const std::int32_t> motor_counts,
                      std::span<double> joint_angle_rad) noexcept;
   void ToJointAngles(std::span<const double> motor_counts,
                      std::span<double> joint_angle_rad) noexcept;
+
+  /// Turn of each joint per count of each motor, joints x motors; rows of NaN as above.
+  Eigen::MatrixXd AnglePerCount() const;
+  /// Spool angles [rad] of a posture: C d, not clamped.
+  void ToSpoolAngles(std::span<const double> joint_angle_rad,
+                     std::span<double> spool_angle_rad) noexcept;
 
   std::span<const double> joint_min_rad() const noexcept { return AsSpan(joint_min_rad_); }
   std::span<const double> joint_max_rad() const noexcept { return AsSpan(joint_max_rad_); }
@@ -49,8 +58,9 @@ class TendonMap {
   }
   void SolveJointAngles(std::span<double> joint_angle_rad) noexcept;
 
-  Eigen::MatrixXd forward_;  // C, or its diagonal
-  Eigen::MatrixXd inverse_;  // of the whole C
+  Eigen::MatrixXd coupling_;  // C
+  Eigen::MatrixXd forward_;   // C, or without what cables do in passing
+  Eigen::MatrixXd inverse_;   // of the whole C, as far as there is one
   Eigen::VectorXd reference_rad_;
   Eigen::VectorXd joint_min_rad_;
   Eigen::VectorXd joint_max_rad_;

@@ -10,13 +10,14 @@ namespace gc = gauntlet::controller;
 
 int main() {
   // What the controller is connected to: a glove with two bending sensors, known in two poses ...
-  const gc::GloveCalibration glove = {.low_counts = {200, 230},
+  const gc::GloveCalibration glove = {.channel_names = {"mcp", "pip"},
+                                      .low_counts = {200, 230},
                                       .high_counts = {800, 760},
                                       .low_angle_rad = {0.0, 0.0},
                                       .high_angle_rad = {1.5, 1.6}};
   // ... and a finger of two joints. The cable of the second joint crosses the first, so that its
   // spool must turn by 0.6 rad for each rad of the first joint.
-  const gc::TendonTransmission finger = {.channel_names = {"mcp", "pip"},
+  const gc::TendonTransmission finger = {.joint_names = {"mcp", "pip"},
                                          .motor_names = {"mcp", "pip"},
                                          .coupling = {1.0, 0.0, 0.6, 1.0},
                                          .reference_angle_rad = {0.0, 0.0},

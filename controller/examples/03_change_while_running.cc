@@ -8,11 +8,12 @@
 namespace gc = gauntlet::controller;
 
 int main() {
-  const gc::GloveCalibration glove = {.low_counts = {200, 200, 200},
+  const gc::GloveCalibration glove = {.channel_names = {"thumb", "index", "middle"},
+                                      .low_counts = {200, 200, 200},
                                       .high_counts = {800, 800, 800},
                                       .low_angle_rad = {0, 0, 0},
                                       .high_angle_rad = {1.5, 1.5, 1.5}};
-  const gc::TendonTransmission hand = {.channel_names = {"thumb", "index", "middle"},
+  const gc::TendonTransmission hand = {.joint_names = {"thumb", "index", "middle"},
                                        .motor_names = {"thumb", "index", "middle"},
                                        .coupling = {1, 0, 0, 0, 1, 0, 0, 0, 1},
                                        .reference_angle_rad = {0, 0, 0},

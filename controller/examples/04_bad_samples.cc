@@ -9,9 +9,12 @@
 namespace gc = gauntlet::controller;
 
 int main() {
-  const gc::GloveCalibration glove = {
-      .low_counts = {200}, .high_counts = {800}, .low_angle_rad = {0}, .high_angle_rad = {1.5}};
-  const gc::TendonTransmission hand = {.channel_names = {"index"},
+  const gc::GloveCalibration glove = {.channel_names = {"index"},
+                                      .low_counts = {200},
+                                      .high_counts = {800},
+                                      .low_angle_rad = {0},
+                                      .high_angle_rad = {1.5}};
+  const gc::TendonTransmission hand = {.joint_names = {"index"},
                                        .motor_names = {"index"},
                                        .coupling = {1},
                                        .reference_angle_rad = {0},
@@ -23,8 +26,7 @@ int main() {
                                        .max_counts = {1023}};
   gc::ControllerConfig config;
   config.filters = {{gc::HampelConfig{}}, {gc::KalmanConfig{.noise = {.r = {10}, .q = {1e-2}}}}};
-  config.samples_per_event = 1;
-  gc::Controller controller(config, glove, hand);
+  gc::Controller controller(config, glove, hand, {.event_period_ms = 1.0});
 
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<double> samples = {500, 501, nan, 502, 1023, 503, 35512.6, 504, 900, 505, 506};

@@ -22,9 +22,13 @@ void KalmanNoise::Visit(SettingsVisitor& visitor) {
   VisitProcessNoise(visitor, process_noise);
 }
 
+bool IsDefaultMeasurementVariance(const std::vector<double>& r) {
+  return r == PaperMeasurementVariance();
+}
+
 Eigen::ArrayXd MeasurementVariance(const KalmanNoise& noise, int channel_count) {
   const int values = static_cast<int>(noise.r.size());
-  if (values != 1 && values != channel_count && noise.r == PaperMeasurementVariance()) {
+  if (values != 1 && values != channel_count && IsDefaultMeasurementVariance(noise.r)) {
     throw SettingError("r", "the default is the paper's for 18 channels, but there are " +
                                 std::to_string(channel_count) +
                                 "; give one number for all channels or one for each");

@@ -7,12 +7,13 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
-#include "sim/hand/hand.h"
+#include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
 #include "sim/score/score.h"
 #include "sim/settings/setting_rows.h"
@@ -50,23 +51,31 @@ std::vector<Entry> Scores() {
   return entries;
 }
 
-std::vector<Entry> Channels() {
-  const HandModel hand({}, GloveChannelNames());
-  const controller::TendonTransmission& transmission = hand.transmission();
-  const std::size_t n = transmission.channel_names.size();
-  std::vector<Entry> entries;
-  for (std::size_t m = 0; m < n; ++m) {
-    const Channel& channel = GloveChannels()[m];
-    std::vector<std::string> coupled;
-    for (std::size_t c = 0; c < n; ++c) {
-      const double ratio = transmission.coupling[m * n + c];
-      if (std::abs(ratio) > 1e-6) {
-        coupled.push_back(fmt::format("{:.3f} {}", ratio, transmission.channel_names[c]));
-      }
+/// Which joints turn the spool of the motor that is called like the channel, as "1.2 index_mcp +
+/// .."; empty if there is no such motor.
+std::string SpoolTurns(const controller::TendonTransmission& hand, std::string_view channel) {
+  const auto motor = std::ranges::find(hand.motor_names, channel);
+  if (motor == hand.motor_names.end()) return "";
+  const std::size_t joints = hand.joint_names.size();
+  const auto row =
+      std::span(hand.coupling)
+          .subspan(static_cast<std::size_t>(motor - hand.motor_names.begin()) * joints, joints);
+  std::vector<std::string> turns;
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (std::abs(row[j]) > 1e-6) {
+      turns.push_back(fmt::format("{:.3f} {}", row[j], hand.joint_names[j]));
     }
+  }
+  return fmt::format(" Spool turns: {}.", fmt::join(turns, " + "));
+}
+
+std::vector<Entry> Channels() {
+  const HandModel hand{HandConfig{}};
+  std::vector<Entry> entries;
+  for (const Channel& channel : GloveChannels()) {
     entries.push_back({std::string(channel.name),
-                       fmt::format("{} to {} deg. {} Spool turns: {}.", channel.min_deg,
-                                   channel.max_deg, channel.help, fmt::join(coupled, " + ")),
+                       fmt::format("{} to {} deg. {}{}", channel.min_deg, channel.max_deg,
+                                   channel.help, SpoolTurns(hand.transmission(), channel.name)),
                        {}});
   }
   return entries;

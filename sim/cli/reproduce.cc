@@ -40,8 +40,7 @@ void Reproduce(const Options& options) {
          .progress = [&](double done, double total) { return progress.Update(done, total); }});
   }();
   const std::vector<PaperFigure> figures = PaperFigures(experiment);
-  WriteStudyFiles(folder.path(), experiment.study, experiment.result, experiment.summary,
-                  {.comparison = true, .trace_csv = false});
+  WriteStudyFiles(folder.path(), experiment.finished, false);
   for (const PaperFigure& figure : figures) {
     for (const PaperChart& chart : figure.charts) {
       WriteFileAtomically(folder.path() / chart.file, chart.svg);

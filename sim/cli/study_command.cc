@@ -32,6 +32,8 @@ void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
     kept.push_back(*std::ranges::find(scenario.controllers, name, &NamedController::name));
   }
   scenario.controllers = std::move(kept);
+  // Without its controller there is none.
+  if (std::ranges::find(names, scenario.baseline) == names.end()) scenario.baseline.clear();
 }
 
 int JobsOrCores(int jobs) {
@@ -70,10 +72,6 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   std::optional<StudyDatabase> database;
   if (options.comparison) {
     database.emplace(folder / "study.db", study);
-    if (const int others = database->OtherTrialCount(); others > 0) {
-      fmt::print(stderr, "{}: {} of other settings make room\n", (folder / "study.db").string(),
-                 Trials(others));
-    }
     if (const int known = database->TrialCount(); known > 0) {
       fmt::print(stderr, "goes on from {}, which holds {}\n", (folder / "study.db").string(),
                  Trials(known));
@@ -116,25 +114,24 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
 void RunStudyCommand(const StudyCommand& options) {
   Scenario scenario = LoadScenario(options.scenario_file, options.overrides);
   KeepOnly(options.controllers, scenario);
-  const Study study = Prepare(options, std::move(scenario));
-  WarnIfMadeElsewhere(study);
-  for (const std::string& remark : study.remarks) fmt::print(stderr, "gauntlet: {}\n", remark);
-  OutputFolder folder(options.out.empty() ? "out/" + study.scenario.name : options.out);
+  FinishedStudy finished;
+  finished.comparison = options.comparison;
+  finished.study = Prepare(options, std::move(scenario));
+  WarnIfMadeElsewhere(finished.study);
+  for (const std::string& remark : finished.study.remarks) {
+    fmt::print(stderr, "gauntlet: {}\n", remark);
+  }
+  OutputFolder folder(options.out.empty() ? "out/" + finished.study.scenario.name : options.out);
 
-  const StudyResult result = RunTrials(study, options, folder.path());
-  const Summary summary = Summarise(study, result);
-  WriteStudyFiles(folder.path(), study, result, summary,
-                  {.comparison = options.comparison, .trace_csv = options.csv});
-  WriteFileAtomically(folder.path() / "report.html",
-                      ReportPage(study, result, summary,
-                                 {.comparison = options.comparison, .video = options.video}));
+  finished.result = RunTrials(finished.study, options, folder.path());
+  finished.summary = Summarise(finished.study, finished.result);
+  WriteStudyFiles(folder.path(), finished, options.csv);
+  WriteFileAtomically(folder.path() / "report.html", ReportPage(finished, options.video));
   folder.Keep();
   if (options.json) {
-    fmt::print("{}", ScoresJson(study, result, summary, options.comparison));
+    fmt::print("{}", ScoresJson(finished));
   } else {
-    fmt::print(
-        "{}", ScoreTable(study, result, summary,
-                         {.comparison = options.comparison, .colour = isatty(STDOUT_FILENO) != 0}));
+    fmt::print("{}", ScoreTable(finished, isatty(STDOUT_FILENO) != 0));
   }
   std::fflush(stdout);
   std::string written = "report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml";
@@ -150,7 +147,7 @@ void RunStudyCommand(const StudyCommand& options) {
     written += ", comparison.mp4";
   }
   fmt::print(stderr, "wrote {}: {}\n", folder.path().string(), written);
-  for (const ControllerSummary& controller : summary.controllers) {
+  for (const ControllerSummary& controller : finished.summary.controllers) {
     if (controller.problem.empty()) continue;
     throw RunError(fmt::format("{} stopped early: {}", controller.name, controller.problem));
   }

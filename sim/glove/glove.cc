@@ -7,6 +7,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/timing.h"
 #include "sim/glove/noise/add_noise.h"
 #include "sim/glove/sensor/bend_sensor.h"
 
@@ -48,9 +49,9 @@ void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
   glove.faults = std::move(faults);
 }
 
-/// The analog signal of all channels before noise [counts].
+/// The analog signal of all channels before noise, at every tick [counts].
 Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& tremor_rad,
-             std::uint64_t seed) {
+             double tick_rate_hz, std::uint64_t seed) {
   const double full_scale = config.converter.full_scale_counts();
   // A recorded glove has gone through its own sensors already.
   if (motion.measured_rad.size() > 0) {
@@ -58,10 +59,16 @@ Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& trem
   }
   const SensorParameters sensor = DrawSensor(config.sensor, seed);
   if (tremor_rad.size() == 0) {
-    return SenseBend(config.sensor, sensor, motion.angle_rad, config.rate_hz, full_scale);
+    return SenseBend(config.sensor, sensor, motion.angle_rad, tick_rate_hz, full_scale);
   }
-  return SenseBend(config.sensor, sensor, motion.angle_rad + tremor_rad, config.rate_hz,
-                   full_scale);
+  return SenseBend(config.sensor, sensor, motion.angle_rad + tremor_rad, tick_rate_hz, full_scale);
+}
+
+/// What the glove takes of a signal that has a row per tick.
+Signal Sampled(Signal signal, int ticks_per_sample) {
+  if (ticks_per_sample == 1) return signal;
+  const Eigen::Index samples = (signal.rows() + ticks_per_sample - 1) / ticks_per_sample;
+  return signal(Eigen::seqN(0, samples, ticks_per_sample), Eigen::all);
 }
 
 void AddRemarksOnFaults(const GloveConfig& config, int samples, std::vector<std::string>& remarks) {
@@ -84,22 +91,27 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   const std::vector<int> indices = ChannelsOf(config);
   const double full_scale = config.converter.full_scale_counts();
 
+  const controller::Timing timing = MakeGloveTiming(config.rate_hz);
   Motion motion = controller::WithinSetting("motion", [&] {
-    return SynthesiseMotion(config.motion, {.rate_hz = config.rate_hz,
+    return SynthesiseMotion(config.motion, {.rate_hz = timing.tick_rate_hz,
                                             .seed = seed,
                                             .start_rad = {},
                                             .sensor = config.sensor,
                                             .converter = config.converter});
   });
-  const auto samples = static_cast<int>(motion.angle_rad.rows());
+  const auto ticks = static_cast<int>(motion.angle_rad.rows());
   GloveSignal glove;
   glove.rate_hz = config.rate_hz;
+  glove.tick_rate_hz = timing.tick_rate_hz;
+  glove.ticks_per_sample = timing.ticks_per_sample;
   for (const int c : indices) {
     glove.channel_names.emplace_back(GloveChannels()[static_cast<std::size_t>(c)].name);
   }
   glove.tremor_rad = controller::WithinSetting(
-      "tremor", [&] { return SynthesiseTremor(config.tremor, samples, config.rate_hz, seed); });
-  glove.counts = Sense(config, motion, glove.tremor_rad, seed);
+      "tremor", [&] { return SynthesiseTremor(config.tremor, ticks, timing.tick_rate_hz, seed); });
+  glove.counts = Sampled(Sense(config, motion, glove.tremor_rad, timing.tick_rate_hz, seed),
+                         timing.ticks_per_sample);
+  const auto samples = static_cast<int>(glove.counts.rows());
   glove.true_angle_rad = std::move(motion.angle_rad);
   if (glove.tremor_rad.size() > 0 && config.tremor.belongs_to_truth) {
     glove.true_angle_rad += glove.tremor_rad;
@@ -120,11 +132,31 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   return glove;
 }
 
+std::vector<double> NoiseVarianceCounts2(const GloveConfig& config) {
+  std::vector<double> variances;
+  for (const int c : ChannelsOf(config)) {
+    variances.push_back(VarianceOfNoise(config.noise, config.converter, c));
+  }
+  return variances;
+}
+
+std::vector<double> NoiseVarianceRad2(const GloveConfig& config) {
+  const controller::GloveCalibration glove = NominalCalibration(config);
+  std::vector<double> variances = NoiseVarianceCounts2(config);
+  for (std::size_t i = 0; i < variances.size(); ++i) {
+    const double rad_per_count = (glove.high_angle_rad[i] - glove.low_angle_rad[i]) /
+                                 (glove.high_counts[i] - glove.low_counts[i]);
+    variances[i] *= rad_per_count * rad_per_count;
+  }
+  return variances;
+}
+
 controller::GloveCalibration NominalCalibration(const GloveConfig& config) {
   controller::GloveCalibration calibration;
   calibration.full_scale_counts = config.converter.full_scale_counts();
   for (const int c : ChannelsOf(config)) {
     const Channel& channel = GloveChannels()[static_cast<std::size_t>(c)];
+    calibration.channel_names.emplace_back(channel.name);
     calibration.low_angle_rad.push_back(channel.min_deg * kRadPerDeg);
     calibration.high_angle_rad.push_back(channel.max_deg * kRadPerDeg);
     calibration.low_counts.push_back(config.sensor.low_counts(calibration.full_scale_counts));

@@ -15,13 +15,15 @@ namespace gauntlet::sim {
 /// What the wearer did and what the glove said of it. All controllers of a trial get the same.
 struct GloveSignal {
   std::vector<std::string> channel_names;
-  double rate_hz = 1000.0;
-  Signal true_angle_rad;  // samples x channels
+  double rate_hz = 1000.0;       // of samples
+  double tick_rate_hz = 1000.0;  // of the true motion: see LoopTiming
+  int ticks_per_sample = 1;
+  Signal true_angle_rad;  // ticks x channels
   Signal counts;          // samples x channels, whole numbers; NaN where a sample is missing
-  std::vector<MotionSegment> segments;
-  std::string reference_name;  // what the scores compare with, in words: "ground truth"
-  Signal tremor_rad;           // samples x channels: part of the motion; no rows if there is none
-  std::vector<FaultEvent> faults;    // the truth of each fault
+  std::vector<MotionSegment> segments;  // in ticks
+  std::string reference_name;           // what the scores compare with, in words: "ground truth"
+  Signal tremor_rad;               // ticks x channels: part of the motion; no rows if there is none
+  std::vector<FaultEvent> faults;  // the truth of each fault, in samples
   std::vector<std::string> remarks;  // what was repaired in a recording, one line each
 };
 
@@ -29,6 +31,12 @@ struct GloveSignal {
 /// Errors: UserError for a recording that cannot be read, SettingError for settings that do not
 /// fit.
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed);
+
+/// Variance of the noise that the settings draw, per channel of the glove; 0 where there is none.
+/// A recording's noise is not counted.
+std::vector<double> NoiseVarianceCounts2(const GloveConfig& config);
+/// The same behind the nominal linearisation [rad^2].
+std::vector<double> NoiseVarianceRad2(const GloveConfig& config);
 
 /// What a careful person knows of the glove after calibrating it: the nominal sensor, without the
 /// deviations of the one glove that a seed draws.

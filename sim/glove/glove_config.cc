@@ -4,7 +4,7 @@ namespace gauntlet::sim {
 
 void GloveConfig::Visit(controller::SettingsVisitor& visitor) {
   using controller::VisitGroup;
-  visitor.Number({.key = "rate_hz", .help = "samples per second", .min = 50, .max = 10000},
+  visitor.Number({.key = "rate_hz", .help = "samples per second", .min = 10, .max = 10000},
                  rate_hz);
   visitor.Texts({.key = "channels", .help = "channels that the glove has; empty: all 18"},
                 channels);

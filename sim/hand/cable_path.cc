@@ -1,5 +1,7 @@
 #include "sim/hand/cable_path.h"
 
+#include <mujoco/mujoco.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -37,16 +39,17 @@ double MomentArm(const mjModel& model, const mjData& data, int tendon, int dof) 
   return 0.0;
 }
 
-CablePaths::CablePaths(const mjModel& model, const std::vector<int>& channel_joints,
-                       const std::vector<double>& reference_rad,
+CablePaths::CablePaths(const mjModel& model, const std::vector<HandJoint>& joints,
                        const std::vector<Follower>& followers)
     : model_(model),
       followers_(followers),
       data_(mj_makeData(&model), &mj_deleteData),
       largest_arm_m_(static_cast<std::size_t>(model.ntendon) * model.nv) {
   if (data_ == nullptr) throw RunError("not enough memory for the hand's model");
+  std::vector<double> reference_rad;
+  for (const HandJoint& joint : joints) reference_rad.push_back(joint.reference_rad());
   const auto look = [&](const std::vector<double>& joint_angle_rad) {
-    Forward(model, *data_, PostureOf(model, channel_joints, joint_angle_rad, followers));
+    Forward(model, *data_, PostureOf(model, joints, joint_angle_rad, followers));
     for (int tendon = 0; tendon < model.ntendon; ++tendon) {
       for (int dof = 0; dof < model.nv; ++dof) {
         double& largest = largest_arm_m_[static_cast<std::size_t>(tendon) * model.nv + dof];
@@ -55,10 +58,11 @@ CablePaths::CablePaths(const mjModel& model, const std::vector<int>& channel_joi
     }
   };
   // Arms that vanish at the reference may show at the ends of a joint's range.
-  for (std::size_t channel = 0; channel < channel_joints.size(); ++channel) {
-    for (int end : {0, 1}) {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!joints[i].limited) continue;
+    for (const double end_rad : {joints[i].min_rad, joints[i].max_rad}) {
       std::vector<double> angle = reference_rad;
-      angle[channel] = model.jnt_range[2 * channel_joints[channel] + end];
+      angle[i] = end_rad;
       look(angle);
     }
   }
@@ -69,10 +73,9 @@ bool CablePaths::Passes(int tendon, int dof) const {
   return largest_arm_m_[static_cast<std::size_t>(tendon) * model_.nv + dof] > kSmallestArmM;
 }
 
-bool CablePaths::Follows(int dof, int leader_dof) const {
-  return std::any_of(followers_.begin(), followers_.end(), [&](const Follower& follower) {
-    return follower.dof == dof && follower.leader_dof == leader_dof;
-  });
+int CablePaths::LeaderOf(int dof) const {
+  const auto found = std::ranges::find(followers_, dof, &Follower::dof);
+  return found == followers_.end() ? dof : found->leader_dof;
 }
 
 std::vector<CablePaths::Bend> CablePaths::BendsOf(int tendon) const {
@@ -95,7 +98,7 @@ std::vector<CablePaths::Bend> CablePaths::BendsOf(int tendon) const {
   return bends;
 }
 
-void CablePaths::Trace(int own_joint, Cable& cable) const {
+void CablePaths::Trace(Cable& cable) const {
   const std::vector<Bend> bends = BendsOf(cable.tendon);
   std::vector<std::pair<std::size_t, Crossing>> found;  // with the bend at which the joint is
   for (int joint = 0; joint < model_.njnt; ++joint) {
@@ -105,7 +108,6 @@ void CablePaths::Trace(int own_joint, Cable& cable) const {
     const double arm = MomentArm(model_, *data_, cable.tendon, dof);
     Crossing crossing{.dof = dof,
                       .qpos = model_.jnt_qposadr[joint],
-                      .own = joint == own_joint || Follows(dof, model_.jnt_dofadr[own_joint]),
                       .moment_arm_m = arm,
                       .bend_per_rad = hinge ? std::copysign(1.0, arm) : 0.0};
     crossing.reference_rad = data_->qpos[crossing.qpos];

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <mujoco/mujoco.h>
-
 #include <memory>
 #include <vector>
 
@@ -13,25 +11,31 @@ namespace gauntlet::sim {
 /// moment arms, and how much it bends.
 class CablePaths {
  public:
-  CablePaths(const mjModel& model, const std::vector<int>& channel_joints,
-             const std::vector<double>& reference_rad, const std::vector<Follower>& followers);
+  CablePaths(const mjModel_& model, const std::vector<HandJoint>& joints,
+             const std::vector<Follower>& followers);
 
-  /// Fills crossings, bends and length at the reference of the cable of this joint.
-  void Trace(int own_joint, Cable& cable) const;
+  /// Fills crossings, bends and length at the reference. `meant(dof)` tells whether the cable is
+  /// meant to move a joint that it passes; a joint that follows counts as its leader.
+  template <class Meant>
+  void Trace(Cable& cable, const Meant& meant) const {
+    Trace(cable);
+    for (Crossing& crossing : cable.crossings) crossing.own = meant(LeaderOf(crossing.dof));
+  }
 
  private:
   struct Bend {
     double position[3];
     double angle_rad;  // of this bend alone
   };
+  void Trace(Cable& cable) const;
   std::vector<Bend> BendsOf(int tendon) const;
   bool Passes(int tendon, int dof) const;
-  bool Follows(int dof, int leader_dof) const;
+  int LeaderOf(int dof) const;
 
-  const mjModel& model_;
+  const mjModel_& model_;
   const std::vector<Follower>& followers_;
-  std::unique_ptr<mjData, void (*)(mjData*)> data_;  // at the reference posture
-  std::vector<double> largest_arm_m_;                // tendons x dofs, over many postures
+  std::unique_ptr<mjData_, void (*)(mjData_*)> data_;  // at the reference posture
+  std::vector<double> largest_arm_m_;                  // tendons x dofs, over many postures
 };
 
 }  // namespace gauntlet::sim

@@ -1,6 +1,7 @@
 #include "sim/hand/drive.h"
 
 #include <fmt/core.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 
@@ -17,7 +18,7 @@ namespace {
 constexpr double kInextensible = 8.0;
 
 /// Names of all parts of one kind.
-std::vector<std::string> NamesInModel(const mjModel& model, mjtObj type) {
+std::vector<std::string> NamesInModel(const mjModel& model, int type) {
   std::vector<std::string> names;
   for (int index = 0;; ++index) {
     const char* name = mj_id2name(&model, type, index);
@@ -31,7 +32,7 @@ std::vector<std::string> NamesInModel(const mjModel& model, mjtObj type) {
   }
 }
 
-const char* KindName(mjtObj type) {
+const char* KindName(int type) {
   switch (type) {
     case mjOBJ_JOINT:
       return "joint";
@@ -67,8 +68,11 @@ double StiffnessFactor(const CableConfig& config) {
 }
 
 /// Everything about a cable but its path.
-Cable MakeCable(const mjModel& model, const CableConfig& config, const std::string& name) {
+Cable MakeCable(const mjModel& model, const CableConfig& config, const std::string& name,
+                double sense) {
   Cable cable;
+  cable.name = name;
+  cable.sense = sense;
   cable.tendon = FindInModel(model, mjOBJ_TENDON, name);
   const double factor = StiffnessFactor(config);
   const double stiffness =
@@ -84,44 +88,61 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, const std::stri
 
 }  // namespace
 
-int FindInModel(const mjModel& model, mjtObj type, const std::string& name) {
+int FindInModel(const mjModel& model, int type, const std::string& name) {
   const int index = mj_name2id(&model, type, name.c_str());
   if (index >= 0) return index;
   throw UserError(fmt::format("the model has no {} '{}'{}", KindName(type), name,
                               Suggestion(name, NamesInModel(model, type))));
 }
 
-std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config,
-                              const std::vector<std::string>& channel_names,
-                              const std::vector<int>& channel_joints,
-                              const std::vector<double>& reference_rad,
-                              const std::vector<Follower>& followers) {
+std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config) {
   std::vector<Drive> drives;
-  CablePaths paths(model, channel_joints, reference_rad, followers);
+  for (int actuator = 0; actuator < model.nu; ++actuator) {
+    const char* name = mj_id2name(&model, mjOBJ_ACTUATOR, actuator);
+    if (name == nullptr) {
+      throw UserError(fmt::format("motor {} of the model has no name", actuator + 1));
+    }
+    Drive drive;
+    drive.name = name;
+    drive.actuator = actuator;
+    const int spool = FindInModel(model, mjOBJ_JOINT, drive.name + "_spool");
+    drive.spool_qpos = model.jnt_qposadr[spool];
+    drive.spool_dof = model.jnt_dofadr[spool];
+    const std::string drum_name = drive.name + "_drum";
+    const int drum = FindInModel(model, mjOBJ_GEOM, drum_name);
+    drive.drum_radius_m = Positive(model.geom_size[3 * drum], "radius of geom", drum_name);
+    drive.servo = MakeServo(config.servo, Positive(model.actuator_ctrlrange[2 * actuator + 1],
+                                                   "ctrlrange of motor", drive.name));
+    drives.push_back(std::move(drive));
+  }
+  if (drives.empty()) throw UserError("the model has no motor");
+  return drives;
+}
+
+void FindCables(const mjModel& model, const HandConfig& config,
+                const std::vector<HandJoint>& joints, const std::vector<Follower>& followers,
+                std::vector<Drive>& drives) {
+  const CablePaths paths(model, joints, followers);
   // The force of pretension stays what it is when stretch is switched off.
   const double pretension_m =
       1e-3 * config.cable.pretension_mm / (config.cable.stretch ? 1.0 : kInextensible);
-  for (std::size_t channel = 0; channel < channel_names.size(); ++channel) {
-    const std::string& name = channel_names[channel];
-    Drive drive;
-    drive.name = name;
-    const int spool = FindInModel(model, mjOBJ_JOINT, name + "_spool");
-    drive.spool_qpos = model.jnt_qposadr[spool];
-    drive.spool_dof = model.jnt_dofadr[spool];
-    drive.actuator = FindInModel(model, mjOBJ_ACTUATOR, name);
-    const int drum = FindInModel(model, mjOBJ_GEOM, name + "_drum");
-    drive.drum_radius_m = Positive(model.geom_size[3 * drum], "radius of geom", name + "_drum");
-    drive.servo = MakeServo(config.servo, Positive(model.actuator_ctrlrange[2 * drive.actuator + 1],
-                                                   "ctrlrange of motor", name));
-    for (Cable* cable : {&drive.flexor, &drive.extensor}) {
-      *cable =
-          MakeCable(model, config.cable, name + (cable == &drive.flexor ? "_flexor" : "_extensor"));
-      paths.Trace(channel_joints[channel], *cable);
-      cable->natural_length_m += 1e-3 * config.cable.slack_mm - pretension_m;
+  for (Drive& drive : drives) {
+    // A joint with a motor of its own name is that motor's alone.
+    const auto meant = [&](int dof) {
+      const auto joint = std::ranges::find(joints, dof, &HandJoint::dof);
+      if (joint == joints.end() || joint->name == drive.name) return true;
+      return std::ranges::find(drives, joint->name, &Drive::name) == drives.end();
+    };
+    drive.cables.push_back(MakeCable(model, config.cable, drive.name + "_flexor", 1.0));
+    const std::string extensor = drive.name + "_extensor";
+    if (mj_name2id(&model, mjOBJ_TENDON, extensor.c_str()) >= 0) {
+      drive.cables.push_back(MakeCable(model, config.cable, extensor, -1.0));
     }
-    drives.push_back(std::move(drive));
+    for (Cable& cable : drive.cables) {
+      paths.Trace(cable, meant);
+      cable.natural_length_m += 1e-3 * config.cable.slack_mm - pretension_m;
+    }
   }
-  return drives;
 }
 
 }  // namespace gauntlet::sim

@@ -1,5 +1,7 @@
 #include "sim/hand/grasp.h"
 
+#include <mujoco/mujoco.h>
+
 #include <cmath>
 #include <memory>
 

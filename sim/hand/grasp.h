@@ -1,7 +1,6 @@
 #pragma once
 
-#include <mujoco/mujoco.h>
-
+#include "sim/hand/engine_types.h"
 #include "sim/hand/hand_config.h"
 
 namespace gauntlet::sim {
@@ -22,19 +21,19 @@ struct GraspParts {
 
 /// Finds the object and gives it the size, mass and friction of the settings.
 /// Errors: UserError for a model without its parts.
-GraspParts MakeObject(mjModel& model, const ObjectConfig& config);
+GraspParts MakeObject(mjModel_& model, const ObjectConfig& config);
 
 /// Upright in front of the palm of the posture in `data`, between thumb and fingers, with the
 /// support under it. Wants a posture with the thumb up.
-void PlaceObject(const GraspParts& grasp, mjData& data);
+void PlaceObject(const GraspParts& grasp, mjData_& data);
 
 /// Sum of the normal forces between the object and the hand [N].
-double GripForce(const mjModel& model, const GraspParts& grasp, const mjData& data) noexcept;
+double GripForce(const mjModel_& model, const GraspParts& grasp, const mjData_& data) noexcept;
 
 /// Height of the object above the place where it stood [m].
-double ObjectHeight(const GraspParts& grasp, const mjData& data) noexcept;
+double ObjectHeight(const GraspParts& grasp, const mjData_& data) noexcept;
 
 /// Speed of the object's centre against the palm [m/s].
-double SlipSpeed(const mjModel& model, const GraspParts& grasp, const mjData& data) noexcept;
+double SlipSpeed(const mjModel_& model, const GraspParts& grasp, const mjData_& data) noexcept;
 
 }  // namespace gauntlet::sim

@@ -1,14 +1,17 @@
 #include "sim/hand/hand.h"
 
 #include <fmt/core.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "controller/tendon_map.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/hand/cable.h"
 #include "sim/hand/mujoco_messages.h"
+#include "sim/hand/posture.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -42,46 +45,45 @@ struct Hand::State {
   CableWay Way(const Cable& cable) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   double DrumRatio(const Cable& cable, const CableState& state) const noexcept;
-  DrumMotion TurnDrum(const Drive& drive, const CableState& flexor, const CableState& extensor,
-                      const CableWay& flexor_way, const CableWay& extensor_way) const noexcept;
+  DrumMotion TurnDrum(const Drive& drive, std::span<const CableState> states,
+                      std::span<const CableWay> ways) const noexcept;
+  void PullCables(const Drive& drive, std::span<CableState> states) noexcept;
   double Pull(const Cable& cable, double tension_n, CableState& state) noexcept;
   void ReadWarnings(double time_s);
 
   std::shared_ptr<const HandModel> hand;
   std::unique_ptr<mjData, void (*)(mjData*)> data;
-  std::vector<double> target_rad;       // per motor, what the servos hold
-  std::vector<std::int32_t> counts;     // per motor, what was last commanded
-  std::vector<std::uint8_t> saturated;  // per motor
-  std::vector<CableState> cables;       // flexor and extensor per motor
-  std::int64_t frame_clock = -1;        // samples since the first command
-  std::int64_t samples_per_frame = 0;
+  std::vector<double> target_rad;         // per motor, what the servos hold
+  std::vector<std::int32_t> counts;       // per motor, what was last commanded
+  std::vector<std::uint8_t> saturated;    // per motor
+  std::vector<CableState> cables;         // in the order of HandModel::cable_names()
+  controller::PeriodicClock frame_clock;  // in ticks since the first command
+  bool commanded = false;                 // there was a first command
   bool new_counts = false;
   HandHealth health;
 };
 
 Hand::State::State(std::shared_ptr<const HandModel> hand_model)
-    : hand(std::move(hand_model)), data(mj_makeData(&hand->model()), &mj_deleteData) {
+    : hand(std::move(hand_model)),
+      data(mj_makeData(&hand->model()), &mj_deleteData),
+      frame_clock(std::max(1.0, hand->timing().controller.TicksOf(hand->config().servo.frame_ms))) {
   if (data == nullptr) throw RunError("not enough memory for a hand");
   const std::size_t motors = hand->drives().size();
   target_rad.resize(motors);
   counts.resize(motors);
   saturated.resize(motors);
-  cables.resize(2 * motors);
-  samples_per_frame = std::llround(hand->config().servo.frame_ms);
+  cables.resize(hand->cable_names().size());
 }
 
 /// The servo's own clock starts with the first command, so that frames and commands of the same
 /// period are in step.
 void Hand::State::TakeFrame() noexcept {
-  if (frame_clock < 0) return;
-  if (new_counts && (samples_per_frame <= 1 || frame_clock % samples_per_frame == 0)) {
-    const controller::TendonTransmission& map = hand->transmission();
-    for (std::size_t motor = 0; motor < counts.size(); ++motor) {
-      target_rad[motor] = (counts[motor] - map.center_counts[motor]) / map.counts_per_rad[motor];
-    }
-    new_counts = false;
+  if (!commanded || !frame_clock.Tick() || !new_counts) return;
+  const controller::TendonTransmission& map = hand->transmission();
+  for (std::size_t motor = 0; motor < counts.size(); ++motor) {
+    target_rad[motor] = (counts[motor] - map.center_counts[motor]) / map.counts_per_rad[motor];
   }
-  ++frame_clock;
+  new_counts = false;
 }
 
 CableWay Hand::State::Way(const Cable& cable) const noexcept {
@@ -131,52 +133,61 @@ double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state
 }
 
 /// Where the drum is and how fast it turns. Without play it is the shaft; with play it has no mass
-/// and turns, as far as it can, to where both cables pull alike.
-DrumMotion Hand::State::TurnDrum(const Drive& drive, const CableState& flexor,
-                                 const CableState& extensor, const CableWay& flexor_way,
-                                 const CableWay& extensor_way) const noexcept {
+/// and turns, as far as it can, to where all its cables together do not turn it.
+DrumMotion Hand::State::TurnDrum(const Drive& drive, std::span<const CableState> states,
+                                 std::span<const CableWay> ways) const noexcept {
   const double shaft = data->qpos[drive.spool_qpos];
   const double speed = data->qvel[drive.spool_dof];
   const double play = hand->config().cable.backlash_deg * kRadPerDeg;
   if (play == 0.0) return {shaft, speed};
-  const double flexor_weight = drive.flexor.stiffness_n_m * DrumRatio(drive.flexor, flexor);
-  const double extensor_weight = drive.extensor.stiffness_n_m * DrumRatio(drive.extensor, extensor);
-  const double lever = drive.drum_radius_m * (flexor_weight + extensor_weight);
-  const double balance =
-      (extensor_weight * extensor_way.excess_m - flexor_weight * flexor_way.excess_m) / lever;
+  double weights = 0.0;
+  double excess = 0.0;  // sum of sense x weight x excess length
+  double rate = 0.0;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const Cable& cable = drive.cables[i];
+    const double weight = cable.stiffness_n_m * DrumRatio(cable, states[i]);
+    weights += weight;
+    excess += cable.sense * weight * ways[i].excess_m;
+    rate += cable.sense * weight * ways[i].rate_m_s;
+  }
+  const double lever = drive.drum_radius_m * weights;
+  const double balance = -excess / lever;
   const double angle = DrumAngle(shaft, balance, play);
-  if (angle != balance) return {angle, speed};
-  return {angle,
-          (extensor_weight * extensor_way.rate_m_s - flexor_weight * flexor_way.rate_m_s) / lever};
+  return {angle, angle != balance ? speed : -rate / lever};
 }
 
 void Hand::State::PullCables() noexcept {
   mju_zero(data->qfrc_applied, hand->model().nv);
-  const double step_s = hand->model().opt.timestep;
-  for (std::size_t motor = 0; motor < cables.size() / 2; ++motor) {
-    const Drive& drive = hand->drives()[motor];
-    CableState& flexor = cables[2 * motor];
-    CableState& extensor = cables[2 * motor + 1];
-    const CableWay flexor_way = Way(drive.flexor);
-    const CableWay extensor_way = Way(drive.extensor);
-    const DrumMotion drum = TurnDrum(drive, flexor, extensor, flexor_way, extensor_way);
-    const double wound = drive.drum_radius_m * drum.angle_rad;
-    const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
-
-    flexor.friction =
-        AdvanceFriction(flexor.friction, 0.5 * (wound_rate - flexor_way.rate_m_s) * step_s);
-    extensor.friction =
-        AdvanceFriction(extensor.friction, 0.5 * (-wound_rate - extensor_way.rate_m_s) * step_s);
-    const double flexor_tension =
-        CableTension(drive.flexor.stiffness_n_m, drive.flexor.damping_n_s_m,
-                     flexor_way.excess_m + wound, flexor_way.rate_m_s + wound_rate);
-    const double extensor_tension =
-        CableTension(drive.extensor.stiffness_n_m, drive.extensor.damping_n_s_m,
-                     extensor_way.excess_m - wound, extensor_way.rate_m_s - wound_rate);
-    const double at_drum = Pull(drive.flexor, flexor_tension, flexor) -
-                           Pull(drive.extensor, extensor_tension, extensor);
-    data->qfrc_applied[drive.spool_dof] -= drive.drum_radius_m * at_drum;
+  std::span<CableState> left = cables;
+  for (const Drive& drive : hand->drives()) {
+    PullCables(drive, left.first(drive.cables.size()));
+    left = left.subspan(drive.cables.size());
   }
+}
+
+/// All cables of one motor: what they do to the joints that they pass, and to the spool.
+void Hand::State::PullCables(const Drive& drive, std::span<CableState> states) noexcept {
+  constexpr std::size_t kMostCables = 2;  // a flexor and an extensor
+  CableWay way_of_cable[kMostCables];
+  const std::span<CableWay> ways(way_of_cable, states.size());
+  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i]);
+  const DrumMotion drum = TurnDrum(drive, states, ways);
+  const double wound = drive.drum_radius_m * drum.angle_rad;
+  const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
+  const double step_s = hand->model().opt.timestep;
+  double at_drum = 0.0;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const Cable& cable = drive.cables[i];
+    CableState& state = states[i];
+    // Half of the way in is the drum's, half the joints'.
+    const double travel = 0.5 * (cable.sense * wound_rate - ways[i].rate_m_s) * step_s;
+    state.friction = AdvanceFriction(state.friction, travel);
+    const double tension = CableTension(cable.stiffness_n_m, cable.damping_n_s_m,
+                                        ways[i].excess_m + cable.sense * wound,
+                                        ways[i].rate_m_s + cable.sense * wound_rate);
+    at_drum += cable.sense * Pull(cable, tension, state);
+  }
+  data->qfrc_applied[drive.spool_dof] -= drive.drum_radius_m * at_drum;
 }
 
 void Hand::State::DriveSpools() noexcept {
@@ -207,7 +218,7 @@ void Hand::State::ReadWarnings(double time_s) {
 
 void Hand::State::Advance() {
   const mjModel& model = hand->model();
-  for (int step = 0; step < hand->steps_per_sample_ && health.ok; ++step) {
+  for (int step = 0; step < hand->timing().steps_per_tick && health.ok; ++step) {
     const double time_s = data->time;
     mj_step1(&model, data.get());
     PullCables();
@@ -227,19 +238,12 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   State& state = *state_;
   const HandModel& hand = *state.hand;
   const controller::TendonTransmission& map = hand.transmission();
-  const std::size_t channels = hand.channel_qpos_.size();
   std::vector<double> angle(joint_angle_rad.begin(), joint_angle_rad.end());
-  for (std::size_t channel = 0; channel < channels; ++channel) {
-    angle[channel] =
-        std::clamp(angle[channel], map.joint_min_rad[channel], map.joint_max_rad[channel]);
+  for (std::size_t joint = 0; joint < angle.size(); ++joint) {
+    angle[joint] = std::clamp(angle[joint], map.joint_min_rad[joint], map.joint_max_rad[joint]);
   }
-  std::vector<double> spool(channels, 0.0);
-  for (std::size_t motor = 0; motor < channels; ++motor) {
-    for (std::size_t channel = 0; channel < channels; ++channel) {
-      spool[motor] += map.coupling[motor * channels + channel] *
-                      (angle[channel] - map.reference_angle_rad[channel]);
-    }
-  }
+  std::vector<double> spool(map.motor_names.size());
+  controller::TendonMap(map, true).ToSpoolAngles(angle, spool);
   mj_resetData(&hand.model(), state.data.get());
   SetPosture(hand, angle, spool, *state.data);
   if (hand.grasp().exists()) PlaceObject(hand.grasp(), *state.data);
@@ -248,13 +252,14 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
 
   std::fill(state.cables.begin(), state.cables.end(), CableState{});
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
-  for (std::size_t motor = 0; motor < channels; ++motor) {
+  for (std::size_t motor = 0; motor < spool.size(); ++motor) {
     const double counts =
         std::round(map.center_counts[motor] + map.counts_per_rad[motor] * spool[motor]);
     state.counts[motor] = static_cast<std::int32_t>(counts);
     state.target_rad[motor] = (counts - map.center_counts[motor]) / map.counts_per_rad[motor];
   }
-  state.frame_clock = -1;
+  state.frame_clock.Reset();
+  state.commanded = false;
   state.new_counts = false;
   state.health = {};
   TakeMujocoWarning();
@@ -268,7 +273,7 @@ void Hand::SetCommand(std::span<const std::int32_t> motor_counts) noexcept {
         std::clamp(motor_counts[motor], map.min_counts[motor], map.max_counts[motor]);
   }
   state_->new_counts = true;
-  if (state_->frame_clock < 0) state_->frame_clock = 0;
+  state_->commanded = true;
 }
 
 std::span<const std::int32_t> Hand::command() const noexcept { return state_->counts; }
@@ -285,8 +290,8 @@ void Hand::Step() noexcept {
 }
 
 void Hand::ReadJointAngles(std::span<double> joint_angle_rad) const noexcept {
-  const std::vector<int>& qpos = hand_model().channel_qpos_;
-  for (std::size_t i = 0; i < qpos.size(); ++i) joint_angle_rad[i] = data().qpos[qpos[i]];
+  const std::vector<HandJoint>& joints = hand_model().joints();
+  for (std::size_t i = 0; i < joints.size(); ++i) joint_angle_rad[i] = data().qpos[joints[i].qpos];
 }
 
 void Hand::ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept {

@@ -94,7 +94,8 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
   visitor.Path({.key = "model_path", .help = "MJCF file; empty: the project's hand_arm.xml"},
                model_path);
   visitor.Number({.key = "step_ms",
-                  .help = "time step of the physics; a whole number of steps makes 1 ms",
+                  .help = "longest time step of the physics; whole steps of at most this long make "
+                          "up 1 ms (the period of a glove faster than 1 kHz)",
                   .min = 0.01,
                   .max = 1},
                  step_ms);

@@ -57,7 +57,7 @@ struct ObjectConfig {
 /// The simulated hand and arm, as far as a person chooses.
 struct HandConfig {
   std::string model_path;  // an MJCF file; empty: models/hand_arm.xml of the project
-  double step_ms = 1.0;    // of the physics engine; commands and readings stay at 1 ms
+  double step_ms = 1.0;    // of the physics engine, at most; see LoopTiming
   ServoConfig servo;
   CableConfig cable;
   Contact contact = Contact::kNone;

@@ -1,5 +1,9 @@
-#include <fmt/core.h>
+#include "sim/hand/hand_model.h"
 
+#include <fmt/core.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -7,7 +11,6 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/signal.h"
-#include "sim/hand/hand.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/stability.h"
 
@@ -51,54 +54,77 @@ auto InModelFile(const std::filesystem::path& path, const Action& action) {
   }
 }
 
-/// How many physics steps make one sample of 1 ms.
-int StepsPerSample(double step_ms) {
-  const double steps = std::round(1.0 / step_ms);
-  if (std::abs(steps * step_ms - 1.0) < 1e-9) return static_cast<int>(steps);
-  throw UserError(fmt::format(
-      "hand.step_ms: {} does not divide 1 ms (allowed: 1, 0.5, 0.25, 0.2, 0.125, 0.1, ...)",
-      step_ms));
+std::vector<int> SpoolPositions(const std::vector<Drive>& drives) {
+  std::vector<int> qpos;
+  for (const Drive& drive : drives) qpos.push_back(drive.spool_qpos);
+  return qpos;
 }
 
-std::vector<int> ChannelJoints(const mjModel& model, const std::vector<std::string>& names) {
-  std::vector<int> joints;
-  for (const std::string& name : names) {
-    const int joint = FindInModel(model, mjOBJ_JOINT, name);
-    if (!model.jnt_limited[joint]) {
-      throw UserError(fmt::format("joint '{}' of the model has no range", name));
+/// Position in qpos of what a crossing turns with: the joint itself, or the one that leads it.
+struct Leading {
+  int qpos = 0;
+  double slope = 1.0;  // d crossed joint / d leading joint
+};
+
+Leading LeadingOf(const Crossing& crossing, const std::vector<Follower>& followers) {
+  const auto found = std::ranges::find(followers, crossing.qpos, &Follower::qpos);
+  if (found == followers.end()) return {crossing.qpos, 1.0};
+  return {found->leader_qpos, found->Slope(found->leader_zero_rad)};
+}
+
+/// Those that some cable moves; first those with a motor of their own name.
+/// Errors: UserError for one without a name or a range.
+std::vector<HandJoint> MovedJoints(const std::vector<HandJoint>& all,
+                                   const std::vector<Drive>& drives,
+                                   const std::vector<Follower>& followers) {
+  const auto moved = [&](const HandJoint& joint) {
+    return std::ranges::any_of(drives, [&](const Drive& drive) {
+      return std::ranges::any_of(drive.cables, [&](const Cable& cable) {
+        return std::ranges::any_of(cable.crossings, [&](const Crossing& crossing) {
+          return LeadingOf(crossing, followers).qpos == joint.qpos;
+        });
+      });
+    });
+  };
+  std::vector<HandJoint> joints;
+  for (const Drive& drive : drives) {
+    const auto own = std::ranges::find(all, drive.name, &HandJoint::name);
+    if (own != all.end()) joints.push_back(*own);
+  }
+  for (const HandJoint& joint : all) {
+    if (std::ranges::find(joints, joint.qpos, &HandJoint::qpos) != joints.end()) continue;
+    if (moved(joint)) joints.push_back(joint);
+  }
+  for (const HandJoint& joint : joints) {
+    if (joint.name.empty()) throw UserError("a joint of the model that a cable moves has no name");
+    if (!joint.limited) {
+      throw UserError(fmt::format("joint '{}' of the model has no range", joint.name));
     }
-    joints.push_back(joint);
   }
   return joints;
 }
 
-/// d spool / d channel when the cable keeps its length; `sense` is 1 for a flexor.
-void AddCoupling(const Cable& cable, double sense, double radius_m, bool interference,
-                 const std::vector<int>& channel_qpos, const std::vector<Follower>& followers,
+/// Adds to d spool / d joint what this cable says when it keeps its length, times `share`.
+void AddCoupling(const Cable& cable, double share, double radius_m, bool interference,
+                 const std::vector<HandJoint>& joints, const std::vector<Follower>& followers,
                  std::span<double> row) {
   for (const Crossing& crossing : cable.crossings) {
     if (!interference && !crossing.own) continue;
-    int qpos = crossing.qpos;
-    double slope = 1.0;
-    for (const Follower& follower : followers) {
-      if (follower.qpos != crossing.qpos) continue;
-      qpos = follower.leader_qpos;
-      slope = follower.Slope(follower.leader_zero_rad);
-    }
-    for (std::size_t channel = 0; channel < channel_qpos.size(); ++channel) {
-      if (channel_qpos[channel] != qpos) continue;
-      row[channel] -= 0.5 * sense * crossing.moment_arm_m * slope / radius_m;
+    const Leading leading = LeadingOf(crossing, followers);
+    for (std::size_t joint = 0; joint < joints.size(); ++joint) {
+      if (joints[joint].qpos != leading.qpos) continue;
+      row[joint] -= share * cable.sense * crossing.moment_arm_m * leading.slope / radius_m;
     }
   }
 }
 
 /// Throws if the spool of a motor cannot turn as far as some posture asks for.
 void CheckTravel(const TendonTransmission& transmission, std::size_t motor, double travel_deg) {
-  const std::size_t channels = transmission.channel_names.size();
+  const std::size_t joints = transmission.joint_names.size();
   double needed_rad = 0.0;
-  for (std::size_t channel = 0; channel < channels; ++channel) {
-    needed_rad += std::abs(transmission.coupling[motor * channels + channel]) *
-                  (transmission.joint_max_rad[channel] - transmission.joint_min_rad[channel]);
+  for (std::size_t joint = 0; joint < joints; ++joint) {
+    needed_rad += std::abs(transmission.coupling[motor * joints + joint]) *
+                  (transmission.joint_max_rad[joint] - transmission.joint_min_rad[joint]);
   }
   const double needed_deg = needed_rad * kDegPerRad;
   if (needed_deg <= travel_deg) return;
@@ -107,39 +133,43 @@ void CheckTravel(const TendonTransmission& transmission, std::size_t motor, doub
       travel_deg, transmission.motor_names[motor], needed_deg));
 }
 
-TendonTransmission MakeTransmission(const mjModel& model, const HandConfig& config,
-                                    const std::vector<std::string>& names,
-                                    const std::vector<int>& joints,
-                                    const std::vector<double>& reference_rad,
+void AddJoints(const std::vector<HandJoint>& joints, const std::vector<Drive>& drives,
+               TendonTransmission& transmission) {
+  for (const HandJoint& joint : joints) {
+    const bool has_motor = std::ranges::find(drives, joint.name, &Drive::name) != drives.end();
+    transmission.joint_names.push_back(joint.name);
+    transmission.motor_of_joint.push_back(has_motor ? joint.name : "");
+    transmission.reference_angle_rad.push_back(joint.reference_rad());
+    transmission.joint_min_rad.push_back(joint.min_rad);
+    transmission.joint_max_rad.push_back(joint.max_rad);
+  }
+}
+
+TendonTransmission MakeTransmission(const HandConfig& config, const std::vector<HandJoint>& joints,
                                     const std::vector<Follower>& followers,
                                     const std::vector<Drive>& drives) {
   TendonTransmission transmission;
-  transmission.channel_names = names;
-  transmission.motor_names = names;
-  const std::size_t count = names.size();
-  transmission.reference_angle_rad = reference_rad;
-  std::vector<int> channel_qpos;
-  for (int joint : joints) {
-    transmission.joint_min_rad.push_back(model.jnt_range[2 * joint]);
-    transmission.joint_max_rad.push_back(model.jnt_range[2 * joint + 1]);
-    channel_qpos.push_back(model.jnt_qposadr[joint]);
-  }
+  AddJoints(joints, drives, transmission);
   const int counts = 1 << config.servo.resolution_bits;
-  transmission.counts_per_rad.assign(count, (counts - 1) / (config.servo.travel_deg * kRadPerDeg));
-  transmission.center_counts.assign(count, counts / 2);
-  transmission.min_counts.assign(count, 0);
-  transmission.max_counts.assign(count, counts - 1);
-  transmission.coupling.assign(count * count, 0.0);
-  for (std::size_t motor = 0; motor < count; ++motor) {
+  transmission.counts_per_rad.assign(drives.size(),
+                                     (counts - 1) / (config.servo.travel_deg * kRadPerDeg));
+  transmission.center_counts.assign(drives.size(), counts / 2);
+  transmission.min_counts.assign(drives.size(), 0);
+  transmission.max_counts.assign(drives.size(), counts - 1);
+  transmission.coupling.assign(drives.size() * joints.size(), 0.0);
+  for (std::size_t motor = 0; motor < drives.size(); ++motor) {
     const Drive& drive = drives[motor];
-    const auto row = std::span(transmission.coupling).subspan(motor * count, count);
-    const bool interference = config.cable.interference;
-    AddCoupling(drive.flexor, 1.0, drive.drum_radius_m, interference, channel_qpos, followers, row);
-    AddCoupling(drive.extensor, -1.0, drive.drum_radius_m, interference, channel_qpos, followers,
-                row);
-    if (!(std::abs(row[motor]) > 1e-3)) {
+    transmission.motor_names.push_back(drive.name);
+    const auto row = std::span(transmission.coupling).subspan(motor * joints.size(), joints.size());
+    for (const Cable& cable : drive.cables) {
+      AddCoupling(cable, 1.0 / static_cast<double>(drive.cables.size()), drive.drum_radius_m,
+                  config.cable.interference, joints, followers, row);
+    }
+    const bool moves = std::ranges::any_of(row, [](double turn) { return std::abs(turn) > 1e-3; });
+    const auto own = std::ranges::find(joints, drive.name, &HandJoint::name);
+    if (!moves || (own != joints.end() && !(std::abs(row[own - joints.begin()]) > 1e-3))) {
       throw UserError(
-          fmt::format("the cables of '{}' in the model do not move its joint", names[motor]));
+          fmt::format("the cables of '{}' in the model do not move its joint", drive.name));
     }
   }
   return transmission;
@@ -147,46 +177,36 @@ TendonTransmission MakeTransmission(const mjModel& model, const HandConfig& conf
 
 }  // namespace
 
-HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& channel_names)
-    : config_(config), model_(nullptr, &mj_deleteModel) {
+HandModel::HandModel(const HandConfig& config)
+    : HandModel(config, MakeLoopTiming({.longest_step_ms = config.step_ms})) {}
+
+HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
+    : config_(config), timing_(timing), model_(nullptr, &mj_deleteModel) {
   TakeOverMujocoMessages();
   controller::CheckSettings(config);
-  steps_per_sample_ = StepsPerSample(config.step_ms);
   const std::filesystem::path path = ModelPath(config);
   model_.reset(LoadModel(path));
-  model_->opt.timestep = 1e-3 / steps_per_sample_;
+  model_->opt.timestep = timing.step_s();
 
   if (config.contact != Contact::kNone) model_->opt.disableflags &= ~mjDSBL_CONTACT;
-  if (config.contact == Contact::kObject) {
-    grasp_ = InModelFile(path, [&] { return MakeObject(*model_, config.object); });
-  }
-
-  const std::vector<int> joints =
-      InModelFile(path, [&] { return ChannelJoints(*model_, channel_names); });
-  std::vector<double> reference_rad;
-  for (int joint : joints) {
-    channel_qpos_.push_back(model_->jnt_qposadr[joint]);
-    reference_rad.push_back(0.5 *
-                            (model_->jnt_range[2 * joint] + model_->jnt_range[2 * joint + 1]));
-  }
-  followers_ = FindFollowers(*model_);
-  drives_ = InModelFile(path, [&] {
-    return FindDrives(*model_, config, channel_names, joints, reference_rad, followers_);
+  InModelFile(path, [&] {
+    if (config.contact == Contact::kObject) grasp_ = MakeObject(*model_, config.object);
+    followers_ = FindFollowers(*model_);
+    drives_ = FindDrives(*model_, config);
+    const auto all = FindJoints(*model_, followers_, SpoolPositions(drives_));
+    FindCables(*model_, config, all, followers_, drives_);
+    joints_ = MovedJoints(all, drives_, followers_);
   });
   CheckStability(*model_, drives_);
-  transmission_ = InModelFile(path, [&] {
-    return MakeTransmission(*model_, config, channel_names, joints, reference_rad, followers_,
-                            drives_);
-  });
-  for (std::size_t motor = 0; motor < channel_names.size(); ++motor) {
+  transmission_ =
+      InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
+  for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
     CheckTravel(transmission_, motor, config.servo.travel_deg);
-  }
-  for (const Drive& drive : drives_) {
-    for (const Cable* cable : {&drive.flexor, &drive.extensor}) {
-      cable_names_.emplace_back(mj_id2name(model_.get(), mjOBJ_TENDON, cable->tendon));
-      // The cable law of this room takes over: a spring of the engine would push when slack.
-      model_->tendon_stiffness[cable->tendon] = 0.0;
-      model_->tendon_damping[cable->tendon] = 0.0;
+    for (const Cable& cable : drives_[motor].cables) {
+      cable_names_.push_back(cable.name);
+      // The cable law of sim/hand/cable.h takes over: a spring of the engine would push when slack.
+      model_->tendon_stiffness[cable.tendon] = 0.0;
+      model_->tendon_damping[cable.tendon] = 0.0;
     }
   }
 }
@@ -199,13 +219,14 @@ std::string HandModel::Hash() const {
   sim::Hash hash;
   hash.Add(bytes);
   for (const Drive& drive : drives_) {
-    const double numbers[] = {drive.drum_radius_m,           drive.servo.gain_nm_rad,
-                              drive.servo.damping_nm_s_rad,  drive.servo.dead_band_rad,
-                              drive.servo.stall_torque_nm,   drive.servo.no_load_speed_rad_s,
-                              drive.flexor.stiffness_n_m,    drive.flexor.damping_n_s_m,
-                              drive.flexor.natural_length_m, drive.extensor.stiffness_n_m,
-                              drive.extensor.damping_n_s_m,  drive.extensor.natural_length_m};
+    const double numbers[] = {drive.drum_radius_m,          drive.servo.gain_nm_rad,
+                              drive.servo.damping_nm_s_rad, drive.servo.dead_band_rad,
+                              drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s};
     hash.Add(std::span<const double>(numbers));
+    for (const Cable& cable : drive.cables) {
+      const double of_cable[] = {cable.stiffness_n_m, cable.damping_n_s_m, cable.natural_length_m};
+      hash.Add(std::span<const double>(of_cable));
+    }
   }
   return hash.Text();
 }

@@ -1,18 +1,20 @@
-#include <algorithm>
+#include "sim/hand/posture.h"
 
-#include "sim/hand/hand.h"
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
 
 namespace gauntlet::sim {
 
 void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
                 std::span<const double> spool_angle_rad, mjData& data) {
-  for (std::size_t channel = 0; channel < model.channel_qpos_.size(); ++channel) {
-    data.qpos[model.channel_qpos_[channel]] = joint_angle_rad[channel];
+  for (std::size_t i = 0; i < model.joints().size(); ++i) {
+    data.qpos[model.joints()[i].qpos] = joint_angle_rad[i];
   }
-  for (std::size_t motor = 0; motor < model.drives_.size(); ++motor) {
-    data.qpos[model.drives_[motor].spool_qpos] = spool_angle_rad[motor];
+  for (std::size_t motor = 0; motor < model.drives().size(); ++motor) {
+    data.qpos[model.drives()[motor].spool_qpos] = spool_angle_rad[motor];
   }
-  for (const Follower& follower : model.followers_) {
+  for (const Follower& follower : model.followers()) {
     data.qpos[follower.qpos] = follower.Angle(data.qpos[follower.leader_qpos]);
   }
   // All that drawing needs: bodies, lights and cameras, cables.

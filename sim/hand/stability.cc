@@ -1,6 +1,7 @@
 #include "sim/hand/stability.h"
 
 #include <fmt/core.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <string>
@@ -33,10 +34,10 @@ void CheckStability(const mjModel& model, const std::vector<Drive>& drives) {
     Oscillator spool{
         servo.gain_nm_rad,
         std::max(servo.damping_nm_s_rad, servo.stall_torque_nm / servo.no_load_speed_rad_s)};
-    for (const Cable* cable : {&drive.flexor, &drive.extensor}) {
-      spool.Add(*cable, drive.drum_radius_m);
-      for (const Crossing& crossing : cable->crossings) {
-        joints[crossing.dof].Add(*cable, crossing.moment_arm_m);
+    for (const Cable& cable : drive.cables) {
+      spool.Add(cable, drive.drum_radius_m);
+      for (const Crossing& crossing : cable.crossings) {
+        joints[crossing.dof].Add(cable, crossing.moment_arm_m);
       }
     }
     if (!spool.Stable(model.dof_invweight0[drive.spool_dof], step_s)) {

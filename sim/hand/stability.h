@@ -1,7 +1,5 @@
 #pragma once
 
-#include <mujoco/mujoco.h>
-
 #include <vector>
 
 #include "sim/hand/drive.h"
@@ -17,6 +15,6 @@ namespace gauntlet::sim {
 /// Checked for every spool and for every joint, cables as taut as they can be, the rest of the hand
 /// free to give way (inverse inertia at the model's zero posture).
 /// Errors: UserError with the key to change.
-void CheckStability(const mjModel& model, const std::vector<Drive>& drives);
+void CheckStability(const mjModel_& model, const std::vector<Drive>& drives);
 
 }  // namespace gauntlet::sim

@@ -16,8 +16,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kRateHz = 1000.0;
-constexpr double kEventRateHz = 50.0;
+constexpr double kRateHz = 1000.0;        // of the first test; the scenario has its own
 constexpr int kOneChannelSamples = 6000;  // the paper's
 constexpr int kSeeds = 4;
 
@@ -25,11 +24,11 @@ constexpr int kSeeds = 4;
 
 }  // namespace
 
-FilterFacts AnalyseFilter(const NamedController& named) {
+FilterFacts AnalyseFilter(const NamedController& named, const controller::Timing& timing) {
   FilterFacts facts;
   facts.name = named.name;
   facts.per_event = named.config.filter_at == controller::FilterAt::kEvent;
-  const double rate_hz = facts.per_event ? kEventRateHz : kRateHz;
+  const double rate_hz = facts.per_event ? timing.event_rate_hz() : timing.sample_rate_hz();
   const int channels = static_cast<int>(controller::PaperMeasurementVariance().size());
   const auto filter = controller::MakeFilter(named.config.filters.at(0), channels, rate_hz);
 
@@ -176,8 +175,9 @@ void EstimateVariance(const Scenario& scenario, bool quick, PaperExperiment& exp
 /// without.
 double SwitchingChange(const Study& study, const GloveSignal& glove) {
   const auto& config = study.scenario.controllers[1].config;
-  controller::Controller undisturbed(config, study.calibration, study.hand->transmission());
-  controller::Controller switched(config, study.calibration, study.hand->transmission());
+  const controller::Timing& timing = study.hand->timing().controller;
+  controller::Controller undisturbed(config, study.calibration, study.hand->transmission(), timing);
+  controller::Controller switched(config, study.calibration, study.hand->transmission(), timing);
   const auto channels = static_cast<std::size_t>(glove.counts.cols());
   constexpr std::size_t kSwitched = 3;
   double change = 0.0;
@@ -236,7 +236,7 @@ Claim Judge(std::string claim, std::string measured, const std::vector<double>& 
 }
 
 std::vector<Claim> JudgeClaims(const PaperExperiment& experiment) {
-  const StudyResult& result = experiment.result;
+  const StudyResult& result = experiment.finished.result;
   const auto filter_lowers = [&](const char* claim, const char* metric) {
     return Judge(claim, fmt::format("{}: raw, then paper_kalman", metric),
                  SeedValues(result, "raw", metric), SeedValues(result, "paper_kalman", metric),
@@ -280,9 +280,10 @@ std::size_t ControllerIndex(const StudyResult& result, const std::string& name) 
 PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
   PaperExperiment experiment;
   experiment.quick = options.quick;
+  experiment.finished.comparison = true;
   std::vector<std::string> overrides;
   if (options.quick) overrides.push_back("glove.motion.duration_s=6");
-  experiment.study = PrepareStudy(LoadScenario(options.scenario, overrides));
+  experiment.finished.study = PrepareStudy(LoadScenario(options.scenario, overrides));
   overrides.insert(overrides.end(),
                    {"hand.servo.resolution_bits=16", "hand.servo.dead_band_deg=0"});
   Scenario precise = LoadScenario(options.scenario, overrides);
@@ -294,7 +295,7 @@ PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
   const auto trials = [](const Study& study) {
     return static_cast<double>(study.scenario.controllers.size()) * kSeeds;
   };
-  const double total = trials(experiment.study) + trials(precise_study);
+  const double total = trials(experiment.finished.study) + trials(precise_study);
   const auto run = [&](const Study& study, double before) {
     return RunStudy(study, {.seeds = kSeeds,
                             .jobs = options.jobs,
@@ -305,18 +306,20 @@ PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
                                 },
                             .keep_first_traces = true});
   };
-  experiment.result = run(experiment.study, 0.0);
-  experiment.precise_result = run(precise_study, trials(experiment.study));
-  experiment.summary = Summarise(experiment.study, experiment.result);
+  experiment.finished.result = run(experiment.finished.study, 0.0);
+  experiment.precise_result = run(precise_study, trials(experiment.finished.study));
+  experiment.finished.summary = Summarise(experiment.finished.study, experiment.finished.result);
 
-  for (const NamedController& named : experiment.study.scenario.controllers) {
-    if (named.name != "prediction") experiment.filters.push_back(AnalyseFilter(named));
+  const controller::Timing& timing = experiment.finished.study.hand->timing().controller;
+  for (const NamedController& named : experiment.finished.study.scenario.controllers) {
+    if (named.name != "prediction") experiment.filters.push_back(AnalyseFilter(named, timing));
   }
   experiment.claims = JudgeClaims(experiment);
   experiment.one_channel = RunOneChannelTest();
   experiment.generators = RunGeneratorTest(options.quick ? 100'000 : 1'000'000);
-  EstimateVariance(experiment.study.scenario, options.quick, experiment);
-  experiment.switching_change = SwitchingChange(experiment.study, experiment.result.first_glove);
+  EstimateVariance(experiment.finished.study.scenario, options.quick, experiment);
+  experiment.switching_change =
+      SwitchingChange(experiment.finished.study, experiment.finished.result.first_glove);
   return experiment;
 }
 

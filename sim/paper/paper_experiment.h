@@ -58,9 +58,7 @@ struct GeneratorTest {
 /// All that the paper did and said, measured.
 struct PaperExperiment {
   bool quick = false;
-  Study study;
-  StudyResult result;
-  Summary summary;
+  FinishedStudy finished;
   StudyResult precise_result;  // raw and paper_kalman with a servo as precise as can be
   std::vector<FilterFacts> filters;
   std::vector<Claim> claims;
@@ -73,7 +71,7 @@ struct PaperExperiment {
 };
 
 /// Facts about the first filter of a controller, for 18 channels with the paper's R.
-FilterFacts AnalyseFilter(const NamedController& controller);
+FilterFacts AnalyseFilter(const NamedController& controller, const controller::Timing& timing);
 OneChannelTest RunOneChannelTest();
 GeneratorTest RunGeneratorTest(std::int64_t draws);
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "sim/report/svg_chart.h"
-#include "sim/trial/command_angles.h"
+#include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -32,7 +32,7 @@ Chart EmptyChart(std::string title, std::string x_label, std::string y_label) {
 }
 
 PaperFigure Figure4(const PaperExperiment& experiment) {
-  const GloveSignal& glove = experiment.result.first_glove;
+  const GloveSignal& glove = experiment.finished.result.first_glove;
   Chart chart = EmptyChart("Figure 4: the raw signal of the glove", "time [s]", "counts");
   for (const int channel : {0, 7, 10}) {
     const Eigen::VectorXd counts =
@@ -117,23 +117,25 @@ PaperFigure Figure10(const OneChannelTest& test) {
 }
 
 PaperFigure Figure12(const PaperExperiment& experiment) {
-  const StudyResult& result = experiment.result;
+  const StudyResult& result = experiment.finished.result;
   const Trace& trace = result.first_traces[ControllerIndex(result, "paper_kalman")];
-  const Signal command = CommandAngles(experiment.study.hand->transmission(), trace.command_counts);
+  const Study& study = experiment.finished.study;
+  const WayOfAngles way = WayOf(trace, study.joint_map(), study.hand->transmission());
   constexpr Eigen::Index kSamples = 4000;
   std::vector<PaperChart> charts;
   for (const int number : {1, 5, 8, 10, 13, 16}) {
-    const int channel = number - 1;
-    Chart chart = EmptyChart(fmt::format("Figure 12: channel {}, {}", number,
-                                         result.channel_names[static_cast<std::size_t>(channel)]),
-                             "time [s]", "deg");
-    for (const auto& [name, angle] : {std::pair{"original", &trace.linearised_angle_rad},
-                                      std::pair{"processed", &trace.filtered_angle_rad},
-                                      std::pair{"sent to the motor", &command}}) {
+    const int joint = number - 1;  // of a hand that has a joint for each channel
+    Chart chart =
+        EmptyChart(fmt::format("Figure 12: channel {}, {}", number,
+                               study.hand->joint_names()[static_cast<std::size_t>(joint)]),
+                   "time [s]", "deg");
+    for (const auto& [name, angle] :
+         {std::pair{"original", &way.raw}, std::pair{"processed", &way.filtered},
+          std::pair{"sent to the motor", &way.command}}) {
       chart.curves.push_back({.name = name,
                               .first_x = 0.0,
-                              .step_x = 1.0 / result.rate_hz,
-                              .values = Degrees(*angle, channel, kSamples),
+                              .step_x = 1.0 / result.first_glove.tick_rate_hz,
+                              .values = Degrees(*angle, joint, kSamples),
                               .width_px = chart.curves.empty() ? kBehind_px : kOver_px});
     }
     charts.push_back({fmt::format("figure_12_channel_{:02}.svg", number), SvgChart(chart)});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "controller/filters/paper_noise.h"
 #include "paper_html.h"
@@ -84,15 +85,16 @@ std::string ClaimTable(const PaperExperiment& experiment) {
 std::string ScoresTable(const PaperExperiment& experiment) {
   Row head = {{"Controller"}};
   std::vector<Row> rows;
-  for (const ControllerSummary& controller : experiment.summary.controllers) {
+  for (const ControllerSummary& controller : experiment.finished.summary.controllers) {
     rows.push_back({{controller.name}});
   }
-  for (const std::string_view key : MainMetrics()) {
-    const std::size_t metric = MetricIndex(key);
-    if (!std::isfinite(experiment.summary.controllers[0].summary[metric].mean)) continue;
-    head.push_back({std::string(key), true});
+  for (std::size_t metric = 0; metric < Metrics().size(); ++metric) {
+    const bool has_value =
+        std::isfinite(experiment.finished.summary.controllers[0].summary[metric].mean);
+    if (!Metrics()[metric].main || !has_value) continue;
+    head.push_back({std::string(Metrics()[metric].key), true});
     for (std::size_t c = 0; c < rows.size(); ++c) {
-      const MeanInterval& value = experiment.summary.controllers[c].summary[metric];
+      const MeanInterval& value = experiment.finished.summary.controllers[c].summary[metric];
       const double half_width = 0.5 * (value.ci95_high - value.ci95_low);
       rows[c].push_back({fmt::format("{} ±{}", Short(value.mean), Short(half_width)), true});
     }
@@ -118,8 +120,8 @@ std::string FilterTable(const PaperExperiment& experiment) {
 }
 
 double Score(const PaperExperiment& experiment, const char* controller, const char* metric) {
-  const std::size_t index = ControllerIndex(experiment.result, controller);
-  return experiment.summary.controllers[index].summary[MetricIndex(metric)].mean;
+  const std::size_t index = ControllerIndex(experiment.finished.result, controller);
+  return experiment.finished.summary.controllers[index].summary[MetricIndex(metric)].mean;
 }
 
 const FilterFacts& Facts(const PaperExperiment& experiment, const char* name) {
@@ -140,20 +142,23 @@ int VariancesInside(const PaperExperiment& experiment) {
 
 /// The largest share of another joint in what a spool has to turn.
 double LargestCoupling(const controller::TendonTransmission& hand) {
-  const std::size_t n = hand.channel_names.size();
+  const std::size_t joints = hand.joint_names.size();
   double largest = 0.0;
-  for (std::size_t m = 0; m < n; ++m) {
-    for (std::size_t c = 0; c < n; ++c) {
-      if (c == m) continue;
-      largest = std::max(largest, std::abs(hand.coupling[m * n + c] / hand.coupling[m * n + m]));
+  for (std::size_t m = 0; m < hand.motor_names.size(); ++m) {
+    const auto row = std::span(hand.coupling).subspan(m * joints, joints);
+    const auto own = std::ranges::find(hand.joint_names, hand.motor_names[m]);
+    if (own == hand.joint_names.end()) continue;
+    const auto own_joint = static_cast<std::size_t>(own - hand.joint_names.begin());
+    for (std::size_t j = 0; j < joints; ++j) {
+      if (j != own_joint) largest = std::max(largest, std::abs(row[j] / row[own_joint]));
     }
   }
   return largest;
 }
 
 std::string RowTable(const PaperExperiment& e) {
-  const auto& glove = e.result.first_glove;
-  const auto& hand = e.study.hand->transmission();
+  const auto& glove = e.finished.result.first_glove;
+  const auto& hand = e.finished.study.hand->transmission();
   const auto claim = [&](std::size_t i) {
     return fmt::format("{}: {}", e.claims[i].claim, Word(e.claims[i].answer));
   };
@@ -208,11 +213,13 @@ std::string RowTable(const PaperExperiment& e) {
       fmt::format(
           "{:g} Hz, an event every {:g} ms with a delay of {:g} ms; from glove to finger {} "
           "ms without a filter, {} with the paper's",
-          glove.rate_hz, e.study.scenario.event.period_ms, e.study.scenario.event.delay_ms,
-          Short(Score(e, "raw", "delay_ms")), Short(Score(e, "paper_kalman", "delay_ms"))));
+          glove.rate_hz, e.finished.study.scenario.event.period_ms,
+          e.finished.study.scenario.event.delay_ms, Short(Score(e, "raw", "delay_ms")),
+          Short(Score(e, "paper_kalman", "delay_ms"))));
   add("P14", "Real-time test: 94096 x 18 samples of random motion",
       fmt::format("{} x {} samples for each of {} controllers and {} seeds", glove.counts.rows(),
-                  glove.counts.cols(), e.result.controller_names.size(), e.result.seeds.size()));
+                  glove.counts.cols(), e.finished.result.controller_names.size(),
+                  e.finished.result.seeds.size()));
   add("P15", "Figure 12: six channels, original, processed, sent to the motor",
       "figure 12 above; the command is integer");
   add("P16",
@@ -263,20 +270,21 @@ std::string PaperVerdict(const PaperExperiment& experiment) {
 }
 
 std::string PaperPage(const PaperExperiment& experiment, const std::vector<PaperFigure>& figures) {
-  const StudyResult& result = experiment.result;
+  const StudyResult& result = experiment.finished.result;
   const std::string facts = fmt::format(
       "{} samples x {} channels · {} controllers · {} seeds{}", result.first_glove.counts.rows(),
-      result.channel_names.size(), result.controller_names.size(), result.seeds.size(),
+      result.first_glove.channel_names.size(), result.controller_names.size(), result.seeds.size(),
       experiment.quick ? " · quick: 6 s of motion instead of the paper's 94" : "");
-  return FillTemplate(kPaperHtml, {{"style", std::string(assets::kStyle)},
-                                   {"verdict", EscapeHtml(PaperVerdict(experiment))},
-                                   {"facts", EscapeHtml(facts)},
-                                   {"claims", ClaimTable(experiment)},
-                                   {"scores", ScoresTable(experiment)},
-                                   {"filters", FilterTable(experiment)},
-                                   {"figures", FigureHtml(figures)},
-                                   {"rows", RowTable(experiment)},
-                                   {"settings", EscapeHtml(ResolvedScenario(experiment.study))}});
+  return FillTemplate(kPaperHtml,
+                      {{"style", std::string(assets::kStyle)},
+                       {"verdict", EscapeHtml(PaperVerdict(experiment))},
+                       {"facts", EscapeHtml(facts)},
+                       {"claims", ClaimTable(experiment)},
+                       {"scores", ScoresTable(experiment)},
+                       {"filters", FilterTable(experiment)},
+                       {"figures", FigureHtml(figures)},
+                       {"rows", RowTable(experiment)},
+                       {"settings", EscapeHtml(ResolvedScenario(experiment.finished.study))}});
 }
 
 std::string PaperTable(const PaperExperiment& experiment) {

@@ -31,14 +31,13 @@ Json Numbers(const std::vector<double>& values) {
 }
 
 Json MetricsJson() {
-  const std::span<const std::string_view> main = MainMetrics();
   Json json = Json::array();
   for (const Metric& metric : Metrics()) {
     json.push_back({{"key", metric.key},
                     {"help", metric.help},
                     {"definition", metric.definition},
                     {"lower_is_better", metric.lower_is_better},
-                    {"main", std::find(main.begin(), main.end(), metric.key) != main.end()}});
+                    {"main", metric.main}});
   }
   return json;
 }
@@ -56,50 +55,47 @@ Json ControllerJson(const StudyResult& result, const Summary& summary, std::size
   const ControllerSummary& controller = summary.controllers[index];
   Json json;
   json["name"] = controller.name;
-  json["raw"] = summary.raw == static_cast<int>(index);
+  json["baseline"] = summary.baseline == index;
   json["dominated"] = static_cast<bool>(summary.dominated[index]);
   json["problem"] = controller.problem;
   json["untrusted_samples"] = UntrustedSamples(result, index);
   json["summary"] = Estimates(controller.summary);
-  json["difference_to_raw"] = Estimates(controller.difference_to_raw);
+  json["difference_to_baseline"] = Estimates(controller.difference_to_baseline);
   json["effect_size"] = Numbers(controller.effect_size);
-  json["worse_than_raw"] = controller.worse_than_raw;
+  json["worse_than_baseline"] = controller.worse_than_baseline;
   json["rank"] = controller.rank;
-  for (const std::vector<double>& channel : controller.channels) {
-    json["channels"].push_back(Numbers(channel));
-  }
+  for (const std::vector<double>& row : controller.rows) json["rows"].push_back(Numbers(row));
   return json;
 }
 
-/// One channel of a signal in rad as a curve in degrees.
-std::string Curve(const Signal& angle_rad, std::size_t channel, int samples_per_bucket) {
-  const Eigen::VectorXd degrees = angle_rad.col(static_cast<Eigen::Index>(channel)) * kDegPerRad;
+/// One joint of a signal in rad as a curve in degrees.
+std::string Curve(const Signal& angle_rad, std::size_t joint, int samples_per_bucket) {
+  const Eigen::VectorXd degrees = angle_rad.col(static_cast<Eigen::Index>(joint)) * kDegPerRad;
   const std::span<const double> values(degrees.data(), static_cast<std::size_t>(degrees.size()));
   return EncodeCurve(KeepPeaks(values, samples_per_bucket), kCurveStepDeg);
 }
 
-Json CurvesJson(const StudyResult& result, const std::vector<Signal>& command_angle_rad) {
-  const Signal& truth = result.first_glove.true_angle_rad;
-  const std::size_t controllers = result.first_traces.size();
-  const std::size_t channels = result.channel_names.size();
-  const auto curves = static_cast<std::int64_t>(channels * (2 + 3 * controllers));
+Json CurvesJson(const FirstSeed& first_seed) {
+  const Signal& truth = first_seed.reference_rad;
+  const std::size_t controllers = first_seed.ways.size();
+  const auto joints = static_cast<std::size_t>(truth.cols());
+  const auto curves = static_cast<std::int64_t>(joints * (2 + 3 * controllers));
   const int bucket = SamplesPerBucket(truth.rows(), curves);
   Json json;
   json["samples"] = truth.rows();
   json["samples_per_bucket"] = bucket;
   json["step_deg"] = kCurveStepDeg;
-  for (std::size_t c = 0; c < channels; ++c) {
-    Json channel;
-    channel["true"] = Curve(truth, c, bucket);
+  for (std::size_t j = 0; j < joints; ++j) {
+    Json joint;
+    joint["true"] = Curve(truth, j, bucket);
     // Before its filter every controller sees the same.
-    channel["raw"] = Curve(result.first_traces.front().linearised_angle_rad, c, bucket);
+    joint["raw"] = Curve(first_seed.ways.front().raw, j, bucket);
     for (std::size_t i = 0; i < controllers; ++i) {
-      channel["controllers"].push_back(
-          {{"hand", Curve(result.first_traces[i].hand_angle_rad, c, bucket)},
-           {"filtered", Curve(result.first_traces[i].filtered_angle_rad, c, bucket)},
-           {"command", Curve(command_angle_rad[i], c, bucket)}});
+      joint["controllers"].push_back({{"hand", Curve(first_seed.hand_rad[i], j, bucket)},
+                                      {"filtered", Curve(first_seed.ways[i].filtered, j, bucket)},
+                                      {"command", Curve(first_seed.ways[i].command, j, bucket)}});
     }
-    json["channels"].push_back(std::move(channel));
+    json["channels"].push_back(std::move(joint));
   }
   return json;
 }
@@ -126,26 +122,27 @@ Json LatencyJson(const std::vector<std::optional<LatencyBudget>>& budgets) {
 
 }  // namespace
 
-nlohmann::ordered_json PageData(const Scenario& scenario, const StudyResult& result,
-                                const Summary& summary, const FirstSeed& first_seed,
-                                bool comparison) {
+nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& first_seed) {
+  const StudyResult& result = finished.result;
+  const Summary& summary = finished.summary;
   Json json;
-  json["scenario"] = scenario.name;
-  json["comparison"] = comparison && result.seeds.size() > 1;  // one seed has no interval
+  json["scenario"] = finished.study.scenario.name;
+  json["comparison"] = !summary.one_run;
   for (const SeedOutcome& seed : result.seeds) json["seeds"].push_back(seed.seed);
-  json["rate_hz"] = result.rate_hz;
+  json["rate_hz"] = result.first_glove.tick_rate_hz;
   json["reference"] = result.reference_name;
   json["metrics"] = MetricsJson();
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     json["controllers"].push_back(ControllerJson(result, summary, c));
   }
-  json["channels"] = result.channel_names;
-  json["first_channel"] = scenario.video.channel;
+  json["baseline"] = nullptr;
+  if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
+  json["rows"] = result.row_names;
+  json["channels"] = finished.study.measured_joint_names();
+  json["first_channel"] = finished.study.scenario.video.channel;
   json["latency"] = LatencyJson(first_seed.latency);
   json["curves"] = nullptr;
-  if (!first_seed.command_angle_rad.empty()) {
-    json["curves"] = CurvesJson(result, first_seed.command_angle_rad);
-  }
+  if (!first_seed.ways.empty()) json["curves"] = CurvesJson(first_seed);
   return json;
 }
 

@@ -6,20 +6,23 @@
 
 #include "sim/score/latency.h"
 #include "sim/study/summary.h"
+#include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
 
 /// What is measured on the traces of the first seed, per controller; empty if none were kept, and
-/// then the page has neither curves nor latencies.
+/// then the page has neither curves nor latencies. All angles are those of the measured joints,
+/// ticks x joints [rad].
 struct FirstSeed {
-  std::vector<Signal> command_angle_rad;              // as CommandAngles() gives them
+  Signal reference_rad;
+  std::vector<WayOfAngles> ways;
+  std::vector<Signal> hand_rad;
   std::vector<std::optional<LatencyBudget>> latency;  // as LatencyOfTrace() gives them
 };
 
-/// Everything that the scripts of a report page show, besides the settings: scores of controllers
-/// and channels with intervals, ranks and marks, and latencies and curves of the first seed.
-nlohmann::ordered_json PageData(const Scenario& scenario, const StudyResult& result,
-                                const Summary& summary, const FirstSeed& first_seed,
-                                bool comparison);
+/// Everything that the scripts of a report page show, besides the settings: scores of controllers,
+/// joints, motors and cables with intervals, ranks and marks, and latencies and curves of the first
+/// seed.
+nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& first_seed);
 
 }  // namespace gauntlet::sim

@@ -6,22 +6,17 @@
 
 namespace gauntlet::sim {
 
-struct ReportOptions {
-  bool comparison = false;  // means with intervals, else the values of one seed
-  bool video = false;       // comparison.mp4 stands, or will stand, beside the page
-};
-
 /// `report.html`: one page that holds all that it shows but the video, needs no network, and sends
 /// nothing anywhere. The verdict first, then scores, jitter against delay, channels, curves,
 /// settings. See sim/report/README.md for what is in it and how large it gets.
-std::string ReportPage(const Study& study, const StudyResult& result, const Summary& summary,
-                       const ReportOptions& options);
+/// `video`: comparison.mp4 stands, or will stand, beside the page.
+std::string ReportPage(const FinishedStudy& finished, bool video);
 
 /// The parts of a page that are made elsewhere.
 struct PageParts {
   std::string title;
   std::string question;
-  std::string facts;  // duration, channels, seeds, reference
+  std::string facts;  // duration, joints, seeds, reference
   std::string verdict;
   std::string data;               // JSON, as JsonForScript() gives it
   std::string resolved_scenario;  // YAML

@@ -12,62 +12,60 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::string_view kMainMetrics[] = {"tracking_rmse_deg", "aligned_rmse_deg",
-                                             "peak_error_deg",    "delay_ms",
-                                             "jitter_rms_deg",    "command_reversals_per_s"};
-
-/// The main metrics, and that of the grip where something was held.
-std::vector<std::string_view> ShownMetrics(const Summary& summary) {
-  std::vector<std::string_view> keys(std::begin(kMainMetrics), std::end(kMainMetrics));
-  const std::string_view grip = "grip_force_ripple_n";
-  const std::size_t metric = MetricIndex(grip);
-  const auto held = [metric](const ControllerSummary& controller) {
-    return std::isfinite(controller.summary[metric].mean);
-  };
-  if (std::ranges::any_of(summary.controllers, held)) keys.push_back(grip);
-  return keys;
+/// The main metrics that some controller has a value of.
+std::vector<std::size_t> ShownMetrics(const Summary& summary) {
+  std::vector<std::size_t> shown;
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    const auto has_value = [m](const ControllerSummary& controller) {
+      return std::isfinite(controller.summary[m].mean);
+    };
+    if (Metrics()[m].main && std::ranges::any_of(summary.controllers, has_value)) {
+      shown.push_back(m);
+    }
+  }
+  return shown;
 }
 
 struct Cell {
   std::string text;
   bool best = false;
-  bool worse_than_raw = false;
+  bool worse_than_baseline = false;
 };
 
 Cell MakeCell(const ControllerSummary& controller, std::size_t metric, bool comparison) {
   const MeanInterval& estimate = controller.summary[metric];
-  Cell cell{.text = Short(estimate.mean), .best = false, .worse_than_raw = false};
+  Cell cell{.text = Short(estimate.mean), .best = false, .worse_than_baseline = false};
   if (comparison && std::isfinite(estimate.ci95_low)) {
     cell.text += fmt::format(" ±{}", Short(0.5 * (estimate.ci95_high - estimate.ci95_low)));
   }
-  cell.worse_than_raw =
-      metric < controller.worse_than_raw.size() && controller.worse_than_raw[metric];
+  cell.worse_than_baseline =
+      metric < controller.worse_than_baseline.size() && controller.worse_than_baseline[metric];
   return cell;
 }
 
 std::string Decorated(const Cell& cell, std::size_t width, bool colour) {
-  const char* mark = cell.worse_than_raw ? "!" : cell.best ? "*" : " ";
+  const char* mark = cell.worse_than_baseline ? "!" : cell.best ? "*" : " ";
   const std::string text = Padded(cell.text, width, true) + mark;
   if (!colour) return text;
-  if (cell.worse_than_raw) return Warning(text);
+  if (cell.worse_than_baseline) return Warning(text);
   if (cell.best) return Good(text);
   return text;
 }
 
-void AppendRows(const Summary& summary, const TableOptions& options, std::string& out) {
+void AppendRows(const FinishedStudy& finished, bool colour, std::string& out) {
+  const Summary& summary = finished.summary;
   std::size_t name_width = std::string_view("controller").size();
   for (const auto& controller : summary.controllers) {
     name_width = std::max(name_width, controller.name.size());
   }
   std::vector<std::vector<Cell>> columns;
   std::vector<std::size_t> widths;
-  const std::vector<std::string_view> keys = ShownMetrics(summary);
-  for (const std::string_view key : keys) {
-    const std::size_t metric = MetricIndex(key);
+  const std::vector<std::size_t> shown = ShownMetrics(summary);
+  for (const std::size_t metric : shown) {
     std::vector<Cell>& cells = columns.emplace_back();
-    std::size_t width = key.size();
+    std::size_t width = Metrics()[metric].key.size();
     for (const auto& controller : summary.controllers) {
-      cells.push_back(MakeCell(controller, metric, options.comparison));
+      cells.push_back(MakeCell(controller, metric, finished.comparison));
       cells.back().best = summary.controllers.size() > 1 && controller.as_good_as_best[metric];
       width = std::max(width, Width(cells.back().text));
     }
@@ -75,13 +73,13 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
   }
   out += Padded("controller", name_width, false);
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    out += "  " + Padded(std::string(keys[i]), widths[i], true) + " ";
+    out += "  " + Padded(std::string(Metrics()[shown[i]].key), widths[i], true) + " ";
   }
   out += "\n";
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     out += Padded(summary.controllers[c].name, name_width, false);
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      out += "  " + Decorated(columns[i][c], widths[i], options.colour);
+      out += "  " + Decorated(columns[i][c], widths[i], colour);
     }
     out += "\n";
   }
@@ -91,26 +89,84 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
 void AppendMissingSeeds(const StudyResult& result, const Summary& summary, std::string& out) {
   const auto seeds = static_cast<int>(result.seeds.size());
   for (const ControllerSummary& controller : summary.controllers) {
-    for (const std::string_view key : ShownMetrics(summary)) {
-      const int count = controller.summary[MetricIndex(key)].count;
+    for (const std::size_t metric : ShownMetrics(summary)) {
+      const int count = controller.summary[metric].count;
       if (count == 0 || count == seeds) continue;
-      out += fmt::format("{}: {} from {} of {} seeds; the others have none\n", controller.name, key,
-                         count, seeds);
+      out += fmt::format("{}: {} from {} of {} seeds; the others have none\n", controller.name,
+                         Metrics()[metric].key, count, seeds);
     }
   }
 }
 
 }  // namespace
 
-std::span<const std::string_view> MainMetrics() { return kMainMetrics; }
+namespace {
+
+std::string Value(const ControllerSummary& controller, std::size_t metric) {
+  return Short(controller.summary[metric].mean);
+}
+
+/// What is asked of one run, without a word about chance.
+std::string VerdictOfOneRun(const Summary& summary, std::size_t tracking, std::size_t jitter) {
+  const auto best = [&](std::size_t metric) {
+    return std::ranges::find_if(summary.controllers,
+                                [metric](const auto& c) { return c.rank[metric] == 1; });
+  };
+  const auto follower = best(tracking);
+  const auto calm = best(jitter);
+  if (follower == summary.controllers.end() || calm == summary.controllers.end()) return "";
+  if (follower == calm) {
+    return fmt::format(
+        "In this one run {} follows nearest ({} deg RMS) and shakes least ({} deg RMS).",
+        follower->name, Value(*follower, tracking), Value(*follower, jitter));
+  }
+  return fmt::format(
+      "In this one run {} follows nearest ({} deg RMS, jitter {}); {} shakes least ({} deg RMS, "
+      "tracking {}).",
+      follower->name, Value(*follower, tracking), Value(*follower, jitter), calm->name,
+      Value(*calm, jitter), Value(*calm, tracking));
+}
+
+/// Why there is no interval, star or flag; empty if there are.
+std::string ReasonForNoChance(const FinishedStudy& finished) {
+  if (!finished.summary.one_run) return "";
+  if (finished.result.seeds_alike) {
+    return "Every seed gives the same run, as nothing in it is drawn at random: one was run, and "
+           "there is no interval, no star and no flag.";
+  }
+  return "One seed tells nothing about chance: no interval, no star, no flag (gauntlet compare "
+         "runs "
+         "several).";
+}
+
+std::string Legend(const FinishedStudy& finished) {
+  const Summary& summary = finished.summary;
+  if (summary.one_run) return ReasonForNoChance(finished) + "\n";
+  std::string legend = "* best, or as good within chance";
+  const bool any_worse = std::ranges::any_of(summary.controllers, [&](const auto& controller) {
+    return std::ranges::any_of(ShownMetrics(summary), [&](std::size_t metric) {
+      return metric < controller.worse_than_baseline.size() &&
+             controller.worse_than_baseline[metric];
+    });
+  });
+  if (any_worse) {
+    legend += "   ! worse than " + summary.controllers[*summary.baseline].name;
+  }
+  return legend + "\n";
+}
+
+}  // namespace
 
 std::string Verdict(const Summary& summary) {
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
   const std::size_t jitter = MetricIndex("jitter_rms_deg");
   const auto& all = summary.controllers;
-  const auto value = [](const ControllerSummary& controller, std::size_t metric) {
-    return Short(controller.summary[metric].mean);
-  };
+  if (all.size() == 1) {
+    if (all[0].rank[tracking] == 0 || all[0].rank[jitter] == 0) return "";
+    return fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", all[0].name,
+                       Value(all[0], tracking), Value(all[0], jitter));
+  }
+  if (summary.one_run) return VerdictOfOneRun(summary, tracking, jitter);
   // Of those that follow as well as the best, the one that shakes least.
   const ControllerSummary* follower = nullptr;
   const ControllerSummary* calm = nullptr;
@@ -123,54 +179,45 @@ std::string Verdict(const Summary& summary) {
     if (calmer(calm)) calm = &controller;
   }
   if (follower == nullptr) return "";
-  if (all.size() == 1) {
-    return fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", follower->name,
-                       value(*follower, tracking), value(*follower, jitter));
-  }
-  const bool tie = std::count_if(all.begin(), all.end(), [&](const auto& controller) {
+  const bool tie = std::ranges::count_if(all, [&](const auto& controller) {
                      return controller.as_good_as_best[tracking];
                    }) > 1;
   const char* best = tie ? "follows as well as any" : "follows best";
   std::string text;
   if (follower->as_good_as_best[jitter]) {
     text = fmt::format("{} {} ({} deg RMS) and shakes least ({} deg RMS)", follower->name, best,
-                       value(*follower, tracking), value(*follower, jitter));
+                       Value(*follower, tracking), Value(*follower, jitter));
   } else {
     text = fmt::format("{} {} ({} deg RMS, jitter {}); {} shakes least ({} deg RMS, tracking {})",
-                       follower->name, best, value(*follower, tracking), value(*follower, jitter),
-                       calm->name, value(*calm, jitter), value(*calm, tracking));
+                       follower->name, best, Value(*follower, tracking), Value(*follower, jitter),
+                       calm->name, Value(*calm, jitter), Value(*calm, tracking));
   }
-  if (summary.raw >= 0 && follower != &all[static_cast<std::size_t>(summary.raw)]) {
-    const ControllerSummary& raw = all[static_cast<std::size_t>(summary.raw)];
-    text += fmt::format("; without a filter: {} and {}", value(raw, tracking), value(raw, jitter));
+  if (summary.baseline && follower != &all[*summary.baseline]) {
+    const ControllerSummary& baseline = all[*summary.baseline];
+    text += fmt::format("; {}: {} and {}", baseline.name, Value(baseline, tracking),
+                        Value(baseline, jitter));
   }
   return text + ".";
 }
 
-std::string ScoreTable(const Study& study, const StudyResult& result, const Summary& summary,
-                       const TableOptions& options) {
-  std::string out = fmt::format("{}: {}\n", study.scenario.name, study.scenario.question);
-  const double seconds = static_cast<double>(result.first_glove.counts.rows()) / result.rate_hz;
-  // One seed has neither an interval nor chance.
-  const bool several = options.comparison && result.seeds.size() > 1;
-  const std::string seeds = several
-                                ? fmt::format("seeds {} to {}, mean ± half of the 95 % interval",
-                                              result.seeds.front().seed, result.seeds.back().seed)
-                                : fmt::format("seed {}", result.seeds.front().seed);
-  out += fmt::format("{:.1f} s, {} channels; {}; reference: {}\n\n", seconds,
-                     result.channel_names.size(), seeds, result.reference_name);
-  AppendRows(summary, options, out);
-  out += several ? "* best, or as good within chance" : "* best";
-  const bool any_worse = std::any_of(
-      summary.controllers.begin(), summary.controllers.end(), [](const ControllerSummary& c) {
-        return std::any_of(std::begin(kMainMetrics), std::end(kMainMetrics),
-                           [&](std::string_view key) {
-                             const std::size_t metric = MetricIndex(key);
-                             return metric < c.worse_than_raw.size() && c.worse_than_raw[metric];
-                           });
-      });
-  if (any_worse) out += "   ! worse than raw";
-  out += "\n";
+std::string Measured(const Study& study) {
+  return fmt::format("{} of {} joints measured", study.measured_joints.size(),
+                     study.hand->joint_names().size());
+}
+
+std::string ScoreTable(const FinishedStudy& finished, bool colour) {
+  const StudyResult& result = finished.result;
+  const Summary& summary = finished.summary;
+  const Scenario& scenario = finished.study.scenario;
+  std::string out = fmt::format("{}: {}\n", scenario.name, scenario.question);
+  const std::string seeds = summary.one_run
+                                ? fmt::format("seed {}", result.seeds.front().seed)
+                                : fmt::format("seeds {} to {}, mean ± half of the 95 % interval",
+                                              result.seeds.front().seed, result.seeds.back().seed);
+  out += fmt::format("{:.1f} s, {}; {}; reference: {}\n\n", result.duration_s(),
+                     Measured(finished.study), seeds, result.reference_name);
+  AppendRows(finished, colour, out);
+  out += Legend(finished);
   for (const ControllerSummary& controller : summary.controllers) {
     if (!controller.problem.empty()) {
       out += fmt::format("{} stopped early: {}\n", controller.name, controller.problem);

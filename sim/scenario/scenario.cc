@@ -10,6 +10,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/glove/glove.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
 
@@ -22,7 +23,7 @@ using controller::VisitGroup;
 void VideoConfig::Visit(SettingsVisitor& visitor) {
   visitor.Text(
       {.key = "channel",
-       .help = "channel whose curves are drawn below the hands; empty: index_mcp, or the first"},
+       .help = "joint whose curves are drawn below the hands; empty: index_mcp, or the first"},
       channel);
   visitor.Text({.key = "camera", .help = "camera of the model: hand or arm"}, camera);
   visitor.Integer({.key = "width_px", .help = "picture width", .min = 320, .max = 3840}, width_px);
@@ -64,6 +65,9 @@ void Scenario::Visit(SettingsVisitor& visitor) {
   VisitGroup(visitor, {.key = "glove", .help = "the wearer's motion and the data glove"}, glove);
   VisitGroup(visitor, {.key = "event", .help = "when command frames leave and arrive"}, event);
   VisitGroup(visitor, {.key = "hand", .help = "motors, cables and joints"}, hand);
+  joint_map.Visit(visitor,
+                  {.key = "joint_map",
+                   .help = "joints of the hand that do not follow the channel of their own name"});
   VisitGroup(visitor, {.key = "video", .help = "what the comparison video shows"}, video);
   visitor.Map(
       {.key = "controllers",
@@ -77,24 +81,14 @@ void Scenario::Visit(SettingsVisitor& visitor) {
                 controllers.push_back({.name = added, .calibration = {}, .config = {}});
               },
           .visit = [this](std::size_t i, SettingsVisitor& inner) { controllers[i].Visit(inner); }});
+  visitor.Text({.key = "baseline",
+                .help = "controller that the others are held against; empty: the first that "
+                        "neither filters nor predicts"},
+               baseline);
   VisitGroup(visitor, {.key = "made_with", .help = "written into resolved scenarios"}, made_with);
 }
 
 namespace {
-
-/// A command frame leaves at a sample, so its period is a whole number of samples.
-void CheckEventPeriod(Scenario& scenario, const YamlSource& source) {
-  const double samples = scenario.event.period_ms * 1e-3 * scenario.glove.rate_hz;
-  if (std::abs(samples - std::round(samples)) > 1e-9 || samples < 1.0) {
-    throw UserError(
-        fmt::format("{}: event.period_ms: is {}, must be a whole number of samples of {} ms",
-                    source.file.string(), scenario.event.period_ms, 1e3 / scenario.glove.rate_hz));
-  }
-  for (NamedController& controller : scenario.controllers) {
-    controller.config.rate_hz = scenario.glove.rate_hz;
-    controller.config.samples_per_event = static_cast<int>(std::round(samples));
-  }
-}
 
 YAML::Node Find(const YAML::Node& group, const std::string& key) {
   if (group.IsMap()) {
@@ -151,7 +145,68 @@ void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scena
   }
 }
 
+/// Where a filter's measurement variance r is left out: the paper's is for 18 channels in counts;
+/// any other glove gets that of the scenario's own noise.
+void FillMeasurementVariances(const YAML::Node& root, const YamlSource& source,
+                              Scenario& scenario) {
+  const std::vector<std::string> channels = ChannelsOf(scenario.glove, root, source);
+  for (NamedController& named : scenario.controllers) {
+    controller::ControllerConfig& config = named.config;
+    const bool on_counts = config.filter_on == controller::FilterOn::kCounts;
+    const YAML::Node node = Find(Find(root, "controllers"), named.name);
+    const std::vector<bool> without_r = WithoutR(Find(node, "filter"), config.filters.size());
+    for (std::size_t i = 0; i < config.filters.size(); ++i) {
+      std::vector<double>* r =
+          std::visit([](auto& settings) { return controller::MeasurementVarianceOf(settings); },
+                     config.filters[i].settings);
+      if (r == nullptr || !without_r[i] || !controller::IsDefaultMeasurementVariance(*r)) continue;
+      if (on_counts && channels.size() == r->size()) continue;
+      *r = on_counts ? NoiseVarianceCounts2(scenario.glove) : NoiseVarianceRad2(scenario.glove);
+      if (std::ranges::all_of(*r, [](double variance) { return variance > 0.0; })) continue;
+      const std::string path = fmt::format("controllers.{}.filter[{}].r", named.name, i);
+      throw UserError(fmt::format(
+          "{}: {}: must be given: the default is the paper's, for 18 channels in counts, and the "
+          "scenario's own noise is 0 (gauntlet calibrate finds r in a recording)",
+          source.PlaceOf(Find(node, "filter"), path), path));
+    }
+  }
+}
+
+void CheckBaseline(const YAML::Node& root, const YamlSource& source, const Scenario& scenario) {
+  if (scenario.baseline.empty()) return;
+  std::vector<std::string> names;
+  for (const NamedController& named : scenario.controllers) names.push_back(named.name);
+  if (std::ranges::find(names, scenario.baseline) != names.end()) return;
+  throw UserError(fmt::format("{}: baseline: {} is not a controller of the scenario{}",
+                              source.PlaceOf(Find(root, "baseline"), "baseline"), scenario.baseline,
+                              Suggestion(scenario.baseline, names)));
+}
+
+/// A controller that does nothing against noise nor delay: what every other has to beat.
+bool NeitherFiltersNorPredicts(const controller::ControllerConfig& config) {
+  return config.prediction.kind == controller::PredictionKind::kNone &&
+         std::ranges::all_of(config.filters, [](const controller::FilterConfig& filter) {
+           return std::holds_alternative<controller::NoFilterConfig>(filter.settings);
+         });
+}
+
 }  // namespace
+
+LoopTiming TimingOf(const Scenario& scenario) {
+  return MakeLoopTiming({.sample_rate_hz = scenario.glove.rate_hz,
+                         .event_period_ms = scenario.event.period_ms,
+                         .event_delay_ms = scenario.event.delay_ms,
+                         .longest_step_ms = scenario.hand.step_ms});
+}
+
+std::optional<std::size_t> BaselineOf(const Scenario& scenario) {
+  const auto found = std::ranges::find_if(scenario.controllers, [&](const NamedController& named) {
+    return scenario.baseline.empty() ? NeitherFiltersNorPredicts(named.config)
+                                     : named.name == scenario.baseline;
+  });
+  if (found == scenario.controllers.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - scenario.controllers.begin());
+}
 
 void CheckControllerNames(const std::vector<std::string>& names, const Scenario& scenario) {
   std::vector<std::string> known;
@@ -192,8 +247,9 @@ Scenario LoadScenario(const std::filesystem::path& file,
   YamlReader reader(root, "", source);
   scenario.Visit(reader);
   reader.RejectUnknownKeys();
-  CheckEventPeriod(scenario, source);
   IncludeCalibrations(root, source, scenario);
+  FillMeasurementVariances(root, source, scenario);
+  CheckBaseline(root, source, scenario);
   return scenario;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "controller/controller_config.h"
+#include "sim/base/timing.h"
 #include "sim/calibrate/calibration.h"
 #include "sim/glove/glove_config.h"
 #include "sim/hand/hand_config.h"
@@ -50,11 +52,19 @@ struct Scenario {
   EventConfig event;
   HandConfig hand;
   VideoConfig video;
+  controller::JointMapConfig joint_map;
   std::vector<NamedController> controllers;
+  std::string baseline;  // name of a controller; empty: the first that neither filters nor predicts
   MadeWith made_with;
 
   void Visit(controller::SettingsVisitor& visitor);
 };
+
+/// The clocks of the scenario's trials.
+LoopTiming TimingOf(const Scenario& scenario);
+
+/// Index of the controller that all others are held against; none if there is no such controller.
+std::optional<std::size_t> BaselineOf(const Scenario& scenario);
 
 /// Errors: UserError for a name that the scenario does not have, or that is given twice.
 void CheckControllerNames(const std::vector<std::string>& names, const Scenario& scenario);

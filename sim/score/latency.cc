@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "controller/timing.h"
 #include "sim/score/channel_scores.h"
 #include "sim/score/delay.h"
 #include "sim/score/low_pass.h"
@@ -20,7 +21,7 @@ struct StageName {
   std::string_view help;
 };
 constexpr StageName kStages[] = {
-    {"sensor_ms", "sensor and converter"},
+    {"sensor_ms", "sensor and converter, until the next sample"},
     {"filter_ms", "filter"},
     {"event_wait_ms", "waiting for the event"},
     {"event_delay_ms", "from the event to the servo"},
@@ -29,32 +30,28 @@ constexpr StageName kStages[] = {
 };
 constexpr int kStageCount = static_cast<int>(std::size(kStages));
 
-/// What is held from each of the samples first, first + period, .. to the next.
-Signal Held(const Signal& signal, int period, int first) {
-  if (period <= 1) return signal;
+/// What is held from each tick of a clock to the next; the clock begins at the tick `first`.
+Signal Held(const Signal& signal, double period_ticks, Eigen::Index first) {
+  if (period_ticks <= 1.0) return signal;
   Signal held = signal;
-  for (Eigen::Index c = 0; c < signal.cols(); ++c) {
-    for (Eigen::Index n = first; n < signal.rows(); ++n) {
-      held(n, c) = signal(n - (n - first) % period, c);
-    }
+  controller::PeriodicClock clock(period_ticks);
+  Eigen::Index newest = first;
+  for (Eigen::Index n = first; n < signal.rows(); ++n) {
+    if (clock.Tick()) newest = n;
+    held.row(n) = signal.row(newest);
   }
   return held;
 }
 
 void CheckShapes(const LatencyInput& input) {
-  for (const Signal* signal : {input.wearer_angle_rad, input.linearised_angle_rad,
-                               input.filtered_angle_rad, input.hand_angle_rad}) {
+  for (const Signal* signal :
+       {input.wearer_angle_rad, input.raw_angle_rad, input.filtered_angle_rad,
+        input.command_angle_rad, input.hand_angle_rad}) {
     if (signal == nullptr || input.hand_angle_rad == nullptr ||
         signal->cols() != input.hand_angle_rad->cols() ||
         signal->rows() < input.hand_angle_rad->rows()) {
       throw std::invalid_argument("MeasureLatency: a signal is missing or has another shape");
     }
-  }
-  if (input.command_counts == nullptr ||
-      input.command_counts->rows() < input.hand_angle_rad->rows() ||
-      input.angle_per_count_rad.cols() != input.command_counts->cols() ||
-      input.angle_per_count_rad.rows() != input.hand_angle_rad->cols()) {
-    throw std::invalid_argument("MeasureLatency: command and tendon map do not fit the hand");
   }
 }
 
@@ -68,14 +65,12 @@ std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fouri
     const Signal low = Filter(low_pass, Band::kBelow, signal.topRows(rows), fourier).values;
     stations.push_back(low(Eigen::seq(0, Eigen::last, step), Eigen::all));
   };
-  const Signal arrived =
-      input.command_counts->topRows(rows).cast<double>() * input.angle_per_count_rad.transpose();
   add(*input.wearer_angle_rad);
-  add(*input.linearised_angle_rad);
+  add(*input.raw_angle_rad);
   add(*input.filtered_angle_rad);
-  add(Held(*input.filtered_angle_rad, input.samples_per_event, 0));
-  add(arrived);
-  add(Held(arrived, input.samples_per_servo_frame, input.first_servo_frame));
+  add(Held(*input.filtered_angle_rad, input.ticks_per_event, 0));
+  add(*input.command_angle_rad);
+  add(Held(*input.command_angle_rad, input.ticks_per_servo_frame, input.first_servo_frame));
   add(*input.hand_angle_rad);
   return stations;
 }

@@ -8,21 +8,18 @@
 
 namespace gauntlet::sim {
 
-/// The signals of one trial in the order in which a sample passes them. Views; none may be null.
-/// Shapes: samples x channels, the command samples x motors.
+/// The signals of one trial in the order in which a sample passes them, as angles of the hand's
+/// joints. Views; none may be null. Shapes: ticks x joints. A joint with a NaN has no latency.
 struct LatencyInput {
-  double rate_hz = 1000.0;
-  const Signal* wearer_angle_rad = nullptr;
-  const Signal* linearised_angle_rad = nullptr;   // before the filter
-  const Signal* filtered_angle_rad = nullptr;     // behind the filter, every sample
-  const IntegerSignal* command_counts = nullptr;  // the frame that has arrived at the servos
+  double rate_hz = 1000.0;                     // of ticks
+  const Signal* wearer_angle_rad = nullptr;    // what is asked of the hand
+  const Signal* raw_angle_rad = nullptr;       // before the filter
+  const Signal* filtered_angle_rad = nullptr;  // behind the filter, every tick
+  const Signal* command_angle_rad = nullptr;   // the frame that has arrived at the servos
   const Signal* hand_angle_rad = nullptr;
-  /// Joint angle per motor count, channels x motors: the inverse of the tendon map
-  /// diag(counts_per_rad) coupling. Its offsets do not matter here.
-  Eigen::MatrixXd angle_per_count_rad;
-  int samples_per_event = 20;        // the controller sends a frame every so many samples
-  int samples_per_servo_frame = 20;  // the servo takes one every so many samples; 0 or 1: at once
-  int first_servo_frame = 0;         // the sample of one of the servo's frames, where they begin
+  double ticks_per_event = 20.0;        // the controller sends a frame every so many ticks
+  double ticks_per_servo_frame = 20.0;  // the servo takes one every so many; up to 1: at once
+  int first_servo_frame = 0;            // the tick of one of the servo's frames, where they begin
 };
 
 /// One stage of the way from the wearer's joint to the hand's.

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <stdexcept>
+#include <string>
 
 #include "sim/score/channel_scores.h"
 #include "sim/score/score.h"
@@ -15,31 +17,38 @@ struct Row {
 constexpr Row kRows[] = {
     {{.key = "tracking_rmse_deg",
       .help = "how far the hand is from the wearer, RMS",
-      .definition = "sqrt(mean((hand - reference)^2))"},
+      .definition = "sqrt(mean((hand - reference)^2))",
+      .main = true},
      &ChannelScores::tracking_rmse_deg},
     {{.key = "delay_ms",
       .help = "how late the hand is",
       .definition = "lag of the largest Pearson correlation over the overlap, within half the "
-                    "dominant period, refined by a parabola (Knapp and Carter 1976)"},
+                    "dominant period, refined by a parabola (Knapp and Carter 1976)",
+      .main = true},
      &ChannelScores::delay_ms},
     {{.key = "aligned_rmse_deg",
       .help = "how far the hand is from the wearer once the delay is taken out, RMS",
       .definition = "sqrt(mean((hand(t + delay_ms) - reference(t))^2)); the plain difference where "
-                    "there is no delay"},
+                    "there is no delay",
+      .main = true},
      &ChannelScores::aligned_rmse_deg},
     {{.key = "peak_error_deg",
       .help = "the largest distance between hand and wearer",
-      .definition = "max |hand - reference|"},
+      .definition = "max |hand - reference|",
+      .main = true},
      &ChannelScores::peak_error_deg},
     {{.key = "jitter_rms_deg",
       .help = "trembling of the hand: its angle above 10 Hz, RMS",
       .definition = "RMS behind a zero-phase high pass at 10 Hz: linear phase, Kaiser window, 8 to "
-                    "12 Hz, 80 dB; 0.63 s at both ends left out"},
+                    "12 Hz, 80 dB; 0.63 s at both ends left out",
+      .main = true},
      &ChannelScores::jitter_rms_deg},
     {{.key = "command_reversals_per_s",
       .help = "local jumps: how often the motor command turns round",
       .definition = "sign changes between successive non-zero increments of the integer command, "
-                    "per second (Bai, Jiang, Yokoi 2021, figure 12)"},
+                    "per second (Bai, Jiang, Yokoi 2021, figure 12)",
+      .part = ScoredPart::kMotor,
+      .main = true},
      &ChannelScores::command_reversals_per_s},
     {{.key = "rest_tracking_rmse_deg",
       .help = "distance to the wearer who holds still, RMS",
@@ -115,29 +124,36 @@ constexpr Row kRows[] = {
      &ChannelScores::onset_delay_ms},
     {{.key = "motor_speed_rms_deg_s",
       .help = "how loud the motors are",
-      .definition = "RMS of the speed of the spool"},
+      .definition = "RMS of the speed of the spool",
+      .part = ScoredPart::kMotor},
      &ChannelScores::motor_speed_rms_deg_s},
     {{.key = "motor_speed_centroid_hz",
       .help = "how high the motors sound",
-      .definition = "centre of the power spectrum of the speed of the spool (Welch 1967)"},
+      .definition = "centre of the power spectrum of the speed of the spool (Welch 1967)",
+      .part = ScoredPart::kMotor},
      &ChannelScores::motor_speed_centroid_hz},
     {{.key = "saturation_share",
       .help = "how often the servo gives all it has",
-      .definition = "share of samples at the torque limit"},
+      .definition = "share of samples at the torque limit",
+      .part = ScoredPart::kMotor},
      &ChannelScores::saturation_share},
     {{.key = "slack_share",
-      .help = "how often a cable hangs through",
-      .definition = "share of samples with 0.01 N or less, mean over the cables of the channel"},
+      .help = "how often a cable is slack",
+      .definition = "share of samples with 0.01 N or less, per cable",
+      .part = ScoredPart::kCable},
      &ChannelScores::slack_share},
     {{.key = "tension_peak_n",
       .help = "the largest pull",
-      .definition = "largest tension of the cables of the channel"},
+      .definition = "largest tension, per cable",
+      .part = ScoredPart::kCable},
      &ChannelScores::tension_peak_n},
     {{.key = "grip_force_ripple_n",
       .help = "trembling of the grip: the force on a held object above 10 Hz, RMS",
       .definition =
           "RMS of the grip force behind the high pass of jitter_rms_deg, over stretches of "
-          "grip, 0.63 s at both ends left out; of the whole hand"},
+          "grip, 0.63 s at both ends left out; of the whole hand",
+      .part = ScoredPart::kHand,
+      .main = true},
      &ChannelScores::grip_force_ripple_n},
 };
 
@@ -153,10 +169,15 @@ constexpr std::array<Metric, kCount> kMetrics = [] {
 
 std::span<const Metric> Metrics() { return kMetrics; }
 
+std::optional<std::size_t> FindMetric(std::string_view key) {
+  const auto found = std::ranges::find(kMetrics, key, &Metric::key);
+  if (found == kMetrics.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kMetrics.begin());
+}
+
 std::size_t MetricIndex(std::string_view key) {
-  const auto found = std::find_if(std::begin(kMetrics), std::end(kMetrics),
-                                  [key](const Metric& metric) { return metric.key == key; });
-  return static_cast<std::size_t>(found - std::begin(kMetrics));
+  if (const auto index = FindMetric(key)) return *index;
+  throw std::invalid_argument("no metric is called " + std::string(key));
 }
 
 double ChannelScores::*MetricField(int metric) { return kRows[metric].field; }

@@ -27,28 +27,26 @@ void Check(bool fits, const char* problem) {
   if (!fits) throw std::invalid_argument(std::string("ComputeScores: ") + problem);
 }
 
-void CheckShapes(const ScoreInput& input) {
+void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   Check(input.reference_angle_rad != nullptr && input.hand_angle_rad != nullptr,
         "reference and hand angles are needed");
   const auto rows = input.hand_angle_rad->rows();
-  const auto channels = input.hand_angle_rad->cols();
-  const auto fits = [&](const auto* signal) {
-    return signal == nullptr || (signal->rows() >= rows && signal->cols() == channels);
+  const auto fits = [&](const auto* signal, std::size_t columns) {
+    return signal == nullptr ||
+           (signal->rows() >= rows && static_cast<std::size_t>(signal->cols()) == columns);
   };
-  Check(fits(input.reference_angle_rad), "the reference has another shape than the hand");
-  Check(fits(input.command_counts), "the command has another shape than the hand");
-  Check(fits(input.motor_speed_rad_s), "the motor speed has another shape than the hand");
-  Check(input.saturation_share.empty() ||
-            static_cast<Eigen::Index>(input.saturation_share.size()) == channels,
+  Check(fits(input.hand_angle_rad, table.joints.size()), "the hand has other joints than the rows");
+  Check(fits(input.reference_angle_rad, table.joints.size()),
+        "the reference has another shape than the hand");
+  Check(fits(input.command_counts, table.motors.size()),
+        "the command has other motors than the rows, or is shorter than the hand's angles");
+  Check(fits(input.motor_speed_rad_s, table.motors.size()),
+        "the motor speed has other motors than the rows, or is shorter than the hand's angles");
+  Check(input.saturation_share.empty() || input.saturation_share.size() == table.motors.size(),
         "a saturation share is needed per motor");
-  Check(input.grip_force_n == nullptr ||
-            (input.grip_force_n->rows() >= rows && input.grip_force_n->cols() == 1),
-        "the grip force is no column as long as the hand's angles");
-  if (input.tension_n != nullptr) {
-    Check(input.tension_n->rows() >= rows, "the tensions are shorter than the hand's angles");
-    Check(static_cast<Eigen::Index>(input.cable_channel.size()) == input.tension_n->cols(),
-          "each cable needs its channel");
-  }
+  Check(fits(input.tension_n, table.cables.size()),
+        "the tensions have other cables than the rows, or are shorter than the hand's angles");
+  Check(fits(input.grip_force_n, 1), "the grip force is no column as long as the hand's angles");
 }
 
 /// One channel of a trial, as far as several groups of scores need it.
@@ -137,35 +135,27 @@ void ScoreMovements(const Channel& channel, Fourier& fourier, ChannelScores& sco
                           OnsetDelay(channel.reference, channel.hand, channel.rate_hz, movements);
 }
 
-/// Commands, motors and cables.
-void ScoreDrive(const ScoreInput& input, const Channel& channel, Fourier& fourier,
+/// Commands and motions of one motor.
+void ScoreMotor(const ScoreInput& input, std::size_t motor, int rows, Fourier& fourier,
                 ChannelScores& scores) {
-  const int rows = static_cast<int>(channel.hand.size());
+  const int column = static_cast<int>(motor);
   if (input.command_counts != nullptr) {
     scores.command_reversals_per_s =
-        ReversalsPerSecond(Column(*input.command_counts, channel.index, rows), channel.rate_hz);
+        ReversalsPerSecond(Column(*input.command_counts, column, rows), input.rate_hz);
   }
   if (input.motor_speed_rad_s != nullptr) {
-    const auto speed = Column(*input.motor_speed_rad_s, channel.index, rows);
+    const auto speed = Column(*input.motor_speed_rad_s, column, rows);
     scores.motor_speed_rms_deg_s = kDegPerRad * Rms(speed);
-    scores.motor_speed_centroid_hz = SpectralCentroid(speed, channel.rate_hz, fourier);
+    scores.motor_speed_centroid_hz = SpectralCentroid(speed, input.rate_hz, fourier);
   }
-  if (!input.saturation_share.empty()) {
-    scores.saturation_share = input.saturation_share[channel.index];
-  }
-  double slack = 0.0;
-  double peak = 0.0;
-  int cables = 0;
-  for (std::size_t cable = 0; cable < input.cable_channel.size(); ++cable) {
-    if (input.cable_channel[cable] != channel.index || input.tension_n == nullptr) continue;
-    const auto tension = Column(*input.tension_n, static_cast<int>(cable), rows);
-    slack += SlackShare(tension);
-    peak = std::max(peak, *std::max_element(tension.begin(), tension.end()));
-    ++cables;
-  }
-  if (cables == 0) return;
-  scores.slack_share = slack / cables;
-  scores.tension_peak_n = peak;
+  if (!input.saturation_share.empty()) scores.saturation_share = input.saturation_share[motor];
+}
+
+void ScoreCable(const ScoreInput& input, std::size_t cable, int rows, ChannelScores& scores) {
+  if (input.tension_n == nullptr) return;
+  const auto tension = Column(*input.tension_n, static_cast<int>(cable), rows);
+  scores.slack_share = SlackShare(tension);
+  scores.tension_peak_n = *std::max_element(tension.begin(), tension.end());
 }
 
 /// Mean over the channels that have a value.
@@ -190,56 +180,62 @@ std::vector<double> MeansOver(const Scores& scores, const std::vector<std::size_
 
 }  // namespace
 
-Scores ComputeScores(const ScoreInput& input) {
-  CheckShapes(input);
+ScoreRows::ScoreRows(std::span<const std::string> joint_names,
+                     std::span<const std::string> motor_names,
+                     std::span<const std::string> cable_names) {
+  const auto row_of = [this](const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    const auto row = static_cast<std::size_t>(found - names.begin());
+    if (found == names.end()) names.push_back(name);
+    return row;
+  };
+  for (const std::string& name : joint_names) joints.push_back(row_of(name));
+  for (const std::string& name : motor_names) motors.push_back(row_of(name));
+  for (const std::string& name : cable_names) cables.push_back(row_of(name));
+}
+
+Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
+  CheckShapes(input, table);
   const int rows = static_cast<int>(input.hand_angle_rad->rows());
   Fourier fourier;
   const FilteredSignal trembling = Trembling(*input.hand_angle_rad, input.rate_hz, fourier);
 
+  std::vector<ChannelScores> all(table.names.size());
+  for (std::size_t index = 0; rows > 0 && index < table.joints.size(); ++index) {
+    const int column = static_cast<int>(index);
+    Channel channel{.index = column,
+                    .rate_hz = input.rate_hz,
+                    .reference = Column(*input.reference_angle_rad, column, rows),
+                    .hand = Column(*input.hand_angle_rad, column, rows),
+                    .wearer = {}};
+    channel.wearer = AnalyseWearer(channel.reference, input.rate_hz, input.segments);
+    ChannelScores& one = all[table.joints[index]];
+    ScoreTracking(channel, fourier, one);
+    ScoreRegimes(channel, trembling, one);
+    ScoreMovements(channel, fourier, one);
+  }
+  for (std::size_t motor = 0; rows > 0 && motor < table.motors.size(); ++motor) {
+    ScoreMotor(input, motor, rows, fourier, all[table.motors[motor]]);
+  }
+  for (std::size_t cable = 0; rows > 0 && cable < table.cables.size(); ++cable) {
+    ScoreCable(input, cable, rows, all[table.cables[cable]]);
+  }
+
   Scores scores;
-  std::vector<std::size_t> all;
-  for (int index = 0; index < input.hand_angle_rad->cols(); ++index) {
-    ChannelScores one;
-    if (rows > 0) {
-      Channel channel{.index = index,
-                      .rate_hz = input.rate_hz,
-                      .reference = Column(*input.reference_angle_rad, index, rows),
-                      .hand = Column(*input.hand_angle_rad, index, rows),
-                      .wearer = {}};
-      channel.wearer = AnalyseWearer(channel.reference, input.rate_hz, input.segments);
-      ScoreTracking(channel, fourier, one);
-      ScoreRegimes(channel, trembling, one);
-      ScoreMovements(channel, fourier, one);
-      ScoreDrive(input, channel, fourier, one);
-    }
+  std::vector<std::size_t> every_row;
+  for (const ChannelScores& one : all) {
+    every_row.push_back(scores.channels.size());
     auto& values = scores.channels.emplace_back();
     for (std::size_t i = 0; i < Metrics().size(); ++i) {
       values.push_back(one.*MetricField(static_cast<int>(i)));
     }
-    all.push_back(static_cast<std::size_t>(index));
   }
-  scores.summary = MeansOver(scores, all);
+  scores.summary = MeansOver(scores, every_row);
   if (input.grip_force_n != nullptr) {
     scores.summary[MetricIndex("grip_force_ripple_n")] =
         GripForceRipple(Column(*input.grip_force_n, 0, rows), input.rate_hz, fourier);
   }
   return scores;
-}
-
-std::vector<FingerScores> ScoresPerFinger(const Scores& scores,
-                                          std::span<const std::string> channel_names) {
-  std::vector<std::pair<std::string, std::vector<std::size_t>>> fingers;
-  for (std::size_t c = 0; c < channel_names.size(); ++c) {
-    const std::string name = channel_names[c].substr(0, channel_names[c].find('_'));
-    auto finger = std::find_if(fingers.begin(), fingers.end(),
-                               [&](const auto& known) { return known.first == name; });
-    if (finger == fingers.end()) finger = fingers.insert(finger, {name, {}});
-    finger->second.push_back(c);
-  }
-  std::vector<FingerScores> result;
-  for (const auto& [name, channels] : fingers)
-    result.push_back({name, MeansOver(scores, channels)});
-  return result;
 }
 
 }  // namespace gauntlet::sim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,17 +18,34 @@ struct LabelledSegment {
   int end = 0;
 };
 
-/// The signals of one trial that scores are made of. Views: the owner outlives the scoring. All but
-/// the two angles may be missing; the scores that need them are then NaN.
+/// What a score is measured on.
+enum class ScoredPart { kJoint, kMotor, kCable, kHand };
+
+/// The rows of a table of scores: every scored joint, motor and cable, once by name. A motor that
+/// is called like a joint shares its row, as no score is of both.
+struct ScoreRows {
+  ScoreRows() = default;
+  ScoreRows(std::span<const std::string> joint_names, std::span<const std::string> motor_names,
+            std::span<const std::string> cable_names);
+
+  std::vector<std::string> names;
+  // The row of each part, in the order of the signals' columns.
+  std::vector<std::size_t> joints;
+  std::vector<std::size_t> motors;
+  std::vector<std::size_t> cables;
+};
+
+/// The signals of one trial that scores are made of, columns of scored parts only. Views: the owner
+/// outlives the scoring. All but the two angles may be missing; the scores that need them are then
+/// NaN.
 struct ScoreInput {
-  double rate_hz = 1000.0;
-  const Signal* reference_angle_rad = nullptr;     // samples x channels, what the wearer did
-  const Signal* hand_angle_rad = nullptr;          // samples x channels, what the hand did
-  const IntegerSignal* command_counts = nullptr;   // samples x motors, one motor per channel
-  const Signal* motor_speed_rad_s = nullptr;       // samples x motors
-  const Signal* tension_n = nullptr;               // samples x cables
-  std::span<const int> cable_channel = {};         // per cable: the channel that it moves
-  const Signal* grip_force_n = nullptr;            // samples x 1: of the hand on an object
+  double rate_hz = 1000.0;                         // of ticks
+  const Signal* reference_angle_rad = nullptr;     // ticks x joints, what the wearer asked for
+  const Signal* hand_angle_rad = nullptr;          // ticks x joints, what the hand did
+  const IntegerSignal* command_counts = nullptr;   // ticks x motors
+  const Signal* motor_speed_rad_s = nullptr;       // ticks x motors
+  const Signal* tension_n = nullptr;               // ticks x cables
+  const Signal* grip_force_n = nullptr;            // ticks x 1: of the hand on an object
   std::span<const double> saturation_share = {};   // per motor
   std::span<const LabelledSegment> segments = {};  // in place of a split by the wearer's speed
 };
@@ -38,34 +56,28 @@ struct Metric {
   std::string_view help;
   std::string_view definition;  // formula and source, one line
   bool lower_is_better = true;
+  ScoredPart part = ScoredPart::kJoint;
+  bool main = false;  // of the main question: a column of the table at the terminal
 };
 
 /// All metrics in the order of every table and file.
 std::span<const Metric> Metrics();
-/// Place of a key in Metrics(), or their number if there is no such key.
+/// Place of a key in Metrics(), if there is such a key.
+std::optional<std::size_t> FindMetric(std::string_view key);
+/// Place of a key that the program itself names. Errors: std::invalid_argument for a misspelt one.
 std::size_t MetricIndex(std::string_view key);
 
-/// Values in the order of Metrics(). NaN where a score does not exist (a channel that never moved
-/// has no delay; a grip is of the whole hand and only in the summary). Channels that do not move at
-/// all count in a summary where they have a value.
+/// Values in the order of Metrics(). NaN where a score does not exist (a joint that never moved has
+/// no delay; a cable has no tracking error). A summary is the mean over the parts that have a
+/// value.
 struct Scores {
   std::vector<double> summary;                // metrics
-  std::vector<std::vector<double>> channels;  // channels x metrics
+  std::vector<std::vector<double>> channels;  // rows of ScoreRows x metrics
 };
 
 /// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped
 /// early is shorter than the reference; the rows that exist are scored.
 /// Errors: std::invalid_argument for signals that do not fit each other (the caller's mistake).
-Scores ComputeScores(const ScoreInput& input);
-
-/// Scores of all channels that belong together.
-struct FingerScores {
-  std::string name;            // what their channels' names have before the first underscore
-  std::vector<double> values;  // metrics: the mean over its channels, as in a summary
-};
-
-/// One entry per finger (or wrist, forearm, elbow, shoulder), in the order of the channels.
-std::vector<FingerScores> ScoresPerFinger(const Scores& scores,
-                                          std::span<const std::string> channel_names);
+Scores ComputeScores(const ScoreInput& input, const ScoreRows& rows);
 
 }  // namespace gauntlet::sim

@@ -10,6 +10,8 @@
 #include "sim/base/hash.h"
 #include "sim/base/nearest_name.h"
 #include "sim/study/study_database.h"
+#include "sim/trial/joint_angles.h"
+#include "sim/trial/trace_recorder.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -18,39 +20,82 @@ namespace {
 struct SharedGlove {
   std::once_flag once;
   GloveSignal signal;
+  Signal reference_rad;  // ticks x joints of the hand
   std::atomic<int> users_left{0};
 };
 
-Scores Score(const GloveSignal& glove, const Trace& trace, const std::vector<int>& cable_channel) {
+/// The columns of a signal that count; without a copy where all do.
+template <class Matrix>
+class Columns {
+ public:
+  Columns(const Matrix& whole, const std::vector<int>& columns)
+      : whole_(whole), all_(std::ssize(columns) == whole.cols()) {
+    if (!all_) part_ = whole(Eigen::all, columns);
+  }
+  const Matrix* get() const { return all_ ? &whole_ : &part_; }
+
+ private:
+  const Matrix& whole_;
+  bool all_;
+  Matrix part_;
+};
+
+Scores Score(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
+             const Trace& trace) {
+  const Columns reference(reference_rad, study.measured_joints);
+  const Columns hand(trace.hand_angle_rad, study.measured_joints);
+  const Columns command(trace.command_counts, study.measured_motors);
+  const Columns speed(trace.spool_speed_rad_s, study.measured_motors);
+  const Columns tension(trace.tension_n, study.measured_cables);
+  std::vector<double> saturation_share;
+  for (const int motor : study.measured_motors) {
+    saturation_share.push_back(trace.saturation_share[motor]);
+  }
+  ScoreInput input;
+  input.rate_hz = glove.tick_rate_hz;
+  input.reference_angle_rad = reference.get();
+  input.hand_angle_rad = hand.get();
+  input.command_counts = command.get();
+  input.motor_speed_rad_s = speed.get();
+  input.tension_n = tension.get();
+  if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
+  input.saturation_share = saturation_share;
   std::vector<LabelledSegment> segments;
   for (const MotionSegment& segment : glove.segments) {
     segments.push_back({segment.label, segment.begin, segment.end});
   }
-  ScoreInput input;
-  input.rate_hz = glove.rate_hz;
-  input.reference_angle_rad = &glove.true_angle_rad;
-  input.hand_angle_rad = &trace.hand_angle_rad;
-  input.command_counts = &trace.command_counts;
-  input.motor_speed_rad_s = &trace.spool_speed_rad_s;
-  input.tension_n = &trace.tension_n;
-  input.cable_channel = cable_channel;
-  if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
-  input.saturation_share = trace.saturation_share;
   input.segments = segments;
-  return ComputeScores(input);
+  return ComputeScores(input, study.rows);
 }
 
-/// Per cable the channel that it moves: the one whose name the cable's begins with.
-std::vector<int> CableChannels(const HandModel& hand) {
-  const std::vector<std::string>& channels = hand.transmission().channel_names;
-  std::vector<int> result;
-  for (const std::string& cable : hand.cable_names()) {
-    const auto found = std::find_if(channels.begin(), channels.end(), [&](const auto& channel) {
-      return cable.starts_with(channel + "_");
-    });
-    result.push_back(static_cast<int>(found - channels.begin()));
+template <class Names>
+std::vector<std::string> Selected(const Names& names, const std::vector<int>& indices) {
+  std::vector<std::string> selected;
+  for (const int index : indices) selected.push_back(names[static_cast<std::size_t>(index)]);
+  return selected;
+}
+
+/// Fills in which parts of the hand count.
+void FindMeasuredParts(Study& study) {
+  const controller::TendonTransmission& hand = study.hand->transmission();
+  const controller::JointMap joint_map = study.joint_map();
+  const int joints = joint_map.joint_count();
+  for (int joint = 0; joint < joints; ++joint) {
+    if (joint_map.measured(joint)) study.measured_joints.push_back(joint);
   }
-  return result;
+  int cable = 0;
+  for (int motor = 0; motor < std::ssize(study.hand->drives()); ++motor) {
+    const bool counts = std::ranges::any_of(study.measured_joints, [&](int joint) {
+      return hand.coupling[static_cast<std::size_t>(motor * joints + joint)] != 0.0;
+    });
+    if (counts) study.measured_motors.push_back(motor);
+    for (std::size_t i = 0; i < study.hand->drives()[motor].cables.size(); ++i, ++cable) {
+      if (counts) study.measured_cables.push_back(cable);
+    }
+  }
+  study.rows =
+      ScoreRows(study.measured_joint_names(), Selected(hand.motor_names, study.measured_motors),
+                Selected(study.hand->cable_names(), study.measured_cables));
 }
 
 std::string HashOf(const GloveSignal& glove) {
@@ -61,6 +106,10 @@ std::string HashOf(const GloveSignal& glove) {
   return hash.Text();
 }
 
+GloveSignal GloveOfSeed(const Study& study, int seed) {
+  return SynthesiseGlove(study.scenario.glove, static_cast<std::uint64_t>(seed));
+}
+
 /// The trials of a study as tasks that threads take in the order of seeds.
 class Schedule {
  public:
@@ -68,10 +117,8 @@ class Schedule {
       : study_(study),
         options_(options),
         gloves_(static_cast<std::size_t>(options.seeds)),
-        controllers_(study.scenario.controllers.size()),
-        cable_channel_(CableChannels(*study.hand)) {
-    result_.channel_names = study.hand->transmission().channel_names;
-    result_.rate_hz = study.scenario.glove.rate_hz;
+        controllers_(study.scenario.controllers.size()) {
+    result_.row_names = study.rows.names;
     for (const NamedController& c : study.scenario.controllers) {
       result_.controller_names.push_back(c.name);
     }
@@ -112,14 +159,15 @@ class Schedule {
     TrialOutcome& outcome = seed.controllers[controller_index];
     if (Recall(seed_index, controller_index, outcome)) return;
     std::call_once(glove.once, [&] {
-      glove.signal = SynthesiseGlove(study_.scenario.glove, static_cast<std::uint64_t>(seed.seed));
+      glove.signal = GloveOfSeed(study_, seed.seed);
+      glove.reference_rad = JointAngles(study_.joint_map(), glove.signal.true_angle_rad);
     });
     const NamedController& named = study_.scenario.controllers[controller_index];
-    const Eigen::Index blocks = glove.signal.counts.rows() / 64 + 1;
+    const auto blocks =
+        static_cast<double>(glove.signal.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1);
     Trace trace =
-        RunTrial(named.name, named.config, glove.signal, study_.calibration, study_.scenario.event,
-                 study_.hand, [&] { return Progress(1.0 / static_cast<double>(blocks)); });
-    outcome.scores = Score(glove.signal, trace, cable_channel_);
+        RunTrial(SetupOf(study_, named), glove.signal, [&] { return Progress(1.0 / blocks); });
+    outcome.scores = Score(study_, glove.signal, glove.reference_rad, trace);
     outcome.health = trace.health;
     outcome.untrusted_samples = trace.untrusted_samples;
     if (options_.database != nullptr) {
@@ -137,8 +185,10 @@ class Schedule {
     if (seed_index == 0) {
       result_.reference_name = glove.signal.reference_name;
       result_.first_glove = std::move(glove.signal);
+      result_.first_reference_rad = std::move(glove.reference_rad);
     }
     glove.signal = {};
+    glove.reference_rad = {};
   }
 
   /// Takes a trial from the database, if it is there. The first seed runs again: its signals are
@@ -166,7 +216,6 @@ class Schedule {
   const StudyOptions& options_;
   std::vector<SharedGlove> gloves_;
   std::size_t controllers_;
-  std::vector<int> cable_channel_;
   StudyResult result_;
   std::atomic<std::size_t> next_task_{0};
   std::atomic<bool> stopped_{false};
@@ -175,7 +224,7 @@ class Schedule {
   double trials_done_ = 0.0;
 };
 
-/// Errors: SettingError for a channel that the glove does not have.
+/// Errors: SettingError for a joint that the glove does not measure.
 void ChooseVideoChannel(const std::vector<std::string>& channels, std::string& channel) {
   const auto has = [&channels](const std::string& name) {
     return std::ranges::find(channels, name) != channels.end();
@@ -183,10 +232,23 @@ void ChooseVideoChannel(const std::vector<std::string>& channels, std::string& c
   if (channel.empty()) channel = has("index_mcp") ? "index_mcp" : channels.front();
   if (has(channel)) return;
   throw controller::SettingError(
-      "video.channel", channel + " is no channel of this glove" + Suggestion(channel, channels));
+      "video.channel",
+      channel + " is not a joint that the glove measures" + Suggestion(channel, channels));
 }
 
 }  // namespace
+
+std::vector<std::string> Study::measured_joint_names() const {
+  return Selected(hand->joint_names(), measured_joints);
+}
+
+TrialSetup SetupOf(const Study& study, const NamedController& named) {
+  return {.controller_name = named.name,
+          .controller = named.config,
+          .calibration = study.calibration,
+          .joint_map = study.scenario.joint_map,
+          .hand = study.hand};
+}
 
 Study PrepareStudy(Scenario scenario) {
   Study study;
@@ -194,21 +256,35 @@ Study PrepareStudy(Scenario scenario) {
   GloveSignal glove = controller::WithinSetting("glove", [&scenario] {
     return SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
   });
-  study.hand = std::make_shared<const HandModel>(scenario.hand, glove.channel_names);
+  study.hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
   study.calibration = NominalCalibration(scenario.glove);
   study.glove_hash = HashOf(glove);
+  controller::WithinSetting("joint_map", [&] {
+    study.scenario.joint_map = scenario.joint_map;
+    FindMeasuredParts(study);
+  });
+  if (study.measured_joints.empty()) {
+    throw controller::SettingError("joint_map",
+                                   "moves no joint of the hand: none of its joints is called like "
+                                   "a channel of the glove");
+  }
   for (const NamedController& named : scenario.controllers) {
     controller::WithinSetting("controllers." + named.name, [&] {
-      return controller::Controller(named.config, study.calibration, study.hand->transmission());
+      return controller::Controller(named.config, study.calibration, study.hand->transmission(),
+                                    study.hand->timing().controller, scenario.joint_map);
     });
   }
-  ChooseVideoChannel(glove.channel_names, scenario.video.channel);
+  ChooseVideoChannel(study.measured_joint_names(), scenario.video.channel);
   study.scenario = std::move(scenario);
   study.remarks = std::move(glove.remarks);
   return study;
 }
 
-StudyResult RunStudy(const Study& study, const StudyOptions& options) {
+StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
+  StudyOptions options = asked;
+  const bool alike =
+      asked.seeds > 1 && HashOf(GloveOfSeed(study, study.scenario.seed + 1)) == study.glove_hash;
+  if (alike) options.seeds = 1;
   Schedule schedule(study, options);
   const std::size_t threads = std::min<std::size_t>(
       static_cast<std::size_t>(std::max(1, options.jobs)), schedule.TaskCount());
@@ -216,7 +292,9 @@ StudyResult RunStudy(const Study& study, const StudyOptions& options) {
   for (std::size_t i = 1; i < threads; ++i) others.emplace_back([&schedule] { schedule.Work(); });
   schedule.Work();
   for (std::thread& thread : others) thread.join();
-  return schedule.Finish();
+  StudyResult result = schedule.Finish();
+  result.seeds_alike = alike;
+  return result;
 }
 
 }  // namespace gauntlet::sim

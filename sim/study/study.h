@@ -16,9 +16,25 @@ struct Study {
   Scenario scenario;
   std::shared_ptr<const HandModel> hand;
   controller::GloveCalibration calibration;
+  /// Indices of the parts of the hand that count: joints that some channel of the glove moves, and
+  /// the motors and cables that turn with them. What only holds a posture says nothing of a filter.
+  std::vector<int> measured_joints;
+  std::vector<int> measured_motors;
+  std::vector<int> measured_cables;
+  ScoreRows rows;                    // of these joints, motors and cables
   std::vector<std::string> remarks;  // what was repaired in recordings, one line each
   std::string glove_hash;            // of the first seed's signal
+
+  const std::vector<std::string>& channel_names() const { return calibration.channel_names; }
+  /// From the glove's channels to the hand's joints.
+  controller::JointMap joint_map() const {
+    return {scenario.joint_map, channel_names(), hand->transmission()};
+  }
+  std::vector<std::string> measured_joint_names() const;
 };
+
+/// The trial of one controller of the study.
+TrialSetup SetupOf(const Study& study, const NamedController& named);
 
 /// Builds hand, glove (of the first seed) and every controller. Errors: UserError, SettingError.
 Study PrepareStudy(Scenario scenario);
@@ -52,15 +68,21 @@ struct StudyOptions {
 
 struct StudyResult {
   std::vector<std::string> controller_names;
-  std::vector<std::string> channel_names;
+  std::vector<std::string> row_names;  // of the scores: see ScoreRows
   std::string reference_name;
-  double rate_hz = 1000.0;
   std::vector<SeedOutcome> seeds;  // in the order of seeds, whatever the schedule
+  bool seeds_alike = false;        // every seed gives the same run: only the first was run
   GloveSignal first_glove;
+  Signal first_reference_rad;  // ticks x joints of the hand
   std::vector<Trace> first_traces;
+
+  double duration_s() const {
+    return static_cast<double>(first_glove.true_angle_rad.rows()) / first_glove.tick_rate_hz;
+  }
 };
 
-/// Runs every controller on every seed, `jobs` trials at a time. The result does not depend on
+/// Runs every controller on every seed, `jobs` trials at a time. Where nothing is drawn at random,
+/// as with the recording of a real glove, one seed stands for all. The result does not depend on
 /// jobs.
 StudyResult RunStudy(const Study& study, const StudyOptions& options);
 

@@ -21,26 +21,31 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raised whenever the tables change.
-constexpr int kFormat = 2;
+constexpr int kFormat = 3;
 /// Another program may be reading.
 constexpr int kPatienceMs = 10'000;
 constexpr const char* kSummary = "summary";
 
 constexpr const char* kTables = R"(
+  CREATE TABLE study (
+    hash TEXT PRIMARY KEY,    -- of glove, hand, event and program
+    scenario TEXT NOT NULL    -- with every value used, as YAML; without its controllers
+  );
   CREATE TABLE trial (
     id INTEGER PRIMARY KEY,
     seed INTEGER NOT NULL,
     controller TEXT NOT NULL,
-    study TEXT NOT NULL,      -- hash of glove, hand, event and program
+    study TEXT NOT NULL REFERENCES study (hash),
     settings TEXT NOT NULL,   -- hash of the controller's settings
     problem TEXT NOT NULL,    -- why the hand stopped early; empty if all was well
-    UNIQUE (seed, controller)
+    newest INTEGER NOT NULL,  -- 1: of what was asked for last, 0: of an earlier study or setting
+    UNIQUE (study, controller, settings, seed)
   );
   CREATE TABLE score (
     trial INTEGER NOT NULL REFERENCES trial (id) ON DELETE CASCADE,
-    channel TEXT NOT NULL,    -- 'summary' is the mean over the channels
+    channel TEXT NOT NULL,    -- joint, motor or cable; 'summary' is the mean over all
     metric TEXT NOT NULL,
-    value REAL,               -- NULL: there is no such score
+    value REAL NOT NULL,
     PRIMARY KEY (trial, channel, metric)
   ) WITHOUT ROWID;
   CREATE TABLE untrusted (
@@ -49,8 +54,12 @@ constexpr const char* kTables = R"(
     samples INTEGER NOT NULL, -- samples of the glove that the controller did not believe
     PRIMARY KEY (trial, channel)
   ) WITHOUT ROWID;
-  CREATE VIEW scores AS
-    SELECT seed, controller, channel, metric, value FROM score JOIN trial ON trial.id = trial;
+  CREATE VIEW all_scores AS
+    SELECT study, settings, seed, controller, channel, metric, value
+    FROM score JOIN trial ON trial.id = score.trial;
+  CREATE VIEW scores AS       -- of what was asked for last
+    SELECT seed, controller, channel, metric, value
+    FROM score JOIN trial ON trial.id = score.trial WHERE newest = 1;
 )";
 
 /// The program's own bytes: another build may compute other bytes.
@@ -61,16 +70,21 @@ std::string HashOfProgram() {
   return content.Text();
 }
 
-/// What all trials of a study share, whatever their seed.
-std::string HashOfStudy(const Study& study) {
+/// What all trials of a study share, whatever their seed, as text.
+std::string SharedSettings(const Study& study) {
   Scenario scenario = study.scenario;
   scenario.name.clear();
   scenario.question.clear();
   scenario.video = {};
   scenario.made_with = {};
   scenario.controllers.clear();
+  scenario.baseline.clear();  // judges trials, and changes none
+  return ScenarioToYaml(scenario);
+}
+
+std::string HashOfStudy(const Study& study) {
   Hash hash;
-  hash.Add(ScenarioToYaml(scenario));
+  hash.Add(SharedSettings(study));
   hash.Add(study.hand->Hash());
   hash.Add(study.glove_hash);  // holds the content of a recording, too
   hash.Add(HashOfProgram());
@@ -85,17 +99,6 @@ std::string HashOfSettings(const NamedController& controller) {
   return hash.Text();
 }
 
-/// Text as it stands in a statement.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
-  return quoted + "'";
-}
-
-double NumberOrNan(const SQLite::Column& column) {
-  return column.isNull() ? std::numeric_limits<double>::quiet_NaN() : column.getDouble();
-}
-
 }  // namespace
 
 struct StudyDatabase::State {
@@ -107,15 +110,14 @@ struct StudyDatabase::State {
   }
 
   void Open(bool make);
-  std::string Others() const;
   std::int64_t FindTrial(int seed, std::size_t controller);
   void AddScores(std::int64_t trial, const TrialOutcome& outcome);
   const std::string& Controller(std::size_t index) const {
     return study.scenario.controllers[index].name;
   }
-  const std::vector<std::string>& Channels() const {
-    return study.hand->transmission().channel_names;
-  }
+  const std::vector<std::string>& Channels() const { return study.channel_names(); }
+  const std::vector<std::string>& Rows() const { return study.rows.names; }
+  void MarkAsNewest();
 
   /// Runs `action` on the database, one thread at a time; what SQLite throws becomes one line.
   template <class Action>
@@ -139,6 +141,7 @@ struct StudyDatabase::State {
   std::mutex mutex;
   std::optional<SQLite::Database> database;
   bool made = false;
+  bool marked = false;
 };
 
 void StudyDatabase::State::Open(bool make) {
@@ -164,15 +167,24 @@ void StudyDatabase::State::Open(bool make) {
   }
 }
 
-/// True of trials of another study, and of controllers of this one that had other settings.
-/// Controllers that this call leaves out keep their trials.
-std::string StudyDatabase::State::Others() const {
-  std::string changed = "0";
+/// Once per study: puts it into its table, and marks its trials as those that were asked for last.
+void StudyDatabase::State::MarkAsNewest() {
+  if (marked) return;
+  SQLite::Statement add(*database, "INSERT OR IGNORE INTO study VALUES (?, ?)");
+  add.bind(1, study_hash);
+  add.bind(2, SharedSettings(study));
+  add.exec();
+  database->exec("UPDATE trial SET newest = 0");
   for (std::size_t c = 0; c < settings.size(); ++c) {
-    changed += fmt::format(" OR (controller = {} AND settings != '{}')", Quoted(Controller(c)),
-                           settings[c]);
+    SQLite::Statement mark(*database,
+                           "UPDATE trial SET newest = 1 WHERE study = ? AND controller = ? AND "
+                           "settings = ?");
+    mark.bind(1, study_hash);
+    mark.bind(2, Controller(c));
+    mark.bind(3, settings[c]);
+    mark.exec();
   }
-  return fmt::format("study != '{}' OR {}", study_hash, changed);
+  marked = true;
 }
 
 std::int64_t StudyDatabase::State::FindTrial(int seed, std::size_t controller) {
@@ -190,22 +202,21 @@ void StudyDatabase::State::AddScores(std::int64_t trial, const TrialOutcome& out
   SQLite::Statement add(*database, "INSERT INTO score VALUES (?, ?, ?, ?)");
   const auto add_all = [&](const std::string& channel, const std::vector<double>& values) {
     for (std::size_t m = 0; m < values.size(); ++m) {
+      if (!std::isfinite(values[m])) continue;  // what is not there is no score
       add.bind(1, trial);
       add.bind(2, channel);
       add.bind(3, std::string(Metrics()[m].key));
-      if (std::isfinite(values[m])) {
-        add.bind(4, values[m]);
-      } else {
-        add.bind(4);
-      }
+      add.bind(4, values[m]);
       add.exec();
       add.reset();
     }
   };
   add_all(kSummary, outcome.scores.summary);
+  for (std::size_t row = 0; row < Rows().size(); ++row) {
+    add_all(Rows()[row], outcome.scores.channels[row]);
+  }
   SQLite::Statement count(*database, "INSERT INTO untrusted VALUES (?, ?, ?)");
   for (std::size_t c = 0; c < Channels().size(); ++c) {
-    add_all(Channels()[c], outcome.scores.channels[c]);
     count.bind(1, trial);
     count.bind(2, Channels()[c]);
     count.bind(3, static_cast<std::int64_t>(outcome.untrusted_samples[c]));
@@ -243,12 +254,10 @@ std::optional<TrialOutcome> StudyDatabase::Find(int seed, std::size_t controller
     const double missing = std::numeric_limits<double>::quiet_NaN();
     TrialOutcome outcome;
     outcome.scores.summary.assign(Metrics().size(), missing);
-    outcome.scores.channels.assign(state.Channels().size(), outcome.scores.summary);
+    outcome.scores.channels.assign(state.Rows().size(), outcome.scores.summary);
     outcome.untrusted_samples.assign(state.Channels().size(), 0);
-    const auto channel_index = [&](const std::string& name) {
-      return static_cast<std::size_t>(
-          std::find(state.Channels().begin(), state.Channels().end(), name) -
-          state.Channels().begin());
+    const auto index_in = [](const std::vector<std::string>& names, const std::string& name) {
+      return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
     };
 
     SQLite::Statement health(*state.database, "SELECT problem FROM trial WHERE id = ?");
@@ -262,18 +271,18 @@ std::optional<TrialOutcome> StudyDatabase::Find(int seed, std::size_t controller
     scores.bind(1, trial);
     while (scores.executeStep()) {
       const std::string channel = scores.getColumn(0).getString();
-      const std::size_t metric = MetricIndex(scores.getColumn(1).getString());
-      const double value = NumberOrNan(scores.getColumn(2));
-      const std::size_t index = channel_index(channel);
-      if (metric >= Metrics().size()) continue;
-      if (channel == kSummary) outcome.scores.summary[metric] = value;
-      if (index < outcome.scores.channels.size()) outcome.scores.channels[index][metric] = value;
+      const auto metric = FindMetric(scores.getColumn(1).getString());
+      const double value = scores.getColumn(2).getDouble();
+      const std::size_t row = index_in(state.Rows(), channel);
+      if (!metric) continue;
+      if (channel == kSummary) outcome.scores.summary[*metric] = value;
+      if (row < outcome.scores.channels.size()) outcome.scores.channels[row][*metric] = value;
     }
     SQLite::Statement untrusted(*state.database,
                                 "SELECT channel, samples FROM untrusted WHERE trial = ?");
     untrusted.bind(1, trial);
     while (untrusted.executeStep()) {
-      const std::size_t index = channel_index(untrusted.getColumn(0).getString());
+      const std::size_t index = index_in(state.Channels(), untrusted.getColumn(0).getString());
       if (index >= outcome.untrusted_samples.size()) continue;
       outcome.untrusted_samples[index] = untrusted.getColumn(1).getInt64();
     }
@@ -286,15 +295,15 @@ void StudyDatabase::Keep(int seed, std::size_t controller, const TrialOutcome& o
   state.Guarded([&] {
     state.Open(true);
     SQLite::Transaction transaction(*state.database);
-    state.database->exec("DELETE FROM trial WHERE " + state.Others());
-    SQLite::Statement remove(*state.database,
-                             "DELETE FROM trial WHERE seed = ? AND controller = ?");
-    remove.bind(1, seed);
-    remove.bind(2, state.Controller(controller));
-    remove.exec();
-    SQLite::Statement add(
-        *state.database,
-        "INSERT INTO trial (seed, controller, study, settings, problem) VALUES (?, ?, ?, ?, ?)");
+    state.MarkAsNewest();
+    if (const std::int64_t known = state.FindTrial(seed, controller); known != 0) {
+      SQLite::Statement remove(*state.database, "DELETE FROM trial WHERE id = ?");
+      remove.bind(1, known);
+      remove.exec();
+    }
+    SQLite::Statement add(*state.database,
+                          "INSERT INTO trial (seed, controller, study, settings, problem, newest) "
+                          "VALUES (?, ?, ?, ?, ?, 1)");
     add.bind(1, seed);
     add.bind(2, state.Controller(controller));
     add.bind(3, state.study_hash);
@@ -322,15 +331,6 @@ int StudyDatabase::TrialCount() {
       count += query.getColumn(0).getInt();
     }
     return count;
-  });
-}
-
-int StudyDatabase::OtherTrialCount() {
-  State& state = *state_;
-  return state.Guarded([&] {
-    if (!state.database) return 0;
-    return state.database->execAndGet("SELECT count(*) FROM trial WHERE " + state.Others())
-        .getInt();
   });
 }
 

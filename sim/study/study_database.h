@@ -15,10 +15,11 @@ namespace gauntlet::sim {
 ///     SELECT controller, avg(value) FROM scores
 ///     WHERE metric = 'tracking_rmse_deg' AND channel = 'summary' GROUP BY controller;
 ///
-/// A trial belongs to what it was made from: every setting, the model, the glove signal of the
-/// first seed and the program itself. Trials of another study, and of a controller whose settings
-/// changed, are not found, and are removed when the first new trial is kept; those of controllers
-/// that a call leaves out stay. The file appears with the first trial.
+/// A trial belongs to all that decides it: glove, hand, event, the model, the glove signal of the
+/// first seed and the program itself (a row of `study`), then the controller's settings and the
+/// seed. Trials of other studies stay where they are: changing a setting and changing it back costs
+/// nothing. The view `scores` shows what was asked for last, `all_scores` every one. The
+/// file appears with the first trial.
 ///
 /// Any thread may call Find and Keep. Errors: UserError for a file that is no such database,
 /// RunError when the disk does not take a trial.
@@ -33,8 +34,6 @@ class StudyDatabase {
 
   /// Trials of this study that the file holds.
   int TrialCount();
-  /// Trials that the next Keep() removes.
-  int OtherTrialCount();
 
  private:
   struct State;

@@ -38,31 +38,51 @@ Json MetricEstimates(const std::vector<MeanInterval>& estimates) {
   return json;
 }
 
-Json ControllerJson(const StudyResult& result, const ControllerSummary& controller,
-                    std::size_t index, bool comparison) {
+/// The scores that a row has: those of its joint, motor or cable.
+Json RowValues(const ScoreRows& rows, std::size_t row, const std::vector<double>& values) {
+  const auto is_among = [row](const std::vector<std::size_t>& places) {
+    return std::ranges::find(places, row) != places.end();
+  };
+  Json json = Json::object();
+  for (std::size_t m = 0; m < values.size(); ++m) {
+    const ScoredPart part = Metrics()[m].part;
+    const bool has = (part == ScoredPart::kJoint && is_among(rows.joints)) ||
+                     (part == ScoredPart::kMotor && is_among(rows.motors)) ||
+                     (part == ScoredPart::kCable && is_among(rows.cables));
+    if (has) json[std::string(Metrics()[m].key)] = NumberOrNull(values[m]);
+  }
+  return json;
+}
+
+Json KeysWhere(const std::vector<bool>& marks) {
+  Json keys = Json::array();
+  for (std::size_t m = 0; m < marks.size(); ++m) {
+    if (marks[m]) keys.push_back(Metrics()[m].key);
+  }
+  return keys;
+}
+
+Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
+  const StudyResult& result = finished.result;
+  const ControllerSummary& controller = finished.summary.controllers[index];
+  const bool comparison = finished.comparison;
   Json json;
   json["name"] = controller.name;
   json["health"] = controller.problem.empty() ? "ok" : controller.problem;
   json["summary"] = comparison ? MetricEstimates(controller.summary)
                                : MetricValues(result.seeds[0].controllers[index].scores.summary);
-  if (comparison && !controller.difference_to_raw.empty()) {
-    json["difference_to_raw"] = MetricEstimates(controller.difference_to_raw);
+  if (comparison && !controller.difference_to_baseline.empty()) {
+    json["difference_to_baseline"] = MetricEstimates(controller.difference_to_baseline);
     json["effect_size"] = MetricValues(controller.effect_size);
   }
-  Json worse = Json::array();
-  for (std::size_t m = 0; m < controller.worse_than_raw.size(); ++m) {
-    if (controller.worse_than_raw[m]) worse.push_back(Metrics()[m].key);
-  }
-  json["worse_than_raw"] = worse;
-  json["as_good_as_best"] = Json::array();
-  for (std::size_t m = 0; m < controller.as_good_as_best.size(); ++m) {
-    if (controller.as_good_as_best[m]) json["as_good_as_best"].push_back(Metrics()[m].key);
-  }
+  json["worse_than_baseline"] = KeysWhere(controller.worse_than_baseline);
+  json["as_good_as_best"] = KeysWhere(controller.as_good_as_best);
   for (std::size_t m = 0; m < controller.rank.size(); ++m) {
     json["rank"][std::string(Metrics()[m].key)] = controller.rank[m];
   }
-  for (std::size_t c = 0; c < result.channel_names.size(); ++c) {
-    json["channels"][result.channel_names[c]] = MetricValues(controller.channels[c]);
+  for (std::size_t row = 0; row < result.row_names.size(); ++row) {
+    json["channels"][result.row_names[row]] =
+        RowValues(finished.study.rows, row, controller.rows[row]);
   }
   return json;
 }
@@ -80,19 +100,24 @@ void AppendRow(fmt::memory_buffer& out, int seed, const std::string& controller,
 
 }  // namespace
 
-std::string ScoresJson(const Study& study, const StudyResult& result, const Summary& summary,
-                       bool comparison) {
+std::string ScoresJson(const FinishedStudy& finished) {
+  const StudyResult& result = finished.result;
+  const Summary& summary = finished.summary;
   Json json;
-  json["scenario"] = study.scenario.name;
-  json["question"] = study.scenario.question;
-  if (comparison) {
+  json["scenario"] = finished.study.scenario.name;
+  json["question"] = finished.study.scenario.question;
+  if (finished.comparison) {
     for (const SeedOutcome& seed : result.seeds) json["seeds"].push_back(seed.seed);
+    json["seeds_alike"] = result.seeds_alike;
   } else {
     json["seed"] = result.seeds[0].seed;
   }
   json["reference"] = result.reference_name;
+  json["baseline"] = nullptr;
+  if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
+  json["measured_joints"] = finished.study.measured_joint_names();
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    json["controllers"].push_back(ControllerJson(result, summary.controllers[c], c, comparison));
+    json["controllers"].push_back(ControllerJson(finished, c));
     json["controllers"].back()["dominated"] = static_cast<bool>(summary.dominated[c]);
   }
   return json.dump(2) + "\n";
@@ -110,7 +135,7 @@ std::string ScoresCsv(const StudyResult& result) {
       const Scores& scores = seed.controllers[c].scores;
       AppendRow(out, seed.seed, result.controller_names[c], "summary", scores.summary);
       for (std::size_t i = 0; i < scores.channels.size(); ++i) {
-        AppendRow(out, seed.seed, result.controller_names[c], result.channel_names[i],
+        AppendRow(out, seed.seed, result.controller_names[c], result.row_names[i],
                   scores.channels[i]);
       }
     }
@@ -144,18 +169,19 @@ void RemoveLeftovers(const std::filesystem::path& folder, const std::string& res
 
 }  // namespace
 
-void WriteStudyFiles(const std::filesystem::path& folder, const Study& study,
-                     const StudyResult& result, const Summary& summary,
-                     const StudyFileOptions& options) {
+void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
+                     bool trace_csv) {
+  const Study& study = finished.study;
+  const StudyResult& result = finished.result;
   MakeDirectory(folder);
   const std::string resolved = ResolvedScenario(study);
   RemoveLeftovers(folder, resolved);
   if (!result.first_traces.empty()) {
-    TraceWriter trace_file(folder / "trace.h5", result.first_glove, *study.hand,
-                           study.scenario.name, result.seeds[0].seed);
+    TraceWriter trace_file(folder / "trace.h5", result.first_glove, result.first_reference_rad,
+                           *study.hand, study.scenario.name, result.seeds[0].seed);
     for (const Trace& trace : result.first_traces) {
       trace_file.Add(trace);
-      if (options.trace_csv) {
+      if (trace_csv) {
         WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
                       result.first_glove, *study.hand, trace);
       }
@@ -164,8 +190,7 @@ void WriteStudyFiles(const std::filesystem::path& folder, const Study& study,
   }
   WriteFileAtomically(folder / "scenario.resolved.yaml", resolved);
   WriteFileAtomically(folder / "scores.csv", ScoresCsv(result));
-  WriteFileAtomically(folder / "scores.json",
-                      ScoresJson(study, result, summary, options.comparison));
+  WriteFileAtomically(folder / "scores.json", ScoresJson(finished));
 }
 
 }  // namespace gauntlet::sim

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <variant>
 
 namespace gauntlet::sim {
 namespace {
@@ -18,25 +17,9 @@ std::vector<double> SeedValues(const StudyResult& result, std::size_t controller
   return values;
 }
 
-/// A controller that does nothing against noise: what every filter has to beat.
-bool IsRaw(const controller::ControllerConfig& config) {
-  return std::all_of(config.filters.begin(), config.filters.end(),
-                     [](const controller::FilterConfig& filter) {
-                       return std::holds_alternative<controller::NoFilterConfig>(filter.settings);
-                     });
-}
-
-int FindRaw(const Scenario& scenario) {
-  const auto found = std::find_if(scenario.controllers.begin(), scenario.controllers.end(),
-                                  [](const NamedController& named) { return IsRaw(named.config); });
-  return found == scenario.controllers.end()
-             ? -1
-             : static_cast<int>(found - scenario.controllers.begin());
-}
-
-std::vector<std::vector<double>> ChannelMeans(const StudyResult& result, std::size_t controller) {
+std::vector<std::vector<double>> RowMeans(const StudyResult& result, std::size_t controller) {
   std::vector<std::vector<double>> means;
-  for (std::size_t c = 0; c < result.channel_names.size(); ++c) {
+  for (std::size_t c = 0; c < result.row_names.size(); ++c) {
     std::vector<double>& row = means.emplace_back();
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
       double sum = 0.0;
@@ -53,20 +36,17 @@ std::vector<std::vector<double>> ChannelMeans(const StudyResult& result, std::si
   return means;
 }
 
-/// Whether the whole interval of a difference lies on the wrong side. A study of one seed has no
-/// interval: there the plain difference decides. Where several seeds leave one pair, nothing does.
-bool IsWorse(const MeanInterval& difference, const Metric& metric, bool one_seed) {
-  const double low = one_seed ? difference.mean : difference.ci95_low;
-  const double high = one_seed ? difference.mean : difference.ci95_high;
-  return metric.lower_is_better ? low > 0.0 : high < 0.0;
+/// Whether the whole interval of a difference lies on the wrong side.
+bool IsWorse(const MeanInterval& difference, const Metric& metric) {
+  return metric.lower_is_better ? difference.ci95_low > 0.0 : difference.ci95_high < 0.0;
 }
 
-void CompareWithRaw(const std::vector<double>& values, const std::vector<double>& raw,
-                    const Metric& metric, std::uint64_t seed, ControllerSummary& summary) {
-  const MeanInterval difference = PairedDifference(values, raw, seed);
-  summary.difference_to_raw.push_back(difference);
-  summary.effect_size.push_back(PairedEffectSize(values, raw));
-  summary.worse_than_raw.push_back(IsWorse(difference, metric, values.size() == 1));
+void CompareWithBaseline(const std::vector<double>& values, const std::vector<double>& baseline,
+                         const Metric& metric, std::uint64_t seed, ControllerSummary& summary) {
+  const MeanInterval difference = PairedDifference(values, baseline, seed);
+  summary.difference_to_baseline.push_back(difference);
+  summary.effect_size.push_back(PairedEffectSize(values, baseline));
+  summary.worse_than_baseline.push_back(IsWorse(difference, metric));
 }
 
 std::string FirstProblem(const StudyResult& result, std::size_t controller) {
@@ -84,12 +64,13 @@ void FindAsGoodAsBest(const StudyResult& result, std::uint64_t seed, Summary& su
     const auto best_index = static_cast<std::size_t>(best - summary.controllers.begin());
     for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
       ControllerSummary& controller = summary.controllers[c];
+      const auto worse = [&] {
+        return IsWorse(
+            PairedDifference(SeedValues(result, c, m), SeedValues(result, best_index, m), seed),
+            Metrics()[m]);
+      };
       controller.as_good_as_best.push_back(
-          controller.rank[m] == 1 ||
-          (controller.rank[m] > 1 &&
-           !IsWorse(
-               PairedDifference(SeedValues(result, c, m), SeedValues(result, best_index, m), seed),
-               Metrics()[m], result.seeds.size() == 1)));
+          !summary.one_run && (controller.rank[m] == 1 || (controller.rank[m] > 1 && !worse())));
     }
   }
 }
@@ -118,19 +99,19 @@ std::vector<bool> DominatedControllers(const Summary& summary) {
 Summary Summarise(const Study& study, const StudyResult& result) {
   const auto seed = static_cast<std::uint64_t>(study.scenario.seed);
   Summary summary;
-  summary.raw = FindRaw(study.scenario);
+  summary.baseline = BaselineOf(study.scenario);
+  summary.one_run = result.seeds.size() < 2;
   for (std::size_t c = 0; c < result.controller_names.size(); ++c) {
     ControllerSummary& controller = summary.controllers.emplace_back();
     controller.name = result.controller_names[c];
     controller.problem = FirstProblem(result, c);
-    controller.channels = ChannelMeans(result, c);
-    const bool is_raw = summary.raw == static_cast<int>(c);
+    controller.rows = RowMeans(result, c);
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
       const std::vector<double> values = SeedValues(result, c, m);
       controller.summary.push_back(BootstrapMean(values, seed));
-      if (summary.raw < 0 || is_raw) continue;
-      CompareWithRaw(values, SeedValues(result, static_cast<std::size_t>(summary.raw), m),
-                     Metrics()[m], seed, controller);
+      if (!summary.baseline || *summary.baseline == c) continue;
+      CompareWithBaseline(values, SeedValues(result, *summary.baseline, m), Metrics()[m], seed,
+                          controller);
     }
   }
   RankControllers(summary);

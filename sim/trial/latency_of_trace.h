@@ -2,15 +2,16 @@
 
 #include <optional>
 
-#include "sim/loop/event_config.h"
+#include "sim/hand/hand_model.h"
 #include "sim/score/latency.h"
-#include "sim/trial/trial.h"
+#include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
 
 /// Where the delay of one trial comes from, stage by stage. None where there is nothing to measure:
-/// a wearer who did not move, or a hand that was stopped within two seconds.
-std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand, const EventConfig& event,
-                                            const GloveSignal& glove, const Trace& trace);
+/// a wearer who did not move, or a hand that was stopped within two seconds. All angles are those
+/// of the same joints, ticks x joints [rad].
+std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand, const Signal& reference_rad,
+                                            const WayOfAngles& way, const Signal& hand_angle_rad);
 
 }  // namespace gauntlet::sim

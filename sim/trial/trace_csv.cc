@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <functional>
 #include <iterator>
 
 #include "sim/base/atomic_file.h"
@@ -17,14 +18,16 @@ struct CsvColumn {
   std::function<void(Eigen::Index, fmt::memory_buffer&)> print;
 };
 
+/// One per name; the matrix has a row for every `ticks_per_row` ticks, in between cells are empty.
 template <class Matrix>
-void AddColumns(const std::string& signal, const std::vector<std::string>& names,
-                const Matrix& matrix, std::vector<CsvColumn>& columns) {
+void AddColumns(std::string_view signal, const std::vector<std::string>& names,
+                const Matrix& matrix, int ticks_per_row, std::vector<CsvColumn>& columns) {
   for (std::size_t c = 0; c < names.size(); ++c) {
     columns.push_back({fmt::format("{}.{}", signal, names[c]),
-                       [&matrix, c](Eigen::Index k, fmt::memory_buffer& out) {
+                       [&matrix, c, ticks_per_row](Eigen::Index tick, fmt::memory_buffer& out) {
+                         if (tick % ticks_per_row != 0) return;
                          fmt::format_to(std::back_inserter(out), "{}",
-                                        matrix(k, static_cast<Eigen::Index>(c)));
+                                        matrix(tick / ticks_per_row, static_cast<Eigen::Index>(c)));
                        }});
   }
 }
@@ -33,14 +36,12 @@ void AddColumns(const std::string& signal, const std::vector<std::string>& names
 
 void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove,
                    const HandModel& hand, const Trace& trace) {
-  const controller::TendonTransmission& transmission = hand.transmission();
-  const TraceColumnNames names{transmission.channel_names, transmission.motor_names,
-                               hand.cable_names()};
+  const TraceColumnNames names(glove.channel_names, hand);
   std::vector<CsvColumn> columns;
-  AddColumns("true_angle_rad", glove.channel_names, glove.true_angle_rad, columns);
-  AddColumns("counts", glove.channel_names, glove.counts, columns);
-  ForEachSignal(trace, [&](const char* name, const char*, TraceColumns kind, const auto& matrix) {
-    if (matrix.cols() > 0) AddColumns(name, names.Of(kind), matrix, columns);
+  AddColumns("true_angle_rad", glove.channel_names, glove.true_angle_rad, 1, columns);
+  AddColumns("counts", glove.channel_names, glove.counts, glove.ticks_per_sample, columns);
+  ForEachSignal(trace, [&](const auto& signal, const auto& matrix) {
+    if (matrix.cols() > 0) AddColumns(signal.name, names.Of(signal.columns), matrix, 1, columns);
   });
 
   fmt::memory_buffer text;
@@ -48,7 +49,7 @@ void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove
   fmt::format_to(append, "t_s");
   for (const CsvColumn& column : columns) fmt::format_to(append, ",{}", column.name);
   for (Eigen::Index k = 0; k < trace.hand_angle_rad.rows(); ++k) {
-    fmt::format_to(append, "\n{}", static_cast<double>(k) / glove.rate_hz);
+    fmt::format_to(append, "\n{}", static_cast<double>(k) / glove.tick_rate_hz);
     for (const CsvColumn& column : columns) {
       text.push_back(',');
       column.print(k, text);

@@ -203,21 +203,22 @@ void Guarded(const std::filesystem::path& path, const Action& action) {
 }  // namespace
 
 struct TraceWriter::State {
-  State(const std::filesystem::path& path, const HandModel& hand_model)
-      : target(path), atomic(path), hand(hand_model) {}
+  State(const std::filesystem::path& path, TraceColumnNames column_names)
+      : target(path), atomic(path), names(std::move(column_names)) {}
   std::filesystem::path target;
   AtomicFile atomic;
-  const HandModel& hand;
-  double rate_hz = 1000.0;
+  TraceColumnNames names;
+  double tick_rate_hz = 1000.0;
   std::vector<std::string> controllers;
   std::unique_ptr<H5::H5File> file;
 };
 
 TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal& glove,
-                         const HandModel& hand, const std::string& scenario, int seed)
-    : state_(std::make_unique<State>(target, hand)) {
+                         const Signal& reference_angle_rad, const HandModel& hand,
+                         const std::string& scenario, int seed)
+    : state_(std::make_unique<State>(target, TraceColumnNames(glove.channel_names, hand))) {
   H5::Exception::dontPrint();
-  state_->rate_hz = glove.rate_hz;
+  state_->tick_rate_hz = glove.tick_rate_hz;
   Guarded(target, [&] {
     state_->file =
         std::make_unique<H5::H5File>(state_->atomic.temporary_path().string(), H5F_ACC_TRUNC);
@@ -225,8 +226,10 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
     WriteNumber(*state_->file, "seed", seed);
     H5::Group group = state_->file->createGroup("glove");
     WriteText(group, "reference", glove.reference_name);
-    WriteMatrix<double>({group, "true_angle_rad", "rad", glove.rate_hz}, glove.channel_names,
+    WriteMatrix<double>({group, "true_angle_rad", "rad", glove.tick_rate_hz}, glove.channel_names,
                         glove.true_angle_rad);
+    WriteMatrix<double>({group, "reference_angle_rad", "rad", glove.tick_rate_hz},
+                        hand.joint_names(), reference_angle_rad);
     WriteMatrix<double>({group, "counts", "counts", glove.rate_hz}, glove.channel_names,
                         glove.counts);
     WriteFaults(group, glove);
@@ -249,14 +252,11 @@ TraceWriter::~TraceWriter() {
 void TraceWriter::Add(const Trace& trace) {
   Guarded(state_->target, [&] {
     H5::Group group = state_->file->createGroup("controllers/" + trace.controller_name);
-    const controller::TendonTransmission& transmission = state_->hand.transmission();
-    const TraceColumnNames names{transmission.channel_names, transmission.motor_names,
-                                 state_->hand.cable_names()};
-    ForEachSignal(
-        trace, [&](const char* name, const char* unit, TraceColumns columns, const auto& matrix) {
-          if (matrix.cols() == 0) return;
-          WriteMatrix({group, name, unit, state_->rate_hz}, names.Of(columns), matrix);
-        });
+    ForEachSignal(trace, [&](const auto& signal, const auto& matrix) {
+      if (matrix.cols() == 0) return;
+      WriteMatrix({group, std::string(signal.name), std::string(signal.unit), state_->tick_rate_hz},
+                  state_->names.Of(signal.columns), matrix);
+    });
     WriteText(group, "health", trace.health.ok ? "ok" : trace.health.problem);
     state_->controllers.push_back(trace.controller_name);
   });
@@ -286,15 +286,18 @@ TraceFile ReadTraceFile(const std::filesystem::path& file, const std::vector<std
     ReadMatrix(glove, "true_angle_rad", result.true_angle_rad);
     ReadMatrix(glove, "counts", result.counts);
     const H5::DataSet truth = glove.openDataSet("true_angle_rad");
-    result.rate_hz = ReadNumber(truth, "rate_hz");
+    result.tick_rate_hz = ReadNumber(truth, "rate_hz");
     result.channel_names = ReadTexts(truth, "columns");
+    ReadMatrix(glove, "reference_angle_rad", result.reference_angle_rad);
+    result.joint_names = ReadTexts(glove.openDataSet("reference_angle_rad"), "columns");
     for (const std::string& name : ReadTexts(input, "controllers")) {
       if (!only.empty() && std::find(only.begin(), only.end(), name) == only.end()) continue;
       const H5::Group group = input.openGroup("controllers/" + name);
       Trace& trace = result.traces.emplace_back();
       trace.controller_name = name;
-      ForEachSignal(trace, [&](const char* signal, const char*, TraceColumns, auto& matrix) {
-        if (group.nameExists(signal)) ReadMatrix(group, signal, matrix);
+      ForEachSignal(trace, [&](const auto& signal, auto& matrix) {
+        const std::string dataset(signal.name);
+        if (group.nameExists(dataset)) ReadMatrix(group, dataset, matrix);
       });
       const std::string health = ReadText(group, "health");
       trace.health = {.ok = health == "ok", .problem = health == "ok" ? "" : health};

@@ -6,19 +6,21 @@
 #include <vector>
 
 #include "sim/glove/glove.h"
-#include "sim/trial/trial.h"
+#include "sim/trial/trace.h"
 
 namespace gauntlet::sim {
 
 /// Writes `trace.h5`: HDF5, a group `/glove` and one group per controller below `/controllers`;
-/// every signal is a dataset, samples x columns, of 32-bit floats or integers, with the attributes
-/// `unit`, `rate_hz` and `columns` (their names). `/glove/faults` and `/glove/segments` are tables:
-/// what was wrong with the glove, and what the wearer did, from sample to sample. The file appears
-/// when Commit() has been called. Errors: RunError with the path when the disk does not take it.
+/// every signal is a dataset, rows x columns, of 32-bit floats or integers, with the attributes
+/// `unit`, `rate_hz` (of its rows: ticks, for `/glove/counts` samples) and `columns` (their names).
+/// `/glove/faults` and `/glove/segments` are tables: what was wrong with the glove, and what the
+/// wearer did, from sample to sample. The file appears when Commit() has been called. Errors:
+/// RunError with the path when the disk does not take it.
 class TraceWriter {
  public:
-  TraceWriter(const std::filesystem::path& target, const GloveSignal& glove, const HandModel& hand,
-              const std::string& scenario, int seed);
+  TraceWriter(const std::filesystem::path& target, const GloveSignal& glove,
+              const Signal& reference_angle_rad, const HandModel& hand, const std::string& scenario,
+              int seed);
   ~TraceWriter();
 
   void Add(const Trace& trace);
@@ -33,11 +35,13 @@ class TraceWriter {
 struct TraceFile {
   std::string scenario;
   int seed = 0;
-  double rate_hz = 1000.0;
+  double tick_rate_hz = 1000.0;
   std::vector<std::string> channel_names;
-  Signal true_angle_rad;
-  Signal counts;
-  std::vector<Trace> traces;  // in the order of writing
+  std::vector<std::string> joint_names;
+  Signal true_angle_rad;       // ticks x channels
+  Signal reference_angle_rad;  // ticks x joints: what the wearer's angles ask of the hand
+  Signal counts;               // samples x channels
+  std::vector<Trace> traces;   // in the order of writing
 };
 
 /// Reads a whole trace file. Errors: UserError if it is missing or is no trace file of Gauntlet.
@@ -45,7 +49,8 @@ struct TraceFile {
 TraceFile ReadTraceFile(const std::filesystem::path& file,
                         const std::vector<std::string>& only = {});
 
-/// The same signals as CSV, one file per controller: `t_s`, then `signal.column` per column.
+/// The same signals as CSV, one file per controller: `t_s`, then `signal.column` per column. Counts
+/// are empty between the samples of the glove.
 void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove,
                    const HandModel& hand, const Trace& trace);
 

@@ -1,56 +1,81 @@
 #pragma once
 
+#include <algorithm>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "sim/trial/trial.h"
+#include "sim/loop/hand_loop.h"
+#include "sim/trial/trace.h"
 
 namespace gauntlet::sim {
 
 /// What the columns of a signal are.
-enum class TraceColumns { kChannels, kMotors, kCables, kGrip, kPose };
+enum class TraceColumns { kChannels, kJoints, kMotors, kCables, kGrip, kPose };
 
-/// Names of the columns of all signals of one hand.
-struct TraceColumnNames {
-  const std::vector<std::string>& channels;
-  const std::vector<std::string>& motors;
-  const std::vector<std::string>& cables;
-
-  const std::vector<std::string>& Of(TraceColumns columns) const {
-    static const std::vector<std::string> kGripName = {"object"};
-    static const std::vector<std::string> kPoseNames = {"x_m", "y_m", "z_m", "qw",
-                                                        "qx",  "qy",  "qz"};
-    switch (columns) {
-      case TraceColumns::kChannels:
-        return channels;
-      case TraceColumns::kMotors:
-        return motors;
-      case TraceColumns::kCables:
-        return cables;
-      case TraceColumns::kGrip:
-        return kGripName;
-      case TraceColumns::kPose:
-        return kPoseNames;
-    }
-    return channels;
+/// Names of the columns of all signals of one glove and hand.
+class TraceColumnNames {
+ public:
+  TraceColumnNames(std::vector<std::string> channels, const HandModel& hand)
+      : names_{std::move(channels), hand.joint_names(), hand.motor_names(), hand.cable_names()} {
+    if (!hand.grasp().exists()) return;
+    names_[Place(TraceColumns::kGrip)] = {"object"};
+    names_[Place(TraceColumns::kPose)] = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
   }
+  /// Without an object nothing for the last two.
+  const std::vector<std::string>& Of(TraceColumns columns) const { return names_[Place(columns)]; }
+
+ private:
+  static std::size_t Place(TraceColumns columns) { return static_cast<std::size_t>(columns); }
+  std::vector<std::string> names_[6];
 };
 
-/// Shows every signal of a trace once: `visit(name, unit, columns, matrix)`. The one list that the
-/// writers and the reader of trace files share. The last two have no columns, and no place in a
-/// file, unless there is an object to grasp.
+/// One signal of a trace: what it is, and how its values of this tick are read from the loop.
+template <class Scalar>
+struct TraceSignal {
+  std::string_view name;
+  std::string_view unit;
+  TraceColumns columns;
+  void (*read)(const HandLoop& loop, std::span<Scalar> row);
+};
+
+/// Shows every signal of a trace once: `visit(TraceSignal, matrix)`. The one list that the
+/// recorder, the writers and the reader of trace files share: a signal is a field of Trace and a
+/// row here. Those of an object have no columns, and no place in a file, unless there is one.
 template <class TraceType, class Visit>
 void ForEachSignal(TraceType& trace, Visit&& visit) {
-  visit("linearised_angle_rad", "rad", TraceColumns::kChannels, trace.linearised_angle_rad);
-  visit("filtered_angle_rad", "rad", TraceColumns::kChannels, trace.filtered_angle_rad);
-  visit("command_counts", "counts", TraceColumns::kMotors, trace.command_counts);
-  visit("spool_angle_rad", "rad", TraceColumns::kMotors, trace.spool_angle_rad);
-  visit("spool_speed_rad_s", "rad/s", TraceColumns::kMotors, trace.spool_speed_rad_s);
-  visit("hand_angle_rad", "rad", TraceColumns::kChannels, trace.hand_angle_rad);
-  visit("tension_n", "N", TraceColumns::kCables, trace.tension_n);
-  visit("grip_force_n", "N", TraceColumns::kGrip, trace.grip_force_n);
-  visit("object_pose", "m, quaternion", TraceColumns::kPose, trace.object_pose);
+  using Loop = const HandLoop&;
+  using Row = std::span<double>;
+  const auto number = [&](std::string_view name, std::string_view unit, TraceColumns columns,
+                          auto& matrix, void (*read)(Loop, Row)) {
+    visit(TraceSignal<double>{name, unit, columns, read}, matrix);
+  };
+  number("linearised_angle_rad", "rad", TraceColumns::kChannels, trace.linearised_angle_rad,
+         [](Loop loop, Row row) {
+           std::ranges::copy(loop.controller().linearised_angle_rad(), row.begin());
+         });
+  number("filtered_angle_rad", "rad", TraceColumns::kChannels, trace.filtered_angle_rad,
+         [](Loop loop, Row row) {
+           std::ranges::copy(loop.controller().filtered_angle_rad(), row.begin());
+         });
+  visit(TraceSignal<int>{"command_counts", "counts", TraceColumns::kMotors,
+                         [](Loop loop, std::span<int> row) {
+                           std::ranges::copy(loop.hand().command(), row.begin());
+                         }},
+        trace.command_counts);
+  number("spool_angle_rad", "rad", TraceColumns::kMotors, trace.spool_angle_rad,
+         [](Loop loop, Row row) { loop.hand().ReadSpoolAngles(row); });
+  number("spool_speed_rad_s", "rad/s", TraceColumns::kMotors, trace.spool_speed_rad_s,
+         [](Loop loop, Row row) { loop.hand().ReadSpoolSpeeds(row); });
+  number("hand_angle_rad", "rad", TraceColumns::kJoints, trace.hand_angle_rad,
+         [](Loop loop, Row row) { loop.hand().ReadJointAngles(row); });
+  number("tension_n", "N", TraceColumns::kCables, trace.tension_n,
+         [](Loop loop, Row row) { loop.hand().ReadCableTensions(row); });
+  number("grip_force_n", "N", TraceColumns::kGrip, trace.grip_force_n,
+         [](Loop loop, Row row) { row[0] = loop.hand().ReadGrip().force_n; });
+  number("object_pose", "m, quaternion", TraceColumns::kPose, trace.object_pose,
+         [](Loop loop, Row row) { loop.hand().ReadObjectPose(row); });
 }
 
 }  // namespace gauntlet::sim

@@ -19,7 +19,7 @@ std::span<const double> Column(const Signal& signal, int channel) {
 }
 
 /// `index_mcp` as a person writes it: index MCP.
-std::string ChannelTitle(const std::string& name) {
+std::string JointTitle(const std::string& name) {
   std::string title, word;
   for (char letter : name + "_") {
     if (letter != '_') {
@@ -39,20 +39,20 @@ void CheckSignals(const VideoInput& input) {
   const auto fail = [](const std::string& what) { throw RunError("video: " + what); };
   if (input.true_angle_rad == nullptr || input.raw_angle_rad == nullptr)
     fail("signals are missing");
-  const auto samples = input.true_angle_rad->rows(), channels = input.true_angle_rad->cols();
+  const auto samples = input.true_angle_rad->rows(), joints = input.true_angle_rad->cols();
   if (samples == 0) fail("there is no motion to show");
   if (!(input.rate_hz >= 1.0)) fail(fmt::format("a rate of {} Hz", input.rate_hz));
-  if (input.channel < 0 || input.channel >= channels) {
-    fail(fmt::format("channel {} is not in 0 .. {}", input.channel, channels - 1));
+  if (input.joint < 0 || input.joint >= joints) {
+    fail(fmt::format("joint {} is not in 0 .. {}", input.joint, joints - 1));
   }
-  if (input.raw_angle_rad->cols() != channels) fail("raw and true angles differ in channels");
+  if (input.raw_angle_rad->cols() != joints) fail("raw and true angles differ in joints");
   for (const VideoPane& pane : input.panes) {
     for (const Signal* signal :
          {pane.hand_angle_rad, pane.spool_angle_rad, pane.command_angle_rad}) {
       if (signal == nullptr) fail(pane.title + ": signals are missing");
       if (signal->rows() == 0) fail(pane.title + ": the trial has no samples");
     }
-    if (pane.hand_angle_rad->cols() != channels || pane.command_angle_rad->cols() != channels ||
+    if (pane.hand_angle_rad->cols() != joints || pane.command_angle_rad->cols() != joints ||
         pane.hand_angle_rad->rows() > samples ||
         pane.spool_angle_rad->rows() < pane.hand_angle_rad->rows()) {
       fail(pane.title + ": signals differ in shape");
@@ -76,11 +76,17 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
       layout_(LayOutVideo(input.width_px, input.height_px, static_cast<int>(input.panes.size()))) {
   const AngleScale scale = ScaleOfAllPanes();
   for (std::size_t i = 0; i < input_.panes.size(); ++i) {
-    scores_.push_back(ComputeRunningScores(*input_.true_angle_rad, *input_.panes[i].hand_angle_rad,
+    scores_.push_back(ComputeRunningScores(Measured(*input_.true_angle_rad),
+                                           Measured(*input_.panes[i].hand_angle_rad),
                                            input_.rate_hz, clock_));
     plots_.emplace_back(layout_.panes[i].curves, layout_.unit, scale, input_.rate_hz, clock_);
   }
   DrawBackground();
+}
+
+Signal ComparisonPicture::Measured(const Signal& all_joints) const {
+  if (input_.measured_joints.empty()) return all_joints;
+  return all_joints(Eigen::all, input_.measured_joints);
 }
 
 int ComparisonPicture::view_width_px() const {
@@ -100,11 +106,11 @@ int ComparisonPicture::SampleOf(int pane, int frame) const {
 }
 
 AngleScale ComparisonPicture::ScaleOfAllPanes() const {
-  std::vector<std::span<const double>> whole = {Column(*input_.true_angle_rad, input_.channel)};
-  std::vector<std::span<const double>> noisy = {Column(*input_.raw_angle_rad, input_.channel)};
+  std::vector<std::span<const double>> whole = {Column(*input_.true_angle_rad, input_.joint)};
+  std::vector<std::span<const double>> noisy = {Column(*input_.raw_angle_rad, input_.joint)};
   for (const VideoPane& pane : input_.panes) {
-    whole.push_back(Column(*pane.hand_angle_rad, input_.channel));
-    noisy.push_back(Column(*pane.command_angle_rad, input_.channel));
+    whole.push_back(Column(*pane.hand_angle_rad, input_.joint));
+    noisy.push_back(Column(*pane.command_angle_rad, input_.joint));
   }
   return ChooseAngleScale(whole, noisy);
 }
@@ -130,7 +136,7 @@ void ComparisonPicture::DrawBackground() {
     painter.Text(painter.Elide(input_.panes[i].title, pane.title.width, title),
                  {pane.title.x, pane.title.y + 26.0 * unit}, title);
     plots_[i].DrawScale(painter);
-    painter.Text(ChannelTitle(input_.channel_name), {pane.curves.x, pane.curves.y - 8.0 * unit},
+    painter.Text(JointTitle(input_.joint_name), {pane.curves.x, pane.curves.y - 8.0 * unit},
                  caption);
   }
 }
@@ -140,9 +146,9 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
   const Rect& header = layout_.header;
   const TextStyle title = {.size_px = 19.0 * unit, .bold = true};
   const TextStyle subtitle = {.size_px = 12.5 * unit, .color = palette::kMutedInk};
-  const std::string curves =
-      fmt::format("Numbers: mean over all {} channels, up to now.  Curves: one channel, {}.",
-                  input_.true_angle_rad->cols(), ChannelTitle(input_.channel_name));
+  const std::string curves = fmt::format(
+      "Numbers: mean over {} joints, up to now.  Curves: one joint, {}.",
+      Measured(input_.true_angle_rad->topRows(1)).cols(), JointTitle(input_.joint_name));
   painter.Text(painter.Elide(input_.title, 0.8 * header.width, title),
                {header.x, header.y + 28.0 * unit}, title);
   painter.Text(painter.Elide(curves, 0.62 * header.width, subtitle),
@@ -235,10 +241,10 @@ void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame, const Im
 
   const VideoPane& signals = input_.panes[pane];
   const Curve curves[] = {
-      {Column(*input_.raw_angle_rad, input_.channel), palette::kRaw, 1.0, false},
-      {Column(*signals.command_angle_rad, input_.channel), palette::kCommand, 1.3, false},
-      {Column(*input_.true_angle_rad, input_.channel), palette::kTrue, 1.5, true},
-      {Column(*signals.hand_angle_rad, input_.channel), palette::kHand, 2.0, true}};
+      {Column(*input_.raw_angle_rad, input_.joint), palette::kRaw, 1.0, false},
+      {Column(*signals.command_angle_rad, input_.joint), palette::kCommand, 1.3, false},
+      {Column(*input_.true_angle_rad, input_.joint), palette::kTrue, 1.5, true},
+      {Column(*signals.hand_angle_rad, input_.joint), palette::kHand, 2.0, true}};
   plots_[pane].Draw(painter, frame, curves);
 }
 

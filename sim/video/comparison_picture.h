@@ -32,6 +32,7 @@ class ComparisonPicture {
   void Draw(int frame, std::span<const Image> views, Image& image) const;
 
  private:
+  Signal Measured(const Signal& all_joints) const;
   int SampleCount(int pane) const;
   bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }
   AngleScale ScaleOfAllPanes() const;

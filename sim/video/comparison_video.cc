@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/hand/posture.h"
 #include "sim/video/comparison_picture.h"
 #include "sim/video/ordered_frames.h"
 #include "sim/video/osmesa_renderer.h"

@@ -13,21 +13,21 @@ namespace gauntlet::sim {
 /// One pane: a controller's hand and its numbers.
 struct VideoPane {
   std::string title;
-  const Signal* hand_angle_rad = nullptr;      // samples x channels
-  const Signal* spool_angle_rad = nullptr;     // samples x motors
-  const Signal* filtered_angle_rad = nullptr;  // samples x channels
-  const Signal* command_angle_rad = nullptr;   // samples x channels: the frame, as a joint angle
-  const Signal* object_pose = nullptr;         // samples x 7: of the object, if there is one
+  const Signal* hand_angle_rad = nullptr;     // ticks x joints
+  const Signal* spool_angle_rad = nullptr;    // ticks x motors
+  const Signal* command_angle_rad = nullptr;  // ticks x joints: the frame, as a joint angle
+  const Signal* object_pose = nullptr;        // ticks x 7: of the object, if there is one
 };
 
 struct VideoInput {
   std::string title;
-  double rate_hz = 1000.0;
-  const Signal* true_angle_rad = nullptr;  // samples x channels
-  const Signal* raw_angle_rad = nullptr;   // samples x channels: linearised glove, unfiltered
+  double rate_hz = 1000.0;                 // of ticks
+  const Signal* true_angle_rad = nullptr;  // ticks x joints: what the wearer asks of the hand
+  const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered
   std::vector<VideoPane> panes;
-  int channel = 0;  // whose curves are drawn
-  std::string channel_name;
+  std::vector<int> measured_joints;  // whose scores count; empty: all
+  int joint = 0;                     // whose curves are drawn
+  std::string joint_name;
   std::string camera;
   int width_px = 1280;
   int height_px = 720;

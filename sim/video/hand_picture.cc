@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "sim/hand/posture.h"
 #include "sim/video/osmesa_renderer.h"
 #include "sim/video/painter.h"
 #include "sim/video/png_file.h"

@@ -7,7 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/scenario/scenario.h"
-#include "sim/trial/command_angles.h"
+#include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_file.h"
 #include "sim/video/comparison_video.h"
 
@@ -28,35 +28,36 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   if (file.traces.empty()) {
     throw UserError(fmt::format("{}: holds no controller", (options.folder / "trace.h5").string()));
   }
-  const HandModel hand(scenario.hand, file.channel_names);
-
-  std::vector<Signal> command_angles;
+  const HandModel hand(scenario.hand, TimingOf(scenario));
+  const controller::JointMap joint_map(scenario.joint_map, file.channel_names, hand.transmission());
+  std::vector<WayOfAngles> ways;
   for (const Trace& trace : file.traces) {
-    command_angles.push_back(CommandAngles(hand.transmission(), trace.command_counts));
+    ways.push_back(WayOf(trace, joint_map, hand.transmission()));
   }
   VideoInput input;
   input.title = scenario.name;
-  input.rate_hz = file.rate_hz;
-  input.true_angle_rad = &file.true_angle_rad;
-  input.raw_angle_rad = &file.traces.front().linearised_angle_rad;
+  input.rate_hz = file.tick_rate_hz;
+  input.true_angle_rad = &file.reference_angle_rad;
+  input.raw_angle_rad = &ways.front().raw;
   for (std::size_t i = 0; i < file.traces.size(); ++i) {
     const Trace& trace = file.traces[i];
     input.panes.push_back({.title = trace.controller_name,
                            .hand_angle_rad = &trace.hand_angle_rad,
                            .spool_angle_rad = &trace.spool_angle_rad,
-                           .filtered_angle_rad = &trace.filtered_angle_rad,
-                           .command_angle_rad = &command_angles[i],
+                           .command_angle_rad = &ways[i].command,
                            .object_pose = &trace.object_pose});
   }
-  const auto channel =
-      std::find(file.channel_names.begin(), file.channel_names.end(), scenario.video.channel);
-  if (channel == file.channel_names.end()) {
+  for (int joint = 0; joint < joint_map.joint_count(); ++joint) {
+    if (joint_map.measured(joint)) input.measured_joints.push_back(joint);
+  }
+  const auto joint = std::ranges::find(file.joint_names, scenario.video.channel);
+  if (joint == file.joint_names.end()) {
     throw UserError(fmt::format("{}: video.channel: {} is not in the trace{}", resolved.string(),
                                 scenario.video.channel,
-                                Suggestion(scenario.video.channel, file.channel_names)));
+                                Suggestion(scenario.video.channel, file.joint_names)));
   }
-  input.channel = static_cast<int>(channel - file.channel_names.begin());
-  input.channel_name = scenario.video.channel;
+  input.joint = static_cast<int>(joint - file.joint_names.begin());
+  input.joint_name = scenario.video.channel;
   input.camera = scenario.video.camera;
   input.width_px = scenario.video.width_px;
   input.height_px = scenario.video.height_px;

@@ -159,9 +159,11 @@ void PlainDenseBenchmark(benchmark::State& state) {
   CountSamples(state, samples);
 }
 
-void ControllerBenchmark(benchmark::State& state, const ControllerConfig& config) {
+void ControllerBenchmark(benchmark::State& state, const ControllerConfig& config,
+                         double event_period_ms) {
   constexpr int n = 18;
-  Controller controller(config, PlainGlove(n), CoupledHand(n));
+  Controller controller(config, PlainGlove(n), CoupledHand(n),
+                        {.event_period_ms = event_period_ms});
   const int samples = SampleCount(n);
   const TestSignal input = GloveCounts(samples, n);
   for (auto _ : state) {
@@ -188,12 +190,11 @@ void Register() {
 
   ControllerConfig config;
   config.filters = {{KalmanConfig{}}};
-  benchmark::RegisterBenchmark("controller_20ms_events", ControllerBenchmark, config);
-  config.samples_per_event = 1;
-  benchmark::RegisterBenchmark("controller_1ms_events", ControllerBenchmark, config);
+  benchmark::RegisterBenchmark("controller_20ms_events", ControllerBenchmark, config, 20.0);
+  benchmark::RegisterBenchmark("controller_1ms_events", ControllerBenchmark, config, 1.0);
   config.filters.insert(config.filters.begin(), {HampelConfig{}});
   config.prediction.kind = PredictionKind::kKalman;
-  benchmark::RegisterBenchmark("controller_everything", ControllerBenchmark, config);
+  benchmark::RegisterBenchmark("controller_everything", ControllerBenchmark, config, 1.0);
 
   for (const FilterKind& kind : FilterKinds()) {
     if (kind.name == "kalman_dense") continue;  // its cost is cubic in the channels

@@ -23,12 +23,14 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 ControllerConfig WithFilter(FilterSettings settings) {
   ControllerConfig config;
   config.filters = {{std::move(settings)}};
-  config.samples_per_event = 1;
   return config;
 }
 
-Controller Make(const ControllerConfig& config, int channels = kChannels) {
-  return Controller(config, PlainGlove(channels), CoupledHand(channels));
+constexpr Timing kEventPerSample = {.event_period_ms = 1.0};
+
+Controller Make(const ControllerConfig& config, int channels = kChannels,
+                const Timing& timing = kEventPerSample) {
+  return Controller(config, PlainGlove(channels), CoupledHand(channels), timing);
 }
 
 TEST(Controller, MapsKnownPosesToKnownMotorCounts) {
@@ -79,8 +81,7 @@ TEST(Controller, AppliesAChainInItsOrder) {
 TEST(Controller, StepsTheFilterOncePerEventWhenAsked) {
   ControllerConfig config = WithFilter(KalmanConfig{});
   config.filter_at = FilterAt::kEvent;
-  config.samples_per_event = 20;
-  Controller controller = Make(config);
+  Controller controller = Make(config, kChannels, Timing{});
   const auto kalman = MakeFilter(config.filters[0], kChannels, 50.0);
   const TestSignal input = GloveCounts(400, kChannels);
   std::vector<double> expected(kChannels);
@@ -95,8 +96,7 @@ TEST(Controller, StepsTheFilterOncePerEventWhenAsked) {
 
 TEST(Controller, ChangesTheCommandOnlyAtEvents) {
   ControllerConfig config = WithFilter(NoFilterConfig{});
-  config.samples_per_event = 20;
-  Controller controller = Make(config);
+  Controller controller = Make(config, kChannels, Timing{});
   const TestSignal input = GloveCounts(400, kChannels);
   std::vector<std::int32_t> held(kChannels);
   int changes = 0;
@@ -137,7 +137,7 @@ TEST(Controller, HoldsTheLastGoodValueOfAnUntrustedChannel) {
 TEST(Controller, HoldsTheReferenceBeforeTheFirstGoodValueAndThenStartsThere) {
   TendonTransmission hand = CoupledHand(kChannels);
   hand.reference_angle_rad.assign(kChannels, 0.3);
-  Controller controller(WithFilter(KalmanConfig{}), PlainGlove(kChannels), hand);
+  Controller controller(WithFilter(KalmanConfig{}), PlainGlove(kChannels), hand, kEventPerSample);
   std::vector<double> counts(kChannels, 500.0);
   counts[5] = kNan;
   for (int k = 0; k < 10; ++k) controller.Step({.counts = counts});
@@ -161,12 +161,11 @@ TEST(Controller, SurvivesAMissingOrShortFrame) {
 
 TEST(Controller, ResetGivesTheStateAfterConstruction) {
   ControllerConfig config = WithFilter(KalmanConfig{});
-  config.samples_per_event = 20;
-  Controller used = Make(config);
+  Controller used = Make(config, kChannels, Timing{});
   const TestSignal input = GloveCounts(333, kChannels);
   for (int k = 0; k < 333; ++k) used.Step({.counts = RowOf(input, k)});
   used.Reset();
-  Controller fresh = Make(config);
+  Controller fresh = Make(config, kChannels, Timing{});
   for (int k = 0; k < 333; ++k) {
     const auto expected = fresh.Step({.counts = RowOf(input, k)}).motor_counts;
     ASSERT_THAT(used.Step({.counts = RowOf(input, k)}).motor_counts, ElementsAreArray(expected));
@@ -252,8 +251,8 @@ TEST_P(ControllerFault, IsCountedHeldAndRecoveredFromWithinTheSpeedLimit) {
   TendonTransmission hand = CoupledHand(kChannels);
   hand.min_counts.assign(kChannels, 500);
   hand.max_counts.assign(kChannels, 640);
-  Controller controller(config, PlainGlove(kChannels), hand);
-  Controller undisturbed(config, PlainGlove(kChannels), hand);
+  Controller controller(config, PlainGlove(kChannels), hand, kEventPerSample);
+  Controller undisturbed(config, PlainGlove(kChannels), hand, kEventPerSample);
   const TestSignal input = GloveCounts(1200, kChannels);
   std::vector<double> counts(kChannels);
   std::vector<std::int32_t> last;
@@ -359,11 +358,10 @@ TEST(Controller, DoesNotNoticeThatTheSameSettingsAreLoaded) {
   const TestSignal input = GloveCounts(300, kChannels);
   for (const FilterKind& kind : FilterKinds()) {
     ControllerConfig config = WithFilter(kind.defaults.settings);
-    config.samples_per_event = 20;
     config.prediction.kind = PredictionKind::kKalman;
     config.motor.rounding = Rounding::kNoiseShaping;
-    Controller controller = Make(config);
-    Controller undisturbed = Make(config);
+    Controller controller = Make(config, kChannels, Timing{});
+    Controller undisturbed = Make(config, kChannels, Timing{});
     for (int k = 0; k < 300; ++k) {
       if (k % 37 == 0) controller.Load(config);
       const auto expected = undisturbed.Step({.counts = RowOf(input, k)}).motor_counts;
@@ -379,13 +377,11 @@ TEST(Controller, DoesNotNoticeThatTheSameSettingsAreLoaded) {
 
 TEST(Controller, LoadsAnotherKindOfFilterWithinTheSpeedLimit) {
   ControllerConfig config = WithFilter(ExponentialConfig{.alpha = 0.001});  // far behind
-  config.samples_per_event = 20;
-  Controller controller = Make(config);
+  Controller controller = Make(config, kChannels, Timing{});
   std::vector<std::int32_t> last;
   for (int k = 0; k < 400; ++k) {
     if (k == 200) {
       ControllerConfig other = WithFilter(NoFilterConfig{});
-      other.samples_per_event = 20;
       controller.Load(other);
     }
     const std::vector<double> counts(kChannels, k < 100 ? 250.0 : 480.0);
@@ -447,16 +443,61 @@ TEST(Controller, NamesTheSettingThatIsWrong) {
               HasSubstr("filter[0].window: is -1"));
   EXPECT_THAT(problem_of(WithFilter(KalmanConfig{.noise = {.r = {1.0, 2.0}}})),
               HasSubstr("filter[0].r: has 2 values"));
-  ControllerConfig config;
-  config.rate_hz = 0.0;
-  EXPECT_THAT(problem_of(config), HasSubstr("rate_hz"));
+  EXPECT_THAT(problem_of(WithFilter(KalmanConfig{})), HasSubstr("filter[0].r"));
+  ControllerConfig on_angle = WithFilter(KalmanConfig{});
+  on_angle.filter_on = FilterOn::kAngle;
+  EXPECT_THROW(Make(on_angle), SettingError);  // the paper's R is in counts
 }
 
-TEST(Controller, RefusesAGloveAndAHandThatDoNotFit) {
-  EXPECT_THROW(Controller(ControllerConfig{}, PlainGlove(3), CoupledHand(4)), SettingError);
+TEST(Controller, NamesTheClockThatIsWrong) {
+  try {
+    Make(WithFilter(NoFilterConfig{}), 3, {.tick_rate_hz = 0.0});
+    FAIL();
+  } catch (const SettingError& error) {
+    EXPECT_EQ(error.key(), "timing.tick_rate_hz");
+  }
+}
+
+TEST(Controller, RefusesAGloveWhosePosesDoNotFit) {
+  GloveCalibration nameless = PlainGlove(4);
+  nameless.channel_names.pop_back();
+  EXPECT_THROW(Controller(ControllerConfig{}, nameless, CoupledHand(4)), SettingError);
   GloveCalibration flat = PlainGlove(4);
   flat.high_counts[2] = flat.low_counts[2];
   EXPECT_THROW(Controller(ControllerConfig{}, flat, CoupledHand(4)), SettingError);
+}
+
+TEST(Controller, HoldsTheReferenceOfJointsThatNoChannelMeasures) {
+  TendonTransmission hand = CoupledHand(4);
+  hand.reference_angle_rad.assign(4, 0.6);
+  Controller controller(ControllerConfig{}, PlainGlove(2), hand, kEventPerSample);
+  controller.Step({.counts = std::vector<double>{400.0, 600.0}});
+  EXPECT_EQ(controller.channel_count(), 2);
+  EXPECT_EQ(controller.joint_count(), 4);
+  EXPECT_THAT(controller.target_angle_rad(),
+              testing::Pointwise(testing::DoubleNear(1e-12), {0.5, 1.0, 0.6, 0.6}));
+  // 0.4 of the joint before passes on to each spool: C d = [-0.1, 0.4 - 0.04, 0.16, 0].
+  EXPECT_THAT(controller.Step().motor_counts, testing::ElementsAre(502, 548, 528, 512));
+}
+
+TEST(Controller, HasEventsBetweenTheSamplesOfASlowGlove) {
+  // Samples every 3 ticks, events every 2.5: at ticks 0, 3, 5, 8, 10, 13, ..
+  Controller controller =
+      Make(WithFilter(NoFilterConfig{}), 1,
+           {.tick_rate_hz = 1000.0, .ticks_per_sample = 3, .event_period_ms = 2.5});
+  std::vector<int> events;
+  std::vector<std::int32_t> sent;
+  for (int tick = 0; tick < 14; ++tick) {
+    const double counts = 200.0 + 40.0 * tick;
+    const Command command =
+        tick % 3 == 0 ? controller.Step({.counts = {&counts, 1}}) : controller.Step();
+    if (!command.event) continue;
+    events.push_back(tick);
+    sent.push_back(command.motor_counts[0]);
+  }
+  EXPECT_THAT(events, testing::ElementsAre(0, 3, 5, 8, 10, 13));
+  // Each frame tells of the newest sample: of ticks 0, 3, 3, 6, 9, 12, at 10 counts a tick.
+  EXPECT_THAT(sent, testing::ElementsAre(512, 542, 542, 572, 602, 632));
 }
 
 }  // namespace

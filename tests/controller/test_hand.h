@@ -9,7 +9,10 @@ namespace gauntlet::controller {
 /// A glove whose channels go from 200 counts at 0 rad to 800 counts at 1.5 rad.
 inline GloveCalibration PlainGlove(int channels) {
   const auto n = static_cast<std::size_t>(channels);
-  return {.low_counts = std::vector<double>(n, 200.0),
+  std::vector<std::string> names;
+  for (int i = 0; i < channels; ++i) names.push_back("joint_" + std::to_string(i));
+  return {.channel_names = names,
+          .low_counts = std::vector<double>(n, 200.0),
           .high_counts = std::vector<double>(n, 800.0),
           .low_angle_rad = std::vector<double>(n, 0.0),
           .high_angle_rad = std::vector<double>(n, 1.5)};
@@ -22,7 +25,7 @@ inline TendonTransmission CoupledHand(int channels) {
   TendonTransmission hand;
   hand.coupling.assign(n * n, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
-    hand.channel_names.push_back("joint_" + std::to_string(i));
+    hand.joint_names.push_back("joint_" + std::to_string(i));
     hand.motor_names.push_back("motor_" + std::to_string(i));
     hand.coupling[i * n + i] = 1.0;
     if (i > 0) hand.coupling[i * n + i - 1] = 0.4;

@@ -97,6 +97,14 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
 
 }  // namespace
 
+double VarianceOfNoise(const NoiseConfig& config, const ConverterConfig& converter, int channel) {
+  const double scale = converter.full_scale_counts() / kNoiseFullScaleCounts;
+  const double white =
+      config.kind == WhiteNoiseKind::kNone ? 0.0 : config.VarianceCounts2(channel);
+  const double hum = 0.5 * config.mains_amplitude_counts * config.mains_amplitude_counts;
+  return scale * scale * (white + config.pink_variance_counts2 + hum);
+}
+
 void AddNoise(const NoiseConfig& config, const SensorConfig& sensor,
               const ConverterConfig& converter, double rate_hz, std::uint64_t seed, Signal& counts,
               std::vector<std::string>& remarks) {

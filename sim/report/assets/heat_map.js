@@ -1,4 +1,4 @@
-// Channels x controllers for one score. The worst cell of the map is the warmest.
+// Joints, motors or cables x controllers for one score. The worst cell of the map is the warmest.
 
 const HEAT_MOST_PERCENT = 80;  // the text stays readable on the warmest cell
 
@@ -12,8 +12,11 @@ function heatCell(value, low, high, lower_is_better) {
 }
 
 function drawHeatMap(data, metric, onChannel) {
-  const values = data.controllers.flatMap((c) => c.channels.map((channel) => channel[metric]))
+  const values = data.controllers.flatMap((c) => c.rows.map((row) => row[metric]))
     .filter((value) => value !== null);
+  // Only what has this score: cables have no tracking error.
+  const rows = data.rows.map((_, row) => row)
+    .filter((row) => data.controllers.some((c) => c.rows[row][metric] !== null));
   const low = Math.min(...values);
   const high = Math.max(...values);
   const {lower_is_better} = data.metrics[metric];
@@ -25,11 +28,17 @@ function drawHeatMap(data, metric, onChannel) {
   map.replaceChildren(
     element("thead", {}, element("tr", {}, element("td"),
       ...data.controllers.map((_, c) => element("th", {scope: "col"}, ...controllerLabel(data, c))))),
-    element("tbody", {}, ...data.channels.map((name, channel) => element("tr", {"data-channel": name},
-      element("th", {scope: "row"}, element("button", {type: "button",
-        title: `Show the curves of ${name}`, onclick: () => onChannel(name)}, name)),
+    element("tbody", {}, ...rows.map((row) => element("tr", {"data-channel": data.rows[row]},
+      element("th", {scope: "row"}, heatName(data, data.rows[row], onChannel)),
       ...data.controllers.map((c) =>
-        heatCell(c.channels[channel][metric], low, high, lower_is_better))))));
+        heatCell(c.rows[row][metric], low, high, lower_is_better))))));
+}
+
+// A joint leads to its curves; motors and cables have none.
+function heatName(data, name, onChannel) {
+  if (!data.channels.includes(name)) return name;
+  return element("button", {type: "button", title: `Show the curves of ${name}`,
+    onclick: () => onChannel(name)}, name);
 }
 
 function markChannel(name) {
@@ -41,7 +50,7 @@ function markChannel(name) {
 function startHeatMap(data, onChannel) {
   const select = byId("heat-metric");
   data.metrics.forEach((metric, m) => {
-    if (!data.controllers.some((c) => c.channels.some((channel) => channel[m] !== null))) return;
+    if (!data.controllers.some((c) => c.rows.some((row) => row[m] !== null))) return;
     const {name, unit} = metricName(metric.key);
     select.append(element("option", {value: m}, unit ? `${name}, ${unit}` : name));
   });

@@ -15,12 +15,12 @@ function seedsText(data, estimate) {
 function scoreCell(data, metric, controller) {
   const c = data.controllers[controller];
   const estimate = c.summary[metric];
-  const best = c.rank[metric] === 1 && data.controllers.length > 1;
-  const worse = c.worse_than_raw[metric] === true;
+  const best = data.comparison && c.rank[metric] === 1 && data.controllers.length > 1;
+  const worse = c.worse_than_baseline[metric] === true;
   const means = data.controllers.map((other) => other.summary[metric][0]);
   const largest = Math.max(...means.map((mean) => mean ?? 0));
   const bars = largest > 0 && means.every((mean) => mean === null || mean >= 0);
-  const said = best ? "best" : worse ? "worse than without a filter" : "";
+  const said = best ? "best" : worse ? `worse than ${data.baseline}` : "";
   return element("td", {class: worse ? "worse" : best ? "best" : null, title: said || null},
     element("span", {class: "value"}, formatNumber(estimate[0])),
     data.comparison ? element("span", {class: "spread"}, spreadText(estimate),
@@ -34,17 +34,18 @@ function scoreCell(data, metric, controller) {
       : null);
 }
 
-// Below an opened row: how the score is defined, and each controller's paired difference to raw.
+// Below an opened row: how the score is defined, and each controller's paired difference to the
+// baseline.
 function definitionRow(data, metric, id) {
   const {key, definition} = data.metrics[metric];
   const row = element("tr", {class: "definition", id, hidden: true},
     element("th", {scope: "row"}, definition, element("br"), element("code", {}, key)));
   for (const controller of data.controllers) {
-    const difference = controller.difference_to_raw[metric];
+    const difference = controller.difference_to_baseline[metric];
     const cell = element("td");
     if (difference && difference[0] !== null) {
       const sign = difference[0] > 0 ? "+" : "";
-      cell.append(`${sign}${formatNumber(difference[0])} to raw`);
+      cell.append(`${sign}${formatNumber(difference[0])} to ${data.baseline}`);
       if (data.comparison && difference[1] !== null) {
         cell.append(element("br"),
           `[${formatNumber(difference[1])}, ${formatNumber(difference[2])}]`);
@@ -80,7 +81,7 @@ function metricRows(data, metric) {
 
 function controllerHead(data, c) {
   const controller = data.controllers[c];
-  const tags = [controller.raw ? "no filter" : "", controller.problem ? "stopped early" : ""];
+  const tags = [controller.baseline ? "baseline" : "", controller.problem ? "stopped early" : ""];
   return element("th", {scope: "col"}, ...controllerLabel(data, c),
     ...tags.filter(Boolean).map((tag) => element("span", {class: "tag"}, tag)));
 }
@@ -117,12 +118,14 @@ function drawScoreTable(data) {
   update();
 
   byId("scores-note").textContent = data.comparison
-    ? `Means over ${data.seeds.length} seeds, ± half of the 95 % interval; averaged over channels. ` +
-      "Each score opens its definition and the paired difference to raw."
-    : "Averaged over channels. Each score opens its definition.";
-  const worse = data.controllers.some((c) => c.worse_than_raw.includes(true));
-  byId("scores-legend").textContent = (data.controllers.length > 1 ? "★ best" : "") + (worse
-    ? "\u2003▲ worse than without a filter" +
-      (data.comparison ? ": the whole interval of the paired difference says so" : "")
+    ? `Means over ${data.seeds.length} seeds, ± half of the 95 % interval; averaged over joints, ` +
+      "motors or cables. Each score opens its definition" +
+      (data.baseline ? ` and the paired difference to ${data.baseline}.` : ".")
+    : "One run: nothing is said about chance. Averaged over joints, motors or cables. " +
+      "Each score opens its definition.";
+  const worse = data.controllers.some((c) => c.worse_than_baseline.includes(true));
+  const stars = data.comparison && data.controllers.length > 1 ? "★ best" : "";
+  byId("scores-legend").textContent = stars + (worse
+    ? `\u2003▲ worse than ${data.baseline}: the whole interval of the paired difference says so`
     : "");
 }

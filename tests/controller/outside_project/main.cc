@@ -4,11 +4,12 @@
 
 int main() {
   namespace gc = gauntlet::controller;
-  const gc::GloveCalibration glove = {.low_counts = {200, 200},
+  const gc::GloveCalibration glove = {.channel_names = {"a", "b"},
+                                      .low_counts = {200, 200},
                                       .high_counts = {800, 800},
                                       .low_angle_rad = {0, 0},
                                       .high_angle_rad = {1.5, 1.5}};
-  const gc::TendonTransmission hand = {.channel_names = {"a", "b"},
+  const gc::TendonTransmission hand = {.joint_names = {"a", "b"},
                                        .motor_names = {"a", "b"},
                                        .coupling = {1, 0, 0.5, 1},
                                        .reference_angle_rad = {0, 0},

@@ -1,4 +1,6 @@
-#include "sim/hand/drive.h"
+#include "sim/hand/follower.h"
+
+#include <mujoco/mujoco.h>
 
 namespace gauntlet::sim {
 
@@ -34,19 +36,6 @@ std::vector<Follower> FindFollowers(const mjModel& model) {
     followers.push_back(follower);
   }
   return followers;
-}
-
-std::vector<double> PostureOf(const mjModel& model, const std::vector<int>& channel_joints,
-                              const std::vector<double>& joint_angle_rad,
-                              const std::vector<Follower>& followers) {
-  std::vector<double> qpos(model.qpos0, model.qpos0 + model.nq);
-  for (std::size_t channel = 0; channel < channel_joints.size(); ++channel) {
-    qpos[model.jnt_qposadr[channel_joints[channel]]] = joint_angle_rad[channel];
-  }
-  for (const Follower& follower : followers) {
-    qpos[follower.qpos] = follower.Angle(qpos[follower.leader_qpos]);
-  }
-  return qpos;
 }
 
 }  // namespace gauntlet::sim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/hand/engine_types.h"
+
+namespace gauntlet::sim {
+
+/// A joint without a motor of its own that follows another one by a linkage:
+///
+///     angle = zero + sum_k coefficient[k] (leader - leader_zero)^k
+struct Follower {
+  int qpos = 0;
+  int dof = 0;
+  int leader_qpos = 0;
+  int leader_dof = 0;
+  double zero_rad = 0.0;
+  double leader_zero_rad = 0.0;
+  double coefficient[5] = {};
+
+  double Angle(double leader_rad) const noexcept;
+  double Slope(double leader_rad) const noexcept;
+};
+
+/// Joints of the model that follow another by an equality constraint.
+std::vector<Follower> FindFollowers(const mjModel_& model);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "controller/controller_config.h"
+#include "sim/base/timing.h"
+#include "sim/hand/drive.h"
+#include "sim/hand/grasp.h"
+#include "sim/hand/hand_config.h"
+
+namespace gauntlet::sim {
+
+/// The hand and arm as one compiled, const model, shared by all threads of a comparison.
+///
+/// The model declares all that there is: a motor is an actuator NAME on the spool joint NAME_spool
+/// with the drum NAME_drum, the cable NAME_flexor and, unless springs pull back, NAME_extensor. A
+/// joint is every other hinge that a cable moves and that does not follow another by a linkage;
+/// joints with a motor of their own name come first, in the order of motors, then the others in the
+/// model's order.
+/// Errors: UserError for settings that the model cannot take.
+class HandModel {
+ public:
+  HandModel(const HandConfig& config, const LoopTiming& timing);
+  /// At ticks of 1 ms.
+  explicit HandModel(const HandConfig& config);
+  HandModel(const HandModel&) = delete;
+  HandModel& operator=(const HandModel&) = delete;
+
+  const mjModel_& model() const { return *model_; }
+  const HandConfig& config() const { return config_; }
+  const LoopTiming& timing() const { return timing_; }
+  /// What a controller must know of this hand: joints, motors, coupling, ranges, counts.
+  const controller::TendonTransmission& transmission() const { return transmission_; }
+  const std::vector<std::string>& joint_names() const { return transmission_.joint_names; }
+  const std::vector<std::string>& motor_names() const { return transmission_.motor_names; }
+  /// Of all motors in their order: first the flexor, then the extensor if there is one.
+  const std::vector<std::string>& cable_names() const { return cable_names_; }
+
+  const std::vector<HandJoint>& joints() const { return joints_; }
+  const std::vector<Follower>& followers() const { return followers_; }
+  const std::vector<Drive>& drives() const { return drives_; }
+  const GraspParts& grasp() const { return grasp_; }
+
+  /// Of the compiled model and everything that shapes it, for `scenario.resolved.yaml`.
+  std::string Hash() const;
+  /// Of MuJoCo, as "2.2.2".
+  static std::string EngineVersion();
+
+ private:
+  HandConfig config_;
+  LoopTiming timing_;
+  std::unique_ptr<mjModel_, void (*)(mjModel_*)> model_;
+  std::vector<HandJoint> joints_;
+  std::vector<Follower> followers_;
+  std::vector<Drive> drives_;
+  GraspParts grasp_;
+  std::vector<std::string> cable_names_;
+  controller::TendonTransmission transmission_;
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,37 @@
+#include "sim/loop/hand_loop.h"
+
+#include <utility>
+
+namespace gauntlet::sim {
+
+HandLoop::HandLoop(const controller::ControllerConfig& config,
+                   const controller::GloveCalibration& glove,
+                   const controller::JointMapConfig& joint_map,
+                   std::shared_ptr<const HandModel> hand)
+    : controller_(config, glove, hand->transmission(), hand->timing().controller, joint_map),
+      link_(hand->timing().event_delay_ticks,
+            hand->timing().controller.TicksOf(hand->timing().controller.event_period_ms),
+            controller_.motor_count()),
+      hand_(std::move(hand)) {}
+
+void HandLoop::Reset(std::span<const double> joint_angle_rad) {
+  controller_.Reset();
+  link_.Reset();
+  hand_.Reset(joint_angle_rad);
+  tick_ = 0;
+}
+
+void HandLoop::Step(const controller::GloveSample& sample) noexcept {
+  Advance(controller_.Step(sample));
+}
+
+void HandLoop::Step() noexcept { Advance(controller_.Step()); }
+
+void HandLoop::Advance(const controller::Command& command) noexcept {
+  if (command.event) link_.Send(tick_, command.motor_counts);
+  if (const auto frame = link_.Arriving(tick_); !frame.empty()) hand_.SetCommand(frame);
+  hand_.Step();
+  ++tick_;
+}
+
+}  // namespace gauntlet::sim

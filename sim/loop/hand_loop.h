@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "controller/controller.h"
+#include "sim/hand/hand.h"
+#include "sim/loop/event_link.h"
+
+namespace gauntlet::sim {
+
+/// Controller, link and hand as one: glove samples in, a moving hand out. The same loop runs in
+/// trials and live; who calls Step() owns the time.
+///
+///     sample -> controller -> (event) -> link -> (delay) -> servos, cables, joints
+class HandLoop {
+ public:
+  /// The clocks are those of `hand`. Errors: SettingError of the controller.
+  HandLoop(const controller::ControllerConfig& config, const controller::GloveCalibration& glove,
+           const controller::JointMapConfig& joint_map, std::shared_ptr<const HandModel> hand);
+
+  /// Controller as new, nothing on its way, the hand at rest in this posture [rad, per joint].
+  void Reset(std::span<const double> joint_angle_rad);
+
+  /// One tick, with a new sample of the glove or without one. Neither throws nor allocates. Once
+  /// the hand's health is bad nothing happens any more.
+  void Step(const controller::GloveSample& sample) noexcept;
+  void Step() noexcept;
+
+  const controller::Controller& controller() const noexcept { return controller_; }
+  const Hand& hand() const noexcept { return hand_; }
+
+ private:
+  void Advance(const controller::Command& command) noexcept;
+
+  controller::Controller controller_;
+  EventLink link_;
+  Hand hand_;
+  std::int64_t tick_ = 0;
+};
+
+}  // namespace gauntlet::sim

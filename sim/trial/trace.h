@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/base/signal.h"
+#include "sim/hand/hand.h"
+
+namespace gauntlet::sim {
+
+/// Everything that happened in one trial, one row per tick.
+struct Trace {
+  std::string controller_name;
+  Signal linearised_angle_rad;   // ticks x channels: before the filter; held between samples
+  Signal filtered_angle_rad;     // ticks x channels
+  IntegerSignal command_counts;  // ticks x motors: the frame that the servos hold
+  Signal spool_angle_rad;        // ticks x motors
+  Signal spool_speed_rad_s;      // ticks x motors
+  Signal hand_angle_rad;         // ticks x joints
+  Signal tension_n;              // ticks x cables
+  Signal grip_force_n;           // ticks x 1; no columns without an object
+  Signal object_pose;            // ticks x 7: position [m] and quaternion; as above
+  std::vector<double> saturation_share;         // per motor
+  std::vector<std::int64_t> untrusted_samples;  // per channel
+  HandHealth health;  // not ok: the signals end at the moment of the problem
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,44 @@
+#include "sim/trial/trace_recorder.h"
+
+namespace gauntlet::sim {
+
+TraceRecorder::TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumnNames& names) {
+  ForEachSignal(trace, [&]<class Scalar>(const TraceSignal<Scalar>& signal, auto& matrix) {
+    const auto width = static_cast<Eigen::Index>(names.Of(signal.columns).size());
+    matrix.setZero(ticks, width);
+    if (width == 0) return;
+    using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+    const auto block = std::make_shared<Block>(Block::Zero(width, kBlockTicks));
+    columns_.push_back(
+        {.read =
+             [block, read = signal.read](const HandLoop& loop, Eigen::Index row) {
+               read(loop, {block->col(row).data(), static_cast<std::size_t>(block->rows())});
+             },
+         .move =
+             [block, &matrix](Eigen::Index first, Eigen::Index count) {
+               matrix.middleRows(first, count) = block->leftCols(count).transpose();
+             },
+         .cut =
+             [&matrix](Eigen::Index rows) { matrix.conservativeResize(rows, Eigen::NoChange); }});
+  });
+}
+
+bool TraceRecorder::Record(const HandLoop& loop) {
+  const Eigen::Index row = recorded_ - flushed_;
+  for (const Column& column : columns_) column.read(loop, row);
+  if (++recorded_ - flushed_ < kBlockTicks) return false;
+  Flush();
+  return true;
+}
+
+void TraceRecorder::Flush() {
+  for (const Column& column : columns_) column.move(flushed_, recorded_ - flushed_);
+  flushed_ = recorded_;
+}
+
+void TraceRecorder::Finish() {
+  Flush();
+  for (const Column& column : columns_) column.cut(recorded_);
+}
+
+}  // namespace gauntlet::sim
