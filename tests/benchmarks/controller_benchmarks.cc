@@ -192,7 +192,7 @@ void Register() {
   config.samples_per_event = 1;
   benchmark::RegisterBenchmark("controller_1ms_events", ControllerBenchmark, config);
   config.filters.insert(config.filters.begin(), {HampelConfig{}});
-  config.prediction.kind = PredictionKind::kKalman;
+  config.prediction = {KalmanPredictionConfig{}};
   benchmark::RegisterBenchmark("controller_everything", ControllerBenchmark, config);
 
   for (const FilterKind& kind : FilterKinds()) {

@@ -191,14 +191,13 @@ TEST(Controller, DoesNotAllocateInStepWhateverItIsMadeOf) {
   input(20, 3) = kNan;
   for (const LinearisationKind linearisation :
        {LinearisationKind::kGlove, LinearisationKind::kTable, LinearisationKind::kPolynomial}) {
-    for (const PredictionKind prediction :
-         {PredictionKind::kNone, PredictionKind::kLinear, PredictionKind::kKalman}) {
+    for (const PredictionKind& prediction : PredictionKinds()) {
       for (const Rounding rounding :
            {Rounding::kNearest, Rounding::kHysteresis, Rounding::kNoiseShaping}) {
         ControllerConfig config = WithFilter(HampelConfig{});
         config.filters.push_back({KalmanConfig{}});
         config.linearisation = Curves(linearisation);
-        config.prediction.kind = prediction;
+        config.prediction = prediction.defaults;
         config.motor.rounding = rounding;
         Controller controller = Make(config);
         const long before = AllocationCount();
@@ -289,7 +288,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ControllerFault, testing::ValuesIn(Faults()),
 
 TEST(Controller, LooksAheadWhenAsked) {
   ControllerConfig config = WithFilter(NoFilterConfig{});
-  config.prediction = {.kind = PredictionKind::kLinear, .horizon_ms = 40.0, .window_ms = 20.0};
+  config.prediction = {LinearPredictionConfig{.horizon_ms = 40.0, .window_ms = 20.0}};
   Controller controller = Make(config);
   for (int k = 0; k < 100; ++k) {
     const std::vector<double> counts(kChannels, 300.0 + 0.5 * k);
@@ -360,7 +359,7 @@ TEST(Controller, DoesNotNoticeThatTheSameSettingsAreLoaded) {
   for (const FilterKind& kind : FilterKinds()) {
     ControllerConfig config = WithFilter(kind.defaults.settings);
     config.samples_per_event = 20;
-    config.prediction.kind = PredictionKind::kKalman;
+    config.prediction = {KalmanPredictionConfig{}};
     config.motor.rounding = Rounding::kNoiseShaping;
     Controller controller = Make(config);
     Controller undisturbed = Make(config);
@@ -412,7 +411,7 @@ TEST(Controller, SurvivesAnythingThatAGloveCanSend) {
   TestNoise noise(77);
   for (const FilterKind& kind : FilterKinds()) {
     ControllerConfig config = WithFilter(kind.defaults.settings);
-    config.prediction.kind = PredictionKind::kKalman;
+    config.prediction = {KalmanPredictionConfig{}};
     Controller controller = Make(config);
     std::vector<double> counts(kChannels);
     for (int k = 0; k < 2000; ++k) {
