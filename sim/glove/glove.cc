@@ -66,13 +66,13 @@ Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& trem
 
 void AddRemarksOnFaults(const GloveConfig& config, int samples, std::vector<std::string>& remarks) {
   for (std::size_t i = 0; i < config.faults.size(); ++i) {
-    const FaultConfig& fault = config.faults[i];
+    const double start_s = config.faults[i].when().start_s;
     const double end_s = samples / config.rate_hz;
-    if (fault.start_s < end_s) continue;
-    remarks.push_back(fmt::format(
-        "glove.faults[{}]: {} never comes: start_s is {}, the motion ends "
-        "at {} s",
-        i, FaultKinds()[static_cast<std::size_t>(fault.kind)].name, fault.start_s, end_s));
+    if (start_s < end_s) continue;
+    remarks.push_back(
+        fmt::format("glove.faults[{}]: {} never comes: start_s is {}, the motion ends "
+                    "at {} s",
+                    i, config.faults[i].kind(), start_s, end_s));
   }
 }
 
@@ -108,13 +108,16 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   glove.reference_name = std::move(motion.reference_name);
   glove.remarks = std::move(motion.remarks);
 
-  ApplySamplingFaults(config.faults, config.rate_hz, seed, glove.counts);
+  glove.faults = DrawFaults(config.faults, samples, config.rate_hz, seed);
+  const auto apply_faults = [&](FaultStage stage) {
+    ApplyFaults(stage, config.faults, full_scale, config.rate_hz, seed, glove.counts);
+  };
+  apply_faults(FaultStage::kSampling);
   AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
            glove.remarks);
-  ApplyAnalogFaults(config.faults, full_scale, config.rate_hz, seed, glove.counts);
+  apply_faults(FaultStage::kAnalog);
   ConvertAll(full_scale, glove.counts);
-  ApplyDigitalFaults(config.faults, full_scale, config.rate_hz, seed, glove.counts);
-  glove.faults = DrawFaults(config.faults, samples, config.rate_hz, seed);
+  apply_faults(FaultStage::kDigital);
   AddRemarksOnFaults(config, samples, glove.remarks);
   KeepChannels(indices, glove);
   return glove;

@@ -18,9 +18,9 @@ struct GloveSignal {
   double rate_hz = 1000.0;
   Signal true_angle_rad;  // samples x channels
   Signal counts;          // samples x channels, whole numbers; NaN where a sample is missing
-  std::vector<MotionSegment> segments;
-  std::string reference_name;  // what the scores compare with, in words: "ground truth"
-  Signal tremor_rad;           // samples x channels: part of the motion; no rows if there is none
+  std::vector<Segment> segments;  // that a person labelled
+  std::string reference_name;     // what the scores compare with, in words: "ground truth"
+  Signal tremor_rad;  // samples x channels: part of the motion; no rows if there is none
   std::vector<FaultEvent> faults;    // the truth of each fault
   std::vector<std::string> remarks;  // what was repaired in a recording, one line each
 };

@@ -5,31 +5,24 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/segment.h"
 #include "sim/base/signal.h"
 
 namespace gauntlet::sim {
-
-/// A stretch of the wearer's motion with a name: rest, slow, fast, onset or reversal. Other names
-/// are passed over. Samples [begin, end).
-struct LabelledSegment {
-  std::string label;
-  int begin = 0;
-  int end = 0;
-};
 
 /// The signals of one trial that scores are made of. Views: the owner outlives the scoring. All but
 /// the two angles may be missing; the scores that need them are then NaN.
 struct ScoreInput {
   double rate_hz = 1000.0;
-  const Signal* reference_angle_rad = nullptr;     // samples x channels, what the wearer did
-  const Signal* hand_angle_rad = nullptr;          // samples x channels, what the hand did
-  const IntegerSignal* command_counts = nullptr;   // samples x motors, one motor per channel
-  const Signal* motor_speed_rad_s = nullptr;       // samples x motors
-  const Signal* tension_n = nullptr;               // samples x cables
-  std::span<const int> cable_channel = {};         // per cable: the channel that it moves
-  const Signal* grip_force_n = nullptr;            // samples x 1: of the hand on an object
-  std::span<const double> saturation_share = {};   // per motor
-  std::span<const LabelledSegment> segments = {};  // in place of a split by the wearer's speed
+  const Signal* reference_angle_rad = nullptr;    // samples x channels, what the wearer did
+  const Signal* hand_angle_rad = nullptr;         // samples x channels, what the hand did
+  const IntegerSignal* command_counts = nullptr;  // samples x motors, one motor per channel
+  const Signal* motor_speed_rad_s = nullptr;      // samples x motors
+  const Signal* tension_n = nullptr;              // samples x cables
+  std::span<const int> cable_channel = {};        // per cable: the channel that it moves
+  const Signal* grip_force_n = nullptr;           // samples x 1: of the hand on an object
+  std::span<const double> saturation_share = {};  // per motor
+  std::span<const Segment> segments = {};         // win over the split by the wearer's speed
 };
 
 /// One score that Gauntlet knows. The unit is the suffix of the key.

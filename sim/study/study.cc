@@ -22,10 +22,6 @@ struct SharedGlove {
 };
 
 Scores Score(const GloveSignal& glove, const Trace& trace, const std::vector<int>& cable_channel) {
-  std::vector<LabelledSegment> segments;
-  for (const MotionSegment& segment : glove.segments) {
-    segments.push_back({segment.label, segment.begin, segment.end});
-  }
   ScoreInput input;
   input.rate_hz = glove.rate_hz;
   input.reference_angle_rad = &glove.true_angle_rad;
@@ -36,7 +32,7 @@ Scores Score(const GloveSignal& glove, const Trace& trace, const std::vector<int
   input.cable_channel = cable_channel;
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   input.saturation_share = trace.saturation_share;
-  input.segments = segments;
+  input.segments = glove.segments;
   return ComputeScores(input);
 }
 
