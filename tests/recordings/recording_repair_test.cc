@@ -286,6 +286,24 @@ TEST(Recording, FillsShortGapsAndMasksLongOnes) {
   }
 }
 
+TEST(Recording, HeldShowsTheNewestRowAndNeverOneToCome) {
+  Recording recording;
+  recording.has_channel.assign(18, true);
+  // A row 0.4 us late by rounding counts at its sample; a missing value holds the one before.
+  recording.time_s = {0.0, 0.0100004, 0.02, 0.0303, 0.2, 0.21};
+  recording.angle_rad = Signal::Zero(6, 18);
+  recording.angle_rad.col(0) << 1, 2, std::numeric_limits<double>::quiet_NaN(), 4, 5, 6;
+  const Resampled held = Resample(recording, 0, 0.0, 1000.0, 221, 0.05, Resampling::kHold);
+  for (int i = 0; i <= 220; ++i) {
+    const double expected = i < 10 ? 1 : i < 31 ? 2 : i < 200 ? 4 : i < 210 ? 5 : 6;
+    EXPECT_EQ(held.value[i], expected) << i;
+    // The row at 30.3 ms is known at 31 ms; then nothing comes for long.
+    EXPECT_EQ(held.mask[i], i > 31 && i < 200) << i;
+  }
+  // In the middle of that gap nothing is known, at its start neither.
+  EXPECT_TRUE(Resample(recording, 0, 0.1, 1000.0, 2, 0.05, Resampling::kHold).mask[0]);
+}
+
 class Files : public ::testing::Test {
  protected:
   Files() { std::filesystem::create_directories(folder_); }
@@ -482,6 +500,31 @@ TEST_F(Files, OfNoiseHaveTheirGlitchesLeftOut) {
   EXPECT_THAT(SynthesiseGlove(config, 1).remarks,
               ElementsAre(HasSubstr("index_mcp: glitch, value left out: 1 times, first in row "
                                     "202")));
+}
+
+TEST_F(Files, AreHeldWhereAGloveMeasuredAndInterpolatedWhereTheyAreTheTruth) {
+  // A ramp of 1 deg per row at 50 Hz.
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i <= 100; ++i) text += fmt::format("{},{}\n", 0.02 * i, 0.5 * i);
+  RecordedMotionConfig recording = {.file = Write("ramp.csv", text)};
+  const auto steps = [&](const Signal& signal) {
+    const auto column = signal.col(ChannelIndex("index_mcp"));
+    return (column.head(2000).array() != column.segment(1, 2000).array()).count();
+  };
+  const auto measured = [&] {
+    const MotionContext context;
+    const Motion motion = MakeMotion(recording, context);
+    return steps(recording.use == RecordingUse::kTruth ? motion.angle_rad : motion.measured_rad);
+  };
+  EXPECT_EQ(measured(), 2000);
+  recording.resample = Resampling::kHold;
+  EXPECT_EQ(measured(), 100);
+  recording.resample.reset();
+  recording.use = RecordingUse::kMeasured;
+  EXPECT_EQ(measured(), 100);
+  EXPECT_GT(steps(MakeMotion(recording, {}).angle_rad), 1900);  // the reference is smooth
+  recording.resample = Resampling::kCubic;
+  EXPECT_EQ(measured(), 2000);
 }
 
 TEST_F(Files, LongerThanAnyMotionNeedADuration) {

@@ -84,6 +84,18 @@ TEST(Scenario, APredictionHasTheKeysOfItsKindOnly) {
   }
 }
 
+TEST(Scenario, ARecordingSaysWhatLiesBetweenItsRows) {
+  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/sign_glove.yaml";
+  const auto text_with = [&](const std::vector<std::string>& overrides) {
+    return ScenarioToYaml(LoadScenario(file, overrides));
+  };
+  EXPECT_THAT(text_with({}), testing::HasSubstr("resample: hold"));
+  EXPECT_THAT(text_with({"glove.motion.use=truth"}), testing::HasSubstr("resample: cubic"));
+  EXPECT_THAT(text_with({"glove.motion.resample=cubic"}), testing::HasSubstr("resample: cubic"));
+  EXPECT_THAT(text_with({"glove.motion.use=truth", "glove.motion.resample=hold"}),
+              testing::HasSubstr("resample: hold"));
+}
+
 TEST(Scenario, AnOverrideCannotInventAController) {
   const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
   EXPECT_THROW(LoadScenario(file, {"controllers.rav.filter=none"}), UserError);

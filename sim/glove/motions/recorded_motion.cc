@@ -39,9 +39,9 @@ Recording Load(const RecordedMotionConfig& config, const RecordingFormat& format
 }
 
 /// The stretch at the sampling rate; channels that the recording lacks hold the posture `rest`.
-/// Where `masked`, a sample in a long gap is NaN; else it is interpolated too.
+/// Where `masked`, a sample in a long gap is NaN; else it is made like all others.
 Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recording,
-                      std::size_t samples, double rate_hz, bool masked) {
+                      std::size_t samples, double rate_hz, Resampling how, bool masked = false) {
   const std::vector<double> rest = PostureAngles(0);
   Signal angle_rad(static_cast<Eigen::Index>(samples), static_cast<Eigen::Index>(rest.size()));
   for (std::size_t channel = 0; channel < rest.size(); ++channel) {
@@ -52,7 +52,7 @@ Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recor
     }
     const Resampled resampled =
         Resample(recording, static_cast<Eigen::Index>(channel), config.start_s, rate_hz, samples,
-                 1e-3 * config.longest_gap_ms);
+                 1e-3 * config.longest_gap_ms, how);
     for (std::size_t i = 0; i < samples; ++i) {
       column[static_cast<Eigen::Index>(i)] = masked && resampled.mask[i]
                                                  ? std::numeric_limits<double>::quiet_NaN()
@@ -119,6 +119,15 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
   controller::VisitEnum(
       visitor, {.key = "use", .help = "the wearer's true motion, or what a real glove measured"},
       kUseNames, use);
+  Resampling how = resampling();
+  controller::VisitEnum(
+      visitor,
+      {.key = "resample",
+       .help = "between two rows of the file: hold, the newest row, as a fast loop reads a slow "
+               "glove; cubic, shape-preserving interpolation. Default: hold for use: measured, "
+               "cubic for truth; a reference is always cubic"},
+      kResamplingNames, how);
+  if (how != resampling()) resample = how;
   if (use == RecordingUse::kTruth) return;
   visitor.Path({.key = "reference", .help = "recording of the truth at the same times, if any"},
                reference);
@@ -135,12 +144,16 @@ Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& conte
   const std::size_t samples = SampleCount(config, recording, context);
   Motion motion;
   motion.remarks = recording.remarks;
-  motion.angle_rad = AtSamplingRate(config, recording, samples, context.rate_hz, false);
-  if (config.use == RecordingUse::kMeasured) {
-    motion.measured_rad = AtSamplingRate(config, recording, samples, context.rate_hz, true);
+  const bool is_truth = config.use == RecordingUse::kTruth;
+  motion.angle_rad = AtSamplingRate(config, recording, samples, context.rate_hz,
+                                    is_truth ? config.resampling() : Resampling::kCubic);
+  if (!is_truth) {
+    motion.measured_rad =
+        AtSamplingRate(config, recording, samples, context.rate_hz, config.resampling(), true);
     if (!config.reference.empty()) {
       const Recording truth = Load(config, format, config.reference);
-      motion.angle_rad = AtSamplingRate(config, truth, samples, context.rate_hz, false);
+      motion.angle_rad =
+          AtSamplingRate(config, truth, samples, context.rate_hz, Resampling::kCubic);
       motion.reference_name = "recorded reference";
       motion.remarks.insert(motion.remarks.end(), truth.remarks.begin(), truth.remarks.end());
     } else {
