@@ -64,6 +64,20 @@ Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& trem
                    full_scale);
 }
 
+/// From the sensors' signal to what the glove says: faults of each stage, noise, converter.
+void Digitise(const GloveConfig& config, std::uint64_t seed, GloveSignal& glove) {
+  const double full_scale = config.converter.full_scale_counts();
+  const auto apply_faults = [&](FaultStage stage) {
+    ApplyFaults(stage, config.faults, full_scale, config.rate_hz, seed, glove.counts);
+  };
+  apply_faults(FaultStage::kSampling);
+  AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
+           glove.remarks);
+  apply_faults(FaultStage::kAnalog);
+  ConvertAll(full_scale, glove.counts);
+  apply_faults(FaultStage::kDigital);
+}
+
 void AddRemarksOnFaults(const GloveConfig& config, int samples, std::vector<std::string>& remarks) {
   for (std::size_t i = 0; i < config.faults.size(); ++i) {
     const double start_s = config.faults[i].when().start_s;
@@ -82,7 +96,6 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   controller::CheckSettings(config);
   config.noise.Check();
   const std::vector<int> indices = ChannelsOf(config);
-  const double full_scale = config.converter.full_scale_counts();
 
   Motion motion = controller::WithinSetting("motion", [&] {
     return SynthesiseMotion(config.motion, {.rate_hz = config.rate_hz,
@@ -109,15 +122,7 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   glove.remarks = std::move(motion.remarks);
 
   glove.faults = DrawFaults(config.faults, samples, config.rate_hz, seed);
-  const auto apply_faults = [&](FaultStage stage) {
-    ApplyFaults(stage, config.faults, full_scale, config.rate_hz, seed, glove.counts);
-  };
-  apply_faults(FaultStage::kSampling);
-  AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
-           glove.remarks);
-  apply_faults(FaultStage::kAnalog);
-  ConvertAll(full_scale, glove.counts);
-  apply_faults(FaultStage::kDigital);
+  Digitise(config, seed, glove);
   AddRemarksOnFaults(config, samples, glove.remarks);
   KeepChannels(indices, glove);
   return glove;

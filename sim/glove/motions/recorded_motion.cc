@@ -90,6 +90,30 @@ std::size_t SampleCount(const RecordedMotionConfig& config, const Recording& rec
   return static_cast<std::size_t>(std::floor(available_s * context.rate_hz + 1e-6)) + 1;
 }
 
+/// What the recording stands for, and the settings that depend on it.
+void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config) {
+  controller::VisitEnum(
+      visitor, {.key = "use", .help = "the wearer's true motion, or what a real glove measured"},
+      kUseNames, config.use);
+  Resampling how = config.resampling();
+  controller::VisitEnum(
+      visitor,
+      {.key = "resample",
+       .help = "between two rows of the file: hold, the newest row, as a fast loop reads a slow "
+               "glove; cubic, shape-preserving interpolation. Default: hold for use: measured, "
+               "cubic for truth; a reference is always cubic"},
+      kResamplingNames, how);
+  if (how != config.resampling()) config.resample = how;
+  if (config.use == RecordingUse::kTruth) return;
+  visitor.Path({.key = "reference", .help = "recording of the truth at the same times, if any"},
+               config.reference);
+  visitor.Number({.key = "smoothing_hz",
+                  .help = "without one the reference is the recording, smoothed at this cut-off",
+                  .min = 0.1,
+                  .max = 20},
+                 config.smoothing_hz);
+}
+
 }  // namespace
 
 void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
@@ -105,7 +129,7 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
       visitor, {.key = "problems", .help = "stop at the first bad value, or repair and report"},
       kProblemHandlingNames, problems);
   visitor.Number({.key = "longest_gap_ms",
-                  .help = "a shorter gap is filled by interpolation; a longer one is a problem",
+                  .help = "a shorter gap is filled; a longer one is a problem",
                   .min = 0,
                   .max = 1e7},
                  longest_gap_ms);
@@ -116,26 +140,7 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
                   .min = 0,
                   .max = kLongestMotionS},
                  duration_s);
-  controller::VisitEnum(
-      visitor, {.key = "use", .help = "the wearer's true motion, or what a real glove measured"},
-      kUseNames, use);
-  Resampling how = resampling();
-  controller::VisitEnum(
-      visitor,
-      {.key = "resample",
-       .help = "between two rows of the file: hold, the newest row, as a fast loop reads a slow "
-               "glove; cubic, shape-preserving interpolation. Default: hold for use: measured, "
-               "cubic for truth; a reference is always cubic"},
-      kResamplingNames, how);
-  if (how != resampling()) resample = how;
-  if (use == RecordingUse::kTruth) return;
-  visitor.Path({.key = "reference", .help = "recording of the truth at the same times, if any"},
-               reference);
-  visitor.Number({.key = "smoothing_hz",
-                  .help = "without one the reference is the recording, smoothed at this cut-off",
-                  .min = 0.1,
-                  .max = 20},
-                 smoothing_hz);
+  VisitUse(visitor, *this);
 }
 
 Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context) {
