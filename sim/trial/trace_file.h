@@ -14,7 +14,8 @@ namespace gauntlet::sim {
 /// every signal is a dataset, samples x columns, of 32-bit floats or integers, with the attributes
 /// `unit`, `rate_hz` and `columns` (their names). `/glove/faults` and `/glove/segments` are tables:
 /// what was wrong with the glove, and which stretches of the motion the scenario labels. The file
-/// appears when Commit() has been called. Errors: RunError with the path when the disk does not take it.
+/// appears when Commit() has been called. Errors: RunError with the path when the disk does not
+/// take it.
 class TraceWriter {
  public:
   TraceWriter(const std::filesystem::path& target, const GloveSignal& glove, const HandModel& hand,
