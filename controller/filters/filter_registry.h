@@ -19,6 +19,7 @@
 #include "controller/filters/no_filter.h"
 #include "controller/filters/one_euro_filter.h"
 #include "controller/filters/savitzky_golay_filter.h"
+#include "controller/kinds.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -35,18 +36,12 @@ using FilterSettings =
 struct FilterConfig {
   FilterSettings settings;
 
-  std::string_view kind() const;
+  std::string_view kind() const { return KindName(settings); }
   void Visit(SettingsVisitor& visitor);
 };
 
-/// One kind of filter, with the settings it has if nothing is said.
-struct FilterKind {
-  std::string_view name;
-  std::string_view summary;
-  FilterConfig defaults;
-};
-
 /// All kinds, in the order of every list and table.
+using FilterKind = Kind<FilterConfig>;
 std::span<const FilterKind> FilterKinds();
 
 /// Errors: SettingError for a setting that is not allowed or does not fit the number of channels.

@@ -118,6 +118,8 @@ const std::vector<Topic>& Topics() {
   static const std::vector<Topic> topics = {
       {"filters", "what a controller can do with the noise",
        [] { return EntriesOf(controller::FilterKinds()); }},
+      {"predictions", "how a controller can look ahead",
+       [] { return EntriesOf(controller::PredictionKinds()); }},
       {"motions", "what the wearer can do", [] { return EntriesOf(MotionKinds()); }},
       {"faults", "what can go wrong in the glove", [] { return EntriesOf(FaultKinds()); }},
       {"metrics", "what is measured", Scores},
@@ -168,7 +170,7 @@ void List(const std::string& name, bool as_json) {
       return;
     }
     for (const Topic& topic : Topics()) {
-      fmt::print("gauntlet list {:<10} {}\n", topic.name, topic.summary);
+      fmt::print("gauntlet list {:<11} {}\n", topic.name, topic.summary);
     }
     return;
   }
@@ -189,8 +191,9 @@ void List(const std::string& name, bool as_json) {
 }  // namespace
 
 void AddListCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "list", "List what there is: filters, motions, faults, metrics, channels, scenarios, keys");
+  CLI::App* command = app.add_subcommand("list",
+                                         "List what there is: filters, predictions, motions, "
+                                         "faults, metrics, channels, scenarios, keys");
   const auto name = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
   command->add_option("what", *name, "one of the lists; all are named if left out");

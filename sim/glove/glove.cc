@@ -71,15 +71,29 @@ Signal Sampled(Signal signal, int ticks_per_sample) {
   return signal(Eigen::seqN(0, samples, ticks_per_sample), Eigen::all);
 }
 
+/// From the sensors' signal to what the glove says: faults of each stage, noise, converter.
+void Digitise(const GloveConfig& config, std::uint64_t seed, GloveSignal& glove) {
+  const double full_scale = config.converter.full_scale_counts();
+  const auto apply_faults = [&](FaultStage stage) {
+    ApplyFaults(stage, config.faults, full_scale, config.rate_hz, seed, glove.counts);
+  };
+  apply_faults(FaultStage::kSampling);
+  AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
+           glove.remarks);
+  apply_faults(FaultStage::kAnalog);
+  ConvertAll(full_scale, glove.counts);
+  apply_faults(FaultStage::kDigital);
+}
+
 void AddRemarksOnFaults(const GloveConfig& config, int samples, std::vector<std::string>& remarks) {
   for (std::size_t i = 0; i < config.faults.size(); ++i) {
-    const FaultConfig& fault = config.faults[i];
+    const double start_s = config.faults[i].when().start_s;
     const double end_s = samples / config.rate_hz;
-    if (fault.start_s < end_s) continue;
-    remarks.push_back(fmt::format(
-        "glove.faults[{}]: {} never comes: start_s is {}, the motion ends "
-        "at {} s",
-        i, FaultKinds()[static_cast<std::size_t>(fault.kind)].name, fault.start_s, end_s));
+    if (start_s < end_s) continue;
+    remarks.push_back(
+        fmt::format("glove.faults[{}]: {} never comes: start_s is {}, the motion ends "
+                    "at {} s",
+                    i, config.faults[i].kind(), start_s, end_s));
   }
 }
 
@@ -89,7 +103,6 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   controller::CheckSettings(config);
   config.noise.Check();
   const std::vector<int> indices = ChannelsOf(config);
-  const double full_scale = config.converter.full_scale_counts();
 
   const controller::Timing timing = MakeGloveTiming(config.rate_hz);
   Motion motion = controller::WithinSetting("motion", [&] {
@@ -120,13 +133,8 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   glove.reference_name = std::move(motion.reference_name);
   glove.remarks = std::move(motion.remarks);
 
-  ApplySamplingFaults(config.faults, config.rate_hz, seed, glove.counts);
-  AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
-           glove.remarks);
-  ApplyAnalogFaults(config.faults, full_scale, config.rate_hz, seed, glove.counts);
-  ConvertAll(full_scale, glove.counts);
-  ApplyDigitalFaults(config.faults, full_scale, config.rate_hz, seed, glove.counts);
   glove.faults = DrawFaults(config.faults, samples, config.rate_hz, seed);
+  Digitise(config, seed, glove);
   AddRemarksOnFaults(config, samples, glove.remarks);
   KeepChannels(indices, glove);
   return glove;

@@ -20,8 +20,8 @@ struct GloveSignal {
   int ticks_per_sample = 1;
   Signal true_angle_rad;  // ticks x channels
   Signal counts;          // samples x channels, whole numbers; NaN where a sample is missing
-  std::vector<MotionSegment> segments;  // in ticks
-  std::string reference_name;           // what the scores compare with, in words: "ground truth"
+  std::vector<Segment> segments;   // that a person labelled, in ticks
+  std::string reference_name;      // what the scores compare with, in words: "ground truth"
   Signal tremor_rad;               // ticks x channels: part of the motion; no rows if there is none
   std::vector<FaultEvent> faults;  // the truth of each fault, in samples
   std::vector<std::string> remarks;  // what was repaired in a recording, one line each

@@ -160,8 +160,7 @@ namespace {
 /// R of the scenario's own glove, as `gauntlet calibrate` finds it from a hand that holds still.
 void EstimateVariance(const Scenario& scenario, bool quick, PaperExperiment& experiment) {
   GloveConfig glove = scenario.glove;
-  glove.motion.kind = MotionKind::kHold;
-  glove.motion.hold.duration_s = quick ? 5.0 : 60.0;
+  glove.motion.settings = HoldConfig{.duration_s = quick ? 5.0 : 60.0};
   const GloveSignal signal = SynthesiseGlove(glove, static_cast<std::uint64_t>(scenario.seed));
   const auto estimate = controller::EstimateNoise(signal.counts, {{0, signal.counts.rows()}});
   for (Eigen::Index c = 0; c < estimate.variance.size(); ++c) {

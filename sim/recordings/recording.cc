@@ -18,6 +18,8 @@ namespace {
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 // Rows before and behind a stretch that are read with it: a glitch at its end is known by them.
 constexpr std::size_t kRowsBeside = 3;
+// Times in files are often rounded to the microsecond: a row so little after a sample is there.
+constexpr double kSameMoment_s = 1e-6;
 
 struct Glitch {
   Eigen::Index place;
@@ -81,6 +83,51 @@ void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
   }
 }
 
+/// The values of one channel that are not missing.
+struct GoodValues {
+  std::vector<double> time_s, value;
+  double first_s, last_s;  // of all rows
+
+  /// From the good value before to that of index k. Beyond the ends of the recording a gap of
+  /// `gap_s` is assumed.
+  double GapBefore(std::size_t k, double gap_s) const {
+    const double before = k > 0 ? time_s[k - 1] : first_s - gap_s;
+    const double after = k < time_s.size() ? time_s[k] : last_s + gap_s;
+    return after - before;
+  }
+};
+
+GoodValues GoodValuesOf(const Recording& recording, Eigen::Index channel) {
+  GoodValues good{.time_s = {},
+                  .value = {},
+                  .first_s = recording.time_s.front(),
+                  .last_s = recording.time_s.back()};
+  for (std::size_t i = 0; i < recording.time_s.size(); ++i) {
+    const double angle = recording.angle_rad(static_cast<Eigen::Index>(i), channel);
+    if (!std::isfinite(angle)) continue;
+    good.time_s.push_back(recording.time_s[i]);
+    good.value.push_back(angle);
+  }
+  if (good.value.empty()) {
+    throw UserError(fmt::format("{}: {} has no good value", recording.name,
+                                GloveChannels()[static_cast<std::size_t>(channel)].name));
+  }
+  return good;
+}
+
+/// Each sample has the newest good value. In a long gap only the sample that first knows the value
+/// before the gap is not masked.
+void Hold(const GoodValues& good, double start_s, double rate_hz, double gap_s, Resampled& result) {
+  std::size_t known = 0;  // good values up to the sample
+  for (std::size_t i = 0; i < result.value.size(); ++i) {
+    const double t = start_s + static_cast<double>(i) / rate_hz;
+    while (known < good.time_s.size() && good.time_s[known] <= t + kSameMoment_s) ++known;
+    result.value[i] = good.value[known > 0 ? known - 1 : 0];
+    const bool is_new = known > 0 && t - good.time_s[known - 1] < 1.0 / rate_hz - kSameMoment_s;
+    result.mask[i] = !is_new && good.GapBefore(known, gap_s) > gap_s + 1e-9;
+  }
+}
+
 }  // namespace
 
 Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
@@ -127,28 +174,20 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
 }
 
 Resampled Resample(const Recording& recording, Eigen::Index channel, double start_s, double rate_hz,
-                   std::size_t samples, double gap_s) {
-  std::vector<double> time_s, value;
-  for (std::size_t i = 0; i < recording.time_s.size(); ++i) {
-    const double angle = recording.angle_rad(static_cast<Eigen::Index>(i), channel);
-    if (!std::isfinite(angle)) continue;
-    time_s.push_back(recording.time_s[i]);
-    value.push_back(angle);
-  }
-  if (value.empty()) {
-    throw UserError(fmt::format("{}: {} has no good value", recording.name,
-                                GloveChannels()[static_cast<std::size_t>(channel)].name));
-  }
+                   std::size_t samples, double gap_s, Resampling how) {
+  const GoodValues good = GoodValuesOf(recording, channel);
   Resampled result{std::vector<double>(samples), std::vector<bool>(samples, false)};
-  InterpolatePchip(time_s, value, start_s, rate_hz, result.value);
+  if (how == Resampling::kHold) {
+    Hold(good, start_s, rate_hz, gap_s, result);
+    return result;
+  }
+  InterpolatePchip(good.time_s, good.value, start_s, rate_hz, result.value);
   std::size_t k = 0;  // first good value after the sample
   for (std::size_t i = 0; i < samples; ++i) {
     const double t = start_s + static_cast<double>(i) / rate_hz;
-    while (k < time_s.size() && time_s[k] < t) ++k;
-    const double before = k > 0 ? time_s[k - 1] : recording.time_s.front() - gap_s;
-    const double after = k < time_s.size() ? time_s[k] : recording.time_s.back() + gap_s;
-    const bool on_a_value = k < time_s.size() && time_s[k] - t < 0.5 / rate_hz;
-    result.mask[i] = !on_a_value && after - before > gap_s + 1e-9;
+    while (k < good.time_s.size() && good.time_s[k] < t) ++k;
+    const bool on_a_value = k < good.time_s.size() && good.time_s[k] - t < 0.5 / rate_hz;
+    result.mask[i] = !on_a_value && good.GapBefore(k, gap_s) > gap_s + 1e-9;
   }
   return result;
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/base/signal.h"
@@ -29,15 +31,22 @@ struct Recording {
 Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
                         double start_s = 0.0, double duration_s = 0.0);
 
+/// How a sample between two rows of a recording is made.
+enum class Resampling {
+  kHold,   // the newest good value, as a fast loop reads a slow glove
+  kCubic,  // shape-preserving interpolation, which looks ahead to the next rows
+};
+inline constexpr std::array<std::string_view, 2> kResamplingNames = {"hold", "cubic"};
+
 /// One channel brought to another rate.
 /// `gap_s`: where neighbouring good values are further apart, `mask` is set to true.
 struct Resampled {
   std::vector<double> value;
   std::vector<bool> mask;
 };
-/// Shape-preserving interpolation of the good values of `channel` at start_s + i / rate_hz.
+/// The good values of `channel` at start_s + i / rate_hz. A sample before the first has its value.
 /// Errors: UserError if the channel has no good value.
 Resampled Resample(const Recording& recording, Eigen::Index channel, double start_s, double rate_hz,
-                   std::size_t samples, double gap_s);
+                   std::size_t samples, double gap_s, Resampling how = Resampling::kCubic);
 
 }  // namespace gauntlet::sim

@@ -184,7 +184,7 @@ void CheckBaseline(const YAML::Node& root, const YamlSource& source, const Scena
 
 /// A controller that does nothing against noise nor delay: what every other has to beat.
 bool NeitherFiltersNorPredicts(const controller::ControllerConfig& config) {
-  return config.prediction.kind == controller::PredictionKind::kNone &&
+  return std::holds_alternative<controller::NoPredictionConfig>(config.prediction.settings) &&
          std::ranges::all_of(config.filters, [](const controller::FilterConfig& filter) {
            return std::holds_alternative<controller::NoFilterConfig>(filter.settings);
          });

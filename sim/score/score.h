@@ -6,17 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/segment.h"
 #include "sim/base/signal.h"
 
 namespace gauntlet::sim {
-
-/// A stretch of the wearer's motion with a name: rest, slow, fast, onset or reversal. Other names
-/// are passed over. Samples [begin, end).
-struct LabelledSegment {
-  std::string label;
-  int begin = 0;
-  int end = 0;
-};
 
 /// What a score is measured on.
 enum class ScoredPart { kJoint, kMotor, kCable, kHand };
@@ -39,15 +32,15 @@ struct ScoreRows {
 /// outlives the scoring. All but the two angles may be missing; the scores that need them are then
 /// NaN.
 struct ScoreInput {
-  double rate_hz = 1000.0;                         // of ticks
-  const Signal* reference_angle_rad = nullptr;     // ticks x joints, what the wearer asked for
-  const Signal* hand_angle_rad = nullptr;          // ticks x joints, what the hand did
-  const IntegerSignal* command_counts = nullptr;   // ticks x motors
-  const Signal* motor_speed_rad_s = nullptr;       // ticks x motors
-  const Signal* tension_n = nullptr;               // ticks x cables
-  const Signal* grip_force_n = nullptr;            // ticks x 1: of the hand on an object
-  std::span<const double> saturation_share = {};   // per motor
-  std::span<const LabelledSegment> segments = {};  // in place of a split by the wearer's speed
+  double rate_hz = 1000.0;                        // of ticks
+  const Signal* reference_angle_rad = nullptr;    // ticks x joints, what the wearer asked for
+  const Signal* hand_angle_rad = nullptr;         // ticks x joints, what the hand did
+  const IntegerSignal* command_counts = nullptr;  // ticks x motors
+  const Signal* motor_speed_rad_s = nullptr;      // ticks x motors
+  const Signal* tension_n = nullptr;              // ticks x cables
+  const Signal* grip_force_n = nullptr;           // ticks x 1: of the hand on an object
+  std::span<const double> saturation_share = {};  // per motor
+  std::span<const Segment> segments = {};         // win over the split by the wearer's speed
 };
 
 /// One score that Gauntlet knows. The unit is the suffix of the key.

@@ -112,9 +112,9 @@ std::vector<Movement> FindMovements(std::span<const double> angle,
 }
 
 /// Labels win over the speed for the samples they cover.
-void ApplyLabels(std::span<const LabelledSegment> segments, std::vector<Class>& classes) {
+void ApplyLabels(std::span<const Segment> segments, std::vector<Class>& classes) {
   const int samples = static_cast<int>(classes.size());
-  for (const LabelledSegment& segment : segments) {
+  for (const Segment& segment : segments) {
     const Class label = segment.label == "rest"   ? kRestClass
                         : segment.label == "slow" ? kSlowClass
                                                   : kFastClass;
@@ -125,10 +125,10 @@ void ApplyLabels(std::span<const LabelledSegment> segments, std::vector<Class>& 
   }
 }
 
-std::vector<Range> Labelled(std::span<const LabelledSegment> segments, std::string_view label,
+std::vector<Range> Labelled(std::span<const Segment> segments, std::string_view label,
                             int samples) {
   std::vector<Range> ranges;
-  for (const LabelledSegment& segment : segments) {
+  for (const Segment& segment : segments) {
     if (segment.label != label) continue;
     const int begin = std::clamp(segment.begin, 0, samples);
     const int end = std::clamp(segment.end, begin, samples);
@@ -160,7 +160,7 @@ std::vector<Range> Reversals(const std::vector<Movement>& movements, int reach, 
 }  // namespace
 
 WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
-                           std::span<const LabelledSegment> segments) {
+                           std::span<const Segment> segments) {
   const int samples = static_cast<int>(angle_rad.size());
   const auto in_samples = [&](double time_s) {
     return static_cast<int>(std::lround(time_s * rate_hz));

@@ -55,6 +55,6 @@ struct WearerMotion {
 /// takes for rest. Units: rad. Source: turning points by hysteresis, as in rainflow counting (ASTM
 /// E1049).
 WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
-                           std::span<const LabelledSegment> segments);
+                           std::span<const Segment> segments);
 
 }  // namespace gauntlet::sim

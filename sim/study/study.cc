@@ -60,11 +60,7 @@ Scores Score(const Study& study, const GloveSignal& glove, const Signal& referen
   input.tension_n = tension.get();
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   input.saturation_share = saturation_share;
-  std::vector<LabelledSegment> segments;
-  for (const MotionSegment& segment : glove.segments) {
-    segments.push_back({segment.label, segment.begin, segment.end});
-  }
-  input.segments = segments;
+  input.segments = glove.segments;
   return ComputeScores(input, study.rows);
 }
 

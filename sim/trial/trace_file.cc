@@ -176,14 +176,14 @@ void WriteFaults(H5::Group& group, const GloveSignal& glove) {
   std::vector<Stretch> stretches;
   for (const FaultEvent& fault : glove.faults) {
     const std::string& channel = glove.channel_names[static_cast<std::size_t>(fault.channel)];
-    stretches.push_back({fault.kind_name().data(), channel.c_str(), fault.begin, fault.end});
+    stretches.push_back({fault.kind.data(), channel.c_str(), fault.begin, fault.end});
   }
   WriteStretches(group, "faults", "kind", stretches);
 }
 
 void WriteSegments(H5::Group& group, const GloveSignal& glove) {
   std::vector<Stretch> stretches;
-  for (const MotionSegment& segment : glove.segments) {
+  for (const Segment& segment : glove.segments) {
     stretches.push_back({segment.label.c_str(), "all", segment.begin, segment.end});
   }
   WriteStretches(group, "segments", "label", stretches);

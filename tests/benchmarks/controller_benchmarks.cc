@@ -193,7 +193,7 @@ void Register() {
   benchmark::RegisterBenchmark("controller_20ms_events", ControllerBenchmark, config, 20.0);
   benchmark::RegisterBenchmark("controller_1ms_events", ControllerBenchmark, config, 1.0);
   config.filters.insert(config.filters.begin(), {HampelConfig{}});
-  config.prediction.kind = PredictionKind::kKalman;
+  config.prediction = {KalmanPredictionConfig{}};
   benchmark::RegisterBenchmark("controller_everything", ControllerBenchmark, config, 1.0);
 
   for (const FilterKind& kind : FilterKinds()) {

@@ -23,7 +23,7 @@ constexpr int kChannels = 18;
 /// Aim: 94,096 x 18 values with sensor model and Box-Muller noise in under 60 ms on one core.
 void BM_SynthesisePaperSignal(benchmark::State& state) {
   GloveConfig config;
-  config.motion.random.duration_s = 94.096;
+  config.motion.settings = RandomMotionConfig{.duration_s = 94.096};
   if (state.range(0) == 1) config.noise.kind = WhiteNoiseKind::kGalton;
   if (state.range(0) == 2) config.noise.kind = WhiteNoiseKind::kNone;
   for (auto _ : state) benchmark::DoNotOptimize(SynthesiseGlove(config, 1));

@@ -22,10 +22,9 @@ using testing::HasSubstr;
 /// The wearer takes postures and holds each; the glove has the paper's noise.
 GloveConfig GloveInKnownPoses() {
   GloveConfig config;
-  config.motion.kind = MotionKind::kMoves;
-  config.motion.moves.postures = {"open", "lateral",   "rest",  "power",
-                                  "hook", "precision", "point", "tripod"};
-  config.motion.moves.hold_s = 1.2;
+  config.motion.settings = MovesConfig{
+      .postures = {"open", "lateral", "rest", "power", "hook", "precision", "point", "tripod"},
+      .hold_s = 1.2};
   return config;
 }
 
@@ -83,7 +82,7 @@ TEST(Calibrate, FindsTheCovarianceOfCoupledChannels) {
 /// without noise, over the grasp of a bottle.
 double WorstChannelErrorDeg(GloveConfig config, int seed,
                             const controller::LinearisationConfig& linearisation) {
-  config.motion.kind = MotionKind::kGrasp;
+  config.motion.settings = GraspConfig{};
   config.noise.kind = WhiteNoiseKind::kNone;
   const GloveSignal glove = SynthesiseGlove(config, static_cast<std::uint64_t>(seed));
   const auto curve =
@@ -161,7 +160,7 @@ TEST(Calibrate, NamesWhatARecordingLacks) {
   EXPECT_EQ(ErrorOf(good), "");
 
   GloveConfig moving;
-  moving.motion.kind = MotionKind::kSine;
+  moving.motion.settings = SineConfig{};
   EXPECT_THAT(
       ErrorOf(RecordingOf(SynthesiseGlove(moving, 1))),
       HasSubstr("thumb_rotation: has 0 poses, must have at least 2; a pose is a known angle "

@@ -190,14 +190,13 @@ TEST(Controller, DoesNotAllocateInStepWhateverItIsMadeOf) {
   input(20, 3) = kNan;
   for (const LinearisationKind linearisation :
        {LinearisationKind::kGlove, LinearisationKind::kTable, LinearisationKind::kPolynomial}) {
-    for (const PredictionKind prediction :
-         {PredictionKind::kNone, PredictionKind::kLinear, PredictionKind::kKalman}) {
+    for (const PredictionKind& prediction : PredictionKinds()) {
       for (const Rounding rounding :
            {Rounding::kNearest, Rounding::kHysteresis, Rounding::kNoiseShaping}) {
         ControllerConfig config = WithFilter(HampelConfig{});
         config.filters.push_back({KalmanConfig{}});
         config.linearisation = Curves(linearisation);
-        config.prediction.kind = prediction;
+        config.prediction = prediction.defaults;
         config.motor.rounding = rounding;
         Controller controller = Make(config);
         const long before = AllocationCount();
@@ -288,7 +287,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ControllerFault, testing::ValuesIn(Faults()),
 
 TEST(Controller, LooksAheadWhenAsked) {
   ControllerConfig config = WithFilter(NoFilterConfig{});
-  config.prediction = {.kind = PredictionKind::kLinear, .horizon_ms = 40.0, .window_ms = 20.0};
+  config.prediction = {LinearPredictionConfig{.horizon_ms = 40.0, .window_ms = 20.0}};
   Controller controller = Make(config);
   for (int k = 0; k < 100; ++k) {
     const std::vector<double> counts(kChannels, 300.0 + 0.5 * k);
@@ -358,7 +357,7 @@ TEST(Controller, DoesNotNoticeThatTheSameSettingsAreLoaded) {
   const TestSignal input = GloveCounts(300, kChannels);
   for (const FilterKind& kind : FilterKinds()) {
     ControllerConfig config = WithFilter(kind.defaults.settings);
-    config.prediction.kind = PredictionKind::kKalman;
+    config.prediction = {KalmanPredictionConfig{}};
     config.motor.rounding = Rounding::kNoiseShaping;
     Controller controller = Make(config, kChannels, Timing{});
     Controller undisturbed = Make(config, kChannels, Timing{});
@@ -408,7 +407,7 @@ TEST(Controller, SurvivesAnythingThatAGloveCanSend) {
   TestNoise noise(77);
   for (const FilterKind& kind : FilterKinds()) {
     ControllerConfig config = WithFilter(kind.defaults.settings);
-    config.prediction.kind = PredictionKind::kKalman;
+    config.prediction = {KalmanPredictionConfig{}};
     Controller controller = Make(config);
     std::vector<double> counts(kChannels);
     for (int k = 0; k < 2000; ++k) {

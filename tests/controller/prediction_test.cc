@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <string_view>
+#include <vector>
 
 #include "controller/prediction/predictor.h"
 #include "tests/controller/test_signal.h"
@@ -32,8 +34,8 @@ double RmsError(const PredictionConfig& config, double frequency_hz, double nois
 }
 
 constexpr PredictionConfig kLinear = {
-    .kind = PredictionKind::kLinear, .horizon_ms = kHorizon, .window_ms = 60.0};
-constexpr PredictionConfig kKalman = {.kind = PredictionKind::kKalman, .horizon_ms = kHorizon};
+    LinearPredictionConfig{.horizon_ms = kHorizon, .window_ms = 60.0}};
+constexpr PredictionConfig kKalman = {KalmanPredictionConfig{.horizon_ms = kHorizon}};
 
 TEST(Predictor, LooksAheadExactlyOnAStraightLine) {
   for (const PredictionConfig& config : {kLinear, kKalman}) {
@@ -72,8 +74,7 @@ TEST(Predictor, PaysForSlowMotionAndNotForFast) {
 
 TEST(Predictor, RaisesNoise) {
   const auto predictor = MakePredictor(kKalman, 1, kRateHz);
-  const auto follower =
-      MakePredictor({.kind = PredictionKind::kKalman, .horizon_ms = 0.0}, 1, kRateHz);
+  const auto follower = MakePredictor(KalmanPredictionConfig{.horizon_ms = 0.0}, 1, kRateHz);
   TestNoise noise(3);
   double ahead = 0.0;
   double now = 0.0;
@@ -106,8 +107,17 @@ TEST(Predictor, StartsAgainAfterResetAndKeepsChannelsApart) {
 }
 
 TEST(Predictor, RefusesAWindowWithoutASlope) {
-  EXPECT_THROW(MakePredictor({.kind = PredictionKind::kLinear, .window_ms = 20.0}, 1, 50.0),
-               SettingError);
+  EXPECT_THROW(MakePredictor(LinearPredictionConfig{.window_ms = 20.0}, 1, 50.0), SettingError);
+}
+
+TEST(PredictionKinds, ExplainThemselves) {
+  std::vector<std::string_view> names;
+  for (const PredictionKind& kind : PredictionKinds()) {
+    EXPECT_FALSE(kind.summary.empty()) << kind.name;
+    EXPECT_EQ(kind.defaults.kind(), kind.name);
+    names.push_back(kind.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string_view>{"none", "linear", "kalman"}));
 }
 
 }  // namespace

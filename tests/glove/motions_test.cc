@@ -11,7 +11,6 @@
 #include "sim/glove/glove.h"
 #include "sim/glove/motions/minimum_jerk.h"
 #include "sim/glove/motions/postures.h"
-#include "sim/glove/motions/segment_labels.h"
 #include "sim/glove/motions/sequence.h"
 #include "sim/glove/motions/tremor.h"
 
@@ -27,14 +26,22 @@ MotionContext At1kHz(std::uint64_t seed = 1) {
   return context;
 }
 
-MotionConfig OfKind(MotionKind kind) {
-  MotionConfig config = MotionKinds()[static_cast<std::size_t>(kind)].defaults;
-  config.recording.file = GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/angles.csv";
-  config.sequence.parts.resize(3);
-  config.sequence.parts[0].kind = MotionKind::kHold;
-  config.sequence.parts[1].kind = MotionKind::kGrasp;
-  config.sequence.parts[2].random.duration_s = 2.0;
-  return config;
+MotionConfig SequenceOf(const std::vector<MotionSettings>& parts) {
+  SequenceConfig sequence;
+  for (const MotionSettings& part : parts) sequence.parts.push_back({.settings = part});
+  return {.settings = std::move(sequence)};
+}
+
+/// The kind with its defaults; a recording has a file, a sequence has parts.
+MotionConfig ExampleOf(const MotionKind& kind) {
+  if (kind.name == SequenceConfig::kKind) {
+    return SequenceOf({HoldConfig{}, GraspConfig{}, RandomMotionConfig{.duration_s = 2.0}});
+  }
+  if (kind.name == RecordedMotionConfig::kKind) {
+    return {.settings = RecordedMotionConfig{.file = GAUNTLET_SOURCE_DIR
+                                             "/scenarios/recordings/door_opening/angles.csv"}};
+  }
+  return kind.defaults;
 }
 
 /// One-sided power spectrum; element k is at k rate / samples. Sums to the variance.
@@ -61,10 +68,13 @@ double PowerBetween(const std::vector<double>& power, double from_hz, double to_
   return sum;
 }
 
-class EveryMotion : public ::testing::TestWithParam<MotionKind> {};
+class EveryMotion : public ::testing::TestWithParam<std::size_t> {
+ protected:
+  const MotionConfig config_ = ExampleOf(MotionKinds()[GetParam()]);
+};
 
 TEST_P(EveryMotion, StaysInsideTheJointRanges) {
-  const Motion motion = SynthesiseMotion(OfKind(GetParam()), At1kHz());
+  const Motion motion = SynthesiseMotion(config_, At1kHz());
   for (Eigen::Index c = 0; c < 18; ++c) {
     const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
     EXPECT_GE(motion.angle_rad.col(c).minCoeff(), joint.min_deg * kRadPerDeg - 1e-9) << joint.name;
@@ -73,8 +83,8 @@ TEST_P(EveryMotion, StaysInsideTheJointRanges) {
 }
 
 TEST_P(EveryMotion, HasTheDerivativesOfItsAngles) {
-  const Motion motion = SynthesiseMotion(OfKind(GetParam()), At1kHz());
-  if (!motion.has_derivatives() || GetParam() == MotionKind::kSteps) return;
+  const Motion motion = SynthesiseMotion(config_, At1kHz());
+  if (!motion.has_derivatives() || config_.kind() == "steps") return;
   const double step_s = 1e-3;
   double fastest = 0.0;
   for (Eigen::Index c = 0; c < 18; ++c) {
@@ -91,37 +101,30 @@ TEST_P(EveryMotion, HasTheDerivativesOfItsAngles) {
       fastest = std::max(fastest, std::abs(motion.velocity_rad_s(i, c)));
     }
   }
-  if (GetParam() != MotionKind::kHold) {
+  if (config_.kind() != "hold") {
     EXPECT_GT(fastest, 0.5);
   }
 }
 
 TEST_P(EveryMotion, IsTheSameForTheSameSeed) {
-  const MotionConfig config = OfKind(GetParam());
-  EXPECT_EQ(SynthesiseMotion(config, At1kHz(3)).angle_rad,
-            SynthesiseMotion(config, At1kHz(3)).angle_rad);
+  EXPECT_EQ(SynthesiseMotion(config_, At1kHz(3)).angle_rad,
+            SynthesiseMotion(config_, At1kHz(3)).angle_rad);
 }
 
-TEST_P(EveryMotion, IsCutIntoSegmentsWithoutGaps) {
-  const Motion motion = SynthesiseMotion(OfKind(GetParam()), At1kHz());
-  int end = 0;
-  for (const MotionSegment& segment : motion.segments) {
-    EXPECT_EQ(segment.begin, end);
-    EXPECT_GT(segment.end, segment.begin);
-    end = segment.end;
-  }
-  EXPECT_EQ(end, motion.angle_rad.rows());
+TEST_P(EveryMotion, HasASegmentOnlyIfAPersonNamesIt) {
+  MotionConfig config = config_;
+  EXPECT_TRUE(SynthesiseMotion(config, At1kHz()).segments.empty());
+  config.label = "a word of one's own";
+  const Motion motion = SynthesiseMotion(config, At1kHz());
+  ASSERT_EQ(motion.segments.size(), 1u);
+  EXPECT_EQ(motion.segments[0].label, config.label);
+  EXPECT_EQ(motion.segments[0].begin, 0);
+  EXPECT_EQ(motion.segments[0].end, motion.angle_rad.rows());
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, EveryMotion,
-                         ::testing::Values(MotionKind::kHold, MotionKind::kRecording,
-                                           MotionKind::kRandom, MotionKind::kMoves,
-                                           MotionKind::kGrasp, MotionKind::kBursts,
-                                           MotionKind::kSine, MotionKind::kChirp,
-                                           MotionKind::kSteps, MotionKind::kSequence),
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryMotion, ::testing::Range<std::size_t>(0, MotionKinds().size()),
                          [](const auto& kind) {
-                           return std::string(
-                               MotionKinds()[static_cast<std::size_t>(kind.param)].name);
+                           return std::string(MotionKinds()[kind.param].name);
                          });
 
 TEST(MinimumJerk, HasTheKnownPeakAndStandsStillAtBothEnds) {
@@ -242,11 +245,8 @@ TEST(RandomMotion, IsBandLimitedAsStated) {
 }
 
 TEST(Sequence, JoinsPartsWithContinuousAngleAndVelocity) {
-  MotionConfig config = OfKind(MotionKind::kSequence);
-  config.sequence.parts[0] = OfKind(MotionKind::kRandom);
-  config.sequence.parts[0].random.bandwidth_hz = 0.3;
-  config.sequence.parts[1] = OfKind(MotionKind::kSine);
-  config.sequence.parts[1].label = "fast";
+  const MotionConfig config = SequenceOf({RandomMotionConfig{.bandwidth_hz = 0.3}, SineConfig{},
+                                          RandomMotionConfig{.duration_s = 2.0}});
   const Motion motion = SynthesiseMotion(config, At1kHz());
   for (Eigen::Index c = 0; c < 18; ++c) {
     for (Eigen::Index i = 2; i < motion.angle_rad.rows(); ++i) {
@@ -256,48 +256,42 @@ TEST(Sequence, JoinsPartsWithContinuousAngleAndVelocity) {
       ASSERT_LT(std::abs(bend), 3e-4) << c << " " << i;
     }
   }
-  const auto fast = std::ranges::find(motion.segments, "fast", &MotionSegment::label);
-  ASSERT_NE(fast, motion.segments.end());
 }
 
 TEST(Sequence, HoldsWhereThePartBeforeEnded) {
-  MotionConfig config;
-  config.kind = MotionKind::kSequence;
-  config.sequence.parts.resize(2);
-  config.sequence.parts[0].kind = MotionKind::kMoves;
-  config.sequence.parts[0].moves.postures = {"power"};
-  config.sequence.parts[1].kind = MotionKind::kHold;
+  const MotionConfig config = SequenceOf({MovesConfig{.postures = {"power"}}, HoldConfig{}});
   const Motion motion = SynthesiseMotion(config, At1kHz());
   const auto power = PostureAngles(PostureIndex("power"));
   for (int c = 0; c < 18; ++c) {
     EXPECT_NEAR(motion.angle_rad(motion.angle_rad.rows() - 1, c), power[c], 1e-9);
   }
-  EXPECT_EQ(motion.segments.back().label, "rest");
+}
+
+TEST(Sequence, HasSegmentsForItsLabelledPartsOnly) {
+  const HoldConfig one_second{.duration_s = 1.0};
+  const MotionConfig inner = {
+      .settings = SequenceConfig{
+          .parts = {{.settings = one_second, .label = "slow"}, {.settings = one_second}}}};
+  MotionConfig config = {
+      .settings = SequenceConfig{
+          .parts = {{.settings = one_second}, {.settings = one_second, .label = "fast"}, inner}}};
+  const Motion motion = SynthesiseMotion(config, At1kHz());
+  ASSERT_EQ(motion.segments.size(), 2u);
+  EXPECT_EQ(motion.segments[0].label, "fast");
+  EXPECT_EQ(motion.segments[0].begin, 1000);
+  EXPECT_EQ(motion.segments[0].end, 2000);
+  EXPECT_EQ(motion.segments[1].label, "slow");
+  EXPECT_EQ(motion.segments[1].begin, 2000);
+  EXPECT_EQ(motion.segments[1].end, 3000);
+  config.label = "rest";  // of the whole
+  EXPECT_EQ(SynthesiseMotion(config, At1kHz()).segments.size(), 1u);
 }
 
 TEST(Sequence, GivesPartsOfTheSameKindDifferentRandomMotions) {
-  MotionConfig config;
-  config.kind = MotionKind::kSequence;
-  config.sequence.parts.resize(2);
-  config.sequence.parts[0].random.duration_s = config.sequence.parts[1].random.duration_s = 3.0;
-  const Signal angle = SynthesiseMotion(config, At1kHz()).angle_rad;
+  const RandomMotionConfig random{.duration_s = 3.0};
+  const Signal angle = SynthesiseMotion(SequenceOf({random, random}), At1kHz()).angle_rad;
   EXPECT_GT((angle.middleRows(1000, 1000) - angle.middleRows(4000, 1000)).cwiseAbs().maxCoeff(),
             0.1);
-}
-
-TEST(Labels, TellRestOnsetReversalSlowAndFast) {
-  MovePlan plan(std::vector<double>(18, 0.0));
-  std::vector<double> bent(18, 0.0);
-  bent[5] = 40.0 * kRadPerDeg;
-  plan.MoveTo(1.0, 0.4, bent);                           // mean 100 deg/s
-  plan.MoveTo(1.25, 2.0, std::vector<double>(18, 0.0));  // back at a mean of 20 deg/s
-  const Motion motion = plan.Fill(6000, At1kHz());
-  const auto segments = LabelBySpeed(motion.angle_rad, 1000.0);
-  std::vector<std::string> labels;
-  for (const MotionSegment& segment : segments) labels.push_back(segment.label);
-  EXPECT_THAT(labels, ::testing::ElementsAre("rest", "onset", "fast", "reversal", "slow", "rest"));
-  EXPECT_NEAR(segments[1].begin, 1000, 60);
-  EXPECT_NEAR((segments[3].begin + segments[3].end) / 2.0, 1350, 50);
 }
 
 TEST(Tremor, LiesInItsBandAndHasItsSize) {
@@ -317,7 +311,7 @@ TEST(Tremor, LiesInItsBandAndHasItsSize) {
 
 TEST(Tremor, BelongsToTheTruthOnlyIfSaid) {
   GloveConfig config;
-  config.motion.kind = MotionKind::kHold;
+  config.motion.settings = HoldConfig{};
   config.tremor.rms_deg = 1.0;
   const GloveSignal without = SynthesiseGlove(config, 1);
   config.tremor.belongs_to_truth = true;
@@ -329,8 +323,11 @@ TEST(Tremor, BelongsToTheTruthOnlyIfSaid) {
 
 TEST(MotionKinds, ExplainThemselves) {
   EXPECT_EQ(MotionKinds().size(), 10u);
-  for (const MotionKindInfo& kind : MotionKinds()) EXPECT_FALSE(kind.summary.empty()) << kind.name;
-  EXPECT_EQ(MotionKinds()[static_cast<std::size_t>(MotionKind::kChirp)].name, "chirp");
+  for (const MotionKind& kind : MotionKinds()) {
+    EXPECT_FALSE(kind.summary.empty()) << kind.name;
+    EXPECT_EQ(kind.defaults.kind(), kind.name);
+  }
+  EXPECT_EQ(MotionConfig{}.kind(), "random");
 }
 
 }  // namespace

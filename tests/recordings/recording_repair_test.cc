@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -285,6 +286,24 @@ TEST(Recording, FillsShortGapsAndMasksLongOnes) {
   }
 }
 
+TEST(Recording, HeldShowsTheNewestRowAndNeverOneToCome) {
+  Recording recording;
+  recording.has_channel.assign(18, true);
+  // A row 0.4 us late by rounding counts at its sample; a missing value holds the one before.
+  recording.time_s = {0.0, 0.0100004, 0.02, 0.0303, 0.2, 0.21};
+  recording.angle_rad = Signal::Zero(6, 18);
+  recording.angle_rad.col(0) << 1, 2, std::numeric_limits<double>::quiet_NaN(), 4, 5, 6;
+  const Resampled held = Resample(recording, 0, 0.0, 1000.0, 221, 0.05, Resampling::kHold);
+  for (int i = 0; i <= 220; ++i) {
+    const double expected = i < 10 ? 1 : i < 31 ? 2 : i < 200 ? 4 : i < 210 ? 5 : 6;
+    EXPECT_EQ(held.value[i], expected) << i;
+    // The row at 30.3 ms is known at 31 ms; then nothing comes for long.
+    EXPECT_EQ(held.mask[i], i > 31 && i < 200) << i;
+  }
+  // In the middle of that gap nothing is known, at its start neither.
+  EXPECT_TRUE(Resample(recording, 0, 0.1, 1000.0, 2, 0.05, Resampling::kHold).mask[0]);
+}
+
 class Files : public ::testing::Test {
  protected:
   Files() { std::filesystem::create_directories(folder_); }
@@ -443,11 +462,10 @@ TEST_F(Files, OfNoiseAreReadOnlyAsFarAsTheSignalGoes) {
     text += std::to_string(i * 0.05) + (i == 600 ? ",bad\n" : i % 2 == 0 ? ",1\n" : ",2\n");
   }
   GloveConfig config;
-  config.motion.kind = MotionKind::kHold;
+  config.motion.settings = HoldConfig{.duration_s = 10.0};
   config.noise.recording = Write("noise.csv", text);
-  config.motion.hold.duration_s = 10.0;
   EXPECT_TRUE(SynthesiseGlove(config, 1).remarks.empty());
-  config.motion.hold.duration_s = 40.0;  // beyond the bad row at 30 s
+  config.motion.settings = HoldConfig{.duration_s = 40.0};  // beyond the bad row at 30 s
   EXPECT_THAT(ErrorOf([&] { SynthesiseGlove(config, 1); }), HasSubstr(":602:2: 'bad' is not a"));
   config.noise.recording_problems = ProblemHandling::kRepair;
   EXPECT_THAT(SynthesiseGlove(config, 1).remarks, ElementsAre(HasSubstr("not a number")));
@@ -467,8 +485,7 @@ TEST_F(Files, OfNoiseHaveTheirGlitchesLeftOut) {
     return text;
   };
   GloveConfig config;
-  config.motion.kind = MotionKind::kHold;
-  config.motion.hold.duration_s = 4.0;
+  config.motion.settings = HoldConfig{.duration_s = 4.0};
   config.noise.kind = WhiteNoiseKind::kNone;
   const auto span_counts = [&](double wild_deg) {
     config.noise.recording = Write("noise.csv", text_with(wild_deg));
@@ -485,21 +502,46 @@ TEST_F(Files, OfNoiseHaveTheirGlitchesLeftOut) {
                                     "202")));
 }
 
+TEST_F(Files, AreHeldWhereAGloveMeasuredAndInterpolatedWhereTheyAreTheTruth) {
+  // A ramp of 1 deg per row at 50 Hz.
+  std::string text = "time_s,index_mcp\n";
+  for (int i = 0; i <= 100; ++i) text += fmt::format("{},{}\n", 0.02 * i, 0.5 * i);
+  RecordedMotionConfig recording = {.file = Write("ramp.csv", text)};
+  const auto steps = [&](const Signal& signal) {
+    const auto column = signal.col(ChannelIndex("index_mcp"));
+    return (column.head(2000).array() != column.segment(1, 2000).array()).count();
+  };
+  const auto measured = [&] {
+    const MotionContext context;
+    const Motion motion = MakeMotion(recording, context);
+    return steps(recording.use == RecordingUse::kTruth ? motion.angle_rad : motion.measured_rad);
+  };
+  EXPECT_EQ(measured(), 2000);
+  recording.resample = Resampling::kHold;
+  EXPECT_EQ(measured(), 100);
+  recording.resample.reset();
+  recording.use = RecordingUse::kMeasured;
+  EXPECT_EQ(measured(), 100);
+  EXPECT_GT(steps(MakeMotion(recording, {}).angle_rad), 1900);  // the reference is smooth
+  recording.resample = Resampling::kCubic;
+  EXPECT_EQ(measured(), 2000);
+}
+
 TEST_F(Files, LongerThanAnyMotionNeedADuration) {
   std::string text = "time_s,index_mcp\n";
   for (int i = 0; i < 4000; ++i) text += std::to_string(i) + (i < 3700 ? ",10\n" : ",bad\n");
   GloveConfig config;
-  config.motion.kind = MotionKind::kRecording;
-  config.motion.recording.file = Write("long.csv", text);
-  config.motion.recording.longest_gap_ms = 2000.0;
+  RecordedMotionConfig recording = {.file = Write("long.csv", text), .longest_gap_ms = 2000.0};
+  config.motion.settings = recording;
   try {
     SynthesiseGlove(config, 1);
     FAIL();
   } catch (const UserError& error) {  // the bad row at 3700 s is not reached
     EXPECT_THAT(error.what(), HasSubstr("is longer than 3600 s, duration_s must be given"));
   }
-  config.motion.recording.start_s = 100.0;
-  config.motion.recording.duration_s = 2.0;
+  recording.start_s = 100.0;
+  recording.duration_s = 2.0;
+  config.motion.settings = recording;
   EXPECT_EQ(SynthesiseGlove(config, 1).counts.rows(), 2000);
 }
 
@@ -573,34 +615,37 @@ TEST(ZeroPhase, KeepsAStraightLine) {
   EXPECT_LT(worst, 0.01);  // a sample's step: a delay of one sample would show
 }
 
-GloveConfig Measured(const std::string& file) {
+/// What a real glove measured, without simulated noise.
+GloveConfig Played(const RecordedMotionConfig& recording) {
   GloveConfig config;
-  config.motion.kind = MotionKind::kRecording;
-  config.motion.recording.file = GAUNTLET_SOURCE_DIR "/scenarios/recordings/" + file;
-  config.motion.recording.use = RecordingUse::kMeasured;
-  config.motion.recording.problems = ProblemHandling::kRepair;
+  config.motion.settings = recording;
   config.noise.kind = WhiteNoiseKind::kNone;
   return config;
 }
 
+RecordedMotionConfig Measured(const std::string& file) {
+  return {.file = GAUNTLET_SOURCE_DIR "/scenarios/recordings/" + file,
+          .problems = ProblemHandling::kRepair,
+          .use = RecordingUse::kMeasured};
+}
+
 TEST(MeasuredRecording, OfDoorTargetsIsScoredAgainstItsTruth) {
-  GloveConfig config = Measured("door_opening/targets.csv");
-  config.motion.recording.start_s = 1.5;
-  config.motion.recording.duration_s = 2.0;
-  config.motion.recording.reference =
-      GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/angles.csv";
-  const GloveSignal glove = SynthesiseGlove(config, 1);
+  RecordedMotionConfig recording = Measured("door_opening/targets.csv");
+  recording.start_s = 1.5;
+  recording.duration_s = 2.0;
+  recording.reference = GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/angles.csv";
+  const GloveSignal glove = SynthesiseGlove(Played(recording), 1);
   EXPECT_EQ(glove.reference_name, "recorded reference");
-  GloveConfig truth = config;
-  truth.motion.recording.file = config.motion.recording.reference;
-  truth.motion.recording.use = RecordingUse::kTruth;
-  EXPECT_EQ(glove.true_angle_rad, SynthesiseGlove(truth, 1).true_angle_rad);
-  EXPECT_EQ(glove.counts, SynthesiseGlove(config, 2).counts);  // nothing is drawn
+  RecordedMotionConfig truth = recording;
+  truth.file = recording.reference;
+  truth.use = RecordingUse::kTruth;
+  EXPECT_EQ(glove.true_angle_rad, SynthesiseGlove(Played(truth), 1).true_angle_rad);
+  EXPECT_EQ(glove.counts, SynthesiseGlove(Played(recording), 2).counts);  // nothing is drawn
   EXPECT_FALSE(glove.counts.hasNaN());
 }
 
 TEST(MeasuredRecording, IsMissingWhereNothingWasRecordedForLong) {
-  const GloveSignal glove = SynthesiseGlove(Measured("door_opening/targets.csv"), 1);
+  const GloveSignal glove = SynthesiseGlove(Played(Measured("door_opening/targets.csv")), 1);
   // Between the demonstrations 0.4 s are empty.
   const Eigen::Index missing = glove.counts.col(4).array().isNaN().count();
   EXPECT_GT(missing, 1500);
@@ -609,11 +654,11 @@ TEST(MeasuredRecording, IsMissingWhereNothingWasRecordedForLong) {
 }
 
 TEST(MeasuredRecording, OfAHomeMadeGloveNamesItsReference) {
-  GloveConfig config = Measured("sign_glove/letters_v_h_r.csv");
-  config.motion.recording.map = GAUNTLET_SOURCE_DIR "/scenarios/recordings/sign_glove/map.csv";
-  config.motion.recording.file_rate_hz = 50.0;
-  config.motion.recording.duration_s = 20.0;
-  const GloveSignal glove = SynthesiseGlove(config, 1);
+  RecordedMotionConfig recording = Measured("sign_glove/letters_v_h_r.csv");
+  recording.map = GAUNTLET_SOURCE_DIR "/scenarios/recordings/sign_glove/map.csv";
+  recording.file_rate_hz = 50.0;
+  recording.duration_s = 20.0;
+  const GloveSignal glove = SynthesiseGlove(Played(recording), 1);
   EXPECT_EQ(glove.reference_name, "recording smoothed at 5 Hz, zero phase");
   EXPECT_EQ(glove.counts.rows(), 20000);
   EXPECT_THAT(glove.remarks, Contains(HasSubstr("rows repeat the value before")));

@@ -59,11 +59,41 @@ TEST(Scenario, AFaultHasTheDefaultsOfItsKind) {
       file, {"glove.faults=[spikes, {kind: disconnected, rate_per_s: 0.1}, dropouts]"});
   const std::vector<FaultConfig>& faults = scenario.glove.faults;
   ASSERT_EQ(faults.size(), 3u);
-  EXPECT_LT(faults[0].start_s, 0.0);  // at random
-  EXPECT_EQ(faults[1].start_s, 5.0);
-  EXPECT_EQ(faults[1].rate_per_s, 0.1);
-  EXPECT_EQ(faults[1].duration_ms, 0.0);  // to the end
-  EXPECT_EQ(faults[2].duration_ms, 50.0);
+  EXPECT_LT(faults[0].when().start_s, 0.0);  // at random
+  EXPECT_EQ(faults[1].when().start_s, 5.0);
+  EXPECT_EQ(faults[1].when().rate_per_s, 0.1);
+  EXPECT_EQ(faults[1].when().duration_ms, 0.0);  // to the end
+  EXPECT_EQ(faults[2].when().duration_ms, 50.0);
+}
+
+TEST(Scenario, APredictionHasTheKeysOfItsKindOnly) {
+  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const auto text_with = [&](const std::string& prediction) {
+    return ScenarioToYaml(LoadScenario(file, {"controllers.raw.prediction=" + prediction}));
+  };
+  EXPECT_THAT(text_with("none"), testing::Not(testing::HasSubstr("horizon_ms")));
+  EXPECT_THAT(text_with("linear"), testing::HasSubstr("window_ms: 60"));
+  EXPECT_THAT(text_with("{kind: kalman, horizon_ms: 30}"),
+              testing::AllOf(testing::HasSubstr("horizon_ms: 30"),
+                             testing::HasSubstr("q_deg2_per_s3: 10000")));
+  try {
+    text_with("{kind: linear, r_deg2: 1}");
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("prediction.r_deg2: unknown key"));
+  }
+}
+
+TEST(Scenario, ARecordingSaysWhatLiesBetweenItsRows) {
+  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/sign_glove.yaml";
+  const auto text_with = [&](const std::vector<std::string>& overrides) {
+    return ScenarioToYaml(LoadScenario(file, overrides));
+  };
+  EXPECT_THAT(text_with({}), testing::HasSubstr("resample: hold"));
+  EXPECT_THAT(text_with({"glove.motion.use=truth"}), testing::HasSubstr("resample: cubic"));
+  EXPECT_THAT(text_with({"glove.motion.resample=cubic"}), testing::HasSubstr("resample: cubic"));
+  EXPECT_THAT(text_with({"glove.motion.use=truth", "glove.motion.resample=hold"}),
+              testing::HasSubstr("resample: hold"));
 }
 
 TEST(Scenario, AnOverrideCannotInventAController) {

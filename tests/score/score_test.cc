@@ -184,7 +184,7 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
 TEST(Scores, FollowLabelsInPlaceOfTheSpeed) {
   const FullExample example;
   ScoreInput input = example.Input();
-  const LabelledSegment all_rest[] = {{"rest", 0, FullExample::kSamples}};
+  const Segment all_rest[] = {{"rest", 0, FullExample::kSamples}};
   input.segments = all_rest;
   const Scores scores = ComputeScores(input);
   EXPECT_TRUE(std::isnan(scores.summary[IndexOf("fast_tracking_rmse_deg")]));

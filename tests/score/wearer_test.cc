@@ -51,9 +51,8 @@ TEST(Wearer, RegimesFollowTheSpeed) {
 }
 
 TEST(Wearer, LabelsWinOverTheSpeed) {
-  const LabelledSegment labels[] = {{"slow", 0, 2000},      {"fast", 2000, 3000},
-                                    {"rest", 3000, 5000},   {"onset", 1, 5},
-                                    {"reversal", 90, 9000}, {"of no meaning", 0, 9}};
+  const Segment labels[] = {{"slow", 0, 2000}, {"fast", 2000, 3000},   {"rest", 3000, 5000},
+                            {"onset", 1, 5},   {"reversal", 90, 9000}, {"of no meaning", 0, 9}};
   const auto motion = AnalyseWearer(RampsAndRests(), kRate_hz, labels);
   EXPECT_NEAR(Length(motion.Of(Regime::kSlow)), 2000, 10);
   EXPECT_NEAR(Length(motion.Of(Regime::kFast)), 1300, 10);

@@ -15,8 +15,7 @@ Study MakeStudy(const std::string& question, double duration_s) {
   Scenario scenario;
   scenario.name = "made_up";
   scenario.question = question;
-  scenario.glove.motion.kind = MotionKind::kHold;
-  scenario.glove.motion.hold.duration_s = duration_s;
+  scenario.glove.motion.settings = HoldConfig{.duration_s = duration_s};
   scenario.controllers = {{.name = "raw", .config = {}}, {.name = "same", .config = {}}};
   return PrepareStudy(scenario);
 }

@@ -17,12 +17,12 @@ GloveConfig Swing(const std::string& channel) {
   config.sensor.curvature_deviation_percent = 0.0;
   config.sensor.cross_talk_percent = 0.0;
   config.sensor.hysteresis_deg = 0.0;
-  config.motion.kind = MotionKind::kSine;
-  config.motion.sine.duration_s = 4.0;
-  config.motion.sine.frequency_hz = {1.0};
-  config.motion.sine.channels = {channel};
   const Channel& joint = GloveChannels()[static_cast<std::size_t>(ChannelIndex(channel))];
-  config.motion.sine.range_percent = 100.0 * 60.0 / (joint.max_deg - joint.min_deg);
+  config.motion.settings =
+      SineConfig{.duration_s = 4.0,
+                 .frequency_hz = {1.0},
+                 .range_percent = 100.0 * 60.0 / (joint.max_deg - joint.min_deg),
+                 .channels = {channel}};
   return config;
 }
 

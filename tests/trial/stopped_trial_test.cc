@@ -10,8 +10,7 @@ namespace {
 TEST(StoppedTrial, EndsWhereTheHandDivergedAndSaysSo) {
   GloveConfig config;
   config.channels = {"index_mcp"};
-  config.motion.kind = MotionKind::kHold;
-  config.motion.hold.duration_s = 0.5;
+  config.motion.settings = HoldConfig{.duration_s = 0.5};
   const GloveSignal glove = SynthesiseGlove(config, 1);
   const Trace trace =
       RunTrial("raw", {}, glove, NominalCalibration(config), {}, MakeDivergingHand("index_mcp"));

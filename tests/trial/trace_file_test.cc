@@ -136,8 +136,8 @@ std::vector<std::string> ReadStretches(const fs::path& file, const std::string& 
 }
 
 TEST_F(TraceFileTest, TellsTheTruthOfEveryFaultAndWhatTheWearerDid) {
-  glove_.faults = {{.kind = FaultKind::kStuck, .channel = 3, .begin = 1, .end = 4},
-                   {.kind = FaultKind::kLateFrames, .channel = 0, .begin = 0, .end = 2}};
+  glove_.faults = {{.kind = "stuck", .channel = 3, .begin = 1, .end = 4},
+                   {.kind = "late_frames", .channel = 0, .begin = 0, .end = 2}};
   glove_.segments = {{.label = "rest", .begin = 0, .end = 3},
                      {.label = "fast", .begin = 3, .end = 5}};
   TraceWriter(file_, glove_, hand_, "test", 1).Commit();

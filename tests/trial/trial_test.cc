@@ -13,8 +13,7 @@ namespace {
 
 GloveConfig ShortRandomMotion() {
   GloveConfig config;
-  config.motion.kind = MotionKind::kRandom;
-  config.motion.random.duration_s = 0.4;
+  config.motion.settings = RandomMotionConfig{.duration_s = 0.4};
   return config;
 }
 

@@ -1,51 +1,38 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
+#include <variant>
 
+#include "controller/kinds.h"
 #include "controller/settings.h"
+#include "sim/glove/faults/analog_faults.h"
+#include "sim/glove/faults/digital_faults.h"
+#include "sim/glove/faults/fault.h"
+#include "sim/glove/faults/time_jitter.h"
 
 namespace gauntlet::sim {
 
-enum class FaultKind {
-  kSpikes,
-  kNoiseBursts,
-  kGainChange,
-  kTimeJitter,
-  kSaturated,
-  kStuck,
-  kDisconnected,
-  kDropouts,
-  kDuplicatedFrames,
-  kLateFrames
-};
+/// Every kind of fault that there is. To add one: a struct with its kNature, its occurrence `when`,
+/// its own settings and its Apply(), and one entry here.
+using FaultSettings =
+    std::variant<SpikeFault, NoiseBurstFault, GainChangeFault, TimeJitterFault, SaturatedFault,
+                 StuckFault, DisconnectedFault, DropoutFault, DuplicatedFrameFault, LateFrameFault>;
 
-/// Something that goes wrong with the glove, again and again: the first time at `start_s` or at
-/// random, then at random, as often as `rate_per_s` says in each of the channels. Gaps and
-/// durations are exponential about their means. Counts are those of a 10-bit converter.
+/// Something that goes wrong with the glove, again and again: `kind`, when and where, then the
+/// settings of that kind.
 struct FaultConfig {
-  FaultKind kind = FaultKind::kSpikes;
-  std::vector<std::string> channels;  // empty: all
-  double start_s = -1.0;              // of the first; below 0: at random
-  double rate_per_s = 0.5;            // 0: never (again)
-  double duration_ms = 0.1;           // 0: to the end
-  double amplitude_counts = 200.0;
-  double gain = 0.7;
-  double deviation_ms = 1.0;
-  double delay_ms = 20.0;
+  FaultSettings settings;
 
-  /// Shows the kind and the settings of that kind; another kind brings its own defaults.
+  std::string_view kind() const { return controller::KindName(settings); }
+  FaultOccurrence& when();
+  const FaultOccurrence& when() const;
+  FaultNature nature() const;
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// One kind of fault, with the settings it has if nothing is said.
-struct FaultKindInfo {
-  std::string_view name;
-  std::string_view summary;
-  FaultConfig defaults;
-};
-std::span<const FaultKindInfo> FaultKinds();
+/// All kinds, in the order of every list.
+using FaultKind = controller::Kind<FaultConfig>;
+std::span<const FaultKind> FaultKinds();
 
 }  // namespace gauntlet::sim

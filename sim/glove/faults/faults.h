@@ -11,12 +11,10 @@ namespace gauntlet::sim {
 
 /// The truth of one fault: what was wrong, where and when.
 struct FaultEvent {
-  FaultKind kind = FaultKind::kSpikes;
+  std::string_view kind;  // one of the names of FaultKinds()
   int channel = 0;
   int begin = 0;  // samples [begin, end)
   int end = 0;
-
-  std::string_view kind_name() const { return FaultKinds()[static_cast<std::size_t>(kind)].name; }
 };
 
 /// When and where each fault of the list strikes in a signal of this length. Ordered by the list,
@@ -26,18 +24,9 @@ struct FaultEvent {
 std::vector<FaultEvent> DrawFaults(const std::vector<FaultConfig>& faults, int samples,
                                    double rate_hz, std::uint64_t seed);
 
-/// Faults of the moments of sampling, before there is noise, which no sampling makes smaller: time
-/// jitter. `counts` is analog, samples x channels.
-void ApplySamplingFaults(const std::vector<FaultConfig>& faults, double rate_hz, std::uint64_t seed,
-                         Signal& counts);
-
-/// Faults of the electrical signal, before the converter: spikes, noise bursts, gain change.
-/// `counts` is analog.
-void ApplyAnalogFaults(const std::vector<FaultConfig>& faults, double full_scale_counts,
-                       double rate_hz, std::uint64_t seed, Signal& counts);
-
-/// Faults of the frames, behind the converter: all others. A missing value is NaN.
-void ApplyDigitalFaults(const std::vector<FaultConfig>& faults, double full_scale_counts,
-                        double rate_hz, std::uint64_t seed, Signal& counts);
+/// Applies the faults of one stage, each where DrawFaults says, to `counts`, samples x channels.
+/// Errors: those of DrawFaults.
+void ApplyFaults(FaultStage stage, const std::vector<FaultConfig>& faults, double full_scale_counts,
+                 double rate_hz, std::uint64_t seed, Signal& counts);
 
 }  // namespace gauntlet::sim

@@ -30,7 +30,6 @@ Motion MakeMotion(const HoldConfig& config, const MotionContext& context) {
   for (std::size_t channel = 0; channel < angles.size(); ++channel) {
     HoldChannel(channel, angles[channel], motion);
   }
-  motion.segments = {{"rest", 0, static_cast<int>(motion.angle_rad.rows())}};
   return motion;
 }
 

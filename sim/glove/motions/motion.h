@@ -4,25 +4,19 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/segment.h"
 #include "sim/base/signal.h"
 #include "sim/glove/sensor/converter.h"
 #include "sim/glove/sensor/sensor_config.h"
 
 namespace gauntlet::sim {
 
-/// A stretch of the motion with a name (rest, slow, fast, onset, reversal): samples [begin, end).
-struct MotionSegment {
-  std::string label;
-  int begin = 0;
-  int end = 0;
-};
-
 /// True joint angles of the wearer over time. Channels are all of GloveChannels().
 struct Motion {
-  Signal angle_rad;            // samples x channels
-  Signal velocity_rad_s;       // the same; empty if not asked for or not known in closed form
-  Signal acceleration_rad_s2;  // likewise
-  std::vector<MotionSegment> segments;
+  Signal angle_rad;               // samples x channels
+  Signal velocity_rad_s;          // the same; empty if not asked for or not known in closed form
+  Signal acceleration_rad_s2;     // likewise
+  std::vector<Segment> segments;  // that a person labelled
   /// What a recorded glove said, where the recording is of a glove; else empty. NaN is missing.
   Signal measured_rad;
   std::string reference_name = "ground truth";

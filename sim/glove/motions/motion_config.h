@@ -3,72 +3,38 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
+#include <variant>
 
+#include "controller/kinds.h"
 #include "controller/settings.h"
 #include "sim/glove/motions/hold_motion.h"
 #include "sim/glove/motions/motion.h"
 #include "sim/glove/motions/posture_motions.h"
 #include "sim/glove/motions/random_motion.h"
 #include "sim/glove/motions/recorded_motion.h"
+#include "sim/glove/motions/sequence.h"
 #include "sim/glove/motions/sine_motion.h"
 
 namespace gauntlet::sim {
 
-struct MotionConfig;
+/// Every kind of motion that there is. To add one: a file with its config and its MakeMotion(), and
+/// one entry here.
+using MotionSettings =
+    std::variant<HoldConfig, RecordedMotionConfig, RandomMotionConfig, MovesConfig, GraspConfig,
+                 BurstsConfig, SineConfig, ChirpConfig, StepsConfig, SequenceConfig>;
 
-/// Motions one after another, joined smoothly.
-struct SequenceConfig {
-  static constexpr std::string_view kKind = "sequence";
-  static constexpr std::string_view kSummary = "motions one after another, with labels";
-
-  double blend_s = 0.3;
-  std::vector<MotionConfig> parts;
-
-  void Visit(controller::SettingsVisitor& visitor);
-};
-
-enum class MotionKind {
-  kHold,
-  kRecording,
-  kRandom,
-  kMoves,
-  kGrasp,
-  kBursts,
-  kSine,
-  kChirp,
-  kSteps,
-  kSequence
-};
-
-/// What the wearer does.
+/// What the wearer does: `kind`, `label`, then the settings of that kind.
 struct MotionConfig {
-  MotionKind kind = MotionKind::kRandom;
-  std::string label;  // of the whole of it; empty: labels by its speed
-  HoldConfig hold;
-  RecordedMotionConfig recording;
-  RandomMotionConfig random;
-  MovesConfig moves;
-  GraspConfig grasp;
-  BurstsConfig bursts;
-  SineConfig sine;
-  ChirpConfig chirp;
-  StepsConfig steps;
-  SequenceConfig sequence;
+  MotionSettings settings = RandomMotionConfig{};
+  std::string label = {};  // of the whole of it; empty: none, or those of a sequence's parts
 
-  /// Shows the kind and the settings of that kind.
+  std::string_view kind() const { return controller::KindName(settings); }
   void Visit(controller::SettingsVisitor& visitor);
-};
-
-/// One kind of motion, with the settings it has if nothing is said.
-struct MotionKindInfo {
-  std::string_view name;
-  std::string_view summary;
-  MotionConfig defaults;
 };
 
 /// All kinds, in the order of every list.
-std::span<const MotionKindInfo> MotionKinds();
+using MotionKind = controller::Kind<MotionConfig>;
+std::span<const MotionKind> MotionKinds();
 
 /// Pure: same input, same bytes.
 /// Errors: UserError for a recording that cannot be read, SettingError for settings that do not

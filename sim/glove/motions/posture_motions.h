@@ -74,7 +74,7 @@ struct StepsConfig {
   double duration_s = 8.0;
   double period_s = 2.0;
   double range_percent = 50.0;
-  std::vector<std::string> channels;
+  std::vector<std::string> channels = {};
 
   void Visit(controller::SettingsVisitor& visitor);
 };

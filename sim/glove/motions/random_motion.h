@@ -24,7 +24,7 @@ struct RandomMotionConfig {
   double duration_s = 10.0;
   double bandwidth_hz = 0.7;
   double range_percent = 80.0;
-  std::vector<std::string> channels;  // the others hold
+  std::vector<std::string> channels = {};  // the others hold
 
   void Visit(controller::SettingsVisitor& visitor);
 };

@@ -39,9 +39,9 @@ Recording Load(const RecordedMotionConfig& config, const RecordingFormat& format
 }
 
 /// The stretch at the sampling rate; channels that the recording lacks hold the posture `rest`.
-/// Where `masked`, a sample in a long gap is NaN; else it is interpolated too.
+/// Where `masked`, a sample in a long gap is NaN; else it is made like all others.
 Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recording,
-                      std::size_t samples, double rate_hz, bool masked) {
+                      std::size_t samples, double rate_hz, Resampling how, bool masked = false) {
   const std::vector<double> rest = PostureAngles(0);
   Signal angle_rad(static_cast<Eigen::Index>(samples), static_cast<Eigen::Index>(rest.size()));
   for (std::size_t channel = 0; channel < rest.size(); ++channel) {
@@ -52,7 +52,7 @@ Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recor
     }
     const Resampled resampled =
         Resample(recording, static_cast<Eigen::Index>(channel), config.start_s, rate_hz, samples,
-                 1e-3 * config.longest_gap_ms);
+                 1e-3 * config.longest_gap_ms, how);
     for (std::size_t i = 0; i < samples; ++i) {
       column[static_cast<Eigen::Index>(i)] = masked && resampled.mask[i]
                                                  ? std::numeric_limits<double>::quiet_NaN()
@@ -90,6 +90,30 @@ std::size_t SampleCount(const RecordedMotionConfig& config, const Recording& rec
   return static_cast<std::size_t>(std::floor(available_s * context.rate_hz + 1e-6)) + 1;
 }
 
+/// What the recording stands for, and the settings that depend on it.
+void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config) {
+  controller::VisitEnum(
+      visitor, {.key = "use", .help = "the wearer's true motion, or what a real glove measured"},
+      kUseNames, config.use);
+  Resampling how = config.resampling();
+  controller::VisitEnum(
+      visitor,
+      {.key = "resample",
+       .help = "between two rows of the file: hold, the newest row, as a fast loop reads a slow "
+               "glove; cubic, shape-preserving interpolation. Default: hold for use: measured, "
+               "cubic for truth; a reference is always cubic"},
+      kResamplingNames, how);
+  if (how != config.resampling()) config.resample = how;
+  if (config.use == RecordingUse::kTruth) return;
+  visitor.Path({.key = "reference", .help = "recording of the truth at the same times, if any"},
+               config.reference);
+  visitor.Number({.key = "smoothing_hz",
+                  .help = "without one the reference is the recording, smoothed at this cut-off",
+                  .min = 0.1,
+                  .max = 20},
+                 config.smoothing_hz);
+}
+
 }  // namespace
 
 void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
@@ -105,7 +129,7 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
       visitor, {.key = "problems", .help = "stop at the first bad value, or repair and report"},
       kProblemHandlingNames, problems);
   visitor.Number({.key = "longest_gap_ms",
-                  .help = "a shorter gap is filled by interpolation; a longer one is a problem",
+                  .help = "a shorter gap is filled; a longer one is a problem",
                   .min = 0,
                   .max = 1e7},
                  longest_gap_ms);
@@ -116,17 +140,7 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
                   .min = 0,
                   .max = kLongestMotionS},
                  duration_s);
-  controller::VisitEnum(
-      visitor, {.key = "use", .help = "the wearer's true motion, or what a real glove measured"},
-      kUseNames, use);
-  if (use == RecordingUse::kTruth) return;
-  visitor.Path({.key = "reference", .help = "recording of the truth at the same times, if any"},
-               reference);
-  visitor.Number({.key = "smoothing_hz",
-                  .help = "without one the reference is the recording, smoothed at this cut-off",
-                  .min = 0.1,
-                  .max = 20},
-                 smoothing_hz);
+  VisitUse(visitor, *this);
 }
 
 Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context) {
@@ -135,12 +149,16 @@ Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& conte
   const std::size_t samples = SampleCount(config, recording, context);
   Motion motion;
   motion.remarks = recording.remarks;
-  motion.angle_rad = AtSamplingRate(config, recording, samples, context.rate_hz, false);
-  if (config.use == RecordingUse::kMeasured) {
-    motion.measured_rad = AtSamplingRate(config, recording, samples, context.rate_hz, true);
+  const bool is_truth = config.use == RecordingUse::kTruth;
+  motion.angle_rad = AtSamplingRate(config, recording, samples, context.rate_hz,
+                                    is_truth ? config.resampling() : Resampling::kCubic);
+  if (!is_truth) {
+    motion.measured_rad =
+        AtSamplingRate(config, recording, samples, context.rate_hz, config.resampling(), true);
     if (!config.reference.empty()) {
       const Recording truth = Load(config, format, config.reference);
-      motion.angle_rad = AtSamplingRate(config, truth, samples, context.rate_hz, false);
+      motion.angle_rad =
+          AtSamplingRate(config, truth, samples, context.rate_hz, Resampling::kCubic);
       motion.reference_name = "recorded reference";
       motion.remarks.insert(motion.remarks.end(), truth.remarks.begin(), truth.remarks.end());
     } else {

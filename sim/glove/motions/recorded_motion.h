@@ -1,11 +1,12 @@
 #pragma once
 
-#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "controller/settings.h"
 #include "sim/glove/motions/motion.h"
+#include "sim/recordings/recording.h"
 #include "sim/recordings/recording_reader.h"
 
 namespace gauntlet::sim {
@@ -16,26 +17,32 @@ enum class RecordingUse {
   kMeasured,  // what a real glove said: it goes to the converter as it is
 };
 
-/// Joint angles from a text file, brought to the sampling rate by shape-preserving interpolation.
+/// Joint angles from a text file, brought to the sampling rate.
 struct RecordedMotionConfig {
   static constexpr std::string_view kKind = "recording";
   static constexpr std::string_view kSummary = "joint angles or glove values from a file";
 
-  std::string file;
-  std::string map;
+  std::string file = {};
+  std::string map = {};
   double file_rate_hz = 0.0;
   ProblemHandling problems = ProblemHandling::kStrict;
   double longest_gap_ms = 100.0;
   double start_s = 0.0;
   double duration_s = 0.0;  // 0: to the end
   RecordingUse use = RecordingUse::kTruth;
-  std::string reference;      // for measured: a recording of the truth
-  double smoothing_hz = 5.0;  // for measured without one
+  std::optional<Resampling> resample = {};  // none: what fits the use
+  std::string reference = {};               // for measured: a recording of the truth
+  double smoothing_hz = 5.0;                // for measured without one
 
+  /// A person moves smoothly between two rows; a glove's newest row is all that is known of it.
+  Resampling resampling() const {
+    return resample.value_or(use == RecordingUse::kTruth ? Resampling::kCubic : Resampling::kHold);
+  }
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// For `measured`, angle_rad is the reference and measured_rad what the glove said.
+/// For `measured`, angle_rad is the reference, always by interpolation, and measured_rad what the
+/// glove said.
 /// The columns in counts are those of the default sensor and converter unless given.
 /// Errors: UserError for a file that cannot be read or is too short.
 Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context);

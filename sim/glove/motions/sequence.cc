@@ -1,8 +1,10 @@
 #include "sim/glove/motions/sequence.h"
 
 #include <algorithm>
+#include <string>
 
 #include "sim/base/channels.h"
+#include "sim/glove/motions/motion_config.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -74,6 +76,45 @@ Signal Stacked(const Signal& above, const Signal& below) {
 
 }  // namespace
 
+void SequenceConfig::Visit(controller::SettingsVisitor& visitor) {
+  visitor.Number({.key = "blend_s",
+                  .help = "time in which each part takes over from the one before",
+                  .min = 0.02,
+                  .max = 5},
+                 blend_s);
+  controller::VisitList(visitor, {.key = "parts", .help = "motions, each with kind and settings"},
+                        parts);
+}
+
+Motion MakeMotion(const SequenceConfig& config, const MotionContext& context) {
+  if (config.parts.empty()) {
+    throw controller::SettingError("parts", "is empty, must hold at least one motion");
+  }
+  Motion motion;
+  for (std::size_t part = 0; part < config.parts.size(); ++part) {
+    MotionContext inner = context;
+    inner.part = context.part * 1000 + part + 1;  // unlike any part of another sequence
+    if (part > 0) {
+      const Eigen::RowVectorXd last = motion.angle_rad.row(motion.angle_rad.rows() - 1);
+      inner.start_rad.assign(last.begin(), last.end());
+    }
+    Motion next = controller::WithinSetting("parts[" + std::to_string(part) + "]", [&] {
+      Motion made = SynthesiseMotion(config.parts[part], inner);
+      if (made.measured_rad.size() > 0) {
+        throw controller::SettingError("use", "is measured, must be truth inside a sequence");
+      }
+      return made;
+    });
+    if (part == 0) {
+      motion = std::move(next);
+    } else {
+      AppendMotion(next, config.blend_s, context.rate_hz, motion);
+    }
+    context.SampleCount(static_cast<double>(motion.angle_rad.rows()) / context.rate_hz);
+  }
+  return motion;
+}
+
 void AppendMotion(const Motion& next, double blend_s, double rate_hz, Motion& motion) {
   Motion joined = next;
   const double step_s = 1.0 / rate_hz;
@@ -97,7 +138,7 @@ void AppendMotion(const Motion& next, double blend_s, double rate_hz, Motion& mo
     }
   }
   const int offset = static_cast<int>(motion.angle_rad.rows());
-  for (const MotionSegment& segment : joined.segments) {
+  for (const Segment& segment : joined.segments) {
     motion.segments.push_back({segment.label, segment.begin + offset, segment.end + offset});
   }
   motion.velocity_rad_s = Stacked(motion.velocity_rad_s, joined.velocity_rad_s);

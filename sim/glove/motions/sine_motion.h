@@ -21,7 +21,7 @@ struct SineConfig {
   std::vector<double> frequency_hz = {0.5};  // one, or one per channel of the glove
   double range_percent = 60.0;
   double phase_step_deg = 0.0;
-  std::vector<std::string> channels;
+  std::vector<std::string> channels = {};
 
   void Visit(controller::SettingsVisitor& visitor);
 };
@@ -39,7 +39,7 @@ struct ChirpConfig {
   std::vector<double> from_hz = {0.1};  // each one, or one per channel of the glove
   std::vector<double> to_hz = {5.0};
   double range_percent = 30.0;
-  std::vector<std::string> channels;
+  std::vector<std::string> channels = {};
 
   void Visit(controller::SettingsVisitor& visitor);
 };

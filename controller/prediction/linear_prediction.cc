@@ -1,0 +1,72 @@
+#include "controller/prediction/linear_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "controller/filters/end_point_fit.h"
+#include "controller/filters/sample_window.h"
+#include "controller/prediction/horizon.h"
+
+namespace gauntlet::controller {
+namespace {
+
+/// z(k) + steps slope: zero steps, or a window that is not full yet, pass samples through.
+class LinearPredictor final : public Filter {
+ public:
+  LinearPredictor(int window, double horizon_steps, int channel_count)
+      : weights_(horizon_steps * EndPointWeights(window, 1, 1)),
+        window_(window, channel_count),
+        ahead_(static_cast<std::size_t>(channel_count)) {
+    weights_[0] += 1.0;
+  }
+
+  int channel_count() const noexcept override { return window_.channel_count(); }
+  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+    window_.Push(input);
+    WeightedSum(window_, weights_, ahead_.data());
+    if (!window_.all_full()) {
+      const double* newest = window_.Row(0);
+      for (int i = 0; i < channel_count(); ++i) {
+        if (window_.count(i) < window_.length()) ahead_[static_cast<std::size_t>(i)] = newest[i];
+      }
+    }
+    std::copy(ahead_.begin(), ahead_.end(), output.begin());
+  }
+  void Reset() noexcept override { window_.Reset(); }
+  void ResetChannel(int channel) noexcept override { window_.ResetChannel(channel); }
+  bool CopyChannel(const Filter& from, int channel) noexcept override {
+    const auto* other = dynamic_cast<const LinearPredictor*>(&from);
+    if (other == nullptr || other->window_.length() != window_.length()) return false;
+    window_.CopyChannel(other->window_, channel);
+    return true;
+  }
+
+ private:
+  Eigen::ArrayXd weights_;
+  SampleWindow window_;
+  std::vector<double> ahead_;
+};
+
+}  // namespace
+
+void LinearPredictionConfig::Visit(SettingsVisitor& visitor) {
+  VisitHorizon(visitor, horizon_ms);
+  visitor.Number(
+      {.key = "window_ms", .help = "samples from which the slope is taken", .min = 1, .max = 1e4},
+      window_ms);
+}
+
+std::unique_ptr<Filter> MakePredictor(const LinearPredictionConfig& config, int channel_count,
+                                      double rate_hz) {
+  CheckSettings(config);
+  const int window = static_cast<int>(std::lround(config.window_ms * 1e-3 * rate_hz));
+  if (window < 2) {
+    throw SettingError("window_ms", "must hold at least two steps of the filter, " +
+                                        NumberText(2e3 / rate_hz) + " ms");
+  }
+  return std::make_unique<LinearPredictor>(window, config.horizon_ms * 1e-3 * rate_hz,
+                                           channel_count);
+}
+
+}  // namespace gauntlet::controller

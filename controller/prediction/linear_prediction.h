@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "controller/filters/filter.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// The newest value plus horizon times the slope of the last `window_ms` (least squares).
+///
+///     y(k) = z(k) + horizon slope(k)
+///
+/// Source: Bai, Jiang, Yokoi, section 5.
+struct LinearPredictionConfig {
+  static constexpr std::string_view kKind = "linear";
+  static constexpr std::string_view kSummary = "along the slope of the last samples";
+
+  double horizon_ms = 45.0;  // the paper's bound of the event time
+  double window_ms = 60.0;
+
+  void Visit(SettingsVisitor& visitor);
+};
+
+/// Errors: SettingError, also for a window shorter than two steps.
+std::unique_ptr<Filter> MakePredictor(const LinearPredictionConfig& config, int channel_count,
+                                      double rate_hz);
+
+}  // namespace gauntlet::controller
