@@ -155,6 +155,8 @@ std::string DifferenceTable(const StudyFolder& a, const StudyFolder& b,
   AppendNames("controllers only in B", difference.controllers_only_in_b, names);
   AppendNames("channels only in A", difference.channels_only_in_a, names);
   AppendNames("channels only in B", difference.channels_only_in_b, names);
+  AppendNames("scores that only A knows", difference.metrics_only_in_a, names);
+  AppendNames("scores that only B knows", difference.metrics_only_in_b, names);
   if (!names.empty()) out += "\n" + names;
   const std::string of_seeds = OfCommonSeeds(a, b, difference);
   AppendScores(difference, of_seeds, options, out);

@@ -138,7 +138,7 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
   json["rows"] = result.row_names;
-  json["channels"] = finished.study.measured_joint_names();
+  json["channels"] = finished.study.measured_joint_names;
   json["first_channel"] = finished.study.scenario.video.channel;
   json["latency"] = LatencyJson(first_seed.latency);
   json["curves"] = nullptr;

@@ -201,8 +201,8 @@ std::string Verdict(const Summary& summary) {
 }
 
 std::string Measured(const Study& study) {
-  return fmt::format("{} of {} joints measured", study.measured_joints.size(),
-                     study.hand->joint_names().size());
+  return fmt::format("{} of {} joints measured", study.measured_joint_names.size(),
+                     study.joint_count);
 }
 
 std::string ScoreTable(const FinishedStudy& finished, bool colour) {

@@ -62,7 +62,10 @@ std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fouri
   const auto rows = input.hand_angle_rad->rows();
   std::vector<Signal> stations;
   const auto add = [&](const Signal& signal) {
-    const Signal low = Filter(low_pass, Band::kBelow, signal.topRows(rows), fourier).values;
+    // A joint without a number stands still here, and so has no latency; the filter would spread
+    // it.
+    const Signal numbers = signal.topRows(rows).array().isNaN().select(0.0, signal.topRows(rows));
+    const Signal low = Filter(low_pass, Band::kBelow, numbers, fourier).values;
     stations.push_back(low(Eigen::seq(0, Eigen::last, step), Eigen::all));
   };
   add(*input.wearer_angle_rad);

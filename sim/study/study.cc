@@ -79,6 +79,8 @@ void FindMeasuredParts(Study& study) {
   for (int joint = 0; joint < joints; ++joint) {
     if (joint_map.measured(joint)) study.measured_joints.push_back(joint);
   }
+  study.joint_count = joints;
+  study.measured_joint_names = Selected(hand.joint_names, study.measured_joints);
   int cable = 0;
   for (int motor = 0; motor < std::ssize(study.hand->drives()); ++motor) {
     const bool counts = std::ranges::any_of(study.measured_joints, [&](int joint) {
@@ -90,7 +92,7 @@ void FindMeasuredParts(Study& study) {
     }
   }
   study.rows =
-      ScoreRows(study.measured_joint_names(), Selected(hand.motor_names, study.measured_motors),
+      ScoreRows(study.measured_joint_names, Selected(hand.motor_names, study.measured_motors),
                 Selected(study.hand->cable_names(), study.measured_cables));
 }
 
@@ -234,10 +236,6 @@ void ChooseVideoChannel(const std::vector<std::string>& channels, std::string& c
 
 }  // namespace
 
-std::vector<std::string> Study::measured_joint_names() const {
-  return Selected(hand->joint_names(), measured_joints);
-}
-
 TrialSetup SetupOf(const Study& study, const NamedController& named) {
   return {.controller_name = named.name,
           .controller = named.config,
@@ -270,7 +268,7 @@ Study PrepareStudy(Scenario scenario) {
                                     study.hand->timing().controller, scenario.joint_map);
     });
   }
-  ChooseVideoChannel(study.measured_joint_names(), scenario.video.channel);
+  ChooseVideoChannel(study.measured_joint_names, scenario.video.channel);
   study.scenario = std::move(scenario);
   study.remarks = std::move(glove.remarks);
   return study;

@@ -21,6 +21,8 @@ struct Study {
   std::vector<int> measured_joints;
   std::vector<int> measured_motors;
   std::vector<int> measured_cables;
+  std::vector<std::string> measured_joint_names;
+  int joint_count = 0;               // of the hand, measured or not
   ScoreRows rows;                    // of these joints, motors and cables
   std::vector<std::string> remarks;  // what was repaired in recordings, one line each
   std::string glove_hash;            // of the first seed's signal
@@ -30,7 +32,6 @@ struct Study {
   controller::JointMap joint_map() const {
     return {scenario.joint_map, channel_names(), hand->transmission()};
   }
-  std::vector<std::string> measured_joint_names() const;
 };
 
 /// The trial of one controller of the study.

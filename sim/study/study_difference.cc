@@ -190,6 +190,11 @@ StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b) {
     const bool version = setting.key.starts_with(kVersions);
     (version ? result.versions : result.settings).push_back(std::move(setting));
   }
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    const std::string key(Metrics()[m].key);
+    if (!b.scores.has_metric[m] && a.scores.has_metric[m]) result.metrics_only_in_a.push_back(key);
+    if (!a.scores.has_metric[m] && b.scores.has_metric[m]) result.metrics_only_in_b.push_back(key);
+  }
   result.common_seeds = CommonSeeds(a.scores, b.scores);
   result.method = MethodFor(a.scores, b.scores, result.common_seeds.size());
   const ScoreFile a_scores = OfSeeds(result.common_seeds, a.scores);
@@ -201,6 +206,9 @@ StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b) {
     const auto other = static_cast<std::size_t>(found - b_scores.controllers.begin());
     CompareScores(name, a_scores.summary[c], b_scores.summary[other], result);
   }
+  std::erase_if(result.scores, [&](const ScoreDifference& score) {
+    return !a.scores.has_metric[score.metric] || !b.scores.has_metric[score.metric];
+  });
   return result;
 }
 
@@ -233,6 +241,8 @@ std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
   json["controllers_only_in_b"] = difference.controllers_only_in_b;
   json["channels_only_in_a"] = difference.channels_only_in_a;
   json["channels_only_in_b"] = difference.channels_only_in_b;
+  json["metrics_only_in_a"] = difference.metrics_only_in_a;
+  json["metrics_only_in_b"] = difference.metrics_only_in_b;
   json["method"] = kMethods[static_cast<int>(difference.method)];
   json["common_seeds"] = difference.common_seeds;
   json["scores"] = Json::array();

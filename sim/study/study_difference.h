@@ -46,12 +46,15 @@ struct StudyDifference {
   std::vector<std::string> controllers_only_in_b;
   std::vector<std::string> channels_only_in_a;
   std::vector<std::string> channels_only_in_b;
+  std::vector<std::string> metrics_only_in_a;  // the version that wrote the other knew them not
+  std::vector<std::string> metrics_only_in_b;
   DifferenceMethod method = DifferenceMethod::kPlain;
   std::vector<int> common_seeds;        // in the order of A
   std::vector<ScoreDifference> scores;  // of the controllers that both have
 
   std::size_t ChangedScores() const;
-  /// Nothing differs; other versions that give the same scores do not count.
+  /// Nothing differs; other versions that give the same scores do not count, nor what they do not
+  /// know.
   bool Same() const;
 };
 

@@ -115,7 +115,7 @@ std::string ScoresJson(const FinishedStudy& finished) {
   json["reference"] = result.reference_name;
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
-  json["measured_joints"] = finished.study.measured_joint_names();
+  json["measured_joints"] = finished.study.measured_joint_names;
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     json["controllers"].push_back(ControllerJson(finished, c));
     json["controllers"].back()["dominated"] = static_cast<bool>(summary.dominated[c]);

@@ -1,6 +1,7 @@
 #include "sim/study/study_folder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -72,21 +73,26 @@ std::size_t PlaceOf(std::vector<Value>& list, const Value& value) {
   return place;
 }
 
-void CheckHeader(const std::string& name, std::string_view line) {
-  std::vector<std::string_view> expected(kKeyColumns.begin(), kKeyColumns.end());
-  for (const Metric& metric : Metrics()) expected.push_back(metric.key);
+/// The metric of each column behind the key columns.
+std::vector<std::size_t> MetricColumns(const std::string& name, std::string_view line) {
   const std::vector<std::string_view> columns = Split(line, ',');
-  for (const std::string_view column : columns) {
-    if (std::find(expected.begin(), expected.end(), column) == expected.end()) {
-      Fail(name, 1, fmt::format("unknown column {}; written by another version?", column));
-    }
+  for (std::size_t i = 0; i < kKeyColumns.size(); ++i) {
+    if (i < columns.size() && columns[i] == kKeyColumns[i]) continue;
+    Fail(name, 1, fmt::format("must begin with the columns {}", fmt::join(kKeyColumns, ",")));
   }
-  for (const std::string_view column : expected) {
-    if (std::find(columns.begin(), columns.end(), column) == columns.end()) {
-      Fail(name, 1, fmt::format("column {} is missing; written by another version?", column));
+  std::vector<std::size_t> metrics;
+  for (std::size_t i = kKeyColumns.size(); i < columns.size(); ++i) {
+    const auto metric = FindMetric(columns[i]);
+    if (!metric) {
+      Fail(name, 1, i + 1,
+           fmt::format("unknown column {}; written by another version?", columns[i]));
     }
+    if (std::ranges::find(metrics, *metric) != metrics.end()) {
+      Fail(name, 1, i + 1, fmt::format("column {} appears twice", columns[i]));
+    }
+    metrics.push_back(*metric);
   }
-  if (columns != expected) Fail(name, 1, "the columns are in another order");
+  return metrics;
 }
 
 struct Row {
@@ -96,10 +102,11 @@ struct Row {
   std::vector<double> values;  // NaN where the field is empty
 };
 
-Row ParseRow(const std::string& name, std::size_t number, std::string_view line) {
+Row ParseRow(const std::string& name, std::size_t number, std::string_view line,
+             const std::vector<std::size_t>& metrics) {
   std::vector<std::string_view> fields = Split(line, ',');
   if (line.ends_with(',')) fields.emplace_back();  // the last score is missing
-  const std::size_t field_count = kKeyColumns.size() + Metrics().size();
+  const std::size_t field_count = kKeyColumns.size() + metrics.size();
   if (fields.size() != field_count) {
     Fail(name, number, fmt::format("has {} fields, must have {}", fields.size(), field_count));
   }
@@ -107,19 +114,21 @@ Row ParseRow(const std::string& name, std::size_t number, std::string_view line)
   if (!seed) {
     Fail(name, number, 1, fmt::format("seed is \"{}\", must be a whole number", fields[0]));
   }
-  Row row{.seed = *seed,
-          .controller = std::string(fields[1]),
-          .channel = std::string(fields[2]),
-          .values = {}};
+  Row row{
+      .seed = *seed,
+      .controller = std::string(fields[1]),
+      .channel = std::string(fields[2]),
+      .values = std::vector<double>(Metrics().size(), std::numeric_limits<double>::quiet_NaN())};
   for (std::size_t i = kKeyColumns.size(); i < fields.size(); ++i) {
+    const std::size_t metric = metrics[i - kKeyColumns.size()];
     const std::optional<double> value = fields[i].empty() ? std::numeric_limits<double>::quiet_NaN()
                                                           : ParseNumber<double>(fields[i]);
     if (!value) {
       Fail(name, number, i + 1,
            fmt::format("{} is \"{}\", must be a finite number, or empty where there is no score",
-                       Metrics()[i - kKeyColumns.size()].key, fields[i]));
+                       Metrics()[metric].key, fields[i]));
     }
-    row.values.push_back(*value);
+    row.values[metric] = *value;
   }
   return row;
 }
@@ -137,12 +146,14 @@ std::string ReadText(const std::filesystem::path& file) {
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
   const std::vector<std::string_view> lines = Lines(text);
   if (lines.size() < 2) throw UserError(fmt::format("{}: holds no scores", name));
-  CheckHeader(name, lines[0]);
+  const std::vector<std::size_t> metrics = MetricColumns(name, lines[0]);
   ScoreFile file;
+  file.has_metric.assign(Metrics().size(), false);
+  for (const std::size_t metric : metrics) file.has_metric[metric] = true;
   std::vector<Row> rows;
   std::set<std::tuple<int, std::string, std::string>> seen;
   for (std::size_t i = 1; i < lines.size(); ++i) {
-    Row row = ParseRow(name, i + 1, lines[i]);
+    Row row = ParseRow(name, i + 1, lines[i], metrics);
     if (!seen.insert({row.seed, row.controller, row.channel}).second) {
       Fail(name, i + 1, "seed, controller and channel stand twice");
     }

@@ -14,6 +14,7 @@ struct ScoreFile {
   std::vector<int> seeds;
   std::vector<std::string> controllers;
   std::vector<std::string> channels;
+  std::vector<bool> has_metric;  // per metric of Metrics(): an older version knew fewer
   /// By controller, metric of Metrics(), seed. NaN: no score.
   std::vector<std::vector<std::vector<double>>> summary;
 };
@@ -27,8 +28,8 @@ struct StudyFolder {
 
 /// Reads what ScoresCsv() wrote, also after a spreadsheet put a byte order mark and carriage
 /// returns into it; `name` stands for the file in messages. A score is a finite number, or empty:
-/// undefined. Errors: UserError `file:row:column: ...`, also for columns that are not those of
-/// Metrics().
+/// undefined; a column of Metrics() may be missing. Errors: UserError `file:row:column: ...`, also
+/// for columns that are not those of Metrics().
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text);
 
 /// Reads `scenario.resolved.yaml` and `scores.csv`. Errors: UserError in one line.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "sim/base/random.h"
@@ -27,7 +28,6 @@ struct Recording {
   IntegerSignal command{kSamples, kChannels};
   Signal speed{kSamples, kChannels};
   Signal tension{kSamples, 2 * kChannels};
-  std::vector<int> cable_channel;
   std::vector<double> saturation = std::vector<double>(kChannels, 0.1);
 
   Recording() {
@@ -41,7 +41,6 @@ struct Recording {
         tension(n, 2 * c) = 5.0 * random.Uniform();
         tension(n, 2 * c + 1) = 5.0 * random.Uniform();
       }
-      cable_channel.insert(cable_channel.end(), {c, c});
     }
   }
   static double Angle(int n, int channel) {
@@ -57,14 +56,19 @@ const Recording& SharedRecording() {
 
 void AllScores(benchmark::State& state) {
   const Recording& recording = SharedRecording();
+  std::vector<std::string> joints, cables;
+  for (int c = 0; c < kChannels; ++c) joints.push_back("joint_" + std::to_string(c));
+  for (Eigen::Index c = 0; c < recording.tension.cols(); ++c) {
+    cables.push_back("cable_" + std::to_string(c));
+  }
+  const ScoreRows rows(joints, joints, cables);
   const ScoreInput input{.reference_angle_rad = &recording.wearer,
                          .hand_angle_rad = &recording.hand,
                          .command_counts = &recording.command,
                          .motor_speed_rad_s = &recording.speed,
                          .tension_n = &recording.tension,
-                         .cable_channel = recording.cable_channel,
                          .saturation_share = recording.saturation};
-  for (auto _ : state) benchmark::DoNotOptimize(ComputeScores(input).summary.data());
+  for (auto _ : state) benchmark::DoNotOptimize(ComputeScores(input, rows).summary.data());
 }
 BENCHMARK(AllScores)->Unit(benchmark::kMillisecond);
 
@@ -103,13 +107,11 @@ BENCHMARK(WearerOf18Channels)->Unit(benchmark::kMillisecond);
 
 void LatencyBudgetOf18Channels(benchmark::State& state) {
   const Recording& recording = SharedRecording();
-  const LatencyInput input{
-      .wearer_angle_rad = &recording.wearer,
-      .linearised_angle_rad = &recording.hand,
-      .filtered_angle_rad = &recording.hand,
-      .command_counts = &recording.command,
-      .hand_angle_rad = &recording.hand,
-      .angle_per_count_rad = Eigen::MatrixXd::Identity(kChannels, kChannels) / 200.0};
+  const LatencyInput input{.wearer_angle_rad = &recording.wearer,
+                           .raw_angle_rad = &recording.hand,
+                           .filtered_angle_rad = &recording.hand,
+                           .command_angle_rad = &recording.hand,
+                           .hand_angle_rad = &recording.hand};
   for (auto _ : state) benchmark::DoNotOptimize(MeasureLatency(input).total_ms);
 }
 BENCHMARK(LatencyBudgetOf18Channels)->Unit(benchmark::kMillisecond);

@@ -94,23 +94,23 @@ void Run(int repetitions) {
   StudyResult result = RunStudy(study, {});
   const Eigen::Index steps = result.first_traces[0].hand_angle_rad.rows();
   const RecordedForces forces = RecordForces(study, result.first_traces[0], result.first_glove);
+  const FinishedStudy finished{
+      .study = study, .result = result, .summary = Summarise(study, result)};
   std::vector<double> trial_s;
   std::vector<double> loop_s;
   std::vector<double> glove_s;
   std::vector<double> files_s;
   std::vector<double> bare_s;
   for (int i = 0; i < repetitions; ++i) {
-    loop_s.push_back(Seconds([&] {
-      RunTrial("loop", study.scenario.controllers[0].config, result.first_glove, study.calibration,
-               study.scenario.event, study.hand);
-    }));
+    loop_s.push_back(Seconds(
+        [&] { RunTrial(SetupOf(study, study.scenario.controllers[0]), result.first_glove); }));
     trial_s.push_back(Seconds([&] {
-      const StudyResult timed = RunStudy(study, {});
-      WriteStudyFiles(folder, study, timed, Summarise(study, timed), {});
+      FinishedStudy timed{.study = study, .result = RunStudy(study, {}), .summary = {}};
+      timed.summary = Summarise(study, timed.result);
+      WriteStudyFiles(folder, timed, false);
     }));
     glove_s.push_back(Seconds([&] { SynthesiseGlove(study.scenario.glove, 1); }));
-    files_s.push_back(
-        Seconds([&] { WriteStudyFiles(folder, study, result, Summarise(study, result), {}); }));
+    files_s.push_back(Seconds([&] { WriteStudyFiles(folder, finished, false); }));
     bare_s.push_back(Seconds([&] { BareLoop(study, result.first_glove, forces, steps); }));
   }
   std::filesystem::remove_all(folder);

@@ -102,7 +102,7 @@ TEST_F(DiffTest, MistakesAreOneLineAndExitWithTwo) {
   fs::copy(In("a", "scenario.resolved.yaml"), In("half", "scenario.resolved.yaml"));
   ExpectMistake("half", "a", "half: no scores.csv there");
   std::ofstream(In("half", "scores.csv")) << "seed,controller,channel,charm\n1,raw,summary,2\n";
-  ExpectMistake("half", "a", "half/scores.csv:1: unknown column charm");
+  ExpectMistake("half", "a", "half/scores.csv:1:4: unknown column charm");
 
   fs::copy(folder_.path() / "a", folder_.path() / "old");
   std::ofstream(In("old", "scenario.resolved.yaml"), std::ios::app) << "charm: 3\n";

@@ -481,9 +481,10 @@ TEST(Controller, HoldsTheReferenceOfJointsThatNoChannelMeasures) {
 
 TEST(Controller, HasEventsBetweenTheSamplesOfASlowGlove) {
   // Samples every 3 ticks, events every 2.5: at ticks 0, 3, 5, 8, 10, 13, ..
+  ControllerConfig config = WithFilter(NoFilterConfig{});
+  config.motor.speed_limit_rad_s = 0.0;
   Controller controller =
-      Make(WithFilter(NoFilterConfig{}), 1,
-           {.tick_rate_hz = 1000.0, .ticks_per_sample = 3, .event_period_ms = 2.5});
+      Make(config, 1, {.tick_rate_hz = 1000.0, .ticks_per_sample = 3, .event_period_ms = 2.5});
   std::vector<int> events;
   std::vector<std::int32_t> sent;
   for (int tick = 0; tick < 14; ++tick) {

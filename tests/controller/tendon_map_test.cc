@@ -85,12 +85,54 @@ TEST(TendonMap, ClampsJointsToTheirRange) {
   EXPECT_EQ(at_limit, beyond);
 }
 
-TEST(TendonMap, RefusesACouplingWithoutInverse) {
+TEST(TendonMap, GivesBackOnlyTheJointsThatSpoolsDecide) {
+  // Two motors, three joints: the second motor's cable bends the last two together.
+  TendonTransmission hand = CoupledHand(3);
+  hand.motor_names = {"first", "both"};
+  hand.motor_of_joint = {"first", "both", "both"};
+  hand.coupling = {1.0, 0.0, 0.0, 0.4, 0.8, 0.5};
+  for (auto* values : {&hand.center_counts, &hand.min_counts, &hand.max_counts}) values->resize(2);
+  hand.counts_per_rad.resize(2);
+  TendonMap map(hand, true);
+  std::vector<double> counts(2), posture(3);
+  map.ToExactMotorCounts(std::vector<double>{0.3, 0.5, 0.7}, counts);
+  EXPECT_NEAR(counts[0], 512.0 + 100.0 * 0.3, 1e-9);
+  EXPECT_NEAR(counts[1], 512.0 + 100.0 * (0.4 * 0.3 + 0.8 * 0.5 + 0.5 * 0.7), 1e-9);
+  map.ToJointAngles(std::span<const double>(counts), posture);
+  EXPECT_NEAR(posture[0], 0.3, 1e-12);
+  EXPECT_TRUE(std::isnan(posture[1]));
+  EXPECT_TRUE(std::isnan(posture[2]));
+  // Without compensation a cable that only passes a joint is not told of it.
+  TendonMap(hand, false).ToExactMotorCounts(std::vector<double>{0.3, 0.5, 0.7}, counts);
+  EXPECT_NEAR(counts[1], 512.0 + 100.0 * (0.8 * 0.5 + 0.5 * 0.7), 1e-9);
+}
+
+TEST(TendonMap, DecidesWithSpareMotorsByLeastSquares) {
   TendonTransmission hand = CoupledHand(2);
-  hand.coupling = {1.0, 2.0, 2.0, 4.0};
+  hand.joint_names = {"only"};
+  hand.motor_of_joint = {""};
+  hand.coupling = {1.0, 2.0};
+  for (auto* values : {&hand.reference_angle_rad, &hand.joint_min_rad, &hand.joint_max_rad}) {
+    values->resize(1);
+  }
+  TendonMap map(hand, true);
+  std::vector<double> posture(1);
+  map.ToJointAngles(std::vector<double>{512.0 + 30.0, 512.0 + 60.0}, posture);
+  EXPECT_NEAR(posture[0], 0.3, 1e-12);
+}
+
+TEST(TendonMap, RefusesShapesThatDoNotFitAndMotorsThatMoveNothing) {
+  TendonTransmission hand = CoupledHand(2);
+  hand.coupling = {1.0, 0.0, 0.4, 0.0};
   EXPECT_THROW(TendonMap(hand, true), SettingError);
   hand = CoupledHand(2);
   hand.max_counts.pop_back();
+  EXPECT_THROW(TendonMap(hand, true), SettingError);
+  hand = CoupledHand(2);
+  hand.joint_names.push_back("one too many");
+  EXPECT_THROW(TendonMap(hand, true), SettingError);
+  hand = CoupledHand(2);
+  hand.motor_of_joint = {"motor_0", "nobody"};
   EXPECT_THROW(TendonMap(hand, true), SettingError);
 }
 

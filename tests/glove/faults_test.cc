@@ -252,7 +252,7 @@ controller::TendonTransmission PlainTransmission() {
   hand.coupling.assign(18 * 18, 0.0);
   for (std::size_t c = 0; c < 18; ++c) {
     const Channel& joint = GloveChannels()[c];
-    hand.channel_names.emplace_back(joint.name);
+    hand.joint_names.emplace_back(joint.name);
     hand.motor_names.emplace_back(joint.name);
     hand.coupling[19 * c] = 1.0;
     hand.reference_angle_rad.push_back(0.0);
@@ -275,6 +275,13 @@ void ExpectSaneCommands(const GloveConfig& config, const controller::FilterConfi
   controller::ControllerConfig settings;
   settings.filters = {filter};
   settings.filter_on = filter_on;
+  if (filter_on == controller::FilterOn::kAngle) {  // the default is the paper's, in counts
+    std::visit(
+        [](auto& kind) {
+          if (auto* r = controller::MeasurementVarianceOf(kind)) *r = {1e-4};
+        },
+        settings.filters[0].settings);
+  }
   controller::Controller controller(settings, NominalCalibration(config), PlainTransmission());
   std::vector<double> counts(18);
   for (Eigen::Index i = 0; i < glove.counts.rows(); ++i) {

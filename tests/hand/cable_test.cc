@@ -134,7 +134,7 @@ TEST(SmallHandCable, SlackAndBacklashLoseMotion) {
 
 TEST(SmallHandCable, BendsAreFoundInTheModel) {
   const auto model = Fine().Make();
-  const Cable& cable = model->drives()[0].flexor;
+  const Cable& cable = model->drives()[0].cables[0];
   ASSERT_EQ(cable.crossings.size(), 1u);
   EXPECT_NEAR(cable.crossings[0].moment_arm_m, -SmallHand::kPulleyM, 1e-9);
   EXPECT_NEAR(cable.crossings[0].bend_rad, SmallHand::BendAtZero(), 1e-6);

@@ -78,7 +78,7 @@ constexpr const char* kTwoLevers = R"(
 </mujoco>)";
 
 TEST(Coupling, OfTwoLeversIsTheRatiosOfPulleysAndDrums) {
-  const auto hand = MakeFromText(kTwoLevers, {}, {"near", "far"});
+  const auto hand = MakeFromText(kTwoLevers, {});
   const controller::TendonTransmission& map = hand->transmission();
   EXPECT_NEAR(map.coupling[0], 0.9, 1e-6);  // near spool by near joint
   EXPECT_NEAR(map.coupling[1], 0.0, 1e-6);
@@ -93,11 +93,11 @@ TEST(Coupling, OfTwoLeversIsTheRatiosOfPulleysAndDrums) {
       std::vector<double> up(2, 0.0), down(2, 0.0);
       up[channel] = kTurn;
       down[channel] = -kTurn;
-      const double shorter = CableLength(*hand, *data, down, drive.flexor.tendon) -
-                             CableLength(*hand, *data, up, drive.flexor.tendon);
+      const double shorter = CableLength(*hand, *data, down, drive.cables[0].tendon) -
+                             CableLength(*hand, *data, up, drive.cables[0].tendon);
       EXPECT_NEAR(map.coupling[2 * motor + channel], shorter / (2 * kTurn * drive.drum_radius_m),
                   1e-6)
-          << drive.name << " by " << map.channel_names[channel];
+          << drive.name << " by " << map.joint_names[channel];
     }
   }
 }
@@ -107,7 +107,7 @@ TEST(Coupling, OfTwoLeversIsTheRatiosOfPulleysAndDrums) {
 TEST(Coupling, AgreesWithFiniteDifferencesOfCableLengths) {
   const auto hand = MakeModel();
   const controller::TendonTransmission& map = hand->transmission();
-  const std::size_t count = map.channel_names.size();
+  const std::size_t count = map.joint_names.size();
   std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&hand->model()), &mj_deleteData);
   RandomStream random(3, "postures");
   for (int trial = 0; trial < 5; ++trial) {
@@ -119,12 +119,12 @@ TEST(Coupling, AgreesWithFiniteDifferencesOfCableLengths) {
         const Drive& drive = hand->drives()[motor];
         const double wound = drive.drum_radius_m * map.coupling[motor * count + channel] *
                              (to[channel] - from[channel]);
-        const double flexor = CableLength(*hand, *data, to, drive.flexor.tendon) -
-                              CableLength(*hand, *data, from, drive.flexor.tendon);
-        const double extensor = CableLength(*hand, *data, to, drive.extensor.tendon) -
-                                CableLength(*hand, *data, from, drive.extensor.tendon);
-        EXPECT_NEAR(flexor, -wound, 1e-6) << drive.name << " by " << map.channel_names[channel];
-        EXPECT_NEAR(extensor, wound, 1e-6) << drive.name << " by " << map.channel_names[channel];
+        const double flexor = CableLength(*hand, *data, to, drive.cables[0].tendon) -
+                              CableLength(*hand, *data, from, drive.cables[0].tendon);
+        const double extensor = CableLength(*hand, *data, to, drive.cables[1].tendon) -
+                                CableLength(*hand, *data, from, drive.cables[1].tendon);
+        EXPECT_NEAR(flexor, -wound, 1e-6) << drive.name << " by " << map.joint_names[channel];
+        EXPECT_NEAR(extensor, wound, 1e-6) << drive.name << " by " << map.joint_names[channel];
       }
     }
   }
@@ -132,7 +132,7 @@ TEST(Coupling, AgreesWithFiniteDifferencesOfCableLengths) {
 
 TEST(Coupling, EveryPostureIsWithinTheCountsOfEveryMotor) {
   const controller::TendonTransmission map = MakeModel()->transmission();
-  const std::size_t count = map.channel_names.size();
+  const std::size_t count = map.joint_names.size();
   for (std::size_t motor = 0; motor < count; ++motor) {
     for (double sign : {-1.0, 1.0}) {  // the posture that winds this spool farthest
       std::vector<double> angle(count);
@@ -174,7 +174,7 @@ TEST(Coupling, WithoutInterferenceNothingIsDragged) {
   config.cable.interference = false;
   EXPECT_LT(Drag(config, false), 2.0);
   const controller::TendonTransmission map = MakeModel(config)->transmission();
-  const std::size_t count = map.channel_names.size();
+  const std::size_t count = map.joint_names.size();
   for (std::size_t i = 0; i < count * count; ++i) {
     if (i / count != i % count) {
       EXPECT_EQ(map.coupling[i], 0.0);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <mujoco/mujoco.h>
+
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -11,6 +13,7 @@
 #include "sim/base/random.h"
 #include "sim/base/signal.h"
 #include "sim/hand/hand.h"
+#include "sim/hand/posture.h"
 
 namespace gauntlet::sim::testing {
 
@@ -24,7 +27,7 @@ inline HandConfig FrictionFree() {
 }
 
 inline std::shared_ptr<const HandModel> MakeModel(const HandConfig& config = {}) {
-  return std::make_shared<const HandModel>(config, GloveChannelNames());
+  return std::make_shared<const HandModel>(config);
 }
 
 /// The command for a posture, with or without undoing the coupling.
@@ -48,7 +51,7 @@ inline std::vector<std::int32_t> CountsFor(const controller::TendonTransmission&
 
 /// A posture from which every channel can be moved alone: arm bent, hand half open.
 inline std::vector<double> HomePosture(const controller::TendonTransmission& map) {
-  std::vector<double> angle(map.channel_names.size());
+  std::vector<double> angle(map.joint_names.size());
   for (std::size_t i = 0; i < angle.size(); ++i) {
     angle[i] = map.joint_min_rad[i] + 0.4 * (map.joint_max_rad[i] - map.joint_min_rad[i]);
   }
@@ -57,7 +60,7 @@ inline std::vector<double> HomePosture(const controller::TendonTransmission& map
 
 inline std::vector<double> RandomPosture(const controller::TendonTransmission& map,
                                          RandomStream& random) {
-  std::vector<double> angle(map.channel_names.size());
+  std::vector<double> angle(map.joint_names.size());
   for (std::size_t i = 0; i < angle.size(); ++i) {
     angle[i] = random.Uniform(map.joint_min_rad[i], map.joint_max_rad[i]);
   }

@@ -109,7 +109,7 @@ TEST(Motion, FingersCloseInThreeTenthsToOneSecond) {
 TEST(Motion, StepResponsesOvershootByLessThanATenth) {
   Hand hand(MakeModel());
   const controller::TendonTransmission& map = hand.hand_model().transmission();
-  for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+  for (std::size_t channel = 0; channel < map.joint_names.size(); ++channel) {
     const std::vector<double> start = HomePosture(map);
     std::vector<double> goal = start;
     const double step = std::min(20.0 * kRadPerDeg, map.joint_max_rad[channel] - start[channel]);
@@ -121,8 +121,8 @@ TEST(Motion, StepResponsesOvershootByLessThanATenth) {
       hand.Step();
       highest = std::max(highest, (JointAngles(hand)[channel] - start[channel]) / step);
     }
-    EXPECT_LT(highest, 1.10) << map.channel_names[channel];
-    EXPECT_GT(highest, 0.90) << map.channel_names[channel];
+    EXPECT_LT(highest, 1.10) << map.joint_names[channel];
+    EXPECT_GT(highest, 0.90) << map.joint_names[channel];
   }
 }
 
@@ -156,8 +156,8 @@ double Energy(const Hand& hand) {
   }
   for (const Drive& drive : model.drives()) {
     const double wound = drive.drum_radius_m * copy->qpos[drive.spool_qpos];
-    for (const Cable* cable : {&drive.flexor, &drive.extensor}) {
-      const double sign = cable == &drive.flexor ? 1.0 : -1.0;
+    for (const Cable* cable : {&drive.cables[0], &drive.cables[1]}) {
+      const double sign = cable == &drive.cables[0] ? 1.0 : -1.0;
       const double stretch =
           std::max(0.0, copy->ten_length[cable->tendon] - cable->natural_length_m + sign * wound);
       energy += 0.5 * cable->stiffness_n_m * stretch * stretch;

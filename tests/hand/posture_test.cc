@@ -26,7 +26,7 @@ double WorstOverChannels(const HandConfig& config) {
   Hand hand(MakeModel(config));
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   double worst = 0.0;
-  for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+  for (std::size_t channel = 0; channel < map.joint_names.size(); ++channel) {
     for (double end : {map.joint_min_rad[channel], map.joint_max_rad[channel]}) {
       std::vector<double> goal = HomePosture(map);
       goal[channel] = end;
@@ -65,14 +65,14 @@ TEST(Posture, ResetStartsInThePostureAndKeepsIt) {
   StepTimes(hand, 500);
   const std::vector<double> later = JointAngles(hand);
   for (std::size_t i = 0; i < start.size(); ++i) {
-    EXPECT_NEAR(later[i] * kDegPerRad, start[i] * kDegPerRad, 1.0) << map.channel_names[i];
+    EXPECT_NEAR(later[i] * kDegPerRad, start[i] * kDegPerRad, 1.0) << map.joint_names[i];
   }
 }
 
 TEST(Posture, ResetClampsToTheRanges) {
   Hand hand(MakeModel());
   const controller::TendonTransmission& map = hand.hand_model().transmission();
-  hand.Reset(std::vector<double>(map.channel_names.size(), 100.0));
+  hand.Reset(std::vector<double>(map.joint_names.size(), 100.0));
   EXPECT_EQ(JointAngles(hand), map.joint_max_rad);
 }
 
@@ -99,7 +99,7 @@ TEST(Posture, SetPostureAgreesWithTheSimulatedHand) {
 
 TEST(Posture, RangesAreThoseOfTheGlove) {
   const controller::TendonTransmission map = MakeModel()->transmission();
-  for (std::size_t i = 0; i < map.channel_names.size(); ++i) {
+  for (std::size_t i = 0; i < map.joint_names.size(); ++i) {
     EXPECT_NEAR(map.joint_min_rad[i] * kDegPerRad, GloveChannels()[i].min_deg, 1e-9);
     EXPECT_NEAR(map.joint_max_rad[i] * kDegPerRad, GloveChannels()[i].max_deg, 1e-9);
   }

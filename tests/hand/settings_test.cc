@@ -45,8 +45,12 @@ TEST(HandSettings, ATravelThatTheSpoolCannotWindIsRefused) {
   EXPECT_THAT(message, HasSubstr("must wind"));
 }
 
-TEST(HandSettings, AStepThatDoesNotDivideTheSampleIsRefused) {
-  EXPECT_THAT(Refusal([](HandConfig& c) { c.step_ms = 0.3; }), HasSubstr("hand.step_ms"));
+TEST(HandSettings, StepsAreShortenedUntilWholeOnesMakeUpATick) {
+  HandConfig config;
+  config.step_ms = 0.3;
+  EXPECT_DOUBLE_EQ(HandModel(config).model().opt.timestep, 0.25e-3);
+  const LoopTiming of_a_slow_glove = MakeLoopTiming({.sample_rate_hz = 33.3});
+  EXPECT_DOUBLE_EQ(HandModel({}, of_a_slow_glove).model().opt.timestep, 1.0 / (31 * 33.3));
 }
 
 TEST(HandSettings, WhatTheTimeStepCannotBearIsRefused) {
@@ -64,14 +68,26 @@ TEST(HandSettings, AMissingModelIsNamed) {
               HasSubstr("/nowhere/hand.xml"));
 }
 
-TEST(HandSettings, AnUnknownJointIsNamedWithItsNeighbour) {
+TEST(HandSettings, AMissingPartIsNamedWithItsNeighbour) {
+  std::string xml = SmallHand{}.Xml();
+  const std::string name = "name=\"joint_spool\"";
+  xml.replace(xml.find(name), name.size(), "name=\"joint_spol\"");
+  xml.replace(xml.find("joint=\"joint_spool\""), 19, "joint=\"joint_spol\"");
   try {
-    HandModel({}, {"index_mpc"});
-    FAIL() << "accepted an unknown joint";
+    MakeFromText(xml, {});
+    FAIL() << "accepted a motor without its spool";
   } catch (const UserError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("hand_arm.xml: the model has no joint 'index_mpc'"));
-    EXPECT_THAT(error.what(), HasSubstr("index_mcp"));
+    EXPECT_THAT(error.what(), HasSubstr("the model has no joint 'joint_spool'"));
+    EXPECT_THAT(error.what(), HasSubstr("joint_spol"));
   }
+}
+
+TEST(HandModel, DeclaresJointsMotorsAndCablesInTheOrderOfItsMotors) {
+  const auto hand = MakeModel();
+  EXPECT_EQ(hand->joint_names(), GloveChannelNames());
+  EXPECT_EQ(hand->motor_names(), GloveChannelNames());
+  EXPECT_EQ(hand->cable_names().size(), 36u);
+  EXPECT_EQ(hand->cable_names()[1], "thumb_rotation_extensor");
 }
 
 TEST(HandSettings, AModelWithImpossibleCablesIsRefused) {

@@ -15,14 +15,13 @@
 namespace gauntlet::sim::testing {
 
 /// A hand of the model in this text; the file is gone afterwards.
-inline std::shared_ptr<const HandModel> MakeFromText(const std::string& xml, HandConfig config,
-                                                     const std::vector<std::string>& channels) {
+inline std::shared_ptr<const HandModel> MakeFromText(const std::string& xml, HandConfig config) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / fmt::format("small_hand_{}.xml", getpid());
   std::ofstream(file) << xml;
   config.model_path = file.string();
   try {
-    auto model = std::make_shared<const HandModel>(config, channels);
+    auto model = std::make_shared<const HandModel>(config);
     std::filesystem::remove(file);
     return model;
   } catch (...) {
@@ -90,7 +89,7 @@ struct SmallHand {
                        fmt::arg("mass", mass_kg), fmt::arg("stiffness", stiffness_n_m));
   }
 
-  std::shared_ptr<const HandModel> Make() const { return MakeFromText(Xml(), config, {"joint"}); }
+  std::shared_ptr<const HandModel> Make() const { return MakeFromText(Xml(), config); }
 
   /// Torque of the weight about the hinge at a joint angle [N m], towards flexion.
   double WeightTorque(double angle_rad) const {
@@ -123,7 +122,7 @@ inline std::shared_ptr<const HandModel> MakeDivergingHand(const std::string& cha
       xml.find("</worldbody>"),
       R"(<body pos="0 0 1"><joint type="slide" axis="1 0 0" stiffness="4500" springref=".01"/>
                 <geom size=".01" mass=".001"/></body>)");
-  return MakeFromText(xml, {}, {channel});
+  return MakeFromText(xml, {});
 }
 
 /// A command with which the joint stands at this angle when nothing stretches.

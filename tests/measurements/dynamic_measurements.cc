@@ -18,7 +18,7 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 /// A smooth motion of all channels through most of their ranges: sines between 0.2 and 1 Hz.
 std::vector<double> SmoothPosture(const controller::TendonTransmission& map, double time_s,
                                   std::uint64_t seed) {
-  std::vector<double> angle(map.channel_names.size());
+  std::vector<double> angle(map.joint_names.size());
   for (std::size_t i = 0; i < angle.size(); ++i) {
     RandomStream random(seed, "smooth", i);
     const double frequency = random.Uniform(0.2, 1.0);
@@ -84,7 +84,7 @@ bool SurvivesRandomGrasp(std::uint64_t seed) {
   config.object.diameter_mm = random.Uniform(30.0, 55.0);
   Hand hand(MakeModel(config));
   const controller::TendonTransmission& map = hand.hand_model().transmission();
-  std::vector<double> open(map.channel_names.size());
+  std::vector<double> open(map.joint_names.size());
   open[ChannelIndex("thumb_rotation")] = 90.0 * kRadPerDeg;
   open[ChannelIndex("thumb_abduction")] = 60.0 * kRadPerDeg;
   open[ChannelIndex("elbow_flexion")] = 90.0 * kRadPerDeg;
@@ -113,7 +113,7 @@ void PrintSteps() {
   Hand hand(MakeModel());
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   fmt::print("| channel | step [deg] | 10 to 90 % [ms] | overshoot [%] |\n|---|---|---|---|\n");
-  for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+  for (std::size_t channel = 0; channel < map.joint_names.size(); ++channel) {
     std::vector<double> angle = HomePosture(map);
     const double start = angle[channel];
     const double step = std::min(20.0 * kRadPerDeg, map.joint_max_rad[channel] - start);
@@ -130,7 +130,7 @@ void PrintSteps() {
       if (high < 0 && share > 0.9) high = sample;
       most = std::max(most, share);
     }
-    fmt::print("| {} | {:.0f} | {} | {:.1f} |\n", map.channel_names[channel], step * kDegPerRad,
+    fmt::print("| {} | {:.0f} | {} | {:.1f} |\n", map.joint_names[channel], step * kDegPerRad,
                high - low, std::max(0.0, 100.0 * (most - 1.0)));
   }
 }
@@ -173,10 +173,10 @@ void PrintDelays() {
       "| channel | frame and servo alone [ms] | spool in the hand [ms] | joint [ms] | cables and "
       "load "
       "[ms] |\n|---|---|---|---|---|\n");
-  for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+  for (std::size_t channel = 0; channel < map.joint_names.size(); ++channel) {
     const double alone = MeasureDelay(servos, channel).spool.Milliseconds();
     const DriveDelay delay = MeasureDelay(hand, channel);
-    fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", map.channel_names[channel], alone,
+    fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", map.joint_names[channel], alone,
                delay.spool.Milliseconds(), delay.joint.Milliseconds(),
                delay.joint.Milliseconds() - alone);
   }

@@ -69,9 +69,9 @@ void PrintJoints() {
     fmt::print(
         "| `{}` | {:.0f} .. {:.0f} | {:.1f} | {:.0f} | {:.2f} | {:.0f} | {:.0f} | {:.0f} |\n",
         drive.name, map.joint_min_rad[motor] * kDegPerRad, map.joint_max_rad[motor] * kDegPerRad,
-        1e3 * std::abs(OwnCrossing(drive.flexor).moment_arm_m), 1e3 * drive.drum_radius_m,
+        1e3 * std::abs(OwnCrossing(drive.cables[0]).moment_arm_m), 1e3 * drive.drum_radius_m,
         drive.servo.stall_torque_nm, drive.servo.stall_torque_nm / drive.drum_radius_m,
-        1e-3 * drive.flexor.stiffness_n_m, drive.flexor.bend_rad * kDegPerRad);
+        1e-3 * drive.cables[0].stiffness_n_m, drive.cables[0].bend_rad * kDegPerRad);
   }
   const mjModel& model = hand->model();
   for (const char* body : {"palm", "forearm", "upper_arm"}) {
@@ -83,7 +83,7 @@ void PrintJoints() {
 void PrintCoupling() {
   const auto hand = MakeModel();
   const controller::TendonTransmission& map = hand->transmission();
-  const std::size_t count = map.channel_names.size();
+  const std::size_t count = map.joint_names.size();
   fmt::print("{:>19}", "");
   for (std::size_t channel = 1; channel <= count; ++channel) fmt::print(" {:>4}", channel);
   for (std::size_t motor = 0; motor < count; ++motor) {
@@ -103,7 +103,7 @@ void PrintReach() {
   fmt::print(
       "Largest error at 11 angles over the whole range, reached from both ends.\n"
       "| channel | without friction [deg] | with friction [deg] |\n|---|---|---|\n");
-  for (std::size_t channel = 0; channel < map.channel_names.size(); ++channel) {
+  for (std::size_t channel = 0; channel < map.joint_names.size(); ++channel) {
     const double least = map.joint_min_rad[channel];
     const double most = map.joint_max_rad[channel];
     double worst[2] = {};
@@ -114,7 +114,7 @@ void PrintReach() {
         worst[1] = std::max(worst[1], std::abs(SettledError(real, channel, start, goal)));
       }
     }
-    fmt::print("| {} | {:.2f} | {:.2f} |\n", map.channel_names[channel], worst[0], worst[1]);
+    fmt::print("| {} | {:.2f} | {:.2f} |\n", map.joint_names[channel], worst[0], worst[1]);
   }
 }
 

@@ -25,16 +25,16 @@ NamedController Controller(const controller::FilterSettings& settings) {
 TEST(PaperFilter, AMeanOfTwentyIsKnownExactly) {
   controller::MovingAverageConfig twenty;
   twenty.window = 20;
-  const FilterFacts mean = AnalyseFilter(Controller(twenty));
+  const FilterFacts mean = AnalyseFilter(Controller(twenty), {});
   EXPECT_NEAR(mean.gain[0], 1.0 / 20.0, 1e-12);
   EXPECT_NEAR(mean.noise_share[0], 1.0 / std::sqrt(20.0), 1e-12);
   EXPECT_NEAR(mean.delay_ms, 9.5, 1e-9);
-  EXPECT_EQ(AnalyseFilter(Controller(controller::NoFilterConfig{})).noise_share[5], 1.0);
+  EXPECT_EQ(AnalyseFilter(Controller(controller::NoFilterConfig{}), {}).noise_share[5], 1.0);
 }
 
 TEST(PaperFilter, QOfOneBarelyFilters) {
   // As an analysis of the paper found by another program: gains 0.43 to 0.63, noise 0.59 to 0.72.
-  const FilterFacts facts = AnalyseFilter(Controller(controller::KalmanConfig{}));
+  const FilterFacts facts = AnalyseFilter(Controller(controller::KalmanConfig{}), {});
   const auto [low, high] = std::minmax_element(facts.gain.begin(), facts.gain.end());
   EXPECT_NEAR(*low, 0.43, 0.005);
   EXPECT_NEAR(*high, 0.63, 0.005);
@@ -46,9 +46,9 @@ TEST(PaperFilter, QOfOneBarelyFilters) {
 
 TEST(PaperFilter, AStepPerEventIsTheSameFilterTwentyTimesSlower) {
   NamedController named = Controller(controller::KalmanConfig{});
-  const FilterFacts sample = AnalyseFilter(named);
+  const FilterFacts sample = AnalyseFilter(named, {});
   named.config.filter_at = controller::FilterAt::kEvent;
-  const FilterFacts event = AnalyseFilter(named);
+  const FilterFacts event = AnalyseFilter(named, {});
   EXPECT_TRUE(event.per_event);
   EXPECT_NEAR(event.noise_share[0], sample.noise_share[0], 1e-9);
   EXPECT_GT(event.delay_ms, sample.delay_ms + 1.0);
@@ -93,7 +93,7 @@ TEST(PaperExperiment, DecidesClaimsByTheIntervalOfTheirDifference) {
   }
   EXPECT_GE(inside, 15);  // 17 of 18 are expected; fewer than 15 once in 500 gloves
   EXPECT_EQ(experiment.switching_change, 0.0);
-  EXPECT_THROW(ControllerIndex(experiment.result, "nobody"), UserError);
+  EXPECT_THROW(ControllerIndex(experiment.finished.result, "nobody"), UserError);
 }
 
 }  // namespace

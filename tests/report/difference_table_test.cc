@@ -22,6 +22,7 @@ StudyFolder Folder(const std::string& name, std::vector<double> jitter_by_seed) 
     folder.scores.seeds.push_back(static_cast<int>(i) + 1);
   }
   const std::vector<double> same(jitter_by_seed.size(), 2.0);
+  folder.scores.has_metric.assign(Metrics().size(), true);
   folder.scores.summary = {{Metrics().size(), same}};
   folder.scores.summary[0][MetricIndex("jitter_rms_deg")] = std::move(jitter_by_seed);
   return folder;

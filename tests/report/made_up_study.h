@@ -12,11 +12,8 @@ namespace gauntlet::test {
 
 /// A study that nobody ran, with curves and scores of the right shapes: channels that swing, a raw
 /// glove that trembles, hands that lag. Commands are left out, as they need a hand.
-struct MadeUpStudy {
-  sim::Study study;
-  sim::StudyResult result;
+struct MadeUpStudy : sim::FinishedStudy {
   sim::FirstSeed first_seed;
-  sim::Summary summary;
 };
 
 struct MadeUpShape {
@@ -64,11 +61,16 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
   sim::StudyResult& result = made.result;
   result.reference_name = "ground truth";
   for (int c = 0; c < shape.channels; ++c) {
-    result.channel_names.push_back("channel_" + std::to_string(c));
+    result.row_names.push_back("channel_" + std::to_string(c));
   }
-  made.study.scenario.video.channel = result.channel_names.back();
+  made.comparison = true;
+  made.study.measured_joint_names = result.row_names;
+  made.study.joint_count = shape.channels;
+  made.study.rows = sim::ScoreRows(result.row_names, result.row_names, {});
+  made.study.scenario.video.channel = result.row_names.back();
   result.first_glove.true_angle_rad = Swing(shape, 0.0, 0.0);
   result.first_glove.counts = result.first_glove.true_angle_rad;
+  made.first_seed.reference_rad = result.first_glove.true_angle_rad;
   for (int i = 0; i < shape.controllers; ++i) {
     sim::NamedController named{.name = i == 0 ? "raw" : "filter_" + std::to_string(i),
                                .config = {}};
@@ -79,12 +81,10 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
     }
     made.study.scenario.controllers.push_back(named);
     result.controller_names.push_back(named.name);
-    sim::Trace& trace = result.first_traces.emplace_back();
-    trace.controller_name = named.name;
-    trace.linearised_angle_rad = Swing(shape, 0.0, 0.02);
-    trace.filtered_angle_rad = Swing(shape, 0.01 * i, 0.02 / (1 + i));
-    trace.hand_angle_rad = Swing(shape, 0.06 + 0.01 * i, 0.004 / (1 + i));
-    made.first_seed.command_angle_rad.push_back(trace.filtered_angle_rad);
+    const sim::Signal filtered = Swing(shape, 0.01 * i, 0.02 / (1 + i));
+    made.first_seed.ways.push_back(
+        {.raw = Swing(shape, 0.0, 0.02), .filtered = filtered, .command = filtered});
+    made.first_seed.hand_rad.push_back(Swing(shape, 0.06 + 0.01 * i, 0.004 / (1 + i)));
     made.first_seed.latency.push_back(sim::LatencyBudget{
         .stages = {{.key = "filter_ms", .help = "filter", .mean_ms = 3.0 + i, .channel_ms = {}},
                    {.key = "rest_ms", .help = "rest", .mean_ms = 60.0, .channel_ms = {}}},

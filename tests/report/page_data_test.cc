@@ -13,9 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json Data(const test::MadeUpStudy& made) {
-  return PageData(made.study.scenario, made.result, made.summary, made.first_seed, true);
-}
+Json Data(const test::MadeUpStudy& made) { return PageData(made, made.first_seed); }
 
 std::string Page(const test::MadeUpStudy& made) {
   return AssemblePage({.title = made.study.scenario.name,
@@ -45,9 +43,10 @@ TEST(PageData, HasTheSummaryOfEveryController) {
                 Json({expected.mean, expected.ci95_low, expected.ci95_high, 5}));
     }
   }
-  EXPECT_EQ(data["controllers"][0]["raw"], true);
-  EXPECT_TRUE(data["controllers"][0]["difference_to_raw"].empty());
-  EXPECT_EQ(data["controllers"][1]["difference_to_raw"].size(), Metrics().size());
+  EXPECT_EQ(data["baseline"], "raw");
+  EXPECT_EQ(data["controllers"][0]["baseline"], true);
+  EXPECT_TRUE(data["controllers"][0]["difference_to_baseline"].empty());
+  EXPECT_EQ(data["controllers"][1]["difference_to_baseline"].size(), Metrics().size());
 }
 
 TEST(PageData, CurvesAreTheTracesInDegrees) {
@@ -56,7 +55,7 @@ TEST(PageData, CurvesAreTheTracesInDegrees) {
   EXPECT_EQ(curves["samples_per_bucket"], 1);
   const std::vector<double> hand = test::DecodeCurve(
       curves["channels"][1]["controllers"][2]["hand"].get<std::string>(), curves["step_deg"]);
-  const Signal& expected = made.result.first_traces[2].hand_angle_rad;
+  const Signal& expected = made.first_seed.hand_rad[2];
   ASSERT_EQ(static_cast<Eigen::Index>(hand.size()), expected.rows());
   for (Eigen::Index k = 0; k < expected.rows(); ++k) {
     ASSERT_NEAR(hand[static_cast<std::size_t>(k)], expected(k, 1) * kDegPerRad,
@@ -78,14 +77,13 @@ TEST(PageData, OfOneSeedIsNoComparison) {
 
 TEST(PageData, LeavesCurvesOutWhereNoTraceWasKept) {
   test::MadeUpStudy made = test::MakeUpStudy({});
-  made.result.first_traces.clear();
   made.first_seed = {};
   EXPECT_TRUE(Data(made)["curves"].is_null());
 }
 
 TEST(PageData, TakesAHandThatWasStoppedEarly) {
   test::MadeUpStudy made = test::MakeUpStudy({});
-  made.result.first_traces[1].hand_angle_rad.conservativeResize(100, Eigen::NoChange);
+  made.first_seed.hand_rad[1].conservativeResize(100, Eigen::NoChange);
   made.summary.controllers[1].problem = "at 0.1 s: bad value in qacc (dof 12)";
   const Json data = Data(made);
   EXPECT_EQ(data["controllers"][1]["problem"], "at 0.1 s: bad value in qacc (dof 12)");

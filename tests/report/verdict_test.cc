@@ -18,7 +18,8 @@ Summary Of(const std::vector<Entry>& entries) {
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
   const std::size_t jitter = MetricIndex("jitter_rms_deg");
   Summary summary;
-  summary.raw = 0;
+  summary.baseline = 0;
+  summary.one_run = false;
   for (const Entry& entry : entries) {
     ControllerSummary& controller = summary.controllers.emplace_back();
     controller.name = entry.name;
@@ -38,10 +39,9 @@ Summary Of(const std::vector<Entry>& entries) {
 }
 
 TEST(Verdict, NamesTheOneThatIsBestInBoth) {
-  EXPECT_EQ(
-      Verdict(Of({{"raw", 5.0, 0.5, false, false}, {"filter", 4.0, 0.2, true, true}})),
-      "filter follows best (4.00 deg RMS) and shakes least (0.200 deg RMS); without a filter: "
-      "5.00 and 0.500.");
+  EXPECT_EQ(Verdict(Of({{"raw", 5.0, 0.5, false, false}, {"filter", 4.0, 0.2, true, true}})),
+            "filter follows best (4.00 deg RMS) and shakes least (0.200 deg RMS); raw: "
+            "5.00 and 0.500.");
 }
 
 TEST(Verdict, AmongEqualFollowersTakesTheCalmest) {
@@ -50,12 +50,20 @@ TEST(Verdict, AmongEqualFollowersTakesTheCalmest) {
                   {"calm", 5.0, 0.3, true, false},
                   {"late", 6.0, 0.1, false, true}})),
       "calm follows as well as any (5.00 deg RMS, jitter 0.300); late shakes least (0.100 deg "
-      "RMS, tracking 6.00); without a filter: 4.90 and 0.500.");
+      "RMS, tracking 6.00); raw: 4.90 and 0.500.");
 }
 
 TEST(Verdict, AdmitsThatNoFilterIsBetter) {
   EXPECT_EQ(Verdict(Of({{"raw", 4.0, 0.1, true, true}, {"filter", 5.0, 0.2, false, false}})),
             "raw follows best (4.00 deg RMS) and shakes least (0.100 deg RMS).");
+}
+
+TEST(Verdict, OfOneRunSpeaksOfThatRunAlone) {
+  Summary summary = Of({{"raw", 4.9, 0.5, false, false}, {"calm", 5.0, 0.3, false, false}});
+  summary.one_run = true;
+  EXPECT_EQ(Verdict(summary),
+            "In this one run raw follows nearest (4.90 deg RMS, jitter 0.500); calm shakes least "
+            "(0.300 deg RMS, tracking 5.00).");
 }
 
 TEST(Verdict, OfOneControllerJudgesNothing) {

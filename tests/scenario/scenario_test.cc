@@ -101,10 +101,64 @@ TEST(Scenario, AnOverrideCannotInventAController) {
   EXPECT_THROW(LoadScenario(file, {"controllers.rav.filter=none"}), UserError);
 }
 
-TEST(Scenario, AnEventPeriodIsAWholeNumberOfSamples) {
+TEST(Scenario, AnEventPeriodNeedNotBeAWholeNumberOfSamples) {
   const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
-  EXPECT_THROW(LoadScenario(file, {"event.period_ms=2.5"}), UserError);
-  EXPECT_EQ(LoadScenario(file, {"event.period_ms=10"}).controllers[0].config.samples_per_event, 10);
+  const LoopTiming timing =
+      TimingOf(LoadScenario(file, {"event.period_ms=2.5", "glove.rate_hz=60"}));
+  EXPECT_EQ(timing.controller.ticks_per_sample, 17);
+  EXPECT_DOUBLE_EQ(timing.tick_rate_hz(), 1020.0);
+  EXPECT_DOUBLE_EQ(timing.controller.TicksOf(timing.controller.event_period_ms), 2.55);
+  EXPECT_EQ(timing.steps_per_tick, 1);
+}
+
+TEST(Scenario, TheBaselineIsWhatIsNamedOrTheFirstThatNeitherFiltersNorPredicts) {
+  const test::TemporaryDirectory folder;
+  const auto load = [&](const std::string& more, const std::string& controllers) {
+    const fs::path file = folder.path() / "some.yaml";
+    std::ofstream(file) << "question: Who is the baseline?\n"
+                        << more << "controllers:\n"
+                        << controllers;
+    return LoadScenario(file, {});
+  };
+  const std::string ahead = "  ahead: {filter: none, prediction: {kind: linear, horizon_ms: 60}}\n";
+  const std::string mean = "  mean: {filter: moving_average}\n";
+  const std::string raw = "  raw: {filter: none}\n";
+  EXPECT_EQ(BaselineOf(load("", ahead + mean + raw)), 2u);
+  EXPECT_EQ(BaselineOf(load("", ahead + mean)), std::nullopt);
+  EXPECT_EQ(BaselineOf(load("baseline: mean\n", ahead + mean + raw)), 1u);
+  try {
+    load("baseline: men\n", mean + raw);
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("some.yaml:2:11: baseline: men is not a controller of the "
+                                   "scenario (did you mean mean?)"));
+  }
+}
+
+TEST(Scenario, AMeasurementVarianceThatIsLeftOutIsThatOfTheNoise) {
+  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const auto r_of = [&](const std::vector<std::string>& overrides) {
+    const Scenario scenario = LoadScenario(file, overrides);
+    const auto tuned =
+        std::ranges::find(scenario.controllers, "tuned_kalman", &NamedController::name);
+    return std::get<controller::KalmanConfig>(tuned->config.filters[0].settings).noise.r;
+  };
+  EXPECT_EQ(r_of({}), controller::PaperMeasurementVariance());
+  const std::string two = "glove.channels=[index_mcp, index_pip]";
+  EXPECT_EQ(r_of({two}), (std::vector<double>{26.94, 10.08}));  // the paper's, of these channels
+  EXPECT_EQ(r_of({two, "glove.noise.variance_scale=2"}), (std::vector<double>{53.88, 20.16}));
+  // On angles: index_mcp has 135 deg in 80 % of 1023 counts.
+  const double rad_per_count = 135.0 * kRadPerDeg / (0.8 * 1023.0);
+  EXPECT_NEAR(r_of({"controllers.tuned_kalman.filter_on=angle"})[4],
+              26.94 * rad_per_count * rad_per_count, 1e-12);
+  EXPECT_EQ(r_of({two, "controllers.tuned_kalman.filter.r=3"}), std::vector<double>{3.0});
+  try {
+    r_of({two, "glove.noise.kind=none"});
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("filter[0].r: must be given"));
+  }
 }
 
 /// A calibration of two channels, with a full covariance, and scenarios that include it.

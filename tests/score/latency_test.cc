@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "tests/score/signals.h"
@@ -13,14 +13,13 @@ namespace {
 
 constexpr int kSamples = 20000;
 
-/// Three channels, two of them coupled, one still; known delays at every stage.
+/// Three joints, one of them still; known delays at every stage.
 struct Chain {
   Signal wearer = Signal(kSamples, 3);
-  Signal linearised = Signal(kSamples, 3);
+  Signal raw = Signal(kSamples, 3);
   Signal filtered = Signal(kSamples, 3);
-  IntegerSignal command = IntegerSignal::Zero(kSamples, 3);
+  Signal command = Signal::Zero(kSamples, 3);
   Signal hand = Signal(kSamples, 3);
-  Eigen::Matrix3d counts_per_angle{{500.0, 0.0, 0.0}, {-400.0, 600.0, 0.0}, {0.0, 0.0, 700.0}};
 
   static double At(double ms, int channel) {
     if (channel == 2) return 0.2;
@@ -36,29 +35,24 @@ struct Chain {
       double sum = 0.0;
       for (int n = 0; n < kSamples; ++n) {
         wearer(n, c) = At(n, c);
-        linearised(n, c) = At(n - 3, c) + noise_rad * noise[3 * n + c];
-        sum += linearised(n, c) - (n >= 51 ? linearised(n - 51, c) : 0.0);
+        raw(n, c) = At(n - 3, c) + noise_rad * noise[3 * n + c];
+        sum += raw(n, c) - (n >= 51 ? raw(n - 51, c) : 0.0);
         filtered(n, c) = sum / std::min(n + 1, 51);
       }
     }
+    constexpr double kCountsPerRad = 500.0;
     for (int n = 30; n < kSamples; ++n) {
-      const Eigen::Vector3d sent = filtered.row((n - 30) / 20 * 20);
-      const Eigen::Vector3d counts = counts_per_angle * sent;
-      for (int m = 0; m < 3; ++m) command(n, m) = static_cast<int>(std::lround(counts[m]));
+      const Eigen::RowVector3d counts = kCountsPerRad * filtered.row((n - 30) / 20 * 20);
+      command.row(n) = counts.array().round().matrix() / kCountsPerRad;
     }
-    const Eigen::Matrix3d back = counts_per_angle.inverse();
-    for (int n = 0; n < kSamples; ++n) {
-      const int taken = std::max(0, n - 41) / 20 * 20;
-      hand.row(n) = back * command.row(taken).transpose().cast<double>();
-    }
+    for (int n = 0; n < kSamples; ++n) hand.row(n) = command.row(std::max(0, n - 41) / 20 * 20);
   }
   LatencyInput Input() const {
     return {.wearer_angle_rad = &wearer,
-            .linearised_angle_rad = &linearised,
+            .raw_angle_rad = &raw,
             .filtered_angle_rad = &filtered,
-            .command_counts = &command,
-            .hand_angle_rad = &hand,
-            .angle_per_count_rad = counts_per_angle.inverse()};
+            .command_angle_rad = &command,
+            .hand_angle_rad = &hand};
   }
 };
 
@@ -91,7 +85,7 @@ TEST(Latency, OfTheServosFrameDependsOnWhereFramesBegin) {
   EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 0.0, 1e-6);
   input.first_servo_frame = 25;
   EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 15.0, 0.3);
-  input.samples_per_servo_frame = 0;
+  input.ticks_per_servo_frame = 0;
   EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 0.0, 1e-6);
 }
 
@@ -114,10 +108,19 @@ TEST(Latency, OfASignalTooShortDoesNotExist) {
   EXPECT_TRUE(std::isnan(budget.sum_ms));
 }
 
+TEST(Latency, OfAJointWhoseCommandIsNoAngleDoesNotExist) {
+  Chain chain(0.0);
+  chain.command.col(1).setConstant(std::numeric_limits<double>::quiet_NaN());  // springs decide it
+  const LatencyBudget budget = MeasureLatency(chain.Input());
+  EXPECT_TRUE(std::isnan(budget.stages[3].channel_ms[1]));
+  EXPECT_NEAR(budget.stages[3].mean_ms, 30.0, 0.3);
+}
+
 TEST(Latency, RefusesSignalsThatDoNotFit) {
   const Chain chain(0.0);
   LatencyInput input = chain.Input();
-  input.angle_per_count_rad = Eigen::MatrixXd::Identity(2, 2);
+  const Signal narrow = chain.command.leftCols(2);
+  input.command_angle_rad = &narrow;
   EXPECT_THROW(MeasureLatency(input), std::invalid_argument);
   input = chain.Input();
   input.filtered_angle_rad = nullptr;

@@ -22,7 +22,11 @@ std::size_t IndexOf(std::string_view key) {
   return at - metrics.begin();
 }
 
-/// A wearer of two channels that moves and one that does not; a hand that is 37 ms late.
+const std::vector<std::string> kJoints = {"a", "b", "c"};
+/// Joints, and motors that are called like them.
+const ScoreRows kThreeRows(kJoints, kJoints, {});
+
+/// A wearer of two joints that move and one that does not; a hand that is 37 ms late.
 struct Example {
   Signal reference = Signal::Zero(12000, 3);
   Signal hand = Signal::Zero(12000, 3);
@@ -44,6 +48,12 @@ struct Example {
   }
 };
 
+TEST(Metrics, AreFoundByTheirKeysAndByNoOther) {
+  EXPECT_EQ(Metrics()[MetricIndex("delay_ms")].key, "delay_ms");
+  EXPECT_EQ(FindMetric("delay_s"), std::nullopt);
+  EXPECT_THROW(MetricIndex("delay_s"), std::invalid_argument);
+}
+
 TEST(Metrics, HaveDistinctKeysWithUnitsAndWords) {
   std::set<std::string_view> keys;
   for (const Metric& metric : Metrics()) {
@@ -55,7 +65,7 @@ TEST(Metrics, HaveDistinctKeysWithUnitsAndWords) {
 
 TEST(Scores, OfAKnownHandAreTheKnownValues) {
   const Example example;
-  const Scores scores = ComputeScores(example.Input());
+  const Scores scores = ComputeScores(example.Input(), kThreeRows);
   ASSERT_EQ(scores.channels.size(), 3u);
   EXPECT_NEAR(scores.channels[0][IndexOf("delay_ms")], 37.0, 0.2);
   EXPECT_NEAR(scores.summary[IndexOf("delay_ms")], 37.0, 0.2);
@@ -72,7 +82,7 @@ TEST(Scores, OfAKnownHandAreTheKnownValues) {
 
 TEST(Scores, OfAChannelThatNeverMovesHaveNoDelayAndKeepTheRest) {
   const Example example;
-  const Scores scores = ComputeScores(example.Input());
+  const Scores scores = ComputeScores(example.Input(), kThreeRows);
   EXPECT_TRUE(std::isnan(scores.channels[2][IndexOf("delay_ms")]));
   EXPECT_EQ(scores.channels[2][IndexOf("aligned_rmse_deg")],
             scores.channels[2][IndexOf("tracking_rmse_deg")]);
@@ -82,7 +92,8 @@ TEST(Scores, WithoutTheirSignalDoNotExist) {
   const Example example;
   ScoreInput input = example.Input();
   input.command_counts = nullptr;
-  EXPECT_TRUE(std::isnan(ComputeScores(input).summary[IndexOf("command_reversals_per_s")]));
+  EXPECT_TRUE(
+      std::isnan(ComputeScores(input, kThreeRows).summary[IndexOf("command_reversals_per_s")]));
 }
 
 TEST(Scores, OfAHandStoppedEarlyAreThoseOfItsRows) {
@@ -91,16 +102,22 @@ TEST(Scores, OfAHandStoppedEarlyAreThoseOfItsRows) {
   const Signal hand = example.hand.topRows(7000);
   const Signal reference = example.reference.topRows(7000);
   input.hand_angle_rad = &hand;
-  const Scores longer = ComputeScores(input);
+  const Scores longer = ComputeScores(input, kThreeRows);
   input.reference_angle_rad = &reference;
-  const Scores exact = ComputeScores(input);
+  const Scores exact = ComputeScores(input, kThreeRows);
   EXPECT_EQ(std::memcmp(longer.summary.data(), exact.summary.data(),
                         exact.summary.size() * sizeof(double)),
             0);
   const Signal nothing(0, 3);
   input.hand_angle_rad = &nothing;
-  for (const double value : ComputeScores(input).summary) EXPECT_TRUE(std::isnan(value));
+  for (const double value : ComputeScores(input, kThreeRows).summary)
+    EXPECT_TRUE(std::isnan(value));
 }
+
+const std::vector<std::string> kTwoJoints = {"a", "b"};
+const std::vector<std::string> kTwoMotors = {"a", "pull"};
+const std::vector<std::string> kThreeCables = {"a_flexor", "a_extensor", "pull_flexor"};
+const ScoreRows kFullRows(kTwoJoints, kTwoMotors, kThreeCables);
 
 /// All that a metric may need: a wearer who rests, moves and turns, with motors and cables.
 struct FullExample {
@@ -111,7 +128,6 @@ struct FullExample {
   Signal speed = Signal::Zero(kSamples, 2);
   Signal tension = Signal::Zero(kSamples, 3);
   Signal grip = Signal::Zero(kSamples, 1);
-  std::vector<int> cable_channel{0, 1, 0};
   std::vector<double> saturation{0.25, 0.75};
 
   FullExample() {
@@ -142,7 +158,6 @@ struct FullExample {
             .command_counts = &command,
             .motor_speed_rad_s = &speed,
             .tension_n = &tension,
-            .cable_channel = cable_channel,
             .grip_force_n = &grip,
             .saturation_share = saturation};
   }
@@ -150,19 +165,24 @@ struct FullExample {
 
 TEST(Scores, AllExistWhereAllSignalsDo) {
   const FullExample example;
-  const Scores scores = ComputeScores(example.Input());
+  const Scores scores = ComputeScores(example.Input(), kFullRows);
   for (std::size_t i = 0; i < Metrics().size(); ++i) {
     EXPECT_TRUE(std::isfinite(scores.summary[i])) << Metrics()[i].key;
-    const bool of_a_channel = Metrics()[i].key != "grip_force_ripple_n";
-    for (const auto& channel : scores.channels) {
-      EXPECT_EQ(std::isfinite(channel[i]), of_a_channel) << Metrics()[i].key;
+    const ScoredPart part = Metrics()[i].part;
+    // Rows: the joint and motor a, the joint b, the motor pull, three cables.
+    ASSERT_EQ(scores.channels.size(), 6u);
+    for (std::size_t row = 0; row < 6; ++row) {
+      const bool has = (part == ScoredPart::kJoint && row < 2) ||
+                       (part == ScoredPart::kMotor && (row == 0 || row == 2)) ||
+                       (part == ScoredPart::kCable && row > 2);
+      EXPECT_EQ(std::isfinite(scores.channels[row][i]), has) << Metrics()[i].key << " " << row;
     }
   }
 }
 
 TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
   const FullExample example;
-  const Scores scores = ComputeScores(example.Input());
+  const Scores scores = ComputeScores(example.Input(), kFullRows);
   const auto value = [&](std::string_view key) { return scores.channels[0][IndexOf(key)]; };
   EXPECT_NEAR(value("rest_jitter_deg"), 0.3, 0.01);
   EXPECT_NEAR(value("rest_tracking_rmse_deg"), 0.3, 0.01);
@@ -175,8 +195,14 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
   EXPECT_NEAR(value("motor_speed_rms_deg_s"), 0.5 * kDegPerRad, 1e-6);
   EXPECT_NEAR(value("motor_speed_centroid_hz"), 40.0, 0.02);
   EXPECT_DOUBLE_EQ(value("saturation_share"), 0.25);
-  EXPECT_DOUBLE_EQ(value("slack_share"), 0.05);
-  EXPECT_DOUBLE_EQ(value("tension_peak_n"), 8.0);
+  const auto of_cable = [&](std::size_t cable, std::string_view key) {
+    return scores.channels[kFullRows.cables[cable]][IndexOf(key)];
+  };
+  EXPECT_DOUBLE_EQ(of_cable(0, "slack_share"), 0.1);
+  EXPECT_DOUBLE_EQ(of_cable(1, "slack_share"), 0.0);
+  EXPECT_DOUBLE_EQ(of_cable(2, "tension_peak_n"), 8.0);
+  EXPECT_DOUBLE_EQ(scores.summary[IndexOf("tension_peak_n")], (3.0 + 1.0 + 8.0) / 3.0);
+  EXPECT_DOUBLE_EQ(scores.channels[kFullRows.motors[1]][IndexOf("saturation_share")], 0.75);
   EXPECT_DOUBLE_EQ(scores.summary[IndexOf("saturation_share")], 0.5);
   EXPECT_NEAR(scores.summary[IndexOf("grip_force_ripple_n")], 1.0, 1e-3);
 }
@@ -186,7 +212,7 @@ TEST(Scores, FollowLabelsInPlaceOfTheSpeed) {
   ScoreInput input = example.Input();
   const Segment all_rest[] = {{"rest", 0, FullExample::kSamples}};
   input.segments = all_rest;
-  const Scores scores = ComputeScores(input);
+  const Scores scores = ComputeScores(input, kFullRows);
   EXPECT_TRUE(std::isnan(scores.summary[IndexOf("fast_tracking_rmse_deg")]));
   EXPECT_GT(scores.summary[IndexOf("rest_jitter_deg")], 5.0);
 }
@@ -198,11 +224,11 @@ bool SameBytes(const std::vector<double>& first, const std::vector<double>& seco
 
 TEST(Scores, AreTheSameOnSeveralThreads) {
   const FullExample example;
-  const Scores alone = ComputeScores(example.Input());
+  const Scores alone = ComputeScores(example.Input(), kFullRows);
   std::vector<Scores> together(4);
   std::vector<std::thread> threads;
   for (Scores& scores : together) {
-    threads.emplace_back([&] { scores = ComputeScores(example.Input()); });
+    threads.emplace_back([&] { scores = ComputeScores(example.Input(), kFullRows); });
   }
   for (std::thread& thread : threads) thread.join();
   for (const Scores& scores : together) {
@@ -211,44 +237,27 @@ TEST(Scores, AreTheSameOnSeveralThreads) {
   }
 }
 
-TEST(ScoresPerFinger, AreMeansOverTheChannelsOfAFinger) {
-  Scores scores;
-  scores.summary.assign(Metrics().size(), 0.0);
-  for (const double value : {1.0, 2.0, 4.0}) {
-    scores.channels.emplace_back(Metrics().size(), value);
-  }
-  scores.channels[2][0] = NAN;
-  const std::vector<std::string> names{"thumb_ip", "index_mcp", "index_pip"};
-  const auto fingers = ScoresPerFinger(scores, names);
-  ASSERT_EQ(fingers.size(), 2u);
-  EXPECT_EQ(fingers[0].name, "thumb");
-  EXPECT_EQ(fingers[0].values[1], 1.0);
-  EXPECT_EQ(fingers[1].name, "index");
-  EXPECT_EQ(fingers[1].values[0], 2.0);
-  EXPECT_EQ(fingers[1].values[1], 3.0);
-}
-
 TEST(Scores, RefuseSignalsThatDoNotFit) {
   const Example example;
   ScoreInput input = example.Input();
   const Signal narrow = example.hand.leftCols(2);
   input.hand_angle_rad = &narrow;
-  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input = example.Input();
   input.motor_speed_rad_s = &narrow;
-  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input = example.Input();
-  input.tension_n = &example.hand;  // without the channels of its cables
-  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  input.tension_n = &example.hand;  // of cables that are not in the table
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input = example.Input();
   input.grip_force_n = &narrow;
-  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input = example.Input();
   const double one_share[] = {0.5};
   input.saturation_share = one_share;
-  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input.hand_angle_rad = nullptr;
-  EXPECT_THROW(ComputeScores(input), std::invalid_argument);
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST(OneMovingJoint, IsNeverFastBelowTheLimitAndTheOthersRest) {
   const auto mover = static_cast<std::size_t>(ChannelIndex("index_mcp"));
   EXPECT_TRUE(std::isnan(Value(scores.summary, "fast_tracking_rmse_deg")));
   EXPECT_TRUE(std::isnan(Value(scores.summary, "fast_jitter_rms_deg")));
-  for (std::size_t channel = 0; channel < scores.channels.size(); ++channel) {
+  for (std::size_t channel = 0; channel < GloveChannels().size(); ++channel) {
     const std::vector<double>& values = scores.channels[channel];
     const bool moves = channel == mover;
     EXPECT_TRUE(std::isnan(Value(values, "fast_tracking_rmse_deg"))) << channel;

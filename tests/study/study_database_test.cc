@@ -1,6 +1,7 @@
 // Trials come back from the database bit by bit, and only to the study that they belong to.
 #include "sim/study/study_database.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +27,7 @@ TrialOutcome MakeOutcome() {
     outcome.scores.summary.push_back(1.0 / 3.0 + static_cast<double>(m));
   }
   outcome.scores.summary[2] = std::numeric_limits<double>::quiet_NaN();
-  outcome.scores.channels.assign(18, outcome.scores.summary);
+  outcome.scores.channels.assign(18 + 36, outcome.scores.summary);  // joints and motors, cables
   outcome.scores.channels[7][3] = -1e-300;
   outcome.untrusted_samples.assign(18, 0);
   outcome.untrusted_samples[4] = 1'000'000'000'000;
@@ -83,8 +84,28 @@ TEST_F(StudyDatabaseTest, AnotherWordingIsTheSameStudyAnotherSettingIsNot) {
   const Study longer = MakeStudy("What is kept?", 0.6);
   StudyDatabase other(file_, longer);
   EXPECT_FALSE(other.Find(7, 1));
-  other.Keep(1, 0, MakeOutcome());  // takes the place of what belongs to other settings
-  EXPECT_EQ(StudyDatabase(file_, study_).TrialCount(), 0);
+  other.Keep(1, 0, MakeOutcome());
+  EXPECT_EQ(StudyDatabase(file_, longer).TrialCount(), 1);
+  EXPECT_EQ(StudyDatabase(file_, study_).TrialCount(), 1);  // what other settings gave stays
+  EXPECT_TRUE(StudyDatabase(file_, study_).Find(7, 1));
+}
+
+TEST_F(StudyDatabaseTest, ShowsWhatWasAskedForLast) {
+  StudyDatabase(file_, study_).Keep(7, 0, MakeOutcome());
+  StudyDatabase(file_, study_).Keep(7, 1, MakeOutcome());
+  StudyDatabase(file_, MakeStudy("What is kept?", 0.6)).Keep(7, 0, MakeOutcome());
+  SQLite::Database database(file_.string());
+  const auto count = [&](const std::string& view) {
+    return database
+        .execAndGet("SELECT count(*) FROM " + view +
+                    " WHERE channel = 'summary' AND metric = 'delay_ms'")
+        .getInt();
+  };
+  EXPECT_EQ(count("scores"), 1);
+  EXPECT_EQ(count("all_scores"), 3);
+  StudyDatabase(file_, study_).Keep(8, 0, MakeOutcome());
+  EXPECT_EQ(count("scores"), 3);
+  EXPECT_EQ(count("all_scores"), 4);
 }
 
 TEST_F(StudyDatabaseTest, AControllerThatIsLeftOutKeepsItsTrials) {
@@ -93,24 +114,23 @@ TEST_F(StudyDatabaseTest, AControllerThatIsLeftOutKeepsItsTrials) {
   only_raw.scenario.controllers.pop_back();
   {
     StudyDatabase database(file_, only_raw);
-    EXPECT_EQ(database.OtherTrialCount(), 0);
     database.Keep(7, 0, MakeOutcome());
   }
   EXPECT_EQ(StudyDatabase(file_, study_).TrialCount(), 2);
 }
 
-TEST_F(StudyDatabaseTest, AControllerWithOtherSettingsMakesRoom) {
+TEST_F(StudyDatabaseTest, TrialsOfOtherSettingsOfAControllerStay) {
   study_.scenario.controllers[1].name = "it's mine";
   StudyDatabase(file_, study_).Keep(7, 0, MakeOutcome());
   StudyDatabase(file_, study_).Keep(7, 1, MakeOutcome());
   Study changed = study_;
   changed.scenario.controllers[1].config.filter_at = controller::FilterAt::kEvent;
   StudyDatabase database(file_, changed);
-  EXPECT_EQ(database.OtherTrialCount(), 1);
   EXPECT_TRUE(database.Find(7, 0));
   EXPECT_FALSE(database.Find(7, 1));
-  database.Keep(8, 0, MakeOutcome());
-  EXPECT_EQ(StudyDatabase(file_, study_).TrialCount(), 2);  // seeds 7 and 8 of the first
+  database.Keep(7, 1, MakeOutcome());
+  EXPECT_EQ(database.TrialCount(), 2);
+  EXPECT_EQ(StudyDatabase(file_, study_).TrialCount(), 2);
 }
 
 TEST_F(StudyDatabaseTest, TheFileAppearsWithTheFirstTrial) {

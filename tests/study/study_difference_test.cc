@@ -28,6 +28,7 @@ StudyFolder Folder(double base, int first_seed, int seeds) {
   folder.scores.channels = {"index_mcp"};
   std::vector<double> values;
   for (const int seed : folder.scores.seeds) values.push_back(base + 0.8 * std::sin(1.7 * seed));
+  folder.scores.has_metric.assign(Metrics().size(), true);
   folder.scores.summary = {{Metrics().size(), values}};
   return folder;
 }
@@ -42,6 +43,19 @@ TEST(CompareStudies, AFolderIsTheSameAsItself) {
   EXPECT_TRUE(difference.Same());
   EXPECT_EQ(difference.scores.size(), Metrics().size());
   EXPECT_EQ(difference.ChangedScores(), 0u);
+}
+
+TEST(CompareStudies, PassesOverAMetricThatOneOfThemDoesNotKnow) {
+  const StudyFolder a = Folder(5.0, 1, 8);
+  StudyFolder older = Folder(5.0, 1, 8);
+  const std::size_t delay = MetricIndex("delay_ms");
+  older.scores.has_metric[delay] = false;
+  older.scores.summary[0][delay].assign(8, kNaN);
+  const StudyDifference difference = CompareStudies(a, older);
+  EXPECT_TRUE(difference.Same());
+  EXPECT_EQ(difference.scores.size(), Metrics().size() - 1);
+  EXPECT_EQ(difference.metrics_only_in_a, std::vector<std::string>{"delay_ms"});
+  EXPECT_TRUE(difference.metrics_only_in_b.empty());
 }
 
 TEST(CompareStudies, PairsSeeWhatTheScatterOfSeedsHides) {

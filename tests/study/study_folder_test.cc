@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "sim/base/error.h"
 #include "sim/study/study_files.h"
@@ -18,7 +19,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 StudyResult MadeUpResult() {
   StudyResult result;
   result.controller_names = {"raw", "mean"};
-  result.channel_names = {"index_mcp"};
+  result.row_names = {"index_mcp"};
   for (const int seed : {4, 5}) {
     SeedOutcome outcome{.seed = seed, .controllers = {}};
     for (int controller = 0; controller < 2; ++controller) {
@@ -41,7 +42,7 @@ TEST(ParseScoresCsv, ReadsBackWhatWasWritten) {
   const ScoreFile read = ParseScoresCsv("scores.csv", ScoresCsv(written));
   EXPECT_EQ(read.seeds, (std::vector<int>{4, 5}));
   EXPECT_EQ(read.controllers, written.controller_names);
-  EXPECT_EQ(read.channels, written.channel_names);
+  EXPECT_EQ(read.channels, written.row_names);
   for (std::size_t s = 0; s < 2; ++s) {
     for (std::size_t c = 0; c < 2; ++c) {
       for (std::size_t m = 0; m < Metrics().size(); ++m) {
@@ -66,6 +67,24 @@ TEST(ParseScoresCsv, ReadsWhatASpreadsheetSaved) {
   EXPECT_TRUE(std::isnan(read.summary[0].back()[1]));  // the last field of its line
 }
 
+TEST(ParseScoresCsv, ReadsAFileThatLacksAMetric) {
+  // An older version knew no delay: the column goes, and its field in every row.
+  std::string older;
+  std::istringstream lines(ScoresCsv(MadeUpResult()));
+  const std::size_t column = 3 + MetricIndex("delay_ms");
+  for (std::string line; std::getline(lines, line);) {
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < column; ++i) begin = line.find(',', begin) + 1;
+    older += line.erase(begin, line.find(',', begin) + 1 - begin) + "\n";
+  }
+  const ScoreFile read = ParseScoresCsv("scores.csv", older);
+  EXPECT_FALSE(read.has_metric[MetricIndex("delay_ms")]);
+  EXPECT_TRUE(read.has_metric[MetricIndex("peak_error_deg")]);
+  EXPECT_TRUE(std::isnan(read.summary[0][MetricIndex("delay_ms")][0]));
+  EXPECT_EQ(read.summary[0][MetricIndex("peak_error_deg")][0],
+            MadeUpResult().seeds[0].controllers[0].scores.summary[MetricIndex("peak_error_deg")]);
+}
+
 std::string Complaint(const std::string& text) {
   try {
     ParseScoresCsv("scores.csv", text);
@@ -85,11 +104,9 @@ TEST(ParseScoresCsv, NamesThePlaceOfWhatIsWrong) {
   EXPECT_EQ(Complaint(good), "none");
   EXPECT_EQ(Complaint(""), "scores.csv: holds no scores");
   EXPECT_EQ(Complaint(With(good, "delay_ms", "lag_ms")),
-            "scores.csv:1: unknown column lag_ms; written by another version?");
-  EXPECT_EQ(Complaint(With(good, ",delay_ms", "")),
-            "scores.csv:1: column delay_ms is missing; written by another version?");
+            "scores.csv:1:5: unknown column lag_ms; written by another version?");
   EXPECT_EQ(Complaint(With(good, "seed,controller", "controller,seed")),
-            "scores.csv:1: the columns are in another order");
+            "scores.csv:1: must begin with the columns seed,controller,channel");
   EXPECT_EQ(Complaint(With(good, "\n4,", "\nfour,")),
             "scores.csv:2:1: seed is \"four\", must be a whole number");
   for (const char* text : {"4oo", "nan", "inf", "-inf", "1e999", " "}) {

@@ -21,7 +21,7 @@ class SummaryTest : public testing::Test {
     study_.scenario.controllers[1].config.filters = {filter};
     study_.scenario.controllers[2].config.filters = {filter};
     result_.controller_names = {"raw", "better", "worse"};
-    result_.channel_names = {"only"};
+    result_.row_names = {"only"};
     const double base[] = {5.0, 4.0, 5.5};
     for (int s = 0; s < 10; ++s) {
       SeedOutcome seed{.seed = s, .controllers = {}};
@@ -41,10 +41,23 @@ class SummaryTest : public testing::Test {
   StudyResult result_;
 };
 
-TEST_F(SummaryTest, FindsTheControllerWithoutAFilter) {
-  EXPECT_EQ(Summarise(study_, result_).raw, 0);
+TEST_F(SummaryTest, WithoutABaselineNothingIsWorse) {
+  EXPECT_EQ(Summarise(study_, result_).baseline, 0u);
   study_.scenario.controllers[0].config.filters = study_.scenario.controllers[1].config.filters;
-  EXPECT_EQ(Summarise(study_, result_).raw, -1);
+  const Summary summary = Summarise(study_, result_);
+  EXPECT_EQ(summary.baseline, std::nullopt);
+  for (const ControllerSummary& controller : summary.controllers) {
+    EXPECT_TRUE(controller.worse_than_baseline.empty());
+    EXPECT_TRUE(controller.difference_to_baseline.empty());
+  }
+}
+
+TEST_F(SummaryTest, HoldsOthersAgainstTheBaselineThatIsNamed) {
+  study_.scenario.baseline = "better";
+  const Summary summary = Summarise(study_, result_);
+  EXPECT_EQ(summary.baseline, 1u);
+  EXPECT_TRUE(summary.controllers[0].worse_than_baseline[0]);  // raw against better
+  EXPECT_TRUE(summary.controllers[1].difference_to_baseline.empty());
 }
 
 TEST_F(SummaryTest, PairingSeesADifferenceThatTheScatterOfSeedsWouldHide) {
@@ -53,10 +66,10 @@ TEST_F(SummaryTest, PairingSeesADifferenceThatTheScatterOfSeedsWouldHide) {
   // The intervals of the means overlap ...
   EXPECT_LT(worse.summary[0].ci95_low, summary.controllers[0].summary[0].ci95_high);
   // ... that of the paired difference does not reach zero.
-  EXPECT_GT(worse.difference_to_raw[0].ci95_low, 0.4);
-  EXPECT_LT(worse.difference_to_raw[0].ci95_high, 0.6);
-  EXPECT_TRUE(worse.worse_than_raw[0]);
-  EXPECT_FALSE(summary.controllers[1].worse_than_raw[0]);
+  EXPECT_GT(worse.difference_to_baseline[0].ci95_low, 0.4);
+  EXPECT_LT(worse.difference_to_baseline[0].ci95_high, 0.6);
+  EXPECT_TRUE(worse.worse_than_baseline[0]);
+  EXPECT_FALSE(summary.controllers[1].worse_than_baseline[0]);
 }
 
 TEST_F(SummaryTest, RanksAndMarksDominatedControllers) {
@@ -91,15 +104,25 @@ TEST_F(SummaryTest, OnePairOfManySeedsDecidesNothing) {
   const ControllerSummary worse = Summarise(study_, result_).controllers[2];
   EXPECT_EQ(worse.summary[0].count, 1);
   EXPECT_EQ(worse.summary[1].count, 10);
-  EXPECT_GT(worse.difference_to_raw[0].mean, 0.0);
-  EXPECT_FALSE(worse.worse_than_raw[0]);
-  result_.seeds.resize(1);
-  EXPECT_TRUE(Summarise(study_, result_).controllers[2].worse_than_raw[0]);
+  EXPECT_GT(worse.difference_to_baseline[0].mean, 0.0);
+  EXPECT_FALSE(worse.worse_than_baseline[0]);
 }
 
-TEST_F(SummaryTest, ChannelsAreMeansOverSeeds) {
+TEST_F(SummaryTest, OneSeedDecidesNothing) {
+  result_.seeds.resize(1);
   const Summary summary = Summarise(study_, result_);
-  EXPECT_NEAR(summary.controllers[0].channels[0][0], 2.0 * summary.controllers[0].summary[0].mean,
+  EXPECT_TRUE(summary.one_run);
+  EXPECT_EQ(summary.controllers[1].rank[0], 1);
+  for (const ControllerSummary& controller : summary.controllers) {
+    EXPECT_FALSE(controller.as_good_as_best[0]);
+    EXPECT_TRUE(std::isnan(controller.summary[0].ci95_low));
+    EXPECT_TRUE(controller.name == "raw" || !controller.worse_than_baseline[0]);
+  }
+}
+
+TEST_F(SummaryTest, RowsAreMeansOverSeeds) {
+  const Summary summary = Summarise(study_, result_);
+  EXPECT_NEAR(summary.controllers[0].rows[0][0], 2.0 * summary.controllers[0].summary[0].mean,
               1e-12);
 }
 

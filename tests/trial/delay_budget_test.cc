@@ -38,14 +38,19 @@ double DelayMs(const Column& signal, double time_of_row_0_s) {
 
 // A frame leaves every 20 ms and is held until the next one: 10 ms on average, less half a sample.
 TEST(DelayBudget, IsEventAndFrameAndServoAndLessThanTenMillisecondsOfCables) {
-  const auto hand = MakeModel();
   for (const std::string name : {"index_mcp", "little_pip", "wrist_flexion", "elbow_flexion"}) {
     const GloveConfig config = Swing(name);
     const GloveSignal glove = SynthesiseGlove(config, 1);
     const int channel = ChannelIndex(name);
     for (double event_ms : {0.0, 45.0}) {
-      const Trace trace = RunTrial("raw", {}, glove, NominalCalibration(config),
-                                   {.period_ms = 20.0, .delay_ms = event_ms}, hand);
+      const auto hand = std::make_shared<const HandModel>(
+          HandConfig{}, MakeLoopTiming({.event_delay_ms = event_ms}));
+      const Trace trace = RunTrial({.controller_name = "raw",
+                                    .controller = {},
+                                    .calibration = NominalCalibration(config),
+                                    .joint_map = {},
+                                    .hand = hand},
+                                   glove);
       ASSERT_TRUE(trace.health.ok) << trace.health.problem;
       ASSERT_LT(std::abs(DelayMs(glove.true_angle_rad.col(channel), 0.0)), 0.1);
       // What the servos hold at row k acts until the end of the row; angles are those at its end.

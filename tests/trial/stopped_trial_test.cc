@@ -12,8 +12,12 @@ TEST(StoppedTrial, EndsWhereTheHandDivergedAndSaysSo) {
   config.channels = {"index_mcp"};
   config.motion.settings = HoldConfig{.duration_s = 0.5};
   const GloveSignal glove = SynthesiseGlove(config, 1);
-  const Trace trace =
-      RunTrial("raw", {}, glove, NominalCalibration(config), {}, MakeDivergingHand("index_mcp"));
+  const Trace trace = RunTrial({.controller_name = "raw",
+                                .controller = {},
+                                .calibration = NominalCalibration(config),
+                                .joint_map = {},
+                                .hand = MakeDivergingHand("index_mcp")},
+                               glove);
   EXPECT_FALSE(trace.health.ok);
   EXPECT_NE(trace.health.problem.find("at 0.0"), std::string::npos) << trace.health.problem;
   EXPECT_GT(trace.hand_angle_rad.rows(), 10);

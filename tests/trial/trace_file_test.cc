@@ -52,6 +52,7 @@ class TraceFileTest : public testing::Test {
     glove_.counts = Signal::Constant(kSamples, 18, 512.0);
     glove_.counts(2, 3) = std::numeric_limits<double>::quiet_NaN();
     glove_.reference_name = "ground truth";
+    reference_ = Signal::Random(kSamples, 18);
   }
 
   Trace MakeTrace(const std::string& name) const {
@@ -72,8 +73,9 @@ class TraceFileTest : public testing::Test {
 
   test::TemporaryDirectory folder_;
   fs::path file_ = folder_.path() / "trace.h5";
-  HandModel hand_{HandConfig{}, GloveChannelNames()};
+  HandModel hand_{HandConfig{}};
   GloveSignal glove_;
+  Signal reference_;  // ticks x joints
 };
 
 /// What 24 significant bits leave of a signal.
@@ -82,7 +84,7 @@ Signal Stored(const Signal& signal) { return signal.cast<float>().cast<double>()
 TEST_F(TraceFileTest, GivesBackTwentyFourBitsOfEverySignal) {
   const Trace a = MakeTrace("raw");
   const Trace b = MakeTrace("kalman");
-  TraceWriter writer(file_, glove_, hand_, "test", 42);
+  TraceWriter writer(file_, glove_, reference_, hand_, "test", 42);
   writer.Add(a);
   writer.Add(b);
   EXPECT_FALSE(fs::exists(file_));  // not before it is whole
@@ -92,7 +94,9 @@ TEST_F(TraceFileTest, GivesBackTwentyFourBitsOfEverySignal) {
   EXPECT_EQ(read.seed, 42);
   EXPECT_EQ(read.scenario, "test");
   EXPECT_EQ(read.channel_names, GloveChannelNames());
+  EXPECT_EQ(read.joint_names, hand_.joint_names());
   EXPECT_EQ(read.true_angle_rad, Stored(glove_.true_angle_rad));
+  EXPECT_EQ(read.reference_angle_rad, Stored(reference_));
   EXPECT_TRUE(std::isnan(read.counts(2, 3)));
   ASSERT_EQ(read.traces.size(), 2u);
   EXPECT_EQ(read.traces[1].controller_name, "kalman");
@@ -140,7 +144,7 @@ TEST_F(TraceFileTest, TellsTheTruthOfEveryFaultAndWhatTheWearerDid) {
                    {.kind = "late_frames", .channel = 0, .begin = 0, .end = 2}};
   glove_.segments = {{.label = "rest", .begin = 0, .end = 3},
                      {.label = "fast", .begin = 3, .end = 5}};
-  TraceWriter(file_, glove_, hand_, "test", 1).Commit();
+  TraceWriter(file_, glove_, reference_, hand_, "test", 1).Commit();
   EXPECT_EQ(ReadStretches(file_, "faults", "kind"),
             (std::vector<std::string>{"stuck " + glove_.channel_names[3] + " 1 4",
                                       "late_frames " + glove_.channel_names[0] + " 0 2"}));
@@ -148,12 +152,12 @@ TEST_F(TraceFileTest, TellsTheTruthOfEveryFaultAndWhatTheWearerDid) {
             (std::vector<std::string>{"rest all 0 3", "fast all 3 5"}));
 
   glove_.faults.clear();
-  TraceWriter(file_, glove_, hand_, "test", 1).Commit();
+  TraceWriter(file_, glove_, reference_, hand_, "test", 1).Commit();
   EXPECT_TRUE(ReadStretches(file_, "faults", "kind").empty());
 }
 
 TEST_F(TraceFileTest, LeavesNothingWithoutCommit) {
-  { TraceWriter writer(file_, glove_, hand_, "test", 42); }
+  { TraceWriter writer(file_, glove_, reference_, hand_, "test", 42); }
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
@@ -164,14 +168,14 @@ TEST_F(TraceFileTest, RefusesWhatIsNoTrace) {
 }
 
 TEST_F(TraceFileTest, AFolderThatCannotBeIsARunError) {
-  EXPECT_THROW(TraceWriter("/dev/full/trace.h5", glove_, hand_, "test", 1), RunError);
+  EXPECT_THROW(TraceWriter("/dev/full/trace.h5", glove_, reference_, hand_, "test", 1), RunError);
 }
 
 TEST_F(TraceFileTest, AFullDiskIsARunErrorWhereverItHappens) {
   for (disk_room_bytes = 0; disk_room_bytes < 3'000'000; disk_room_bytes += 150'000) {
     EXPECT_THROW(
         {
-          TraceWriter writer(file_, glove_, hand_, "test", 1);
+          TraceWriter writer(file_, glove_, reference_, hand_, "test", 1);
           writer.Add(MakeTrace("raw"));
           writer.Commit();
         },

@@ -19,20 +19,29 @@ GloveConfig ShortRandomMotion() {
 
 class TrialTest : public testing::Test {
  protected:
-  Trace Run(const EventConfig& event = {}, std::uint64_t seed = 1) {
+  /// Frames of 20 ms with this delay.
+  Trace Run(double event_delay_ms = 25.0, std::uint64_t seed = 1,
+            const std::function<bool()>& keep_going = {}) {
     glove_ = SynthesiseGlove(glove_config_, seed);
-    return RunTrial("test", controller_, glove_, NominalCalibration(glove_config_), event, hand_);
+    hand_ = std::make_shared<const HandModel>(
+        HandConfig{}, MakeLoopTiming({.sample_rate_hz = glove_config_.rate_hz,
+                                      .event_delay_ms = event_delay_ms}));
+    return RunTrial({.controller_name = "test",
+                     .controller = controller_,
+                     .calibration = NominalCalibration(glove_config_),
+                     .joint_map = {},
+                     .hand = hand_},
+                    glove_, keep_going);
   }
 
   GloveConfig glove_config_ = ShortRandomMotion();
   controller::ControllerConfig controller_;
   GloveSignal glove_;
-  std::shared_ptr<const HandModel> hand_ =
-      std::make_shared<const HandModel>(HandConfig{}, GloveChannelNames());
+  std::shared_ptr<const HandModel> hand_;
 };
 
 TEST_F(TrialTest, FramesChangeOnlyAtEventsPlusDelay) {
-  const Trace trace = Run({.period_ms = 20, .delay_ms = 7});
+  const Trace trace = Run(7.0);
   int changes = 0;
   for (Eigen::Index k = 1; k < trace.command_counts.rows(); ++k) {
     if ((trace.command_counts.row(k) - trace.command_counts.row(k - 1)).isZero()) continue;
@@ -44,8 +53,7 @@ TEST_F(TrialTest, FramesChangeOnlyAtEventsPlusDelay) {
 
 TEST_F(TrialTest, AFrameIsWhatTheControllerSaidOneDelayAgo) {
   // The controller alone, stepped by the test, must have given every frame at its event.
-  const EventConfig event{.period_ms = 20, .delay_ms = 30};
-  const Trace trace = Run(event);
+  const Trace trace = Run(30.0);
   controller::Controller alone(controller_, NominalCalibration(glove_config_),
                                hand_->transmission());
   std::vector<double> counts(18);
@@ -64,7 +72,7 @@ TEST_F(TrialTest, TwiceTheSameGivesTheSameBits) {
   const Trace second = Run();
   EXPECT_EQ(first.hand_angle_rad, second.hand_angle_rad);
   EXPECT_EQ(first.tension_n, second.tension_n);
-  EXPECT_NE(first.hand_angle_rad, Run({}, 2).hand_angle_rad);
+  EXPECT_NE(first.hand_angle_rad, Run(25.0, 2).hand_angle_rad);
 }
 
 TEST_F(TrialTest, EveryNumberIsFiniteAndTheHandIsWell) {
@@ -78,10 +86,24 @@ TEST_F(TrialTest, EveryNumberIsFiniteAndTheHandIsWell) {
 }
 
 TEST_F(TrialTest, StopsWhenAsked) {
-  glove_ = SynthesiseGlove(glove_config_, 1);
-  EXPECT_THROW(RunTrial("test", controller_, glove_, NominalCalibration(glove_config_), {}, hand_,
-                        [] { return false; }),
-               Cancelled);
+  EXPECT_THROW(Run(25.0, 1, [] { return false; }), Cancelled);
+}
+
+TEST_F(TrialTest, HoldsTheSampleOfASlowGloveAndSendsFramesOnTheirOwnClock) {
+  glove_config_.rate_hz = 33.3;
+  const Trace trace = Run(0.0);
+  EXPECT_EQ(glove_.ticks_per_sample, 31);
+  EXPECT_EQ(trace.hand_angle_rad.rows(), glove_.true_angle_rad.rows());
+  EXPECT_EQ(glove_.counts.rows(), (glove_.true_angle_rad.rows() + 30) / 31);
+  const double ticks_per_frame = 20e-3 * glove_.tick_rate_hz;
+  for (Eigen::Index k = 1; k < trace.hand_angle_rad.rows(); ++k) {
+    const bool sampled = trace.linearised_angle_rad.row(k) != trace.linearised_angle_rad.row(k - 1);
+    EXPECT_TRUE(!sampled || k % 31 == 0) << k;
+    if (trace.command_counts.row(k) == trace.command_counts.row(k - 1)) continue;
+    // The first tick at or after a multiple of 20 ms.
+    const double frame = std::floor(static_cast<double>(k) / ticks_per_frame);
+    EXPECT_EQ(static_cast<double>(k), std::ceil(frame * ticks_per_frame)) << k;
+  }
 }
 
 }  // namespace

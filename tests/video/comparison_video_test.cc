@@ -25,7 +25,7 @@ using testing::StartsWith;
 const std::vector<std::string> kChannels = GloveChannelNames();
 
 const HandModel& TheHand() {
-  static const HandModel hand({}, kChannels);
+  static const HandModel hand{HandConfig{}};
   return hand;
 }
 
@@ -44,13 +44,13 @@ class SmallComparison {
     input.title = "A test";
     input.true_angle_rad = &true_angle_rad_;
     input.raw_angle_rad = &true_angle_rad_;
-    input.channel = 4;
-    input.channel_name = "index_mcp";
+    input.joint = 4;
+    input.joint_name = "index_mcp";
     input.camera = "hand";
     input.width_px = 480;
     input.height_px = 270;
-    input.panes = {{"all", &true_angle_rad_, &spool_, &true_angle_rad_, &true_angle_rad_},
-                   {"half", &half_, &spool_, &half_, &half_}};
+    input.panes = {{"all", &true_angle_rad_, &spool_, &true_angle_rad_},
+                   {"half", &half_, &spool_, &half_}};
   }
 
   SmallComparison(const SmallComparison&) = delete;  // the input points into it
@@ -138,8 +138,8 @@ TEST(ComparisonVideo, NamesWhatIsWrongAndLeavesNothing) {
               AllOf(StartsWith("UserError: "), HasSubstr("did you mean hand?")));
   EXPECT_THAT(message_of([](VideoInput& input) { input.panes.resize(9, input.panes[0]); }, "a.mp4"),
               AllOf(StartsWith("UserError: "), HasSubstr("9 controllers")));
-  EXPECT_THAT(message_of([](VideoInput& input) { input.channel = 18; }, "a.mp4"),
-              AllOf(StartsWith("RunError: "), HasSubstr("channel 18")));
+  EXPECT_THAT(message_of([](VideoInput& input) { input.joint = 18; }, "a.mp4"),
+              AllOf(StartsWith("RunError: "), HasSubstr("joint 18")));
   EXPECT_TRUE(folder.IsEmpty());
 }
 
@@ -147,7 +147,7 @@ TEST(ComparisonVideo, AStoppedTrialStandsStillToTheEnd) {
   const TemporaryFolder folder;
   SmallComparison comparison;
   const Signal stopped = comparison.input.panes[1].hand_angle_rad->topRows(100);
-  comparison.input.panes[1] = {"stopped", &stopped, &stopped, &stopped, &stopped};
+  comparison.input.panes[1] = {"stopped", &stopped, &stopped, &stopped};
   WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
   EXPECT_EQ(ReadVideo(folder.path() / "a.mp4").frames, 15);
 
