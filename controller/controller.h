@@ -19,8 +19,7 @@ struct Command {
 
 /// From glove to motors: linearisation, filters, prediction and tendon map, in one call per sample.
 ///
-///     counts -> [filter] -> linearisation -> [filter] -> [prediction] -> tendon map -> whole
-///     counts
+///     counts -> [filter] -> linearisation -> [filter] -> [prediction] -> tendon map -> counts
 ///
 /// Call Step() once per sampling period (1 ms by default). It neither throws, allocates, locks nor
 /// reads a clock. An event is every `samples_per_event`-th call, beginning with the first: only

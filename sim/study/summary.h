@@ -12,8 +12,8 @@ namespace gauntlet::sim {
 struct ControllerSummary {
   std::string name;
   std::vector<MeanInterval> summary;
-  std::vector<MeanInterval>
-      difference_to_raw;                      // paired by seed; empty if there is no raw controller
+  /// Paired by seed; empty if there is no raw controller.
+  std::vector<MeanInterval> difference_to_raw;
   std::vector<double> effect_size;            // of that difference; empty likewise
   std::vector<bool> worse_than_raw;           // the whole interval lies on the wrong side
   std::vector<int> rank;                      // 1 is the best of the controllers
