@@ -10,8 +10,9 @@ namespace gauntlet::controller {
 /// there. None to begin with. Costs one comparison per step once all have started.
 class FreshChannels {
  public:
-  explicit FreshChannels(int channel_count) : fresh_(static_cast<std::size_t>(channel_count), 0) {}
+  explicit FreshChannels(int channel_count) : fresh_(channel_count, 0) {}
 
+  int channel_count() const noexcept { return static_cast<int>(fresh_.size()); }
   bool any() const noexcept { return count_ > 0; }
 
   void Add(int channel) noexcept {
