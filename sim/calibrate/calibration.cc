@@ -126,15 +126,18 @@ void FitCurves(const PoseRecording& recording, const CalibrationOptions& options
     const Poses poses = PosesOf(recording, static_cast<Index>(i));
     const std::string& name = recording.channel_names[i];
     const std::string problem = ProblemOf(recording, name, poses, options.curve);
-    if (!problem.empty()) throw UserError(fmt::format("{}: {}: {}", recording.name, name, problem));
+    if (!problem.empty())
+      throw UserError({.place = recording.name, .key = name, .problem = problem});
     CurveFit fit;
     try {
       fit = FitCurve(poses, options.curve, options.degree);
     } catch (const SettingError& error) {
       const bool degree = error.key() == "degree";
       const bool bent = !degree && options.curve == CurveKind::kPolynomial;
-      throw UserError(fmt::format("{}: {}: {}{}{}", recording.name, name, degree ? "--degree " : "",
-                                  error.problem(), bent ? "; lower --degree" : ""));
+      throw UserError({.place = recording.name,
+                       .key = name,
+                       .problem = fmt::format("{}{}{}", degree ? "--degree " : "", error.problem(),
+                                              bent ? "; lower --degree" : "")});
     }
     fit.curve.channel = name;
     ChannelCalibration& channel = calibration.channels[i];
@@ -162,11 +165,9 @@ std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
 std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& recording) {
   auto stretches = controller::FindStillStretches(recording.counts, recording.rate_hz);
   if (stretches.empty()) {
-    throw UserError(
-        fmt::format("{}: the hand never holds still for half a second, R cannot be estimated: "
-                    "record it at rest "
-                    "for a second or more",
-                    recording.name));
+    throw UserError({.place = recording.name,
+                     .problem = "the hand never holds still for half a second, R cannot be "
+                                "estimated: record it at rest for a second or more"});
   }
   Index at_the_end = 0;  // a channel that spoils stretches
   std::erase_if(stretches, [&](const controller::StillStretch& stretch) {
@@ -180,9 +181,10 @@ std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& reco
     return false;
   });
   if (stretches.empty()) {
-    throw UserError(fmt::format(
-        "{}: {}: is at 0 or at full scale whenever the hand holds still: R cannot be estimated",
-        recording.name, recording.channel_names[static_cast<std::size_t>(at_the_end)]));
+    throw UserError({.place = recording.name,
+                     .key = recording.channel_names[at_the_end],
+                     .problem = "is at 0 or at full scale whenever the hand holds still: R cannot "
+                                "be estimated"});
   }
   return stretches;
 }

@@ -174,7 +174,7 @@ void List(const std::string& name, bool as_json) {
     }
     return;
   }
-  throw UserError(fmt::format("list {}: unknown list{}", name, Suggestion(name, names)));
+  throw UserError({.place = "list " + name, .problem = "unknown list" + Suggestion(name, names)});
 }
 
 }  // namespace

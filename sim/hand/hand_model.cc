@@ -25,20 +25,20 @@ std::filesystem::path ModelPath(const HandConfig& config) {
 
 mjModel* LoadModel(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) {
-    throw UserError(fmt::format("hand.model_path: no file {}", path.string()));
+    throw UserError({.key = "hand.model_path", .problem = "no file " + path.string()});
   }
   char message[1000] = "";
   mjModel* model = nullptr;
   try {
     model = mj_loadXML(path.c_str(), nullptr, message, sizeof message);
   } catch (const RunError& error) {
-    throw UserError(fmt::format("{}: {}", path.string(), error.what()));
+    throw UserError({.place = path.string(), .problem = error.what()});
   }
   TakeMujocoWarning();
   if (model != nullptr) return model;
   std::string line = message;
   for (char& letter : line) letter = letter == '\n' ? ' ' : letter;
-  throw UserError(fmt::format("{}: {}", path.string(), line));
+  throw UserError({.place = path.string(), .problem = line});
 }
 
 /// Does something with the model; what it finds wrong there is said with the model's file.
@@ -47,7 +47,7 @@ auto InModelFile(const std::filesystem::path& path, const Action& action) {
   try {
     return action();
   } catch (const UserError& error) {
-    throw UserError(fmt::format("{}: {}", path.string(), error.what()));
+    throw UserError({.place = path.string(), .problem = error.what()});
   }
 }
 

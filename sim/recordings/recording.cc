@@ -35,7 +35,8 @@ struct Glitch {
   const std::string found = reader.MostFrequentProblem();
   if (!found.empty()) problem += fmt::format(" (found: {})", found);
   throw UserError(
-      fmt::format("{}:{}:1: {}", recording.name, std::max<std::size_t>(reader.row(), 1), problem));
+      {.place = fmt::format("{}:{}:1", recording.name, std::max<std::size_t>(reader.row(), 1)),
+       .problem = problem});
 }
 
 /// Reports them in the order of rows and makes them NaN. `rows` are lines of the file.
@@ -136,8 +137,9 @@ Resampled Resample(const Recording& recording, Eigen::Index channel, double star
     value.push_back(angle);
   }
   if (value.empty()) {
-    throw UserError(fmt::format("{}: {} has no good value", recording.name,
-                                GloveChannels()[static_cast<std::size_t>(channel)].name));
+    throw UserError(
+        {.place = recording.name,
+         .problem = fmt::format("{} has no good value", GloveChannels()[channel].name)});
   }
   Resampled result{std::vector<double>(samples), std::vector<bool>(samples, false)};
   InterpolatePchip(time_s, value, start_s, rate_hz, result.value);

@@ -87,8 +87,10 @@ void CheckEventPeriod(Scenario& scenario, const YamlSource& source) {
   const double samples = scenario.event.period_ms * 1e-3 * scenario.glove.rate_hz;
   if (std::abs(samples - std::round(samples)) > 1e-9 || samples < 1.0) {
     throw UserError(
-        fmt::format("{}: event.period_ms: is {}, must be a whole number of samples of {} ms",
-                    source.file.string(), scenario.event.period_ms, 1e3 / scenario.glove.rate_hz));
+        {.place = source.file.string(),
+         .key = "event.period_ms",
+         .problem = fmt::format("is {}, must be a whole number of samples of {} ms",
+                                scenario.event.period_ms, 1e3 / scenario.glove.rate_hz)});
   }
   for (NamedController& controller : scenario.controllers) {
     controller.config.rate_hz = scenario.glove.rate_hz;
@@ -124,9 +126,8 @@ std::vector<std::string> ChannelsOf(const GloveConfig& glove, const YAML::Node& 
       if (selected[i]) names.emplace_back(GloveChannels()[i].name);
     }
   } catch (const controller::SettingError& error) {
-    const std::string path = "glove." + error.key();
     const YAML::Node node = Find(Find(root, "glove"), error.key());
-    throw UserError(fmt::format("{}: {}: {}", source.PlaceOf(node, path), path, error.problem()));
+    throw source.At(node, controller::SettingError("glove." + error.key(), error.problem()));
   }
   return names;
 }
@@ -144,8 +145,8 @@ void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scena
                      controller.config);
     } catch (const controller::SettingError& error) {
       const std::string path = fmt::format("controllers.{}.{}", controller.name, error.key());
-      throw UserError(fmt::format("{}: {}: {}: {}", source.PlaceOf(Find(node, "calibration"), path),
-                                  path, controller.calibration, error.problem()));
+      const std::string problem = controller.calibration + ": " + error.problem();
+      throw source.At(Find(node, "calibration"), controller::SettingError(path, problem));
     }
     controller.calibration.clear();
   }
@@ -158,11 +159,12 @@ void CheckControllerNames(const std::vector<std::string>& names, const Scenario&
   for (const NamedController& controller : scenario.controllers) known.push_back(controller.name);
   for (const std::string& name : names) {
     if (std::ranges::find(known, name) == known.end()) {
-      throw UserError(
-          fmt::format("--controllers: {}: unknown controller{}", name, Suggestion(name, known)));
+      throw UserError({.place = "--controllers",
+                       .key = name,
+                       .problem = "unknown controller" + Suggestion(name, known)});
     }
     if (std::ranges::count(names, name) > 1) {
-      throw UserError(fmt::format("--controllers: {}: named twice", name));
+      throw UserError({.place = "--controllers", .key = name, .problem = "named twice"});
     }
   }
 }

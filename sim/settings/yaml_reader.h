@@ -10,8 +10,12 @@
 #include <vector>
 
 #include "controller/settings.h"
+#include "sim/base/error.h"
 
 namespace gauntlet::sim {
+
+/// What a setting may not be, as the user's mistake at a place.
+UserError AtPlace(std::string place, const controller::SettingError& error);
 
 /// Where values come from, for error messages: the file, and what --set put over it.
 struct YamlSource {
@@ -20,6 +24,8 @@ struct YamlSource {
 
   /// `file:line:column` of a node, or `--set text` if an override gave it.
   std::string PlaceOf(const YAML::Node& node, const std::string& path) const;
+  /// The error at the place of its node.
+  UserError At(const YAML::Node& node, const controller::SettingError& error) const;
 };
 
 /// Fills config structs from YAML, strictly: a key that is unknown, given twice, missing though

@@ -17,16 +17,16 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
                                    const std::function<bool(int, int)>& keep_going) {
   const std::filesystem::path resolved = options.folder / "scenario.resolved.yaml";
   if (!std::filesystem::exists(resolved)) {
-    throw UserError(
-        fmt::format("{}: no scenario.resolved.yaml there, must be the output folder of "
-                    "gauntlet run or compare",
-                    options.folder.string()));
+    throw UserError({.place = options.folder.string(),
+                     .problem = "no scenario.resolved.yaml there, must be the output folder of "
+                                "gauntlet run or compare"});
   }
   const Scenario scenario = LoadScenario(resolved, {});
   CheckControllerNames(options.controllers, scenario);
   const TraceFile file = ReadTraceFile(options.folder / "trace.h5", options.controllers);
   if (file.traces.empty()) {
-    throw UserError(fmt::format("{}: holds no controller", (options.folder / "trace.h5").string()));
+    throw UserError(
+        {.place = (options.folder / "trace.h5").string(), .problem = "holds no controller"});
   }
   const HandModel hand(scenario.hand, file.channel_names);
 
@@ -51,9 +51,11 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   const auto channel =
       std::find(file.channel_names.begin(), file.channel_names.end(), scenario.video.channel);
   if (channel == file.channel_names.end()) {
-    throw UserError(fmt::format("{}: video.channel: {} is not in the trace{}", resolved.string(),
-                                scenario.video.channel,
-                                Suggestion(scenario.video.channel, file.channel_names)));
+    throw UserError(
+        {.place = resolved.string(),
+         .key = "video.channel",
+         .problem = fmt::format("{} is not in the trace{}", scenario.video.channel,
+                                Suggestion(scenario.video.channel, file.channel_names))});
   }
   input.channel = static_cast<int>(channel - file.channel_names.begin());
   input.channel_name = scenario.video.channel;
