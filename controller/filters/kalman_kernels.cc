@@ -3,8 +3,8 @@
 #include "controller/filters/vectorise.h"
 
 // The equations of KalmanConfig written out per element, in the paper's symbols: x the state, P its
-// covariance, K the gain, z the measurement; ⁻ marks what is predicted, before z is known. f are the
-// factors of Q = f q. P⁻ and P are symmetric.
+// covariance, K the gain, z the measurement; ⁻ marks what is predicted, before z is known. f are
+// the factors of Q = f q. P⁻ and P are symmetric.
 //
 // (I − K H) P⁻ is computed as K R in its first row: 1 − K₁ = R / (P⁻₁₁ + R) exactly, without the
 // cancellation of the difference when R is small.

@@ -88,7 +88,7 @@ void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& colum
   for (std::size_t i = 0; i < columns.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (columns[i].channel != columns[j].channel) continue;
-      csv.Fail(columns[i].column + 1, fmt::format("{} stands twice", Quoted(columns[i].channel)));
+      csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", Quoted(columns[i].channel)));
     }
   }
 }

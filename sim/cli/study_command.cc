@@ -72,7 +72,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   if (options.comparison) {
     database.emplace(folder / "study.db", study);
     if (const int others = database->OtherTrialCount(); others > 0) {
-      fmt::print(stderr, "{}: {} of other settings make room\n", (folder / "study.db").string(),
+      fmt::print(stderr, "{}: {} of other settings removed\n", (folder / "study.db").string(),
                  Trials(others));
     }
     if (const int known = database->TrialCount(); known > 0) {

@@ -184,7 +184,7 @@ HandModel::HandModel(const HandConfig& config, const std::vector<std::string>& c
   for (const Drive& drive : drives_) {
     for (const Cable* cable : {&drive.flexor, &drive.extensor}) {
       cable_names_.emplace_back(mj_id2name(model_.get(), mjOBJ_TENDON, cable->tendon));
-      // The cable law of this room takes over: a spring of the engine would push when slack.
+      // CableTension() takes over: a spring of the engine would push when slack.
       model_->tendon_stiffness[cable->tendon] = 0.0;
       model_->tendon_damping[cable->tendon] = 0.0;
     }

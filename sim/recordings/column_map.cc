@@ -57,7 +57,7 @@ bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
   return true;
 }
 
-/// The first channel that stands twice.
+/// The first channel that appears twice.
 std::optional<ColumnMapping> Repeated(const ColumnMap& map) {
   std::vector<bool> seen(GloveChannels().size(), false);
   for (const ColumnMapping& mapping : map.channels) {
@@ -150,7 +150,7 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
                                            Suggestion(name, GloveChannelNames())));
   }
   if (const auto twice = Repeated(map)) {
-    recording.Fail(twice->column + 1, fmt::format("{} stands twice", ChannelText(*twice)));
+    recording.Fail(twice->column + 1, fmt::format("{} appears twice", ChannelText(*twice)));
   }
   if (map.channels.empty()) recording.Fail(1, "there is no column of a channel");
   return map;
@@ -187,7 +187,7 @@ ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& reco
                             .unit = *known,
                             .scale = sign * file.Number("scale", 1.0),
                             .offset = file.Number("offset", 0.0)});
-    if (Repeated(map)) file.FailAt("channel", channel + " stands twice");
+    if (Repeated(map)) file.FailAt("channel", channel + " appears twice");
   }
   if (map.channels.empty()) file.FailAt("channel", "the map names no channel");
   return map;

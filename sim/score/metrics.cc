@@ -126,7 +126,7 @@ constexpr Row kRows[] = {
       .definition = "share of samples at the torque limit"},
      &ChannelScores::saturation_share},
     {{.key = "slack_share",
-      .help = "how often a cable hangs through",
+      .help = "how often a cable is slack",
       .definition = "share of samples with 0.01 N or less, mean over the cables of the channel"},
      &ChannelScores::slack_share},
     {{.key = "tension_peak_n",

@@ -72,10 +72,11 @@ class YamlReader final : public controller::SettingsVisitor {
   std::vector<std::string> known_keys_;
 };
 
-/// Parses a file; a syntax error, an unreadable file or a top level that is no map is a UserError.
+/// Parses a file. Errors: UserError for a syntax error, an unreadable file, or a top level that is
+/// not a map.
 YAML::Node ParseYamlFile(const std::filesystem::path& file);
 
-/// Puts `key.path=value` over the tree. Errors: UserError for a text that is no override.
+/// Puts `key.path=value` over the tree. Errors: UserError for a text that is not an override.
 void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source);
 
 }  // namespace gauntlet::sim

@@ -183,7 +183,7 @@ void ChooseVideoChannel(const std::vector<std::string>& channels, std::string& c
   if (channel.empty()) channel = has("index_mcp") ? "index_mcp" : channels.front();
   if (has(channel)) return;
   throw controller::SettingError(
-      "video.channel", channel + " is no channel of this glove" + Suggestion(channel, channels));
+      "video.channel", channel + " is not a channel of this glove" + Suggestion(channel, channels));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace gauntlet::sim {
 /// changed, are not found, and are removed when the first new trial is kept; those of controllers
 /// that a call leaves out stay. The file appears with the first trial.
 ///
-/// Any thread may call Find and Keep. Errors: UserError for a file that is no such database,
+/// Any thread may call Find and Keep. Errors: UserError for a file that is not such a database,
 /// RunError when the disk does not take a trial.
 class StudyDatabase {
  public:

@@ -219,7 +219,7 @@ TEST_F(CliTest, AGloveWithoutTheChannelOfTheVideoTakesAnother) {
   const ProgramResult named = run({"--set", "video.channel=index_mcp"});
   EXPECT_EQ(named.exit_code, 2);
   EXPECT_THAT(named.standard_error,
-              HasSubstr("scenario.yaml: video.channel: index_mcp is no channel of this glove"));
+              HasSubstr("scenario.yaml: video.channel: index_mcp is not a channel of this glove"));
 }
 
 TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {

@@ -101,7 +101,7 @@ TEST_F(ResumeTest, TrialsOfOtherSettingsDoNotCount) {
   const std::vector<std::string> other = {"--set", "hand.cable.capstan_friction=0.2"};
   const ProgramResult changed = Run("a", other);
   EXPECT_THAT(changed.standard_error, testing::Not(HasSubstr("goes on from")));
-  EXPECT_THAT(changed.standard_error, HasSubstr("8 trials of other settings make room"));
+  EXPECT_THAT(changed.standard_error, HasSubstr("8 trials of other settings removed"));
   ASSERT_EQ(Run("fresh", other).exit_code, 0);
   ExpectSameFiles("fresh", "a");
 }
