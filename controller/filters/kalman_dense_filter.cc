@@ -23,7 +23,7 @@ MatrixXd FromRows(const std::vector<double>& values, Index size) {
 
 /// One variance for all, one each, or a whole covariance of the channels.
 MatrixXd ChannelCovariance(const char* key, const std::vector<double>& values, Index n) {
-  const auto count = static_cast<Index>(values.size());
+  const Index count = std::ssize(values);
   if (count == 1) return values.front() * MatrixXd::Identity(n, n);
   if (count == n) return Eigen::Map<const VectorXd>(values.data(), n).asDiagonal();
   if (count == n * n) return FromRows(values, n);

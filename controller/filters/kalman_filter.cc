@@ -32,14 +32,14 @@ class AccelerationEstimate {
   AccelerationEstimate(int window, int channel_count)
       : weights_(EndPointWeights(window, 2, 2)),
         window_(window, channel_count),
-        acceleration_(static_cast<std::size_t>(channel_count), 0.0) {}
+        acceleration_(channel_count, 0.0) {}
 
   std::span<const double> Step(std::span<const double> input) noexcept {
     window_.Push(input);
     WeightedSum(window_, weights_, acceleration_.data());
     if (!window_.all_full()) {
       for (int i = 0; i < window_.channel_count(); ++i) {
-        if (window_.count(i) < window_.length()) acceleration_[static_cast<std::size_t>(i)] = 0.0;
+        if (window_.count(i) < window_.length()) acceleration_[i] = 0.0;
       }
     }
     return acceleration_;

@@ -23,7 +23,7 @@ void KalmanNoise::Visit(SettingsVisitor& visitor) {
 }
 
 Eigen::ArrayXd MeasurementVariance(const KalmanNoise& noise, int channel_count) {
-  const int values = static_cast<int>(noise.r.size());
+  const int values = noise.r.size();
   if (values != 1 && values != channel_count && noise.r == PaperMeasurementVariance()) {
     throw SettingError("r", "the default is the paper's for 18 channels, but there are " +
                                 std::to_string(channel_count) +

@@ -94,7 +94,7 @@ CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
   if (kind == CurveKind::kTable) return controller::FitTable(poses.counts, poses.angle_deg);
   if (kind == CurveKind::kTwoPoint) return controller::FitTwoPoint(poses.counts, poses.angle_deg);
   // Noise makes all counts different, so that the fit itself cannot see that poses are too few.
-  const auto angles = static_cast<int>(MeanCounts(poses).size());
+  const int angles = MeanCounts(poses).size();
   if (degree >= angles) {
     throw SettingError("degree", fmt::format("is {}, must be from 1 to {}, below its {} poses of "
                                              "known angle: lower it or record more poses",
@@ -123,7 +123,7 @@ void FitCurves(const PoseRecording& recording, const CalibrationOptions& options
                                        ? controller::LinearisationKind::kPolynomial
                                        : controller::LinearisationKind::kTable;
   for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
-    const Poses poses = PosesOf(recording, static_cast<Index>(i));
+    const Poses poses = PosesOf(recording, i);
     const std::string& name = recording.channel_names[i];
     const std::string problem = ProblemOf(recording, name, poses, options.curve);
     if (!problem.empty())
@@ -196,7 +196,7 @@ void EstimateR(const PoseRecording& recording, Calibration& calibration) {
                                  .resolution_counts = calibration.resolution_counts});
   calibration.degrees_of_freedom = noise.degrees_of_freedom;
   for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
-    const auto row = static_cast<Index>(i);
+    const Index row = i;
     ChannelCalibration& channel = calibration.channels[i];
     channel.variance_counts2 = Short(noise.variance[row]);
     channel.variance_low_counts2 = Short(noise.variance_low[row]);
@@ -217,7 +217,7 @@ std::vector<std::size_t> PlacesOf(const Calibration& calibration,
     if (found == calibration.channels.end()) {
       throw SettingError("calibration", "has nothing for channel " + name);
     }
-    places.push_back(static_cast<std::size_t>(found - calibration.channels.begin()));
+    places.push_back(found - calibration.channels.begin());
   }
   return places;
 }
@@ -313,7 +313,7 @@ Calibration Calibrate(const PoseRecording& recording, const CalibrationOptions& 
                       CurveErrors& errors) {
   Calibration calibration;
   calibration.recording = std::filesystem::path(recording.name).filename().string();
-  calibration.samples = static_cast<int>(recording.counts.rows());
+  calibration.samples = recording.counts.rows();
   calibration.rate_hz = recording.rate_hz;
   calibration.confidence_percent = options.confidence_percent;
   calibration.resolution_counts = recording.resolution_counts;

@@ -44,20 +44,19 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
                     Recording& recording) {
   std::vector<Glitch> glitches;
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
-    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
-    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
-    for (const std::size_t place :
+    const Channel& joint = GloveChannels()[c];
+    if (!recording.has_channel[c]) continue;
+    for (const Eigen::Index place :
          FindGlitches(recording.time_s, {recording.angle_rad.col(c).data(), rows.size()},
                       (joint.max_deg - joint.min_deg) * kRadPerDeg, ends)) {
-      glitches.push_back({static_cast<Eigen::Index>(place), c});
+      glitches.push_back({place, c});
     }
   }
   std::ranges::stable_sort(glitches, {}, &Glitch::place);
   for (const auto [place, c] : glitches) {
-    const std::string_view name = GloveChannels()[static_cast<std::size_t>(c)].name;
+    const std::string_view name = GloveChannels()[c].name;
     double& angle = recording.angle_rad(place, c);
-    reader.Report(fmt::format("{}: glitch, value left out", name),
-                  rows[static_cast<std::size_t>(place)], static_cast<std::size_t>(c),
+    reader.Report(fmt::format("{}: glitch, value left out", name), rows[place], c,
                   fmt::format("{} jumps to {:.6g} deg and back, faster than a hand", name,
                               angle * kDegPerRad));
     angle = kMissing;
@@ -66,7 +65,7 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
 
 void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
-    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
+    if (!recording.has_channel[c]) continue;
     const auto angle = recording.angle_rad.col(c);
     Eigen::Index repeats = 0, run = 0, longest = 0, first = 0;
     for (Eigen::Index i = 1; i < angle.size(); ++i) {
@@ -77,8 +76,7 @@ void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
     if (2 * repeats < angle.size()) continue;
     recording.remarks.push_back(fmt::format(
         "{}: {}: {} of {} rows repeat the value before, first in row {}, {} rows in a row at most",
-        recording.name, GloveChannels()[static_cast<std::size_t>(c)].name, repeats, angle.size(),
-        rows[static_cast<std::size_t>(first)], longest));
+        recording.name, GloveChannels()[c].name, repeats, angle.size(), rows[first], longest));
   }
 }
 
@@ -104,7 +102,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
     if (since_start_s <= start_s && rows.size() == kRowsBeside) {
       recording.time_s.erase(recording.time_s.begin());
       rows.erase(rows.begin());
-      table.erase(table.begin(), table.begin() + static_cast<std::ptrdiff_t>(width));
+      table.erase(table.begin(), table.begin() + width);
       ends.at_first_row = false;
     }
     recording.time_s.push_back(since_start_s);
@@ -119,8 +117,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
     FailAsTooShort(reader, recording, start_s);
   }
   using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  recording.angle_rad = Eigen::Map<const Table>(
-      table.data(), static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(width));
+  recording.angle_rad = Eigen::Map<const Table>(table.data(), rows.size(), width);
   HandleGlitches(reader, rows, ends, recording);
   recording.remarks = reader.Remarks();
   RemarkRepeats(rows, recording);
@@ -131,7 +128,7 @@ Resampled Resample(const Recording& recording, Eigen::Index channel, double star
                    std::size_t samples, double gap_s) {
   std::vector<double> time_s, value;
   for (std::size_t i = 0; i < recording.time_s.size(); ++i) {
-    const double angle = recording.angle_rad(static_cast<Eigen::Index>(i), channel);
+    const double angle = recording.angle_rad(i, channel);
     if (!std::isfinite(angle)) continue;
     time_s.push_back(recording.time_s[i]);
     value.push_back(angle);
@@ -145,7 +142,7 @@ Resampled Resample(const Recording& recording, Eigen::Index channel, double star
   InterpolatePchip(time_s, value, start_s, rate_hz, result.value);
   std::size_t k = 0;  // first good value after the sample
   for (std::size_t i = 0; i < samples; ++i) {
-    const double t = start_s + static_cast<double>(i) / rate_hz;
+    const double t = start_s + i / rate_hz;
     while (k < time_s.size() && time_s[k] < t) ++k;
     const double before = k > 0 ? time_s[k - 1] : recording.time_s.front() - gap_s;
     const double after = k < time_s.size() ? time_s[k] : recording.time_s.back() + gap_s;

@@ -73,8 +73,8 @@ Json ControllerJson(const StudyResult& result, const Summary& summary, std::size
 
 /// One channel of a signal in rad as a curve in degrees.
 std::string Curve(const Signal& angle_rad, std::size_t channel, int samples_per_bucket) {
-  const Eigen::VectorXd degrees = angle_rad.col(static_cast<Eigen::Index>(channel)) * kDegPerRad;
-  const std::span<const double> values(degrees.data(), static_cast<std::size_t>(degrees.size()));
+  const Eigen::VectorXd degrees = angle_rad.col(channel) * kDegPerRad;
+  const std::span<const double> values(degrees.data(), degrees.size());
   return EncodeCurve(KeepPeaks(values, samples_per_bucket), kCurveStepDeg);
 }
 
@@ -82,7 +82,7 @@ Json CurvesJson(const StudyResult& result, const std::vector<Signal>& command_an
   const Signal& truth = result.first_glove.true_angle_rad;
   const std::size_t controllers = result.first_traces.size();
   const std::size_t channels = result.channel_names.size();
-  const auto curves = static_cast<std::int64_t>(channels * (2 + 3 * controllers));
+  const std::int64_t curves = channels * (2 + 3 * controllers);
   const int bucket = SamplesPerBucket(truth.rows(), curves);
   Json json;
   json["samples"] = truth.rows();

@@ -14,7 +14,7 @@ namespace gauntlet::sim {
 namespace {
 
 std::string Facts(const StudyResult& result, bool comparison) {
-  const double seconds = static_cast<double>(result.first_glove.counts.rows()) / result.rate_hz;
+  const double seconds = result.first_glove.counts.rows() / result.rate_hz;
   const int first = result.seeds.front().seed;
   const int last = result.seeds.back().seed;
   const std::string seeds =

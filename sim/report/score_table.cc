@@ -89,7 +89,7 @@ void AppendRows(const Summary& summary, const TableOptions& options, std::string
 
 /// Where a score of the table is a mean over some of the seeds, as the others have none.
 void AppendMissingSeeds(const StudyResult& result, const Summary& summary, std::string& out) {
-  const auto seeds = static_cast<int>(result.seeds.size());
+  const int seeds = result.seeds.size();
   for (const ControllerSummary& controller : summary.controllers) {
     for (const std::string_view key : ShownMetrics(summary)) {
       const int count = controller.summary[MetricIndex(key)].count;
@@ -140,8 +140,8 @@ std::string Verdict(const Summary& summary) {
                        follower->name, best, value(*follower, tracking), value(*follower, jitter),
                        calm->name, value(*calm, jitter), value(*calm, tracking));
   }
-  if (summary.raw >= 0 && follower != &all[static_cast<std::size_t>(summary.raw)]) {
-    const ControllerSummary& raw = all[static_cast<std::size_t>(summary.raw)];
+  if (summary.raw >= 0 && follower != &all[summary.raw]) {
+    const ControllerSummary& raw = all[summary.raw];
     text += fmt::format("; without a filter: {} and {}", value(raw, tracking), value(raw, jitter));
   }
   return text + ".";
@@ -150,7 +150,7 @@ std::string Verdict(const Summary& summary) {
 std::string ScoreTable(const Study& study, const StudyResult& result, const Summary& summary,
                        const TableOptions& options) {
   std::string out = fmt::format("{}: {}\n", study.scenario.name, study.scenario.question);
-  const double seconds = static_cast<double>(result.first_glove.counts.rows()) / result.rate_hz;
+  const double seconds = result.first_glove.counts.rows() / result.rate_hz;
   // One seed has neither an interval nor chance.
   const bool several = options.comparison && result.seeds.size() > 1;
   const std::string seeds = several

@@ -57,7 +57,7 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
          .problem = fmt::format("{} is not in the trace{}", scenario.video.channel,
                                 Suggestion(scenario.video.channel, file.channel_names))});
   }
-  input.channel = static_cast<int>(channel - file.channel_names.begin());
+  input.channel = channel - file.channel_names.begin();
   input.channel_name = scenario.video.channel;
   input.camera = scenario.video.camera;
   input.width_px = scenario.video.width_px;
