@@ -106,7 +106,7 @@ struct Topic {
 };
 
 const std::vector<Topic>& Topics() {
-  static const std::vector<Topic> topics = {
+  static const std::vector<Topic> kTopics = {
       {"filters", "what a controller can do with the noise",
        [] { return EntriesOf(controller::FilterKinds()); }},
       {"motions", "what the wearer can do", [] { return EntriesOf(MotionKinds()); }},
@@ -116,7 +116,7 @@ const std::vector<Topic>& Topics() {
       {"scenarios", "ready questions", Scenarios},
       {"keys", "every key of a scenario file", ScenarioKeys},
   };
-  return topics;
+  return kTopics;
 }
 
 void Print(const Topic& topic) {

@@ -47,7 +47,7 @@ Cell MakeCell(const ControllerSummary& controller, std::size_t metric, bool comp
 
 std::string Decorated(const Cell& cell, std::size_t width, bool colour) {
   const char* mark = cell.worse_than_raw ? "!" : cell.best ? "*" : " ";
-  const std::string text = Padded(cell.text, width, true) + mark;
+  std::string text = Padded(cell.text, width, true) + mark;
   if (!colour) return text;
   if (cell.worse_than_raw) return Warning(text);
   if (cell.best) return Good(text);

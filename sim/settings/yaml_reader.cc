@@ -14,7 +14,6 @@ namespace gauntlet::sim {
 using controller::RangeProblem;
 using controller::Setting;
 using controller::SettingError;
-using controller::SettingsVisitor;
 
 UserError AtPlace(std::string place, const SettingError& error) {
   return UserError({.place = std::move(place), .key = error.key(), .problem = error.problem()});
@@ -39,8 +38,8 @@ UserError YamlSource::At(const YAML::Node& node, const SettingError& error) cons
   return AtPlace(PlaceOf(node, error.key()), error);
 }
 
-YamlReader::YamlReader(YAML::Node node, std::string path, const YamlSource& source)
-    : node_(std::move(node)), path_(std::move(path)), source_(source) {
+YamlReader::YamlReader(const YAML::Node& node, std::string path, const YamlSource& source)
+    : node_(node), path_(std::move(path)), source_(source) {
   // Shorthand: a lone word stands for the kind of a group whose other settings keep defaults.
   if (node_.IsScalar()) {
     YAML::Node group(YAML::NodeType::Map);

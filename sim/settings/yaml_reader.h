@@ -35,7 +35,7 @@ struct YamlSource {
 /// item may stand where a list is expected.
 class YamlReader final : public controller::SettingsVisitor {
  public:
-  YamlReader(YAML::Node node, std::string path, const YamlSource& source);
+  YamlReader(const YAML::Node& node, std::string path, const YamlSource& source);
 
   void Number(const controller::Setting& setting, double& value) override;
   void Integer(const controller::Setting& setting, int& value) override;
