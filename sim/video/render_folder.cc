@@ -65,7 +65,7 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   input.frames_per_s = scenario.video.frames_per_s;
   input.jobs = options.jobs;
 
-  const std::filesystem::path target =
+  std::filesystem::path target =
       options.target.empty() ? options.folder / "comparison.mp4" : options.target;
   WriteComparisonVideo(input, hand, target, keep_going);
   return target;
