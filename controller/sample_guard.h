@@ -64,7 +64,7 @@ class SampleGuard {
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       const bool first = !channels_[i].seen;
       TakeChannel(i, sample, stale);
-      if (first && channels_[i].seen) first_good(static_cast<int>(i));
+      if (first && channels_[i].seen) first_good(i);
     }
   }
   void Reset() noexcept;

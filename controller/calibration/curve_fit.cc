@@ -37,7 +37,7 @@ void Judge(const Linearisation& linearisation, const VectorXd& counts, const Vec
     sum += error * error;
     fit.largest_error_deg = std::max(fit.largest_error_deg, error);
   }
-  fit.rms_error_deg = std::sqrt(sum / static_cast<double>(counts.size()));
+  fit.rms_error_deg = std::sqrt(sum / counts.size());
 }
 
 /// 97.5 % quantile of Student's law; Hill's expansion around the normal one, good from 3 degrees of
@@ -144,7 +144,7 @@ CurveFit FitPolynomial(const VectorXd& counts, const VectorXd& angle_deg, int de
   fit.curve.coefficients_deg.assign(coefficients.begin(), coefficients.end());
   Judge(*MakePolynomialLinearisation({fit.curve}), counts, angle_deg, fit);
 
-  const double freedom = static_cast<double>(counts.size() - unknowns);
+  const double freedom = counts.size() - unknowns;
   const Eigen::MatrixXd inverse = (powers.transpose() * powers).inverse();
   const double variance = (powers * coefficients - angle_deg).squaredNorm() / freedom;
   for (Index i = 0; i < unknowns; ++i) {

@@ -15,12 +15,12 @@ using Eigen::Index;
 /// Standard deviation of the noise per channel, from the median of |z(k) - z(k-1)|.
 Eigen::RowVectorXd NoiseFromDifferences(const Eigen::MatrixXd& counts) {
   Eigen::RowVectorXd noise(counts.cols());
-  std::vector<double> steps(static_cast<std::size_t>(counts.rows() - 1));
+  std::vector<double> steps(counts.rows() - 1);
   for (Index i = 0; i < counts.cols(); ++i) {
     for (Index k = 1; k < counts.rows(); ++k) {
-      steps[static_cast<std::size_t>(k - 1)] = std::abs(counts(k, i) - counts(k - 1, i));
+      steps[k - 1] = std::abs(counts(k, i) - counts(k - 1, i));
     }
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    const auto middle = steps.begin() + steps.size() / 2;
     std::nth_element(steps.begin(), middle, steps.end());
     // 0.6745 is the normal quantile at 3/4; a difference has twice the variance. Rounding to counts
     // alone can make the median 0, so half a count is the least.
@@ -49,7 +49,7 @@ Sums SumUp(const Eigen::MatrixXd& counts, const std::vector<StillStretch>& stret
                        .colwise()
                        .sum()
                        .transpose();
-    sums.degrees_of_freedom += static_cast<double>(length - 1);
+    sums.degrees_of_freedom += length - 1;
   }
   return sums;
 }
@@ -86,8 +86,7 @@ std::vector<StillStretch> FindStillStretches(const Eigen::MatrixXd& counts, doub
   // Two means of still noise differ by less than this; what is slower than white adds to it, so the
   // noise itself is allowed on top.
   const Eigen::RowVectorXd noise = NoiseFromDifferences(counts);
-  const Eigen::RowVectorXd allowed =
-      noise * (kSigmas * std::sqrt(2.0 / static_cast<double>(block)) + 0.25);
+  const Eigen::RowVectorXd allowed = noise * (kSigmas * std::sqrt(2.0 / block) + 0.25);
   const auto mean_of = [&](Index first) -> Eigen::RowVectorXd {
     return counts.middleRows(first, block).colwise().mean();
   };
@@ -98,7 +97,7 @@ std::vector<StillStretch> FindStillStretches(const Eigen::MatrixXd& counts, doub
     // The block beside a motion may hold its slow beginning or end.
     if (begin > 0) begin += block;
     if (end + block <= counts.rows()) end -= block;
-    if (static_cast<double>(end - begin) >= min_duration_s * rate_hz) {
+    if (end - begin >= min_duration_s * rate_hz) {
       stretches.push_back({begin, end});
     }
   };

@@ -34,7 +34,7 @@ struct NoiseEstimate {
 
 struct NoiseEstimateOptions {
   double confidence = 0.95;
-  /// Rounding to steps of this size adds step^2 / 12, which is no noise of the sensor and is taken
+  /// Rounding to steps of this size adds step^2 / 12, which is not noise of the sensor and is taken
   /// off the variances (Sheppard 1898). 0 for values that were not rounded.
   double resolution_counts = 1.0;
 };

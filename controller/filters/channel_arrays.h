@@ -13,19 +13,14 @@ class ChannelArrays {
  public:
   ChannelArrays(int array_count, int channel_count)
       : channel_count_(channel_count),
-        stride_((static_cast<std::size_t>(channel_count) + kLineValues - 1) / kLineValues *
-                kLineValues),
-        size_(stride_ * static_cast<std::size_t>(array_count)),
+        stride_((channel_count + kLineValues - 1) / kLineValues * kLineValues),
+        size_(stride_ * array_count),
         values_(new (kLine) double[size_]()) {}
 
-  double* operator[](int array) noexcept {
-    return values_.get() + stride_ * static_cast<std::size_t>(array);
-  }
-  const double* operator[](int array) const noexcept {
-    return values_.get() + stride_ * static_cast<std::size_t>(array);
-  }
+  double* operator[](int array) noexcept { return values_.get() + stride_ * array; }
+  const double* operator[](int array) const noexcept { return values_.get() + stride_ * array; }
   int channel_count() const noexcept { return channel_count_; }
-  int array_count() const noexcept { return static_cast<int>(size_ / stride_); }
+  int array_count() const noexcept { return size_ / stride_; }
 
   void SetZero() noexcept { std::fill_n(values_.get(), size_, 0.0); }
   void CopyChannel(const ChannelArrays& from, int channel) noexcept {

@@ -39,8 +39,7 @@ GAUNTLET_VECTORISED void Step3(double* x, double* v, double* a, const double* k1
 class ConstantGainFilter final : public RecursiveFilter {
  public:
   ConstantGainFilter(const Eigen::ArrayXXd& gains, Start start)
-      : RecursiveFilter(static_cast<int>(gains.cols()), static_cast<int>(gains.rows()), start),
-        gains_(static_cast<int>(gains.cols()), static_cast<int>(gains.rows())) {
+      : RecursiveFilter(gains.cols(), gains.rows(), start), gains_(gains.cols(), gains.rows()) {
     for (int order = 0; order < gains.cols(); ++order) {
       std::copy_n(gains.col(order).data(), gains.rows(), gains_[order]);
     }

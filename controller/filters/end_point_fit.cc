@@ -12,7 +12,7 @@ GAUNTLET_VECTORISED void SumRows(const double* rows, int row_count, int newest,
   for (int i = 0; i < channel_count; ++i) sum[i] = 0.0;
   int index = newest;
   for (int age = 0; age < row_count; ++age) {
-    const double* row = rows + static_cast<long>(index) * channel_count;
+    const double* row = rows + std::ptrdiff_t{index} * channel_count;
     const double weight = weights[age];
     GAUNTLET_CHANNEL_LOOP
     for (int i = 0; i < channel_count; ++i) sum[i] += weight * row[i];

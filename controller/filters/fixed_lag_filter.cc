@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "controller/filters/channel_arrays.h"
-#include "controller/filters/fresh_channels.h"
 #include "controller/filters/kalman_kernels.h"
+#include "controller/filters/state_filter.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -55,17 +55,16 @@ GAUNTLET_VECTORISED void UpdateSlot(double* estimate, double* c1, double* c2,
   }
 }
 
-class FixedLagFilter final : public Filter {
+class FixedLagFilter final : public StateFilter<Filter> {
  public:
   FixedLagFilter(const FixedLagConfig& config, int channel_count, double rate_hz)
-      : start_(config.start),
+      : StateFilter(config.start, channel_count),
         slots_(config.lag + 1),
         factors_(FactorsOf(config.noise.process_noise, 2, 1.0 / rate_hz)),
         filter_(kKalmanArrays2, channel_count),
         history_(3 * slots_, channel_count),
-        gains_(4, channel_count),
-        counts_(static_cast<std::size_t>(channel_count), 0),
-        fresh_(channel_count) {
+        gains_(3, channel_count),
+        counts_(channel_count, 0) {
     const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
     const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
     std::copy(r.begin(), r.end(), filter_[kR]);
@@ -73,37 +72,18 @@ class FixedLagFilter final : public Filter {
     Reset();
   }
 
-  int channel_count() const noexcept override { return filter_.channel_count(); }
-
   void Step(std::span<const double> input, std::span<double> output) noexcept override {
-    const int n = channel_count();
-    double* measured = gains_[kMeasured];
-    std::copy(input.begin(), input.end(), measured);
-    newest_ = newest_ + 1 == slots_ ? 0 : newest_ + 1;
-    OpenSlot(filter_[kX], filter_[kW], filter_[kP11], filter_[kP12], filter_[kP22], filter_[kQ],
-             factors_, Estimate(newest_), C1(newest_), C2(newest_), n);
-    ComputeGains(Estimate(newest_), C1(newest_), C2(newest_), filter_[kR], measured,
-                 gains_[kInnovation], gains_[kK1], gains_[kK2], n);
-    for (int slot = 0; slot < slots_; ++slot) {
-      UpdateSlot(Estimate(slot), C1(slot), C2(slot), gains_[kInnovation], gains_[kK1], gains_[kK2],
-                 n);
-    }
-    StepKalman2(filter_, factors_, measured, output.data());
-    if (fresh_.any()) {
-      fresh_.StartAll({measured, static_cast<std::size_t>(n)},
-                      [this](int channel, double value) { StartAt(channel, value); });
-    }
+    StateFilter::Step(input, output);
     Deliver(output);
   }
 
   void Reset() noexcept override {
     newest_ = 0;
-    for (int i = 0; i < channel_count(); ++i) ResetChannel(i);
+    StateFilter::Reset();
   }
   void ResetChannel(int channel) noexcept override {
-    StartAt(channel, 0.0);
-    counts_[static_cast<std::size_t>(channel)] = 0;
-    if (start_ == Start::kFirst) fresh_.Add(channel);
+    StateFilter::ResetChannel(channel);
+    counts_[channel] = 0;
   }
   bool CopyChannel(const Filter& from, int channel) noexcept override {
     const auto* other = dynamic_cast<const FixedLagFilter*>(&from);
@@ -117,13 +97,27 @@ class FixedLagFilter final : public Filter {
             other->history_[3 * other->SlotOf(age) + part][channel];
       }
     }
-    counts_[static_cast<std::size_t>(channel)] = other->counts_[static_cast<std::size_t>(channel)];
-    fresh_.CopyFrom(other->fresh_, channel);
+    counts_[channel] = other->counts_[channel];
+    CopyFresh(*other, channel);
     return true;
   }
 
  private:
-  enum Gain { kMeasured, kInnovation, kK1, kK2 };
+  enum Gain { kInnovation, kK1, kK2 };
+
+  void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
+    const int n = channel_count();
+    newest_ = newest_ + 1 == slots_ ? 0 : newest_ + 1;
+    OpenSlot(filter_[kX], filter_[kW], filter_[kP11], filter_[kP12], filter_[kP22], filter_[kQ],
+             factors_, Estimate(newest_), C1(newest_), C2(newest_), n);
+    ComputeGains(Estimate(newest_), C1(newest_), C2(newest_), filter_[kR], input.data(),
+                 gains_[kInnovation], gains_[kK1], gains_[kK2], n);
+    for (int slot = 0; slot < slots_; ++slot) {
+      UpdateSlot(Estimate(slot), C1(slot), C2(slot), gains_[kInnovation], gains_[kK1], gains_[kK2],
+                 n);
+    }
+    StepKalman2(filter_, factors_, input.data(), output.data());
+  }
 
   double* Estimate(int slot) noexcept { return history_[3 * slot]; }
   double* C1(int slot) noexcept { return history_[3 * slot + 1]; }
@@ -133,8 +127,8 @@ class FixedLagFilter final : public Filter {
     return slot < 0 ? slot + slots_ : slot;
   }
 
-  /// At rest at a position, P = I, no history but this sample.
-  void StartAt(int channel, double position) noexcept {
+  /// No history but this sample.
+  void SetState(int channel, double position) noexcept override {
     for (int array = 0; array < kR; ++array) filter_[array][channel] = 0.0;
     filter_[kX][channel] = position;
     filter_[kP11][channel] = 1.0;
@@ -146,20 +140,18 @@ class FixedLagFilter final : public Filter {
 
   void Deliver(std::span<double> output) noexcept {
     for (int i = 0; i < channel_count(); ++i) {
-      int& count = counts_[static_cast<std::size_t>(i)];
+      int& count = counts_[i];
       if (count < slots_) ++count;
-      output[static_cast<std::size_t>(i)] = Estimate(SlotOf(count - 1))[i];
+      output[i] = Estimate(SlotOf(count - 1))[i];
     }
   }
 
-  Start start_;
   int slots_;
   ProcessNoiseFactors factors_;
   ChannelArrays filter_;
   ChannelArrays history_;  // per slot: estimate, c_1, c_2; the oldest slot is opened again
   ChannelArrays gains_;
   std::vector<int> counts_;  // samples of each channel in the history
-  FreshChannels fresh_;
   int newest_ = 0;
 };
 

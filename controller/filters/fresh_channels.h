@@ -10,23 +10,22 @@ namespace gauntlet::controller {
 /// there. None to begin with. Costs one comparison per step once all have started.
 class FreshChannels {
  public:
-  explicit FreshChannels(int channel_count) : fresh_(static_cast<std::size_t>(channel_count), 0) {}
+  explicit FreshChannels(int channel_count) : fresh_(channel_count, 0) {}
 
+  int channel_count() const noexcept { return fresh_.size(); }
   bool any() const noexcept { return count_ > 0; }
 
   void Add(int channel) noexcept {
-    std::uint8_t& fresh = fresh_[static_cast<std::size_t>(channel)];
+    std::uint8_t& fresh = fresh_[channel];
     count_ += fresh == 0;
     fresh = 1;
   }
   void Remove(int channel) noexcept {
-    std::uint8_t& fresh = fresh_[static_cast<std::size_t>(channel)];
+    std::uint8_t& fresh = fresh_[channel];
     count_ -= fresh == 1;
     fresh = 0;
   }
-  bool contains(int channel) const noexcept {
-    return fresh_[static_cast<std::size_t>(channel)] == 1;
-  }
+  bool contains(int channel) const noexcept { return fresh_[channel] == 1; }
   void CopyFrom(const FreshChannels& other, int channel) noexcept {
     if (other.contains(channel)) {
       Add(channel);
@@ -39,7 +38,7 @@ class FreshChannels {
   template <class Start>
   void StartAll(std::span<const double> first_sample, Start start) noexcept {
     for (std::size_t i = 0; i < fresh_.size(); ++i) {
-      if (fresh_[i] == 1) start(static_cast<int>(i), first_sample[i]);
+      if (fresh_[i] == 1) start(i, first_sample[i]);
       fresh_[i] = 0;
     }
     count_ = 0;

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "controller/filters/channel_arrays.h"
-#include "controller/filters/fresh_channels.h"
 #include "controller/filters/kalman_kernels.h"
+#include "controller/filters/state_filter.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -77,16 +77,14 @@ Rates RatesOf(const KalmanAdaptiveConfig& config) {
           .q = config.adapt_q ? by_correlation : 0.0};
 }
 
-class LearningKalmanFilter final : public KalmanAdaptiveFilter {
+class LearningKalmanFilter final : public StateFilter<KalmanAdaptiveFilter> {
  public:
   LearningKalmanFilter(const KalmanAdaptiveConfig& config, int channel_count, double rate_hz)
-      : start_(config.start),
+      : StateFilter(config.start, channel_count),
         factors_(FactorsOf(config.noise.process_noise, 2, 1.0 / rate_hz)),
         rates_(RatesOf(config)),
         arrays_(kArrays, channel_count),
-        measured_(static_cast<std::size_t>(channel_count)),
-        innovation_(static_cast<std::size_t>(channel_count)),
-        fresh_(channel_count) {
+        innovation_(channel_count) {
     const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
     const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
     if (!(q.minCoeff() > 0.0)) throw SettingError("q", "is 0, must be above 0 to start learning");
@@ -101,34 +99,9 @@ class LearningKalmanFilter final : public KalmanAdaptiveFilter {
     Reset();
   }
 
-  int channel_count() const noexcept override { return arrays_.channel_count(); }
   double r(int channel) const noexcept override { return arrays_[kR][channel]; }
   double q(int channel) const noexcept override { return arrays_[kQ][channel]; }
 
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
-    std::copy(input.begin(), input.end(), measured_.begin());
-    for (int i = 0; i < channel_count(); ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      innovation_[at] = measured_[at] - (arrays_[kX][i] + arrays_[kW][i]);
-    }
-    StepKalman2(arrays_, factors_, measured_.data(), output.data());
-    Learn(arrays_[kR], arrays_[kQ], arrays_[kBefore], arrays_[kC0], arrays_[kC1], arrays_[kP11],
-          arrays_[kRMin], arrays_[kRMax], arrays_[kQMin], arrays_[kQMax], rates_,
-          innovation_.data(), channel_count());
-    if (!fresh_.any()) return;
-    fresh_.StartAll(measured_, [&](int channel, double value) {
-      SetState(channel, value);
-      output[static_cast<std::size_t>(channel)] = value;
-    });
-  }
-
-  void Reset() noexcept override {
-    for (int i = 0; i < channel_count(); ++i) ResetChannel(i);
-  }
-  void ResetChannel(int channel) noexcept override {
-    SetState(channel, 0.0);
-    if (start_ == Start::kFirst) fresh_.Add(channel);
-  }
   bool CopyChannel(const Filter& from, int channel) noexcept override {
     const auto* other = dynamic_cast<const LearningKalmanFilter*>(&from);
     if (other == nullptr) return false;
@@ -139,12 +112,21 @@ class LearningKalmanFilter final : public KalmanAdaptiveFilter {
         std::clamp(arrays_[kR][channel], arrays_[kRMin][channel], arrays_[kRMax][channel]);
     arrays_[kQ][channel] =
         std::clamp(arrays_[kQ][channel], arrays_[kQMin][channel], arrays_[kQMax][channel]);
-    fresh_.CopyFrom(other->fresh_, channel);
+    CopyFresh(*other, channel);
     return true;
   }
 
  private:
-  void SetState(int channel, double position) noexcept {
+  void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
+    for (int i = 0; i < channel_count(); ++i) {
+      innovation_[i] = input[i] - (arrays_[kX][i] + arrays_[kW][i]);
+    }
+    StepKalman2(arrays_, factors_, input.data(), output.data());
+    Learn(arrays_[kR], arrays_[kQ], arrays_[kBefore], arrays_[kC0], arrays_[kC1], arrays_[kP11],
+          arrays_[kRMin], arrays_[kRMax], arrays_[kQMin], arrays_[kQMax], rates_,
+          innovation_.data(), channel_count());
+  }
+  void SetState(int channel, double position) noexcept override {
     for (int array = 0; array < kR; ++array) arrays_[array][channel] = 0.0;
     arrays_[kX][channel] = position;
     arrays_[kP11][channel] = 1.0;
@@ -156,13 +138,10 @@ class LearningKalmanFilter final : public KalmanAdaptiveFilter {
     arrays_[kC1][channel] = 0.0;
   }
 
-  Start start_;
   ProcessNoiseFactors factors_;
   Rates rates_;
   ChannelArrays arrays_;
-  std::vector<double> measured_;
   std::vector<double> innovation_;
-  FreshChannels fresh_;
 };
 
 }  // namespace

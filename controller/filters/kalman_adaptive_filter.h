@@ -12,10 +12,10 @@ namespace gauntlet::controller {
 
 /// The Kalman filter of KalmanConfig that learns R and q of every channel while it runs.
 ///
-///     e = z - H x^-,  c_0 = mean of e(k)^2,  c_1 = mean of e(k) e(k-1)   over about `memory`
-///     samples q / R  grows by 4 c_1 / (c_0 memory) of itself: right gains leave no correlation in
-///     e both   grow by (c_0 / S - 1) / memory of themselves: e is as large as S = H P^- H' + R
-///     says
+///     e = z - H x^-,  S = H P^- H' + R
+///     c_0 = mean of e(k)^2,  c_1 = mean of e(k) e(k-1)       over about `memory` samples
+///     q / R  grows by 4 c_1 / (c_0 memory) of itself         right gains leave no correlation in e
+///     both   grow by (c_0 / S - 1) / memory of themselves    then e is as large as S says
 ///
 /// The size of e alone cannot tell R from q: any pair with the right S explains it. A sample at
 /// m > 5 standard deviations counts as one at 25 / m: an outlier does not become the new normal.

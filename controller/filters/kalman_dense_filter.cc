@@ -2,9 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <iterator>
 #include <string>
 
-#include "controller/filters/fresh_channels.h"
+#include "controller/filters/state_filter.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -22,7 +23,7 @@ MatrixXd FromRows(const std::vector<double>& values, Index size) {
 
 /// One variance for all, one each, or a whole covariance of the channels.
 MatrixXd ChannelCovariance(const char* key, const std::vector<double>& values, Index n) {
-  const auto count = static_cast<Index>(values.size());
+  const Index count = std::ssize(values);
   if (count == 1) return values.front() * MatrixXd::Identity(n, n);
   if (count == n) return Eigen::Map<const VectorXd>(values.data(), n).asDiagonal();
   if (count == n * n) return FromRows(values, n);
@@ -45,10 +46,10 @@ void CheckCovariance(const char* key, const MatrixXd& covariance, bool positive_
   }
 }
 
-class KalmanDenseFilter final : public Filter {
+class KalmanDenseFilter final : public StateFilter<Filter> {
  public:
-  KalmanDenseFilter(const KalmanDenseConfig& config, Index n)
-      : start_(config.start),
+  KalmanDenseFilter(const KalmanDenseConfig& config, int n)
+      : StateFilter(config.start, n),
         r_(ChannelCovariance("r", config.r, n)),
         q11_(n, n),
         q12_(MatrixXd::Zero(n, n)),
@@ -56,17 +57,15 @@ class KalmanDenseFilter final : public Filter {
         x_(n),
         w_(n),
         innovation_(n),
-        measured_(n),
         p11_(n, n),
         p12_(n, n),
         p22_(n, n),
         gain1_(n, n),
         gain2_(n, n),
         product_(n, n),
-        cholesky_(n),
-        fresh_(static_cast<int>(n)) {
+        cholesky_(n) {
     CheckCovariance("r", r_, true);
-    if (static_cast<Index>(config.q.size()) == 4 * n * n) {
+    if (std::ssize(config.q) == 4 * n * n) {
       const MatrixXd q = FromRows(config.q, 2 * n);
       CheckCovariance("q", q, false);
       q11_ = q.topLeftCorner(n, n);
@@ -80,28 +79,6 @@ class KalmanDenseFilter final : public Filter {
     Reset();
   }
 
-  int channel_count() const noexcept override { return static_cast<int>(x_.size()); }
-
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
-    const Eigen::Map<const VectorXd> z(input.data(), x_.size());
-    measured_ = z;
-    Predict();
-    Update();
-    Eigen::Map<VectorXd>(output.data(), x_.size()) = x_;
-    if (!fresh_.any()) return;
-    fresh_.StartAll({measured_.data(), output.size()}, [&](int channel, double value) {
-      SetState(channel, value);
-      output[static_cast<std::size_t>(channel)] = value;
-    });
-  }
-
-  void Reset() noexcept override {
-    for (int i = 0; i < channel_count(); ++i) ResetChannel(i);
-  }
-  void ResetChannel(int channel) noexcept override {
-    SetState(channel, 0.0);
-    if (start_ == Start::kFirst) fresh_.Add(channel);
-  }
   bool CopyChannel(const Filter& from, int channel) noexcept override {
     const auto* other = dynamic_cast<const KalmanDenseFilter*>(&from);
     if (other == nullptr || other->x_.size() != x_.size()) return false;
@@ -113,11 +90,17 @@ class KalmanDenseFilter final : public Filter {
       (this->*block).row(channel) = (other->*block).row(channel);
       (this->*block).col(channel) = (other->*block).col(channel);
     }
-    fresh_.CopyFrom(other->fresh_, channel);
+    CopyFresh(*other, channel);
     return true;
   }
 
  private:
+  void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
+    Predict();
+    Update(Eigen::Map<const VectorXd>(input.data(), x_.size()));
+    Eigen::Map<VectorXd>(output.data(), x_.size()) = x_;
+  }
+
   void Predict() noexcept {
     x_ += w_;
     // Each of these reads what the next ones have not changed yet.
@@ -128,14 +111,14 @@ class KalmanDenseFilter final : public Filter {
     p22_ += q22_;
   }
 
-  void Update() noexcept {
+  void Update(const Eigen::Map<const VectorXd>& measured) noexcept {
     product_ = p11_ + r_;
     cholesky_.compute(product_);
     gain1_ = p11_;  // transposed gains: S^-1 H P^-
     cholesky_.solveInPlace(gain1_);
     gain2_ = p12_;
     cholesky_.solveInPlace(gain2_);
-    innovation_ = measured_ - x_;
+    innovation_ = measured - x_;
     x_.noalias() += gain1_.transpose() * innovation_;
     w_.noalias() += gain2_.transpose() * innovation_;
     product_.noalias() = gain2_.transpose() * p12_;
@@ -153,8 +136,8 @@ class KalmanDenseFilter final : public Filter {
     matrix = product_;
   }
 
-  /// At rest at a position, P = I, independent of all other channels.
-  void SetState(Index channel, double position) noexcept {
+  /// Independent of all other channels.
+  void SetState(int channel, double position) noexcept override {
     x_[channel] = position;
     w_[channel] = 0.0;
     for (MatrixXd* block : {&p11_, &p12_, &p22_}) {
@@ -165,13 +148,11 @@ class KalmanDenseFilter final : public Filter {
     p22_(channel, channel) = 1.0;
   }
 
-  Start start_;
   MatrixXd r_, q11_, q12_, q22_;
-  VectorXd x_, w_, innovation_, measured_;
+  VectorXd x_, w_, innovation_;
   MatrixXd p11_, p12_, p22_;  // blocks of P; p21 is p12'
   MatrixXd gain1_, gain2_, product_;
   Eigen::LLT<MatrixXd> cholesky_;
-  FreshChannels fresh_;
 };
 
 }  // namespace

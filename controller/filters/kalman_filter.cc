@@ -7,9 +7,9 @@
 
 #include "controller/filters/channel_arrays.h"
 #include "controller/filters/end_point_fit.h"
-#include "controller/filters/fresh_channels.h"
 #include "controller/filters/kalman_kernels.h"
 #include "controller/filters/sample_window.h"
+#include "controller/filters/state_filter.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -32,14 +32,14 @@ class AccelerationEstimate {
   AccelerationEstimate(int window, int channel_count)
       : weights_(EndPointWeights(window, 2, 2)),
         window_(window, channel_count),
-        acceleration_(static_cast<std::size_t>(channel_count), 0.0) {}
+        acceleration_(channel_count, 0.0) {}
 
   std::span<const double> Step(std::span<const double> input) noexcept {
     window_.Push(input);
     WeightedSum(window_, weights_, acceleration_.data());
     if (!window_.all_full()) {
       for (int i = 0; i < window_.channel_count(); ++i) {
-        if (window_.count(i) < window_.length()) acceleration_[static_cast<std::size_t>(i)] = 0.0;
+        if (window_.count(i) < window_.length()) acceleration_[i] = 0.0;
       }
     }
     return acceleration_;
@@ -53,15 +53,13 @@ class AccelerationEstimate {
   std::vector<double> acceleration_;
 };
 
-class ChannelKalmanFilter final : public KalmanFilter {
+class ChannelKalmanFilter final : public StateFilter<KalmanFilter> {
  public:
   ChannelKalmanFilter(const KalmanConfig& config, int channel_count, double rate_hz)
-      : layout_(config.states == 2 ? kLayout2 : kLayout3),
-        start_(config.start),
+      : StateFilter(config.start, channel_count),
+        layout_(config.states == 2 ? kLayout2 : kLayout3),
         factors_(FactorsOf(config.noise.process_noise, config.states, 1.0 / rate_hz)),
-        arrays_(layout_.array_count, channel_count),
-        first_(static_cast<std::size_t>(channel_count)),
-        fresh_(channel_count) {
+        arrays_(layout_.array_count, channel_count) {
     const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
     const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
     std::copy(r.begin(), r.end(), arrays_[layout_.r]);
@@ -72,50 +70,31 @@ class ChannelKalmanFilter final : public KalmanFilter {
     Reset();
   }
 
-  int channel_count() const noexcept override { return arrays_.channel_count(); }
-
   void Step(std::span<const double> input, std::span<double> output) noexcept override {
     if (acceleration_) {
       StepWithAcceleration(input, acceleration_->Step(input), output);
     } else {
-      Update(input, output);
+      StateFilter::Step(input, output);
     }
   }
-  void Update(std::span<const double> input, std::span<double> output) noexcept {
-    if (!fresh_.any()) {
-      layout_.step(arrays_, factors_, input.data(), output.data());
-      return;
-    }
-    std::copy(input.begin(), input.end(), first_.begin());
-    layout_.step(arrays_, factors_, input.data(), output.data());
-    fresh_.StartAll(first_, [&](int channel, double value) {
-      SetState(channel, value);
-      output[static_cast<std::size_t>(channel)] = value;
-    });
-  }
-
   void StepWithAcceleration(std::span<const double> input, std::span<const double> acceleration,
                             std::span<double> output) noexcept override {
     // The kernel adds x + w; with w + u and x - u/2 that is A x + B u.
     double* x = arrays_[kX];
     double* w = arrays_[kW];
     for (int i = 0; i < channel_count(); ++i) {
-      const double u = acceleration[static_cast<std::size_t>(i)];
+      const double u = acceleration[i];
       x[i] -= 0.5 * u;
       w[i] += u;
     }
-    Update(input, output);
+    StateFilter::Step(input, output);
   }
 
   double velocity(int channel) const noexcept override { return arrays_[kW][channel]; }
 
-  void Reset() noexcept override {
-    for (int i = 0; i < channel_count(); ++i) ResetChannel(i);
-  }
   void ResetChannel(int channel) noexcept override {
-    SetState(channel, 0.0);
+    StateFilter::ResetChannel(channel);
     if (acceleration_) acceleration_->window().ResetChannel(channel);
-    if (start_ == Start::kFirst) fresh_.Add(channel);
   }
   bool CopyChannel(const Filter& from, int channel) noexcept override {
     const auto* other = dynamic_cast<const ChannelKalmanFilter*>(&from);
@@ -128,24 +107,23 @@ class ChannelKalmanFilter final : public KalmanFilter {
     for (int array = 0; array < layout_.r; ++array) {  // the state; R and Q stay
       arrays_[array][channel] = other->arrays_[array][channel];
     }
-    fresh_.CopyFrom(other->fresh_, channel);
+    CopyFresh(*other, channel);
     return true;
   }
 
  private:
-  /// At rest at a position, P = I.
-  void SetState(int channel, double position) noexcept {
+  void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
+    layout_.step(arrays_, factors_, input.data(), output.data());
+  }
+  void SetState(int channel, double position) noexcept override {
     for (int array = 0; array < layout_.r; ++array) arrays_[array][channel] = 0.0;
     arrays_[kX][channel] = position;
     for (const int variance : layout_.variances) arrays_[variance][channel] = 1.0;
   }
 
   Layout layout_;
-  Start start_;
   ProcessNoiseFactors factors_;
   ChannelArrays arrays_;
-  std::vector<double> first_;
-  FreshChannels fresh_;
   std::optional<AccelerationEstimate> acceleration_;
 };
 
@@ -154,11 +132,7 @@ class ChannelKalmanFilter final : public KalmanFilter {
 void KalmanConfig::Visit(SettingsVisitor& visitor) {
   VisitStart(visitor, start);
   noise.Visit(visitor);
-  visitor.Integer({.key = "states",
-                   .help = "2: position and velocity (the paper); 3: acceleration, too",
-                   .min = 2,
-                   .max = 3},
-                  states);
+  VisitStates(visitor, states);
   visitor.Integer({.key = "acceleration_window",
                    .help = "samples from which the acceleration input is estimated, at least 3; 0 "
                            "is without that input",

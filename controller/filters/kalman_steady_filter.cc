@@ -24,11 +24,7 @@ Eigen::VectorXd SteadyGain(const ProcessNoiseFactors& f, double q_over_r, int st
 void KalmanSteadyConfig::Visit(SettingsVisitor& visitor) {
   VisitStart(visitor, start);
   noise.Visit(visitor);
-  visitor.Integer({.key = "states",
-                   .help = "2: position and velocity (the paper); 3: acceleration, too",
-                   .min = 2,
-                   .max = 3},
-                  states);
+  VisitStates(visitor, states);
 }
 
 Eigen::ArrayXXd SteadyGains(const KalmanSteadyConfig& config, int channel_count, double rate_hz) {

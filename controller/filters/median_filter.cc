@@ -54,8 +54,8 @@ class HampelFilter final : public SortedWindowFilter {
   HampelFilter(const HampelConfig& config, int channel_count)
       : SortedWindowFilter(config.window, channel_count),
         threshold_(config.threshold_sigma * kSigmaPerDeviation),
-        median_(static_cast<std::size_t>(channel_count)),
-        deviation_(static_cast<std::size_t>(channel_count)) {}
+        median_(channel_count),
+        deviation_(channel_count) {}
 
   void Step(std::span<const double> input, std::span<double> output) noexcept override {
     window_.Push(input);

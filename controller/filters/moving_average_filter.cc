@@ -67,8 +67,7 @@ class MovingAverageFilter final : public Filter {
 
   void DivideByCount(std::span<double> output) noexcept {
     for (int i = 0; i < channel_count(); ++i) {
-      output[static_cast<std::size_t>(i)] =
-          (sums_[kSum][i] + sums_[kCorrection][i]) / window_.count(i);
+      output[i] = (sums_[kSum][i] + sums_[kCorrection][i]) / window_.count(i);
     }
   }
 

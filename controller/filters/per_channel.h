@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +16,7 @@ namespace gauntlet::controller {
 inline Eigen::ArrayXd PerChannel(std::string_view key, const std::vector<double>& values,
                                  int channel_count) {
   if (values.size() == 1) return Eigen::ArrayXd::Constant(channel_count, values.front());
-  if (values.size() == static_cast<std::size_t>(channel_count)) {
+  if (std::ssize(values) == channel_count) {
     return Eigen::Map<const Eigen::ArrayXd>(values.data(), channel_count);
   }
   const std::string count = std::to_string(channel_count);

@@ -32,6 +32,14 @@ inline ProcessNoiseFactors FactorsOf(ProcessNoise kind, int states, double step_
   return {t5 / 20.0, t5 / 8.0, t5 / 6.0, t5 / 3.0, t5 / 2.0, t5};
 }
 
+inline void VisitStates(SettingsVisitor& visitor, int& states) {
+  visitor.Integer({.key = "states",
+                   .help = "2: position and velocity (the paper); 3: acceleration, too",
+                   .min = 2,
+                   .max = 3},
+                  states);
+}
+
 inline void VisitProcessNoise(SettingsVisitor& visitor, ProcessNoise& kind) {
   static constexpr std::array<std::string_view, 2> kNames = {"identity", "white"};
   VisitEnum(visitor,

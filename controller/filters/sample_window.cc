@@ -7,7 +7,7 @@ namespace gauntlet::controller {
 SampleWindow::SampleWindow(int length, int channel_count, double empty)
     : rows_(Rows::Constant(length, channel_count, empty)),
       empty_(empty),
-      counts_(static_cast<std::size_t>(channel_count), 0),
+      counts_(channel_count, 0),
       filling_(channel_count) {}
 
 void SampleWindow::Push(std::span<const double> sample) noexcept {
@@ -20,7 +20,7 @@ void SampleWindow::Push(std::span<const double> sample) noexcept {
 }
 
 void SampleWindow::SetCount(int channel, int count) noexcept {
-  int& current = counts_[static_cast<std::size_t>(channel)];
+  int& current = counts_[channel];
   filling_ += (current == length()) - (count == length());
   current = count;
 }

@@ -13,8 +13,8 @@ class SampleWindow {
   /// Places that are not filled yet hold `empty`.
   SampleWindow(int length, int channel_count, double empty = 0.0);
 
-  int length() const noexcept { return static_cast<int>(rows_.rows()); }
-  int channel_count() const noexcept { return static_cast<int>(rows_.cols()); }
+  int length() const noexcept { return rows_.rows(); }
+  int channel_count() const noexcept { return rows_.cols(); }
 
   /// The row that the next Push() overwrites: the sample that leaves the window.
   const double* Leaving() const noexcept { return rows_.row(next_).data(); }
@@ -29,7 +29,7 @@ class SampleWindow {
   void Push(std::span<const double> sample) noexcept;
 
   /// How many samples of the channel the window holds.
-  int count(int channel) const noexcept { return counts_[static_cast<std::size_t>(channel)]; }
+  int count(int channel) const noexcept { return counts_[channel]; }
   bool all_full() const noexcept { return filling_ == 0; }
 
   void Reset() noexcept;

@@ -15,7 +15,7 @@ class SavitzkyGolayFilter final : public Filter {
   SavitzkyGolayFilter(const SavitzkyGolayConfig& config, int channel_count)
       : weights_(EndPointWeights(config.window, config.order)),
         window_(config.window, channel_count),
-        sum_(static_cast<std::size_t>(channel_count)) {}
+        sum_(channel_count) {}
 
   int channel_count() const noexcept override { return window_.channel_count(); }
 
@@ -39,7 +39,7 @@ class SavitzkyGolayFilter final : public Filter {
   void PassUnfilledChannels() noexcept {
     const double* newest = window_.Row(0);
     for (int i = 0; i < channel_count(); ++i) {
-      if (window_.count(i) < window_.length()) sum_[static_cast<std::size_t>(i)] = newest[i];
+      if (window_.count(i) < window_.length()) sum_[i] = newest[i];
     }
   }
 

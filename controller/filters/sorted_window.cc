@@ -14,7 +14,7 @@ namespace {
 GAUNTLET_VECTORISED void Replace(double* sorted, int length, const double* leaving, double* carried,
                                  double* gone, int channel_count) {
   for (int rank = 0; rank + 1 < length; ++rank) {
-    double* row = sorted + static_cast<long>(rank) * channel_count;
+    double* row = sorted + std::ptrdiff_t{rank} * channel_count;
     const double* above = row + channel_count;
     GAUNTLET_CHANNEL_LOOP
     for (int i = 0; i < channel_count; ++i) {
@@ -27,7 +27,7 @@ GAUNTLET_VECTORISED void Replace(double* sorted, int length, const double* leavi
       carried[i] = larger;
     }
   }
-  double* last = sorted + static_cast<long>(length - 1) * channel_count;
+  double* last = sorted + std::ptrdiff_t{length - 1} * channel_count;
   for (int i = 0; i < channel_count; ++i) last[i] = carried[i];
 }
 
@@ -70,10 +70,9 @@ GAUNTLET_VECTORISED void KthDeviations(const double* sorted, int length, const d
     // A list of which nothing is taken has no deviation: its row stands in, with factor 0.
     const double take_low = lower == 0 ? 0.0 : 1.0;
     const double take_high = upper == 0 ? 0.0 : 1.0;
-    const double* low_row =
-        sorted + static_cast<long>(lower == 0 ? 0 : below - lower) * channel_count;
+    const double* low_row = sorted + std::ptrdiff_t{lower == 0 ? 0 : below - lower} * channel_count;
     const double* high_row =
-        sorted + static_cast<long>(upper == 0 ? 0 : below + upper - 1) * channel_count;
+        sorted + std::ptrdiff_t{upper == 0 ? 0 : below + upper - 1} * channel_count;
     GAUNTLET_CHANNEL_LOOP
     for (int i = 0; i < channel_count; ++i) {
       const double low = take_low * (center[i] - low_row[i]);
@@ -89,8 +88,8 @@ GAUNTLET_VECTORISED void KthDeviations(const double* sorted, int length, const d
 SortedWindow::SortedWindow(int length, int channel_count)
     : window_(length, channel_count, kEmpty),
       sorted_(length, channel_count),
-      carried_(static_cast<std::size_t>(channel_count)),
-      removed_(static_cast<std::size_t>(channel_count)) {
+      carried_(channel_count),
+      removed_(channel_count) {
   sorted_.setConstant(kEmpty);
 }
 

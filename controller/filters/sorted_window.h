@@ -26,7 +26,7 @@ class SortedWindow {
   /// The smallest, second smallest, ... samples, one row of all channels each. Places that are not
   /// filled yet come last and are infinite.
   const double* row(int rank) const noexcept {
-    return sorted_.data() + static_cast<std::ptrdiff_t>(rank) * channel_count();
+    return sorted_.data() + std::ptrdiff_t{rank} * channel_count();
   }
 
   void Reset() noexcept;

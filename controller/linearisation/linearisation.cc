@@ -35,8 +35,7 @@ std::vector<ChannelCurve> InOrder(const std::vector<ChannelCurve>& curves,
     const std::string& name = curves[i].channel;
     std::size_t channel = i;
     if (!name.empty()) {
-      channel =
-          static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+      channel = std::find(names.begin(), names.end(), name) - names.begin();
       if (channel >= channels) {
         throw SettingError(place + ".channel", "is " + name + ", which the glove does not have");
       }
@@ -50,7 +49,7 @@ std::vector<ChannelCurve> InOrder(const std::vector<ChannelCurve>& curves,
   }
   const auto missing = std::find(given.begin(), given.end(), false);
   if (missing != given.end()) {
-    const auto channel = static_cast<std::size_t>(missing - given.begin());
+    const std::size_t channel = missing - given.begin();
     throw SettingError("linearisation.channels",
                        "has no curve for channel " +
                            (channel < names.size() ? names[channel] : std::to_string(channel)));

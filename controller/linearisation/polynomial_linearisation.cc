@@ -21,7 +21,7 @@ struct Polynomial {
   double Slope(double u) const {
     double slope = 0.0;
     for (std::size_t i = coefficients.size() - 1; i > 0; --i) {
-      slope = slope * u + static_cast<double>(i) * coefficients[i];
+      slope = slope * u + i * coefficients[i];
     }
     return slope;
   }
@@ -81,7 +81,7 @@ class PolynomialLinearisation final : public Linearisation {
     }
   }
 
-  int channel_count() const noexcept override { return static_cast<int>(polynomials_.size()); }
+  int channel_count() const noexcept override { return polynomials_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
     for (std::size_t i = 0; i < polynomials_.size(); ++i) {

@@ -11,7 +11,7 @@ namespace {
 /// y over strictly growing x as a broken line that goes on beyond its ends.
 double Interpolate(const std::vector<double>& x, const std::vector<double>& y, double at) {
   const auto above = std::upper_bound(x.begin() + 1, x.end() - 1, at);
-  const auto i = static_cast<std::size_t>(above - x.begin());
+  const std::size_t i = above - x.begin();
   const double share = (at - x[i - 1]) / (x[i] - x[i - 1]);
   // From the nearer corner, so that corners are met exactly.
   return share <= 0.5 ? y[i - 1] + share * (y[i] - y[i - 1])
@@ -58,7 +58,7 @@ class TableLinearisation final : public Linearisation {
     for (std::size_t i = 0; i < curves.size(); ++i) tables_.push_back(MakeTable(curves[i], i));
   }
 
-  int channel_count() const noexcept override { return static_cast<int>(tables_.size()); }
+  int channel_count() const noexcept override { return tables_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
     for (std::size_t i = 0; i < tables_.size(); ++i) {

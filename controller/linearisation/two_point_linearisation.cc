@@ -36,7 +36,7 @@ class TwoPointLinearisation final : public Linearisation {
     }
   }
 
-  int channel_count() const noexcept override { return static_cast<int>(low_counts_.size()); }
+  int channel_count() const noexcept override { return low_counts_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
     MapLine(counts.data(), low_counts_.data(), rad_per_count_.data(), low_angle_rad_.data(),
@@ -50,8 +50,7 @@ class TwoPointLinearisation final : public Linearisation {
 
  private:
   static Eigen::ArrayXd ToArray(const std::vector<double>& values) {
-    return Eigen::Map<const Eigen::ArrayXd>(values.data(),
-                                            static_cast<Eigen::Index>(values.size()));
+    return Eigen::Map<const Eigen::ArrayXd>(values.data(), values.size());
   }
 
   Eigen::ArrayXd low_counts_;

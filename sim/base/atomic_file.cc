@@ -98,7 +98,7 @@ void WriteFileAtomically(const std::filesystem::path& target, std::string_view c
       close(descriptor);
       Fail("write", target, error);
     }
-    content.remove_prefix(static_cast<std::size_t>(written));
+    content.remove_prefix(written);
   }
   if (close(descriptor) != 0) Fail("write", target, errno);
   file.Commit();

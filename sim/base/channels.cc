@@ -44,7 +44,7 @@ std::vector<std::string> GloveChannelNames() {
 
 int ChannelIndex(std::string_view name) {
   const auto found = std::ranges::find(kChannels, name, &Channel::name);
-  if (found != kChannels.end()) return static_cast<int>(found - kChannels.begin());
+  if (found != kChannels.end()) return found - kChannels.begin();
   throw UserError(fmt::format("unknown channel '{}'{}", name.substr(0, 60),
                               Suggestion(name, GloveChannelNames())));
 }

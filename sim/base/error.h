@@ -1,14 +1,43 @@
 #pragma once
 
+#include <concepts>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace gauntlet::sim {
+
+/// What is wrong, where, and with which setting. Only the problem is always known.
+struct ErrorParts {
+  std::string place = {};  // `file:line:column`, as far as it is known, or `--set key=value`
+  std::string key = {};    // path of keys, joined by dots
+  std::string problem = {};
+};
 
 /// The user's mistake: one line with place, field, value and allowed range. Exit code 2.
 class UserError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// From one text. (A template, so that braces can only mean parts.)
+  template <std::convertible_to<std::string> Text>
+  explicit UserError(const Text& problem) : UserError(ErrorParts{.problem = problem}) {}
+  explicit UserError(ErrorParts parts)
+      : std::runtime_error(Line(parts)), parts_(std::move(parts)) {}
+
+  const std::string& place() const { return parts_.place; }
+  const std::string& key() const { return parts_.key; }
+  const std::string& problem() const { return parts_.problem; }
+
+ private:
+  /// The parts that are known, with colons between them: what() gives this.
+  static std::string Line(const ErrorParts& parts) {
+    std::string line;
+    for (const std::string* part : {&parts.place, &parts.key}) {
+      if (!part->empty()) line += *part + ": ";
+    }
+    return line + parts.problem;
+  }
+
+  ErrorParts parts_;
 };
 
 /// The run failed although the input was right: a full disk, a diverged simulation. Exit code 1.

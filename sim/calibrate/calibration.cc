@@ -94,7 +94,7 @@ CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
   if (kind == CurveKind::kTable) return controller::FitTable(poses.counts, poses.angle_deg);
   if (kind == CurveKind::kTwoPoint) return controller::FitTwoPoint(poses.counts, poses.angle_deg);
   // Noise makes all counts different, so that the fit itself cannot see that poses are too few.
-  const auto angles = static_cast<int>(MeanCounts(poses).size());
+  const int angles = MeanCounts(poses).size();
   if (degree >= angles) {
     throw SettingError("degree", fmt::format("is {}, must be from 1 to {}, below its {} poses of "
                                              "known angle: lower it or record more poses",
@@ -123,18 +123,21 @@ void FitCurves(const PoseRecording& recording, const CalibrationOptions& options
                                        ? controller::LinearisationKind::kPolynomial
                                        : controller::LinearisationKind::kTable;
   for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
-    const Poses poses = PosesOf(recording, static_cast<Index>(i));
+    const Poses poses = PosesOf(recording, i);
     const std::string& name = recording.channel_names[i];
     const std::string problem = ProblemOf(recording, name, poses, options.curve);
-    if (!problem.empty()) throw UserError(fmt::format("{}: {}: {}", recording.name, name, problem));
+    if (!problem.empty())
+      throw UserError({.place = recording.name, .key = name, .problem = problem});
     CurveFit fit;
     try {
       fit = FitCurve(poses, options.curve, options.degree);
     } catch (const SettingError& error) {
       const bool degree = error.key() == "degree";
       const bool bent = !degree && options.curve == CurveKind::kPolynomial;
-      throw UserError(fmt::format("{}: {}: {}{}{}", recording.name, name, degree ? "--degree " : "",
-                                  error.problem(), bent ? "; lower --degree" : ""));
+      throw UserError({.place = recording.name,
+                       .key = name,
+                       .problem = fmt::format("{}{}{}", degree ? "--degree " : "", error.problem(),
+                                              bent ? "; lower --degree" : "")});
     }
     fit.curve.channel = name;
     ChannelCalibration& channel = calibration.channels[i];
@@ -162,11 +165,9 @@ std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
 std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& recording) {
   auto stretches = controller::FindStillStretches(recording.counts, recording.rate_hz);
   if (stretches.empty()) {
-    throw UserError(
-        fmt::format("{}: the hand never holds still for half a second, R cannot be estimated: "
-                    "record it at rest "
-                    "for a second or more",
-                    recording.name));
+    throw UserError({.place = recording.name,
+                     .problem = "the hand never holds still for half a second, R cannot be "
+                                "estimated: record it at rest for a second or more"});
   }
   Index at_the_end = 0;  // a channel that spoils stretches
   std::erase_if(stretches, [&](const controller::StillStretch& stretch) {
@@ -180,9 +181,10 @@ std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& reco
     return false;
   });
   if (stretches.empty()) {
-    throw UserError(fmt::format(
-        "{}: {}: is at 0 or at full scale whenever the hand holds still: R cannot be estimated",
-        recording.name, recording.channel_names[static_cast<std::size_t>(at_the_end)]));
+    throw UserError({.place = recording.name,
+                     .key = recording.channel_names[at_the_end],
+                     .problem = "is at 0 or at full scale whenever the hand holds still: R cannot "
+                                "be estimated"});
   }
   return stretches;
 }
@@ -194,7 +196,7 @@ void EstimateR(const PoseRecording& recording, Calibration& calibration) {
                                  .resolution_counts = calibration.resolution_counts});
   calibration.degrees_of_freedom = noise.degrees_of_freedom;
   for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
-    const auto row = static_cast<Index>(i);
+    const Index row = i;
     ChannelCalibration& channel = calibration.channels[i];
     channel.variance_counts2 = Short(noise.variance[row]);
     channel.variance_low_counts2 = Short(noise.variance_low[row]);
@@ -215,7 +217,7 @@ std::vector<std::size_t> PlacesOf(const Calibration& calibration,
     if (found == calibration.channels.end()) {
       throw SettingError("calibration", "has nothing for channel " + name);
     }
-    places.push_back(static_cast<std::size_t>(found - calibration.channels.begin()));
+    places.push_back(found - calibration.channels.begin());
   }
   return places;
 }
@@ -311,7 +313,7 @@ Calibration Calibrate(const PoseRecording& recording, const CalibrationOptions& 
                       CurveErrors& errors) {
   Calibration calibration;
   calibration.recording = std::filesystem::path(recording.name).filename().string();
-  calibration.samples = static_cast<int>(recording.counts.rows());
+  calibration.samples = recording.counts.rows();
   calibration.rate_hz = recording.rate_hz;
   calibration.confidence_percent = options.confidence_percent;
   calibration.resolution_counts = recording.resolution_counts;

@@ -88,7 +88,7 @@ void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& colum
   for (std::size_t i = 0; i < columns.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (columns[i].channel != columns[j].channel) continue;
-      csv.Fail(columns[i].column + 1, fmt::format("{} stands twice", Quoted(columns[i].channel)));
+      csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", Quoted(columns[i].channel)));
     }
   }
 }
@@ -229,17 +229,13 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   recording.settle_ms = format.settle_ms;
   recording.rate_hz = format.rate_hz;
   if (columns.time) {
-    recording.rate_hz = static_cast<double>(rows.count + recording.rows_left_out - 1) /
-                        (rows.last_s - rows.first_s);
+    recording.rate_hz = (rows.count + recording.rows_left_out - 1) / (rows.last_s - rows.first_s);
   }
   using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const auto samples = static_cast<Eigen::Index>(rows.count);
-  recording.counts = Eigen::Map<const Table>(rows.counts.data(), samples,
-                                             static_cast<Eigen::Index>(columns.counts.size()));
-  recording.angle_deg = Eigen::Map<const Table>(rows.angle_deg.data(), samples,
-                                                static_cast<Eigen::Index>(columns.angles.size()));
-  const auto settle =
-      static_cast<Eigen::Index>(std::lround(format.settle_ms * 1e-3 * recording.rate_hz));
+  recording.counts = Eigen::Map<const Table>(rows.counts.data(), rows.count, columns.counts.size());
+  recording.angle_deg =
+      Eigen::Map<const Table>(rows.angle_deg.data(), rows.count, columns.angles.size());
+  const Eigen::Index settle = std::lround(format.settle_ms * 1e-3 * recording.rate_hz);
   for (Eigen::Index c = 0; c < recording.angle_deg.cols(); ++c) {
     KeepSettledPoses(settle, recording.angle_deg.col(c));
   }

@@ -118,7 +118,7 @@ std::filesystem::path TargetOf(const CalibrateOptions& options) {
   }
   std::error_code none;
   if (std::filesystem::equivalent(options.out, options.recording, none)) {
-    throw UserError(fmt::format("--out {}: is the recording itself", options.out));
+    throw UserError({.place = "--out " + options.out, .problem = "is the recording itself"});
   }
   return options.out;
 }

@@ -5,8 +5,8 @@
 namespace gauntlet::sim {
 
 // Each adds its subcommand with options and help; CLI11 runs it after parsing. Errors travel as
-// exceptions to main(), the only place that knows exit codes; a result that is no error but has an
-// exit code travels as CLI::RuntimeError.
+// exceptions to main(), the only place that knows exit codes; a result that is not an error but has
+// an exit code travels as CLI::RuntimeError.
 void AddRunCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);

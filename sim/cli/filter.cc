@@ -10,6 +10,7 @@
 #include <string>
 
 #include "controller/filters/filter_registry.h"
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
@@ -53,15 +54,16 @@ StreamFilter ReadFilter(const FilterOptions& options) {
     kinds.emplace_back(kind.name);
   }
   if (std::find(kinds.begin(), kinds.end(), options.kind) == kinds.end()) {
-    throw UserError(
-        fmt::format("filter {}: unknown kind{}", options.kind, Suggestion(options.kind, kinds)));
+    throw UserError({.place = "filter " + options.kind,
+                     .problem = "unknown kind" + Suggestion(options.kind, kinds)});
   }
   for (const std::string& text : options.settings) {
     if (text.starts_with("kind=")) {
-      throw UserError(fmt::format("--set {}: the kind is an argument: gauntlet filter {}", text,
-                                  text.substr(5)));
+      throw UserError({.place = "--set " + text,
+                       .problem = "the kind is an argument: gauntlet filter " + text.substr(5)});
     }
-    if (text.ends_with(',')) throw UserError(fmt::format("--set {}: ends with a comma", text));
+    if (text.ends_with(','))
+      throw UserError({.place = "--set " + text, .problem = "ends with a comma"});
   }
   YAML::Node root(YAML::NodeType::Map);
   root["kind"] = options.kind;
@@ -74,32 +76,17 @@ StreamFilter ReadFilter(const FilterOptions& options) {
   return filter;
 }
 
-std::vector<std::string_view> SplitFields(std::string_view line) {
-  std::vector<std::string_view> fields;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return fields;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-std::string_view Trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 /// A line-by-line filter: reads one row, writes one row, flushes.
 class FilterStream {
  public:
   explicit FilterStream(const StreamFilter& settings) : settings_(settings) {}
 
-  void ReadHeader(const std::string& line) {
-    columns_ = SplitFields(line).size();
+  void ReadHeader(std::string_view line) {
+    const std::vector<std::string_view> names = SplitCells(line);
+    columns_ = names.size();
     std::size_t column = 0;
     std::size_t numbers = 0;
-    for (const std::string_view name : SplitFields(line)) {
+    for (const std::string_view name : names) {
       const std::string_view trimmed = Trimmed(name);
       if (trimmed.empty()) Fail(1, column, "has no name");
       if (!IsTime(trimmed, column)) channels_.push_back(column);
@@ -110,7 +97,7 @@ class FilterStream {
       fmt::print(stderr,
                  "gauntlet: warning: standard input:1: numbers only, taken as the header\n");
     }
-    if (channels_.empty()) throw UserError("standard input:1: has no channel besides the time");
+    if (channels_.empty()) Fail(1, "has no channel besides the time");
     filter_ = controller::MakeFilter(settings_.config, static_cast<int>(channels_.size()),
                                      settings_.rate_hz);
     values_.assign(channels_.size(), 0.0);
@@ -119,11 +106,10 @@ class FilterStream {
     std::fflush(stdout);
   }
 
-  void ReadRow(const std::string& line, std::size_t row) {
-    const std::vector<std::string_view> fields = SplitFields(line);
+  void ReadRow(std::string_view line, std::size_t row) {
+    const std::vector<std::string_view> fields = SplitCells(line);
     if (fields.size() != columns_) {
-      throw UserError(fmt::format("standard input:{}: has {} fields, must have {}", row,
-                                  fields.size(), columns_));
+      Fail(row, fmt::format("has {} fields, must have {}", fields.size(), columns_));
     }
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       ReadValue(Trimmed(fields[channels_[i]]), row, i);
@@ -138,9 +124,7 @@ class FilterStream {
  private:
   /// `k`, the number of the sample, is time in the first column only.
   static bool IsTime(std::string_view name, std::size_t column) {
-    if (name.size() > 2 && name.front() == '"' && name.back() == '"') {
-      name = name.substr(1, name.size() - 2);
-    }
+    name = Unquoted(name);
     return TimeScaleS(name) || (IsSampleNumber(name) && column == 0);
   }
 
@@ -193,8 +177,12 @@ class FilterStream {
     if (std::fflush(stdout) != 0) throw RunError("standard output: cannot be written");
   }
 
+  [[noreturn]] static void Fail(std::size_t row, const std::string& problem) {
+    throw UserError({.place = fmt::format("standard input:{}", row), .problem = problem});
+  }
   [[noreturn]] static void Fail(std::size_t row, std::size_t column, const std::string& problem) {
-    throw UserError(fmt::format("standard input:{}:{}: {}", row, column + 1, problem));
+    throw UserError(
+        {.place = fmt::format("standard input:{}:{}", row, column + 1), .problem = problem});
   }
 
   const StreamFilter& settings_;
@@ -214,9 +202,10 @@ void RunFilter(const FilterOptions& options) {
   FilterStream stream(settings);
   std::ios::sync_with_stdio(false);
   std::string line;
-  if (!std::getline(std::cin, line)) throw UserError("standard input: is empty, needs a header");
-  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // the mark that spreadsheets write
-  stream.ReadHeader(line);
+  if (!std::getline(std::cin, line)) {
+    throw UserError({.place = "standard input", .problem = "is empty, needs a header"});
+  }
+  stream.ReadHeader(WithoutByteOrderMark(line));
   for (std::size_t row = 2; std::getline(std::cin, line); ++row) {
     if (!Trimmed(line).empty()) stream.ReadRow(line, row);
   }

@@ -115,7 +115,7 @@ struct Topic {
 };
 
 const std::vector<Topic>& Topics() {
-  static const std::vector<Topic> topics = {
+  static const std::vector<Topic> kTopics = {
       {"filters", "what a controller can do with the noise",
        [] { return EntriesOf(controller::FilterKinds()); }},
       {"predictions", "how a controller can look ahead",
@@ -127,7 +127,7 @@ const std::vector<Topic>& Topics() {
       {"scenarios", "ready questions", Scenarios},
       {"keys", "every key of a scenario file", ScenarioKeys},
   };
-  return topics;
+  return kTopics;
 }
 
 void Print(const Topic& topic) {
@@ -185,7 +185,7 @@ void List(const std::string& name, bool as_json) {
     }
     return;
   }
-  throw UserError(fmt::format("list {}: unknown list{}", name, Suggestion(name, names)));
+  throw UserError({.place = "list " + name, .problem = "unknown list" + Suggestion(name, names)});
 }
 
 }  // namespace

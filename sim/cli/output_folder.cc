@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 OutputFolder::OutputFolder(fs::path path) : path_(std::move(path)) {
   std::error_code ignored;
   if (fs::exists(path_, ignored) && !fs::is_directory(path_, ignored)) {
-    throw UserError(fmt::format("--out {}: is a file, must be a folder", path_.string()));
+    throw UserError({.place = "--out " + path_.string(), .problem = "is a file, must be a folder"});
   }
   for (fs::path p = fs::absolute(path_).lexically_normal(); !p.empty() && !fs::exists(p, ignored);
        p = p.parent_path()) {

@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// A progress bar with the time left on standard error; silent when that is no terminal.
+/// A progress bar with the time left on standard error; silent when that is not a terminal.
 class Progress {
  public:
   explicit Progress(std::string label);

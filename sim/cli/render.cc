@@ -29,7 +29,7 @@ void AddRenderCommand(CLI::App& app) {
       "\nExample:\n  gauntlet render out/door_opening --controllers raw,tuned_kalman\n");
   command->callback([options] {
     if (!options->out.empty() && !options->out.ends_with(".mp4")) {
-      throw UserError(fmt::format("--out {}: must end in .mp4", options->out));
+      throw UserError({.place = "--out " + options->out, .problem = "must end in .mp4"});
     }
     Progress progress("video");
     const auto file =

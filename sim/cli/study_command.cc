@@ -17,6 +17,7 @@
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
+#include "sim/settings/yaml_reader.h"
 #include "sim/study/study_database.h"
 #include "sim/study/study_files.h"
 #include "sim/video/render_folder.h"
@@ -50,16 +51,16 @@ void WarnIfMadeElsewhere(const Study& study) {
 }
 
 /// Builds everything that the scenario names. What is wrong is said with the scenario's file,
-/// unless it is said with a file already: a model, a recording.
+/// unless it has a place of its own: a model, a recording.
 Study Prepare(const StudyCommand& options, Scenario scenario) {
   try {
     return PrepareStudy(std::move(scenario));
   } catch (const controller::SettingError& error) {
-    throw UserError(fmt::format("{}: {}", options.scenario_file, error.what()));
+    throw AtPlace(options.scenario_file, error);
   } catch (const UserError& error) {
-    const std::string problem = error.what();
-    if (std::filesystem::exists(problem.substr(0, problem.find(':')))) throw;
-    throw UserError(fmt::format("{}: {}", options.scenario_file, problem));
+    if (!error.place().empty()) throw;
+    throw UserError(
+        {.place = options.scenario_file, .key = error.key(), .problem = error.problem()});
   }
 }
 

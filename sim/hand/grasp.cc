@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 namespace {
 
 /// Where the cylinder's axis passes the palm, from the wrist's deviation axis [m]: across the
-/// knuckles, where a hand takes a bottle. The gap leaves room for the palm's padding.
+/// knuckles, where a hand takes a bottle. The gap leaves space for the palm's padding.
 constexpr double kAxisFromWristM = 0.075;
 constexpr double kPalmThicknessM = 0.0105;
 constexpr double kGapM = 0.004;

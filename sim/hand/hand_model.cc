@@ -28,20 +28,20 @@ std::filesystem::path ModelPath(const HandConfig& config) {
 
 mjModel* LoadModel(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) {
-    throw UserError(fmt::format("hand.model_path: no file {}", path.string()));
+    throw UserError({.key = "hand.model_path", .problem = "no file " + path.string()});
   }
   char message[1000] = "";
   mjModel* model = nullptr;
   try {
     model = mj_loadXML(path.c_str(), nullptr, message, sizeof message);
   } catch (const RunError& error) {
-    throw UserError(fmt::format("{}: {}", path.string(), error.what()));
+    throw UserError({.place = path.string(), .problem = error.what()});
   }
   TakeMujocoWarning();
   if (model != nullptr) return model;
   std::string line = message;
   for (char& letter : line) letter = letter == '\n' ? ' ' : letter;
-  throw UserError(fmt::format("{}: {}", path.string(), line));
+  throw UserError({.place = path.string(), .problem = line});
 }
 
 /// Does something with the model; what it finds wrong there is said with the model's file.
@@ -50,7 +50,7 @@ auto InModelFile(const std::filesystem::path& path, const Action& action) {
   try {
     return action();
   } catch (const UserError& error) {
-    throw UserError(fmt::format("{}: {}", path.string(), error.what()));
+    throw UserError({.place = path.string(), .problem = error.what()});
   }
 }
 
@@ -128,9 +128,10 @@ void CheckTravel(const TendonTransmission& transmission, std::size_t motor, doub
   }
   const double needed_deg = needed_rad * kDegPerRad;
   if (needed_deg <= travel_deg) return;
-  throw UserError(fmt::format(
-      "hand.servo.travel_deg: {} is too little for the spool of {}, which must wind {:.1f} deg",
-      travel_deg, transmission.motor_names[motor], needed_deg));
+  throw UserError(
+      {.key = "hand.servo.travel_deg",
+       .problem = fmt::format("{} is too little for the spool of {}, which must wind {:.1f} deg",
+                              travel_deg, transmission.motor_names[motor], needed_deg)});
 }
 
 void AddJoints(const std::vector<HandJoint>& joints, const std::vector<Drive>& drives,
@@ -204,7 +205,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     CheckTravel(transmission_, motor, config.servo.travel_deg);
     for (const Cable& cable : drives_[motor].cables) {
       cable_names_.push_back(cable.name);
-      // The cable law of sim/hand/cable.h takes over: a spring of the engine would push when slack.
+      // CableTension() takes over: a spring of the engine would push when slack.
       model_->tendon_stiffness[cable.tendon] = 0.0;
       model_->tendon_damping[cable.tendon] = 0.0;
     }

@@ -34,7 +34,7 @@ std::optional<int> FindChannel(std::string_view name) {
   const auto channels = GloveChannels();
   const auto found = std::ranges::find(channels, name, &Channel::name);
   if (found == channels.end()) return std::nullopt;
-  return static_cast<int>(found - channels.begin());
+  return found - channels.begin();
 }
 
 /// True and part of the map if the name means something.
@@ -57,18 +57,18 @@ bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
   return true;
 }
 
-/// The first channel that stands twice.
+/// The first channel that appears twice.
 std::optional<ColumnMapping> Repeated(const ColumnMap& map) {
   std::vector<bool> seen(GloveChannels().size(), false);
   for (const ColumnMapping& mapping : map.channels) {
-    if (seen[static_cast<std::size_t>(mapping.channel)]) return mapping;
-    seen[static_cast<std::size_t>(mapping.channel)] = true;
+    if (seen[mapping.channel]) return mapping;
+    seen[mapping.channel] = true;
   }
   return std::nullopt;
 }
 
 std::string ChannelText(const ColumnMapping& mapping) {
-  return std::string(GloveChannels()[static_cast<std::size_t>(mapping.channel)].name);
+  return std::string(GloveChannels()[mapping.channel].name);
 }
 
 /// The text table of a map file.
@@ -107,7 +107,7 @@ class MapFile {
                                                             "scale",  "sign",    "offset"};
 
   std::size_t Find(std::string_view key) const {
-    return static_cast<std::size_t>(std::ranges::find(csv_.header(), key) - csv_.header().begin());
+    return std::ranges::find(csv_.header(), key) - csv_.header().begin();
   }
 
   CsvReader csv_;
@@ -119,7 +119,7 @@ std::size_t ColumnOf(const MapFile& map, const CsvReader& recording) {
   const auto& header = recording.header();
   const auto found = std::ranges::find(header, name);
   if (!name.empty() && found != header.end()) {
-    return static_cast<std::size_t>(found - header.begin());
+    return found - header.begin();
   }
   std::size_t number = 0;
   const auto result = std::from_chars(name.data(), name.data() + name.size(), number);
@@ -150,7 +150,7 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
                                            Suggestion(name, GloveChannelNames())));
   }
   if (const auto twice = Repeated(map)) {
-    recording.Fail(twice->column + 1, fmt::format("{} stands twice", ChannelText(*twice)));
+    recording.Fail(twice->column + 1, fmt::format("{} appears twice", ChannelText(*twice)));
   }
   if (map.channels.empty()) recording.Fail(1, "there is no column of a channel");
   return map;
@@ -187,7 +187,7 @@ ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& reco
                             .unit = *known,
                             .scale = sign * file.Number("scale", 1.0),
                             .offset = file.Number("offset", 0.0)});
-    if (Repeated(map)) file.FailAt("channel", channel + " stands twice");
+    if (Repeated(map)) file.FailAt("channel", channel + " appears twice");
   }
   if (map.channels.empty()) file.FailAt("channel", "the map names no channel");
   return map;

@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {
@@ -19,22 +20,6 @@ namespace {
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 // Longer than any row of numbers; keeps memory flat on files that are not text.
 constexpr std::size_t kLongestLine = std::size_t{1} << 20;
-
-bool IsBlank(char c) { return c == ' ' || c == '\t'; }
-
-std::string_view Trimmed(std::string_view text) {
-  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && (IsBlank(text.back()) || text.back() == '\r')) text.remove_suffix(1);
-  return text;
-}
-
-std::string_view Unquoted(std::string_view text) {
-  text = Trimmed(text);
-  if (text.size() >= 2 && text.front() == text.back() && (text[0] == '"' || text[0] == '\'')) {
-    text = text.substr(1, text.size() - 2);
-  }
-  return text;
-}
 
 /// True for all that may stand where a number is expected, a missing value included.
 bool LooksLikeNumber(std::string_view cell, bool decimal_comma) {
@@ -70,8 +55,8 @@ void CsvReader::Fail(std::size_t column, const std::string& problem) const {
 }
 
 void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string& problem) const {
-  throw UserError(
-      fmt::format("{}:{}:{}: {}", name_, std::max<std::size_t>(row, 1), column, problem));
+  throw UserError({.place = fmt::format("{}:{}:{}", name_, std::max<std::size_t>(row, 1), column),
+                   .problem = problem});
 }
 
 void CsvReader::Problem(std::string_view kind, std::size_t column, const std::string& message) {
@@ -130,24 +115,10 @@ bool CsvReader::NextUsefulLine(std::string_view& line) {
   return false;
 }
 
-std::string_view CsvReader::NextCell(std::string_view& rest) const {
-  if (separator_ == ' ') {
-    rest = Trimmed(rest);
-    const std::size_t size = std::min(rest.find_first_of(" \t"), rest.size());
-    const std::string_view cell = rest.substr(0, size);
-    rest = Trimmed(rest.substr(size));
-    return cell;
-  }
-  const std::size_t size = std::min(rest.find(separator_), rest.size());
-  const std::string_view cell = rest.substr(0, size);
-  rest = size < rest.size() ? rest.substr(size + 1) : rest.substr(size);
-  return cell;
-}
-
 void CsvReader::ReadFirstLine() {
   std::string_view line;
   bool found = NextLine(line);
-  if (found && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+  line = WithoutByteOrderMark(line);
   if (!found || Trimmed(line).empty() || Trimmed(line)[0] == '#') found = NextUsefulLine(line);
   if (!found) {
     row_ = 0;
@@ -156,7 +127,7 @@ void CsvReader::ReadFirstLine() {
   separator_ = FindSeparator(line);
   const bool decimal_comma = separator_ != ',';
   bool is_header = false;
-  for (const std::string_view cell : Cells(line)) {
+  for (const std::string_view cell : SplitCells(line, separator_)) {
     header_.emplace_back(Unquoted(cell));
     is_header = is_header || !LooksLikeNumber(cell, decimal_comma);
   }
@@ -172,14 +143,6 @@ void CsvReader::ReadFirstLine() {
   ignored_.assign(column_count_, false);
 }
 
-std::vector<std::string_view> CsvReader::Cells(std::string_view line) const {
-  std::vector<std::string_view> cells;
-  const bool ends_with_separator = separator_ != ' ' && line.ends_with(separator_);
-  for (std::string_view rest = line; !rest.empty();) cells.push_back(NextCell(rest));
-  if (ends_with_separator) cells.emplace_back();
-  return cells;
-}
-
 void CsvReader::ReadFirstRowOfData() {
   const std::size_t header_line = row_;
   std::string_view line;
@@ -188,7 +151,7 @@ void CsvReader::ReadFirstRowOfData() {
   first_row_ = line;
   first_row_line_ = row_;
   row_ = header_line;  // where the reader stands, for messages, until the first row is asked for
-  const std::vector<std::string_view> cells = Cells(line);
+  const std::vector<std::string_view> cells = SplitCells(line, separator_);
   if (cells.size() != header_.size() + 1 || Trimmed(cells.back()).empty()) return;
   Problem("header too short", header_.size(),
           fmt::format("the header has {} names for {} values", header_.size(), cells.size()));
@@ -216,7 +179,8 @@ bool CsvReader::NextRow(std::vector<std::string>& cells) {
   std::string_view line;
   if (!NextLineOfData(line)) return false;
   cells.clear();
-  for (const std::string_view cell : Cells(line)) cells.emplace_back(Unquoted(cell));
+  for (const std::string_view cell : SplitCells(line, separator_))
+    cells.emplace_back(Unquoted(cell));
   if (cells.size() != column_count_) {
     Problem(cells.size() < column_count_ ? "truncated row" : "row too long", cells.size(),
             fmt::format("the row has {} of {} values", cells.size(), column_count_));
@@ -241,7 +205,7 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
       continue;
     }
     // Everything that is not a plain number between separators: rare, so clarity over speed.
-    const std::string_view cell = NextCell(rest);
+    const std::string_view cell = TakeCell(rest, separator_);
     more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
     values[column] = ignored_[column] ? kMissing : Number(cell, column + 1);
   }
@@ -291,8 +255,8 @@ CsvReader::Source FileSource(const std::filesystem::path& path) {
   });
   std::error_code ignored;
   if (file == nullptr || std::filesystem::is_directory(path, ignored)) {
-    throw UserError(fmt::format("{}: cannot open: {}", path.string(),
-                                std::strerror(file == nullptr ? errno : EISDIR)));
+    const char* const reason = std::strerror(file == nullptr ? errno : EISDIR);
+    throw UserError({.place = path.string(), .problem = fmt::format("cannot open: {}", reason)});
   }
   std::setvbuf(file.get(), nullptr, _IONBF, 0);  // the reader has a buffer of its own
   return [file](char* buffer, std::size_t size) { return std::fread(buffer, 1, size, file.get()); };

@@ -67,8 +67,6 @@ class CsvReader {
   void Refill();
   void ReadFirstLine();
   void ReadFirstRowOfData();
-  std::vector<std::string_view> Cells(std::string_view line) const;
-  std::string_view NextCell(std::string_view& rest) const;
   bool NextLineOfData(std::string_view& line);
   void ParseRow(std::string_view line, std::span<double> values);
   void Problem(std::string_view kind, std::size_t column, const std::string& message);

@@ -41,7 +41,7 @@ void InterpolatePchip(std::span<const double> time_s, std::span<const double> va
   const std::vector<double> slopes = PchipSlopes(time_s, value);
   std::size_t k = 0;
   for (std::size_t i = 0; i < result.size(); ++i) {
-    const double t = start_s + static_cast<double>(i) / rate_hz;
+    const double t = start_s + i / rate_hz;
     if (t <= time_s.front()) {
       result[i] = value.front();
       continue;

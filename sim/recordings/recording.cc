@@ -37,7 +37,8 @@ struct Glitch {
   const std::string found = reader.MostFrequentProblem();
   if (!found.empty()) problem += fmt::format(" (found: {})", found);
   throw UserError(
-      fmt::format("{}:{}:1: {}", recording.name, std::max<std::size_t>(reader.row(), 1), problem));
+      {.place = fmt::format("{}:{}:1", recording.name, std::max<std::size_t>(reader.row(), 1)),
+       .problem = problem});
 }
 
 /// Reports them in the order of rows and makes them NaN. `rows` are lines of the file.
@@ -45,20 +46,19 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
                     Recording& recording) {
   std::vector<Glitch> glitches;
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
-    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
-    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
-    for (const std::size_t place :
+    const Channel& joint = GloveChannels()[c];
+    if (!recording.has_channel[c]) continue;
+    for (const Eigen::Index place :
          FindGlitches(recording.time_s, {recording.angle_rad.col(c).data(), rows.size()},
                       (joint.max_deg - joint.min_deg) * kRadPerDeg, ends)) {
-      glitches.push_back({static_cast<Eigen::Index>(place), c});
+      glitches.push_back({place, c});
     }
   }
   std::ranges::stable_sort(glitches, {}, &Glitch::place);
   for (const auto [place, c] : glitches) {
-    const std::string_view name = GloveChannels()[static_cast<std::size_t>(c)].name;
+    const std::string_view name = GloveChannels()[c].name;
     double& angle = recording.angle_rad(place, c);
-    reader.Report(fmt::format("{}: glitch, value left out", name),
-                  rows[static_cast<std::size_t>(place)], static_cast<std::size_t>(c),
+    reader.Report(fmt::format("{}: glitch, value left out", name), rows[place], c,
                   fmt::format("{} jumps to {:.6g} deg and back, faster than a hand", name,
                               angle * kDegPerRad));
     angle = kMissing;
@@ -67,7 +67,7 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
 
 void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
-    if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
+    if (!recording.has_channel[c]) continue;
     const auto angle = recording.angle_rad.col(c);
     Eigen::Index repeats = 0, run = 0, longest = 0, first = 0;
     for (Eigen::Index i = 1; i < angle.size(); ++i) {
@@ -78,8 +78,7 @@ void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
     if (2 * repeats < angle.size()) continue;
     recording.remarks.push_back(fmt::format(
         "{}: {}: {} of {} rows repeat the value before, first in row {}, {} rows in a row at most",
-        recording.name, GloveChannels()[static_cast<std::size_t>(c)].name, repeats, angle.size(),
-        rows[static_cast<std::size_t>(first)], longest));
+        recording.name, GloveChannels()[c].name, repeats, angle.size(), rows[first], longest));
   }
 }
 
@@ -109,8 +108,9 @@ GoodValues GoodValuesOf(const Recording& recording, Eigen::Index channel) {
     good.value.push_back(angle);
   }
   if (good.value.empty()) {
-    throw UserError(fmt::format("{}: {} has no good value", recording.name,
-                                GloveChannels()[static_cast<std::size_t>(channel)].name));
+    throw UserError(
+        {.place = recording.name,
+         .problem = fmt::format("{} has no good value", GloveChannels()[channel].name)});
   }
   return good;
 }
@@ -150,7 +150,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
     if (since_start_s <= start_s && rows.size() == kRowsBeside) {
       recording.time_s.erase(recording.time_s.begin());
       rows.erase(rows.begin());
-      table.erase(table.begin(), table.begin() + static_cast<std::ptrdiff_t>(width));
+      table.erase(table.begin(), table.begin() + width);
       ends.at_first_row = false;
     }
     recording.time_s.push_back(since_start_s);
@@ -165,8 +165,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
     FailAsTooShort(reader, recording, start_s);
   }
   using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  recording.angle_rad = Eigen::Map<const Table>(
-      table.data(), static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(width));
+  recording.angle_rad = Eigen::Map<const Table>(table.data(), rows.size(), width);
   HandleGlitches(reader, rows, ends, recording);
   recording.remarks = reader.Remarks();
   RemarkRepeats(rows, recording);

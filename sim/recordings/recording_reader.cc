@@ -53,7 +53,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   if (map_.time_column) used[*map_.time_column] = true;
   for (const ColumnMapping& mapping : map_.channels) {
     used[mapping.column] = true;
-    has_channel_[static_cast<std::size_t>(mapping.channel)] = true;
+    has_channel_[mapping.channel] = true;
     AddLinear(mapping, format);
   }
   for (std::size_t column = 0; column < used.size(); ++column) {
@@ -62,7 +62,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
 }
 
 void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFormat& format) {
-  const Channel& joint = GloveChannels()[static_cast<std::size_t>(mapping.channel)];
+  const Channel& joint = GloveChannels()[mapping.channel];
   const double min_rad = joint.min_deg * kRadPerDeg;
   const double range_rad = (joint.max_deg - joint.min_deg) * kRadPerDeg;
   double factor = kRadPerDeg;  // rad per unit
@@ -106,7 +106,7 @@ void RecordingReader::Report(const std::string& kind, std::size_t row, std::size
 
 bool RecordingReader::FixTime(double& time_s) {
   if (!map_.time_column) {
-    time_s = static_cast<double>(good_rows_) * row_period_s_;
+    time_s = good_rows_ * row_period_s_;
     return true;
   }
   const std::size_t column = *map_.time_column + 1;

@@ -51,7 +51,7 @@ void SmoothZeroPhase(double cutoff_hz, double rate_hz, std::span<double> values)
   std::ranges::reverse(padded);
   filter.Run(padded);
   std::ranges::reverse(padded);
-  std::copy_n(padded.begin() + static_cast<std::ptrdiff_t>(reach), values.size(), values.begin());
+  std::copy_n(padded.begin() + reach, values.size(), values.begin());
 }
 
 }  // namespace gauntlet::sim

@@ -56,12 +56,12 @@ std::pair<double, double> Extremes(std::span<const double> bucket) {
 int SamplesPerBucket(std::int64_t samples, std::int64_t curves) {
   const std::int64_t values = samples * curves;
   if (values <= kCurvePoints) return 1;
-  return static_cast<int>((2 * values + kCurvePoints - 1) / kCurvePoints);
+  return (2 * values + kCurvePoints - 1) / kCurvePoints;
 }
 
 std::vector<double> KeepPeaks(std::span<const double> values, int samples_per_bucket) {
   if (samples_per_bucket <= 1) return {values.begin(), values.end()};
-  const auto size = static_cast<std::size_t>(samples_per_bucket);
+  const std::size_t size = samples_per_bucket;
   std::vector<double> points;
   points.reserve(2 * (values.size() / size + 1));
   for (std::size_t begin = 0; begin < values.size(); begin += size) {

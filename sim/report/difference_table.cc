@@ -17,7 +17,7 @@ using Row = std::array<std::string, 7>;
 
 std::string SeedsText(std::vector<int> seeds) {
   std::sort(seeds.begin(), seeds.end());
-  const auto count = static_cast<int>(seeds.size());
+  const int count = seeds.size();
   if (count == 1) return fmt::format("seed {}", seeds[0]);
   if (seeds.back() - seeds.front() == count - 1) {
     return fmt::format("seeds {} to {}", seeds.front(), seeds.back());

@@ -87,7 +87,7 @@ void AppendRows(const FinishedStudy& finished, bool colour, std::string& out) {
 
 /// Where a score of the table is a mean over some of the seeds, as the others have none.
 void AppendMissingSeeds(const StudyResult& result, const Summary& summary, std::string& out) {
-  const auto seeds = static_cast<int>(result.seeds.size());
+  const int seeds = result.seeds.size();
   for (const ControllerSummary& controller : summary.controllers) {
     for (const std::size_t metric : ShownMetrics(summary)) {
       const int count = controller.summary[metric].count;

@@ -72,12 +72,12 @@ class Writer {
     for (const ChartCurve& curve : chart.curves) {
       if (curve.values.empty()) continue;  // only takes a colour
       x_.Take(curve.first_x);
-      x_.Take(curve.first_x + curve.step_x * static_cast<double>(curve.values.size() - 1));
+      x_.Take(curve.first_x + curve.step_x * (curve.values.size() - 1));
       for (const double value : curve.values) y_.Take(value);
     }
     for (const ChartBars& bars : chart.bars) {
       x_.Take(bars.first_x - 0.5 * bars.step_x);
-      x_.Take(bars.first_x + bars.step_x * (static_cast<double>(bars.heights.size()) - 0.5));
+      x_.Take(bars.first_x + bars.step_x * (bars.heights.size() - 0.5));
       y_.Take(0.0);
       for (const double height : bars.heights) y_.Take(height);
     }
@@ -143,7 +143,7 @@ class Writer {
 
   void Bars(const ChartBars& bars) {
     for (std::size_t i = 0; i < bars.heights.size(); ++i) {
-      const double centre = bars.first_x + bars.step_x * static_cast<double>(i);
+      const double centre = bars.first_x + bars.step_x * i;
       const double left = X(centre - 0.45 * bars.step_x);
       const double top = Y(bars.heights[i]);
       Add("<rect class=\"bar\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>",
@@ -159,7 +159,7 @@ class Writer {
     Add("<polyline class=\"line s{}\" stroke-width=\"{:g}\" points=\"", colour, curve.width_px);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (!std::isfinite(points[i])) continue;
-      Add("{:.1f},{:.1f} ", X(curve.first_x + step * static_cast<double>(i)), Y(points[i]));
+      Add("{:.1f},{:.1f} ", X(curve.first_x + step * i), Y(points[i]));
     }
     Add("\"/>");
   }
@@ -170,7 +170,7 @@ class Writer {
       if (name.empty()) return;
       Add("{}", mark);
       Text(x + 22.0, 40.0, "ink", "start", name);
-      x += 40.0 + 7.4 * static_cast<double>(name.size());
+      x += 40.0 + 7.4 * name.size();
     };
     for (const ChartBars& bars : chart_.bars) {
       entry(

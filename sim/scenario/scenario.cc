@@ -118,9 +118,8 @@ std::vector<std::string> ChannelsOf(const GloveConfig& glove, const YAML::Node& 
       if (selected[i]) names.emplace_back(GloveChannels()[i].name);
     }
   } catch (const controller::SettingError& error) {
-    const std::string path = "glove." + error.key();
     const YAML::Node node = Find(Find(root, "glove"), error.key());
-    throw UserError(fmt::format("{}: {}: {}", source.PlaceOf(node, path), path, error.problem()));
+    throw source.At(node, controller::SettingError("glove." + error.key(), error.problem()));
   }
   return names;
 }
@@ -138,8 +137,8 @@ void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scena
                      controller.config);
     } catch (const controller::SettingError& error) {
       const std::string path = fmt::format("controllers.{}.{}", controller.name, error.key());
-      throw UserError(fmt::format("{}: {}: {}: {}", source.PlaceOf(Find(node, "calibration"), path),
-                                  path, controller.calibration, error.problem()));
+      const std::string problem = controller.calibration + ": " + error.problem();
+      throw source.At(Find(node, "calibration"), controller::SettingError(path, problem));
     }
     controller.calibration.clear();
   }
@@ -164,10 +163,11 @@ void FillMeasurementVariances(const YAML::Node& root, const YamlSource& source,
       *r = on_counts ? NoiseVarianceCounts2(scenario.glove) : NoiseVarianceRad2(scenario.glove);
       if (std::ranges::all_of(*r, [](double variance) { return variance > 0.0; })) continue;
       const std::string path = fmt::format("controllers.{}.filter[{}].r", named.name, i);
-      throw UserError(fmt::format(
-          "{}: {}: must be given: the default is the paper's, for 18 channels in counts, and the "
-          "scenario's own noise is 0 (gauntlet calibrate finds r in a recording)",
-          source.PlaceOf(Find(node, "filter"), path), path));
+      throw UserError(
+          {.place = source.PlaceOf(Find(node, "filter"), path),
+           .key = path,
+           .problem = "must be given: the default is the paper's, for 18 channels in counts, and "
+                      "the scenario's own noise is 0 (gauntlet calibrate finds r in a recording)"});
     }
   }
 }
@@ -177,9 +177,10 @@ void CheckBaseline(const YAML::Node& root, const YamlSource& source, const Scena
   std::vector<std::string> names;
   for (const NamedController& named : scenario.controllers) names.push_back(named.name);
   if (std::ranges::find(names, scenario.baseline) != names.end()) return;
-  throw UserError(fmt::format("{}: baseline: {} is not a controller of the scenario{}",
-                              source.PlaceOf(Find(root, "baseline"), "baseline"), scenario.baseline,
-                              Suggestion(scenario.baseline, names)));
+  throw UserError({.place = source.PlaceOf(Find(root, "baseline"), "baseline"),
+                   .key = "baseline",
+                   .problem = scenario.baseline + " is not a controller of the scenario" +
+                              Suggestion(scenario.baseline, names)});
 }
 
 /// A controller that does nothing against noise nor delay: what every other has to beat.
@@ -213,11 +214,12 @@ void CheckControllerNames(const std::vector<std::string>& names, const Scenario&
   for (const NamedController& controller : scenario.controllers) known.push_back(controller.name);
   for (const std::string& name : names) {
     if (std::ranges::find(known, name) == known.end()) {
-      throw UserError(
-          fmt::format("--controllers: {}: unknown controller{}", name, Suggestion(name, known)));
+      throw UserError({.place = "--controllers",
+                       .key = name,
+                       .problem = "unknown controller" + Suggestion(name, known)});
     }
     if (std::ranges::count(names, name) > 1) {
-      throw UserError(fmt::format("--controllers: {}: named twice", name));
+      throw UserError({.place = "--controllers", .key = name, .problem = "named twice"});
     }
   }
 }

@@ -9,8 +9,7 @@ namespace gauntlet::sim {
 
 /// A symmetric low pass of finite length: a sinc in a Kaiser window. It has no phase at all.
 ///
-///     w_n = sin(omega_c n) / n * I0(beta sqrt(1 - (n/reach)^2)),   scaled so that all weights sum
-///     to 1
+///     w_n = sin(omega_c n) / n * I0(beta sqrt(1 - (n/reach)^2)),   scaled to a sum of 1
 ///
 /// Half the amplitude passes at the cutoff. Below cutoff - transition/2 and above
 /// cutoff + transition/2 the response is 1 and 0 to about 1e-4 (80 dB).

@@ -15,7 +15,7 @@ namespace gauntlet::sim {
 /// centroid).
 double SpectralCentroid(std::span<const double> speed, double rate_hz, Fourier& fourier);
 
-/// Share of samples in which a cable pulls with 0.01 N or less: it hangs through.
+/// Share of samples in which a cable pulls with 0.01 N or less: it is slack.
 double SlackShare(std::span<const double> tension_n);
 
 }  // namespace gauntlet::sim

@@ -7,14 +7,17 @@
 #include <charconv>
 #include <cmath>
 
-#include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 
 namespace gauntlet::sim {
 
 using controller::RangeProblem;
 using controller::Setting;
-using controller::SettingsVisitor;
+using controller::SettingError;
+
+UserError AtPlace(std::string place, const SettingError& error) {
+  return UserError({.place = std::move(place), .key = error.key(), .problem = error.problem()});
+}
 
 std::string YamlSource::PlaceOf(const YAML::Node& node, const std::string& path) const {
   for (const auto& [key, text] : overrides) {
@@ -31,8 +34,12 @@ std::string YamlSource::PlaceOf(const YAML::Node& node, const std::string& path)
   return fmt::format("{}:{}:{}", file.string(), mark.line + 1, mark.column + 1);
 }
 
-YamlReader::YamlReader(YAML::Node node, std::string path, const YamlSource& source)
-    : node_(std::move(node)), path_(std::move(path)), source_(source) {
+UserError YamlSource::At(const YAML::Node& node, const SettingError& error) const {
+  return AtPlace(PlaceOf(node, error.key()), error);
+}
+
+YamlReader::YamlReader(const YAML::Node& node, std::string path, const YamlSource& source)
+    : node_(node), path_(std::move(path)), source_(source) {
   // Shorthand: a lone word stands for the kind of a group whose other settings keep defaults.
   if (node_.IsScalar()) {
     YAML::Node group(YAML::NodeType::Map);
@@ -52,9 +59,7 @@ YamlReader::YamlReader(YAML::Node node, std::string path, const YamlSource& sour
 
 void YamlReader::Fail(const YAML::Node& node, const std::string& path,
                       const std::string& problem) const {
-  const std::string place = source_.PlaceOf(node, path);
-  throw UserError(path.empty() ? fmt::format("{}: {}", place, problem)
-                               : fmt::format("{}: {}: {}", place, path, problem));
+  throw source_.At(node, SettingError(path, problem));
 }
 
 std::string YamlReader::PathOf(const Setting& setting) const {
@@ -242,22 +247,23 @@ void YamlReader::RejectUnknownKeys() const {
 YAML::Node ParseYamlFile(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) {
-    throw UserError(fmt::format("{}: no such file", file.string()));
+    throw UserError({.place = file.string(), .problem = "no such file"});
   }
   if (std::filesystem::is_directory(file, error)) {
-    throw UserError(fmt::format("{}: is a folder, must be a scenario file", file.string()));
+    throw UserError({.place = file.string(), .problem = "is a folder, must be a scenario file"});
   }
   try {
     YAML::Node root = YAML::LoadFile(file.string());
     if (!root.IsMap()) {
-      throw UserError(fmt::format("{}:1:1: must be a map of keys", file.string()));
+      throw UserError({.place = file.string() + ":1:1", .problem = "must be a map of keys"});
     }
     return root;
   } catch (const YAML::BadFile&) {
-    throw UserError(fmt::format("{}: cannot be read", file.string()));
+    throw UserError({.place = file.string(), .problem = "cannot be read"});
   } catch (const YAML::Exception& problem) {
-    throw UserError(fmt::format("{}:{}:{}: {}", file.string(), problem.mark.line + 1,
-                                problem.mark.column + 1, problem.msg));
+    throw UserError({.place = fmt::format("{}:{}:{}", file.string(), problem.mark.line + 1,
+                                          problem.mark.column + 1),
+                     .problem = problem.msg});
   }
 }
 
@@ -303,32 +309,34 @@ void RejectUnknownController(const YAML::Node& root, const std::string& text,
   std::vector<std::string> names;
   for (const auto& entry : root["controllers"]) names.push_back(entry.first.Scalar());
   if (std::find(names.begin(), names.end(), keys[1]) != names.end()) return;
-  throw UserError(fmt::format("--set {}: controllers.{}: unknown controller{}", text, keys[1],
-                              Suggestion(keys[1], names)));
+  throw UserError({.place = "--set " + text,
+                   .key = "controllers." + keys[1],
+                   .problem = "unknown controller" + Suggestion(keys[1], names)});
 }
 
 }  // namespace
 
 void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source) {
+  const auto fail = [&text](const std::string& problem) {
+    throw UserError({.place = "--set " + text, .problem = problem});
+  };
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) {
-    throw UserError(fmt::format("--set {}: must be key.path=value", text));
-  }
+  if (equals == std::string::npos || equals == 0) fail("must be key.path=value");
   const std::string path = text.substr(0, equals);
   RejectUnknownController(root, text, SplitPath(path));
   YAML::Node node = root;
   for (const std::string& key : SplitPath(path)) {
-    if (key.empty()) throw UserError(fmt::format("--set {}: has an empty key", text));
+    if (key.empty()) fail("has an empty key");
     if (node.IsSequence() && node.size() != 1 &&
         key.find_first_not_of("0123456789") != std::string::npos) {
-      throw UserError(fmt::format("--set {}: {} is a list, name an item by its number", text, key));
+      fail(key + " is a list, name an item by its number");
     }
     node.reset(Descend(node, key));
   }
   try {
     node = YAML::Load(text.substr(equals + 1));
   } catch (const YAML::Exception& problem) {
-    throw UserError(fmt::format("--set {}: {}", text, problem.msg));
+    fail(problem.msg);
   }
   source.overrides[path] = text;
 }

@@ -10,8 +10,12 @@
 #include <vector>
 
 #include "controller/settings.h"
+#include "sim/base/error.h"
 
 namespace gauntlet::sim {
+
+/// What a setting may not be, as the user's mistake at a place.
+UserError AtPlace(std::string place, const controller::SettingError& error);
 
 /// Where values come from, for error messages: the file, and what --set put over it.
 struct YamlSource {
@@ -20,6 +24,8 @@ struct YamlSource {
 
   /// `file:line:column` of a node, or `--set text` if an override gave it.
   std::string PlaceOf(const YAML::Node& node, const std::string& path) const;
+  /// The error at the place of its node.
+  UserError At(const YAML::Node& node, const controller::SettingError& error) const;
 };
 
 /// Fills config structs from YAML, strictly: a key that is unknown, given twice, missing though
@@ -29,7 +35,7 @@ struct YamlSource {
 /// item may stand where a list is expected.
 class YamlReader final : public controller::SettingsVisitor {
  public:
-  YamlReader(YAML::Node node, std::string path, const YamlSource& source);
+  YamlReader(const YAML::Node& node, std::string path, const YamlSource& source);
 
   void Number(const controller::Setting& setting, double& value) override;
   void Integer(const controller::Setting& setting, int& value) override;
@@ -66,10 +72,11 @@ class YamlReader final : public controller::SettingsVisitor {
   std::vector<std::string> known_keys_;
 };
 
-/// Parses a file; a syntax error, an unreadable file or a top level that is no map is a UserError.
+/// Parses a file. Errors: UserError for a syntax error, an unreadable file, or a top level that is
+/// not a map.
 YAML::Node ParseYamlFile(const std::filesystem::path& file);
 
-/// Puts `key.path=value` over the tree. Errors: UserError for a text that is no override.
+/// Puts `key.path=value` over the tree. Errors: UserError for a text that is not an override.
 void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source);
 
 }  // namespace gauntlet::sim

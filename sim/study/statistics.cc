@@ -24,8 +24,8 @@ constexpr double kSmallestResampledScatter = 0.1;
 double StudentT(int degrees_of_freedom) {
   constexpr double kTable[] = {12.7062, 4.30265, 3.18245};
   if (degrees_of_freedom <= 3) return kTable[degrees_of_freedom - 1];
-  constexpr double z = 1.959964;
-  constexpr double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+  const double z = 1.959964;
+  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
   const double v = degrees_of_freedom;
   return z + (z3 + z) / (4.0 * v) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * v * v) +
          (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * v * v * v);
@@ -83,7 +83,7 @@ double ResampledT(const Sample& sample, RandomStream& random) {
 
 /// The value with `share` of the sorted values below it.
 double Quantile(const std::vector<double>& sorted, double share) {
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
+  return sorted[std::lround(share * (sorted.size() - 1))];
 }
 
 std::vector<double> Differences(std::span<const double> first, std::span<const double> second) {

@@ -160,10 +160,11 @@ void StudyDatabase::State::Open(bool make) {
     transaction.commit();
   } else if (database->execAndGet("PRAGMA user_version").getInt() != kFormat) {
     database.reset();
-    throw UserError(fmt::format(
-        "{}: no study database of this version of Gauntlet; remove it, or name another folder by "
-        "--out",
-        file.string()));
+    throw UserError(
+        fmt::format("{}: is not a study database of this version of Gauntlet; remove it, or name "
+                    "another folder by "
+                    "--out",
+                    file.string()));
   }
 }
 

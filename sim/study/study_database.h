@@ -21,7 +21,7 @@ namespace gauntlet::sim {
 /// nothing. The view `scores` shows what was asked for last, `all_scores` every one. The
 /// file appears with the first trial.
 ///
-/// Any thread may call Find and Keep. Errors: UserError for a file that is no such database,
+/// Any thread may call Find and Keep. Errors: UserError for a file that is not such a database,
 /// RunError when the disk does not take a trial.
 class StudyDatabase {
  public:

@@ -14,6 +14,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/score/score.h"
 
@@ -22,36 +23,14 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kKeyColumns = {"seed", "controller", "channel"};
 constexpr std::string_view kSummary = "summary";
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
-/// The parts of `text` between separators; a separator at the end starts no part.
-std::vector<std::string_view> Split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  while (!text.empty()) {
-    const std::size_t size = std::min(text.find(separator), text.size());
-    parts.push_back(text.substr(0, size));
-    text.remove_prefix(std::min(size + 1, text.size()));
-  }
-  return parts;
-}
-
-/// The lines of a file, without the mark and the carriage returns that a spreadsheet puts in.
-std::vector<std::string_view> Lines(std::string_view text) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  std::vector<std::string_view> lines = Split(text, '\n');
-  for (std::string_view& line : lines) {
-    if (line.ends_with('\r')) line.remove_suffix(1);
-  }
-  return lines;
-}
 
 [[noreturn]] void Fail(const std::string& name, std::size_t row, const std::string& problem) {
-  throw UserError(fmt::format("{}:{}: {}", name, row, problem));
+  throw UserError({.place = fmt::format("{}:{}", name, row), .problem = problem});
 }
 
 [[noreturn]] void Fail(const std::string& name, std::size_t row, std::size_t column,
                        const std::string& problem) {
-  throw UserError(fmt::format("{}:{}:{}: {}", name, row, column, problem));
+  throw UserError({.place = fmt::format("{}:{}:{}", name, row, column), .problem = problem});
 }
 
 /// None where the text is anything but one finite number.
@@ -75,7 +54,7 @@ std::size_t PlaceOf(std::vector<Value>& list, const Value& value) {
 
 /// The metric of each column behind the key columns.
 std::vector<std::size_t> MetricColumns(const std::string& name, std::string_view line) {
-  const std::vector<std::string_view> columns = Split(line, ',');
+  const std::vector<std::string_view> columns = SplitCells(line);
   for (std::size_t i = 0; i < kKeyColumns.size(); ++i) {
     if (i < columns.size() && columns[i] == kKeyColumns[i]) continue;
     Fail(name, 1, fmt::format("must begin with the columns {}", fmt::join(kKeyColumns, ",")));
@@ -104,8 +83,7 @@ struct Row {
 
 Row ParseRow(const std::string& name, std::size_t number, std::string_view line,
              const std::vector<std::size_t>& metrics) {
-  std::vector<std::string_view> fields = Split(line, ',');
-  if (line.ends_with(',')) fields.emplace_back();  // the last score is missing
+  const std::vector<std::string_view> fields = SplitCells(line);
   const std::size_t field_count = kKeyColumns.size() + metrics.size();
   if (fields.size() != field_count) {
     Fail(name, number, fmt::format("has {} fields, must have {}", fields.size(), field_count));
@@ -135,7 +113,7 @@ Row ParseRow(const std::string& name, std::size_t number, std::string_view line,
 
 std::string ReadText(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw UserError(fmt::format("{}: cannot be read", file.string()));
+  if (!stream) throw UserError({.place = file.string(), .problem = "cannot be read"});
   std::ostringstream text;
   text << stream.rdbuf();
   return text.str();
@@ -144,8 +122,8 @@ std::string ReadText(const std::filesystem::path& file) {
 }  // namespace
 
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
-  const std::vector<std::string_view> lines = Lines(text);
-  if (lines.size() < 2) throw UserError(fmt::format("{}: holds no scores", name));
+  const std::vector<std::string_view> lines = SplitLines(text);
+  if (lines.size() < 2) throw UserError({.place = name, .problem = "holds no scores"});
   const std::vector<std::size_t> metrics = MetricColumns(name, lines[0]);
   ScoreFile file;
   file.has_metric.assign(Metrics().size(), false);
@@ -155,7 +133,7 @@ ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
   for (std::size_t i = 1; i < lines.size(); ++i) {
     Row row = ParseRow(name, i + 1, lines[i], metrics);
     if (!seen.insert({row.seed, row.controller, row.channel}).second) {
-      Fail(name, i + 1, "seed, controller and channel stand twice");
+      Fail(name, i + 1, "seed, controller and channel appear twice");
     }
     PlaceOf(file.seeds, row.seed);
     PlaceOf(file.controllers, row.controller);
@@ -166,8 +144,9 @@ ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
       file.seeds.size() * file.controllers.size() * (file.channels.size() + 1);
   if (rows.size() != expected) {
     throw UserError(
-        fmt::format("{}: has {} rows, must have {}: one per seed, controller and channel", name,
-                    rows.size(), expected));
+        {.place = name,
+         .problem = fmt::format("has {} rows, must have {}: one per seed, controller and channel",
+                                rows.size(), expected)});
   }
   file.summary.assign(
       file.controllers.size(),
@@ -184,14 +163,15 @@ ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
 StudyFolder ReadStudyFolder(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored)) {
-    throw UserError(fmt::format("{}: is not a folder", folder.string()));
+    throw UserError({.place = folder.string(), .problem = "is not a folder"});
   }
   for (const char* file : {"scenario.resolved.yaml", "scores.csv"}) {
     if (std::filesystem::exists(folder / file, ignored)) continue;
     throw UserError(
-        fmt::format("{}: no {} there, must be the output folder of a finished gauntlet run or "
-                    "compare",
-                    folder.string(), file));
+        {.place = folder.string(),
+         .problem = fmt::format("no {} there, must be the output folder of a finished gauntlet run "
+                                "or compare",
+                                file)});
   }
   const std::filesystem::path scores = folder / "scores.csv";
   return {.name = folder.string(),

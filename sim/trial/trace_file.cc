@@ -93,7 +93,7 @@ struct DatasetPlace {
 };
 
 /// HDF5 1.10 writes what it still holds when it closes, complains where that fails, and crashes
-/// when it closes again. Once a file that the disk did not take is empty, the disk has room for
+/// when it closes again. Once a file that the disk did not take is empty, the disk has space for
 /// that.
 void MakeRoom(const std::string& file) { static_cast<void>(truncate(file.c_str(), 0)); }
 
@@ -304,8 +304,8 @@ TraceFile ReadTraceFile(const std::filesystem::path& file, const std::vector<std
     }
     return result;
   } catch (const H5::Exception& error) {
-    throw UserError(
-        fmt::format("{}: is no trace file of Gauntlet ({})", file.string(), error.getDetailMsg()));
+    throw UserError(fmt::format("{}: is not a trace file of Gauntlet ({})", file.string(),
+                                error.getDetailMsg()));
   }
 }
 

@@ -44,7 +44,7 @@ struct TraceFile {
   std::vector<Trace> traces;   // in the order of writing
 };
 
-/// Reads a whole trace file. Errors: UserError if it is missing or is no trace file of Gauntlet.
+/// Reads a whole trace file. Errors: UserError if it is missing or is not a trace file of Gauntlet.
 /// Of the controllers named in `only`, or of all if it is empty.
 TraceFile ReadTraceFile(const std::filesystem::path& file,
                         const std::vector<std::string>& only = {});

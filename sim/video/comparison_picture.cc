@@ -73,7 +73,7 @@ FrameClock ClockOf(const VideoInput& input) {
 ComparisonPicture::ComparisonPicture(const VideoInput& input)
     : input_(input),
       clock_(ClockOf(input)),
-      layout_(LayOutVideo(input.width_px, input.height_px, static_cast<int>(input.panes.size()))) {
+      layout_(LayOutVideo(input.width_px, input.height_px, input.panes.size())) {
   const AngleScale scale = ScaleOfAllPanes();
   for (std::size_t i = 0; i < input_.panes.size(); ++i) {
     scores_.push_back(ComputeRunningScores(Measured(*input_.true_angle_rad),
@@ -98,7 +98,7 @@ int ComparisonPicture::view_height_px() const {
 }
 
 int ComparisonPicture::SampleCount(int pane) const {
-  return static_cast<int>(input_.panes[pane].hand_angle_rad->rows());
+  return input_.panes[pane].hand_angle_rad->rows();
 }
 
 int ComparisonPicture::SampleOf(int pane, int frame) const {
@@ -254,7 +254,7 @@ void ComparisonPicture::Draw(int frame, std::span<const Image> views, Image& ima
   image.pixels.assign(background_.pixels.begin(), background_.pixels.end());
   Painter painter(image);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    DrawPane(painter, static_cast<int>(i), frame, views[i]);
+    DrawPane(painter, i, frame, views[i]);
   }
   DrawClock(painter, frame);
 }

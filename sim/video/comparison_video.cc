@@ -48,7 +48,7 @@ class FrameArtist {
   void Draw(int frame, Image& image) {
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const VideoPane& pane = input_.panes[i];
-      const int sample = picture_.SampleOf(static_cast<int>(i), frame);
+      const int sample = picture_.SampleOf(i, frame);
       if (pane.object_pose != nullptr && pane.object_pose->cols() == 7) {
         SetObjectPose(hand_, Row(*pane.object_pose, sample), *data_);
       }

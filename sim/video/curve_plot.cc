@@ -39,7 +39,7 @@ void IncludeMost(std::span<const double> angle_rad, AngleScale& scale) {
     if (std::isfinite(value)) values.push_back(value);
   }
   if (values.empty()) return;
-  const auto rare = static_cast<std::ptrdiff_t>(kNoisyShare * static_cast<double>(values.size()));
+  const auto rare = static_cast<std::ptrdiff_t>(kNoisyShare * values.size());
   std::nth_element(values.begin(), values.begin() + rare, values.end());
   Include(kDegPerRad * values[rare], scale);
   std::nth_element(values.begin(), values.end() - 1 - rare, values.end());
@@ -69,7 +69,7 @@ AngleScale ChooseAngleScale(std::span<const std::span<const double>> whole,
 CurvePlot::CurvePlot(const Rect& area, double unit, const AngleScale& scale, double rate_hz,
                      const FrameClock& clock)
     : area_(area), unit_(unit), scale_(scale), rate_hz_(rate_hz), clock_(clock) {
-  const auto frames_per_s = static_cast<double>(clock.frames_per_s);
+  const double frames_per_s = clock.frames_per_s;
   px_per_frame_ = std::max(1.0, std::round(area.width / (kWindow_s * frames_per_s)));
   px_per_sample_ = px_per_frame_ * frames_per_s / rate_hz;
 }
@@ -123,7 +123,7 @@ void CurvePlot::AddPoints(const Curve& curve, double scrolled_px, int end,
     points.push_back({x, HeightOf(kDegPerRad * curve.angle_rad[sample])});
   };
   const auto first_sample_of = [&](std::int64_t column) {
-    return static_cast<int>(std::ceil(static_cast<double>(column) / px_per_sample_));
+    return static_cast<int>(std::ceil(column / px_per_sample_));
   };
   // One column further left, so that the line comes in from outside.
   auto column = std::max<std::int64_t>(0, static_cast<std::int64_t>(scrolled_px) - 1);

@@ -18,13 +18,10 @@ struct FrameClock {
         frames_per_s(given_frames_per_s),
         samples(sample_count) {}
 
-  int Sample(int frame) const {
-    return static_cast<int>(frame * rate_millihertz / (1000 * frames_per_s));
-  }
+  int Sample(int frame) const { return frame * rate_millihertz / (1000 * frames_per_s); }
   /// Every frame that has a sample.
   int FrameCount() const {
-    return static_cast<int>((samples * 1000 * frames_per_s + rate_millihertz - 1) /
-                            rate_millihertz);
+    return (samples * 1000 * frames_per_s + rate_millihertz - 1) / rate_millihertz;
   }
   double Time_s(int frame) const { return static_cast<double>(frame) / frames_per_s; }
 };

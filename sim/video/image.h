@@ -15,14 +15,10 @@ struct Image {
 
   Image() = default;
   Image(int width, int height)
-      : width_px(width),
-        height_px(height),
-        pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+      : width_px(width), height_px(height), pixels(std::ptrdiff_t{width} * height) {}
 
-  std::uint32_t* Row(int y) { return pixels.data() + static_cast<std::size_t>(y) * width_px; }
-  const std::uint32_t* Row(int y) const {
-    return pixels.data() + static_cast<std::size_t>(y) * width_px;
-  }
+  std::uint32_t* Row(int y) { return pixels.data() + std::ptrdiff_t{y} * width_px; }
+  const std::uint32_t* Row(int y) const { return pixels.data() + std::ptrdiff_t{y} * width_px; }
 };
 
 }  // namespace gauntlet::sim

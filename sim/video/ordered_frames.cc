@@ -5,6 +5,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace gauntlet::sim {
@@ -49,7 +50,7 @@ class Ring {
 
   void Stop(std::exception_ptr problem) {
     const std::lock_guard lock(mutex_);
-    if (problem_ == nullptr) problem_ = problem;
+    if (problem_ == nullptr) problem_ = std::move(problem);
     stopped_ = true;
     changed_.notify_all();
   }

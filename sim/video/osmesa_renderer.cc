@@ -231,7 +231,7 @@ struct OsmesaRenderer::Context {
     const int n = config.supersampling, stride = drawn_width();
     for (int y = 0; y < config.height_px; ++y) {
       const std::uint32_t* source =
-          drawn.data() + static_cast<std::size_t>(config.height_px - 1 - y) * n * stride;
+          drawn.data() + std::ptrdiff_t{config.height_px - 1 - y} * n * stride;
       std::uint32_t* out = picture.Row(y);
       if (n == 2) {
         HalveRow(source, source + stride, config.width_px, out);
@@ -257,7 +257,7 @@ void OsmesaRenderer::Draw(mjData& data, Image& picture) {
   context.UpdateScene(data);
   const mjrRect everything = {0, 0, context.drawn_width(), context.drawn_height()};
   mjr_render(everything, &context.scene, &context.drawing);
-  context.drawn.resize(static_cast<std::size_t>(everything.width) * everything.height);
+  context.drawn.resize(std::ptrdiff_t{everything.width} * everything.height);
   glReadPixels(0, 0, everything.width, everything.height, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
                context.drawn.data());
   context.RepairAlpha();

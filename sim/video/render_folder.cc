@@ -17,16 +17,16 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
                                    const std::function<bool(int, int)>& keep_going) {
   const std::filesystem::path resolved = options.folder / "scenario.resolved.yaml";
   if (!std::filesystem::exists(resolved)) {
-    throw UserError(
-        fmt::format("{}: no scenario.resolved.yaml there, must be the output folder of "
-                    "gauntlet run or compare",
-                    options.folder.string()));
+    throw UserError({.place = options.folder.string(),
+                     .problem = "no scenario.resolved.yaml there, must be the output folder of "
+                                "gauntlet run or compare"});
   }
   const Scenario scenario = LoadScenario(resolved, {});
   CheckControllerNames(options.controllers, scenario);
   const TraceFile file = ReadTraceFile(options.folder / "trace.h5", options.controllers);
   if (file.traces.empty()) {
-    throw UserError(fmt::format("{}: holds no controller", (options.folder / "trace.h5").string()));
+    throw UserError(
+        {.place = (options.folder / "trace.h5").string(), .problem = "holds no controller"});
   }
   const HandModel hand(scenario.hand, TimingOf(scenario));
   const controller::JointMap joint_map(scenario.joint_map, file.channel_names, hand.transmission());
@@ -52,9 +52,10 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   }
   const auto joint = std::ranges::find(file.joint_names, scenario.video.channel);
   if (joint == file.joint_names.end()) {
-    throw UserError(fmt::format("{}: video.channel: {} is not in the trace{}", resolved.string(),
-                                scenario.video.channel,
-                                Suggestion(scenario.video.channel, file.joint_names)));
+    throw UserError({.place = resolved.string(),
+                     .key = "video.channel",
+                     .problem = scenario.video.channel + " is not in the trace" +
+                                Suggestion(scenario.video.channel, file.joint_names)});
   }
   input.joint = static_cast<int>(joint - file.joint_names.begin());
   input.joint_name = scenario.video.channel;
@@ -64,7 +65,7 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   input.frames_per_s = scenario.video.frames_per_s;
   input.jobs = options.jobs;
 
-  const std::filesystem::path target =
+  std::filesystem::path target =
       options.target.empty() ? options.folder / "comparison.mp4" : options.target;
   WriteComparisonVideo(input, hand, target, keep_going);
   return target;

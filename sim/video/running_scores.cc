@@ -11,7 +11,7 @@ namespace {
 
 /// Mean over columns of the RMS of the rows shown up to each frame. Row 0 is sample `first_sample`.
 std::vector<double> RunningRms(const Signal& angle_rad, int first_sample, const FrameClock& clock) {
-  const int rows = static_cast<int>(angle_rad.rows());
+  const int rows = angle_rad.rows();
   Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(angle_rad.cols());
   std::vector<double> result;
   int row = 0;

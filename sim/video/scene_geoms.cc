@@ -12,7 +12,7 @@ namespace {
 template <class Condition>
 void RemoveGeoms(mjvScene& scene, const Condition& condition) {
   mjvGeom* end = std::remove_if(scene.geoms, scene.geoms + scene.ngeom, condition);
-  scene.ngeom = static_cast<int>(end - scene.geoms);
+  scene.ngeom = end - scene.geoms;
 }
 
 /// No shape reaches further from its centre: a capsule's length and radius add up.
@@ -50,7 +50,7 @@ void RemovePlanes(mjvScene& scene) {
 
 void FlattenCables(mjvScene& scene) {
   constexpr float kHalfSide = 0.886f;  // of a square of the same area as a circle of radius 1
-  for (mjvGeom& geom : std::span(scene.geoms, static_cast<std::size_t>(scene.ngeom))) {
+  for (mjvGeom& geom : std::span(scene.geoms, scene.ngeom)) {
     if (geom.objtype != mjOBJ_TENDON || geom.type != mjGEOM_CAPSULE) continue;
     geom.type = mjGEOM_BOX;
     geom.size[0] *= kHalfSide;

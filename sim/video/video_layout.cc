@@ -96,8 +96,9 @@ VideoLayout LayOutVideo(int width_px, int height_px, int pane_count) {
   const double width = (width_px - 2.0 * margin - (columns - 1) * gap) / columns;
   const double height = (height_px - layout.header.height - margin - (rows - 1) * gap) / rows;
   for (int i = 0; i < pane_count; ++i) {
-    const double x = margin + (i % columns) * (width + gap);
-    const double y = layout.header.height + (i / columns) * (height + gap);
+    const int row = i / columns, column = i % columns;
+    const double x = margin + column * (width + gap);
+    const double y = layout.header.height + row * (height + gap);
     const Rect card = {std::round(x), std::round(y), std::floor(width), std::floor(height)};
     layout.panes.push_back(rows == 1 ? LayOutTallPane(card, unit) : LayOutLowPane(card, unit));
   }

@@ -264,7 +264,7 @@ TEST_F(PoseFile, NamesThePlaceOfAMistake) {
   EXPECT_THAT(ErrorOfFile("index_mcp_counts,index_mcp_deg,index_pip_deg\n1,2,3\n"),
               HasSubstr("poses.csv:1:3: 'index_pip' has a known angle but no counts"));
   EXPECT_THAT(ErrorOfFile("index_mcp_counts,index_mcp_deg,index_mcp_rad\n1,2,3\n"),
-              HasSubstr("'index_mcp' stands twice"));
+              HasSubstr("'index_mcp' appears twice"));
   EXPECT_EQ(ErrorOfFile("t_s,index_mpc_counts\n0,1\n"),
             "poses.csv:1:2: unknown channel 'index_mpc' (did you mean index_mcp?); gauntlet list "
             "channels names all 18");

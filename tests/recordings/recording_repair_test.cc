@@ -439,7 +439,7 @@ TEST_F(Files, OfMapsAreReadStrictly) {
   EXPECT_EQ(error_of("column,channel,sign\na,index_mcp,2\n"), "map.csv:2:3: must be 1 or -1");
   EXPECT_THAT(error_of("column,channel\nc,index_mcp\n"), HasSubstr("has no column 'c'"));
   EXPECT_EQ(error_of("column,channel\na,index_mcp\nb,index_mcp\n"),
-            "map.csv:3:2: index_mcp stands twice");
+            "map.csv:3:2: index_mcp appears twice");
   EXPECT_EQ(error_of("column,channel\na\n"), "map.csv:2:1: the row has 1 of 2 values");
 }
 

@@ -153,7 +153,7 @@ TEST_F(RecordingFile, RejectsWhatCannotBeARecording) {
                              ":1:1: there is no column of time; without one file_rate_hz must be "
                              "given");
   Write("time_s,index_mcp,index_mcp\n0,1,1\n");
-  EXPECT_EQ(LoadError(), path_.string() + ":1:3: index_mcp stands twice");
+  EXPECT_EQ(LoadError(), path_.string() + ":1:3: index_mcp appears twice");
 }
 
 TEST(DoorOpening, LiesInsideTheJointRangesAndMovesEveryChannel) {

@@ -80,7 +80,7 @@ TEST(Overshoot, AtReversalsIsTheExcessOfTheAmplitude) {
 }
 
 TEST(Overshoot, DoesNotBlameAHandForTheNextMovement) {
-  // Up by 1, rest, up by 1 again: the second movement is no overshoot of the first.
+  // Up by 1, rest, up by 1 again: the second movement is not an overshoot of the first.
   const auto stairs = [](double t) {
     return std::clamp((t - 1.0) / 0.3, 0.0, 1.0) + std::clamp((t - 2.0) / 0.3, 0.0, 1.0);
   };

@@ -86,6 +86,24 @@ class YamlReaderTest : public testing::Test {
   std::filesystem::path file_;
 };
 
+TEST_F(YamlReaderTest, GivesPlaceKeyAndProblemApart) {
+  const auto error = [&](const std::string& text, const std::vector<std::string>& overrides) {
+    try {
+      Read(text, overrides);
+    } catch (const UserError& caught) {
+      return caught;
+    }
+    return UserError("none");
+  };
+  const UserError in_file = error("title: a\ninner: {order: x}\n", {});
+  EXPECT_EQ(in_file.place(), file_.string() + ":2:16");
+  EXPECT_EQ(in_file.key(), "inner.order");
+  EXPECT_EQ(in_file.problem(), "is \"x\", must be a number");
+  const UserError on_command_line = error("title: a\n", {"inner.order=x"});
+  EXPECT_EQ(on_command_line.place(), "--set inner.order=x");
+  EXPECT_EQ(on_command_line.key(), "inner.order");
+}
+
 TEST_F(YamlReaderTest, ReadsEveryKindOfSetting) {
   const Outer outer = Read(
       "title: hello\nenabled: true\nweights: [1, 2.5]\nkind: fast\n"

@@ -120,7 +120,7 @@ TEST(ParseScoresCsv, NamesThePlaceOfWhatIsWrong) {
             fmt::format("scores.csv:2: has {} fields, must have {}", Metrics().size() + 2,
                         Metrics().size() + 3));
   EXPECT_EQ(Complaint(With(good, "raw,index_mcp", "raw,summary")),
-            "scores.csv:3: seed, controller and channel stand twice");
+            "scores.csv:3: seed, controller and channel appear twice");
   EXPECT_EQ(Complaint(good.substr(0, good.rfind("5,mean,index_mcp"))),
             "scores.csv: has 7 rows, must have 8: one per seed, controller and channel");
 }

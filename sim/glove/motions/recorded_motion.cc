@@ -75,14 +75,17 @@ std::size_t SampleCount(const RecordedMotionConfig& config, const Recording& rec
                         const MotionContext& context) {
   const double available_s = recording.time_s.back() - config.start_s;
   if (config.duration_s > available_s + 0.5 / context.rate_hz) {
-    throw UserError(fmt::format("{}: start_s {} and duration_s {} go beyond its end at {:.3f} s",
-                                recording.name, config.start_s, config.duration_s,
-                                recording.time_s.back()));
+    throw UserError(
+        {.place = recording.name,
+         .problem = fmt::format("start_s {} and duration_s {} go beyond its end at {:.3f} s",
+                                config.start_s, config.duration_s, recording.time_s.back())});
   }
   const double duration_s = config.duration_s > 0.0 ? config.duration_s : available_s;
   if (duration_s > kLongestMotionS) {
-    throw UserError(fmt::format("{}: is longer than {} s, duration_s must be given (at most {} s)",
-                                recording.name, kLongestMotionS, kLongestMotionS));
+    throw UserError(
+        {.place = recording.name,
+         .problem = fmt::format("is longer than {} s, duration_s must be given (at most {} s)",
+                                kLongestMotionS, kLongestMotionS)});
   }
   if (config.duration_s > 0.0) {
     return static_cast<std::size_t>(context.SampleCount(config.duration_s));

@@ -11,8 +11,9 @@ namespace gauntlet::sim {
 
 /// Every channel swings about the middle of its range.
 ///
-///     angle(t) = middle + half sin(2 pi f t + k phase_step),   k = 0, 1, .. over the moving
-///     channels
+///     angle(t) = middle + half sin(2 pi f t + k phase_step)
+///
+/// for the moving channels k = 0, 1, ..
 struct SineConfig {
   static constexpr std::string_view kKind = "sine";
   static constexpr std::string_view kSummary = "sine of one frequency per channel";

@@ -48,7 +48,7 @@ struct NoiseConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// One kind of white noise, with the settings it has if nothing is said.
+/// One kind of white noise, with its default settings.
 struct NoiseKindInfo {
   std::string_view name;
   std::string_view summary;

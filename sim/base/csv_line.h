@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// How text with one row a line is cut into cells. What the cells mean is the reader's matter.
+
+/// Without the mark that spreadsheets write at the beginning of a file.
+std::string_view WithoutByteOrderMark(std::string_view text);
+
+/// Without blanks at both ends, the carriage return of a line that ends with CRLF included.
+std::string_view Trimmed(std::string_view text);
+
+/// Trimmed, then without the quotes around it, single or double.
+std::string_view Unquoted(std::string_view text);
+
+/// Takes the first cell off `rest`, which then begins behind the separator. The separator ' '
+/// stands for any number of blanks.
+std::string_view TakeCell(std::string_view& rest, char separator);
+
+/// All cells of a line: one more than separators, so that an empty line has one empty cell.
+std::vector<std::string_view> SplitCells(std::string_view line, char separator = ',');
+
+/// The lines of a text, without their ends and the byte order mark.
+std::vector<std::string_view> SplitLines(std::string_view text);
+
+}  // namespace gauntlet::sim

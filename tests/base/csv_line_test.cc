@@ -1,0 +1,45 @@
+#include "sim/base/csv_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::ElementsAre;
+
+TEST(SplitCells, GivesOneCellMoreThanThereAreSeparators) {
+  EXPECT_THAT(SplitCells(""), ElementsAre(""));
+  EXPECT_THAT(SplitCells("a"), ElementsAre("a"));
+  EXPECT_THAT(SplitCells(",a,,b "), ElementsAre("", "a", "", "b "));
+  EXPECT_THAT(SplitCells("a,"), ElementsAre("a", ""));
+  EXPECT_THAT(SplitCells("0,5;1", ';'), ElementsAre("0,5", "1"));
+}
+
+TEST(SplitCells, TakesAnyBlanksAsOneSeparator) {
+  EXPECT_THAT(SplitCells("  1 \t -2  3 ", ' '), ElementsAre("1", "-2", "3"));
+}
+
+TEST(TakeCell, LeavesWhatIsBehindTheSeparator) {
+  std::string_view rest = "1,2,";
+  EXPECT_EQ(TakeCell(rest, ','), "1");
+  EXPECT_EQ(rest, "2,");
+  EXPECT_EQ(TakeCell(rest, ','), "2");
+  EXPECT_EQ(TakeCell(rest, ','), "");
+  EXPECT_EQ(rest, "");
+}
+
+TEST(SplitLines, TakesLinesOfSpreadsheets) {
+  EXPECT_THAT(SplitLines("\xEF\xBB\xBFk,a\r\n\r\n0,1"), ElementsAre("k,a", "", "0,1"));
+  EXPECT_THAT(SplitLines(""), ElementsAre());
+}
+
+TEST(Unquoted, TakesOnePairOfEqualQuotesAway) {
+  EXPECT_EQ(Unquoted(" \"a b\"\r"), "a b");
+  EXPECT_EQ(Unquoted("'a'"), "a");
+  EXPECT_EQ(Unquoted("\"a'"), "\"a'");
+  EXPECT_EQ(Unquoted("\""), "\"");
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
