@@ -53,6 +53,14 @@ struct TendonTransmission {
   std::vector<int> min_counts;              // per motor
   std::vector<int> max_counts;              // per motor
 
+  /// The two directions of the second equation, for one motor; counts are not rounded here.
+  double ToSpoolAngle(std::size_t motor, double motor_counts) const {
+    return (motor_counts - center_counts[motor]) / counts_per_rad[motor];
+  }
+  double ToCounts(std::size_t motor, double spool_angle_rad) const {
+    return center_counts[motor] + counts_per_rad[motor] * spool_angle_rad;
+  }
+
   void Visit(SettingsVisitor& visitor);
 };
 

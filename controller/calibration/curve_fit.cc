@@ -9,7 +9,8 @@
 #include <numbers>
 
 #include "controller/calibration/noise_estimate.h"
-#include "controller/linearisation/curve_linearisation.h"
+#include "controller/linearisation/polynomial_linearisation.h"
+#include "controller/linearisation/table_linearisation.h"
 
 namespace gauntlet::controller {
 namespace {

@@ -4,7 +4,8 @@
 #include <array>
 #include <string>
 
-#include "controller/linearisation/curve_linearisation.h"
+#include "controller/linearisation/polynomial_linearisation.h"
+#include "controller/linearisation/table_linearisation.h"
 #include "controller/linearisation/two_point_linearisation.h"
 
 namespace gauntlet::controller {

@@ -1,9 +1,9 @@
+#include "controller/linearisation/table_linearisation.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
-
-#include "controller/linearisation/curve_linearisation.h"
 
 namespace gauntlet::controller {
 namespace {

@@ -81,7 +81,7 @@ void Hand::State::TakeFrame() noexcept {
   if (!commanded || !frame_clock.Tick() || !new_counts) return;
   const controller::TendonTransmission& map = hand->transmission();
   for (std::size_t motor = 0; motor < counts.size(); ++motor) {
-    target_rad[motor] = (counts[motor] - map.center_counts[motor]) / map.counts_per_rad[motor];
+    target_rad[motor] = map.ToSpoolAngle(motor, counts[motor]);
   }
   new_counts = false;
 }
@@ -253,10 +253,8 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   std::fill(state.cables.begin(), state.cables.end(), CableState{});
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
-    const double counts =
-        std::round(map.center_counts[motor] + map.counts_per_rad[motor] * spool[motor]);
-    state.counts[motor] = static_cast<std::int32_t>(counts);
-    state.target_rad[motor] = (counts - map.center_counts[motor]) / map.counts_per_rad[motor];
+    state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
+    state.target_rad[motor] = map.ToSpoolAngle(motor, state.counts[motor]);
   }
   state.frame_clock.Reset();
   state.commanded = false;

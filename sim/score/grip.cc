@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/score/channel_scores.h"
 #include "sim/score/jitter.h"
+#include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "controller/timing.h"
-#include "sim/score/channel_scores.h"
 #include "sim/score/delay.h"
 #include "sim/score/low_pass.h"
+#include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
 namespace {

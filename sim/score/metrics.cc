@@ -1,171 +1,206 @@
+#include "sim/score/metrics.h"
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
-#include "sim/score/channel_scores.h"
-#include "sim/score/score.h"
+#include "sim/score/delay.h"
+#include "sim/score/grip.h"
+#include "sim/score/motors.h"
+#include "sim/score/no_score.h"
+#include "sim/score/steps.h"
+#include "sim/score/tracking.h"
 
 namespace gauntlet::sim {
 namespace {
 
-struct Row {
-  Metric metric;
-  double ChannelScores::*field;
-};
+/// Standard deviation about the mean of each range, pooled.
+double PooledDeviation(std::span<const double> values, const std::vector<Range>& ranges) {
+  double squares = 0.0;
+  int count = 0;
+  for (const Range& range : ranges) {
+    const auto part = values.subspan(range.begin, range.end - range.begin);
+    double mean = 0.0;
+    for (const double value : part) mean += value;
+    mean /= static_cast<double>(part.size());
+    for (const double value : part) squares += (value - mean) * (value - mean);
+    count += static_cast<int>(part.size());
+  }
+  return count == 0 ? kNoScore : std::sqrt(squares / count);
+}
 
-constexpr Row kRows[] = {
+constexpr MetricRow kRows[] = {
     {{.key = "tracking_rmse_deg",
       .help = "how far the hand is from the wearer, RMS",
       .definition = "sqrt(mean((hand - reference)^2))",
       .main = true},
-     &ChannelScores::tracking_rmse_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * RmsDifference(j.reference_rad, j.hand_rad); }},
     {{.key = "delay_ms",
       .help = "how late the hand is",
       .definition = "lag of the largest Pearson correlation over the overlap, within half the "
                     "dominant period, refined by a parabola (Knapp and Carter 1976)",
       .main = true},
-     &ChannelScores::delay_ms},
+     [](const ScoredJoint& j) {
+       return j.delay_ticks ? 1000.0 * *j.delay_ticks / j.rate_hz : kNoScore;
+     }},
     {{.key = "aligned_rmse_deg",
       .help = "how far the hand is from the wearer once the delay is taken out, RMS",
       .definition = "sqrt(mean((hand(t + delay_ms) - reference(t))^2)); the plain difference where "
                     "there is no delay",
       .main = true},
-     &ChannelScores::aligned_rmse_deg},
+     [](const ScoredJoint& j) {
+       return kDegPerRad * (j.delay_ticks ? AlignedRms(j.reference_rad, j.hand_rad, *j.delay_ticks)
+                                          : RmsDifference(j.reference_rad, j.hand_rad));
+     }},
     {{.key = "peak_error_deg",
       .help = "the largest distance between hand and wearer",
       .definition = "max |hand - reference|",
       .main = true},
-     &ChannelScores::peak_error_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * PeakDifference(j.reference_rad, j.hand_rad); }},
     {{.key = "jitter_rms_deg",
       .help = "trembling of the hand: its angle above 10 Hz, RMS",
       .definition = "RMS behind a zero-phase high pass at 10 Hz: linear phase, Kaiser window, 8 to "
                     "12 Hz, 80 dB; 0.63 s at both ends left out",
       .main = true},
-     &ChannelScores::jitter_rms_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * Rms(j.trembling_rad); }},
     {{.key = "command_reversals_per_s",
       .help = "local jumps: how often the motor command turns round",
       .definition = "sign changes between successive non-zero increments of the integer command, "
                     "per second (Bai, Jiang, Yokoi 2021, figure 12)",
-      .part = ScoredPart::kMotor,
       .main = true},
-     &ChannelScores::command_reversals_per_s},
+     [](const ScoredMotor& m) {
+       return m.command_counts.empty() ? kNoScore : ReversalsPerSecond(m.command_counts, m.rate_hz);
+     }},
     {{.key = "rest_tracking_rmse_deg",
       .help = "distance to the wearer who holds still, RMS",
       .definition = "tracking_rmse_deg where the wearer is slower than 5 deg/s for 0.3 s, without "
                     "the first 0.5 s; or in segments labelled rest"},
-     &ChannelScores::rest_tracking_rmse_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kRest); }},
     {{.key = "rest_jitter_deg",
       .help = "how much the hand wanders while the wearer holds still",
       .definition =
           "standard deviation of the hand about its mean of each rest, pooled over rests"},
-     &ChannelScores::rest_jitter_deg},
+     [](const ScoredJoint& j) {
+       return kDegPerRad * PooledDeviation(j.hand_rad, j.wearer.Of(Regime::kRest));
+     }},
     {{.key = "slow_tracking_rmse_deg",
       .help = "distance to the wearer while the wearer moves slowly, RMS",
       .definition = "tracking_rmse_deg where the wearer is below 60 deg/s and not at rest; or in "
                     "segments labelled slow"},
-     &ChannelScores::slow_tracking_rmse_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kSlow); }},
     {{.key = "slow_jitter_rms_deg",
       .help = "trembling while the wearer moves slowly, RMS",
       .definition = "jitter_rms_deg where the wearer is below 60 deg/s and not at rest; or in "
                     "segments labelled slow"},
-     &ChannelScores::slow_jitter_rms_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kSlow); }},
     {{.key = "fast_tracking_rmse_deg",
       .help = "distance to the wearer while the wearer moves fast, RMS",
       .definition =
           "tracking_rmse_deg where the wearer has 60 deg/s or more; or in segments labelled fast"},
-     &ChannelScores::fast_tracking_rmse_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kFast); }},
     {{.key = "fast_jitter_rms_deg",
       .help = "trembling while the wearer moves fast, RMS",
       .definition =
           "jitter_rms_deg where the wearer has 60 deg/s or more; or in segments labelled fast"},
-     &ChannelScores::fast_jitter_rms_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kFast); }},
     {{.key = "onset_tracking_rmse_deg",
       .help = "distance to the wearer just after the wearer starts from rest, RMS",
       .definition = "tracking_rmse_deg where 0.3 s have not passed since a movement began from "
                     "rest; or in segments labelled onset"},
-     &ChannelScores::onset_tracking_rmse_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kOnset); }},
     {{.key = "onset_jitter_rms_deg",
       .help = "trembling just after the wearer starts from rest, RMS",
       .definition = "jitter_rms_deg where 0.3 s have not passed since a movement began from rest; "
                     "or in segments labelled onset"},
-     &ChannelScores::onset_jitter_rms_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kOnset); }},
     {{.key = "reversal_tracking_rmse_deg",
       .help = "distance to the wearer around a change of direction, RMS",
       .definition = "tracking_rmse_deg where the wearer turns round within 0.15 s; or in segments "
                     "labelled reversal"},
-     &ChannelScores::reversal_tracking_rmse_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kReversal); }},
     {{.key = "reversal_jitter_rms_deg",
       .help = "trembling around a change of direction, RMS",
       .definition = "jitter_rms_deg where the wearer turns round within 0.15 s; or in segments "
                     "labelled reversal"},
-     &ChannelScores::reversal_jitter_rms_deg},
+     [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kReversal); }},
     {{.key = "sparc",
       .help = "smoothness of the movements (0 is smoothest)",
       .definition = "minus the arc length of the normalised amplitude spectrum of the velocity up "
                     "to 10 Hz, mean over movements (Balasubramanian et al. 2015)",
       .lower_is_better = false},
-     &ChannelScores::sparc},
+     [](const ScoredJoint& j) { return j.smoothness.sparc; }},
     {{.key = "ldlj",
       .help = "smoothness of the movements (0 is smoothest)",
       .definition = "-ln(duration^3 / peak speed^2 * integral of jerk^2), mean over movements "
                     "(Balasubramanian et al. 2015)",
       .lower_is_better = false},
-     &ChannelScores::ldlj},
+     [](const ScoredJoint& j) { return j.smoothness.ldlj; }},
     {{.key = "overshoot_deg",
       .help = "how far the hand goes beyond where the wearer stops or turns",
       .definition = "mean over movements of the largest excursion beyond the end of the movement, "
                     "the mean error taken off"},
-     &ChannelScores::overshoot_deg},
+     [](const ScoredJoint& j) {
+       return kDegPerRad * Overshoot(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer.movements,
+                                     j.delay_ticks.value_or(0.0));
+     }},
     {{.key = "onset_delay_ms",
       .help = "how late the hand leaves its rest",
       .definition = "mean over movements from rest of the time between wearer and hand passing 10 "
                     "% of the amplitude"},
-     &ChannelScores::onset_delay_ms},
+     [](const ScoredJoint& j) {
+       return 1000.0 / j.rate_hz *
+              OnsetDelay(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer.movements);
+     }},
     {{.key = "motor_speed_rms_deg_s",
       .help = "how loud the motors are",
-      .definition = "RMS of the speed of the spool",
-      .part = ScoredPart::kMotor},
-     &ChannelScores::motor_speed_rms_deg_s},
+      .definition = "RMS of the speed of the spool"},
+     [](const ScoredMotor& m) { return kDegPerRad * Rms(m.speed_rad_s); }},
     {{.key = "motor_speed_centroid_hz",
       .help = "how high the motors sound",
-      .definition = "centre of the power spectrum of the speed of the spool (Welch 1967)",
-      .part = ScoredPart::kMotor},
-     &ChannelScores::motor_speed_centroid_hz},
+      .definition = "centre of the power spectrum of the speed of the spool (Welch 1967)"},
+     [](const ScoredMotor& m) { return SpectralCentroid(m.speed_rad_s, m.rate_hz, m.fourier); }},
     {{.key = "saturation_share",
       .help = "how often the servo gives all it has",
-      .definition = "share of samples at the torque limit",
-      .part = ScoredPart::kMotor},
-     &ChannelScores::saturation_share},
+      .definition = "share of samples at the torque limit"},
+     [](const ScoredMotor& m) { return m.saturation_share.value_or(kNoScore); }},
     {{.key = "slack_share",
       .help = "how often a cable is slack",
-      .definition = "share of samples with 0.01 N or less, per cable",
-      .part = ScoredPart::kCable},
-     &ChannelScores::slack_share},
+      .definition = "share of samples with 0.01 N or less, per cable"},
+     [](const ScoredCable& c) { return c.tension_n.empty() ? kNoScore : SlackShare(c.tension_n); }},
     {{.key = "tension_peak_n",
       .help = "the largest pull",
-      .definition = "largest tension, per cable",
-      .part = ScoredPart::kCable},
-     &ChannelScores::tension_peak_n},
+      .definition = "largest tension, per cable"},
+     [](const ScoredCable& c) {
+       return c.tension_n.empty() ? kNoScore : *std::ranges::max_element(c.tension_n);
+     }},
     {{.key = "grip_force_ripple_n",
       .help = "trembling of the grip: the force on a held object above 10 Hz, RMS",
       .definition =
           "RMS of the grip force behind the high pass of jitter_rms_deg, over stretches of "
           "grip, 0.63 s at both ends left out; of the whole hand",
-      .part = ScoredPart::kHand,
       .main = true},
-     &ChannelScores::grip_force_ripple_n},
+     [](const ScoredHand& h) {
+       return h.grip_force_n.empty() ? kNoScore
+                                     : GripForceRipple(h.grip_force_n, h.rate_hz, h.fourier);
+     }},
 };
 
 constexpr int kCount = static_cast<int>(std::size(kRows));
 
 constexpr std::array<Metric, kCount> kMetrics = [] {
   std::array<Metric, kCount> metrics;
-  for (int i = 0; i < kCount; ++i) metrics[i] = kRows[i].metric;
+  for (int i = 0; i < kCount; ++i) {
+    metrics[i] = kRows[i].metric;
+    metrics[i].part = static_cast<ScoredPart>(kRows[i].measure.index());
+  }
   return metrics;
 }();
 
 }  // namespace
+
+std::span<const MetricRow> MetricRows() { return kRows; }
 
 std::span<const Metric> Metrics() { return kMetrics; }
 
@@ -179,7 +214,5 @@ std::size_t MetricIndex(std::string_view key) {
   if (const auto index = FindMetric(key)) return *index;
   throw std::invalid_argument("no metric is called " + std::string(key));
 }
-
-double ChannelScores::*MetricField(int metric) { return kRows[metric].field; }
 
 }  // namespace gauntlet::sim

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/score/channel_scores.h"
+#include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -4,16 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/score/channel_scores.h"
-#include "sim/score/delay.h"
 #include "sim/score/fourier.h"
-#include "sim/score/grip.h"
 #include "sim/score/jitter.h"
-#include "sim/score/motors.h"
-#include "sim/score/smoothness.h"
-#include "sim/score/steps.h"
-#include "sim/score/tracking.h"
-#include "sim/score/wearer.h"
+#include "sim/score/metrics.h"
+#include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -49,132 +43,36 @@ void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   Check(fits(input.grip_force_n, 1), "the grip force is no column as long as the hand's angles");
 }
 
-/// One channel of a trial, as far as several groups of scores need it.
-struct Channel {
-  int index = 0;
-  double rate_hz = 0.0;
-  std::span<const double> reference;
-  std::span<const double> hand;
-  WearerMotion wearer;
-  double delay_samples = 0.0;  // 0 where there is none
-};
-
-/// How near the hand is to the wearer, with and without its delay.
-void ScoreTracking(Channel& channel, Fourier& fourier, ChannelScores& scores) {
-  scores.tracking_rmse_deg = kDegPerRad * RmsDifference(channel.reference, channel.hand);
-  scores.peak_error_deg = kDegPerRad * PeakDifference(channel.reference, channel.hand);
-  scores.aligned_rmse_deg = scores.tracking_rmse_deg;
-  const auto delay = DelaySamples(channel.reference, channel.hand, channel.rate_hz, fourier);
-  if (!delay) return;
-  channel.delay_samples = *delay;
-  scores.delay_ms = 1000.0 * *delay / channel.rate_hz;
-  scores.aligned_rmse_deg = kDegPerRad * AlignedRms(channel.reference, channel.hand, *delay);
+/// The columns' spans of a signal that may be missing.
+template <class Matrix>
+auto ColumnOrNothing(const Matrix* signal, std::size_t column, int rows) {
+  using Span = decltype(Column(*signal, 0, 0));
+  return signal == nullptr ? Span() : Column(*signal, static_cast<int>(column), rows);
 }
 
-/// RMS of some values within ranges; value 0 belongs to sample `first_sample`.
-double RmsWithin(std::span<const double> values, int first_sample,
-                 const std::vector<Range>& ranges) {
-  double squares = 0.0;
-  int count = 0;
-  for (const Range& range : ranges) {
-    const int begin = std::max(0, range.begin - first_sample);
-    const int end = std::min(static_cast<int>(values.size()), range.end - first_sample);
-    for (int n = begin; n < end; ++n) squares += values[n] * values[n];
-    count += std::max(0, end - begin);
+/// Fills in the metrics that are measured on this kind of part.
+template <class Part>
+void Score(const Part& part, std::vector<double>& values) {
+  using PartMeasure = double (*)(const Part&);
+  for (std::size_t m = 0; m < values.size(); ++m) {
+    const auto* measure = std::get_if<PartMeasure>(&MetricRows()[m].measure);
+    if (measure != nullptr) values[m] = (*measure)(part);
   }
-  return count == 0 ? kNoScore : std::sqrt(squares / count);
 }
 
-/// Standard deviation about the mean of each range, pooled.
-double PooledDeviation(std::span<const double> values, const std::vector<Range>& ranges) {
-  double squares = 0.0;
-  int count = 0;
-  for (const Range& range : ranges) {
-    const auto part = values.subspan(range.begin, range.end - range.begin);
-    double mean = 0.0;
-    for (const double value : part) mean += value;
-    mean /= static_cast<double>(part.size());
-    for (const double value : part) squares += (value - mean) * (value - mean);
-    count += static_cast<int>(part.size());
-  }
-  return count == 0 ? kNoScore : std::sqrt(squares / count);
-}
-
-/// Tracking and trembling, split by what the wearer does.
-void ScoreRegimes(const Channel& channel, const FilteredSignal& trembling, ChannelScores& scores) {
-  std::vector<double> error(channel.hand.size());
-  for (std::size_t n = 0; n < error.size(); ++n) error[n] = channel.hand[n] - channel.reference[n];
-  const auto high =
-      Column(trembling.values, channel.index, static_cast<int>(trembling.values.rows()));
-
-  const auto split = [&](Regime regime, double& tracking, double* jitter) {
-    const std::vector<Range>& ranges = channel.wearer.Of(regime);
-    tracking = kDegPerRad * RmsWithin(error, 0, ranges);
-    if (jitter) *jitter = kDegPerRad * RmsWithin(high, trembling.first_sample, ranges);
-  };
-  split(Regime::kRest, scores.rest_tracking_rmse_deg, nullptr);
-  split(Regime::kSlow, scores.slow_tracking_rmse_deg, &scores.slow_jitter_rms_deg);
-  split(Regime::kFast, scores.fast_tracking_rmse_deg, &scores.fast_jitter_rms_deg);
-  split(Regime::kOnset, scores.onset_tracking_rmse_deg, &scores.onset_jitter_rms_deg);
-  split(Regime::kReversal, scores.reversal_tracking_rmse_deg, &scores.reversal_jitter_rms_deg);
-  scores.jitter_rms_deg = kDegPerRad * Rms(high);
-  scores.rest_jitter_deg =
-      kDegPerRad * PooledDeviation(channel.hand, channel.wearer.Of(Regime::kRest));
-}
-
-/// How the hand makes single movements.
-void ScoreMovements(const Channel& channel, Fourier& fourier, ChannelScores& scores) {
-  const auto& movements = channel.wearer.movements;
-  const Smoothness smoothness =
-      MovementSmoothness(channel.hand, channel.rate_hz, movements, channel.delay_samples, fourier);
-  scores.sparc = smoothness.sparc;
-  scores.ldlj = smoothness.ldlj;
-  scores.overshoot_deg = kDegPerRad * Overshoot(channel.reference, channel.hand, channel.rate_hz,
-                                                movements, channel.delay_samples);
-  scores.onset_delay_ms = 1000.0 / channel.rate_hz *
-                          OnsetDelay(channel.reference, channel.hand, channel.rate_hz, movements);
-}
-
-/// Commands and motions of one motor.
-void ScoreMotor(const ScoreInput& input, std::size_t motor, int rows, Fourier& fourier,
-                ChannelScores& scores) {
-  const int column = static_cast<int>(motor);
-  if (input.command_counts != nullptr) {
-    scores.command_reversals_per_s =
-        ReversalsPerSecond(Column(*input.command_counts, column, rows), input.rate_hz);
-  }
-  if (input.motor_speed_rad_s != nullptr) {
-    const auto speed = Column(*input.motor_speed_rad_s, column, rows);
-    scores.motor_speed_rms_deg_s = kDegPerRad * Rms(speed);
-    scores.motor_speed_centroid_hz = SpectralCentroid(speed, input.rate_hz, fourier);
-  }
-  if (!input.saturation_share.empty()) scores.saturation_share = input.saturation_share[motor];
-}
-
-void ScoreCable(const ScoreInput& input, std::size_t cable, int rows, ChannelScores& scores) {
-  if (input.tension_n == nullptr) return;
-  const auto tension = Column(*input.tension_n, static_cast<int>(cable), rows);
-  scores.slack_share = SlackShare(tension);
-  scores.tension_peak_n = *std::max_element(tension.begin(), tension.end());
-}
-
-/// Mean over the channels that have a value.
-template <class Channels>
-double MeanOver(const Scores& scores, const Channels& channels, std::size_t metric) {
-  double sum = 0.0;
-  int count = 0;
-  for (const auto channel : channels) {
-    const double value = scores.channels[channel][metric];
-    if (!std::isfinite(value)) continue;
-    sum += value;
-    ++count;
-  }
-  return count == 0 ? kNoScore : sum / count;
-}
-
-std::vector<double> MeansOver(const Scores& scores, const std::vector<std::size_t>& channels) {
+/// Mean over the rows that have a value, per metric.
+std::vector<double> MeansOver(const std::vector<std::vector<double>>& rows) {
   std::vector<double> means;
-  for (std::size_t i = 0; i < Metrics().size(); ++i) means.push_back(MeanOver(scores, channels, i));
+  for (std::size_t metric = 0; metric < Metrics().size(); ++metric) {
+    double sum = 0.0;
+    int count = 0;
+    for (const std::vector<double>& row : rows) {
+      if (!std::isfinite(row[metric])) continue;
+      sum += row[metric];
+      ++count;
+    }
+    means.push_back(count == 0 ? kNoScore : sum / count);
+  }
   return means;
 }
 
@@ -200,41 +98,30 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   Fourier fourier;
   const FilteredSignal trembling = Trembling(*input.hand_angle_rad, input.rate_hz, fourier);
 
-  std::vector<ChannelScores> all(table.names.size());
-  for (std::size_t index = 0; rows > 0 && index < table.joints.size(); ++index) {
-    const int column = static_cast<int>(index);
-    Channel channel{.index = column,
-                    .rate_hz = input.rate_hz,
-                    .reference = Column(*input.reference_angle_rad, column, rows),
-                    .hand = Column(*input.hand_angle_rad, column, rows),
-                    .wearer = {}};
-    channel.wearer = AnalyseWearer(channel.reference, input.rate_hz, input.segments);
-    ChannelScores& one = all[table.joints[index]];
-    ScoreTracking(channel, fourier, one);
-    ScoreRegimes(channel, trembling, one);
-    ScoreMovements(channel, fourier, one);
+  Scores scores;
+  scores.channels.assign(table.names.size(), std::vector<double>(Metrics().size(), kNoScore));
+  for (std::size_t joint = 0; rows > 0 && joint < table.joints.size(); ++joint) {
+    Score(ScoredJoint(input, static_cast<int>(joint), trembling, fourier),
+          scores.channels[table.joints[joint]]);
   }
   for (std::size_t motor = 0; rows > 0 && motor < table.motors.size(); ++motor) {
-    ScoreMotor(input, motor, rows, fourier, all[table.motors[motor]]);
+    ScoredMotor scored{.rate_hz = input.rate_hz,
+                       .command_counts = ColumnOrNothing(input.command_counts, motor, rows),
+                       .speed_rad_s = ColumnOrNothing(input.motor_speed_rad_s, motor, rows),
+                       .saturation_share = {},
+                       .fourier = fourier};
+    if (!input.saturation_share.empty()) scored.saturation_share = input.saturation_share[motor];
+    Score(scored, scores.channels[table.motors[motor]]);
   }
   for (std::size_t cable = 0; rows > 0 && cable < table.cables.size(); ++cable) {
-    ScoreCable(input, cable, rows, all[table.cables[cable]]);
+    Score(ScoredCable{ColumnOrNothing(input.tension_n, cable, rows)},
+          scores.channels[table.cables[cable]]);
   }
-
-  Scores scores;
-  std::vector<std::size_t> every_row;
-  for (const ChannelScores& one : all) {
-    every_row.push_back(scores.channels.size());
-    auto& values = scores.channels.emplace_back();
-    for (std::size_t i = 0; i < Metrics().size(); ++i) {
-      values.push_back(one.*MetricField(static_cast<int>(i)));
-    }
-  }
-  scores.summary = MeansOver(scores, every_row);
-  if (input.grip_force_n != nullptr) {
-    scores.summary[MetricIndex("grip_force_ripple_n")] =
-        GripForceRipple(Column(*input.grip_force_n, 0, rows), input.rate_hz, fourier);
-  }
+  scores.summary = MeansOver(scores.channels);
+  Score(ScoredHand{.rate_hz = input.rate_hz,
+                   .grip_force_n = ColumnOrNothing(input.grip_force_n, 0, rows),
+                   .fourier = fourier},
+        scores.summary);
   return scores;
 }
 

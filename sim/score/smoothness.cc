@@ -5,8 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "sim/score/channel_scores.h"
 #include "sim/score/low_pass.h"
+#include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
 namespace {

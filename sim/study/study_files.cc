@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "sim/base/atomic_file.h"
+#include "sim/trial/trace_csv.h"
 #include "sim/trial/trace_file.h"
 
 namespace gauntlet::sim {

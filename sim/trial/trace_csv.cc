@@ -1,3 +1,5 @@
+#include "sim/trial/trace_csv.h"
+
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -6,7 +8,6 @@
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
-#include "sim/trial/trace_file.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {

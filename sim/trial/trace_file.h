@@ -49,9 +49,4 @@ struct TraceFile {
 TraceFile ReadTraceFile(const std::filesystem::path& file,
                         const std::vector<std::string>& only = {});
 
-/// The same signals as CSV, one file per controller: `t_s`, then `signal.column` per column. Counts
-/// are empty between the samples of the glove.
-void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove,
-                   const HandModel& hand, const Trace& trace);
-
 }  // namespace gauntlet::sim

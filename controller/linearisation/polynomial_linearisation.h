@@ -7,10 +7,6 @@
 
 namespace gauntlet::controller {
 
-/// Broken lines, one per channel. Errors: fewer than two corners, counts that do not grow, or
-/// angles that do not all grow or all fall.
-std::unique_ptr<Linearisation> MakeTableLinearisation(const std::vector<ChannelCurve>& curves);
-
 /// Polynomials, one per channel; the inverse by a fixed number of halvings, exact to rounding.
 /// Errors: no coefficients, or a polynomial that turns back within its range.
 std::unique_ptr<Linearisation> MakePolynomialLinearisation(const std::vector<ChannelCurve>& curves);

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/score/fourier.h"
+#include "sim/score/low_pass.h"
+#include "sim/score/score.h"
+#include "sim/score/smoothness.h"
+#include "sim/score/wearer.h"
+
+namespace gauntlet::sim {
+
+// What the metrics see of one part of a trial. Views: the signals outlive them.
+
+/// One joint. What several metrics need is found once.
+struct ScoredJoint {
+  /// `trembling` is that of all joints.
+  ScoredJoint(const ScoreInput& input, int column, const FilteredSignal& trembling,
+              Fourier& fourier);
+
+  double rate_hz;
+  std::span<const double> reference_rad;
+  std::span<const double> hand_rad;
+  std::vector<double> error_rad;          // hand - reference
+  std::span<const double> trembling_rad;  // of the hand above 10 Hz
+  int first_trembling_tick;               // the tick of its first value
+  WearerMotion wearer;
+  std::optional<double> delay_ticks;
+  Smoothness smoothness;
+
+  /// RMS of the error while the wearer does this [rad].
+  double ErrorDuring(Regime regime) const;
+  /// RMS of the trembling while the wearer does this [rad].
+  double TremblingDuring(Regime regime) const;
+};
+
+/// One motor. A signal that is not there is empty.
+struct ScoredMotor {
+  double rate_hz;
+  std::span<const int> command_counts;
+  std::span<const double> speed_rad_s;
+  std::optional<double> saturation_share;
+  Fourier& fourier;
+};
+
+/// One cable; empty without tensions.
+struct ScoredCable {
+  std::span<const double> tension_n;
+};
+
+/// What belongs to the hand as a whole; empty where it holds nothing.
+struct ScoredHand {
+  double rate_hz;
+  std::span<const double> grip_force_n;
+  Fourier& fourier;
+};
+
+}  // namespace gauntlet::sim
