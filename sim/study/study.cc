@@ -238,6 +238,15 @@ std::vector<std::string> Study::measured_joint_names() const {
   return Selected(hand->joint_names(), measured_joints);
 }
 
+controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
+                                const controller::ControllerConfig& config) {
+  return {.controller = config,
+          .glove = NominalCalibration(scenario.glove),
+          .hand = hand.transmission(),
+          .joint_map = scenario.joint_map,
+          .timing = hand.timing().controller};
+}
+
 TrialSetup SetupOf(const Study& study, const NamedController& named) {
   return {.controller_name = named.name,
           .controller = named.config,
@@ -266,8 +275,7 @@ Study PrepareStudy(Scenario scenario) {
   }
   for (const NamedController& named : scenario.controllers) {
     controller::WithinSetting("controllers." + named.name, [&] {
-      return controller::Controller(named.config, study.calibration, study.hand->transmission(),
-                                    study.hand->timing().controller, scenario.joint_map);
+      return controller::Controller(RobotOf(scenario, *study.hand, named.config));
     });
   }
   ChooseVideoChannel(study.measured_joint_names(), scenario.video.channel);
