@@ -25,7 +25,7 @@ struct ExportOptions {
 };
 
 std::filesystem::path ResolvedScenarioIn(const std::string& folder) {
-  const std::filesystem::path file = std::filesystem::path(folder) / "scenario.resolved.yaml";
+  std::filesystem::path file = std::filesystem::path(folder) / "scenario.resolved.yaml";
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) return file;
   throw UserError(fmt::format(
