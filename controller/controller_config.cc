@@ -1,7 +1,9 @@
 #include "controller/controller_config.h"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -9,83 +11,129 @@ namespace gauntlet::controller {
 
 namespace {
 
-/// Whole numbers, one per motor.
-void VisitCounts(SettingsVisitor& visitor, const Setting& setting, std::vector<int>& counts) {
-  std::vector<double> numbers(counts.begin(), counts.end());
-  visitor.Numbers(setting, numbers);
-  counts.clear();
-  for (const double number : numbers) {
-    if (number != std::floor(number)) {
-      throw SettingError(std::string(setting.key),
-                         "holds " + NumberText(number) + ", must be whole numbers");
+constexpr double kMostCounts = 1e9;
+
+/// A table: a group with a row of settings for each of these names, so that no value can end up
+/// with the wrong one.
+void VisitRows(SettingsVisitor& visitor, const Setting& setting,
+               const std::vector<std::string>& names,
+               const std::function<void(std::size_t, SettingsVisitor&)>& visit_row) {
+  visitor.Group(setting, [&](SettingsVisitor& table) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      table.Group({.key = names[i], .help = "", .required = true},
+                  [&](SettingsVisitor& row) { visit_row(i, row); });
     }
-    counts.push_back(static_cast<int>(number));
-  }
+  });
 }
 
-void VisitCountsPerMotor(SettingsVisitor& visitor, TendonTransmission& hand) {
-  constexpr double kMost = 1e9;
-  VisitCounts(visitor,
-              {.key = "center_counts",
-               .help = "command of each motor for the reference posture",
-               .min = -kMost,
-               .max = kMost},
-              hand.center_counts);
-  VisitCounts(
-      visitor,
-      {.key = "min_counts", .help = "smallest command of each motor", .min = -kMost, .max = kMost},
-      hand.min_counts);
-  VisitCounts(
-      visitor,
-      {.key = "max_counts", .help = "largest command of each motor", .min = -kMost, .max = kMost},
-      hand.max_counts);
+void VisitJoint(SettingsVisitor& row, TendonTransmission& hand, std::size_t i) {
+  row.Text({.key = "motor", .help = "the motor that is made for it; \"\": all that move it"},
+           hand.motor_of_joint[i]);
+  row.Number({.key = "reference_angle_rad", .help = "its angle at center_counts", .required = true},
+             hand.reference_angle_rad[i]);
+  row.Number({.key = "joint_min_rad", .help = "its smallest angle", .required = true},
+             hand.joint_min_rad[i]);
+  row.Number({.key = "joint_max_rad", .help = "its largest angle", .required = true},
+             hand.joint_max_rad[i]);
+}
+
+void VisitMotor(SettingsVisitor& row, TendonTransmission& hand, std::size_t i) {
+  const auto visit = [&row](std::string_view key, std::string_view help, int& counts) {
+    row.Integer(
+        {.key = key, .help = help, .min = -kMostCounts, .max = kMostCounts, .required = true},
+        counts);
+  };
+  visit("center_counts", "its command for the reference posture", hand.center_counts[i]);
+  visit("min_counts", "its smallest command", hand.min_counts[i]);
+  visit("max_counts", "its largest command", hand.max_counts[i]);
+  row.Number({.key = "counts_per_rad", .help = "counts per turn of its spool", .required = true},
+             hand.counts_per_rad[i]);
+}
+
+/// The matrix with a row per motor.
+void VisitCoupling(SettingsVisitor& visitor, TendonTransmission& hand) {
+  const std::size_t joints = hand.joint_names.size();
+  visitor.Group({.key = "coupling", .help = "turn of each motor's spool per turn of each joint"},
+                [&](SettingsVisitor& matrix) {
+                  for (std::size_t motor = 0; motor < hand.motor_names.size(); ++motor) {
+                    const auto begin =
+                        hand.coupling.begin() + static_cast<std::ptrdiff_t>(motor * joints);
+                    std::vector<double> row(begin, begin + static_cast<std::ptrdiff_t>(joints));
+                    matrix.Numbers({.key = hand.motor_names[motor],
+                                    .help = "one value per joint",
+                                    .required = true,
+                                    .count = joints},
+                                   row);
+                    row.resize(joints);
+                    std::copy(row.begin(), row.end(), begin);
+                  }
+                });
 }
 
 }  // namespace
 
 void GloveCalibration::Visit(SettingsVisitor& visitor) {
-  visitor.Texts({.key = "channel_names", .help = "channels of the glove, in the order of a sample"},
+  visitor.Texts({.key = "channel_names",
+                 .help = "channels of the glove, in the order of a sample",
+                 .required = true},
                 channel_names);
-  visitor.Numbers({.key = "low_counts", .help = "what each channel gives in the first known pose"},
-                  low_counts);
-  visitor.Numbers({.key = "high_counts", .help = "and in the second"}, high_counts);
-  visitor.Numbers({.key = "low_angle_rad", .help = "angle of each channel in the first known pose"},
-                  low_angle_rad);
-  visitor.Numbers({.key = "high_angle_rad", .help = "and in the second"}, high_angle_rad);
   visitor.Number({.key = "full_scale_counts",
                   .help = "largest value of the converter",
                   .min = 0,
-                  .max = 1e9,
+                  .max = kMostCounts,
                   .open_range = true},
                  full_scale_counts);
+  struct Column {
+    std::string_view key, help;
+    std::vector<double>* values;
+  };
+  const Column columns[] = {{"low_counts", "what it gives in the first known pose", &low_counts},
+                            {"high_counts", "and in the second", &high_counts},
+                            {"low_angle_rad", "its angle in the first known pose", &low_angle_rad},
+                            {"high_angle_rad", "and in the second", &high_angle_rad}};
+  for (const Column& column : columns) column.values->resize(channel_names.size());
+  VisitRows(visitor, {.key = "channels", .help = "two known poses of each channel"}, channel_names,
+            [&](std::size_t i, SettingsVisitor& row) {
+              for (const Column& column : columns) {
+                row.Number({.key = column.key, .help = column.help, .required = true},
+                           (*column.values)[i]);
+              }
+            });
 }
 
 void TendonTransmission::Visit(SettingsVisitor& visitor) {
-  visitor.Texts({.key = "joint_names", .help = "joints of the hand"}, joint_names);
-  visitor.Texts({.key = "motor_names", .help = "motors of the hand, in the order of a command"},
+  visitor.Texts({.key = "joint_names", .help = "joints of the hand", .required = true},
+                joint_names);
+  visitor.Texts({.key = "motor_names",
+                 .help = "motors of the hand, in the order of a command",
+                 .required = true},
                 motor_names);
-  visitor.Numbers(
-      {.key = "coupling", .help = "turn of each spool per turn of each joint, motor by motor"},
-      coupling);
-  visitor.Texts({.key = "motor_of_joint",
-                 .help = "for each joint the motor that is made for it; \"\": all that move it"},
-                motor_of_joint);
-  visitor.Numbers({.key = "reference_angle_rad", .help = "joint angles at center_counts"},
-                  reference_angle_rad);
-  visitor.Numbers({.key = "joint_min_rad", .help = "smallest angle of each joint"}, joint_min_rad);
-  visitor.Numbers({.key = "joint_max_rad", .help = "largest angle of each joint"}, joint_max_rad);
-  visitor.Numbers({.key = "counts_per_rad", .help = "counts per turn of each spool"},
-                  counts_per_rad);
-  VisitCountsPerMotor(visitor, *this);
+  const std::size_t joints = joint_names.size();
+  const std::size_t motors = motor_names.size();
+  if (motor_of_joint.empty() && motors == joints) motor_of_joint = motor_names;
+  motor_of_joint.resize(joints);
+  for (auto* values : {&reference_angle_rad, &joint_min_rad, &joint_max_rad}) {
+    values->resize(joints);
+  }
+  VisitRows(visitor, {.key = "joints", .help = "posture at center_counts, and range"}, joint_names,
+            [this](std::size_t i, SettingsVisitor& row) { VisitJoint(row, *this, i); });
+  counts_per_rad.resize(motors);
+  for (auto* values : {&center_counts, &min_counts, &max_counts}) values->resize(motors);
+  VisitRows(visitor, {.key = "motors", .help = "commands of each motor"}, motor_names,
+            [this](std::size_t i, SettingsVisitor& row) { VisitMotor(row, *this, i); });
+  coupling.resize(motors * joints);
+  VisitCoupling(visitor, *this);
 }
 
 void RobotConfig::Visit(SettingsVisitor& visitor) {
-  VisitGroup(visitor, {.key = "controller", .help = "what the controller does"}, controller);
+  VisitGroup(visitor, {.key = "controller", .help = "what the controller does", .required = true},
+             controller);
   VisitGroup(visitor, {.key = "glove", .help = "what is known of the glove"}, glove);
   joint_map.Visit(visitor, {.key = "joint_map",
                             .help = "joints that do not follow the channel of their own name"});
   VisitGroup(visitor, {.key = "hand", .help = "what is known of the hand"}, hand);
-  VisitGroup(visitor, {.key = "timing", .help = "clocks of the control loop"}, timing);
+  VisitGroup(visitor, {.key = "timing", .help = "clocks of the control loop", .required = true},
+             timing);
 }
 
 void ControllerConfig::Visit(SettingsVisitor& visitor) {

@@ -31,6 +31,9 @@ class RangeChecker final : public SettingsVisitor {
   void Texts(const Setting&, std::vector<std::string>&) override {}
   void Numbers(const Setting& setting, std::vector<double>& value) override {
     if (setting.required && value.empty()) Fail(setting, "is missing");
+    if (const std::string problem = CountProblem(setting, value.size()); !problem.empty()) {
+      Fail(setting, problem);
+    }
     for (const double number : value) Check(setting, number);
   }
   void Choice(const Setting& setting, std::span<const std::string_view> names,
@@ -87,6 +90,11 @@ std::string RangeProblem(const Setting& setting, double value) {
                                          : value >= setting.min && value <= setting.max;
   if (std::isfinite(value) && inside) return "";
   return "is " + NumberText(value) + ", must be " + RangeText(setting);
+}
+
+std::string CountProblem(const Setting& setting, std::size_t count) {
+  if (setting.count == 0 || setting.count == count) return "";
+  return "has " + std::to_string(count) + " values, must have " + std::to_string(setting.count);
 }
 
 void CheckSettings(const std::function<void(SettingsVisitor&)>& visit) {

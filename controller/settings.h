@@ -21,6 +21,8 @@ struct Setting {
   bool required = false;
   /// The limits themselves are not allowed (a stiffness > 0).
   bool open_range = false;
+  /// A list of numbers has so many values; 0: any.
+  std::size_t count = 0;
 };
 
 /// A list of structs, for a visitor that may lengthen it. Items are visited by index.
@@ -93,6 +95,8 @@ std::string NumberText(double value);
 
 /// The sentence for a number outside its range or not finite; empty if the number is allowed.
 std::string RangeProblem(const Setting& setting, double value);
+/// The sentence for a list that is too short or too long; empty if its length is allowed.
+std::string CountProblem(const Setting& setting, std::size_t count);
 
 /// A choice whose values are an enum starting at 0 in the order of `names`.
 template <class Enum>

@@ -30,8 +30,11 @@ class TwoPointLinearisation final : public Linearisation {
     counts_per_rad_ = span_counts / span_rad;
     for (Eigen::Index i = 0; i < low_counts_.size(); ++i) {
       if (std::isfinite(rad_per_count_[i]) && std::isfinite(counts_per_rad_[i])) continue;
+      const auto channel = static_cast<std::size_t>(i);
+      const auto& names = calibration.channel_names;
       throw SettingError("calibration",
-                         "channel " + std::to_string(i) +
+                         "channel " +
+                             (channel < names.size() ? names[channel] : std::to_string(i)) +
                              ": the two poses must differ in counts and in angle, and be finite");
     }
   }

@@ -10,6 +10,7 @@ namespace gauntlet::sim {
 void AddRunCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
+void AddExportCommand(CLI::App& app);
 void AddDiffCommand(CLI::App& app);
 void AddReproduceCommand(CLI::App& app);
 void AddListCommand(CLI::App& app);

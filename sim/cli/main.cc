@@ -35,6 +35,7 @@ int Run(int argc, char** argv) {
   gauntlet::sim::AddRunCommand(app);
   gauntlet::sim::AddCompareCommand(app);
   gauntlet::sim::AddRenderCommand(app);
+  gauntlet::sim::AddExportCommand(app);
   gauntlet::sim::AddDiffCommand(app);
   gauntlet::sim::AddFilterCommand(app);
   gauntlet::sim::AddCalibrateCommand(app);

@@ -41,15 +41,6 @@ int JobsOrCores(int jobs) {
   return jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-void WarnIfMadeElsewhere(const Study& study) {
-  const MadeWith& made = study.scenario.made_with;
-  if (made.model_hash.empty() || made.model_hash == study.hand->Hash()) return;
-  fmt::print(stderr,
-             "gauntlet: warning: this scenario was resolved with another hand model (hash {}, now "
-             "{}); the run may differ\n",
-             made.model_hash, study.hand->Hash());
-}
-
 /// Builds everything that the scenario names. What is wrong is said with the scenario's file,
 /// unless it has a place of its own: a model, a recording.
 Study Prepare(const StudyCommand& options, Scenario scenario) {
@@ -96,6 +87,15 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
 
 }  // namespace
 
+void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
+                         std::string_view consequence) {
+  if (made.model_hash.empty() || made.model_hash == hand.Hash()) return;
+  fmt::print(stderr,
+             "gauntlet: warning: this scenario was resolved with another hand model (hash {}, now "
+             "{}); {}\n",
+             made.model_hash, hand.Hash(), consequence);
+}
+
 void AddStudyOptions(CLI::App& command, StudyCommand& options) {
   command.add_option("scenario", options.scenario_file, "scenario file (YAML)")->required();
   command.add_option("--out", options.out, "output folder [out/<scenario>]")->type_name("DIR");
@@ -118,7 +118,8 @@ void RunStudyCommand(const StudyCommand& options) {
   FinishedStudy finished;
   finished.comparison = options.comparison;
   finished.study = Prepare(options, std::move(scenario));
-  WarnIfMadeElsewhere(finished.study);
+  WarnIfMadeElsewhere(finished.study.scenario.made_with, *finished.study.hand,
+                      "the run may differ");
   for (const std::string& remark : finished.study.remarks) {
     fmt::print(stderr, "gauntlet: {}\n", remark);
   }

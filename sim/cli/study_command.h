@@ -2,7 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "sim/hand/hand_model.h"
+#include "sim/scenario/scenario.h"
 
 namespace gauntlet::sim {
 
@@ -24,5 +28,9 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options);
 
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.
 void RunStudyCommand(const StudyCommand& options);
+
+/// Tells on standard error if a resolved scenario comes from another model of the hand than
+/// `hand`, and what that may change.
+void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand, std::string_view consequence);
 
 }  // namespace gauntlet::sim

@@ -147,6 +147,10 @@ void YamlReader::Numbers(const Setting& setting, std::vector<double>& value) {
   const YAML::Node node = Find(setting);
   if (!node.IsDefined()) return;
   value.clear();
+  const std::size_t count = node.IsSequence() ? node.size() : 1;
+  if (const std::string problem = controller::CountProblem(setting, count); !problem.empty()) {
+    Fail(node, PathOf(setting), problem);
+  }
   if (!node.IsSequence()) {
     value.push_back(ParseNumber(node, PathOf(setting), setting));
     return;

@@ -236,6 +236,15 @@ void ChooseVideoChannel(const std::vector<std::string>& channels, std::string& c
 
 }  // namespace
 
+controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
+                                const controller::ControllerConfig& config) {
+  return {.controller = config,
+          .glove = NominalCalibration(scenario.glove),
+          .hand = hand.transmission(),
+          .joint_map = scenario.joint_map,
+          .timing = hand.timing().controller};
+}
+
 TrialSetup SetupOf(const Study& study, const NamedController& named) {
   return {.controller_name = named.name,
           .controller = named.config,
@@ -264,8 +273,7 @@ Study PrepareStudy(Scenario scenario) {
   }
   for (const NamedController& named : scenario.controllers) {
     controller::WithinSetting("controllers." + named.name, [&] {
-      return controller::Controller(named.config, study.calibration, study.hand->transmission(),
-                                    study.hand->timing().controller, scenario.joint_map);
+      return controller::Controller(RobotOf(scenario, *study.hand, named.config));
     });
   }
   ChooseVideoChannel(study.measured_joint_names, scenario.video.channel);

@@ -34,6 +34,10 @@ struct Study {
   }
 };
 
+/// All that the controller is made from: with the glove and the hand of the scenario.
+controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
+                                const controller::ControllerConfig& config);
+
 /// The trial of one controller of the study.
 TrialSetup SetupOf(const Study& study, const NamedController& named);
 

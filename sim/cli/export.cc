@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/base/atomic_file.h"
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/cli/commands.h"
+#include "sim/cli/study_command.h"
+#include "sim/scenario/scenario.h"
+#include "sim/settings/robot_file.h"
+#include "sim/study/study.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct ExportOptions {
+  std::string folder;
+  std::string controller;
+  std::string out;  // empty: NAME.robot.yaml in the folder
+};
+
+std::filesystem::path ResolvedScenarioIn(const std::string& folder) {
+  std::filesystem::path file = std::filesystem::path(folder) / "scenario.resolved.yaml";
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored)) return file;
+  throw UserError(fmt::format(
+      "{}: no scenario.resolved.yaml there, must be the output folder of gauntlet run or compare",
+      folder));
+}
+
+const NamedController& Find(const Scenario& scenario, const std::string& name) {
+  const auto found = std::ranges::find(scenario.controllers, name, &NamedController::name);
+  if (found != scenario.controllers.end()) return *found;
+  std::vector<std::string> known;
+  for (const NamedController& named : scenario.controllers) known.push_back(named.name);
+  throw UserError(
+      fmt::format("--controller {}: unknown controller{}", name, Suggestion(name, known)));
+}
+
+std::filesystem::path TargetOf(const ExportOptions& options) {
+  const std::filesystem::path folder = options.folder;
+  if (options.out.empty()) return folder / (options.controller + ".robot.yaml");
+  std::error_code none;
+  if (std::filesystem::equivalent(options.out, folder / "scenario.resolved.yaml", none)) {
+    throw UserError(fmt::format("--out {}: is the scenario itself", options.out));
+  }
+  return options.out;
+}
+
+void RunExport(const ExportOptions& options) {
+  const Scenario scenario = LoadScenario(ResolvedScenarioIn(options.folder), {});
+  const NamedController& named = Find(scenario, options.controller);
+  const HandModel hand(scenario.hand, TimingOf(scenario));
+  WarnIfMadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");
+  const std::filesystem::path target = TargetOf(options);
+  if (target.has_parent_path()) MakeDirectory(target.parent_path());
+  WriteFileAtomically(target, RobotToYaml(RobotOf(scenario, hand, named.config),
+                                          {.gauntlet_version = GAUNTLET_VERSION,
+                                           .scenario = scenario.name,
+                                           .controller = named.name,
+                                           .model_hash = hand.Hash()}));
+  fmt::print(stderr, "wrote {}\n", target.string());
+}
+
+}  // namespace
+
+void AddExportCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "export", "All that a controller on the robot needs, as one file that its program loads");
+  const auto options = std::make_shared<ExportOptions>();
+  command->add_option("folder", options->folder, "output folder of run or compare")->required();
+  command->add_option("--controller", options->controller, "which controller of the scenario")
+      ->type_name("NAME")
+      ->required();
+  command->add_option("--out", options->out, "file to write [NAME.robot.yaml in the folder]")
+      ->type_name("FILE.yaml");
+  command->footer(
+      "\nThe file holds the controller's settings, the calibration of the glove that its trials "
+      "used, the\n"
+      "joint map, the hand's motors and coupling, and the clocks. Its first lines tell how a "
+      "program loads it.\n"
+      "\nExample:\n  gauntlet export out/door_opening --controller tuned_kalman --out "
+      "robot.yaml\n");
+  command->callback([options] { RunExport(*options); });
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,142 @@
+#include "sim/settings/robot_file.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "controller/controller.h"
+#include "sim/base/error.h"
+#include "sim/settings/robot_writer.h"
+#include "sim/settings/yaml_reader.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using controller::RobotConfig;
+using controller::SettingError;
+
+/// As part of a comment, which ends with its line.
+std::string OneLine(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
+std::string Header(const RobotConfig& robot, const RobotOrigin& origin) {
+  const int every = robot.timing.ticks_per_sample;
+  return fmt::format(
+      R"(# Controller {controller} of scenario {scenario} (hand model {hash}), written by
+# gauntlet {version} export. Angles in rad; values have all digits. On the robot (CMake:
+# find_package(gauntlet COMPONENTS settings), link gauntlet::settings):
+#
+#   #include "controller/controller.h"
+#   #include "sim/settings/robot_file.h"
+#
+#   const auto robot = gauntlet::sim::LoadRobot("{controller}.robot.yaml");
+#   gauntlet::controller::Controller controller(robot);
+#   std::vector<double> counts(robot.glove.channel_names.size());
+#   while (running) {{  // {rate:.6g} times per second; {fresh}
+#     const bool fresh = ReadGlove(counts);
+#     const auto command = fresh ? controller.Step({{.counts = counts}}) : controller.Step();
+#     if (command.event) SendToMotors(command.motor_counts);
+#   }}
+)",
+      fmt::arg("controller", origin.controller), fmt::arg("scenario", OneLine(origin.scenario)),
+      fmt::arg("hash", origin.model_hash), fmt::arg("version", origin.gauntlet_version),
+      fmt::arg("rate", robot.timing.tick_rate_hz),
+      fmt::arg("fresh", every == 1 ? "each time with a new sample of the glove"
+                                   : fmt::format("a new sample every {} times", every)));
+}
+
+/// The keys that Controller's constructor names, as the file has them.
+std::string KeyInFile(const std::string& key) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kKeys = {{
+      {"calibration", "glove"},
+      {"transmission.motor_of_joint", "hand.joints"},
+      {"transmission.joint_min_rad", "hand.joints"},
+      {"transmission.counts_per_rad", "hand.motors"},
+      {"transmission.center_counts", "hand.motors"},
+      {"transmission", "hand"},
+      {"joint_map", "joint_map"},
+      {"timing", "timing"},
+      {"", "controller."},
+  }};
+  for (const auto& [theirs, ours] : kKeys) {
+    if (key.starts_with(theirs)) return std::string(ours) + key.substr(theirs.size());
+  }
+  return key;
+}
+
+/// The part of the file that a path of keys leads to, as far as the file has it.
+YAML::Node NodeAt(const YAML::Node& root, std::string_view path) {
+  YAML::Node node = root;
+  while (!path.empty()) {
+    const std::size_t end = std::min(path.find_first_of(".[]"), path.size());
+    const std::string_view key = path.substr(0, end);
+    path.remove_prefix(std::min(end + 1, path.size()));
+    if (key.empty()) continue;  // between ] and .
+    YAML::Node next(YAML::NodeType::Undefined);
+    std::size_t index = 0;
+    if (node.IsSequence() &&
+        std::from_chars(key.data(), key.data() + key.size(), index).ec == std::errc()) {
+      if (index < node.size()) next.reset(node[index]);
+    } else if (node.IsMap()) {
+      for (const auto& entry : node) {
+        if (entry.first.Scalar() == key) next.reset(entry.second);
+      }
+    }
+    if (!next.IsDefined()) break;
+    node.reset(next);
+  }
+  return node;
+}
+
+void CheckNames(const std::vector<std::string>& names, const char* key) {
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (!seen.insert(name).second) throw SettingError(key, name + " is given twice");
+  }
+}
+
+/// Errors: SettingError with the key as the file has it.
+void CheckMakesController(const RobotConfig& robot) {
+  CheckNames(robot.glove.channel_names, "glove.channel_names");
+  CheckNames(robot.hand.joint_names, "hand.joint_names");
+  CheckNames(robot.hand.motor_names, "hand.motor_names");
+  try {
+    const controller::Controller made(robot);
+  } catch (const SettingError& error) {
+    throw SettingError(KeyInFile(error.key()), error.problem());
+  }
+}
+
+}  // namespace
+
+std::string RobotToYaml(const RobotConfig& robot, const RobotOrigin& origin) {
+  return Header(robot, origin) + RobotSettingsToYaml(robot);
+}
+
+RobotConfig LoadRobot(const std::filesystem::path& file) {
+  const YAML::Node root = ParseYamlFile(file);
+  const YamlSource source{.file = file, .overrides = {}};
+  RobotConfig robot;
+  YamlReader reader(root, "", source);
+  robot.Visit(reader);
+  reader.RejectUnknownKeys();
+  try {
+    CheckMakesController(robot);
+  } catch (const SettingError& error) {
+    throw UserError(fmt::format("{}: {}: {}", source.PlaceOf(NodeAt(root, error.key()), ""),
+                                error.key(), error.problem()));
+  }
+  return robot;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "controller/controller_config.h"
+
+namespace gauntlet::sim {
+
+/// Where a robot file comes from, for the people who read it.
+struct RobotOrigin {
+  std::string gauntlet_version;
+  std::string scenario;
+  std::string controller;
+  std::string model_hash;  // of the simulated hand
+};
+
+/// Everything that a Controller is made from, as one YAML file: a table of the glove's channels, of
+/// the hand's joints and motors, and the coupling as a matrix with a row per motor. LoadRobot()
+/// reads it back to the same values, bit for bit. A comment at its head says where it comes from
+/// and how a robot's program loads it.
+std::string RobotToYaml(const controller::RobotConfig& robot, const RobotOrigin& origin);
+
+/// Reads what `gauntlet export` wrote, or a person changed since. The result is known to make a
+/// Controller.
+/// Errors: UserError with file:line:column and key for what is unknown, given twice, missing, of a
+/// wrong type, out of range, or does not fit to the rest.
+controller::RobotConfig LoadRobot(const std::filesystem::path& file);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,179 @@
+// A robot file gives back what was written, bit for bit, and names the place of every mistake.
+#include "sim/settings/robot_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "controller/controller.h"
+#include "sim/base/error.h"
+#include "sim/settings/yaml_writer.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using controller::RobotConfig;
+using testing::HasSubstr;
+using testing::Not;
+
+/// Two sensors on a finger of two joints and two motors; numbers that need all their digits.
+RobotConfig Finger() {
+  RobotConfig robot;
+  robot.controller.filters = {
+      {controller::KalmanConfig{.noise = {.r = {1.0 / 3.0, 21.18}, .q = {1e-300}}}},
+      {controller::OneEuroConfig{}}};
+  robot.controller.filter_at = controller::FilterAt::kEvent;
+  robot.glove = {.channel_names = {"a", "b"},
+                 .low_counts = {102.30000000000001, 0.1 + 0.2},
+                 .high_counts = {920.7, 1e3},
+                 .low_angle_rad = {-0.0, -1.0 / 7.0},
+                 .high_angle_rad = {1.5707963267948966, 1.6},
+                 .full_scale_counts = 4095.0};
+  robot.hand = {.joint_names = {"mcp", "pip"},
+                .motor_names = {"m: one", "yes"},
+                .coupling = {1.0 / 3.0, 0.0, 0.77777777777777701, 1.0000000000000093},
+                .motor_of_joint = {"m: one", ""},
+                .reference_angle_rad = {0.1, 0.7},
+                .joint_min_rad = {-0.1, 0.0},
+                .joint_max_rad = {1.5, 1.6},
+                .counts_per_rad = {-195.37860813961072, 5e-3},
+                .center_counts = {-7, 300},
+                .min_counts = {-1000, 0},
+                .max_counts = {1000, 1023}};
+  robot.joint_map.joints = {{.joint = "mcp", .channels = {"a", "b"}, .weights = {0.1, 0.2}},
+                            {.joint = "pip", .channels = {}, .offset_deg = 1.0 / 9.0}};
+  robot.timing = {.tick_rate_hz = 1020.0, .ticks_per_sample = 17, .event_period_ms = 100.0 / 3.0};
+  return robot;
+}
+
+std::string ToYaml(const RobotConfig& robot) {
+  return RobotToYaml(robot, {.gauntlet_version = "0.1.0",
+                             .scenario = "door_opening",
+                             .controller = "tuned",
+                             .model_hash = "1234"});
+}
+
+/// Every value, with the digits that identify it.
+std::string Values(RobotConfig robot) {
+  return SettingsToYaml([&](controller::SettingsVisitor& visitor) { robot.Visit(visitor); });
+}
+
+class RobotFileTest : public testing::Test {
+ protected:
+  RobotConfig Read(const std::string& text) {
+    std::ofstream(file_) << text;
+    return LoadRobot(file_);
+  }
+  /// The message when `from` becomes `to` in the file of a finger, without the file's folder.
+  std::string Complaint(const std::string& from, const std::string& to) {
+    std::string text = Values(Finger());
+    const std::size_t place = text.find(from);
+    EXPECT_NE(place, std::string::npos) << from << " is not in\n" << text;
+    text.replace(place, from.size(), to);
+    try {
+      Read(text);
+    } catch (const UserError& error) {
+      const std::string message = error.what();
+      EXPECT_THAT(message, Not(HasSubstr("\n")));
+      EXPECT_THAT(message, testing::StartsWith(file_.string()));
+      return message.substr(file_.string().size());
+    }
+    return "no complaint";
+  }
+
+  test::TemporaryDirectory folder_;
+  std::filesystem::path file_ = folder_.path() / "robot.yaml";
+};
+
+TEST_F(RobotFileTest, GivesBackEveryValue) {
+  const RobotConfig robot = Finger();
+  const RobotConfig read = Read(ToYaml(robot));
+  EXPECT_EQ(Values(read), Values(robot));
+  EXPECT_EQ(read.glove.low_counts, robot.glove.low_counts);
+  EXPECT_TRUE(std::signbit(read.glove.low_angle_rad[0]));
+  EXPECT_EQ(read.hand.coupling, robot.hand.coupling);
+  EXPECT_EQ(read.hand.motor_of_joint, robot.hand.motor_of_joint);
+  EXPECT_EQ(read.hand.motor_names, robot.hand.motor_names);
+  EXPECT_EQ(read.hand.center_counts, robot.hand.center_counts);
+  EXPECT_EQ(read.timing.event_period_ms, robot.timing.event_period_ms);
+}
+
+TEST_F(RobotFileTest, AHandWithAMotorPerJointSaysWhichIsForWhich) {
+  RobotConfig robot = Finger();
+  robot.hand.motor_of_joint.clear();
+  EXPECT_EQ(Read(ToYaml(robot)).hand.motor_of_joint, robot.hand.motor_names);
+}
+
+TEST_F(RobotFileTest, TablesHaveAlignedColumns) {
+  const std::string text = ToYaml(Finger());
+  EXPECT_THAT(text, HasSubstr("  coupling:  # turn of each motor's spool per turn of each joint\n"
+                              "    #          mcp                 pip\n"
+                              "    \"m: one\": [0.3333333333333333, 0]\n"
+                              "    yes:      [0.777777777777777,  1.0000000000000093]\n"));
+  EXPECT_THAT(text, HasSubstr("    a: {low_counts: 102.30000000000001,  high_counts: 920.7, "));
+}
+
+TEST_F(RobotFileTest, TheOrderOfTheRowsIsFree) {
+  std::string text = ToYaml(Finger());
+  const std::size_t a = text.find("    a: {");
+  const std::size_t b = text.find("    b: {");
+  const std::size_t end = text.find('\n', b) + 1;
+  text = text.substr(0, a) + text.substr(b, end - b) + text.substr(a, b - a) + text.substr(end);
+  EXPECT_EQ(Values(Read(text)), Values(Finger()));
+}
+
+TEST_F(RobotFileTest, NamesThePlaceOfEveryMistake) {
+  const auto lines_before = [](const std::string& part) {
+    const std::string text = Values(Finger());
+    return std::to_string(1 + std::ranges::count(text.substr(0, text.find(part)), '\n'));
+  };
+  EXPECT_EQ(Complaint("full_scale_counts", "full_scale_count"),
+            ":" + lines_before("full_scale_counts: 4095") +
+                ":3: glove.full_scale_count: unknown key (did you mean full_scale_counts?)");
+  EXPECT_EQ(Complaint("[0.3333333333333333, 0]", "[0.3333333333333333]"),
+            ":" + lines_before("[0.3333333333333333, 0]") +
+                ":15: hand.coupling.m: one: has 1 values, must have 2");
+  EXPECT_THAT(Complaint("  channel_names: [a, b]\n", ""),
+              HasSubstr(": glove.channel_names: is missing"));
+  EXPECT_THAT(Complaint("joint_names: [mcp, pip]", "joint_names: [mcp]"),
+              HasSubstr(": hand.joints.pip: unknown key"));
+  EXPECT_THAT(Complaint("channel_names: [a, b]", "channel_names: [a, b, c]"),
+              HasSubstr(": glove.channels.c: is missing"));
+  EXPECT_THAT(Complaint("channel_names: [a, b]", "channel_names: [a, b, a]"),
+              HasSubstr(": glove.channel_names: a is given twice"));
+  EXPECT_THAT(Complaint("center_counts: -7", "center_counts: -7.5"),
+              HasSubstr(": hand.motors.m: one.center_counts: is -7.5, must be a whole number"));
+  EXPECT_THAT(Complaint("low_counts: 102.30000000000001", "low_counts: .nan"),
+              HasSubstr(": glove.channels.a.low_counts: is .nan, must be finite"));
+  EXPECT_THAT(Complaint("timing:", "timings:"), HasSubstr("timing: is missing"));
+}
+
+TEST_F(RobotFileTest, WhatDoesNotFitTogetherIsNamedAsInTheFile) {
+  EXPECT_THAT(Complaint("motor: \"m: one\"", "motor: none"),
+              HasSubstr(": hand.joints: none is not a motor of the hand"));
+  EXPECT_THAT(Complaint("joint_max_rad: 1.5", "joint_max_rad: -1.5"),
+              HasSubstr(": hand.joints: joint mcp: must be finite and at most joint_max_rad"));
+  EXPECT_THAT(Complaint("center_counts: -7", "center_counts: -7000"),
+              HasSubstr(": hand.motors: motor m: one: must be from min_counts to max_counts"));
+  EXPECT_THAT(Complaint("high_counts: 920.7", "high_counts: 102.30000000000001"),
+              HasSubstr(": glove: channel a: the two poses must differ"));
+  EXPECT_THAT(Complaint("channels: [a, b]", "channels: [a, z]"),
+              HasSubstr(": joint_map.mcp.channels: z is not a channel of the glove"));
+  const std::string r = Complaint("r: [0.3333333333333333, 21.18]", "r: [1, 2, 3]");
+  EXPECT_THAT(r, HasSubstr(": controller.filter[0].r: has 3 values"));
+  EXPECT_THAT(r, testing::StartsWith(":5:10: "));  // the line of r
+}
+
+TEST_F(RobotFileTest, AFileThatIsNotThereOrHoldsAScenarioIsRefused) {
+  EXPECT_THROW(LoadRobot(folder_.path() / "none.yaml"), UserError);
+  EXPECT_THROW(Read("question: q\ncontrollers: {raw: {}}\n"), UserError);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
