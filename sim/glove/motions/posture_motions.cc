@@ -100,7 +100,7 @@ Motion MakeMotion(const MovesConfig& config, const MotionContext& context) {
       now_s += config.move_s + config.hold_s;
     }
   }
-  return plan.Fill(context.SampleCount(now_s + lags.back()), context);
+  return plan.Fill(context.SampleCount(now_s + *std::ranges::max_element(lags)), context);
 }
 
 void GraspConfig::Visit(controller::SettingsVisitor& visitor) {
