@@ -72,7 +72,7 @@ bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) 
 }
 
 void RejectUnknownChannels(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
-  const std::vector<std::string> known = GloveChannelNames();
+  const std::vector<std::string> known = KnownChannelNames();
   for (const ChannelColumn& column : columns) {
     if (std::ranges::find(known, column.channel) != known.end()) continue;
     const std::string nearest = NearestName(column.channel, known);

@@ -41,7 +41,7 @@ void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> a
 /// known angle, empty where it is not known; all channels or none have known angles. Time is a
 /// column of time (see TimeScaleS), or not there (`k` is passed over). The CSV of a trace is such a
 /// table, too: `counts.NAME`, `true_angle_rad.NAME`; its other signals are left out. NAME is one of
-/// GloveChannels(): no controller asks for another. Errors: UserError `file:row:column: ...`.
+/// KnownChannels(): no controller asks for another. Errors: UserError `file:row:column: ...`.
 PoseRecording LoadPoseRecording(const std::filesystem::path& file,
                                 const PoseRecordingFormat& format);
 

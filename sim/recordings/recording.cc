@@ -45,7 +45,7 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
                     Recording& recording) {
   std::vector<Glitch> glitches;
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
-    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+    const Channel& joint = KnownChannels()[static_cast<std::size_t>(c)];
     if (!recording.has_channel[static_cast<std::size_t>(c)]) continue;
     for (const std::size_t place :
          FindGlitches(recording.time_s, {recording.angle_rad.col(c).data(), rows.size()},
@@ -55,7 +55,7 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
   }
   std::ranges::stable_sort(glitches, {}, &Glitch::place);
   for (const auto [place, c] : glitches) {
-    const std::string_view name = GloveChannels()[static_cast<std::size_t>(c)].name;
+    const std::string_view name = KnownChannels()[static_cast<std::size_t>(c)].name;
     double& angle = recording.angle_rad(place, c);
     reader.Report(fmt::format("{}: glitch, value left out", name),
                   rows[static_cast<std::size_t>(place)], static_cast<std::size_t>(c),
@@ -78,7 +78,7 @@ void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
     if (2 * repeats < angle.size()) continue;
     recording.remarks.push_back(fmt::format(
         "{}: {}: {} of {} rows repeat the value before, first in row {}, {} rows in a row at most",
-        recording.name, GloveChannels()[static_cast<std::size_t>(c)].name, repeats, angle.size(),
+        recording.name, KnownChannels()[static_cast<std::size_t>(c)].name, repeats, angle.size(),
         rows[static_cast<std::size_t>(first)], longest));
   }
 }
@@ -110,7 +110,7 @@ GoodValues GoodValuesOf(const Recording& recording, Eigen::Index channel) {
   }
   if (good.value.empty()) {
     throw UserError(fmt::format("{}: {} has no good value", recording.name,
-                                GloveChannels()[static_cast<std::size_t>(channel)].name));
+                                KnownChannels()[static_cast<std::size_t>(channel)].name));
   }
   return good;
 }
@@ -136,7 +136,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   Recording recording;
   recording.name = file.string();
   recording.has_channel = reader.has_channel();
-  const std::size_t width = GloveChannels().size();
+  const std::size_t width = KnownChannels().size();
   std::vector<double> angles(width);
   std::vector<double> table;
   std::vector<std::size_t> rows;  // lines of the file

@@ -30,7 +30,7 @@ void AddWhite(const NoiseConfig& config, RandomStream& random, double deviation,
 
 /// Correlated white noise: independent normal numbers times the Cholesky factor of the covariance.
 void AddCorrelated(const NoiseConfig& config, double scale, std::uint64_t seed, Signal& counts) {
-  const Eigen::Index channels = counts.cols();
+  const auto channels = static_cast<Eigen::Index>(config.covariance_channels());
   const Eigen::Map<const Eigen::MatrixXd> covariance(config.covariance_counts2.data(), channels,
                                                      channels);
   const Eigen::MatrixXd factor =
@@ -79,7 +79,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
         Resample(recording, c, 0.0, rate_hz, samples, 1e-3 * config.recording_longest_gap_ms);
     std::vector<double> smooth = raw.value;
     SmoothZeroPhase(config.recording_smoothing_hz, rate_hz, smooth);
-    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+    const Channel& joint = KnownChannels()[static_cast<std::size_t>(c)];
     const double counts_per_rad = 0.01 * (sensor.high_percent - sensor.low_percent) *
                                   converter.full_scale_counts() /
                                   ((joint.max_deg - joint.min_deg) * kRadPerDeg);
@@ -99,8 +99,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
 
 double VarianceOfNoise(const NoiseConfig& config, const ConverterConfig& converter, int channel) {
   const double scale = converter.full_scale_counts() / kNoiseFullScaleCounts;
-  const double white =
-      config.kind == WhiteNoiseKind::kNone ? 0.0 : config.VarianceCounts2(channel);
+  const double white = config.kind == WhiteNoiseKind::kNone ? 0.0 : config.VarianceCounts2(channel);
   const double hum = 0.5 * config.mains_amplitude_counts * config.mains_amplitude_counts;
   return scale * scale * (white + config.pink_variance_counts2 + hum);
 }
@@ -117,7 +116,9 @@ void AddNoise(const NoiseConfig& config, const SensorConfig& sensor,
     const auto stream = [&](std::string_view purpose) {
       return RandomStream(seed, purpose, static_cast<std::uint64_t>(c));
     };
-    if (config.kind != WhiteNoiseKind::kNone && !correlated) {
+    const bool has_noise =
+        correlated && c < static_cast<Eigen::Index>(config.covariance_channels());
+    if (config.kind != WhiteNoiseKind::kNone && !has_noise) {
       RandomStream random = stream("noise/white");
       AddWhite(config, random, scale * std::sqrt(config.VarianceCounts2(static_cast<int>(c))),
                signal);
