@@ -55,10 +55,24 @@ void AddCorrelated(const NoiseConfig& config, double scale, std::uint64_t seed, 
   }
 }
 
+/// A glove says nothing of what lies above half its rate; near it the smoothing leaves no noise.
+constexpr double kHighestSmoothingPerRate = 0.4;
+
+void CheckSmoothing(double smoothing_hz, double rate_hz) {
+  const double most_hz = kHighestSmoothingPerRate * rate_hz;
+  if (smoothing_hz <= most_hz) return;
+  throw controller::SettingError("noise.recording_smoothing_hz",
+                                 "is " + controller::NumberText(smoothing_hz) +
+                                     ", must be at most " + controller::NumberText(most_hz) +
+                                     ", 0.4 times glove.rate_hz: a glove so slow has no noise "
+                                     "above it");
+}
+
 /// The noise of a recording, played over and over, at the converter's counts.
 void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
                       const ConverterConfig& converter, double rate_hz, Signal& counts,
                       std::vector<std::string>& remarks) {
+  CheckSmoothing(config.recording_smoothing_hz, rate_hz);
   RecordingFormat format;
   format.map = config.recording_map;
   format.rate_hz = config.recording_rate_hz;

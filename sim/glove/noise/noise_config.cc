@@ -45,7 +45,7 @@ void VisitRecording(controller::SettingsVisitor& visitor, NoiseConfig& config) {
                   .max = 1e7},
                  config.recording_longest_gap_ms);
   visitor.Number({.key = "recording_smoothing_hz",
-                  .help = "what lies above this is its noise",
+                  .help = "what lies above this is its noise; at most 0.4 times glove.rate_hz",
                   .min = 0.1,
                   .max = 20},
                  config.recording_smoothing_hz);
