@@ -16,7 +16,7 @@ namespace gauntlet::sim {
 struct PoseRecording {
   std::string name;  // of the file, for messages
   std::vector<std::string> channel_names;
-  double rate_hz = 1000.0;
+  double rate_hz = 1000.0;  // of samples; a trace of a slow glove has rows in between
   double full_scale_counts = 1023.0;
   double settle_ms = 200.0;          // see PoseRecordingFormat
   Signal counts;                     // finite
