@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
+#include "controller/settings.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::array<Channel, 18> kChannels = {{
+constexpr std::size_t kDefaults = 18;
+constexpr std::array<Channel, 22> kChannels = {{
     {"thumb_rotation", 0, 90, "thumb turned in front of the palm (opposition)"},
     {"thumb_abduction", 0, 60, "thumb lifted away from the palm"},
     {"thumb_mcp", 0, 60, "thumb, base joint"},
@@ -30,23 +33,46 @@ constexpr std::array<Channel, 18> kChannels = {{
     {"forearm_rotation", -70, 85, "palm turned up (supination); negative down (pronation)"},
     {"elbow_flexion", 0, 145, "elbow bent"},
     {"shoulder_flexion", -30, 120, "upper arm lifted forward; negative backward"},
+    {"index_dip", 0, 80, "index finger, end joint; only in gloves that name it"},
+    {"middle_dip", 0, 80, "middle finger, end joint; only in gloves that name it"},
+    {"ring_dip", 0, 80, "ring finger, end joint; only in gloves that name it"},
+    {"little_dip", 0, 80, "little finger, end joint; only in gloves that name it"},
 }};
+
+std::vector<std::string> NamesOf(std::span<const Channel> channels) {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels) names.emplace_back(channel.name);
+  return names;
+}
 
 }  // namespace
 
-std::span<const Channel> GloveChannels() { return kChannels; }
+std::span<const Channel> KnownChannels() { return kChannels; }
+std::vector<std::string> KnownChannelNames() { return NamesOf(kChannels); }
 
-std::vector<std::string> GloveChannelNames() {
-  std::vector<std::string> names;
-  for (const Channel& channel : kChannels) names.emplace_back(channel.name);
-  return names;
-}
+std::span<const Channel> GloveChannels() { return std::span(kChannels).first(kDefaults); }
+std::vector<std::string> GloveChannelNames() { return NamesOf(GloveChannels()); }
 
 int ChannelIndex(std::string_view name) {
   const auto found = std::ranges::find(kChannels, name, &Channel::name);
   if (found != kChannels.end()) return found - kChannels.begin();
   throw UserError(fmt::format("unknown channel '{}'{}", name.substr(0, 60),
-                              Suggestion(name, GloveChannelNames())));
+                              Suggestion(name, KnownChannelNames())));
+}
+
+std::size_t PlaceInList(std::size_t channel, std::size_t list_size) {
+  if (list_size == 1) return 0;
+  if (channel < list_size) return channel;
+  const std::string_view name = kChannels.at(channel).name;
+  const std::string_view finger = name.substr(0, name.rfind('_'));
+  return static_cast<std::size_t>(ChannelIndex(std::string(finger) + "_pip"));
+}
+
+void CheckListOfChannels(std::string_view key, std::size_t list_size) {
+  if (list_size == 1 || list_size == kDefaults || list_size == kChannels.size()) return;
+  throw controller::SettingError(
+      std::string(key), fmt::format("has {} values, must have 1 or {}, or {} with the end joints",
+                                    list_size, kDefaults, kChannels.size()));
 }
 
 }  // namespace gauntlet::sim

@@ -15,10 +15,26 @@ struct Channel {
   std::string_view help;
 };
 
-/// The 18 channels of the glove, in the order of the data. Ranges: see sim/glove/README.md.
+/// All channels that a glove can have, in the order of the data: the 18 that it has by default,
+/// then the end joints of the four fingers. Ranges: see sim/glove/README.md.
+std::span<const Channel> KnownChannels();
+std::vector<std::string> KnownChannelNames();
+/// The 18 that a glove has by default, as in the paper: the first of KnownChannels().
 std::span<const Channel> GloveChannels();
 std::vector<std::string> GloveChannelNames();
-/// Index of a channel; throws UserError with the nearest name if there is none.
+/// Index in KnownChannels(); throws UserError with the nearest name if there is none.
 int ChannelIndex(std::string_view name);
+
+/// How much the end joint of a finger bends when nobody bends it by itself, of its middle joint's
+/// angle. Source: Rijpkema and Girard, Computer Animation of Knowledge-Based Human Grasping,
+/// SIGGRAPH 1991.
+inline constexpr double kEndJointPerMiddleJoint = 2.0 / 3.0;
+
+/// Where a channel finds its value in a list of one for all, of one for each of GloveChannels(), in
+/// which an end joint takes that of its finger's middle joint, or of one for each of
+/// KnownChannels().
+std::size_t PlaceInList(std::size_t channel, std::size_t list_size);
+/// Errors: SettingError of `key` for a list of another size.
+void CheckListOfChannels(std::string_view key, std::size_t list_size);
 
 }  // namespace gauntlet::sim

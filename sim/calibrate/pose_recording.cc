@@ -72,7 +72,7 @@ bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) 
 }
 
 void RejectUnknownChannels(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
-  const std::vector<std::string> known = GloveChannelNames();
+  const std::vector<std::string> known = KnownChannelNames();
   for (const ChannelColumn& column : columns) {
     if (std::ranges::find(known, column.channel) != known.end()) continue;
     const std::string nearest = NearestName(column.channel, known);
@@ -148,7 +148,16 @@ struct Rows {
   double first_s = kMissing;
   double last_s = kMissing;
   std::size_t count = 0;
+  std::vector<std::size_t> distances;  // from each row with counts to the next, in rows of the file
 };
+
+/// Every how many rows of the file there are counts: a trace of a slow glove has rows in between.
+std::size_t RowsPerSample(std::vector<std::size_t> distances) {
+  if (distances.empty()) return 1;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::ranges::nth_element(distances, middle);
+  return *middle;
+}
 
 void TakeTime(const CsvReader& csv, const PoseColumns& columns, const std::vector<double>& values,
               Rows& rows) {
@@ -196,16 +205,16 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   for (const ChannelColumn& c : columns.counts) recording.channel_names.push_back(c.channel);
 
   Rows rows;
+  std::size_t row = 0;         // of the file
+  std::size_t last_whole = 0;  // the newest row with all counts
   std::vector<double> values(csv.column_count());
-  while (csv.NextRow(values)) {
+  for (; csv.NextRow(values); ++row) {
     TakeTime(csv, columns, values, rows);
     const bool whole = std::ranges::none_of(
         columns.counts, [&](const ChannelColumn& c) { return std::isnan(values[c.column]); });
-    if (!whole) {
-      ++recording.rows_left_out;
-      continue;
-    }
-    ++rows.count;
+    if (!whole) continue;
+    if (rows.count++ > 0) rows.distances.push_back(row - last_whole);
+    last_whole = row;
     for (const ChannelColumn& c : columns.counts) {
       const double counts = values[c.column];
       if (counts < 0.0 || counts > format.full_scale_counts) {
@@ -225,11 +234,14 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
              fmt::format("the recording has {} rows without missing counts, must have at least {}",
                          rows.count, kFewestRows));
   }
+  const std::size_t rows_per_sample = columns.time ? RowsPerSample(rows.distances) : 1;
+  const std::size_t samples_expected = (row - 1) / rows_per_sample + 1;
+  recording.rows_left_out = std::max(samples_expected, rows.count) - rows.count;
   recording.full_scale_counts = format.full_scale_counts;
   recording.settle_ms = format.settle_ms;
   recording.rate_hz = format.rate_hz;
   if (columns.time) {
-    recording.rate_hz = (rows.count + recording.rows_left_out - 1) / (rows.last_s - rows.first_s);
+    recording.rate_hz = (row - 1) / (rows.last_s - rows.first_s) / rows_per_sample;
   }
   using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   recording.counts = Eigen::Map<const Table>(rows.counts.data(), rows.count, columns.counts.size());

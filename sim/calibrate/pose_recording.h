@@ -16,7 +16,7 @@ namespace gauntlet::sim {
 struct PoseRecording {
   std::string name;  // of the file, for messages
   std::vector<std::string> channel_names;
-  double rate_hz = 1000.0;
+  double rate_hz = 1000.0;  // of samples; a trace of a slow glove has rows in between
   double full_scale_counts = 1023.0;
   double settle_ms = 200.0;          // see PoseRecordingFormat
   Signal counts;                     // finite
@@ -41,7 +41,7 @@ void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> a
 /// known angle, empty where it is not known; all channels or none have known angles. Time is a
 /// column of time (see TimeScaleS), or not there (`k` is passed over). The CSV of a trace is such a
 /// table, too: `counts.NAME`, `true_angle_rad.NAME`; its other signals are left out. NAME is one of
-/// GloveChannels(): no controller asks for another. Errors: UserError `file:row:column: ...`.
+/// KnownChannels(): no controller asks for another. Errors: UserError `file:row:column: ...`.
 PoseRecording LoadPoseRecording(const std::filesystem::path& file,
                                 const PoseRecordingFormat& format);
 

@@ -28,9 +28,9 @@ std::filesystem::path ResolvedScenarioIn(const std::string& folder) {
   std::filesystem::path file = std::filesystem::path(folder) / "scenario.resolved.yaml";
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) return file;
-  throw UserError(fmt::format(
-      "{}: no scenario.resolved.yaml there, must be the output folder of gauntlet run or compare",
-      folder));
+  throw UserError({.place = folder,
+                   .problem = "no scenario.resolved.yaml there, must be the output folder of "
+                              "gauntlet run or compare"});
 }
 
 const NamedController& Find(const Scenario& scenario, const std::string& name) {
@@ -39,7 +39,7 @@ const NamedController& Find(const Scenario& scenario, const std::string& name) {
   std::vector<std::string> known;
   for (const NamedController& named : scenario.controllers) known.push_back(named.name);
   throw UserError(
-      fmt::format("--controller {}: unknown controller{}", name, Suggestion(name, known)));
+      {.place = "--controller " + name, .problem = "unknown controller" + Suggestion(name, known)});
 }
 
 std::filesystem::path TargetOf(const ExportOptions& options) {
@@ -47,7 +47,7 @@ std::filesystem::path TargetOf(const ExportOptions& options) {
   if (options.out.empty()) return folder / (options.controller + ".robot.yaml");
   std::error_code none;
   if (std::filesystem::equivalent(options.out, folder / "scenario.resolved.yaml", none)) {
-    throw UserError(fmt::format("--out {}: is the scenario itself", options.out));
+    throw UserError({.place = "--out " + options.out, .problem = "is the scenario itself"});
   }
   return options.out;
 }

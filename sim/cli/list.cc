@@ -72,7 +72,7 @@ std::string SpoolTurns(const controller::TendonTransmission& hand, std::string_v
 std::vector<Entry> Channels() {
   const HandModel hand{HandConfig{}};
   std::vector<Entry> entries;
-  for (const Channel& channel : GloveChannels()) {
+  for (const Channel& channel : KnownChannels()) {
     entries.push_back({std::string(channel.name),
                        fmt::format("{} to {} deg. {}{}", channel.min_deg, channel.max_deg,
                                    channel.help, SpoolTurns(hand.transmission(), channel.name)),

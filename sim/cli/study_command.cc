@@ -33,7 +33,7 @@ void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
     kept.push_back(*std::ranges::find(scenario.controllers, name, &NamedController::name));
   }
   scenario.controllers = std::move(kept);
-  // Without its controller there is none.
+  // Without its controller the rule for scenarios that name none decides.
   if (std::ranges::find(names, scenario.baseline) == names.end()) scenario.baseline.clear();
 }
 

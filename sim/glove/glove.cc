@@ -14,16 +14,6 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Indices of the channels that the glove has, in the order of GloveChannels().
-std::vector<int> ChannelsOf(const GloveConfig& config) {
-  const std::vector<bool> selected = SelectChannels(config.channels);
-  std::vector<int> indices;
-  for (std::size_t c = 0; c < selected.size(); ++c) {
-    if (selected[c]) indices.push_back(static_cast<int>(c));
-  }
-  return indices;
-}
-
 void ConvertAll(double full_scale_counts, Signal& counts) {
   // NaN, a missing sample of a recording, passes through.
   for (double& value : counts.reshaped()) {
@@ -33,7 +23,7 @@ void ConvertAll(double full_scale_counts, Signal& counts) {
 
 /// Keeps the channels that the glove has, everywhere.
 void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
-  if (indices.size() == GloveChannels().size()) return;
+  if (indices.size() == KnownChannels().size()) return;
   glove.true_angle_rad = glove.true_angle_rad(Eigen::all, indices).eval();
   glove.counts = glove.counts(Eigen::all, indices).eval();
   if (glove.tremor_rad.size() > 0) {
@@ -99,6 +89,16 @@ void AddRemarksOnFaults(const GloveConfig& config, int samples, std::vector<std:
 
 }  // namespace
 
+std::vector<int> ChannelsOf(const GloveConfig& config) {
+  const std::vector<bool> selected =
+      SelectChannels(config.channels.empty() ? GloveChannelNames() : config.channels);
+  std::vector<int> indices;
+  for (std::size_t c = 0; c < selected.size(); ++c) {
+    if (selected[c]) indices.push_back(static_cast<int>(c));
+  }
+  return indices;
+}
+
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   controller::CheckSettings(config);
   config.noise.Check();
@@ -118,7 +118,7 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   glove.tick_rate_hz = timing.tick_rate_hz;
   glove.ticks_per_sample = timing.ticks_per_sample;
   for (const int c : indices) {
-    glove.channel_names.emplace_back(GloveChannels()[static_cast<std::size_t>(c)].name);
+    glove.channel_names.emplace_back(KnownChannels()[static_cast<std::size_t>(c)].name);
   }
   glove.tremor_rad = controller::WithinSetting(
       "tremor", [&] { return SynthesiseTremor(config.tremor, ticks, timing.tick_rate_hz, seed); });
@@ -163,7 +163,7 @@ controller::GloveCalibration NominalCalibration(const GloveConfig& config) {
   controller::GloveCalibration calibration;
   calibration.full_scale_counts = config.converter.full_scale_counts();
   for (const int c : ChannelsOf(config)) {
-    const Channel& channel = GloveChannels()[static_cast<std::size_t>(c)];
+    const Channel& channel = KnownChannels()[static_cast<std::size_t>(c)];
     calibration.channel_names.emplace_back(channel.name);
     calibration.low_angle_rad.push_back(channel.min_deg * kRadPerDeg);
     calibration.high_angle_rad.push_back(channel.max_deg * kRadPerDeg);

@@ -27,6 +27,10 @@ struct GloveSignal {
   std::vector<std::string> remarks;  // what was repaired in a recording, one line each
 };
 
+/// Indices in KnownChannels() of the channels that the glove has, in that order.
+/// Errors: SettingError of `channels` for an unknown name.
+std::vector<int> ChannelsOf(const GloveConfig& config);
+
 /// The whole signal of one seed: motion, sensor, noise, converter. Pure: same input, same bytes.
 /// Errors: UserError for a recording that cannot be read, SettingError for settings that do not
 /// fit.

@@ -6,8 +6,11 @@ void GloveConfig::Visit(controller::SettingsVisitor& visitor) {
   using controller::VisitGroup;
   visitor.Number({.key = "rate_hz", .help = "samples per second", .min = 10, .max = 10000},
                  rate_hz);
-  visitor.Texts({.key = "channels", .help = "channels that the glove has; empty: all 18"},
-                channels);
+  visitor.Texts(
+      {.key = "channels",
+       .help = "channels that the glove has, in the order of gauntlet list channels; empty: the "
+               "first 18, without the end joints of the fingers"},
+      channels);
   VisitGroup(visitor, {.key = "motion", .help = "what the wearer does"}, motion);
   VisitGroup(visitor, {.key = "tremor", .help = "trembling of the wearer's hand"}, tremor);
   VisitGroup(visitor, {.key = "sensor", .help = "the bend sensors"}, sensor);

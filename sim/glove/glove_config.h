@@ -14,10 +14,10 @@
 namespace gauntlet::sim {
 
 /// Everything that the glove does. Lists of one number per channel are in the order of
-/// GloveChannels(), also if the glove has only some of them.
+/// KnownChannels(), also if the glove has only some of them; see PlaceInList().
 struct GloveConfig {
   double rate_hz = 1000.0;            // Source: Bai, Jiang, Yokoi, section 4
-  std::vector<std::string> channels;  // that the glove has; empty: all
+  std::vector<std::string> channels;  // that the glove has; empty: GloveChannels()
   MotionConfig motion;
   TremorConfig tremor;
   SensorConfig sensor;

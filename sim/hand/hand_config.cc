@@ -16,11 +16,13 @@ void ServoConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number(
       {.key = "travel_deg", .help = "how far a spool turns, end to end", .min = 30, .max = 3600},
       travel_deg);
-  visitor.Number({.key = "frame_ms",
-                  .help = "the servo takes a new command only at its own frames; 0: at once",
-                  .min = 0,
-                  .max = 1000},
-                 frame_ms);
+  visitor.Number(
+      {.key = "frame_ms",
+       .help = "the servo takes a new command only at its own frames, which begin with the first "
+               "command; 0: at once",
+       .min = 0,
+       .max = 1000},
+      frame_ms);
   visitor.Number({.key = "dead_band_deg",
                   .help = "spool errors up to this, to either side, cause no torque",
                   .min = 0,

@@ -15,11 +15,13 @@ struct EventConfig {
     visitor.Number(
         {.key = "period_ms", .help = "time between two command frames", .min = 1, .max = 1000},
         period_ms);
-    visitor.Number({.key = "delay_ms",
-                    .help = "time until a command frame reaches the servos",
-                    .min = 0,
-                    .max = 1000},
-                   delay_ms);
+    visitor.Number(
+        {.key = "delay_ms",
+         .help = "time until a command frame reaches the servos, in whole steps of 1 ms or "
+                 "less",
+         .min = 0,
+         .max = 1000},
+        delay_ms);
   }
 };
 

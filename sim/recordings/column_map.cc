@@ -31,7 +31,7 @@ const Value* FindIn(const std::array<std::pair<std::string_view, Value>, kSize>&
 }
 
 std::optional<int> FindChannel(std::string_view name) {
-  const auto channels = GloveChannels();
+  const auto channels = KnownChannels();
   const auto found = std::ranges::find(channels, name, &Channel::name);
   if (found == channels.end()) return std::nullopt;
   return found - channels.begin();
@@ -59,7 +59,7 @@ bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
 
 /// The first channel that appears twice.
 std::optional<ColumnMapping> Repeated(const ColumnMap& map) {
-  std::vector<bool> seen(GloveChannels().size(), false);
+  std::vector<bool> seen(KnownChannels().size(), false);
   for (const ColumnMapping& mapping : map.channels) {
     if (seen[mapping.channel]) return mapping;
     seen[mapping.channel] = true;
@@ -68,7 +68,7 @@ std::optional<ColumnMapping> Repeated(const ColumnMap& map) {
 }
 
 std::string ChannelText(const ColumnMapping& mapping) {
-  return std::string(GloveChannels()[mapping.channel].name);
+  return std::string(KnownChannels()[mapping.channel].name);
 }
 
 /// The text table of a map file.
@@ -147,7 +147,7 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
       continue;
     }
     recording.Fail(column + 1, fmt::format("unknown column {}{}", Quoted(name),
-                                           Suggestion(name, GloveChannelNames())));
+                                           Suggestion(name, KnownChannelNames())));
   }
   if (const auto twice = Repeated(map)) {
     recording.Fail(twice->column + 1, fmt::format("{} appears twice", ChannelText(*twice)));
@@ -173,7 +173,7 @@ ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& reco
     const auto index = FindChannel(channel);
     if (!index) {
       file.FailAt("channel", fmt::format("unknown channel {}{}", Quoted(channel),
-                                         Suggestion(channel, GloveChannelNames())));
+                                         Suggestion(channel, KnownChannelNames())));
     }
     const std::string unit = file.Text("unit", "deg");
     const RecordedUnit* known = FindIn(kUnits, unit);

@@ -46,7 +46,7 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
                     Recording& recording) {
   std::vector<Glitch> glitches;
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
-    const Channel& joint = GloveChannels()[c];
+    const Channel& joint = KnownChannels()[c];
     if (!recording.has_channel[c]) continue;
     for (const Eigen::Index place :
          FindGlitches(recording.time_s, {recording.angle_rad.col(c).data(), rows.size()},
@@ -56,7 +56,7 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
   }
   std::ranges::stable_sort(glitches, {}, &Glitch::place);
   for (const auto [place, c] : glitches) {
-    const std::string_view name = GloveChannels()[c].name;
+    const std::string_view name = KnownChannels()[c].name;
     double& angle = recording.angle_rad(place, c);
     reader.Report(fmt::format("{}: glitch, value left out", name), rows[place], c,
                   fmt::format("{} jumps to {:.6g} deg and back, faster than a hand", name,
@@ -78,7 +78,7 @@ void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
     if (2 * repeats < angle.size()) continue;
     recording.remarks.push_back(fmt::format(
         "{}: {}: {} of {} rows repeat the value before, first in row {}, {} rows in a row at most",
-        recording.name, GloveChannels()[c].name, repeats, angle.size(), rows[first], longest));
+        recording.name, KnownChannels()[c].name, repeats, angle.size(), rows[first], longest));
   }
 }
 
@@ -110,7 +110,7 @@ GoodValues GoodValuesOf(const Recording& recording, Eigen::Index channel) {
   if (good.value.empty()) {
     throw UserError(
         {.place = recording.name,
-         .problem = fmt::format("{} has no good value", GloveChannels()[channel].name)});
+         .problem = fmt::format("{} has no good value", KnownChannels()[channel].name)});
   }
   return good;
 }
@@ -136,7 +136,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   Recording recording;
   recording.name = file.string();
   recording.has_channel = reader.has_channel();
-  const std::size_t width = GloveChannels().size();
+  const std::size_t width = KnownChannels().size();
   std::vector<double> angles(width);
   std::vector<double> table;
   std::vector<std::size_t> rows;  // lines of the file

@@ -15,7 +15,7 @@ namespace gauntlet::sim {
 struct Recording {
   std::string name;                  // of the file, for messages
   std::vector<double> time_s;        // rises strictly; 0 is the first row of the file
-  Signal angle_rad;                  // rows x channels of GloveChannels(); NaN is missing
+  Signal angle_rad;                  // rows x channels of KnownChannels(); NaN is missing
   std::vector<bool> has_channel;     // per channel
   std::vector<std::string> remarks;  // what was repaired
 };

@@ -48,7 +48,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   }
   values_.resize(csv_->column_count());
   next_values_.resize(csv_->column_count());
-  has_channel_.assign(GloveChannels().size(), false);
+  has_channel_.assign(KnownChannels().size(), false);
   std::vector<bool> used(csv_->column_count(), false);
   if (map_.time_column) used[*map_.time_column] = true;
   for (const ColumnMapping& mapping : map_.channels) {
@@ -62,7 +62,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
 }
 
 void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFormat& format) {
-  const Channel& joint = GloveChannels()[mapping.channel];
+  const Channel& joint = KnownChannels()[mapping.channel];
   const double min_rad = joint.min_deg * kRadPerDeg;
   const double range_rad = (joint.max_deg - joint.min_deg) * kRadPerDeg;
   double factor = kRadPerDeg;  // rad per unit
@@ -183,7 +183,7 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
     for (const Linear& linear : channels_) {
       const double angle = linear.factor * values_[linear.column] + linear.offset_rad;
       if (angle < linear.lowest_rad || angle > linear.highest_rad) {
-        const Channel& joint = GloveChannels()[linear.channel];
+        const Channel& joint = KnownChannels()[linear.channel];
         ReportHere("glitch far outside the joint's range", linear.column + 1,
                    fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name,
                                angle * kDegPerRad, joint.min_deg, joint.max_deg));

@@ -39,7 +39,7 @@ class RecordingReader {
  public:
   RecordingReader(std::string name, CsvReader::Source source, const RecordingFormat& format);
 
-  /// False at the end. `angle_rad` has one place per channel of GloveChannels().
+  /// False at the end. `angle_rad` has one place per channel of KnownChannels().
   bool NextRow(double& time_s, std::span<double> angle_rad);
 
   const std::vector<bool>& has_channel() const { return has_channel_; }

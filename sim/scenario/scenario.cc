@@ -109,13 +109,12 @@ std::vector<bool> WithoutR(const YAML::Node& filters, std::size_t count) {
   return without;
 }
 
-std::vector<std::string> ChannelsOf(const GloveConfig& glove, const YAML::Node& root,
-                                    const YamlSource& source) {
+std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YAML::Node& root,
+                                        const YamlSource& source) {
   std::vector<std::string> names;
   try {
-    const std::vector<bool> selected = SelectChannels(glove.channels);
-    for (std::size_t i = 0; i < selected.size(); ++i) {
-      if (selected[i]) names.emplace_back(GloveChannels()[i].name);
+    for (const int channel : ChannelsOf(glove)) {
+      names.emplace_back(KnownChannels()[static_cast<std::size_t>(channel)].name);
     }
   } catch (const controller::SettingError& error) {
     const YAML::Node node = Find(Find(root, "glove"), error.key());
@@ -126,7 +125,7 @@ std::vector<std::string> ChannelsOf(const GloveConfig& glove, const YAML::Node& 
 
 /// What the file of a controller's calibration says becomes its settings; its own keys win.
 void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scenario& scenario) {
-  const std::vector<std::string> channels = ChannelsOf(scenario.glove, root, source);
+  const std::vector<std::string> channels = ChannelNamesOf(scenario.glove, root, source);
   for (NamedController& controller : scenario.controllers) {
     if (controller.calibration.empty()) continue;
     const YAML::Node node = Find(Find(root, "controllers"), controller.name);
@@ -148,7 +147,7 @@ void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scena
 /// any other glove gets that of the scenario's own noise.
 void FillMeasurementVariances(const YAML::Node& root, const YamlSource& source,
                               Scenario& scenario) {
-  const std::vector<std::string> channels = ChannelsOf(scenario.glove, root, source);
+  const std::vector<std::string> channels = ChannelNamesOf(scenario.glove, root, source);
   for (NamedController& named : scenario.controllers) {
     controller::ControllerConfig& config = named.config;
     const bool on_counts = config.filter_on == controller::FilterOn::kCounts;
@@ -159,7 +158,7 @@ void FillMeasurementVariances(const YAML::Node& root, const YamlSource& source,
           std::visit([](auto& settings) { return controller::MeasurementVarianceOf(settings); },
                      config.filters[i].settings);
       if (r == nullptr || !without_r[i] || !controller::IsDefaultMeasurementVariance(*r)) continue;
-      if (on_counts && channels.size() == r->size()) continue;
+      if (on_counts && channels == GloveChannelNames()) continue;
       *r = on_counts ? NoiseVarianceCounts2(scenario.glove) : NoiseVarianceRad2(scenario.glove);
       if (std::ranges::all_of(*r, [](double variance) { return variance > 0.0; })) continue;
       const std::string path = fmt::format("controllers.{}.filter[{}].r", named.name, i);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace gauntlet::sim {
@@ -65,7 +66,12 @@ FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, 
   for (int a = 0; a < channels; a += 2) {  // two real channels in one complex transform
     const int b = std::min(a + 1, channels - 1);
     values.assign(size, 0.0);
-    for (int n = 0; n < samples; ++n) values[n] = {signal(n, a), signal(n, b)};
+    // A value that is not finite spoils its own channel, not the one that shares the transform.
+    const bool good_a = signal.col(a).allFinite();
+    const bool good_b = signal.col(b).allFinite();
+    for (int n = 0; n < samples; ++n) {
+      values[n] = {good_a ? signal(n, a) : 0.0, good_b ? signal(n, b) : 0.0};
+    }
     fourier.Forward(values);
     for (int k = 0; k < size; ++k) values[k] *= response[k];
     fourier.Inverse(values);
@@ -73,6 +79,8 @@ FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, 
       result.values(n, a) = values[n + reach].real();
       result.values(n, b) = values[n + reach].imag();
     }
+    if (!good_a) result.values.col(a).setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (!good_b) result.values.col(b).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return result;
 }

@@ -133,8 +133,9 @@ RobotConfig LoadRobot(const std::filesystem::path& file) {
   try {
     CheckMakesController(robot);
   } catch (const SettingError& error) {
-    throw UserError(fmt::format("{}: {}: {}", source.PlaceOf(NodeAt(root, error.key()), ""),
-                                error.key(), error.problem()));
+    throw UserError({.place = source.PlaceOf(NodeAt(root, error.key()), ""),
+                     .key = error.key(),
+                     .problem = error.problem()});
   }
   return robot;
 }

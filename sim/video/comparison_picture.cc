@@ -157,23 +157,27 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
 }
 
 void ComparisonPicture::DrawLegend(Painter& painter, double right, double baseline) const {
+  const Signal& command_rad = *input_.panes.front().command_angle_rad;
+  // Commands do not decide the angle of a joint that springs move.
+  const bool decided = command_rad.rows() == 0 || !std::isnan(command_rad(0, input_.joint));
   struct Entry {
     const char* name;
     Color color;
-    double line_width;
+    bool shown = true;
   };
-  constexpr Entry kEntries[] = {{"hand", palette::kHand, 3.0},
-                                {"command", palette::kCommand, 3.0},
-                                {"glove, raw", palette::kRaw, 3.0},
-                                {"wearer, true", palette::kTrue, 3.0}};
+  const Entry entries[] = {{"hand", palette::kHand},
+                           {"command", palette::kCommand, decided},
+                           {"glove, raw", palette::kRaw},
+                           {"wearer, true", palette::kTrue}};
   const double unit = layout_.unit;
   const TextStyle style = {.size_px = 12.5 * unit};
-  for (const Entry& entry : kEntries) {  // from the right
+  for (const Entry& entry : entries) {  // from the right
+    if (!entry.shown) continue;
     const double width = painter.TextWidth(entry.name, style);
     painter.Text(entry.name, {right - width, baseline}, style);
     const double y = baseline - 4.5 * unit;
     const double end = right - width - 7.0 * unit;
-    painter.Line({end - 20.0 * unit, y}, {end, y}, entry.color, entry.line_width * unit);
+    painter.Line({end - 20.0 * unit, y}, {end, y}, entry.color, 3.0 * unit);
     right = end - 20.0 * unit - 18.0 * unit;
   }
 }

@@ -27,7 +27,7 @@ int MotionContext::SampleCount(double duration_s) const {
 
 Motion StillMotion(const MotionContext& context, int samples) {
   Motion motion;
-  const auto channels = static_cast<Eigen::Index>(GloveChannels().size());
+  const auto channels = static_cast<Eigen::Index>(KnownChannels().size());
   motion.angle_rad.setZero(samples, channels);
   if (context.derivatives) {
     motion.velocity_rad_s.setZero(samples, channels);
@@ -45,7 +45,7 @@ void HoldChannel(std::size_t channel, double angle_rad, Motion& motion) {
 }
 
 std::vector<bool> SelectChannels(const std::vector<std::string>& names) {
-  std::vector<bool> selected(GloveChannels().size(), names.empty());
+  std::vector<bool> selected(KnownChannels().size(), names.empty());
   for (const std::string& name : names) {
     try {
       selected[static_cast<std::size_t>(ChannelIndex(name))] = true;
@@ -57,7 +57,7 @@ std::vector<bool> SelectChannels(const std::vector<std::string>& names) {
 }
 
 Excursion ChannelExcursion(std::size_t channel, double range_percent) {
-  const Channel& joint = GloveChannels()[channel];
+  const Channel& joint = KnownChannels()[channel];
   return {0.5 * (joint.max_deg + joint.min_deg) * kRadPerDeg,
           0.005 * range_percent * (joint.max_deg - joint.min_deg) * kRadPerDeg};
 }

@@ -11,7 +11,7 @@
 
 namespace gauntlet::sim {
 
-/// True joint angles of the wearer over time. Channels are all of GloveChannels().
+/// True joint angles of the wearer over time. Channels are all of KnownChannels().
 struct Motion {
   Signal angle_rad;               // samples x channels
   Signal velocity_rad_s;          // the same; empty if not asked for or not known in closed form
@@ -46,7 +46,7 @@ Motion StillMotion(const MotionContext& context, int samples);
 /// `channel` stands still at this angle.
 void HoldChannel(std::size_t channel, double angle_rad, Motion& motion);
 
-/// One entry per channel: is it named? An empty list names all.
+/// One entry per channel of KnownChannels(): is it named? An empty list names all.
 /// Errors: SettingError of `channels` for an unknown name.
 std::vector<bool> SelectChannels(const std::vector<std::string>& names);
 

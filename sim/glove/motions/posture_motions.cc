@@ -21,7 +21,7 @@ std::vector<double> StartOf(const MotionContext& context) {
 /// How much later than the index finger each channel starts [s].
 std::vector<double> FingerLags(double finger_lag_ms) {
   std::vector<double> lags;
-  for (const Channel& channel : GloveChannels()) {
+  for (const Channel& channel : KnownChannels()) {
     double fingers = 0.0;
     if (channel.name.starts_with("middle")) fingers = 1.0;
     if (channel.name.starts_with("ring")) fingers = 2.0;
@@ -36,7 +36,7 @@ std::vector<double> Between(const std::vector<double>& from, const std::vector<d
                             double share) {
   std::vector<double> result(from.size());
   for (std::size_t c = 0; c < from.size(); ++c) {
-    const Channel& joint = GloveChannels()[c];
+    const Channel& joint = KnownChannels()[c];
     result[c] = std::clamp(from[c] + share * (to[c] - from[c]), joint.min_deg * kRadPerDeg,
                            joint.max_deg * kRadPerDeg);
   }
@@ -74,6 +74,7 @@ std::vector<double> VariedGrasp(const GraspConfig& config, RandomStream& random)
         1.0 + deviation * (std::sqrt(0.8) * together + std::sqrt(0.2) * BoxMuller(random).first);
     result[c] = open[c] + share * (grasp[c] - open[c]);
   }
+  BendEndJoints(result);
   return Between(result, result, 0.0);
 }
 
@@ -100,7 +101,7 @@ Motion MakeMotion(const MovesConfig& config, const MotionContext& context) {
       now_s += config.move_s + config.hold_s;
     }
   }
-  return plan.Fill(context.SampleCount(now_s + lags.back()), context);
+  return plan.Fill(context.SampleCount(now_s + *std::ranges::max_element(lags)), context);
 }
 
 void GraspConfig::Visit(controller::SettingsVisitor& visitor) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "controller/settings.h"
+#include "sim/base/channels.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 
@@ -70,11 +71,20 @@ std::size_t PostureIndex(std::string_view name) {
                   Suggestion(name, std::vector<std::string>(kNames.begin(), kNames.end()))));
 }
 
+void BendEndJoints(std::vector<double>& angle_rad) {
+  const std::size_t first = GloveChannels().size();
+  angle_rad.resize(KnownChannels().size());
+  for (std::size_t channel = first; channel < angle_rad.size(); ++channel) {
+    angle_rad[channel] = kEndJointPerMiddleJoint * angle_rad[PlaceInList(channel, first)];
+  }
+}
+
 std::vector<double> PostureAngles(std::size_t index) {
   std::vector<double> angles;
   for (const double angle_deg : kPostures.at(index).angle_deg) {
     angles.push_back(angle_deg * kRadPerDeg);
   }
+  BendEndJoints(angles);
   return angles;
 }
 

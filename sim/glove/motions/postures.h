@@ -21,7 +21,9 @@ std::span<const Posture> Postures();
 std::span<const std::string_view> PostureNames();
 /// Index of a posture; throws SettingError of `postures` with the nearest name if there is none.
 std::size_t PostureIndex(std::string_view name);
-/// The angles of a posture [rad, per channel].
+/// The angles of a posture [rad, per channel of KnownChannels()].
 std::vector<double> PostureAngles(std::size_t index);
+/// Lets the end joints follow the middle joints: the places behind those of GloveChannels().
+void BendEndJoints(std::vector<double>& angle_rad);
 
 }  // namespace gauntlet::sim

@@ -64,8 +64,8 @@ Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recor
 
 /// No joint leaves its range, whatever a file says.
 void KeepInRange(Signal& angle_rad) {
-  for (std::size_t channel = 0; channel < GloveChannels().size(); ++channel) {
-    const Channel& joint = GloveChannels()[channel];
+  for (std::size_t channel = 0; channel < KnownChannels().size(); ++channel) {
+    const Channel& joint = KnownChannels()[channel];
     auto column = angle_rad.col(static_cast<Eigen::Index>(channel));
     column = column.cwiseMax(joint.min_deg * kRadPerDeg).cwiseMin(joint.max_deg * kRadPerDeg);
   }

@@ -126,7 +126,7 @@ void AppendMotion(const Motion& next, double blend_s, double rate_hz, Motion& mo
     const Correction correction({before.angle - after.angle, before.velocity - after.velocity,
                                  before.acceleration - after.acceleration},
                                 static_cast<double>(blend) * step_s);
-    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+    const Channel& joint = KnownChannels()[static_cast<std::size_t>(c)];
     for (Eigen::Index i = 0; i < blend; ++i) {
       const State add = correction.At(static_cast<double>(i) * step_s);
       // A fast end of the part before could carry the joint beyond its stop.

@@ -37,16 +37,8 @@ void VisitFrequency(controller::SettingsVisitor& visitor, std::string_view key,
   visitor.Numbers({.key = key, .help = help, .min = min, .max = 50}, frequency_hz);
 }
 
-/// Throws SettingError unless there is one frequency, or one per channel of the glove.
-void CheckFrequency(const char* key, const std::vector<double>& frequency_hz) {
-  const std::size_t count = frequency_hz.size();
-  if (count == 1 || count == GloveChannels().size()) return;
-  throw controller::SettingError(key, "has " + std::to_string(count) + " values, must have 1 or " +
-                                          std::to_string(GloveChannels().size()));
-}
-
 double FrequencyOf(const std::vector<double>& frequency_hz, std::size_t channel) {
-  return frequency_hz[frequency_hz.size() == 1 ? 0 : channel];
+  return frequency_hz[PlaceInList(channel, frequency_hz.size())];
 }
 
 /// Calls `swing` for each moving channel with the channel and its number among them.
@@ -71,7 +63,7 @@ Motion ForEachChannel(const std::vector<std::string>& names, int samples,
 
 void SineConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
-  VisitFrequency(visitor, "frequency_hz", "one number, or 18 in the order of the channels", 0,
+  VisitFrequency(visitor, "frequency_hz", "one number, or 18 or 22 in the order of the channels", 0,
                  frequency_hz);
   VisitRange(visitor, range_percent);
   visitor.Number({.key = "phase_step_deg",
@@ -83,7 +75,7 @@ void SineConfig::Visit(controller::SettingsVisitor& visitor) {
 }
 
 Motion MakeMotion(const SineConfig& config, const MotionContext& context) {
-  CheckFrequency("frequency_hz", config.frequency_hz);
+  CheckListOfChannels("frequency_hz", config.frequency_hz.size());
   return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context,
                         [&](std::size_t channel, int number, Motion& motion) {
                           const double omega = kTwoPi * FrequencyOf(config.frequency_hz, channel);
@@ -100,16 +92,16 @@ Motion MakeMotion(const SineConfig& config, const MotionContext& context) {
 void ChirpConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
   VisitFrequency(visitor, "from_hz",
-                 "frequency at the start: one number, or 18 in the order of the channels", 0.001,
-                 from_hz);
+                 "frequency at the start: one number, or 18 or 22 in the order of the channels",
+                 0.001, from_hz);
   VisitFrequency(visitor, "to_hz", "frequency at the end, likewise", 0.001, to_hz);
   VisitRange(visitor, range_percent);
   VisitChannels(visitor, channels);
 }
 
 Motion MakeMotion(const ChirpConfig& config, const MotionContext& context) {
-  CheckFrequency("from_hz", config.from_hz);
-  CheckFrequency("to_hz", config.to_hz);
+  CheckListOfChannels("from_hz", config.from_hz.size());
+  CheckListOfChannels("to_hz", config.to_hz.size());
   const auto swing = [&](std::size_t channel, int, Motion& motion) {
     const double start_speed = kTwoPi * FrequencyOf(config.from_hz, channel);
     const double end_speed = kTwoPi * FrequencyOf(config.to_hz, channel);

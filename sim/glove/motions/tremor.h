@@ -27,7 +27,7 @@ struct TremorConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// Shapes: samples x channels of GloveChannels(); no rows if there is no tremor.
+/// Shapes: samples x channels of KnownChannels(); no rows if there is no tremor.
 Signal SynthesiseTremor(const TremorConfig& config, int samples, double rate_hz,
                         std::uint64_t seed);
 

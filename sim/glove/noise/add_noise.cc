@@ -30,7 +30,7 @@ void AddWhite(const NoiseConfig& config, RandomStream& random, double deviation,
 
 /// Correlated white noise: independent normal numbers times the Cholesky factor of the covariance.
 void AddCorrelated(const NoiseConfig& config, double scale, std::uint64_t seed, Signal& counts) {
-  const Eigen::Index channels = counts.cols();
+  const auto channels = static_cast<Eigen::Index>(config.covariance_channels());
   const Eigen::Map<const Eigen::MatrixXd> covariance(config.covariance_counts2.data(), channels,
                                                      channels);
   const Eigen::MatrixXd factor =
@@ -55,10 +55,24 @@ void AddCorrelated(const NoiseConfig& config, double scale, std::uint64_t seed, 
   }
 }
 
+/// A glove says nothing of what lies above half its rate; near it the smoothing leaves no noise.
+constexpr double kHighestSmoothingPerRate = 0.4;
+
+void CheckSmoothing(double smoothing_hz, double rate_hz) {
+  const double most_hz = kHighestSmoothingPerRate * rate_hz;
+  if (smoothing_hz <= most_hz) return;
+  throw controller::SettingError("noise.recording_smoothing_hz",
+                                 "is " + controller::NumberText(smoothing_hz) +
+                                     ", must be at most " + controller::NumberText(most_hz) +
+                                     ", 0.4 times glove.rate_hz: a glove so slow has no noise "
+                                     "above it");
+}
+
 /// The noise of a recording, played over and over, at the converter's counts.
 void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
                       const ConverterConfig& converter, double rate_hz, Signal& counts,
                       std::vector<std::string>& remarks) {
+  CheckSmoothing(config.recording_smoothing_hz, rate_hz);
   RecordingFormat format;
   format.map = config.recording_map;
   format.rate_hz = config.recording_rate_hz;
@@ -79,7 +93,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
         Resample(recording, c, 0.0, rate_hz, samples, 1e-3 * config.recording_longest_gap_ms);
     std::vector<double> smooth = raw.value;
     SmoothZeroPhase(config.recording_smoothing_hz, rate_hz, smooth);
-    const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+    const Channel& joint = KnownChannels()[static_cast<std::size_t>(c)];
     const double counts_per_rad = 0.01 * (sensor.high_percent - sensor.low_percent) *
                                   converter.full_scale_counts() /
                                   ((joint.max_deg - joint.min_deg) * kRadPerDeg);
@@ -99,8 +113,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
 
 double VarianceOfNoise(const NoiseConfig& config, const ConverterConfig& converter, int channel) {
   const double scale = converter.full_scale_counts() / kNoiseFullScaleCounts;
-  const double white =
-      config.kind == WhiteNoiseKind::kNone ? 0.0 : config.VarianceCounts2(channel);
+  const double white = config.kind == WhiteNoiseKind::kNone ? 0.0 : config.VarianceCounts2(channel);
   const double hum = 0.5 * config.mains_amplitude_counts * config.mains_amplitude_counts;
   return scale * scale * (white + config.pink_variance_counts2 + hum);
 }
@@ -117,7 +130,9 @@ void AddNoise(const NoiseConfig& config, const SensorConfig& sensor,
     const auto stream = [&](std::string_view purpose) {
       return RandomStream(seed, purpose, static_cast<std::uint64_t>(c));
     };
-    if (config.kind != WhiteNoiseKind::kNone && !correlated) {
+    const bool has_noise =
+        correlated && c < static_cast<Eigen::Index>(config.covariance_channels());
+    if (config.kind != WhiteNoiseKind::kNone && !has_noise) {
       RandomStream random = stream("noise/white");
       AddWhite(config, random, scale * std::sqrt(config.VarianceCounts2(static_cast<int>(c))),
                signal);

@@ -18,8 +18,8 @@ void AddNoise(const NoiseConfig& config, const SensorConfig& sensor,
               const ConverterConfig& converter, double rate_hz, std::uint64_t seed, Signal& counts,
               std::vector<std::string>& remarks);
 
-/// Variance of what AddNoise() adds to a channel of GloveChannels(), random walk and recordings left
-/// out [counts^2 of the converter].
+/// Variance of what AddNoise() adds to a channel of KnownChannels(), random walk and recordings
+/// left out [counts^2 of the converter].
 double VarianceOfNoise(const NoiseConfig& config, const ConverterConfig& converter, int channel);
 
 }  // namespace gauntlet::sim

@@ -45,7 +45,7 @@ void VisitRecording(controller::SettingsVisitor& visitor, NoiseConfig& config) {
                   .max = 1e7},
                  config.recording_longest_gap_ms);
   visitor.Number({.key = "recording_smoothing_hz",
-                  .help = "what lies above this is its noise",
+                  .help = "what lies above this is its noise; at most 0.4 times glove.rate_hz",
                   .min = 0.1,
                   .max = 20},
                  config.recording_smoothing_hz);
@@ -58,25 +58,33 @@ void VisitRecording(controller::SettingsVisitor& visitor, NoiseConfig& config) {
 double NoiseConfig::VarianceCounts2(int channel) const {
   const auto index = static_cast<std::size_t>(channel);
   if (!covariance_counts2.empty()) {
-    return variance_scale * covariance_counts2.at(index * GloveChannels().size() + index);
+    const std::size_t place = PlaceInList(index, covariance_channels());
+    return variance_scale * covariance_counts2.at(place * (covariance_channels() + 1));
   }
-  if (variance_counts2.empty()) return variance_scale * kPaperVarianceCounts2[index];
-  if (variance_counts2.size() == 1) return variance_scale * variance_counts2[0];
-  return variance_scale * variance_counts2.at(index);
+  if (variance_counts2.empty()) {
+    return variance_scale *
+           kPaperVarianceCounts2[PlaceInList(index, std::size(kPaperVarianceCounts2))];
+  }
+  return variance_scale * variance_counts2.at(PlaceInList(index, variance_counts2.size()));
+}
+
+std::size_t NoiseConfig::covariance_channels() const {
+  const std::size_t defaults = GloveChannels().size();
+  return covariance_counts2.size() == defaults * defaults ? defaults : KnownChannels().size();
 }
 
 void NoiseConfig::Check() const {
-  const std::size_t channels = GloveChannels().size();
-  const std::size_t variances = variance_counts2.size();
-  if (variances > 1 && variances != channels) {
-    throw controller::SettingError("noise.variance_counts2", "has " + std::to_string(variances) +
-                                                                 " values, must have 1 or 18");
+  const std::size_t channels = covariance_channels();
+  if (!variance_counts2.empty()) {
+    CheckListOfChannels("noise.variance_counts2", variance_counts2.size());
   }
   if (covariance_counts2.empty()) return;
   const std::string key = "noise.covariance_counts2";
   if (covariance_counts2.size() != channels * channels) {
-    throw controller::SettingError(key, "has " + std::to_string(covariance_counts2.size()) +
-                                            " values, must have 324 (18 rows of 18)");
+    throw controller::SettingError(key,
+                                   "has " + std::to_string(covariance_counts2.size()) +
+                                       " values, must have 324 (18 rows of 18), or 484 with the "
+                                       "end joints");
   }
   const Eigen::Map<const Eigen::MatrixXd> matrix(covariance_counts2.data(),
                                                  static_cast<Eigen::Index>(channels),
@@ -93,15 +101,18 @@ void NoiseConfig::Visit(controller::SettingsVisitor& visitor) {
   if (kind != WhiteNoiseKind::kNone) {
     visitor.Numbers(
         {.key = "variance_counts2",
-         .help = "one number or 18, in counts of a 10-bit converter; empty: the paper's R",
+         .help = "one number, or 18 or 22 in the order of the channels, in counts of a 10-bit "
+                 "converter; empty: the paper's R",
          .min = 0,
          .max = 1e6},
         variance_counts2);
-    visitor.Numbers({.key = "covariance_counts2",
-                     .help = "18 rows of 18 in one list, if channels are correlated; else empty",
-                     .min = -1e6,
-                     .max = 1e6},
-                    covariance_counts2);
+    visitor.Numbers(
+        {.key = "covariance_counts2",
+         .help = "18 rows of 18, or 22 of 22, in one list, if channels are correlated; else "
+                 "empty",
+         .min = -1e6,
+         .max = 1e6},
+        covariance_counts2);
     visitor.Number(
         {.key = "variance_scale", .help = "factor on all variances", .min = 0, .max = 1e6},
         variance_scale);

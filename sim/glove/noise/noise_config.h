@@ -24,7 +24,7 @@ enum class WhiteNoiseKind { kNone, kBoxMuller, kGalton };
 struct NoiseConfig {
   WhiteNoiseKind kind = WhiteNoiseKind::kBoxMuller;
   std::vector<double> variance_counts2;    // empty: the paper's
-  std::vector<double> covariance_counts2;  // 18 x 18 row by row; empty: channels are independent
+  std::vector<double> covariance_counts2;  // row by row; empty: channels are independent
   double variance_scale = 1.0;
   int galton_rows = 64;
   int galton_balls = 4;
@@ -43,6 +43,8 @@ struct NoiseConfig {
 
   /// Variance of the white noise of a channel, scale included [counts^2 of a 10-bit converter].
   double VarianceCounts2(int channel) const;
+  /// How many channels the covariance is of: the first of KnownChannels().
+  std::size_t covariance_channels() const;
   /// Errors: SettingError for lists of a wrong length or a matrix that is no covariance.
   void Check() const;
   void Visit(controller::SettingsVisitor& visitor);

@@ -31,7 +31,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kNeighbo
 
 /// Bending of one channel, 0 .. 1 over the joint's range.
 void Bend(const Signal& angle_rad, Eigen::Index c, Signal& bend) {
-  const Channel& joint = GloveChannels()[static_cast<std::size_t>(c)];
+  const Channel& joint = KnownChannels()[static_cast<std::size_t>(c)];
   const double min_rad = joint.min_deg * kRadPerDeg;
   const double per_rad = 1.0 / ((joint.max_deg - joint.min_deg) * kRadPerDeg);
   bend.col(c) = (angle_rad.col(c).array() - min_rad) * per_rad;
@@ -75,7 +75,7 @@ void AddCrossTalk(const std::vector<CrossTalk>& cross_talk, Signal& bend) {
 }  // namespace
 
 SensorParameters NominalSensor() {
-  const std::size_t channels = GloveChannels().size();
+  const std::size_t channels = KnownChannels().size();
   const std::vector<double> zeros(channels, 0.0);
   const std::vector<double> ones(channels, 1.0);
   return {.gain = ones,
@@ -125,7 +125,7 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
     const double lag_s = 1e-3 * config.lag_ms * sensor.lag_scale[channel];
     if (lag_s > 0.0) Lag(lag_s, rate_hz, bend.col(c));
     const double play_deg = config.hysteresis_deg * sensor.hysteresis_scale[channel];
-    const Channel& joint = GloveChannels()[channel];
+    const Channel& joint = KnownChannels()[channel];
     if (play_deg > 0.0) Hysteresis(play_deg / (joint.max_deg - joint.min_deg), bend.col(c));
   }
   AddCrossTalk(sensor.cross_talk, bend);

@@ -1,0 +1,46 @@
+// The trace of a slow glove has more rows than samples: the rows in between have no counts.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "sim/calibrate/pose_recording.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Two poses of one second each; a row per millisecond, counts in every tenth but those from 500 to
+/// 600 ms.
+PoseRecording ReadSlowTrace() {
+  std::string text = "t_s,counts.index_mcp,true_angle_rad.index_mcp\n";
+  for (int k = 0; k < 2000; ++k) {
+    const bool sample = k % 10 == 0 && (k < 500 || k >= 600);
+    text += fmt::format("{},{},{}\n", 0.001 * k, sample ? "300" : "", k < 1000 ? 0.1 : 0.6);
+  }
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / "trace.csv";
+  std::ofstream(file) << text;
+  return LoadPoseRecording(file, {});
+}
+
+TEST(SlowGlove, HasTheRateOfItsSamples) {
+  const PoseRecording recording = ReadSlowTrace();
+  EXPECT_NEAR(recording.rate_hz, 100.0, 1e-6);
+  EXPECT_EQ(recording.counts.rows(), 190);
+  EXPECT_EQ(recording.rows_left_out, 10u) << "lost samples, not the rows in between";
+}
+
+TEST(SlowGlove, PosesSettleAfterTheTimeThatWasAskedFor) {
+  const PoseRecording recording = ReadSlowTrace();
+  ASSERT_EQ(recording.angle_deg.cols(), 1);
+  const auto settled = recording.angle_deg.col(0).array().isFinite();
+  EXPECT_EQ(settled.head(90).count(), 70);  // 200 ms are 20 samples
+  EXPECT_EQ(settled.tail(100).count(), 80);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

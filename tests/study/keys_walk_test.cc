@@ -1,0 +1,315 @@
+// A walk through the keys of a scenario that concern time, channels or segments: at both ends of
+// its range, and at odd values, a key changes the scores as its help says or is refused by name.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/settings/setting_rows.h"
+#include "sim/study/study.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+enum class Outcome {
+  kChanges,  // other scores than without it
+  kKeeps,    // the same scores: it draws, or has nothing to act on
+  kRefused,  // one line that names what is wrong
+};
+using enum Outcome;
+
+struct Step {
+  std::string set;  // key=value
+  Outcome outcome;
+  std::string says = {};               // what a refusal says; empty: the key
+  std::vector<std::string> with = {};  // settings under which the key has something to act on
+
+  std::string key() const { return set.substr(0, set.find('=')); }
+};
+
+const std::string kRecording = GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/angles.csv";
+const std::string kOf = "controllers.walked.";  // the only controller
+const std::vector<std::string> kTremor = {"glove.tremor.rms_deg=3"};
+const std::vector<std::string> kHum = {"glove.noise.mains_amplitude_counts=20"};
+const std::vector<std::string> kDrift = {"glove.sensor.drift_deviation_percent=20"};
+const std::vector<std::string> kNoiseOfRecording = {"glove.noise.recording=" + kRecording,
+                                                    "glove.noise.recording_scale=100"};
+const std::vector<std::string> kJumps = {kOf + "untrusted.jump_share=0.01"};
+const std::vector<std::string> kStill = {"glove.motion={kind: hold, duration_s: 1.5}",
+                                         "glove.noise.kind=none"};
+const std::vector<std::string> kSlow = {"glove.rate_hz=33.3"};
+const std::vector<std::string> kSlowNoise = {"glove.rate_hz=33.3", kNoiseOfRecording[0],
+                                             kNoiseOfRecording[1]};
+const std::vector<std::string> kOddEvents = {"event.period_ms=7.3"};
+const std::vector<std::string> kShort = {"glove.motion.duration_s=0.03"};
+const std::vector<std::string> kFive = {
+    "glove.channels=[thumb_ip, index_pip, middle_pip, ring_pip, little_pip]"};
+const std::vector<std::string> kFiveSlow = {kFive[0], "glove.rate_hz=33.3"};
+
+const std::vector<Step>& Walk() {
+  static const std::vector<Step> steps = {
+      // Rates.
+      {"glove.rate_hz=10", kChanges},
+      {"glove.rate_hz=33.3", kChanges},
+      {"glove.rate_hz=60", kChanges},
+      {"glove.rate_hz=1000.5", kChanges},
+      {"glove.rate_hz=10000", kChanges, {}, {"glove.motion.duration_s=0.3"}},
+      {"glove.rate_hz=9.9", kRefused},
+      {"glove.rate_hz=33.3", kChanges, {}, kFive},
+      {"glove.rate_hz=33.3", kChanges, {}, {kOf + "filter_at=event"}},
+      {"glove.rate_hz=33.3", kChanges, {}, {kOf + "prediction={kind: kalman, horizon_ms: 60}"}},
+      {"glove.rate_hz=33.3", kChanges, {}, kTremor},
+      {"glove.rate_hz=33.3", kChanges, {}, {"glove.noise.pink_variance_counts2=50"}},
+      {"glove.rate_hz=10", kChanges, {}, {"glove.noise.pink_variance_counts2=50"}},
+      {"glove.rate_hz=10", kChanges, {}, {"glove.faults=[{kind: dropouts, rate_per_s: 4}]"}},
+      {"glove.rate_hz=33.3", kChanges, {}, {"glove.faults=[{kind: spikes, rate_per_s: 4}]"}},
+      {"glove.rate_hz=33.3", kChanges, {}, {"glove.faults=[{kind: late_frames, rate_per_s: 4}]"}},
+      {"glove.rate_hz=33.3", kChanges, {}, {"glove.faults=[{kind: time_jitter, deviation_ms: 9}]"}},
+      // Events.
+      {"event.period_ms=1", kChanges},
+      {"event.period_ms=7.3", kChanges},
+      {"event.period_ms=1000", kChanges},
+      {"event.period_ms=1001", kRefused},
+      {"event.period_ms=1", kChanges, {}, kSlow},
+      {"event.delay_ms=0", kChanges},
+      {"event.delay_ms=12.7", kChanges},
+      {"event.delay_ms=1000", kChanges},
+      {"event.delay_ms=1001", kRefused},
+      {"event.delay_ms=12.7", kChanges, {}, kFiveSlow},
+      // Physics and servos.
+      {"hand.step_ms=0.01", kChanges, {}, kShort},
+      {"hand.step_ms=0.3", kChanges},
+      {"hand.step_ms=1", kKeeps},  // the default
+      {"hand.step_ms=1.1", kRefused},
+      {"hand.step_ms=0.3", kChanges, {}, kSlow},
+      {"hand.servo.frame_ms=0", kKeeps},  // frames of one period are in step with commands
+      {"hand.servo.frame_ms=0", kChanges, {}, kOddEvents},
+      {"hand.servo.frame_ms=7.7", kChanges},
+      {"hand.servo.frame_ms=1000", kChanges},
+      {"hand.servo.frame_ms=1001", kRefused},
+      {"hand.servo.damping_ms=0", kChanges},
+      {"hand.servo.damping_ms=100", kRefused, "hand.servo: the servo of thumb_rotation"},
+      {"hand.servo.no_load_speed_deg_s=1", kRefused, "hand.servo: the servo of thumb_rotation"},
+      {"hand.servo.no_load_speed_deg_s=10000", kChanges},
+      // Channels and joints.
+      {"glove.channels=[]", kKeeps},
+      {"glove.channels=[index_mcp]", kChanges},
+      {kFive[0], kChanges},
+      {"glove.channels=[index_dip, little_dip]", kRefused, "joint_map: moves no joint of the hand"},
+      {"glove.channels=[nose]", kRefused},
+      {"glove.motion.channels=[index_mcp]", kChanges},
+      {"glove.motion.channels=[nose]", kRefused},
+      {"glove.tremor.channels=[index_mcp]", kChanges, {}, kTremor},
+      {"glove.tremor.channels=[nose]", kRefused, {}, kTremor},
+      {"joint_map.index_mcp={channels: [index_pip]}", kChanges},
+      {"joint_map.index_mcp={channels: [index_pip, ring_pip], weights: [0.5, 0.25]}", kChanges},
+      {"joint_map.index_mcp={channels: [], offset_deg: 30}", kChanges},
+      {"joint_map.index_mcp={channels: [index_pip], offset_deg: 500}", kRefused,
+       "joint_map.index_mcp.offset_deg"},
+      {"joint_map.index_mcp={channels: [index_pip], weights: [1, 2]}", kRefused,
+       "joint_map.index_mcp.weights"},
+      {"joint_map.index_mcp={channels: [index_mcp]}", kRefused, "joint_map.index_mcp.channels",
+       kFive},
+      {"joint_map.nose={channels: [index_pip]}", kRefused},
+      {"video.channel=ring_pip", kKeeps},
+      {"video.channel=nose", kRefused},
+      {"video.channel=index_mcp", kRefused, {}, kFive},
+      {"video.frames_per_s=1", kKeeps},
+      {"video.frames_per_s=120", kKeeps},
+      {"video.frames_per_s=0", kRefused},
+      // Segments.
+      {"glove.motion.label=rest", kChanges},
+      {"glove.motion.label=slow", kChanges},
+      {"glove.motion.label=fast", kChanges},
+      {"glove.motion.label=onset", kChanges},
+      {"glove.motion.label=reversal", kChanges},
+      {"glove.motion.label=dance", kKeeps},  // only stored
+      {"glove.motion.label=fast", kChanges, {}, kFiveSlow},
+      // Motion, tremor, sensors.
+      {"glove.motion.duration_s=0.01", kChanges},
+      {"glove.motion.duration_s=3601", kRefused},
+      {"glove.motion.bandwidth_hz=0.01", kChanges},
+      {"glove.motion.bandwidth_hz=50", kChanges},
+      {"glove.motion.bandwidth_hz=50", kChanges, {}, kSlow},
+      {"glove.tremor.from_hz=0.5", kChanges, {}, kTremor},
+      {"glove.tremor.from_hz=25", kRefused, "glove.tremor.to_hz: is below from_hz", kTremor},
+      {"glove.tremor.to_hz=0.5", kRefused, {}, kTremor},
+      {"glove.tremor.to_hz=25", kChanges, {}, kTremor},
+      {"glove.tremor.to_hz=25", kChanges, {}, {kTremor[0], "glove.rate_hz=33.3"}},
+      {"glove.sensor.lag_ms=0", kKeeps},  // the default
+      {"glove.sensor.lag_ms=1000", kChanges},
+      {"glove.sensor.lag_ms=40", kChanges, {}, kSlow},
+      {"glove.sensor.drift_time_s=1", kChanges, {}, kDrift},
+      {"glove.sensor.drift_time_s=100000", kChanges, {}, kDrift},
+      // Noise.
+      {"glove.noise.mains_hz=10", kChanges, {}, kHum},
+      {"glove.noise.mains_hz=400", kChanges, {}, kHum},
+      {"glove.noise.mains_hz=400", kChanges, {}, {kHum[0], "glove.rate_hz=33.3"}},
+      {"glove.noise.walk_counts_per_sqrt_s=0", kKeeps},  // the default
+      {"glove.noise.walk_counts_per_sqrt_s=1000", kChanges},
+      {"glove.noise.walk_counts_per_sqrt_s=50", kChanges, {}, kSlow},
+      {"glove.noise.recording=" + kRecording, kChanges, {}, {"glove.noise.recording_scale=100"}},
+      {"glove.noise.recording=" + kRecording,
+       kChanges,
+       {},
+       {"glove.noise.recording_scale=100", "glove.rate_hz=33.3"}},
+      {"glove.noise.recording=" + kRecording,
+       kRefused,
+       "glove.noise.recording_smoothing_hz: is 5",
+       {"glove.rate_hz=10"}},
+      {"glove.noise.recording_smoothing_hz=0.1", kChanges, {}, kNoiseOfRecording},
+      {"glove.noise.recording_smoothing_hz=20", kChanges, {}, kNoiseOfRecording},
+      {"glove.noise.recording_smoothing_hz=13", kChanges, {}, kSlowNoise},
+      {"glove.noise.recording_smoothing_hz=14", kRefused, {}, kSlowNoise},
+      {"glove.noise.recording_rate_hz=0", kKeeps, {}, kNoiseOfRecording},  // it has a time column
+      {"glove.noise.recording_rate_hz=100000", kRefused, "recording_rate_hz must not be given",
+       kNoiseOfRecording},
+      {"glove.noise.recording_longest_gap_ms=0", kRefused, "nothing for 10 ms", kNoiseOfRecording},
+      {"glove.noise.recording_longest_gap_ms=10000000", kKeeps, {}, kNoiseOfRecording},
+      // Controllers.
+      {kOf + "filter_at=event", kChanges},
+      {kOf + "filter_at=event", kChanges, {}, kFiveSlow},
+      {kOf + "filter={kind: butterworth, cutoff_hz: 16}", kChanges, {}, kSlow},
+      {kOf + "filter={kind: butterworth, cutoff_hz: 17}", kRefused,
+       "cutoff_hz: is 17, must be below half the rate, 16.65", kSlow},
+      {kOf + "filter={kind: butterworth, cutoff_hz: 500}", kRefused, "cutoff_hz: is 500"},
+      {kOf + "filter={kind: butterworth, cutoff_hz: 25}",
+       kRefused,
+       "below half the rate, 25",
+       {kOf + "filter_at=event"}},
+      {kOf + "prediction={kind: linear, horizon_ms: 0}", kKeeps},
+      {kOf + "prediction={kind: linear, horizon_ms: 1000}", kChanges},
+      {kOf + "prediction={kind: kalman, horizon_ms: 1000}", kChanges},
+      {kOf + "motor.speed_limit_rad_s=0", kKeeps},  // no limit: the default is never reached
+      {kOf + "motor.speed_limit_rad_s=1", kChanges},
+      {kOf + "motor.speed_limit_rad_s=10000", kKeeps},
+      {kOf + "motor.speed_limit_rad_s=1", kChanges, {}, kOddEvents},
+      {kOf + "untrusted.stuck_after_ms=0", kChanges, {}, kStill},
+      {kOf + "untrusted.stuck_after_ms=333.3", kChanges, {}, kStill},
+      {kOf + "untrusted.stuck_after_ms=1000000", kChanges, {}, kStill},
+      {kOf + "untrusted.jump_confirm_ms=0", kChanges, {}, kJumps},
+      {kOf + "untrusted.jump_confirm_ms=33.3", kChanges, {}, kJumps},
+      {kOf + "untrusted.jump_confirm_ms=1000000", kChanges, {}, kJumps},
+      {kOf + "untrusted.jump_confirm_ms=1000001", kRefused, {}, kJumps},
+  };
+  return steps;
+}
+
+class KeysWalk : public testing::Test {
+ protected:
+  KeysWalk() {
+    std::ofstream(file()) << "question: q\n"
+                             "glove: {motion: {kind: random, duration_s: 1.4}}\n"
+                             "controllers: {walked: {filter: {kind: kalman, q: 0.1}}}\n";
+  }
+
+  std::string file() const { return (folder_.path() / "walk.yaml").string(); }
+
+  /// The summary of the scores and how many samples were not trusted, as bits. Errors: as a person
+  /// sees them.
+  std::string ScoresWith(const std::vector<std::string>& settings) const {
+    const StudyResult result = RunStudy(PrepareStudy(LoadScenario(file(), settings)), {});
+    const TrialOutcome& outcome = result.seeds[0].controllers[0];
+    EXPECT_TRUE(outcome.health.ok) << outcome.health.problem;
+    EXPECT_TRUE(std::isfinite(outcome.scores.summary[MetricIndex("tracking_rmse_deg")]));
+    std::string bits;
+    const auto add = [&bits](const auto& values) {
+      for (const auto& value : values) {
+        std::array<char, sizeof value> bytes;
+        std::memcpy(bytes.data(), &value, sizeof value);
+        bits.append(bytes.begin(), bytes.end());
+      }
+    };
+    add(outcome.scores.summary);
+    add(outcome.untrusted_samples);
+    return bits;
+  }
+
+  const std::string& ScoresWithout(const std::vector<std::string>& settings) {
+    std::string& known = without_[settings];
+    if (known.empty()) known = ScoresWith(settings);
+    return known;
+  }
+
+  void ExpectRefused(const Step& step, const std::vector<std::string>& settings) const {
+    try {
+      ScoresWith(settings);
+      ADD_FAILURE() << step.set << " is accepted";
+    } catch (const std::exception& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(step.says.empty() ? step.key() : step.says));
+      EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n"))) << step.set;
+    }
+  }
+
+ private:
+  test::TemporaryDirectory folder_;
+  std::map<std::vector<std::string>, std::string> without_;
+};
+
+TEST_F(KeysWalk, EveryValueChangesTheScoresOrIsRefused) {
+  for (const Step& step : Walk()) {
+    SCOPED_TRACE(testing::Message() << step.set << " with " << testing::PrintToString(step.with));
+    std::vector<std::string> settings = step.with;
+    settings.push_back(step.set);
+    if (step.outcome == kRefused) {
+      ExpectRefused(step, settings);
+      continue;
+    }
+    EXPECT_EQ(ScoresWith(settings) == ScoresWithout(step.with), step.outcome == kKeeps);
+  }
+}
+
+/// Does a key concern time, channels or segments?
+bool IsWalked(const std::string& key) {
+  const auto ends_with = [&key](const char* end) { return key.ends_with(end); };
+  const auto has = [&key](const char* part) { return key.find(part) != std::string::npos; };
+  return ends_with("_ms") || ends_with("_s") || ends_with("_hz") || has("channel") ||
+         has("label") || has("joint_map") || has("filter_at");
+}
+
+/// Keys that need no walk, and why.
+const std::map<std::string, std::string>& NotWalked() {
+  static const std::map<std::string, std::string> reasons = {
+      {"controllers.walked.linearisation.channels", "measured curves: calibration_test.cc"},
+  };
+  return reasons;
+}
+
+/// Values that no test can wait for.
+bool IsTooLong(const std::string& setting) { return setting == "glove.motion.duration_s=3600"; }
+
+TEST_F(KeysWalk, PassesEveryKeyAtBothEndsOfItsRange) {
+  Scenario scenario;
+  std::vector<SettingRow> rows =
+      ListSettings([&](controller::SettingsVisitor& visitor) { scenario.Visit(visitor); });
+  NamedController named;
+  for (SettingRow row :
+       ListSettings([&](controller::SettingsVisitor& visitor) { named.Visit(visitor); })) {
+    row.key = kOf + row.key;
+    rows.push_back(row);
+  }
+  for (const SettingRow& row : rows) {
+    if (!IsWalked(row.key) || NotWalked().contains(row.key)) continue;
+    const auto passes = [](const auto& fits) { return std::ranges::any_of(Walk(), fits); };
+    EXPECT_TRUE(passes([&](const Step& step) { return step.set.starts_with(row.key); })) << row.key;
+    const std::size_t to = row.range.find(" to ");
+    if (to == std::string::npos) continue;
+    for (const std::string& end : {row.range.substr(0, to), row.range.substr(to + 4)}) {
+      const std::string setting = row.key + "=" + end;
+      if (IsTooLong(setting)) continue;
+      EXPECT_TRUE(passes([&](const Step& step) { return step.set == setting; })) << setting;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
