@@ -143,7 +143,7 @@ TEST(EndJoints, TakeTheNumberOfTheMiddleJointFromListsOfEighteen) {
 TEST(EndJoints, HaveNoiseOfTheirOwnBesideACovarianceOfEighteen) {
   GloveConfig config = AllKnownChannels();
   config.motion.settings = HoldConfig{.duration_s = 5.0};
-  config.noise.covariance_counts2.assign(18 * 18, 0.0);
+  config.noise.covariance_counts2.assign(324, 0.0);
   for (std::size_t i = 0; i < 18; ++i) config.noise.covariance_counts2[i * 19] = 100.0;
   const GloveSignal glove = SynthesiseGlove(config, 1);
   for (Eigen::Index c = 0; c < 22; ++c) {

@@ -56,7 +56,7 @@ const std::vector<std::string> kFive = {
 const std::vector<std::string> kFiveSlow = {kFive[0], "glove.rate_hz=33.3"};
 
 const std::vector<Step>& Walk() {
-  static const std::vector<Step> steps = {
+  static const std::vector<Step> kSteps = {
       // Rates.
       {"glove.rate_hz=10", kChanges},
       {"glove.rate_hz=33.3", kChanges},
@@ -201,7 +201,7 @@ const std::vector<Step>& Walk() {
       {kOf + "untrusted.jump_confirm_ms=1000000", kChanges, {}, kJumps},
       {kOf + "untrusted.jump_confirm_ms=1000001", kRefused, {}, kJumps},
   };
-  return steps;
+  return kSteps;
 }
 
 class KeysWalk : public testing::Test {
@@ -278,10 +278,10 @@ bool IsWalked(const std::string& key) {
 
 /// Keys that need no walk, and why.
 const std::map<std::string, std::string>& NotWalked() {
-  static const std::map<std::string, std::string> reasons = {
+  static const std::map<std::string, std::string> kReasons = {
       {"controllers.walked.linearisation.channels", "measured curves: calibration_test.cc"},
   };
-  return reasons;
+  return kReasons;
 }
 
 /// Values that no test can wait for.
