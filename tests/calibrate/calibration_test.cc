@@ -267,9 +267,9 @@ TEST_F(PoseFile, NamesThePlaceOfAMistake) {
               HasSubstr("'index_mcp' appears twice"));
   EXPECT_EQ(ErrorOfFile("t_s,index_mpc_counts\n0,1\n"),
             "poses.csv:1:2: unknown channel 'index_mpc' (did you mean index_mcp?); gauntlet list "
-            "channels names all 18");
+            "channels names all 22");
   EXPECT_EQ(ErrorOfFile("index_mcp_counts,Glove7_deg\n1,2\n"),
-            "poses.csv:1:2: unknown channel 'Glove7'; gauntlet list channels names all 18");
+            "poses.csv:1:2: unknown channel 'Glove7'; gauntlet list channels names all 22");
   EXPECT_THAT(ErrorOfFile(""), HasSubstr("holds no data"));
 }
 

@@ -151,12 +151,12 @@ TEST(Faults, TimeJitterTakesSamplesOffTheirTimeByItsDeviation) {
   const FaultConfig fault{TimeJitterFault{.deviation_ms = 3.0}};
   const double counts_per_sample = 0.05;
   const int samples = 20000;
-  Signal counts = Signal::Zero(samples, 18);
+  Signal counts = Signal::Zero(samples, std::ssize(KnownChannels()));
   counts.colwise() = counts_per_sample * Eigen::VectorXd::LinSpaced(samples, 0, samples - 1);
   const Signal exact = counts;
   ApplyFaults(FaultStage::kSampling, {fault}, 1023.0, 1000.0, 1, counts);
   const auto inside = (counts - exact).middleRows(100, samples - 200) / counts_per_sample;
-  const double values = static_cast<double>(inside.size());  // 356,400: a standard error of 0.12 %
+  const double values = static_cast<double>(inside.size());  // 435,600: a standard error of 0.11 %
   EXPECT_NEAR(std::sqrt(inside.squaredNorm() / values), 3.0, 0.03);
   EXPECT_NEAR(inside.sum() / values, 0.0, 0.03);
 }

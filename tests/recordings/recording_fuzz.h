@@ -25,7 +25,7 @@ inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
     RecordingReader reader("fuzz", TextSource(text), format);
-    std::vector<double> angles(GloveChannels().size());
+    std::vector<double> angles(KnownChannels().size());
     double before_s = -std::numeric_limits<double>::infinity();
     double time_s = 0.0;
     std::vector<double> times_s, index_mcp;

@@ -44,7 +44,7 @@ struct ReadResult {
 ReadResult Read(const std::string& text, RecordingFormat format) {
   RecordingReader reader("in.csv", TextSource(text), format);
   ReadResult result;
-  std::vector<double> angles(GloveChannels().size());
+  std::vector<double> angles(KnownChannels().size());
   double time_s = 0.0;
   while (reader.NextRow(time_s, angles)) {
     result.rows.push_back({time_s, angles[ChannelIndex("index_mcp")] * kDegPerRad});

@@ -58,7 +58,7 @@ TEST_P(AnyGlove, MovesItsJointsAndTheOthersHoldTheirPosture) {
   const StudyResult result = RunStudy(study, {});
   const TrialOutcome& outcome = result.seeds[0].controllers[0];
   ASSERT_TRUE(outcome.health.ok) << outcome.health.problem;
-  EXPECT_EQ(study.measured_joint_names().size(), std::min<std::size_t>(GetParam().size(), 18));
+  EXPECT_EQ(study.measured_joint_names.size(), std::min<std::size_t>(GetParam().size(), 18));
   for (const std::size_t row : study.rows.joints) {
     const double error_deg = outcome.scores.channels[row][MetricIndex("aligned_rmse_deg")];
     EXPECT_LT(error_deg, 5.0) << study.rows.names[row];
