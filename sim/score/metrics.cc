@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -29,6 +30,17 @@ double PooledDeviation(std::span<const double> values, const std::vector<Range>&
     count += static_cast<int>(part.size());
   }
   return count == 0 ? kNoScore : std::sqrt(squares / count);
+}
+
+/// Mean over ranges of the size of the mean of each.
+double MeanOffset(std::span<const double> error, const std::vector<Range>& ranges) {
+  double offsets = 0.0;
+  for (const Range& range : ranges) {
+    const auto part = error.subspan(range.begin, range.end - range.begin);
+    offsets +=
+        std::abs(std::accumulate(part.begin(), part.end(), 0.0)) / static_cast<double>(part.size());
+  }
+  return ranges.empty() ? kNoScore : offsets / static_cast<double>(ranges.size());
 }
 
 constexpr MetricRow kRows[] = {
@@ -84,6 +96,12 @@ constexpr MetricRow kRows[] = {
           "standard deviation of the hand about its mean of each rest, pooled over rests"},
      [](const ScoredJoint& j) {
        return kDegPerRad * PooledDeviation(j.hand_rad, j.wearer.Of(Regime::kRest));
+     }},
+    {{.key = "rest_offset_deg",
+      .help = "how far beside the wearer who holds still the hand stands",
+      .definition = "mean over rests of |mean(hand - reference)|: what no filter of noise changes"},
+     [](const ScoredJoint& j) {
+       return kDegPerRad * MeanOffset(j.error_rad, j.wearer.Of(Regime::kRest));
      }},
     {{.key = "slow_tracking_rmse_deg",
       .help = "distance to the wearer while the wearer moves slowly, RMS",

@@ -14,6 +14,7 @@ struct Trace {
   std::string controller_name;
   Signal linearised_angle_rad;   // ticks x channels: before the filter; held between samples
   Signal filtered_angle_rad;     // ticks x channels
+  Signal target_angle_rad;       // ticks x joints: what the motors were last asked for
   IntegerSignal command_counts;  // ticks x motors: the frame that the servos hold
   Signal spool_angle_rad;        // ticks x motors
   Signal spool_speed_rad_s;      // ticks x motors

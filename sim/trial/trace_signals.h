@@ -59,6 +59,10 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
          [](Loop loop, Row row) {
            std::ranges::copy(loop.controller().filtered_angle_rad(), row.begin());
          });
+  number("target_angle_rad", "rad", TraceColumns::kJoints, trace.target_angle_rad,
+         [](Loop loop, Row row) {
+           std::ranges::copy(loop.controller().target_angle_rad(), row.begin());
+         });
   visit(TraceSignal<int>{"command_counts", "counts", TraceColumns::kMotors,
                          [](Loop loop, std::span<int> row) {
                            std::ranges::copy(loop.hand().command(), row.begin());

@@ -147,6 +147,22 @@ TEST(Faults, OfFramesStrikeTheirChannelsAtOnceOthersEachByItself) {
   }
 }
 
+TEST(Faults, AnOffsetJumpShiftsAllThatComesAfterIt) {
+  const FaultConfig fault{OffsetJumpFault{
+      .when = {.start_s = 1.0, .rate_per_s = 0.0, .duration_ms = 0.0}, .offset_counts = 25.0}};
+  Signal counts = Signal::Constant(3000, std::ssize(KnownChannels()), 500.0);
+  ApplyFaults(FaultStage::kAnalog, {fault}, 1023.0, 1000.0, 1, counts);
+  bool up = false, down = false;
+  for (Eigen::Index c = 0; c < counts.cols(); ++c) {
+    EXPECT_TRUE((counts.col(c).head(1000).array() == 500.0).all());
+    const double shift = counts(1000, c) - 500.0;
+    EXPECT_EQ(std::abs(shift), 25.0);
+    EXPECT_TRUE((counts.col(c).tail(2000).array() == 500.0 + shift).all());
+    (shift > 0.0 ? up : down) = true;
+  }
+  EXPECT_TRUE(up && down);
+}
+
 TEST(Faults, TimeJitterTakesSamplesOffTheirTimeByItsDeviation) {
   const FaultConfig fault{TimeJitterFault{.deviation_ms = 3.0}};
   const double counts_per_sample = 0.05;

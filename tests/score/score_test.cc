@@ -207,6 +207,14 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
   EXPECT_NEAR(scores.summary[IndexOf("grip_force_ripple_n")], 1.0, 1e-3);
 }
 
+TEST(Scores, OfTheOffsetAtRestIsTheSizeOfTheMeanError) {
+  FullExample example;
+  example.hand.col(0).array() -= 3.0 * kRadPerDeg;  // below the wearer, all the time
+  const Scores scores = ComputeScores(example.Input(), kFullRows);
+  EXPECT_NEAR(scores.channels[0][IndexOf("rest_offset_deg")], 3.0, 0.01);
+  EXPECT_NEAR(scores.channels[1][IndexOf("rest_offset_deg")], 0.0, 0.01);
+}
+
 TEST(Scores, FollowLabelsInPlaceOfTheSpeed) {
   const FullExample example;
   ScoreInput input = example.Input();

@@ -11,7 +11,7 @@ namespace gauntlet::sim {
 struct SpikeFault {
   static constexpr std::string_view kKind = "spikes";
   static constexpr std::string_view kSummary =
-      "values jump away, each for a single sample if nothing else is said";
+      "values jump away, each for a single sample by default";
   static constexpr FaultNature kNature = {.stage = FaultStage::kAnalog};
 
   FaultOccurrence when = {.duration_ms = 0.1};
@@ -38,7 +38,7 @@ struct NoiseBurstFault {
 struct GainChangeFault {
   static constexpr std::string_view kKind = "gain_change";
   static constexpr std::string_view kSummary =
-      "a sensor slips: its gain changes in mid-run, for good if nothing else is said";
+      "a sensor slips: its gain changes in mid-run, for good by default";
   static constexpr FaultNature kNature = {.stage = FaultStage::kAnalog};
 
   FaultOccurrence when = {.start_s = 5.0, .rate_per_s = 0.0, .duration_ms = 0.0};

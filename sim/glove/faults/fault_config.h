@@ -9,15 +9,16 @@
 #include "sim/glove/faults/analog_faults.h"
 #include "sim/glove/faults/digital_faults.h"
 #include "sim/glove/faults/fault.h"
+#include "sim/glove/faults/offset_jump.h"
 #include "sim/glove/faults/time_jitter.h"
 
 namespace gauntlet::sim {
 
 /// Every kind of fault that there is. To add one: a struct with its kNature, its occurrence `when`,
 /// its own settings and its Apply(), and one entry here.
-using FaultSettings =
-    std::variant<SpikeFault, NoiseBurstFault, GainChangeFault, TimeJitterFault, SaturatedFault,
-                 StuckFault, DisconnectedFault, DropoutFault, DuplicatedFrameFault, LateFrameFault>;
+using FaultSettings = std::variant<SpikeFault, NoiseBurstFault, GainChangeFault, TimeJitterFault,
+                                   SaturatedFault, StuckFault, DisconnectedFault, DropoutFault,
+                                   DuplicatedFrameFault, LateFrameFault, OffsetJumpFault>;
 
 /// Something that goes wrong with the glove, again and again: `kind`, when and where, then the
 /// settings of that kind.

@@ -11,7 +11,7 @@ namespace gauntlet::sim {
 struct TimeJitterFault {
   static constexpr std::string_view kKind = "time_jitter";
   static constexpr std::string_view kSummary =
-      "samples are taken a little early or late, all the time if nothing else is said";
+      "samples are taken a little early or late, all the time by default";
   static constexpr FaultNature kNature = {.stage = FaultStage::kSampling};
 
   FaultOccurrence when = {.start_s = 0.0, .rate_per_s = 0.0, .duration_ms = 0.0};

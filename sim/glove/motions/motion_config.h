@@ -14,6 +14,7 @@
 #include "sim/glove/motions/recorded_motion.h"
 #include "sim/glove/motions/sequence.h"
 #include "sim/glove/motions/sine_motion.h"
+#include "sim/glove/motions/tapping_motion.h"
 
 namespace gauntlet::sim {
 
@@ -21,7 +22,7 @@ namespace gauntlet::sim {
 /// one entry here.
 using MotionSettings =
     std::variant<HoldConfig, RecordedMotionConfig, RandomMotionConfig, MovesConfig, GraspConfig,
-                 BurstsConfig, SineConfig, ChirpConfig, StepsConfig, SequenceConfig>;
+                 BurstsConfig, SineConfig, ChirpConfig, StepsConfig, SequenceConfig, TappingConfig>;
 
 /// What the wearer does: `kind`, `label`, then the settings of that kind.
 struct MotionConfig {

@@ -1,0 +1,18 @@
+#include "sim/glove/faults/offset_jump.h"
+
+namespace gauntlet::sim {
+
+void OffsetJumpFault::Visit(controller::SettingsVisitor& visitor) {
+  visitor.Number({.key = "offset_counts",
+                  .help = "how far the signal moves, up or down, of a 10-bit converter's counts",
+                  .min = 0,
+                  .max = 1e6},
+                 offset_counts);
+}
+
+void OffsetJumpFault::Apply(FaultStrike& strike) const {
+  const double direction = strike.random.Bits() >> 63 ? 1.0 : -1.0;
+  strike.stretch().array() += direction * strike.ScaledCounts(offset_counts);
+}
+
+}  // namespace gauntlet::sim
