@@ -24,8 +24,8 @@ struct State3 {
   const double *r, *q;
 };
 
-GAUNTLET_VECTORISED void Step2(State2 state, ProcessNoiseFactors f, const double* z, double* output,
-                               int channel_count) {
+GAUNTLET_VECTORISED void Step2(const State2& state, const ProcessNoiseFactors& f, const double* z,
+                               double* output, int channel_count) {
   const auto [x, w, p11, p12, p22, r, q] = state;
   const double f11 = f.q11, f12 = f.q12, f22 = f.q22;
   GAUNTLET_CHANNEL_LOOP
@@ -50,8 +50,8 @@ GAUNTLET_VECTORISED void Step2(State2 state, ProcessNoiseFactors f, const double
   }
 }
 
-GAUNTLET_VECTORISED void Step3(State3 state, ProcessNoiseFactors f, const double* z, double* output,
-                               int channel_count) {
+GAUNTLET_VECTORISED void Step3(const State3& state, const ProcessNoiseFactors& f, const double* z,
+                               double* output, int channel_count) {
   const auto [x, w, a, p11, p12, p13, p22, p23, p33, r, q] = state;
   const double f11 = f.q11, f12 = f.q12, f13 = f.q13;
   const double f22 = f.q22, f23 = f.q23, f33 = f.q33;

@@ -45,7 +45,7 @@ Cell MakeCell(const ControllerSummary& controller, std::size_t metric, bool comp
 
 std::string Decorated(const Cell& cell, std::size_t width, bool colour) {
   const char* mark = cell.worse_than_baseline ? "!" : cell.best ? "*" : " ";
-  const std::string text = Padded(cell.text, width, true) + mark;
+  std::string text = Padded(cell.text, width, true) + mark;
   if (!colour) return text;
   if (cell.worse_than_baseline) return Warning(text);
   if (cell.best) return Good(text);
@@ -178,7 +178,7 @@ std::string Verdict(const Summary& summary) {
     if (controller.as_good_as_best[tracking] && calmer(follower)) follower = &controller;
     if (calmer(calm)) calm = &controller;
   }
-  if (follower == nullptr) return "";
+  if (follower == nullptr || calm == nullptr) return "";
   const bool tie = std::ranges::count_if(all, [&](const auto& controller) {
                      return controller.as_good_as_best[tracking];
                    }) > 1;

@@ -84,7 +84,7 @@ void FindMeasuredParts(Study& study) {
   int cable = 0;
   for (int motor = 0; motor < std::ssize(study.hand->drives()); ++motor) {
     const bool counts = std::ranges::any_of(study.measured_joints, [&](int joint) {
-      return hand.coupling[static_cast<std::size_t>(motor * joints + joint)] != 0.0;
+      return hand.coupling[motor * joints + joint] != 0.0;
     });
     if (counts) study.measured_motors.push_back(motor);
     for (std::size_t i = 0; i < study.hand->drives()[motor].cables.size(); ++i, ++cable) {
@@ -161,8 +161,9 @@ class Schedule {
       glove.reference_rad = JointAngles(study_.joint_map(), glove.signal.true_angle_rad);
     });
     const NamedController& named = study_.scenario.controllers[controller_index];
-    const auto blocks =
-        static_cast<double>(glove.signal.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1);
+    const Eigen::Index block_count =
+        glove.signal.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
+    const auto blocks = static_cast<double>(block_count);
     Trace trace =
         RunTrial(SetupOf(study_, named), glove.signal, [&] { return Progress(1.0 / blocks); });
     outcome.scores = Score(study_, glove.signal, glove.reference_rad, trace);

@@ -35,27 +35,28 @@ std::string JointTitle(const std::string& name) {
   return title;
 }
 
+[[noreturn]] void Fail(const std::string& what) { throw RunError("video: " + what); }
+
 void CheckSignals(const VideoInput& input) {
-  const auto fail = [](const std::string& what) { throw RunError("video: " + what); };
   if (input.true_angle_rad == nullptr || input.raw_angle_rad == nullptr)
-    fail("signals are missing");
+    Fail("signals are missing");
   const auto samples = input.true_angle_rad->rows(), joints = input.true_angle_rad->cols();
-  if (samples == 0) fail("there is no motion to show");
-  if (!(input.rate_hz >= 1.0)) fail(fmt::format("a rate of {} Hz", input.rate_hz));
+  if (samples == 0) Fail("there is no motion to show");
+  if (!(input.rate_hz >= 1.0)) Fail(fmt::format("a rate of {} Hz", input.rate_hz));
   if (input.joint < 0 || input.joint >= joints) {
-    fail(fmt::format("joint {} is not in 0 .. {}", input.joint, joints - 1));
+    Fail(fmt::format("joint {} is not in 0 .. {}", input.joint, joints - 1));
   }
-  if (input.raw_angle_rad->cols() != joints) fail("raw and true angles differ in joints");
+  if (input.raw_angle_rad->cols() != joints) Fail("raw and true angles differ in joints");
   for (const VideoPane& pane : input.panes) {
     for (const Signal* signal :
          {pane.hand_angle_rad, pane.spool_angle_rad, pane.command_angle_rad}) {
-      if (signal == nullptr) fail(pane.title + ": signals are missing");
-      if (signal->rows() == 0) fail(pane.title + ": the trial has no samples");
+      if (signal == nullptr) Fail(pane.title + ": signals are missing");
+      if (signal->rows() == 0) Fail(pane.title + ": the trial has no samples");
     }
     if (pane.hand_angle_rad->cols() != joints || pane.command_angle_rad->cols() != joints ||
         pane.hand_angle_rad->rows() > samples ||
         pane.spool_angle_rad->rows() < pane.hand_angle_rad->rows()) {
-      fail(pane.title + ": signals differ in shape");
+      Fail(pane.title + ": signals differ in shape");
     }
   }
 }
