@@ -99,13 +99,6 @@ void JointMap::ToJoints(std::span<const double> channel_angle_rad,
   }
 }
 
-int JointMap::copied_channel(int joint) const noexcept {
-  const Joint& source = joints_[Place(joint)];
-  const bool copy =
-      source.terms.size() == 1 && source.terms[0].weight == 1.0 && source.offset_rad == 0.0;
-  return copy ? source.terms[0].channel : -1;
-}
-
 std::vector<double> JointMap::ChannelsAt(std::span<const double> joint_angle_rad,
                                          std::vector<double> otherwise_rad) const {
   std::vector<double> channel_rad = std::move(otherwise_rad);

@@ -60,8 +60,6 @@ class JointMap {
   std::span<const Term> terms(int joint) const noexcept { return joints_[Place(joint)].terms; }
   /// Whether any channel moves this joint; else it holds one posture.
   bool measured(int joint) const noexcept { return !joints_[Place(joint)].terms.empty(); }
-  /// The channel that alone moves this joint with weight 1 and no offset; -1 if there is none.
-  int copied_channel(int joint) const noexcept;
   /// A posture of the glove that lets each joint rest at `joint_angle_rad` as far as one channel
   /// decides it; a channel that decides none is at `otherwise_rad`.
   std::vector<double> ChannelsAt(std::span<const double> joint_angle_rad,

@@ -25,8 +25,6 @@ std::vector<double> JointsOf(const JointMap& map, std::vector<double> channel_ra
 TEST(JointMap, CopiesTheChannelOfTheSameNameBitByBit) {
   const JointMap map({}, kChannels, CoupledHand(2));
   EXPECT_THAT(JointsOf(map, {0.1, 0.2, 1.0 / 3.0}), ElementsAre(1.0 / 3.0, 0.1));
-  EXPECT_EQ(map.copied_channel(0), 2);
-  EXPECT_EQ(map.copied_channel(1), 0);
 }
 
 TEST(JointMap, HoldsWhatNoChannelMeasuresAtTheReference) {
@@ -36,7 +34,6 @@ TEST(JointMap, HoldsWhatNoChannelMeasuresAtTheReference) {
   EXPECT_THAT(JointsOf(map, {1.1, 1.2, 1.3}), ElementsAre(1.3, 1.1, 0.3, 0.4));
   EXPECT_TRUE(map.measured(1));
   EXPECT_FALSE(map.measured(2));
-  EXPECT_EQ(map.copied_channel(2), -1);
 }
 
 TEST(JointMap, AddsUpASynergyAndHoldsAConstantPosture) {
