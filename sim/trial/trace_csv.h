@@ -8,8 +8,8 @@
 
 namespace gauntlet::sim {
 
-/// The signals of a trace file as CSV, one file per controller: `t_s`, then `signal.column` per column. Counts
-/// are empty between the samples of the glove.
+/// The signals of a trace file as CSV, one file per controller: `t_s`, then `signal.column` per
+/// column. Counts are empty between the samples of the glove.
 void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove,
                    const HandModel& hand, const Trace& trace);
 

@@ -9,8 +9,8 @@
 
 namespace gauntlet::sim {
 
-/// Joints tap one after another, over and over, as fingers on a table: each bends by `depth_deg` and
-/// goes back, both with least jerk, while the others rest.
+/// Joints tap one after another, over and over, as fingers on a table: each bends by `depth_deg`
+/// and goes back, both with least jerk, while the others rest.
 /// Source of the course: Flash and Hogan 1985. Depth and times are assumptions.
 struct TappingConfig {
   static constexpr std::string_view kKind = "tapping";
