@@ -73,6 +73,10 @@ JointMap::JointMap(const JointMapConfig& config, const std::vector<std::string>&
                              " values, must have 1 for all channels or " +
                              std::to_string(source.channels.size()) + ", one for each");
     }
+    if (!source.channels.empty() && std::ranges::count(source.weights, 0.0) > 0) {
+      throw SettingError(source.joint + ".weights",
+                         "has a 0, must name only channels that move the joint");
+    }
     Joint& joint = joints_[Place(index)];
     joint = {.offset_rad = source.offset_deg * kRadPerDeg, .terms = {}};
     for (std::size_t k = 0; k < source.channels.size(); ++k) {

@@ -21,9 +21,8 @@ void ConvertAll(double full_scale_counts, Signal& counts) {
   }
 }
 
-/// Keeps the channels that the glove has, everywhere.
+/// Keeps the channels that the glove has, in its order, everywhere.
 void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
-  if (indices.size() == KnownChannels().size()) return;
   glove.true_angle_rad = glove.true_angle_rad(Eigen::all, indices).eval();
   glove.counts = glove.counts(Eigen::all, indices).eval();
   if (glove.tremor_rad.size() > 0) {
@@ -90,11 +89,13 @@ void AddRemarksOnFaults(const GloveConfig& config, int samples, std::vector<std:
 }  // namespace
 
 std::vector<int> ChannelsOf(const GloveConfig& config) {
-  const std::vector<bool> selected =
-      SelectChannels(config.channels.empty() ? GloveChannelNames() : config.channels);
+  SelectChannels(config.channels);  // refuses names that there are not
   std::vector<int> indices;
-  for (std::size_t c = 0; c < selected.size(); ++c) {
-    if (selected[c]) indices.push_back(static_cast<int>(c));
+  for (const std::string& name : config.channels.empty() ? GloveChannelNames() : config.channels) {
+    indices.push_back(ChannelIndex(name));
+    if (std::ranges::count(indices, indices.back()) > 1) {
+      throw controller::SettingError("channels", "names " + name + " twice");
+    }
   }
   return indices;
 }

@@ -8,8 +8,8 @@ void GloveConfig::Visit(controller::SettingsVisitor& visitor) {
                  rate_hz);
   visitor.Texts(
       {.key = "channels",
-       .help = "channels that the glove has, in the order of gauntlet list channels; empty: the "
-               "first 18, without the end joints of the fingers"},
+       .help = "channels that the glove has, in the order in which it sends them; empty: the first "
+               "18 of gauntlet list channels, without the end joints of the fingers"},
       channels);
   VisitGroup(visitor, {.key = "motion", .help = "what the wearer does"}, motion);
   VisitGroup(visitor, {.key = "tremor", .help = "trembling of the wearer's hand"}, tremor);

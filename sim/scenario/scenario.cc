@@ -109,6 +109,7 @@ std::vector<bool> WithoutR(const YAML::Node& filters, std::size_t count) {
   return without;
 }
 
+/// Checks what the defaults of the controllers are made from, too.
 std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YAML::Node& root,
                                         const YamlSource& source) {
   std::vector<std::string> names;
@@ -116,9 +117,13 @@ std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YAML::No
     for (const int channel : ChannelsOf(glove)) {
       names.emplace_back(KnownChannels()[static_cast<std::size_t>(channel)].name);
     }
+    glove.noise.Check();
   } catch (const controller::SettingError& error) {
-    const YAML::Node node = Find(Find(root, "glove"), error.key());
-    throw source.At(node, controller::SettingError("glove." + error.key(), error.problem()));
+    const std::string& key = error.key();
+    const std::size_t dot = key.find('.');
+    YAML::Node node = Find(Find(root, "glove"), key.substr(0, dot));
+    if (dot != std::string::npos) node = Find(node, key.substr(dot + 1));
+    throw source.At(node, controller::SettingError("glove." + key, error.problem()));
   }
   return names;
 }

@@ -69,12 +69,16 @@ TEST(Glove, WithFewerChannelsGivesTheSameOfThose) {
   config.motion.settings = RandomMotionConfig{.duration_s = 1.0};
   config.faults = {FaultConfig{}};
   const GloveSignal all = SynthesiseGlove(config, 7);
-  config.channels = {"elbow_flexion", "index_pip"};  // their order is that of GloveChannels()
+  config.channels = {"elbow_flexion", "index_pip"};  // in the order in which it sends them
   const GloveSignal two = SynthesiseGlove(config, 7);
-  EXPECT_EQ(two.channel_names, (std::vector<std::string>{"index_pip", "elbow_flexion"}));
-  EXPECT_EQ(two.counts.col(0), all.counts.col(ChannelIndex("index_pip")));
-  EXPECT_EQ(two.counts.col(1), all.counts.col(ChannelIndex("elbow_flexion")));
-  EXPECT_EQ(two.true_angle_rad.col(1), all.true_angle_rad.col(ChannelIndex("elbow_flexion")));
+  EXPECT_EQ(two.channel_names, config.channels);
+  EXPECT_EQ(two.counts.col(0), all.counts.col(ChannelIndex("elbow_flexion")));
+  EXPECT_EQ(two.counts.col(1), all.counts.col(ChannelIndex("index_pip")));
+  EXPECT_EQ(two.true_angle_rad.col(0), all.true_angle_rad.col(ChannelIndex("elbow_flexion")));
+  EXPECT_EQ(NominalCalibration(config).channel_names, config.channels);
+  const std::vector<double> variances = NoiseVarianceCounts2(GloveConfig{});
+  EXPECT_EQ(NoiseVarianceCounts2(config), (std::vector{variances[ChannelIndex("elbow_flexion")],
+                                                       variances[ChannelIndex("index_pip")]}));
 }
 
 TEST(Glove, CountsAreWholeAndInsideTheScale) {
