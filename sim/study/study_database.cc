@@ -117,7 +117,7 @@ struct StudyDatabase::State {
   }
   const std::vector<std::string>& Channels() const { return study.channel_names(); }
   const std::vector<std::string>& Rows() const { return study.rows.names; }
-  void MarkAsNewest();
+  void StartStudy();
 
   /// Runs `action` on the database, one thread at a time; what SQLite throws becomes one line.
   template <class Action>
@@ -141,7 +141,7 @@ struct StudyDatabase::State {
   std::mutex mutex;
   std::optional<SQLite::Database> database;
   bool made = false;
-  bool marked = false;
+  bool started = false;
 };
 
 void StudyDatabase::State::Open(bool make) {
@@ -168,24 +168,15 @@ void StudyDatabase::State::Open(bool make) {
   }
 }
 
-/// Once per study: puts it into its table, and marks its trials as those that were asked for last.
-void StudyDatabase::State::MarkAsNewest() {
-  if (marked) return;
+/// Once per study: puts it into its table. Its trials are started as they are asked for.
+void StudyDatabase::State::StartStudy() {
+  if (started) return;
   SQLite::Statement add(*database, "INSERT OR IGNORE INTO study VALUES (?, ?)");
   add.bind(1, study_hash);
   add.bind(2, SharedSettings(study));
   add.exec();
   database->exec("UPDATE trial SET newest = 0");
-  for (std::size_t c = 0; c < settings.size(); ++c) {
-    SQLite::Statement mark(*database,
-                           "UPDATE trial SET newest = 1 WHERE study = ? AND controller = ? AND "
-                           "settings = ?");
-    mark.bind(1, study_hash);
-    mark.bind(2, Controller(c));
-    mark.bind(3, settings[c]);
-    mark.exec();
-  }
-  marked = true;
+  started = true;
 }
 
 std::int64_t StudyDatabase::State::FindTrial(int seed, std::size_t controller) {
@@ -251,6 +242,12 @@ std::optional<TrialOutcome> StudyDatabase::Find(int seed, std::size_t controller
     if (!state.database) return std::nullopt;
     const std::int64_t trial = state.FindTrial(seed, controller);
     if (trial == 0) return std::nullopt;
+    SQLite::Transaction transaction(*state.database);
+    state.StartStudy();
+    SQLite::Statement mark(*state.database, "UPDATE trial SET newest = 1 WHERE id = ?");
+    mark.bind(1, trial);
+    mark.exec();
+    transaction.commit();
 
     const double missing = std::numeric_limits<double>::quiet_NaN();
     TrialOutcome outcome;
@@ -296,7 +293,7 @@ void StudyDatabase::Keep(int seed, std::size_t controller, const TrialOutcome& o
   state.Guarded([&] {
     state.Open(true);
     SQLite::Transaction transaction(*state.database);
-    state.MarkAsNewest();
+    state.StartStudy();
     if (const std::int64_t known = state.FindTrial(seed, controller); known != 0) {
       SQLite::Statement remove(*state.database, "DELETE FROM trial WHERE id = ?");
       remove.bind(1, known);

@@ -103,8 +103,12 @@ TEST_F(StudyDatabaseTest, ShowsWhatWasAskedForLast) {
   };
   EXPECT_EQ(count("scores"), 1);
   EXPECT_EQ(count("all_scores"), 3);
-  StudyDatabase(file_, study_).Keep(8, 0, MakeOutcome());
-  EXPECT_EQ(count("scores"), 3);
+  {
+    StudyDatabase again(file_, study_);
+    again.Keep(8, 0, MakeOutcome());
+    EXPECT_TRUE(again.Find(7, 0));
+  }
+  EXPECT_EQ(count("scores"), 2);  // of controller 1, kept before, nobody asked again
   EXPECT_EQ(count("all_scores"), 4);
 }
 
