@@ -129,6 +129,8 @@ ScoreChange ChangeOf(const ScoreDifference& score, bool lower_is_better) {
 /// The scores of one controller that A or B has.
 void CompareScores(const std::string& controller, const std::vector<std::vector<double>>& a,
                    const std::vector<std::vector<double>>& b, StudyDifference& result) {
+  const bool other_joints =
+      !result.channels_only_in_a.empty() || !result.channels_only_in_b.empty();
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
     ScoreDifference score{.controller = controller,
                           .metric = m,
@@ -138,6 +140,10 @@ void CompareScores(const std::string& controller, const std::vector<std::vector<
                           .change = ScoreChange::kNone};
     if (std::isnan(score.a) && std::isnan(score.b)) continue;
     score.change = ChangeOf(score, Metrics()[m].lower_is_better);
+    const bool judged = score.change == ScoreChange::kBetter || score.change == ScoreChange::kWorse;
+    if (judged && other_joints && Metrics()[m].part != ScoredPart::kHand) {
+      score.change = ScoreChange::kOtherJoints;
+    }
     result.scores.push_back(std::move(score));
   }
 }
@@ -224,6 +230,8 @@ std::string_view ChangeText(ScoreChange change) {
       return "only in A";
     case ScoreChange::kOnlyInB:
       return "only in B";
+    case ScoreChange::kOtherJoints:
+      return "of other joints";
   }
   return "";
 }

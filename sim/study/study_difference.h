@@ -17,10 +17,11 @@ struct SettingDifference {
   std::optional<std::string> b;
 };
 
-enum class ScoreChange { kNone, kBetter, kWorse, kOnlyInA, kOnlyInB };
+enum class ScoreChange { kNone, kBetter, kWorse, kOnlyInA, kOnlyInB, kOtherJoints };
 
 /// One score of one controller. It changed if the 95 % interval of B - A does not hold 0, or, where
-/// there is no interval, if the values differ at all; never by less than one part in 10^9.
+/// there is no interval, if the values differ at all; never by less than one part in 10^9. Means
+/// over other joints are shown and not judged.
 struct ScoreDifference {
   std::string controller;
   std::size_t metric;  // of Metrics()

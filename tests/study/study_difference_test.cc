@@ -164,6 +164,16 @@ TEST(CompareStudies, ControllersAndChannelsOfOneOnlyAreNamed) {
   EXPECT_FALSE(CompareStudies(b, a).Same());
 }
 
+TEST(CompareStudies, MeansOverOtherJointsAreShownAndNotJudged) {
+  const StudyFolder a = Folder(5.0, 1, 8);
+  StudyFolder b = Folder(9.0, 1, 8);
+  EXPECT_EQ(Score(CompareStudies(a, b), "tracking_rmse_deg").change, ScoreChange::kWorse);
+  b.scores.channels = {"index_mcp", "index_pip"};
+  const StudyDifference difference = CompareStudies(a, b);
+  EXPECT_EQ(Score(difference, "tracking_rmse_deg").change, ScoreChange::kOtherJoints);
+  EXPECT_NEAR(Score(difference, "tracking_rmse_deg").difference.mean, 4.0, 1e-9);
+}
+
 TEST(StudyDifferenceJson, HoldsEveryScore) {
   const StudyFolder a = Folder(5.0, 1, 4);
   StudyFolder b = Folder(4.0, 1, 4);
