@@ -105,6 +105,11 @@ std::vector<Entry> ScenarioKeys() {
            ListSettings([](controller::SettingsVisitor& visitor) {
              NamedController named;
              named.Visit(visitor);
+           })},
+          {"joint_map.<joint>", "The keys of one joint of the hand.",
+           ListSettings([](controller::SettingsVisitor& visitor) {
+             controller::JointSource source;
+             source.Visit(visitor);
            })}};
 }
 

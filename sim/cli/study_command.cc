@@ -34,7 +34,10 @@ void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
   }
   scenario.controllers = std::move(kept);
   // Without its controller the rule for scenarios that name none decides.
-  if (std::ranges::find(names, scenario.baseline) == names.end()) scenario.baseline.clear();
+  if (scenario.baseline.empty() || std::ranges::count(names, scenario.baseline) > 0) return;
+  fmt::print(stderr, "gauntlet: the baseline {} is not among --controllers: {}\n",
+             scenario.baseline, "the rule for scenarios that name none decides");
+  scenario.baseline.clear();
 }
 
 int JobsOrCores(int jobs) {

@@ -154,8 +154,8 @@ std::string ResolvedScenario(const Study& study) {
 
 namespace {
 
-/// Video and trace tables that an earlier study left: of another scenario, they would be taken for
-/// those of this one.
+/// Video, trace tables and exported controllers that an earlier study left: of another scenario,
+/// they would be taken for those of this one.
 void RemoveLeftovers(const std::filesystem::path& folder, const std::string& resolved) {
   std::ostringstream earlier;
   earlier << std::ifstream(folder / "scenario.resolved.yaml").rdbuf();
@@ -164,7 +164,8 @@ void RemoveLeftovers(const std::filesystem::path& folder, const std::string& res
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     const bool table = name.starts_with("trace.") && name.ends_with(".csv");
-    if (table || name == "comparison.mp4") std::filesystem::remove(entry.path(), ignored);
+    const bool robot = name.ends_with(".robot.yaml");
+    if (table || robot || name == "comparison.mp4") std::filesystem::remove(entry.path(), ignored);
   }
 }
 

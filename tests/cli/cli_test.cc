@@ -230,7 +230,7 @@ TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
                      "--controllers", "raw"});
   };
   const auto leave = [&] {
-    for (const char* name : {"comparison.mp4", "trace.raw.csv", "notes.txt"}) {
+    for (const char* name : {"comparison.mp4", "trace.raw.csv", "raw.robot.yaml", "notes.txt"}) {
       std::ofstream(Out("a") / name) << "old";
     }
   };
@@ -241,6 +241,7 @@ TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
   ASSERT_EQ(run("2").exit_code, 0);
   EXPECT_FALSE(fs::exists(Out("a") / "comparison.mp4"));
   EXPECT_FALSE(fs::exists(Out("a") / "trace.raw.csv"));
+  EXPECT_FALSE(fs::exists(Out("a") / "raw.robot.yaml"));
   EXPECT_TRUE(fs::exists(Out("a") / "notes.txt"));
 }
 
