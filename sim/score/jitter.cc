@@ -9,7 +9,7 @@ constexpr double kTransition_hz = 4.0;  // centred on the cutoff
 }  // namespace
 
 FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, Fourier& fourier) {
-  const FilteredSignal none{0, Signal(0, angle_rad.cols())};
+  FilteredSignal none{0, Signal(0, angle_rad.cols())};
   if (rate_hz <= 2.0 * kCutoff_hz + kTransition_hz) return none;
   const LowPass low_pass = DesignLowPass(kCutoff_hz, kTransition_hz, rate_hz);
   const auto rows = static_cast<double>(angle_rad.rows() - 2 * low_pass.reach());
