@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
 namespace {
@@ -19,7 +20,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Json = nlohmann::json;
 
-const std::string kScenarios = GAUNTLET_SOURCE_DIR "/scenarios/";
+const std::string kScenarios = SourceDir() + "/scenarios/";
 
 class BaselineTest : public testing::Test {
  protected:

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
 namespace {
@@ -21,7 +22,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 const std::string kProgram = GAUNTLET_PROGRAM;
-const std::string kScenarios = GAUNTLET_SOURCE_DIR "/scenarios/";
+const std::string kScenarios = SourceDir() + "/scenarios/";
 
 // One and a half seconds of motion: enough for every stage to work, little enough for many tests.
 const std::vector<std::string> kShort = {"--set", "glove.motion.duration_s=1.5"};

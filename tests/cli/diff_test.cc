@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
 namespace {
@@ -28,7 +29,7 @@ class DiffTest : public testing::Test {
   /// A comparison of two controllers over half a second.
   void Compare(const std::string& out, std::vector<std::string> options) {
     options.insert(options.begin(),
-                   {"compare", GAUNTLET_SOURCE_DIR "/scenarios/hold_still.yaml", "--controllers",
+                   {"compare", SourceDir() + "/scenarios/hold_still.yaml", "--controllers",
                     "raw,mean_20", "--set", "glove.motion.duration_s=0.5", "--out", out});
     const ProgramResult result = Gauntlet(std::move(options));
     ASSERT_EQ(result.exit_code, 0) << result.standard_error;

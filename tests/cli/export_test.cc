@@ -15,6 +15,7 @@
 #include "sim/settings/robot_file.h"
 #include "sim/study/study.h"
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
 namespace {
@@ -127,8 +128,8 @@ TEST_F(ExportTest, FiveChannelsAt60HzOnOtherJointsGiveTheCommandsOfTheStudy) {
 TEST_F(ExportTest, TheCalibrationOfTheTrialsIsInTheFile) {
   const Study study =
       Run("question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\ncontrollers: {calibrated: "
-          "{filter: kalman, calibration: " GAUNTLET_SOURCE_DIR
-          "/scenarios/calibrations/glove_of_seed_1.yaml}}\n");
+          "{filter: kalman, calibration: " +
+          SourceDir() + "/scenarios/calibrations/glove_of_seed_1.yaml}}\n");
   const sim::NamedController& named = study.scenario.controllers.front();
   ASSERT_EQ(named.config.linearisation.kind, controller::LinearisationKind::kTable);
   ExpectSameCommands(study, named);

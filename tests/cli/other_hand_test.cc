@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
 namespace {
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
-const std::string kScenario = GAUNTLET_SOURCE_DIR "/tests/support/three_joint_hand.yaml";
+const std::string kScenario = SourceDir() + "/tests/support/three_joint_hand.yaml";
 
 /// Runs first in the page: whatever goes wrong is kept.
 constexpr const char* kListen = R"(<script>

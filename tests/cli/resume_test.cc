@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
 namespace {
@@ -29,7 +30,7 @@ class ResumeTest : public testing::Test {
   std::vector<std::string> Command(const std::string& out, int seeds = 4) const {
     return {GAUNTLET_PROGRAM,
             "compare",
-            GAUNTLET_SOURCE_DIR "/scenarios/hold_still.yaml",
+            SourceDir() + "/scenarios/hold_still.yaml",
             "--seeds",
             std::to_string(seeds),
             "--controllers",

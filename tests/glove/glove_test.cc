@@ -10,6 +10,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -164,8 +165,8 @@ TEST(Glove, RandomMotionStaysInsideItsRangeAndUsesIt) {
 
 TEST(Glove, PlaysTheDoorRecordingAtOneKilohertz) {
   GloveConfig config;
-  RecordedMotionConfig recording = {.file = GAUNTLET_SOURCE_DIR
-                                    "/scenarios/recordings/door_opening/angles.csv"};
+  RecordedMotionConfig recording = {.file = SourceDir() +
+                                            "/scenarios/recordings/door_opening/angles.csv"};
   config.motion.settings = recording;
   const GloveSignal whole = SynthesiseGlove(config, 1);
   recording.start_s = 2.0;

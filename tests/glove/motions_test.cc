@@ -13,6 +13,7 @@
 #include "sim/glove/motions/postures.h"
 #include "sim/glove/motions/sequence.h"
 #include "sim/glove/motions/tremor.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -38,8 +39,8 @@ MotionConfig ExampleOf(const MotionKind& kind) {
     return SequenceOf({HoldConfig{}, GraspConfig{}, RandomMotionConfig{.duration_s = 2.0}});
   }
   if (kind.name == RecordedMotionConfig::kKind) {
-    return {.settings = RecordedMotionConfig{.file = GAUNTLET_SOURCE_DIR
-                                             "/scenarios/recordings/door_opening/angles.csv"}};
+    return {.settings = RecordedMotionConfig{
+                .file = SourceDir() + "/scenarios/recordings/door_opening/angles.csv"}};
   }
   return kind.defaults;
 }

@@ -14,6 +14,7 @@
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/coloured_noise.h"
 #include "sim/glove/noise/galton_board.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -230,7 +231,7 @@ TEST(Noise, RejectsWhatIsNoCovariance) {
 TEST(Noise, TakesTheResidualOfARecordingAndNothingElse) {
   NoiseConfig config;
   config.kind = WhiteNoiseKind::kNone;
-  config.recording = GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/targets.csv";
+  config.recording = SourceDir() + "/scenarios/recordings/door_opening/targets.csv";
   config.recording_problems = ProblemHandling::kRepair;
   const Signal noise = NoiseOf(config, 5000);
   const int index = ChannelIndex("index_mcp");

@@ -9,6 +9,7 @@
 
 #include "controller/filters/paper_noise.h"
 #include "sim/base/error.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -73,7 +74,7 @@ TEST(PaperGenerators, FollowTheirLaws) {
 
 TEST(PaperExperiment, DecidesClaimsByTheIntervalOfTheirDifference) {
   const PaperExperiment experiment = RunPaperExperiment(
-      {.scenario = GAUNTLET_SOURCE_DIR "/scenarios/paper_claims.yaml",
+      {.scenario = SourceDir() + "/scenarios/paper_claims.yaml",
        .quick = true,
        .jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency())),
        .progress = {}});

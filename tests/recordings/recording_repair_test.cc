@@ -20,6 +20,7 @@
 #include "sim/recordings/glitches.h"
 #include "sim/recordings/recording.h"
 #include "sim/recordings/zero_phase.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -345,7 +346,7 @@ TEST_F(Files, WithGlitchesStopAStrictReadingAndAreRepaired) {
 }
 
 TEST_F(Files, ThatAreShippedHaveNoGlitch) {
-  const std::string folder = GAUNTLET_SOURCE_DIR "/scenarios/recordings/";
+  const std::string folder = SourceDir() + "/scenarios/recordings/";
   RecordingFormat format;
   EXPECT_THAT(LoadRecording(folder + "door_opening/angles.csv", format).remarks, ElementsAre());
   format.handling = ProblemHandling::kRepair;
@@ -624,7 +625,7 @@ GloveConfig Played(const RecordedMotionConfig& recording) {
 }
 
 RecordedMotionConfig Measured(const std::string& file) {
-  return {.file = GAUNTLET_SOURCE_DIR "/scenarios/recordings/" + file,
+  return {.file = SourceDir() + "/scenarios/recordings/" + file,
           .problems = ProblemHandling::kRepair,
           .use = RecordingUse::kMeasured};
 }
@@ -633,7 +634,7 @@ TEST(MeasuredRecording, OfDoorTargetsIsScoredAgainstItsTruth) {
   RecordedMotionConfig recording = Measured("door_opening/targets.csv");
   recording.start_s = 1.5;
   recording.duration_s = 2.0;
-  recording.reference = GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/angles.csv";
+  recording.reference = SourceDir() + "/scenarios/recordings/door_opening/angles.csv";
   const GloveSignal glove = SynthesiseGlove(Played(recording), 1);
   EXPECT_EQ(glove.reference_name, "recorded reference");
   RecordedMotionConfig truth = recording;
@@ -655,7 +656,7 @@ TEST(MeasuredRecording, IsMissingWhereNothingWasRecordedForLong) {
 
 TEST(MeasuredRecording, OfAHomeMadeGloveNamesItsReference) {
   RecordedMotionConfig recording = Measured("sign_glove/letters_v_h_r.csv");
-  recording.map = GAUNTLET_SOURCE_DIR "/scenarios/recordings/sign_glove/map.csv";
+  recording.map = SourceDir() + "/scenarios/recordings/sign_glove/map.csv";
   recording.file_rate_hz = 50.0;
   recording.duration_s = 20.0;
   const GloveSignal glove = SynthesiseGlove(Played(recording), 1);

@@ -12,6 +12,7 @@
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/pchip.h"
 #include "sim/recordings/recording.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -158,8 +159,7 @@ TEST_F(RecordingFile, RejectsWhatCannotBeARecording) {
 
 TEST(DoorOpening, LiesInsideTheJointRangesAndMovesEveryChannel) {
   const Recording recording = LoadRecording(
-      std::filesystem::path(GAUNTLET_SOURCE_DIR) / "scenarios/recordings/door_opening/angles.csv",
-      {});
+      std::filesystem::path(SourceDir()) / "scenarios/recordings/door_opening/angles.csv", {});
   EXPECT_GT(recording.time_s.back(), 10.0);
   for (std::size_t channel = 0; channel < GloveChannels().size(); ++channel) {
     const auto column = recording.angle_rad.col(static_cast<Eigen::Index>(channel)) * kDegPerRad;

@@ -10,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> ShippedScenarios() {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(fs::path(GAUNTLET_SOURCE_DIR) / "scenarios")) {
+  for (const auto& entry : fs::directory_iterator(fs::path(SourceDir()) / "scenarios")) {
     if (entry.path().extension() == ".yaml") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
@@ -45,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScenario, testing::ValuesIn(ShippedScenario
                          [](const auto& test) { return test.param.stem().string(); });
 
 TEST(Scenario, OverridesReachControllersByName) {
-  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const fs::path file = fs::path(SourceDir()) / "scenarios/random_motion.yaml";
   const Scenario scenario = LoadScenario(
       file, {"seed=9", "controllers.raw.filter=moving_average", "controllers.raw.filter.window=7"});
   EXPECT_EQ(scenario.seed, 9);
@@ -54,7 +55,7 @@ TEST(Scenario, OverridesReachControllersByName) {
 }
 
 TEST(Scenario, AFaultHasTheDefaultsOfItsKind) {
-  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const fs::path file = fs::path(SourceDir()) / "scenarios/random_motion.yaml";
   const Scenario scenario = LoadScenario(
       file, {"glove.faults=[spikes, {kind: disconnected, rate_per_s: 0.1}, dropouts]"});
   const std::vector<FaultConfig>& faults = scenario.glove.faults;
@@ -67,7 +68,7 @@ TEST(Scenario, AFaultHasTheDefaultsOfItsKind) {
 }
 
 TEST(Scenario, APredictionHasTheKeysOfItsKindOnly) {
-  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const fs::path file = fs::path(SourceDir()) / "scenarios/random_motion.yaml";
   const auto text_with = [&](const std::string& prediction) {
     return ScenarioToYaml(LoadScenario(file, {"controllers.raw.prediction=" + prediction}));
   };
@@ -85,7 +86,7 @@ TEST(Scenario, APredictionHasTheKeysOfItsKindOnly) {
 }
 
 TEST(Scenario, ARecordingSaysWhatLiesBetweenItsRows) {
-  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/sign_glove.yaml";
+  const fs::path file = fs::path(SourceDir()) / "scenarios/sign_glove.yaml";
   const auto text_with = [&](const std::vector<std::string>& overrides) {
     return ScenarioToYaml(LoadScenario(file, overrides));
   };
@@ -97,12 +98,12 @@ TEST(Scenario, ARecordingSaysWhatLiesBetweenItsRows) {
 }
 
 TEST(Scenario, AnOverrideCannotInventAController) {
-  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const fs::path file = fs::path(SourceDir()) / "scenarios/random_motion.yaml";
   EXPECT_THROW(LoadScenario(file, {"controllers.rav.filter=none"}), UserError);
 }
 
 TEST(Scenario, AnEventPeriodNeedNotBeAWholeNumberOfSamples) {
-  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const fs::path file = fs::path(SourceDir()) / "scenarios/random_motion.yaml";
   const LoopTiming timing =
       TimingOf(LoadScenario(file, {"event.period_ms=2.5", "glove.rate_hz=60"}));
   EXPECT_EQ(timing.controller.ticks_per_sample, 17);
@@ -137,7 +138,7 @@ TEST(Scenario, TheBaselineIsWhatIsNamedOrTheFirstThatNeitherFiltersNorPredicts) 
 }
 
 TEST(Scenario, AMeasurementVarianceThatIsLeftOutIsThatOfTheNoise) {
-  const fs::path file = fs::path(GAUNTLET_SOURCE_DIR) / "scenarios/random_motion.yaml";
+  const fs::path file = fs::path(SourceDir()) / "scenarios/random_motion.yaml";
   const auto r_of = [&](const std::vector<std::string>& overrides) {
     const Scenario scenario = LoadScenario(file, overrides);
     const auto tuned =

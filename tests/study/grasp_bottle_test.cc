@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "sim/study/study.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
 
 TEST(GraspBottle, IsLiftedAndAFilterCalmsTheGrip) {
-  Scenario scenario =
-      LoadScenario(std::string(GAUNTLET_SOURCE_DIR) + "/scenarios/grasp_bottle.yaml", {});
+  Scenario scenario = LoadScenario(std::string(SourceDir()) + "/scenarios/grasp_bottle.yaml", {});
   std::erase_if(scenario.controllers, [](const NamedController& controller) {
     return controller.name != "raw" && controller.name != "tuned_kalman";
   });

@@ -16,6 +16,7 @@
 #include "sim/settings/setting_rows.h"
 #include "sim/study/study.h"
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -36,7 +37,7 @@ struct Step {
   std::string key() const { return set.substr(0, set.find('=')); }
 };
 
-const std::string kRecording = GAUNTLET_SOURCE_DIR "/scenarios/recordings/door_opening/angles.csv";
+const std::string kRecording = SourceDir() + "/scenarios/recordings/door_opening/angles.csv";
 const std::string kOf = "controllers.walked.";  // the only controller
 const std::vector<std::string> kTremor = {"glove.tremor.rms_deg=3"};
 const std::vector<std::string> kHum = {"glove.noise.mains_amplitude_counts=20"};
