@@ -10,6 +10,7 @@
 #include <span>
 
 #include "sim/base/channels.h"
+#include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
@@ -81,13 +82,16 @@ std::vector<Entry> Channels() {
   return entries;
 }
 
+/// From the working folder if the file lies below it, else from the root.
+std::filesystem::path ShortestPath(const std::filesystem::path& file) {
+  const std::filesystem::path relative = std::filesystem::proximate(file);
+  return relative.native().starts_with("..") ? file : relative;
+}
+
 std::vector<Entry> Scenarios() {
-  const std::filesystem::path folder = std::filesystem::is_directory("scenarios")
-                                           ? std::filesystem::path("scenarios")
-                                           : std::filesystem::path(GAUNTLET_SCENARIO_DIR);
   std::vector<std::filesystem::path> files;
-  for (const auto& file : std::filesystem::directory_iterator(folder)) {
-    if (file.path().extension() == ".yaml") files.push_back(file.path());
+  for (const auto& file : std::filesystem::directory_iterator(DataFolder("scenarios"))) {
+    if (file.path().extension() == ".yaml") files.push_back(ShortestPath(file.path()));
   }
   std::sort(files.begin(), files.end());
   std::vector<Entry> entries;

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "sim/base/atomic_file.h"
+#include "sim/base/data_folder.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
@@ -20,19 +21,12 @@ struct Options {
   int jobs = 0;
 };
 
-std::filesystem::path ScenarioFile() {
-  const std::filesystem::path here = "scenarios/paper_claims.yaml";
-  return std::filesystem::exists(here)
-             ? here
-             : std::filesystem::path(GAUNTLET_SCENARIO_DIR) / "paper_claims.yaml";
-}
-
 void Reproduce(const Options& options) {
   OutputFolder folder(options.out);
   const auto experiment = [&] {
     Progress progress("the paper's experiments");
     return RunPaperExperiment(
-        {.scenario = ScenarioFile(),
+        {.scenario = OwnOrDataFile("scenarios/paper_claims.yaml"),
          .quick = options.quick,
          .jobs = options.jobs > 0
                      ? options.jobs

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "sim/base/atomic_file.h"
+#include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/cli/controllers_option.h"
 #include "sim/cli/output_folder.h"
@@ -100,7 +101,12 @@ void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
 }
 
 void AddStudyOptions(CLI::App& command, StudyCommand& options) {
-  command.add_option("scenario", options.scenario_file, "scenario file (YAML)")->required();
+  command
+      .add_option(
+          "scenario", options.scenario_file,
+          "scenario file (YAML): your own, or scenarios/NAME.yaml of gauntlet list scenarios")
+      ->required()
+      ->transform([](const std::string& file) { return OwnOrDataFile(file).string(); });
   command.add_option("--out", options.out, "output folder [out/<scenario>]")->type_name("DIR");
   command
       .add_option("--set", options.overrides,

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
+#include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/signal.h"
@@ -21,8 +21,7 @@ using controller::TendonTransmission;
 
 std::filesystem::path ModelPath(const HandConfig& config) {
   if (!config.model_path.empty()) return config.model_path;
-  const char* folder = std::getenv("GAUNTLET_MODELS");
-  return std::filesystem::path(folder != nullptr && *folder ? folder : GAUNTLET_MODEL_DIR) /
+  return DataFolder("models") /
          (config.contact == Contact::kObject ? "hand_arm_object.xml" : "hand_arm.xml");
 }
 

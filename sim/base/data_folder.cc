@@ -1,0 +1,66 @@
+#include "sim/base/data_folder.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdlib>
+#include <optional>
+
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kVariable = "GAUNTLET_DATA_DIR";
+
+/// Empty if the variable is not set.
+fs::path FolderOfVariable() {
+  const char* folder = std::getenv(kVariable);
+  return folder == nullptr ? "" : folder;
+}
+
+/// Where the program looks. /proc/self/exe is the program itself, also when a link started it.
+std::array<fs::path, 2> FoldersOfProgram() {
+  std::error_code unknown;
+  const fs::path here = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  const fs::path above = here.parent_path();
+  return {above / "share/gauntlet", above.parent_path() / "share/gauntlet"};
+}
+
+/// Without links on the way, so that a file has one name however the program was started.
+std::optional<fs::path> Find(const fs::path& name) {
+  std::error_code missing;
+  if (const fs::path folder = FolderOfVariable(); !folder.empty()) {
+    const fs::path found = fs::canonical(folder / name, missing);
+    return missing ? std::nullopt : std::optional(found);
+  }
+  for (const fs::path& folder : FoldersOfProgram()) {
+    const fs::path found = fs::canonical(folder / name, missing);
+    if (!missing) return found;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+fs::path DataFolder(const std::string& name) {
+  if (const auto found = Find(name)) return *found;
+  if (const fs::path folder = FolderOfVariable(); !folder.empty()) {
+    throw UserError({.place = kVariable, .problem = "no folder " + (folder / name).string()});
+  }
+  const auto [beside, above] = FoldersOfProgram();
+  throw RunError(
+      fmt::format("Gauntlet's own files are missing: no {} in {} nor in {}; {} may name "
+                  "the folder that holds models and scenarios",
+                  name, beside.string(), above.string(), kVariable));
+}
+
+fs::path OwnOrDataFile(const fs::path& file) {
+  std::error_code unreadable;
+  if (file.is_absolute() || fs::exists(file, unreadable)) return file;
+  return Find(file).value_or(file);
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace gauntlet::sim {
+
+/// A folder of the files that Gauntlet brings along: "models" or "scenarios". They lie in
+/// share/gauntlet beside the program's own folder (`<prefix>/share/gauntlet` for
+/// `<prefix>/bin/gauntlet`) or one above it, as in the build tree; the variable GAUNTLET_DATA_DIR
+/// names another place. So an installed Gauntlet can be moved as a whole.
+///
+/// Errors: UserError if GAUNTLET_DATA_DIR has no such folder, RunError if the program has none.
+std::filesystem::path DataFolder(const std::string& name);
+
+/// The file that a user means: `file` itself if it is there, else the one of that name that
+/// Gauntlet brings along, so that scenarios/hold_still.yaml means one in every working folder. If
+/// neither is there: `file`.
+std::filesystem::path OwnOrDataFile(const std::filesystem::path& file);
+
+}  // namespace gauntlet::sim
