@@ -1,14 +1,17 @@
 #include "sim/base/atomic_file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <vector>
 
 #include "sim/base/error.h"
 
@@ -41,6 +44,11 @@ void Forget(const std::filesystem::path& path) {
   }
 }
 
+std::filesystem::path TemporaryPath(const std::filesystem::path& target) {
+  return target.parent_path() /
+         fmt::format(".{}.{}{}", target.filename().string(), getpid(), kSuffix);
+}
+
 /// What a killed program was writing at the same target: its process is no more.
 void RemoveRemains(const std::filesystem::path& target) {
   const std::string prefix = fmt::format(".{}.", target.filename().string());
@@ -50,7 +58,9 @@ void RemoveRemains(const std::filesystem::path& target) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(prefix) || !name.ends_with(kSuffix)) continue;
     const int process = std::atoi(name.c_str() + prefix.size());
-    if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) unlink(entry.path().c_str());
+    if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) {
+      std::filesystem::remove_all(entry.path(), ignored);
+    }
   }
 }
 
@@ -58,11 +68,37 @@ void RemoveRemains(const std::filesystem::path& target) {
   throw RunError(fmt::format("{}: cannot {}: {}", path.string(), action, std::strerror(error)));
 }
 
+/// What a rename changed is on the disk only when the folder is. Where a file system cannot do that,
+/// it is not asked for.
+void FlushFolder(const std::filesystem::path& folder) {
+  const int descriptor =
+      open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  static_cast<void>(fsync(descriptor));
+  close(descriptor);
+}
+
+/// For a signal handler: system calls only, no memory from the heap.
+void RemoveFolder(const char* path) noexcept {
+  const int folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  alignas(dirent64) char entries[4096];
+  for (ssize_t size = getdents64(folder, entries, sizeof entries); size > 0;
+       size = getdents64(folder, entries, sizeof entries)) {
+    for (ssize_t at = 0; at < size;) {
+      const auto* entry = reinterpret_cast<const dirent64*>(entries + at);
+      unlinkat(folder, entry->d_name, 0);  // "." and ".." are refused
+      at += entry->d_reclen;
+    }
+  }
+  close(folder);
+  rmdir(path);
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
-  temporary_ = target_.parent_path() /
-               fmt::format(".{}.{}{}", target_.filename().string(), getpid(), kSuffix);
+  temporary_ = TemporaryPath(target_);
   RemoveRemains(target_);
   Remember(temporary_);
 }
@@ -83,6 +119,35 @@ void AtomicFile::Commit() {
   if (rename(temporary_.c_str(), target_.c_str()) != 0) Fail("write", target_, errno);
   committed_ = true;
   Forget(temporary_);
+  FlushFolder(target_.parent_path());
+}
+
+StagingFolder::StagingFolder(const std::filesystem::path& target) : path_(TemporaryPath(target)) {
+  RemoveRemains(target);
+  Remember(path_);
+  try {
+    MakeDirectory(path_);
+  } catch (...) {
+    Forget(path_);
+    throw;
+  }
+}
+
+StagingFolder::~StagingFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+  Forget(path_);
+}
+
+void StagingFolder::MoveTo(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(path_)) files.push_back(entry);
+  std::ranges::sort(files);
+  for (const std::filesystem::path& file : files) {
+    const std::filesystem::path target = folder / file.filename();
+    if (rename(file.c_str(), target.c_str()) != 0) Fail("write", target, errno);
+  }
+  FlushFolder(folder);
 }
 
 void WriteFileAtomically(const std::filesystem::path& target, std::string_view content) {
@@ -112,7 +177,8 @@ void MakeDirectory(const std::filesystem::path& directory) {
 
 void RemoveUncommittedFiles() noexcept {
   for (auto& place : uncommitted) {
-    if (const char* name = place.load(); name != nullptr) unlink(name);
+    const char* name = place.load();
+    if (name != nullptr && unlink(name) != 0) RemoveFolder(name);
   }
 }
 

@@ -26,13 +26,31 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+/// A folder for new files of another one, beside which it stands under a temporary name. The
+/// destructor removes it with all that is in it.
+class StagingFolder {
+ public:
+  /// `target`: beside it, and with its name in the temporary one. Errors: RunError.
+  explicit StagingFolder(const std::filesystem::path& target);
+  ~StagingFolder();
+  StagingFolder(const StagingFolder&) = delete;
+  StagingFolder& operator=(const StagingFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Renames every file in it to the same name in `folder`. Errors: RunError.
+  void MoveTo(const std::filesystem::path& folder);
+
+ private:
+  std::filesystem::path path_;
+};
+
 /// The whole of `content` as a file. Throws RunError with the path and the system's reason.
 void WriteFileAtomically(const std::filesystem::path& target, std::string_view content);
 
 /// Makes `directory` if it is not there. Throws RunError with the path and the system's reason.
 void MakeDirectory(const std::filesystem::path& directory);
 
-/// Removes every temporary file that is not yet committed; safe to call in a signal handler.
+/// Removes every temporary file that is not yet committed, and every staging folder; safe to call in a signal handler.
 void RemoveUncommittedFiles() noexcept;
 
 }  // namespace gauntlet::sim

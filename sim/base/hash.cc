@@ -1,9 +1,38 @@
 #include "sim/base/hash.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <vector>
+
+#include "sim/base/error.h"
 
 namespace gauntlet::sim {
 
 std::string Hash::Text() const { return fmt::format("{:016x}", value_); }
+
+std::string HashOfFile(const std::filesystem::path& file) {
+  constexpr std::size_t kBlock = 1 << 20;
+  std::vector<char> block(kBlock);
+  Hash hash;
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  ssize_t count = descriptor < 0 ? -1 : 1;
+  while (count > 0) {
+    count = read(descriptor, block.data(), block.size());
+    if (count < 0 && errno == EINTR)
+      count = 1;
+    else if (count > 0)
+      hash.Add(std::string_view(block.data(), count));
+  }
+  const int error = errno;
+  if (descriptor >= 0) close(descriptor);
+  if (count < 0) {
+    throw RunError(fmt::format("{}: cannot read: {}", file.string(), std::strerror(error)));
+  }
+  return hash.Text();
+}
 
 }  // namespace gauntlet::sim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,5 +31,8 @@ class Hash {
  private:
   std::uint64_t value_ = 0xCBF29CE484222325u;
 };
+
+/// Of a whole file: 16 hexadecimal digits. Errors: RunError with the path and the system's reason.
+std::string HashOfFile(const std::filesystem::path& file);
 
 }  // namespace gauntlet::sim

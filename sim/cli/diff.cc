@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <functional>
 #include <memory>
 
 #include "sim/cli/commands.h"
+#include "sim/cli/study_command.h"
 #include "sim/report/difference_table.h"
 #include "sim/study/study_difference.h"
 
@@ -23,6 +25,9 @@ struct Options {
 void Diff(const Options& options) {
   const StudyFolder a = ReadStudyFolder(options.a);
   const StudyFolder b = ReadStudyFolder(options.b);
+  for (const StudyFolder& folder : {std::cref(a), std::cref(b)}) {
+    WarnIfUnchecked(folder.name, folder.checked);
+  }
   const StudyDifference difference = CompareStudies(a, b);
   if (options.json) {
     fmt::print("{}", StudyDifferenceJson(a, b, difference));

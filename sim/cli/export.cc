@@ -13,6 +13,7 @@
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
 #include "sim/settings/robot_file.h"
+#include "sim/study/manifest.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
@@ -23,15 +24,6 @@ struct ExportOptions {
   std::string controller;
   std::string out;  // empty: NAME.robot.yaml in the folder
 };
-
-std::filesystem::path ResolvedScenarioIn(const std::string& folder) {
-  std::filesystem::path file = std::filesystem::path(folder) / "scenario.resolved.yaml";
-  std::error_code ignored;
-  if (std::filesystem::exists(file, ignored)) return file;
-  throw UserError({.place = folder,
-                   .problem = "no scenario.resolved.yaml there, must be the output folder of "
-                              "gauntlet run or compare"});
-}
 
 const NamedController& Find(const Scenario& scenario, const std::string& name) {
   const auto found = std::ranges::find(scenario.controllers, name, &NamedController::name);
@@ -53,9 +45,11 @@ std::filesystem::path TargetOf(const ExportOptions& options) {
 }
 
 void RunExport(const ExportOptions& options) {
-  const Scenario scenario = LoadScenario(ResolvedScenarioIn(options.folder), {});
+  const Manifest manifest(options.folder);
+  const Scenario scenario = LoadScenario(manifest.Checked("scenario.resolved.yaml"), {});
   const NamedController& named = Find(scenario, options.controller);
   const HandModel hand(scenario.hand, TimingOf(scenario));
+  WarnIfUnchecked(options.folder, manifest.exists());
   WarnIfMadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");
   const std::filesystem::path target = TargetOf(options);
   if (target.has_parent_path()) MakeDirectory(target.parent_path());

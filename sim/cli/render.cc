@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "sim/base/error.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/controllers_option.h"
+#include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/study_command.h"
+#include "sim/study/manifest.h"
 #include "sim/video/render_folder.h"
 
 namespace gauntlet::sim {
@@ -31,6 +35,10 @@ void AddRenderCommand(CLI::App& app) {
     if (!options->out.empty() && !options->out.ends_with(".mp4")) {
       throw UserError({.place = "--out " + options->out, .problem = "must end in .mp4"});
     }
+    WarnIfUnchecked(options->folder, Manifest(options->folder).exists());
+    // No run may exchange the files while they are drawn.
+    std::optional<OutputFolder> locked;
+    if (options->out.empty()) locked.emplace(options->folder);
     Progress progress("video");
     const auto file =
         RenderFolder({.folder = options->folder,

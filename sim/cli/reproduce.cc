@@ -10,6 +10,7 @@
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/paper/paper_page.h"
+#include "sim/study/manifest.h"
 #include "sim/study/study_files.h"
 
 namespace gauntlet::sim {
@@ -34,19 +35,21 @@ void Reproduce(const Options& options) {
          .progress = [&](double done, double total) { return progress.Update(done, total); }});
   }();
   const std::vector<PaperFigure> figures = PaperFigures(experiment);
-  WriteStudyFiles(folder.path(), experiment.finished, false);
+  OutputFiles files(folder.path());
+  WriteStudyFiles(files.path(), experiment.finished, false);
   for (const PaperFigure& figure : figures) {
     for (const PaperChart& chart : figure.charts) {
-      WriteFileAtomically(folder.path() / chart.file, chart.svg);
+      WriteFileAtomically(files.path() / chart.file, chart.svg);
     }
   }
-  WriteFileAtomically(folder.path() / "reproduce.html", PaperPage(experiment, figures));
+  WriteFileAtomically(files.path() / "reproduce.html", PaperPage(experiment, figures));
+  files.Commit();
   folder.Keep();
   fmt::print("{}", PaperTable(experiment));
   std::fflush(stdout);
   fmt::print(stderr,
              "wrote {}: reproduce.html, figure_*.svg, scores.json, scores.csv, "
-             "trace.h5, scenario.resolved.yaml\n",
+             "trace.h5, scenario.resolved.yaml, manifest.json\n",
              folder.path().string());
 }
 

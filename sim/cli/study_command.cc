@@ -19,6 +19,7 @@
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/study/manifest.h"
 #include "sim/study/study_database.h"
 #include "sim/study/study_files.h"
 #include "sim/video/render_folder.h"
@@ -100,6 +101,12 @@ void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
              made.model_hash, hand.Hash(), consequence);
 }
 
+void WarnIfUnchecked(const std::string& folder, bool checked) {
+  if (checked) return;
+  fmt::print(stderr, "gauntlet: warning: {} has no manifest.json: its files are not checked\n",
+             folder);
+}
+
 void AddStudyOptions(CLI::App& command, StudyCommand& options) {
   command
       .add_option(
@@ -136,8 +143,10 @@ void RunStudyCommand(const StudyCommand& options) {
 
   finished.result = RunTrials(finished.study, options, folder.path());
   finished.summary = Summarise(finished.study, finished.result);
-  WriteStudyFiles(folder.path(), finished, options.csv);
-  WriteFileAtomically(folder.path() / "report.html", ReportPage(finished, options.video));
+  OutputFiles files(folder.path());
+  WriteStudyFiles(files.path(), finished, options.csv);
+  WriteFileAtomically(files.path() / "report.html", ReportPage(finished, options.video));
+  files.Commit();
   folder.Keep();
   if (options.json) {
     fmt::print("{}", ScoresJson(finished));
@@ -145,7 +154,8 @@ void RunStudyCommand(const StudyCommand& options) {
     fmt::print("{}", ScoreTable(finished, isatty(STDOUT_FILENO) != 0));
   }
   std::fflush(stdout);
-  std::string written = "report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml";
+  std::string written =
+      "report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml, manifest.json";
   if (options.csv) written += ", trace.<controller>.csv";
   if (options.comparison) written += ", study.db";
   if (options.video) {

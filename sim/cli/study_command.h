@@ -33,4 +33,7 @@ void RunStudyCommand(const StudyCommand& options);
 /// `hand`, and what that may change.
 void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand, std::string_view consequence);
 
+/// Tells on standard error if an output folder has no manifest, so that its files are not checked.
+void WarnIfUnchecked(const std::string& folder, bool checked);
+
 }  // namespace gauntlet::sim

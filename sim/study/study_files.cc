@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "sim/base/atomic_file.h"
 #include "sim/trial/trace_csv.h"
@@ -152,32 +150,10 @@ std::string ResolvedScenario(const Study& study) {
   return ScenarioToYaml(scenario);
 }
 
-namespace {
-
-/// Video, trace tables and exported controllers that an earlier study left: of another scenario,
-/// they would be taken for those of this one.
-void RemoveLeftovers(const std::filesystem::path& folder, const std::string& resolved) {
-  std::ostringstream earlier;
-  earlier << std::ifstream(folder / "scenario.resolved.yaml").rdbuf();
-  if (earlier.str() == resolved) return;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
-    const bool table = name.starts_with("trace.") && name.ends_with(".csv");
-    const bool robot = name.ends_with(".robot.yaml");
-    if (table || robot || name == "comparison.mp4") std::filesystem::remove(entry.path(), ignored);
-  }
-}
-
-}  // namespace
-
 void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
                      bool trace_csv) {
   const Study& study = finished.study;
   const StudyResult& result = finished.result;
-  MakeDirectory(folder);
-  const std::string resolved = ResolvedScenario(study);
-  RemoveLeftovers(folder, resolved);
   if (!result.first_traces.empty()) {
     TraceWriter trace_file(folder / "trace.h5", result.first_glove, result.first_reference_rad,
                            *study.hand, study.scenario.name, result.seeds[0].seed);
@@ -190,7 +166,7 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
     }
     trace_file.Commit();
   }
-  WriteFileAtomically(folder / "scenario.resolved.yaml", resolved);
+  WriteFileAtomically(folder / "scenario.resolved.yaml", ResolvedScenario(study));
   WriteFileAtomically(folder / "scores.csv", ScoresCsv(result));
   WriteFileAtomically(folder / "scores.json", ScoresJson(finished));
 }

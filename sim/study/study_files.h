@@ -18,9 +18,9 @@ std::string ScoresCsv(const StudyResult& result);
 /// The scenario with every value used, versions and model hash.
 std::string ResolvedScenario(const Study& study);
 
-/// Writes scores.json, scores.csv, scenario.resolved.yaml and trace.h5 (of the first seed), each
-/// whole or not at all. The video and trace tables of another scenario, which the folder held
-/// before, are removed. `trace_csv`: also a CSV per controller beside trace.h5. Errors: RunError.
+/// Writes scores.json, scores.csv, scenario.resolved.yaml and trace.h5 (of the first seed) into
+/// `folder`, which should be that of OutputFiles: so they appear together. `trace_csv`: also a CSV
+/// per controller beside trace.h5. Errors: RunError.
 void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
                      bool trace_csv);
 

@@ -17,6 +17,7 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/score/score.h"
+#include "sim/study/manifest.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -161,22 +162,13 @@ ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
 }
 
 StudyFolder ReadStudyFolder(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) {
-    throw UserError({.place = folder.string(), .problem = "is not a folder"});
-  }
-  for (const char* file : {"scenario.resolved.yaml", "scores.csv"}) {
-    if (std::filesystem::exists(folder / file, ignored)) continue;
-    throw UserError(
-        {.place = folder.string(),
-         .problem = fmt::format("no {} there, must be the output folder of a finished gauntlet run "
-                                "or compare",
-                                file)});
-  }
-  const std::filesystem::path scores = folder / "scores.csv";
+  const Manifest manifest(folder);
+  const std::filesystem::path resolved = manifest.Checked("scenario.resolved.yaml");
+  const std::filesystem::path scores = manifest.Checked("scores.csv");
   return {.name = folder.string(),
-          .scenario = LoadScenario(folder / "scenario.resolved.yaml", {}),
-          .scores = ParseScoresCsv(scores.string(), ReadText(scores))};
+          .scenario = LoadScenario(resolved, {}),
+          .scores = ParseScoresCsv(scores.string(), ReadText(scores)),
+          .checked = manifest.exists()};
 }
 
 }  // namespace gauntlet::sim

@@ -24,6 +24,7 @@ struct StudyFolder {
   std::string name;
   Scenario scenario;
   ScoreFile scores;
+  bool checked = false;  // by its manifest
 };
 
 /// Reads what ScoresCsv() wrote, also after a spreadsheet put a byte order mark and carriage
@@ -32,7 +33,8 @@ struct StudyFolder {
 /// for columns that are not those of Metrics().
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text);
 
-/// Reads `scenario.resolved.yaml` and `scores.csv`. Errors: UserError in one line.
+/// Reads `scenario.resolved.yaml` and `scores.csv`, checked by the manifest. Errors: UserError in one
+/// line.
 StudyFolder ReadStudyFolder(const std::filesystem::path& folder);
 
 }  // namespace gauntlet::sim

@@ -7,6 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/scenario/scenario.h"
+#include "sim/study/manifest.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_file.h"
 #include "sim/video/comparison_video.h"
@@ -15,15 +16,11 @@ namespace gauntlet::sim {
 
 std::filesystem::path RenderFolder(const RenderOptions& options,
                                    const std::function<bool(int, int)>& keep_going) {
-  const std::filesystem::path resolved = options.folder / "scenario.resolved.yaml";
-  if (!std::filesystem::exists(resolved)) {
-    throw UserError({.place = options.folder.string(),
-                     .problem = "no scenario.resolved.yaml there, must be the output folder of "
-                                "gauntlet run or compare"});
-  }
+  const Manifest manifest(options.folder);
+  const std::filesystem::path resolved = manifest.Checked("scenario.resolved.yaml");
   const Scenario scenario = LoadScenario(resolved, {});
   CheckControllerNames(options.controllers, scenario);
-  const TraceFile file = ReadTraceFile(options.folder / "trace.h5", options.controllers);
+  const TraceFile file = ReadTraceFile(manifest.Checked("trace.h5"), options.controllers);
   if (file.traces.empty()) {
     throw UserError(
         {.place = (options.folder / "trace.h5").string(), .problem = "holds no controller"});

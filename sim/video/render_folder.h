@@ -14,7 +14,8 @@ struct RenderOptions {
   int jobs = 1;
 };
 
-/// Draws the comparison video from `trace.h5` and `scenario.resolved.yaml`. Returns the file.
+/// Draws the comparison video from `trace.h5` and `scenario.resolved.yaml`, checked by the manifest.
+/// Returns the file.
 /// `keep_going` gets frames done and in all; false stops by a Cancelled exception.
 /// Errors: UserError for a folder without them, RunError for a video that cannot be written.
 std::filesystem::path RenderFolder(const RenderOptions& options,

@@ -90,6 +90,7 @@ void Run(int repetitions) {
   const Study study = PrepareStudy(std::move(scenario));
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / fmt::format("gauntlet_benchmark_{}", getpid());
+  std::filesystem::create_directories(folder);
 
   StudyResult result = RunStudy(study, {});
   const Eigen::Index steps = result.first_traces[0].hand_angle_rad.rows();

@@ -107,7 +107,11 @@ TEST_F(DiffTest, MistakesAreOneLineAndExitWithTwo) {
 
   fs::copy(folder_.path() / "a", folder_.path() / "old");
   std::ofstream(In("old", "scenario.resolved.yaml"), std::ios::app) << "charm: 3\n";
-  ExpectMistake("old", "a", "charm: unknown key");
+  ExpectMistake("old", "a", "old/scenario.resolved.yaml: is not as its run wrote it");
+  fs::remove(In("old", "manifest.json"));  // now it is taken as it is
+  const ProgramResult unchecked = Gauntlet({"diff", "old", "a"});
+  EXPECT_EQ(unchecked.exit_code, 2);
+  EXPECT_THAT(unchecked.standard_error, HasSubstr("charm: unknown key"));
 }
 
 TEST_F(DiffTest, HelpHasAnExample) {

@@ -158,9 +158,7 @@ TEST_F(ExportTest, MistakesAreOneLine) {
   };
   expect({"export", "out", "--controller", "ahed"},
          "--controller ahed: unknown controller (did you mean ahead?)");
-  expect({"export", "nowhere", "--controller", "ahead"},
-         "nowhere: no scenario.resolved.yaml there, must be the output folder of gauntlet run or "
-         "compare");
+  expect({"export", "nowhere", "--controller", "ahead"}, "nowhere: is not a folder");
   expect({"export", "out", "--controller", "ahead", "--out", "out/scenario.resolved.yaml"},
          "--out out/scenario.resolved.yaml: is the scenario itself");
   expect({"export", "out"}, "--controller is required (see gauntlet --help)");
@@ -175,10 +173,16 @@ TEST_F(ExportTest, TellsIfTheHandIsNoLongerThatOfTheTrials) {
   ASSERT_NE(hash, std::string::npos);
   resolved.replace(hash, 15, "model_hash: \"zz");
   std::ofstream(In("out/scenario.resolved.yaml")) << resolved;
+  const ProgramResult changed = Gauntlet({"export", "out", "--controller", "ahead"});
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_THAT(changed.standard_error,
+              HasSubstr("out/scenario.resolved.yaml: is not as its run wrote it"));
+  std::filesystem::remove(In("out/manifest.json"));
   const ProgramResult result = Gauntlet({"export", "out", "--controller", "ahead"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.standard_error,
-              AllOf(HasSubstr("warning: this scenario was resolved with another hand model"),
+              AllOf(HasSubstr("warning: out has no manifest.json: its files are not checked"),
+                    HasSubstr("warning: this scenario was resolved with another hand model"),
                     HasSubstr("the file is for the hand as it is now")));
 }
 

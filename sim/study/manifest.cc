@@ -1,0 +1,159 @@
+#include "sim/study/manifest.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kName = "manifest.json";
+/// Raised whenever the file changes.
+constexpr int kFormat = 1;
+constexpr const char* kChecksum = "FNV-1a, 64 bits";
+
+struct Content {
+  bool finished = false;
+  std::map<std::string, FileMark> files;
+};
+
+FileMark MarkOf(const fs::path& file) {
+  return {.bytes = fs::file_size(file), .checksum = HashOfFile(file)};
+}
+
+/// The same files, the same name of the run.
+std::string RunOf(const std::map<std::string, FileMark>& files) {
+  Hash hash;
+  for (const auto& [name, mark] : files) {
+    hash.Add(fmt::format("{} {} {}\n", name, mark.bytes, mark.checksum));
+  }
+  return hash.Text();
+}
+
+void Write(const fs::path& folder, const Content& content) {
+  Json json;
+  json["format"] = kFormat;
+  json["gauntlet_version"] = GAUNTLET_VERSION;
+  json["finished"] = content.finished;
+  if (content.finished) {
+    json["run"] = RunOf(content.files);
+    json["checksum"] = kChecksum;
+    for (const auto& [name, mark] : content.files) {
+      json["files"][name] = {{"bytes", mark.bytes}, {"checksum", mark.checksum}};
+    }
+  }
+  WriteFileAtomically(folder / kName, json.dump(2) + "\n");
+}
+
+/// Nothing if there is no such file. Errors: what nlohmann::json throws; UserError.
+std::optional<Content> Read(const fs::path& folder) {
+  std::ifstream text(folder / kName);
+  if (!text) return std::nullopt;
+  const Json json = Json::parse(text);
+  if (json.at("format").get<int>() != kFormat) {
+    throw UserError({.place = (folder / kName).string(),
+                     .problem = "is of another version of Gauntlet; run the same command again"});
+  }
+  Content content;
+  content.finished = json.at("finished").get<bool>();
+  if (!content.finished) return content;
+  for (const auto& [name, mark] : json.at("files").items()) {
+    content.files[name] = {.bytes = mark.at("bytes").get<std::uintmax_t>(),
+                           .checksum = mark.at("checksum").get<std::string>()};
+  }
+  return content;
+}
+
+/// Of which scenario a folder's files are; nothing if that is not sure.
+std::optional<FileMark> ScenarioOf(const fs::path& folder) {
+  try {
+    const std::optional<Content> content = Read(folder);
+    if (!content || !content->finished) return std::nullopt;
+    return content->files.at("scenario.resolved.yaml");
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+/// Of another scenario, they would be taken for those of this one.
+void RemoveLeftovers(const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool table = name.starts_with("trace.") && name.ends_with(".csv");
+    const bool robot = name.ends_with(".robot.yaml");
+    if (table || robot || name == "comparison.mp4") fs::remove(entry.path(), ignored);
+  }
+}
+
+}  // namespace
+
+Manifest::Manifest(fs::path folder) : folder_(std::move(folder)) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder_, ignored)) {
+    throw UserError({.place = folder_.string(), .problem = "is not a folder"});
+  }
+  std::optional<Content> content;
+  try {
+    content = Read(folder_);
+  } catch (const Json::exception&) {
+    throw UserError({.place = (folder_ / kName).string(),
+                     .problem = "is damaged; run the same command again, or remove it"});
+  }
+  if (!content) return;
+  if (!content->finished) {
+    throw UserError({.place = folder_.string(),
+                     .problem =
+                         "holds parts of two runs: one was stopped while it wrote its files; "
+                         "run the same command again"});
+  }
+  exists_ = true;
+  files_ = std::move(content->files);
+}
+
+fs::path Manifest::Checked(const std::string& name) const {
+  const fs::path file = folder_ / name;
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) {
+    throw UserError(
+        {.place = folder_.string(),
+         .problem = fmt::format(
+             "no {} there, must be the output folder of a finished gauntlet run or compare",
+             name)});
+  }
+  if (!exists_) return file;
+  const auto mark = files_.find(name);
+  if (mark == files_.end() || mark->second.bytes != fs::file_size(file) ||
+      mark->second.checksum != HashOfFile(file)) {
+    throw UserError({.place = file.string(),
+                     .problem = fmt::format("is not as its run wrote it (changed, damaged, or of "
+                                            "another run); run the same command again, or remove "
+                                            "{} if it is meant so",
+                                            (folder_ / kName).string())});
+  }
+  return file;
+}
+
+OutputFiles::OutputFiles(const fs::path& folder) : folder_(folder), staging_(folder / "results") {}
+
+void OutputFiles::Commit() {
+  Content content{.finished = true, .files = {}};
+  for (const auto& entry : fs::directory_iterator(staging_.path())) {
+    content.files[entry.path().filename().string()] = MarkOf(entry.path());
+  }
+  const std::optional<FileMark> earlier = ScenarioOf(folder_);
+  Write(folder_, {.finished = false, .files = {}});
+  if (!earlier || *earlier != content.files["scenario.resolved.yaml"]) RemoveLeftovers(folder_);
+  staging_.MoveTo(folder_);
+  Write(folder_, content);
+}
+
+}  // namespace gauntlet::sim
