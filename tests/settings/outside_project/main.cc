@@ -4,8 +4,8 @@
 #include "sim/base/error.h"
 #include "sim/settings/robot_file.h"
 
-int main() {
-  gauntlet::controller::Controller controller(gauntlet::sim::LoadRobot(ROBOT_FILE));
+int main(int, char** arguments) {
+  gauntlet::controller::Controller controller(gauntlet::sim::LoadRobot(arguments[1]));
   const double counts[] = {400.0, 600.0};
   const auto command = controller.Step({.counts = counts});
   std::printf("%d %d\n", command.motor_counts[0], command.event);

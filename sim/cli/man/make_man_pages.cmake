@@ -1,0 +1,35 @@
+# Writes gauntlet.1 and a page per command, gauntlet-run.1 .., from what --help says. Run at build time:
+#   cmake -D PROGRAM=<gauntlet> -D HELP2MAN=<help2man> -D SECTIONS=<sections.h2m> -D VERSION=0.2.0
+#         -D OUTPUT_DIR=<folder> -P make_man_pages.cmake
+
+# make_page(<name of the page> <its one line> <command>..)
+function(make_page page summary)
+  list(JOIN ARGN " " command)
+  execute_process(
+    COMMAND ${HELP2MAN} --no-info --section=1 "--name=${summary}" "--source=Gauntlet ${VERSION}"
+            --version-string=${VERSION} --include=${SECTIONS} "${command}"
+    OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+  # Titled as the page is called, and without the day on which it was made.
+  string(TOUPPER ${page} title)
+  string(REGEX REPLACE "\n\\.TH [^\n]*" "\n.TH ${title} \"1\" \"\" \"Gauntlet ${VERSION}\" \"User Commands\""
+         text "${text}")
+  string(REGEX REPLACE "\n\\.SH NAME\n[^\n]*" "\n.SH NAME\n${page} \\\\- ${summary}" text "${text}")
+  # Examples have their section and keep their lines.
+  string(REPLACE ".SS \"Example:\"" ".SH EXAMPLES" text "${text}")
+  string(REGEX REPLACE "\n\\.IP\n(([^.\n][^\n]*\n)+)" "\n.IP\n.nf\n\\1.fi\n" text "${text}")
+  file(WRITE ${OUTPUT_DIR}/${page}.1 "${text}")
+endfunction()
+
+file(REMOVE_RECURSE ${OUTPUT_DIR})
+execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
+string(REPLACE ";" "," help "${help}")  # no ends of CMake's lists
+string(REGEX MATCH "\nSubcommands:\n(  [^\n]*\n)+" commands "${help}")
+string(REGEX MATCHALL "\n  [^\n]+" commands "${commands}")
+if(NOT commands)
+  message(FATAL_ERROR "gauntlet --help names no commands:\n${help}")
+endif()
+foreach(line IN LISTS commands)
+  string(REGEX MATCH "^\n  ([a-z]+) +(.+)$" found "${line}")
+  make_page(gauntlet-${CMAKE_MATCH_1} "${CMAKE_MATCH_2}" ${PROGRAM} ${CMAKE_MATCH_1})
+endforeach()
+make_page(gauntlet "testbed for glove-driven, tendon-driven prosthetic hands" ${PROGRAM})
