@@ -13,6 +13,7 @@
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/cli/controllers_option.h"
+#include "sim/cli/interrupt.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/report/report_page.h"
@@ -62,31 +63,41 @@ Study Prepare(const StudyCommand& options, Scenario scenario) {
 
 std::string Trials(int count) { return fmt::format("{} trial{}", count, count == 1 ? "" : "s"); }
 
-/// The trials with their progress bar. Those of a comparison are kept in study.db as they finish.
+/// The trials with their progress bar. Those of a comparison are kept in study.db as they finish;
+/// `not_kept` tells what it lacks in the end, if anything.
 StudyResult RunTrials(const Study& study, const StudyCommand& options,
-                      const std::filesystem::path& folder) {
+                      const std::filesystem::path& folder, std::optional<std::string>& not_kept) {
   const int total = static_cast<int>(study.scenario.controllers.size()) * options.seeds;
+  const std::filesystem::path file = folder / "study.db";
   std::optional<StudyDatabase> database;
   if (options.comparison) {
-    database.emplace(folder / "study.db", study);
+    database.emplace(file, study, StudyDatabaseOptions{.seeds = options.seeds, .go_on = [] {
+                                                         return !Interrupted();
+                                                       }});
     if (const int known = database->TrialCount(); known > 0) {
-      fmt::print(stderr, "goes on from {}, which holds {}\n", (folder / "study.db").string(),
-                 Trials(known));
+      fmt::print(stderr, "goes on from {}, which holds {}\n", file.string(), Trials(known));
+    }
+    if (const int damaged = database->DamagedCount(); damaged > 0) {
+      fmt::print(stderr, "gauntlet: {}: {} damaged, computed again\n", file.string(),
+                 Trials(damaged));
     }
   }
   Progress progress(Trials(total));
   try {
-    return RunStudy(study,
-                    {.seeds = options.seeds,
-                     .jobs = JobsOrCores(options.jobs),
-                     .progress = [&](double done, int all) { return progress.Update(done, all); },
-                     .keep_first_traces = true,
-                     .database = database ? &*database : nullptr});
+    StudyResult result = RunStudy(
+        study, {.seeds = options.seeds,
+                .jobs = JobsOrCores(options.jobs),
+                .progress = [&](double done, int all) { return progress.Update(done, all); },
+                .keep_first_traces = true,
+                .database = database ? &*database : nullptr});
+    if (database) not_kept = database->Finish();
+    return result;
   } catch (const Cancelled&) {
+    if (database) not_kept = database->Finish();
     const int known = database ? database->TrialCount() : 0;
     if (known == 0) throw;
     throw Cancelled{fmt::format("{} are kept in {}: the same command goes on from there",
-                                Trials(known), (folder / "study.db").string())};
+                                Trials(known), file.string())};
   }
 }
 
@@ -141,7 +152,8 @@ void RunStudyCommand(const StudyCommand& options) {
   }
   OutputFolder folder(options.out.empty() ? "out/" + finished.study.scenario.name : options.out);
 
-  finished.result = RunTrials(finished.study, options, folder.path());
+  std::optional<std::string> not_kept;
+  finished.result = RunTrials(finished.study, options, folder.path(), not_kept);
   finished.summary = Summarise(finished.study, finished.result);
   OutputFiles files(folder.path());
   WriteStudyFiles(files.path(), finished, options.csv);
@@ -170,8 +182,10 @@ void RunStudyCommand(const StudyCommand& options) {
   fmt::print(stderr, "wrote {}: {}\n", folder.path().string(), written);
   for (const ControllerSummary& controller : finished.summary.controllers) {
     if (controller.problem.empty()) continue;
+    if (not_kept) fmt::print(stderr, "gauntlet: {}\n", *not_kept);
     throw RunError(fmt::format("{} stopped early: {}", controller.name, controller.problem));
   }
+  if (not_kept) throw RunError(*not_kept);
 }
 
 }  // namespace gauntlet::sim

@@ -61,7 +61,13 @@ Scores Score(const Study& study, const GloveSignal& glove, const Signal& referen
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   input.saturation_share = saturation_share;
   input.segments = glove.segments;
-  return ComputeScores(input, study.rows);
+  Scores scores = ComputeScores(input, study.rows);
+  // No score is -0.0, which SQLite keeps as 0.0.
+  for (double& score : scores.summary) score += 0.0;
+  for (std::vector<double>& channel : scores.channels) {
+    for (double& score : channel) score += 0.0;
+  }
+  return scores;
 }
 
 template <class Names>
@@ -194,7 +200,7 @@ class Schedule {
   /// wanted, too.
   bool Recall(std::size_t seed_index, std::size_t controller_index, TrialOutcome& outcome) {
     if (options_.database == nullptr || seed_index == 0) return false;
-    auto known = options_.database->Find(result_.seeds[seed_index].seed, controller_index);
+    auto known = options_.database->Take(result_.seeds[seed_index].seed, controller_index);
     if (!known) return false;
     outcome = std::move(*known);
     LeaveGlove(seed_index);

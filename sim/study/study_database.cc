@@ -6,10 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <deque>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <mutex>
+#include <set>
+#include <span>
+#include <string_view>
+#include <thread>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -21,9 +28,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raised whenever the tables change.
-constexpr int kFormat = 3;
-/// Another program may be reading.
-constexpr int kPatienceMs = 10'000;
+constexpr int kFormat = 4;
+/// How often a lock of another program is tried.
+constexpr std::chrono::milliseconds kLockPause{20};
 constexpr const char* kSummary = "summary";
 
 constexpr const char* kTables = R"(
@@ -39,6 +46,7 @@ constexpr const char* kTables = R"(
     settings TEXT NOT NULL,   -- hash of the controller's settings
     problem TEXT NOT NULL,    -- why the hand stopped early; empty if all was well
     newest INTEGER NOT NULL,  -- 1: of what was asked for last, 0: of an earlier study or setting
+    checksum TEXT NOT NULL,   -- of all the rest, with the rows of score and untrusted
     UNIQUE (study, controller, settings, seed)
   );
   CREATE TABLE score (
@@ -63,11 +71,14 @@ constexpr const char* kTables = R"(
 )";
 
 /// The program's own bytes: another build may compute other bytes.
-std::string HashOfProgram() {
-  std::ifstream file("/proc/self/exe", std::ios::binary);
-  Hash content;
-  content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
-  return content.Text();
+const std::string& HashOfProgram() {
+  static const std::string hash = [] {
+    std::ifstream file("/proc/self/exe", std::ios::binary);
+    Hash content;
+    content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
+    return content.Text();
+  }();
+  return hash;
 }
 
 /// What all trials of a study share, whatever their seed, as text.
@@ -99,95 +110,401 @@ std::string HashOfSettings(const NamedController& controller) {
   return hash.Text();
 }
 
+using Clock = std::chrono::steady_clock;
+
+/// A trial of this study.
+struct Key {
+  std::size_t controller = 0;
+  std::int64_t seed = 0;
+  auto operator<=>(const Key&) const = default;
+};
+
+struct FoundTrial {
+  std::int64_t row = 0;
+  TrialOutcome outcome;
+};
+
+struct KeptTrial {
+  Key key;
+  TrialOutcome outcome;
+};
+
+/// What distinguishes the trials of a study from all others, as the table has it.
+struct TrialColumns {
+  std::string_view study;
+  std::string_view controller;
+  std::string_view settings;
+  std::int64_t seed = 0;
+};
+
+void Bind(const TrialColumns& columns, SQLite::Statement& statement) {
+  statement.bind(1, std::string(columns.study));
+  statement.bind(2, std::string(columns.controller));
+  statement.bind(3, std::string(columns.settings));
+  statement.bind(4, columns.seed);
+}
+
+std::string ChecksumOf(const TrialColumns& columns, const TrialOutcome& outcome) {
+  Hash hash;
+  const auto add_number = [&hash](auto number) {
+    hash.Add(std::span<const decltype(number)>(&number, 1));
+  };
+  const auto add_text = [&](std::string_view text) {
+    add_number(text.size());  // so that no text runs into the next
+    hash.Add(text);
+  };
+  const auto add_values = [&](const std::vector<double>& values) {
+    for (const double value : values) {
+      // What is not finite is not kept, and read as missing.
+      add_number(std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN());
+    }
+  };
+  add_text(columns.study);
+  add_text(columns.controller);
+  add_text(columns.settings);
+  add_number(columns.seed);
+  add_text(outcome.health.problem);
+  add_values(outcome.scores.summary);
+  for (const std::vector<double>& channel : outcome.scores.channels) add_values(channel);
+  for (const std::int64_t samples : outcome.untrusted_samples) add_number(samples);
+  return hash.Text();
+}
+
+std::string_view Text(const SQLite::Column& column) {
+  return {column.getText(), static_cast<std::size_t>(column.getBytes())};
+}
+
+/// The definitions of tables and views by name, as SQLite keeps them.
+std::map<std::string, std::string> Definitions(const SQLite::Database& database) {
+  std::map<std::string, std::string> definitions;
+  SQLite::Statement query(database, "SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL");
+  while (query.executeStep()) {
+    definitions[query.getColumn(0).getString()] = query.getColumn(1).getString();
+  }
+  return definitions;
+}
+
+/// Why SQLite did not do something, and what helps.
+enum class Trouble { kLock, kDamage, kFullDisk, kOther };
+
+Trouble TroubleOf(const SQLite::Exception& error) {
+  switch (error.getErrorCode() & 0xFF) {  // the rest says where
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return Trouble::kLock;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return Trouble::kDamage;
+    case SQLITE_FULL:
+      return Trouble::kFullDisk;
+    default:
+      return Trouble::kOther;
+  }
+}
+
 }  // namespace
 
 struct StudyDatabase::State {
-  State(fs::path path, const Study& s) : file(std::move(path)), study(s) {
-    study_hash = HashOfStudy(study);
+  State(fs::path path, const Study& s, StudyDatabaseOptions o)
+      : file(std::move(path)), study(s), options(std::move(o)), study_hash(HashOfStudy(study)) {
     for (const NamedController& named : study.scenario.controllers) {
       settings.push_back(HashOfSettings(named));
     }
   }
+  ~State();
 
-  void Open(bool make);
-  std::int64_t FindTrial(int seed, std::size_t controller);
+  void CheckPlace() const;
+  void Open();
+  void MakeTables();
+  void CheckTables();
+  void ReadTrials();
+  std::optional<TrialOutcome> ReadTrial(std::int64_t trial, std::string problem) const;
+  bool ReadScores(std::int64_t trial, Scores& scores) const;
+  bool ReadUntrusted(std::int64_t trial, std::vector<std::int64_t>& samples) const;
+
+  void Start();
+  void RemoveTrial(const Key& key);
+  void RemoveDamagedTrials();
+  void Write(const KeptTrial* kept);
   void AddScores(std::int64_t trial, const TrialOutcome& outcome);
+  void WriteWaiting();
+  void WriteAll();
+
+  TrialColumns ColumnsOf(const Key& key) const {
+    return {.study = study_hash,
+            .controller = Controller(key.controller),
+            .settings = settings[key.controller],
+            .seed = key.seed};
+  }
   const std::string& Controller(std::size_t index) const {
     return study.scenario.controllers[index].name;
   }
   const std::vector<std::string>& Channels() const { return study.channel_names(); }
   const std::vector<std::string>& Rows() const { return study.rows.names; }
-  void StartStudy();
-
-  /// Runs `action` on the database, one thread at a time; what SQLite throws becomes one line.
-  template <class Action>
-  auto Guarded(const Action& action) {
-    const std::lock_guard lock(mutex);
-    try {
-      return action();
-    } catch (const SQLite::Exception& error) {
-      const std::string line = fmt::format("{}: {}", file.string(), error.what());
-      if (error.getErrorCode() == SQLITE_NOTADB || error.getErrorCode() == SQLITE_CORRUPT) {
-        throw UserError(line + "; remove it, or name another folder by --out");
-      }
-      throw RunError(line);
-    }
+  UserError NotUsable(std::string_view what) const {
+    return UserError(
+        fmt::format("{}: {}; remove it, or name another folder by --out", file.string(), what));
   }
 
-  fs::path file;
+  const fs::path file;
   const Study& study;
-  std::string study_hash;
+  const StudyDatabaseOptions options;
+  const std::string study_hash;
   std::vector<std::string> settings;  // hashes, per controller
   std::mutex mutex;
   std::optional<SQLite::Database> database;
-  bool made = false;
-  bool started = false;
+  Clock::time_point deadline;  // of waiting for other programs
+  bool made = false;           // by this object
+  bool started = false;        // the file knows that this study is the newest
+
+  std::set<Key> in_file;                 // whole trials of this study
+  std::map<Key, FoundTrial> found;       // those that may be asked for
+  std::vector<std::int64_t> taken_rows;  // not yet marked as asked for
+  std::deque<KeptTrial> waiting;         // for a lock to go
+  std::deque<KeptTrial> refused;         // for another reason: tried once more at the end
+  std::string reason;                    // of the last that was not written
+  Trouble trouble = Trouble::kOther;
+  int written = 0;  // trials that this object put into it
+  std::vector<std::int64_t> damaged_rows;
 };
 
-void StudyDatabase::State::Open(bool make) {
-  if (database) return;
-  const bool exists = fs::exists(file);
-  if (!exists && !make) return;
-  database.emplace(file.string(), SQLite::OPEN_READWRITE | (make ? SQLite::OPEN_CREATE : 0),
-                   kPatienceMs);
-  database->exec("PRAGMA foreign_keys = ON");
-  database->exec("PRAGMA synchronous = NORMAL");
-  if (!exists || fs::file_size(file) == 0) {
-    made = !exists;
-    SQLite::Transaction transaction(*database);
-    database->exec(kTables);
-    database->exec(fmt::format("PRAGMA user_version = {}", kFormat));
-    transaction.commit();
-  } else if (database->execAndGet("PRAGMA user_version").getInt() != kFormat) {
-    database.reset();
+/// What SQLite would say less clearly, or too late.
+void StudyDatabase::State::CheckPlace() const {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(file, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
     throw UserError(
-        fmt::format("{}: is not a study database of this version of Gauntlet; remove it, or name "
-                    "another folder by "
+        fmt::format("{}: is not a file of its own; remove it, or name another folder by "
                     "--out",
                     file.string()));
   }
+  // The journal beside it has the longest name.
+  constexpr std::string_view kJournal = "-journal";
+  const std::size_t longest = static_cast<std::size_t>(sqlite3_vfs_find(nullptr)->mxPathname);
+  const std::size_t length = fs::weakly_canonical(file, ignored).native().size();
+  if (length + kJournal.size() > longest) {
+    throw UserError(
+        {.place = "--out",
+         .problem = fmt::format("the path of study.db has {} bytes, SQLite takes at most "
+                                "{}; name a folder with a shorter path",
+                                length, longest - kJournal.size())});
+  }
 }
 
-/// Once per study: puts it into its table. Its trials are started as they are asked for.
-void StudyDatabase::State::StartStudy() {
-  if (started) return;
-  SQLite::Statement add(*database, "INSERT OR IGNORE INTO study VALUES (?, ?)");
+void StudyDatabase::State::Open() {
+  CheckPlace();
+  std::error_code ignored;
+  made = fs::symlink_status(file, ignored).type() == fs::file_type::not_found;
+  deadline = Clock::now() + options.patience;
+  // Absolute, as SQLite takes `file:..` for an address.
+  database.emplace(fs::absolute(file).string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  sqlite3_busy_handler(
+      database->getHandle(),
+      [](void* self, int /*count*/) {
+        const State& state = *static_cast<const State*>(self);
+        if (Clock::now() >= state.deadline || !state.options.go_on()) return 0;
+        std::this_thread::sleep_for(kLockPause);
+        return 1;
+      },
+      this);
+  database->exec("PRAGMA synchronous = NORMAL");
+  database->exec("PRAGMA foreign_keys = OFF");  // rows of damaged trials may break them
+  if (database->execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0) {
+    MakeTables();
+  } else {
+    SQLite::Transaction one_state(*database);
+    CheckTables();
+    ReadTrials();
+    one_state.commit();
+  }
+  // A file that cannot be written is found here. A lock may be gone when there is a trial.
+  deadline = Clock::now();
+  try {
+    Write(nullptr);
+  } catch (const SQLite::Exception& error) {
+    if (TroubleOf(error) != Trouble::kLock) throw;
+  }
+}
+
+void StudyDatabase::State::MakeTables() {
+  SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::EXCLUSIVE);
+  database->exec(kTables);
+  database->exec(fmt::format("PRAGMA user_version = {}", kFormat));
+  transaction.commit();
+}
+
+/// Errors: UserError if the file is of another version, or somebody or something changed its tables.
+void StudyDatabase::State::CheckTables() {
+  if (database->execAndGet("PRAGMA user_version").getInt() != kFormat) {
+    throw NotUsable("is not a study database of this version of Gauntlet");
+  }
+  SQLite::Database intact(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  intact.exec(kTables);
+  const std::map<std::string, std::string> here = Definitions(*database);
+  for (const auto& [name, definition] : Definitions(intact)) {
+    const auto found_here = here.find(name);
+    if (found_here == here.end()) throw NotUsable(fmt::format("has no table or view {}", name));
+    if (found_here->second != definition) {
+      throw NotUsable(fmt::format("its table or view {} is not as Gauntlet makes it", name));
+    }
+  }
+  // Scores have their checksums; this is for trials that are in the table or in its index only.
+  if (database->execAndGet("PRAGMA integrity_check(trial)").getString() != "ok") {
+    throw NotUsable("is damaged");
+  }
+}
+
+void StudyDatabase::State::ReadTrials() {
+  const std::int64_t first = study.scenario.seed;
+  SQLite::Statement trials(*database,
+                           "SELECT id, seed, problem, checksum FROM trial "
+                           "WHERE controller = ? AND study = ? AND settings = ? "
+                           "AND typeof(seed) = 'integer' ORDER BY seed");
+  for (std::size_t controller = 0; controller < settings.size(); ++controller) {
+    trials.reset();
+    trials.bind(1, Controller(controller));
+    trials.bind(2, study_hash);
+    trials.bind(3, settings[controller]);
+    while (trials.executeStep()) {
+      if (!options.go_on()) throw Cancelled{};
+      const std::int64_t row = trials.getColumn(0).getInt64();
+      const Key key{.controller = controller, .seed = trials.getColumn(1).getInt64()};
+      if (key.seed >= first && key.seed < first + options.seeds) {
+        std::optional<TrialOutcome> outcome = ReadTrial(row, trials.getColumn(2).getString());
+        if (!outcome || ChecksumOf(ColumnsOf(key), *outcome) != Text(trials.getColumn(3))) {
+          damaged_rows.push_back(row);
+          continue;
+        }
+        found[key] = {.row = row, .outcome = std::move(*outcome)};
+      }
+      in_file.insert(key);
+    }
+  }
+}
+
+/// Nothing if there are rows that no trial has.
+std::optional<TrialOutcome> StudyDatabase::State::ReadTrial(std::int64_t trial,
+                                                            std::string problem) const {
+  TrialOutcome outcome;
+  outcome.health.problem = std::move(problem);
+  outcome.health.ok = outcome.health.problem.empty();
+  if (!ReadScores(trial, outcome.scores) || !ReadUntrusted(trial, outcome.untrusted_samples)) {
+    return std::nullopt;
+  }
+  return outcome;
+}
+
+bool StudyDatabase::State::ReadScores(std::int64_t trial, Scores& scores) const {
+  scores.summary.assign(Metrics().size(), std::numeric_limits<double>::quiet_NaN());
+  scores.channels.assign(Rows().size(), scores.summary);
+  SQLite::Statement query(*database, "SELECT channel, metric, value FROM score WHERE trial = ?");
+  query.bind(1, trial);
+  while (query.executeStep()) {
+    const std::string_view channel = Text(query.getColumn(0));
+    const auto row = std::ranges::find(Rows(), channel);
+    const std::optional<std::size_t> metric = FindMetric(Text(query.getColumn(1)));
+    const SQLite::Column value = query.getColumn(2);
+    const bool summary = channel == kSummary;
+    if ((!summary && row == Rows().end()) || !metric) return false;
+    if (!value.isFloat() || !std::isfinite(value.getDouble())) return false;
+    std::vector<double>& of_channel =
+        summary ? scores.summary : scores.channels[static_cast<std::size_t>(row - Rows().begin())];
+    of_channel[*metric] = value.getDouble();
+  }
+  return true;
+}
+
+bool StudyDatabase::State::ReadUntrusted(std::int64_t trial,
+                                         std::vector<std::int64_t>& samples) const {
+  samples.assign(Channels().size(), 0);
+  SQLite::Statement query(*database, "SELECT channel, samples FROM untrusted WHERE trial = ?");
+  query.bind(1, trial);
+  while (query.executeStep()) {
+    const auto channel = std::ranges::find(Channels(), Text(query.getColumn(0)));
+    const SQLite::Column count = query.getColumn(1);
+    if (channel == Channels().end() || !count.isInteger()) return false;
+    samples[static_cast<std::size_t>(channel - Channels().begin())] = count.getInt64();
+  }
+  return true;
+}
+
+/// Once per study: puts it into its table. Its trials become the newest as they are asked for.
+void StudyDatabase::State::Start() {
+  SQLite::Statement add(*database,
+                        "INSERT INTO study VALUES (?, ?) "
+                        "ON CONFLICT (hash) DO UPDATE SET scenario = excluded.scenario");
   add.bind(1, study_hash);
   add.bind(2, SharedSettings(study));
   add.exec();
-  database->exec("UPDATE trial SET newest = 0");
-  started = true;
+  database->exec("UPDATE trial SET newest = 0 WHERE newest <> 0");
+  if (!damaged_rows.empty()) RemoveDamagedTrials();
 }
 
-std::int64_t StudyDatabase::State::FindTrial(int seed, std::size_t controller) {
-  SQLite::Statement find(*database,
-                         "SELECT id FROM trial WHERE seed = ? AND controller = ? AND study = ? AND "
-                         "settings = ?");
-  find.bind(1, seed);
-  find.bind(2, Controller(controller));
-  find.bind(3, study_hash);
-  find.bind(4, settings[controller]);
-  return find.executeStep() ? find.getColumn(0).getInt64() : 0;
+/// With what is left of them. Where a key is damaged, rows are out of order, and SQLite does not
+/// find what lies behind them: so all rows are written anew.
+void StudyDatabase::State::RemoveDamagedTrials() {
+  SQLite::Statement remove(*database, "DELETE FROM trial WHERE id = ?");
+  for (const std::int64_t row : damaged_rows) {
+    remove.bind(1, row);
+    remove.exec();
+    remove.reset();
+  }
+  for (const char* table : {"score", "untrusted"}) {
+    database->exec(
+        fmt::format("CREATE TABLE temp.whole AS SELECT * FROM main.{0} "
+                    "WHERE +trial IN (SELECT id FROM main.trial);"  // +: one by one, not by key
+                    "DELETE FROM main.{0};"
+                    "INSERT OR IGNORE INTO main.{0} SELECT * FROM temp.whole;"
+                    "DROP TABLE temp.whole",
+                    table));
+  }
+}
+
+void StudyDatabase::State::RemoveTrial(const Key& key) {
+  SQLite::Statement find(
+      *database,
+      "SELECT id FROM trial WHERE study = ? AND controller = ? AND settings = ? AND seed = ?");
+  Bind(ColumnsOf(key), find);
+  if (!find.executeStep()) return;
+  const std::int64_t row = find.getColumn(0).getInt64();
+  find.reset();
+  for (const char* rows : {"score WHERE trial", "untrusted WHERE trial", "trial WHERE id"}) {
+    SQLite::Statement remove(*database, fmt::format("DELETE FROM {} = ?", rows));
+    remove.bind(1, row);
+    remove.exec();
+  }
+}
+
+/// In one transaction: what this study is, which of its trials were asked for, and a trial, if there
+/// is one. Waits for other programs until the deadline.
+void StudyDatabase::State::Write(const KeptTrial* kept) {
+  // Exclusive from the start: if another program reads, nothing is done in vain.
+  SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::EXCLUSIVE);
+  if (!started) Start();
+  SQLite::Statement mark(*database, "UPDATE trial SET newest = 1 WHERE id = ?");
+  for (const std::int64_t row : taken_rows) {
+    mark.bind(1, row);
+    mark.exec();
+    mark.reset();
+  }
+  if (kept != nullptr) {
+    RemoveTrial(kept->key);
+    const TrialColumns columns = ColumnsOf(kept->key);
+    SQLite::Statement add(*database,
+                          "INSERT INTO trial (study, controller, settings, seed, problem, newest, "
+                          "checksum) VALUES (?, ?, ?, ?, ?, 1, ?)");
+    Bind(columns, add);
+    add.bind(5, kept->outcome.health.problem);
+    add.bind(6, ChecksumOf(columns, kept->outcome));
+    add.exec();
+    AddScores(database->getLastInsertRowid(), kept->outcome);
+  }
+  transaction.commit();
+  started = true;
+  taken_rows.clear();
+  if (kept == nullptr) return;
+  in_file.insert(kept->key);
+  ++written;
 }
 
 void StudyDatabase::State::AddScores(std::int64_t trial, const TrialOutcome& outcome) {
@@ -217,119 +534,125 @@ void StudyDatabase::State::AddScores(std::int64_t trial, const TrialOutcome& out
   }
 }
 
-StudyDatabase::StudyDatabase(fs::path file, const Study& study)
-    : state_(std::make_unique<State>(std::move(file), study)) {
-  state_->Guarded([&] { state_->Open(false); });
-}
-StudyDatabase::~StudyDatabase() {
-  // A file without a trial is of no use: the disk was full, say.
-  State& state = *state_;
-  if (!state.made) return;
-  bool empty = false;
-  try {
-    empty = state.database->execAndGet("SELECT count(*) FROM trial").getInt() == 0;
-  } catch (const SQLite::Exception&) {
-    empty = true;  // not even the tables are there
+/// Writes the trials that wait, one transaction each, until there is a lock or none is left.
+/// Errors: SQLite::Exception for a full disk.
+void StudyDatabase::State::WriteWaiting() {
+  while (!waiting.empty()) {
+    try {
+      Write(&waiting.front());
+    } catch (const SQLite::Exception& error) {
+      trouble = TroubleOf(error);
+      reason = error.what();
+      if (trouble == Trouble::kFullDisk) throw;
+      if (trouble == Trouble::kLock) return;
+      refused.push_back(std::move(waiting.front()));
+    }
+    waiting.pop_front();
   }
-  state.database.reset();
-  std::error_code ignored;
-  if (empty) fs::remove(state.file, ignored);
 }
 
-std::optional<TrialOutcome> StudyDatabase::Find(int seed, std::size_t controller) {
+/// Writes all that the file lacks. Errors: SQLite::Exception.
+void StudyDatabase::State::WriteAll() {
+  std::ranges::move(refused, std::back_inserter(waiting));
+  refused.clear();
+  WriteWaiting();
+  if (waiting.empty() && !taken_rows.empty()) Write(nullptr);
+}
+
+StudyDatabase::State::~State() {
+  if (!database) return;
+  deadline = Clock::now();
+  try {
+    WriteAll();
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): Finish() would have told
+  }
+  database.reset();
+  // What is not there by this object's own doing is never judged by a question to the file, which
+  // may fail.
+  const bool of_no_use = made && written == 0 && waiting.empty() && refused.empty();
+  std::error_code ignored;
+  if (of_no_use) fs::remove(file, ignored);
+}
+
+StudyDatabase::StudyDatabase(fs::path file, const Study& study, StudyDatabaseOptions options)
+    : state_(std::make_unique<State>(std::move(file), study, std::move(options))) {
+  try {
+    state_->Open();
+  } catch (const SQLite::Exception& error) {
+    if (!state_->options.go_on()) throw Cancelled{};
+    const std::string name = state_->file.string();
+    switch (TroubleOf(error)) {
+      case Trouble::kDamage:
+        throw state_->NotUsable(error.what());
+      case Trouble::kLock:
+        throw RunError(name + ": another program has locked it; close that program");
+      case Trouble::kFullDisk:
+        throw RunError(name + ": the disk is full");
+      case Trouble::kOther:
+        throw RunError(fmt::format("{}: {}", name, error.what()));
+    }
+  }
+}
+
+StudyDatabase::~StudyDatabase() = default;
+
+std::optional<TrialOutcome> StudyDatabase::Take(int seed, std::size_t controller) {
   State& state = *state_;
-  return state.Guarded([&]() -> std::optional<TrialOutcome> {
-    if (!state.database) return std::nullopt;
-    const std::int64_t trial = state.FindTrial(seed, controller);
-    if (trial == 0) return std::nullopt;
-    SQLite::Transaction transaction(*state.database);
-    state.StartStudy();
-    SQLite::Statement mark(*state.database, "UPDATE trial SET newest = 1 WHERE id = ?");
-    mark.bind(1, trial);
-    mark.exec();
-    transaction.commit();
-
-    const double missing = std::numeric_limits<double>::quiet_NaN();
-    TrialOutcome outcome;
-    outcome.scores.summary.assign(Metrics().size(), missing);
-    outcome.scores.channels.assign(state.Rows().size(), outcome.scores.summary);
-    outcome.untrusted_samples.assign(state.Channels().size(), 0);
-    const auto index_in = [](const std::vector<std::string>& names, const std::string& name) {
-      return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-    };
-
-    SQLite::Statement health(*state.database, "SELECT problem FROM trial WHERE id = ?");
-    health.bind(1, trial);
-    health.executeStep();
-    outcome.health.problem = health.getColumn(0).getString();
-    outcome.health.ok = outcome.health.problem.empty();
-
-    SQLite::Statement scores(*state.database,
-                             "SELECT channel, metric, value FROM score WHERE trial = ?");
-    scores.bind(1, trial);
-    while (scores.executeStep()) {
-      const std::string channel = scores.getColumn(0).getString();
-      const auto metric = FindMetric(scores.getColumn(1).getString());
-      const double value = scores.getColumn(2).getDouble();
-      const std::size_t row = index_in(state.Rows(), channel);
-      if (!metric) continue;
-      if (channel == kSummary) outcome.scores.summary[*metric] = value;
-      if (row < outcome.scores.channels.size()) outcome.scores.channels[row][*metric] = value;
-    }
-    SQLite::Statement untrusted(*state.database,
-                                "SELECT channel, samples FROM untrusted WHERE trial = ?");
-    untrusted.bind(1, trial);
-    while (untrusted.executeStep()) {
-      const std::size_t index = index_in(state.Channels(), untrusted.getColumn(0).getString());
-      if (index >= outcome.untrusted_samples.size()) continue;
-      outcome.untrusted_samples[index] = untrusted.getColumn(1).getInt64();
-    }
-    return outcome;
-  });
+  const std::lock_guard lock(state.mutex);
+  const auto trial = state.found.find({.controller = controller, .seed = seed});
+  if (trial == state.found.end()) return std::nullopt;
+  state.taken_rows.push_back(trial->second.row);
+  TrialOutcome outcome = std::move(trial->second.outcome);
+  state.found.erase(trial);
+  return outcome;
 }
 
 void StudyDatabase::Keep(int seed, std::size_t controller, const TrialOutcome& outcome) {
   State& state = *state_;
-  state.Guarded([&] {
-    state.Open(true);
-    SQLite::Transaction transaction(*state.database);
-    state.StartStudy();
-    if (const std::int64_t known = state.FindTrial(seed, controller); known != 0) {
-      SQLite::Statement remove(*state.database, "DELETE FROM trial WHERE id = ?");
-      remove.bind(1, known);
-      remove.exec();
-    }
-    SQLite::Statement add(*state.database,
-                          "INSERT INTO trial (seed, controller, study, settings, problem, newest) "
-                          "VALUES (?, ?, ?, ?, ?, 1)");
-    add.bind(1, seed);
-    add.bind(2, state.Controller(controller));
-    add.bind(3, state.study_hash);
-    add.bind(4, state.settings[controller]);
-    add.bind(5, outcome.health.problem);
-    add.exec();
-    state.AddScores(state.database->getLastInsertRowid(), outcome);
-    transaction.commit();
-  });
+  const std::lock_guard lock(state.mutex);
+  state.waiting.push_back({.key = {.controller = controller, .seed = seed}, .outcome = outcome});
+  state.deadline = Clock::now();
+  try {
+    state.WriteWaiting();
+  } catch (const SQLite::Exception&) {
+    state.waiting.pop_back();
+    throw RunError(
+        fmt::format("{}: the disk is full; the same command goes on from the {} trials "
+                    "that are kept",
+                    state.file.string(), state.in_file.size()));
+  }
 }
 
-int StudyDatabase::TrialCount() {
+std::optional<std::string> StudyDatabase::Finish() {
   State& state = *state_;
-  return state.Guarded([&] {
-    if (!state.database) return 0;
-    int count = 0;
-    for (std::size_t c = 0; c < state.settings.size(); ++c) {
-      SQLite::Statement query(
-          *state.database,
-          "SELECT count(*) FROM trial WHERE controller = ? AND study = ? AND settings = ?");
-      query.bind(1, state.Controller(c));
-      query.bind(2, state.study_hash);
-      query.bind(3, state.settings[c]);
-      query.executeStep();
-      count += query.getColumn(0).getInt();
-    }
-    return count;
-  });
+  const std::lock_guard lock(state.mutex);
+  state.deadline = Clock::now() + state.options.patience;
+  try {
+    state.WriteAll();
+  } catch (const SQLite::Exception& error) {
+    state.trouble = TroubleOf(error);
+    state.reason = error.what();
+  }
+  const std::size_t missing = state.waiting.size() + state.refused.size() + state.taken_rows.size();
+  if (missing == 0) return std::nullopt;
+  const std::string line =
+      fmt::format("{}: lacks {} trial{} of this comparison: ", state.file.string(), missing,
+                  missing == 1 ? "" : "s");
+  switch (state.trouble) {
+    case Trouble::kLock:
+      return line + "another program holds it; close that, and the same command adds them";
+    case Trouble::kDamage:
+      return line + state.reason + "; remove it, and the same command makes a new one";
+    default:
+      return line + state.reason + "; the same command adds them when it can be written";
+  }
 }
+
+int StudyDatabase::TrialCount() const {
+  const std::lock_guard lock(state_->mutex);
+  return static_cast<int>(state_->in_file.size());
+}
+
+int StudyDatabase::DamagedCount() const { return static_cast<int>(state_->damaged_rows.size()); }
 
 }  // namespace gauntlet::sim

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +10,15 @@
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
+
+/// How a comparison uses its database.
+struct StudyDatabaseOptions {
+  int seeds = 1;  // the scenario's seed and those after it: what may be asked for
+  /// How long other programs that hold the file are waited for, when it is opened and at the end.
+  std::chrono::milliseconds patience{10'000};
+  /// Asked while waiting and reading; false: somebody wants an end.
+  std::function<bool()> go_on = [] { return true; };
+};
 
 /// The finished trials of a comparison in `study.db`, an SQLite database that any tool opens: a row
 /// per trial and score. A comparison that was stopped, even killed, goes on from it.
@@ -18,22 +29,41 @@ namespace gauntlet::sim {
 /// A trial belongs to all that decides it: glove, hand, event, the model, the glove signal of the
 /// first seed and the program itself (a row of `study`), then the controller's settings and the
 /// seed. Trials of other studies stay where they are: changing a setting and changing it back costs
-/// nothing. The view `scores` shows what was asked for last, `all_scores` every one. The
-/// file appears with the first trial.
+/// nothing. The view `scores` shows what was asked for last, `all_scores` every one.
 ///
-/// Any thread may call Find and Keep. Errors: UserError for a file that is not such a database,
-/// RunError when the disk does not take a trial.
+/// Opening reads all that may be asked for, and nothing later: a file that is damaged, locked or
+/// cannot be written is found before the first trial is run. Each trial has a checksum over all
+/// that is kept of it; one that does not match is as good as not there.
+///
+/// From then on the results are in memory, and the file only has to take them. What it does not
+/// take, because another program reads it or the disk stumbles, waits for the next trial, and in
+/// the end for Finish(). So a lock delays trials in the file, and never ends a comparison. (The
+/// journal is SQLite's own rollback journal, as write-ahead logs do not work on network folders and
+/// leave files beside.) Only a full disk ends it, as no other file could be written either.
+///
+/// A file that this object made and that got no trial is removed again; any other one stays,
+/// whatever happens.
+///
+/// Any thread may call Take and Keep. Errors: UserError for a file that is not such a database or
+/// is damaged, RunError for one that cannot be read or written, Cancelled.
 class StudyDatabase {
  public:
   /// `study` has to outlive the database.
-  StudyDatabase(std::filesystem::path file, const Study& study);
+  StudyDatabase(std::filesystem::path file, const Study& study, StudyDatabaseOptions options = {});
   ~StudyDatabase();
 
-  std::optional<TrialOutcome> Find(int seed, std::size_t controller);
+  /// Hands over a trial that the file held when it was opened; the second time there is none.
+  std::optional<TrialOutcome> Take(int seed, std::size_t controller);
+  /// Does not wait for other programs. Errors: RunError when the disk is full.
   void Keep(int seed, std::size_t controller, const TrialOutcome& outcome);
+  /// Writes what the file has not taken so far. Returns what it lacks now, why, and what to do about
+  /// it, as one line; nothing if it lacks nothing.
+  std::optional<std::string> Finish();
 
-  /// Trials of this study that the file holds.
-  int TrialCount();
+  /// Trials of this study that the file holds, damaged ones not counted.
+  int TrialCount() const;
+  /// Trials that were asked for and whose checksum did not match.
+  int DamagedCount() const;
 
  private:
   struct State;

@@ -1,4 +1,5 @@
 // A comparison that was stopped goes on where it stopped, and ends with the same bytes.
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -117,6 +118,66 @@ TEST_F(ResumeTest, AFileThatIsNoDatabaseIsAClearLine) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.standard_error, HasSubstr("a/study.db: file is not a database; remove it"));
   EXPECT_EQ(ReadFile(Out("a") / "study.db"), std::string(5000, 'x'));
+}
+
+TEST_F(ResumeTest, DamagedTrialsAreComputedAgainAndTold) {
+  ASSERT_EQ(Run("undisturbed").exit_code, 0);
+  fs::copy(Out("undisturbed"), Out("a"));
+  SQLite::Database(Out("a") / "study.db", SQLite::OPEN_READWRITE)
+      .exec(
+          "UPDATE score SET value = value + 1 WHERE metric = 'delay_ms' OR metric = 'sparc' OR "
+          "trial IN (SELECT id FROM trial WHERE seed = 2)");
+  const ProgramResult result = Run("a");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.standard_error, HasSubstr("a/study.db: 2 trials damaged, computed again\n"));
+  ExpectSameFiles("undisturbed", "a");
+  EXPECT_THAT(Run("a").standard_error, HasSubstr("which holds 8 trials"));
+}
+
+TEST_F(ResumeTest, ADatabaseThatTakesNoTrialCostsNoResult) {
+  ASSERT_EQ(Run("undisturbed").exit_code, 0);
+  ASSERT_EQ(RunProgram(Command("a", 2), {.working_directory = folder_.path()}).exit_code, 0);
+  SQLite::Database database(Out("a") / "study.db", SQLite::OPEN_READWRITE);
+  database.exec(
+      "CREATE TRIGGER full BEFORE INSERT ON trial WHEN new.seed > 2 "
+      "BEGIN SELECT RAISE(ABORT, 'no more'); END");
+  const ProgramResult result = Run("a");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.standard_error,
+              HasSubstr("a/study.db: lacks 4 trials of this comparison: no more; the same command "
+                        "adds them when it can be written\n"));
+  ExpectSameFiles("undisturbed", "a");
+  database.exec("DROP TRIGGER full");
+  EXPECT_EQ(Run("a").exit_code, 0);
+  EXPECT_THAT(Run("a").standard_error, HasSubstr("which holds 8 trials"));
+}
+
+TEST_F(ResumeTest, AReaderDoesNotEndAComparison) {
+  ASSERT_EQ(Run("undisturbed").exit_code, 0);
+  ASSERT_EQ(RunProgram(Command("a", 2), {.working_directory = folder_.path()}).exit_code, 0);
+  SQLite::Database reader(Out("a") / "study.db");
+  reader.exec("BEGIN");
+  EXPECT_EQ(reader.execAndGet("SELECT count(*) FROM trial").getInt(), 4);
+  Program program(Command("a"), {.working_directory = folder_.path()});
+  ASSERT_TRUE(program.WaitForText("goes on from"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // of a few trials; any time will do
+  reader.exec("COMMIT");
+  EXPECT_EQ(program.Wait().exit_code, 0) << program.Wait().standard_error;
+  ExpectSameFiles("undisturbed", "a");
+  EXPECT_EQ(reader.execAndGet("SELECT count(*) FROM trial").getInt(), 8);
+}
+
+TEST_F(ResumeTest, APlaceWhereNoDatabaseCanBeIsFoundBeforeTheFirstTrial) {
+  const std::string deep = "b/" + std::string(240, 'x') + "/" + std::string(240, 'y');
+  const ProgramResult result = Run(deep);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.standard_error, HasSubstr("gauntlet: --out: the path of study.db has "));
+  EXPECT_FALSE(fs::exists(Out("b")));
+
+  fs::create_directories(Out("a") / "study.db");
+  const ProgramResult folder = Run("a");
+  EXPECT_EQ(folder.exit_code, 2);
+  EXPECT_THAT(folder.standard_error, HasSubstr("a/study.db: is not a file of its own; remove it"));
 }
 
 }  // namespace
