@@ -27,7 +27,6 @@ using Stored = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>
 const H5::PredType& FileType(float) { return H5::PredType::IEEE_F32LE; }
 const H5::PredType& FileType(int) { return H5::PredType::STD_I32LE; }
 const H5::PredType& MemoryType(float) { return H5::PredType::NATIVE_FLOAT; }
-const H5::PredType& MemoryType(double) { return H5::PredType::NATIVE_DOUBLE; }
 const H5::PredType& MemoryType(int) { return H5::PredType::NATIVE_INT; }
 
 const H5::StrType& TextType() {
@@ -54,31 +53,6 @@ void WriteTexts(H5::H5Object& object, const char* name, const std::vector<std::s
   const hsize_t size = pointers.size();
   const H5::Attribute attribute = object.createAttribute(name, TextType(), H5::DataSpace(1, &size));
   if (size > 0) attribute.write(TextType(), static_cast<const void*>(pointers.data()));
-}
-
-std::string ReadText(const H5::H5Object& object, const char* name) {
-  std::string text;
-  object.openAttribute(name).read(TextType(), text);
-  return text;
-}
-
-double ReadNumber(const H5::H5Object& object, const char* name) {
-  double value = 0.0;
-  object.openAttribute(name).read(H5::PredType::NATIVE_DOUBLE, &value);
-  return value;
-}
-
-std::vector<std::string> ReadTexts(const H5::H5Object& object, const char* name) {
-  const H5::Attribute attribute = object.openAttribute(name);
-  std::vector<char*> pointers(
-      static_cast<std::size_t>(attribute.getSpace().getSimpleExtentNpoints()));
-  attribute.read(TextType(), static_cast<void*>(pointers.data()));
-  std::vector<std::string> texts;
-  for (char* pointer : pointers) {
-    texts.emplace_back(pointer);
-    H5free_memory(pointer);
-  }
-  return texts;
 }
 
 /// Some 300 KB of 18 channels: stays in a core's cache.
@@ -135,18 +109,6 @@ void WriteMatrix(const DatasetPlace& place, const std::vector<std::string>& colu
     MakeRoom(place.group.getFileName());  // before the dataset goes
     throw;
   }
-}
-
-template <class Scalar>
-void ReadMatrix(const H5::Group& group, const std::string& name,
-                Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
-  const H5::DataSet dataset = group.openDataSet(name);
-  hsize_t size[2] = {0, 0};
-  if (dataset.getSpace().getSimpleExtentNdims() != 2) throw H5::DataSetIException(name, "rank");
-  dataset.getSpace().getSimpleExtentDims(size);
-  RowMajor<Scalar> rows(static_cast<Eigen::Index>(size[0]), static_cast<Eigen::Index>(size[1]));
-  if (rows.size() > 0) dataset.read(rows.data(), MemoryType(Scalar{}));
-  matrix = rows;
 }
 
 /// A stretch of samples [begin, end) with a name, and the channel it is about.
@@ -270,43 +232,6 @@ void TraceWriter::Commit() {
     state_->file.reset();
   });
   state_->atomic.Commit();
-}
-
-TraceFile ReadTraceFile(const std::filesystem::path& file, const std::vector<std::string>& only) {
-  H5::Exception::dontPrint();
-  if (!std::filesystem::exists(file)) {
-    throw UserError(fmt::format("{}: no such file", file.string()));
-  }
-  try {
-    TraceFile result;
-    const H5::H5File input(file.string(), H5F_ACC_RDONLY);
-    result.scenario = ReadText(input, "scenario");
-    result.seed = static_cast<int>(ReadNumber(input, "seed"));
-    const H5::Group glove = input.openGroup("glove");
-    ReadMatrix(glove, "true_angle_rad", result.true_angle_rad);
-    ReadMatrix(glove, "counts", result.counts);
-    const H5::DataSet truth = glove.openDataSet("true_angle_rad");
-    result.tick_rate_hz = ReadNumber(truth, "rate_hz");
-    result.channel_names = ReadTexts(truth, "columns");
-    ReadMatrix(glove, "reference_angle_rad", result.reference_angle_rad);
-    result.joint_names = ReadTexts(glove.openDataSet("reference_angle_rad"), "columns");
-    for (const std::string& name : ReadTexts(input, "controllers")) {
-      if (!only.empty() && std::find(only.begin(), only.end(), name) == only.end()) continue;
-      const H5::Group group = input.openGroup("controllers/" + name);
-      Trace& trace = result.traces.emplace_back();
-      trace.controller_name = name;
-      ForEachSignal(trace, [&](const auto& signal, auto& matrix) {
-        const std::string dataset(signal.name);
-        if (group.nameExists(dataset)) ReadMatrix(group, dataset, matrix);
-      });
-      const std::string health = ReadText(group, "health");
-      trace.health = {.ok = health == "ok", .problem = health == "ok" ? "" : health};
-    }
-    return result;
-  } catch (const H5::Exception& error) {
-    throw UserError(fmt::format("{}: is not a trace file of Gauntlet ({})", file.string(),
-                                error.getDetailMsg()));
-  }
 }
 
 }  // namespace gauntlet::sim

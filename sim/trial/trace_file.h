@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "sim/glove/glove.h"
 #include "sim/trial/trace.h"
@@ -30,23 +29,5 @@ class TraceWriter {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// What `trace.h5` says.
-struct TraceFile {
-  std::string scenario;
-  int seed = 0;
-  double tick_rate_hz = 1000.0;
-  std::vector<std::string> channel_names;
-  std::vector<std::string> joint_names;
-  Signal true_angle_rad;       // ticks x channels
-  Signal reference_angle_rad;  // ticks x joints: what the wearer's angles ask of the hand
-  Signal counts;               // samples x channels
-  std::vector<Trace> traces;   // in the order of writing
-};
-
-/// Reads a whole trace file. Errors: UserError if it is missing or is not a trace file of Gauntlet.
-/// Of the controllers named in `only`, or of all if it is empty.
-TraceFile ReadTraceFile(const std::filesystem::path& file,
-                        const std::vector<std::string>& only = {});
 
 }  // namespace gauntlet::sim

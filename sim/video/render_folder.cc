@@ -3,16 +3,40 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/scenario/scenario.h"
 #include "sim/study/manifest.h"
 #include "sim/trial/joint_angles.h"
-#include "sim/trial/trace_file.h"
+#include "sim/trial/trace_reader.h"
 #include "sim/video/comparison_video.h"
 
 namespace gauntlet::sim {
+namespace {
+
+/// A folder can hold the trace of one scenario and the text of another.
+void CheckTraceIsOfHand(const std::filesystem::path& place, const TraceFile& file,
+                        const Scenario& scenario, const HandModel& hand) {
+  const auto fail = [&](const std::string& problem) {
+    throw UserError({.place = place.string(),
+                     .problem = problem + "; is it of the scenario.resolved.yaml beside it?"});
+  };
+  if (file.joint_names != hand.joint_names()) fail("has other joints than the hand");
+  for (const Trace& trace : file.traces) {
+    if (trace.command_counts.cols() != std::ssize(hand.motor_names())) {
+      fail(fmt::format("{} has {} motors, the hand {}", trace.controller_name,
+                       trace.command_counts.cols(), hand.motor_names().size()));
+    }
+  }
+  const double rate_hz = TimingOf(scenario).tick_rate_hz();
+  if (std::abs(file.tick_rate_hz - rate_hz) > 1e-6 * rate_hz) {
+    fail(fmt::format("has {} ticks per second, the scenario {}", file.tick_rate_hz, rate_hz));
+  }
+}
+
+}  // namespace
 
 std::filesystem::path RenderFolder(const RenderOptions& options,
                                    const std::function<bool(int, int)>& keep_going) {
@@ -20,12 +44,15 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   const std::filesystem::path resolved = manifest.Checked("scenario.resolved.yaml");
   const Scenario scenario = LoadScenario(resolved, {});
   CheckControllerNames(options.controllers, scenario);
-  const TraceFile file = ReadTraceFile(manifest.Checked("trace.h5"), options.controllers);
+  const TraceFile file = ReadTraceFile(
+      manifest.Checked("trace.h5"),
+      {.only = options.controllers, .keep_going = [&] { return !keep_going || keep_going(0, 1); }});
   if (file.traces.empty()) {
     throw UserError(
         {.place = (options.folder / "trace.h5").string(), .problem = "holds no controller"});
   }
   const HandModel hand(scenario.hand, TimingOf(scenario));
+  CheckTraceIsOfHand(options.folder / "trace.h5", file, scenario, hand);
   const controller::JointMap joint_map(scenario.joint_map, file.channel_names, hand.transmission());
   std::vector<WayOfAngles> ways;
   for (const Trace& trace : file.traces) {

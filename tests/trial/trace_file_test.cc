@@ -15,6 +15,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/trial/trace_reader.h"
 #include "tests/support/program.h"
 
 namespace {
@@ -105,7 +106,7 @@ TEST_F(TraceFileTest, GivesBackTwentyFourBitsOfEverySignal) {
   EXPECT_EQ(read.traces[0].tension_n, Stored(a.tension_n));
   EXPECT_EQ(read.traces[0].object_pose, Stored(a.object_pose));
   EXPECT_EQ(read.traces[0].grip_force_n.size(), 0);
-  EXPECT_EQ(ReadTraceFile(file_, {"kalman"}).traces.size(), 1u);
+  EXPECT_EQ(ReadTraceFile(file_, {.only = {"kalman"}}).traces.size(), 1u);
 }
 
 struct StretchRow {

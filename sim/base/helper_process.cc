@@ -1,0 +1,227 @@
+#include "sim/base/helper_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <new>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr int kPollsPerSecond = 20;
+constexpr std::size_t kLongestError = 1000;
+
+void Limit(int resource, rlim_t most) {
+  rlimit limit = {};
+  getrlimit(resource, &limit);
+  limit.rlim_max = std::min(limit.rlim_max, most);
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(resource, &limit);
+}
+
+/// The timer tells why and is fine; the limit of whole seconds cannot be switched off.
+void LimitProcessorTime(double limit_s) {
+  const auto whole_s = static_cast<std::int64_t>(limit_s);
+  itimerval timer = {};
+  timer.it_value.tv_sec = whole_s;
+  timer.it_value.tv_usec = static_cast<std::int64_t>((limit_s - whole_s) * 1e6);
+  setitimer(ITIMER_PROF, &timer, nullptr);
+  Limit(RLIMIT_CPU, static_cast<rlim_t>(whole_s + 2));
+}
+
+/// Address space of this process; 0 where the system does not tell.
+std::size_t AddressSpaceBytes() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+void LimitMemory(std::size_t more_bytes) {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take terabytes
+  if (const std::size_t now = AddressSpaceBytes(); now > 0) Limit(RLIMIT_AS, now + more_bytes);
+#else
+  static_cast<void>(more_bytes);
+#endif
+}
+
+/// Standard streams lead nowhere, the pipe is the only other descriptor. Returns its number.
+int CloseAllBut(int pipe) {
+  const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
+  constexpr int kPipe = 3;
+  if (pipe != kPipe) dup2(pipe, kPipe);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    nowhere < 0 ? close(stream) : dup2(nowhere, stream);
+  }
+  close_range(kPipe + 1, ~0U, 0);
+  return kPipe;
+}
+
+/// The program hears the signals that ask it to stop, and ends its helper; the helper itself does
+/// not outlive it.
+void LeaveSignalsTo(pid_t program) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
+  for (const int signal : {SIGPIPE, SIGPROF, SIGXFSZ}) std::signal(signal, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != program) _exit(1);
+}
+
+bool WriteAll(int pipe, const char* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t written = write(pipe, data, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    data += written;
+    size -= static_cast<std::size_t>(written);
+  }
+  return true;
+}
+
+}  // namespace
+
+void HelperProcess::WriteFrame(int pipe, Frame frame, std::span<const char> bytes) {
+  FrameHead head = {};
+  head.frame = frame;
+  head.size = static_cast<std::uint32_t>(bytes.size());
+  const bool written = WriteAll(pipe, reinterpret_cast<const char*>(&head), sizeof head) &&
+                       WriteAll(pipe, bytes.data(), bytes.size());
+  if (!written) _exit(1);  // nobody listens
+}
+
+void HelperProcess::Work(const std::function<void(const Send&)>& work, const HelperLimits& limits,
+                         int pipe) {
+  pipe = CloseAllBut(pipe);
+  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  prctl(PR_SET_DUMPABLE, 0);
+  Limit(RLIMIT_CORE, 0);
+  Limit(RLIMIT_FSIZE, 0);
+  LimitProcessorTime(limits.processor_s);
+  LimitMemory(limits.memory_bytes);
+  std::string error;
+  try {
+    work([pipe](std::span<const char> bytes) { WriteFrame(pipe, Frame::kBytes, bytes); });
+    WriteFrame(pipe, Frame::kEnd, {});
+    _exit(0);
+  } catch (const std::bad_alloc&) {
+    error = fmt::format("takes more than {} MB of memory", limits.memory_bytes >> 20);
+  } catch (const std::exception& exception) {
+    error = exception.what();
+  } catch (...) {
+    error = "unknown exception";
+  }
+  error.resize(std::min(error.size(), kLongestError));
+  WriteFrame(pipe, Frame::kError, error);
+  _exit(1);
+}
+
+HelperProcess::HelperProcess(const std::function<void(const Send&)>& work,
+                             const HelperLimits& limits, std::function<bool()> keep_going)
+    : limits_(limits), keep_going_(std::move(keep_going)) {
+  int ends[2] = {-1, -1};
+  const pid_t program = getpid();
+  if (pipe2(ends, O_CLOEXEC) == 0) process_ = fork();
+  if (process_ < 0) {
+    const std::error_code reason(errno, std::generic_category());
+    for (const int end : ends) close(end);
+    throw RunError("cannot start a helper process: " + reason.message());
+  }
+  if (process_ == 0) {
+    LeaveSignalsTo(program);
+    Work(work, limits, ends[1]);
+  }
+  close(ends[1]);
+  pipe_ = ends[0];
+  fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);  // fewer changes from one process to the other
+}
+
+HelperProcess::~HelperProcess() {
+  close(pipe_);
+  if (process_ < 0) return;
+  kill(process_, SIGKILL);
+  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) continue;
+}
+
+void HelperProcess::ThrowEnded() {
+  kill(process_, SIGKILL);  // should it only have closed the pipe
+  int status = 0;
+  pid_t ended = -1;
+  while ((ended = waitpid(process_, &status, 0)) < 0 && errno == EINTR) continue;
+  process_ = -1;
+  if (ended < 0 || !WIFSIGNALED(status)) throw HelperEnded("ended too early");
+  const int signal = WTERMSIG(status);
+  if (signal == SIGPROF) {
+    throw HelperEnded(fmt::format("took more than {} s of processor time", limits_.processor_s));
+  }
+  throw HelperEnded(fmt::format("ended by signal {} ({})", signal, sigdescr_np(signal)));
+}
+
+std::size_t HelperProcess::ReadSome(std::span<char> bytes) {
+  // Counted in polls, not by a clock: a program that was stopped for an hour goes on.
+  for (int polls = 0; polls < limits_.silence_s * kPollsPerSecond; ++polls) {
+    if (keep_going_ && !keep_going_()) throw Cancelled{};
+    pollfd waiting = {.fd = pipe_, .events = POLLIN, .revents = 0};
+    if (poll(&waiting, 1, 1000 / kPollsPerSecond) <= 0) continue;
+    const ssize_t size = read(pipe_, bytes.data(), bytes.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) ThrowEnded();
+    return static_cast<std::size_t>(size);
+  }
+  throw HelperEnded(fmt::format("gave nothing for {} s", limits_.silence_s));
+}
+
+void HelperProcess::ReadAll(std::span<char> bytes) {
+  while (!bytes.empty()) bytes = bytes.subspan(ReadSome(bytes));
+}
+
+bool HelperProcess::NextFrame() {
+  FrameHead head = {};
+  ReadAll({reinterpret_cast<char*>(&head), sizeof head});
+  if (head.frame == Frame::kError) {
+    std::string error(std::min<std::size_t>(head.size, kLongestError), '\0');
+    ReadAll(error);
+    throw HelperError(error);
+  }
+  left_of_frame_ = head.size;
+  return head.frame == Frame::kBytes;
+}
+
+void HelperProcess::Receive(std::span<char> bytes) {
+  while (!bytes.empty()) {
+    while (left_of_frame_ == 0) {
+      if (!NextFrame()) throw HelperEnded("ended too early");
+    }
+    const std::size_t size = ReadSome(bytes.first(std::min(bytes.size(), left_of_frame_)));
+    left_of_frame_ -= size;
+    bytes = bytes.subspan(size);
+  }
+}
+
+void HelperProcess::Finish() {
+  if (left_of_frame_ > 0 || NextFrame()) throw HelperEnded("gave more than it should");
+}
+
+void OpenNoMoreFiles() { Limit(RLIMIT_NOFILE, 0); }
+
+}  // namespace gauntlet::sim
