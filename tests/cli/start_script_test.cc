@@ -1,0 +1,192 @@
+// The start script, with a project of two files in place of Gauntlet.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/program.h"
+#include "tests/support/source_dir.h"
+
+namespace gauntlet::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+std::string Text(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void Write(const fs::path& file, std::string_view text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+void WriteTool(const fs::path& file, std::string_view text) {
+  Write(file, text);
+  fs::permissions(file, fs::perms{0755});
+}
+
+/// Neither ended nor about to.
+bool Works(pid_t process) {
+  const std::string state = Text("/proc/" + std::to_string(process) + "/stat");
+  return !state.empty() && state.find(") Z ") == std::string::npos;
+}
+
+class StartScript : public testing::Test {
+ protected:
+  StartScript() {
+    std::string script = Text(fs::path(SourceDir()) / "gauntlet");
+    Replace(script, "export PATH=", "export PATH=" + tools_.string() + ":");
+    Replace(script, "/etc/os-release", os_release_.string());
+    WriteTool(root_ / "gauntlet", script);
+    Write(root_ / "CMakeLists.txt", R"(
+cmake_minimum_required(VERSION 3.20)
+project(Toy NONE)
+set(KIND "none" CACHE STRING "")
+file(WRITE ${CMAKE_BINARY_DIR}/gauntlet.in "#!/bin/sh\necho ${KIND} $@\n")
+add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/sim/cli/gauntlet
+  COMMAND ${CMAKE_SOURCE_DIR}/compile && mkdir -p sim/cli && cp gauntlet.in sim/cli/gauntlet
+          && chmod +x sim/cli/gauntlet
+  DEPENDS ${CMAKE_SOURCE_DIR}/source ${CMAKE_BINARY_DIR}/gauntlet.in)
+add_custom_target(gauntlet ALL DEPENDS ${CMAKE_BINARY_DIR}/sim/cli/gauntlet)
+)");
+    Write(root_ / "CMakePresets.json", R"({"version": 3, "configurePresets": [{"name": "release",
+      "generator": "Ninja", "binaryDir": "${sourceDir}/build/release",
+      "cacheVariables": {"KIND": "toy"}}]})");
+    Write(root_ / "source", "");
+    WriteTool(root_ / "compile", "#!/bin/sh\n");
+    WriteTool(tools_ / "dpkg-query",  // all packages are there
+              "#!/bin/sh\nshift 3\nfor p; do printf 'installed:%s ' \"$p\"; done\n");
+  }
+
+  static void Replace(std::string& text, std::string_view what, const std::string& by) {
+    const std::size_t place = text.find(what);
+    ASSERT_NE(place, std::string::npos) << what;
+    text.replace(place, what.size(), by);
+  }
+
+  /// A compiler that says when it works, then takes its time.
+  void CompileForLong() {
+    WriteTool(root_ / "compile", "#!/bin/sh\necho $$ > \"$0.pid\"\nexec sleep 60\n");
+  }
+
+  std::vector<std::string> Command() const { return {(root_ / "gauntlet").string(), "list"}; }
+  ProgramResult Start() const { return RunProgram(Command()); }
+
+  TemporaryDirectory folder_;
+  fs::path root_ = folder_.path() / "a checkout";
+  fs::path tools_ = folder_.path() / "tools";
+  fs::path os_release_ = folder_.path() / "os-release";
+};
+
+TEST_F(StartScript, BuildsOnceThenSaysNothing) {
+  const ProgramResult first = Start();
+  EXPECT_EQ(first.standard_output, "toy list\n") << first.standard_error;
+  EXPECT_THAT(first.standard_error, HasSubstr("gauntlet: built in "));
+  const ProgramResult second = Start();
+  EXPECT_EQ(second.standard_output, "toy list\n");
+  EXPECT_EQ(second.standard_error, "");
+}
+
+TEST_F(StartScript, ASignalEndsTheBuildToo) {
+  for (const auto& [signal, exit_code] : {std::pair{SIGTERM, 143}, {SIGINT, 130}, {SIGHUP, 129}}) {
+    CompileForLong();
+    fs::remove(root_ / "compile.pid");
+    Program program(Command());
+    ASSERT_TRUE(program.WaitForPath(root_ / "compile.pid"));
+    ASSERT_TRUE(program.WaitForText("building Gauntlet"));
+    pid_t compiler = 0;
+    while (!(std::ifstream(root_ / "compile.pid") >> compiler)) usleep(10'000);
+    program.SendSignal(signal);
+    EXPECT_EQ(program.Wait().exit_code, exit_code) << program.Wait().standard_error;
+    EXPECT_THAT(program.Wait().standard_error, HasSubstr("gauntlet: stopped\n"));
+    for (int i = 0; i < 1000 && Works(compiler); ++i) usleep(10'000);
+    EXPECT_FALSE(Works(compiler));
+  }
+}
+
+TEST_F(StartScript, WaitsForAnotherBuildAndSaysSo) {
+  CompileForLong();
+  Program first(Command());
+  ASSERT_TRUE(first.WaitForPath(root_ / "compile.pid"));
+  Program second(Command());
+  EXPECT_TRUE(second.WaitForText("waiting for another build in " + root_.string()));
+  second.SendSignal(SIGTERM);
+  EXPECT_EQ(second.Wait().exit_code, 143);
+  first.SendSignal(SIGTERM);
+  EXPECT_EQ(first.Wait().exit_code, 143);
+}
+
+TEST_F(StartScript, DamagedBuildFilesAreMadeAnew) {
+  ASSERT_EQ(Start().exit_code, 0);
+  const fs::path build = root_ / "build/release";
+  for (const char* name : {"build.ninja", "CMakeCache.txt", "CMakeFiles/rules.ninja"}) {
+    const std::string whole = Text(build / name);
+    for (const std::string& damaged : {std::string(), whole.substr(0, whole.size() / 3),
+                                       "\x01 garbage\n" + whole, std::string(whole.size(), '\0')}) {
+      Write(build / name, damaged);
+      const ProgramResult result = Start();
+      EXPECT_EQ(result.standard_output, "toy list\n") << name << "\n" << result.standard_error;
+      EXPECT_THAT(result.standard_error,
+                  HasSubstr("the files that say how to build are damaged; making them anew"))
+          << name << " of " << damaged.size() << " bytes";
+    }
+  }
+}
+
+TEST_F(StartScript, AMistakeInTheProjectIsShownAsItIs) {
+  ASSERT_EQ(Start().exit_code, 0);
+  std::ofstream(root_ / "CMakeLists.txt", std::ios::app) << "no_such_command()\n";
+  const ProgramResult result = Start();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.standard_error, HasSubstr("no_such_command"));
+  EXPECT_THAT(result.standard_error, Not(HasSubstr("damaged")));
+}
+
+TEST_F(StartScript, ACheckoutThatMovedAndCannotBeWrittenIsRefusedInOneSentence) {
+  ASSERT_EQ(Start().exit_code, 0);
+  const fs::path moved = folder_.path() / "moved";
+  fs::rename(root_, moved);
+  const fs::path build = moved / "build/release";
+  fs::permissions(build, fs::perms{0555});
+  fs::permissions(folder_.path(), fs::perms{0755});
+  std::vector<std::string> command = {(moved / "gauntlet").string(), "list"};
+  if (geteuid() == 0) {  // who may write everywhere
+    command.insert(command.begin(),
+                   {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"});
+  }
+  const ProgramResult result = RunProgram(command);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.standard_error, "gauntlet: it was built in " + root_.string() + ", and " +
+                                       build.string() + " cannot be written: copy " +
+                                       moved.string() + " to where it can\n");
+  EXPECT_EQ(result.standard_output, "");
+}
+
+TEST_F(StartScript, ASystemWithoutANameIsToldSo) {
+  WriteTool(tools_ / "dpkg-query", "#!/bin/sh\n");  // no package is there
+  for (const char* text : {"", "ID=\n", "(\n", "exit 1\n"}) {
+    Write(os_release_, text);
+    EXPECT_THAT(Start().standard_error,
+                testing::StartsWith("gauntlet: this is an unknown system, not Debian 12; not "))
+        << text;
+  }
+  Write(os_release_, "ID=ubuntu\nVERSION_ID=\"24.04\"\n");
+  EXPECT_THAT(Start().standard_error, HasSubstr("this is ubuntu 24.04, not Debian 12;"));
+  Write(os_release_, "ID=arch\n");
+  EXPECT_THAT(Start().standard_error, HasSubstr("this is arch, not Debian 12;"));
+}
+
+}  // namespace
+}  // namespace gauntlet::test
