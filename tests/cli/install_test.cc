@@ -183,6 +183,7 @@ TEST(Version, IsTheSameWhereverItIsWritten) {
   const std::string version = RunProgram({GAUNTLET_PROGRAM, "--version"}).standard_output;
   EXPECT_THAT(version, StartsWith("gauntlet "));
   const std::string number = Lines(version).at(0).substr(9);
+  EXPECT_EQ(first_match("debian/changelog", R"(^gauntlet \((.*)\))"), number);
   EXPECT_EQ(first_match("CITATION.cff", "^version: (.*)$"), number);
   EXPECT_EQ(first_match("CHANGELOG.md", R"(^## \[([0-9.]+)\])"), number);
   const std::string day = first_match("CHANGELOG.md", R"(^## \[[0-9.]+\] - (.*)$)");
