@@ -22,10 +22,17 @@ fs::path FolderOfVariable() {
 }
 
 /// Where the program looks. /proc/self/exe is the program itself, also when a link started it.
+/// Errors: RunError where there is no /proc.
 std::array<fs::path, 2> FoldersOfProgram() {
   std::error_code unknown;
-  const fs::path here = fs::read_symlink("/proc/self/exe", unknown).parent_path();
-  const fs::path above = here.parent_path();
+  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
+  if (unknown) {
+    throw RunError(
+        fmt::format("/proc/self/exe cannot be read, so Gauntlet does not find its own "
+                    "files; {} may name their folder",
+                    kVariable));
+  }
+  const fs::path above = program.parent_path().parent_path();
   return {above / "share/gauntlet", above.parent_path() / "share/gauntlet"};
 }
 
