@@ -16,9 +16,11 @@ using ::testing::Not;
 
 /// Points of the first polyline.
 std::vector<std::pair<double, double>> Points(const std::string& svg) {
-  std::smatch match;
-  if (!std::regex_search(svg, match, std::regex("points=\"([^\"]*)\""))) return {};
-  std::istringstream text(match[1]);
+  const std::string opening = "points=\"";
+  const std::size_t begin = svg.find(opening);
+  if (begin == std::string::npos) return {};
+  const std::size_t first = begin + opening.size();
+  std::istringstream text(svg.substr(first, svg.find('"', first) - first));
   std::vector<std::pair<double, double>> points;
   double x = 0.0, y = 0.0;
   char comma = 0;
