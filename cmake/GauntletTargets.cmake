@@ -4,17 +4,36 @@ add_library(gauntlet_options INTERFACE)
 target_compile_features(gauntlet_options INTERFACE cxx_std_20)
 # -ffp-contract=off: the same bytes from every build and every level of optimisation.
 target_compile_options(gauntlet_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
+set(GAUNTLET_SANITIZER_FLAGS "")
+if(GAUNTLET_SANITIZE STREQUAL "address")
+  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=address,undefined -fno-sanitize-recover=undefined
+                               -fno-omit-frame-pointer)
+elseif(GAUNTLET_SANITIZE STREQUAL "thread")
+  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=thread)
+elseif(GAUNTLET_SANITIZE STREQUAL "fuzzer")
+  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined)
+elseif(GAUNTLET_SANITIZE)
+  message(FATAL_ERROR "GAUNTLET_SANITIZE is ${GAUNTLET_SANITIZE}; it may be address, thread, fuzzer or empty")
+endif()
+target_compile_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
+target_link_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 if(GAUNTLET_SANITIZE)
-  target_compile_options(gauntlet_options INTERFACE
-                         -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
-  target_link_options(gauntlet_options INTERFACE -fsanitize=address,undefined)
+  # A whole library as one source takes half as long. Then types of its unnamed namespaces are in a
+  # file that is included, which is no mistake here.
+  set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)
+  target_compile_options(gauntlet_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endif()
 
-# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...])
+# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...] [APART <file>...])
 # Makes the static library gauntlet_<folder>, included from the project's root.
+# APART: sources whose own names are those of another one, so that they cannot be compiled as one.
 function(gauntlet_add_library folder)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;APART" ${ARGN})
   add_library(gauntlet_${folder} STATIC ${ARG_SOURCES})
+  if(GAUNTLET_SANITIZE)
+    set_target_properties(gauntlet_${folder} PROPERTIES UNITY_BUILD ON)
+    set_source_files_properties(${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
   target_include_directories(gauntlet_${folder} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(gauntlet_${folder} PUBLIC ${ARG_LIBRARIES} PRIVATE gauntlet_options)
   target_compile_features(gauntlet_${folder} PUBLIC cxx_std_20)
@@ -27,5 +46,26 @@ function(gauntlet_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} gauntlet_test_support GTest::gmock GTest::gtest_main gauntlet_options)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 240)
+  set(longest_s 240)
+  if(GAUNTLET_SANITIZE)  # which makes everything several times slower
+    set(longest_s 900)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${longest_s})
+endfunction()
+
+# gauntlet_add_fuzzer(<name> MAX_BYTES <n> SOURCES <file>... LIBRARIES <target>...)
+# Makes fuzz_<name> of a source with LLVMFuzzerTestOneInput(). As a test it runs for half a minute, from
+# the inputs in corpus/<name> and those that it found before.
+function(gauntlet_add_fuzzer name)
+  cmake_parse_arguments(ARG "" "MAX_BYTES" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(fuzz_${name} ${ARG_SOURCES})
+  target_include_directories(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(fuzz_${name} PRIVATE ${ARG_LIBRARIES} gauntlet_options -fsanitize=fuzzer)
+  set(found ${CMAKE_CURRENT_BINARY_DIR}/found/${name})
+  file(MAKE_DIRECTORY ${found})
+  add_test(NAME fuzz_${name}
+    COMMAND fuzz_${name} -seed=1 -max_total_time=30 -max_len=${ARG_MAX_BYTES} -timeout=20
+            -print_final_stats=1 -artifact_prefix=${found}/ ${found}
+            ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${name})
+  set_tests_properties(fuzz_${name} PROPERTIES TIMEOUT 240)
 endfunction()

@@ -4,9 +4,10 @@
 /// processors with AVX2, chosen when the program is loaded. Both give the same bits, because
 /// floating-point contraction is off in the whole project.
 ///
-/// AVX2 only: AVX-512 is slower at 18 channels. The address sanitizer cannot run the resolvers.
+/// AVX2 only: AVX-512 is slower at 18 channels. Sanitizers cannot run the resolvers, which come
+/// before them.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__) && \
-    !defined(__SANITIZE_ADDRESS__)
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define GAUNTLET_VECTORISED __attribute__((target_clones("avx2", "default")))
 #else
 #define GAUNTLET_VECTORISED
