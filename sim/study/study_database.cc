@@ -273,10 +273,7 @@ void StudyDatabase::State::CheckPlace() const {
   std::error_code ignored;
   const fs::file_status status = fs::status(file, ignored);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw UserError(
-        fmt::format("{}: is not a file of its own; remove it, or name another folder by "
-                    "--out",
-                    file.string()));
+    throw NotUsable("is not a file of its own");
   }
   // The journal beside it has the longest name.
   constexpr std::string_view kJournal = "-journal";
@@ -585,11 +582,13 @@ StudyDatabase::StudyDatabase(fs::path file, const Study& study, StudyDatabaseOpt
       case Trouble::kDamage:
         throw state_->NotUsable(error.what());
       case Trouble::kLock:
-        throw RunError(name + ": another program has locked it; close that program");
+        throw RunError(name +
+                       ": another program (or its network folder) keeps it locked; try again "
+                       "when it is free");
       case Trouble::kFullDisk:
         throw RunError(name + ": the disk is full");
       case Trouble::kOther:
-        throw RunError(fmt::format("{}: {}", name, error.what()));
+        throw RunError(fmt::format("{}: cannot be used: {}", name, error.what()));
     }
   }
 }
@@ -635,17 +634,11 @@ std::optional<std::string> StudyDatabase::Finish() {
   }
   const std::size_t missing = state.waiting.size() + state.refused.size() + state.taken_rows.size();
   if (missing == 0) return std::nullopt;
-  const std::string line =
-      fmt::format("{}: lacks {} trial{} of this comparison: ", state.file.string(), missing,
-                  missing == 1 ? "" : "s");
-  switch (state.trouble) {
-    case Trouble::kLock:
-      return line + "another program holds it; close that, and the same command adds them";
-    case Trouble::kDamage:
-      return line + state.reason + "; remove it, and the same command makes a new one";
-    default:
-      return line + state.reason + "; the same command adds them when it can be written";
-  }
+  const std::string why = state.trouble == Trouble::kLock
+                              ? "another program (or its network folder) keeps it locked"
+                              : state.reason;
+  return fmt::format("{}: lacks {} trial{} of this comparison: {}; the same command adds them",
+                     state.file.string(), missing, missing == 1 ? "" : "s", why);
 }
 
 int StudyDatabase::TrialCount() const {
