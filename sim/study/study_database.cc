@@ -72,13 +72,13 @@ constexpr const char* kTables = R"(
 
 /// The program's own bytes: another build may compute other bytes.
 const std::string& HashOfProgram() {
-  static const std::string hash = [] {
+  static const std::string kHash = [] {
     std::ifstream file("/proc/self/exe", std::ios::binary);
     Hash content;
     content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
     return content.Text();
   }();
-  return hash;
+  return kHash;
 }
 
 /// What all trials of a study share, whatever their seed, as text.
