@@ -9,6 +9,7 @@
 #include "controller/settings.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -56,7 +57,7 @@ std::vector<std::string> GloveChannelNames() { return NamesOf(GloveChannels()); 
 int ChannelIndex(std::string_view name) {
   const auto found = std::ranges::find(kChannels, name, &Channel::name);
   if (found != kChannels.end()) return found - kChannels.begin();
-  throw UserError(fmt::format("unknown channel '{}'{}", name.substr(0, 60),
+  throw UserError(fmt::format("unknown channel '{}'{}", Shown(name),
                               Suggestion(name, KnownChannelNames())));
 }
 

@@ -65,6 +65,7 @@ fs::path DataFolder(const std::string& name) {
 }
 
 fs::path OwnOrDataFile(const fs::path& file) {
+  if (file.empty()) return file;
   std::error_code unreadable;
   if (file.is_absolute() || fs::exists(file, unreadable)) return file;
   return Find(file).value_or(file);

@@ -1,12 +1,16 @@
 #include "sim/base/nearest_name.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
 namespace gauntlet::sim {
 namespace {
+
+// A message is one line: a list that takes more of it ends with the number of those left out.
+constexpr std::size_t kLongList = 120;
+// No name is longer; a longer text is near to none.
+constexpr std::size_t kLongName = 100;
 
 /// Damerau-Levenshtein distance (optimal string alignment).
 std::size_t EditDistance(std::string_view a, std::string_view b) {
@@ -33,6 +37,7 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
 
 std::string NearestName(std::string_view name, const std::vector<std::string>& candidates) {
   std::string nearest;
+  if (name.size() > kLongName) return nearest;
   std::size_t best = std::max<std::size_t>(1, (name.size() + 2) / 3) + 1;
   for (const std::string& candidate : candidates) {
     if (const std::size_t distance = EditDistance(name, candidate); distance < best) {
@@ -47,7 +52,13 @@ std::string Suggestion(std::string_view name, const std::vector<std::string>& ca
   if (const std::string nearest = NearestName(name, candidates); !nearest.empty()) {
     return fmt::format(" (did you mean {}?)", nearest);
   }
-  return fmt::format(" (one of: {})", fmt::join(candidates, ", "));
+  std::string list;
+  std::size_t shown = 0;
+  for (; shown < candidates.size() && list.size() < kLongList; ++shown) {
+    list += (shown == 0 ? "" : ", ") + candidates[shown];
+  }
+  if (shown < candidates.size()) list += fmt::format(", and {} more", candidates.size() - shown);
+  return fmt::format(" (one of: {})", list);
 }
 
 }  // namespace gauntlet::sim

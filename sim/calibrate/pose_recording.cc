@@ -10,6 +10,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/time_columns.h"
 
@@ -199,7 +200,7 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   }
 
   PoseRecording recording;
-  recording.name = file.string();
+  recording.name = OneLine(file.string());  // as results have it, too
   recording.columns_left_out = columns.left_out;
   recording.resolution_counts = 1.0;
   for (const ChannelColumn& c : columns.counts) recording.channel_names.push_back(c.channel);

@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/calibrate/calibration.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/out_option.h"
 #include "sim/scenario/scenario.h"
 
 namespace gauntlet::sim {
@@ -155,8 +156,8 @@ void AddCalibrateCommand(CLI::App& app) {
           "CSV with NAME_counts and NAME_deg per channel (see gauntlet list channels), or a "
           "trace of run --csv")
       ->required();
-  command->add_option("--out", options->out, "file to write [out/<recording>.calibration.yaml]")
-      ->type_name("FILE.yaml");
+  AddOutOption(*command, options->out, "file to write [out/<recording>.calibration.yaml]",
+               "FILE.yaml");
   command
       ->add_option("--linearisation", options->curve,
                    "curve in the file: table (a corner per pose), two_point or polynomial")

@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/out_option.h"
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
 #include "sim/settings/robot_file.h"
@@ -71,8 +72,8 @@ void AddExportCommand(CLI::App& app) {
   command->add_option("--controller", options->controller, "which controller of the scenario")
       ->type_name("NAME")
       ->required();
-  command->add_option("--out", options->out, "file to write [NAME.robot.yaml in the folder]")
-      ->type_name("FILE.yaml");
+  AddOutOption(*command, options->out, "file to write [NAME.robot.yaml in the folder]",
+               "FILE.yaml");
   command->footer(
       "\nThe file holds the controller's settings, the calibration of the glove that its trials "
       "used, the\n"

@@ -6,6 +6,7 @@
 
 #include "controller/settings.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
 
@@ -13,10 +14,11 @@ namespace {
 
 constexpr int kRunFailed = 1;
 constexpr int kUserMistake = 2;
-constexpr int kInterrupted = 130;  // 128 + SIGINT, as shells have it
+constexpr std::size_t kLongestMistake = 250;  // so that the hint behind it stays whole
+constexpr int kInterrupted = 130;             // 128 + SIGINT, as shells have it
 
 int Complain(const std::string& message, int exit_code) {
-  fmt::print(stderr, "gauntlet: {}\n", message);
+  fmt::print(stderr, "{}\n", gauntlet::sim::OneLine("gauntlet: " + message));
   return exit_code;
 }
 
@@ -50,7 +52,9 @@ int Run(int argc, char** argv) {
   } catch (const CLI::RuntimeError& result) {  // done, with an answer that is an exit code
     exit_code = result.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    return Complain(fmt::format("{} (see gauntlet --help)", error.what()), kUserMistake);
+    return Complain(fmt::format("{} (see gauntlet --help)",
+                                gauntlet::sim::OneLine(error.what(), kLongestMistake)),
+                    kUserMistake);
   }
   if (std::fflush(stdout) != 0) throw gauntlet::sim::RunError("standard output: cannot be written");
   return exit_code;

@@ -8,6 +8,7 @@
 #include "sim/base/error.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/controllers_option.h"
+#include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/study_command.h"
@@ -27,8 +28,7 @@ void AddRenderCommand(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   command->add_option("folder", options->folder, "output folder of run or compare")->required();
   AddControllersOption(*command, options->controllers);
-  command->add_option("--out", options->out, "video file [comparison.mp4 in the folder]")
-      ->type_name("FILE.mp4");
+  AddOutOption(*command, options->out, "video file [comparison.mp4 in the folder]", "FILE.mp4");
   command->footer(
       "\nExample:\n  gauntlet render out/door_opening --controllers raw,tuned_kalman\n");
   command->callback([options] {

@@ -7,6 +7,7 @@
 #include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/paper/paper_page.h"
@@ -59,9 +60,7 @@ void AddReproduceCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "reproduce", "Repeat the paper's experiments and figures, and measure its claims");
   const auto options = std::make_shared<Options>();
-  command->add_option("--out", options->out, "output folder")
-      ->type_name("DIR")
-      ->capture_default_str();
+  AddOutOption(*command, options->out, "output folder", "DIR")->capture_default_str();
   command->add_flag("--quick", options->quick,
                     "6 s of motion instead of the paper's 94, to see how it looks");
   command->add_option("--jobs", options->jobs, "trials at a time [number of cores]")

@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/cli/controllers_option.h"
 #include "sim/cli/interrupt.h"
+#include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/report/report_page.h"
@@ -47,17 +48,18 @@ int JobsOrCores(int jobs) {
   return jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-/// Builds everything that the scenario names. What is wrong is said with the scenario's file,
+/// Builds everything that the scenario names. What is wrong is said with its place in the scenario,
 /// unless it has a place of its own: a model, a recording.
-Study Prepare(const StudyCommand& options, Scenario scenario) {
+Study Prepare(const ScenarioSource& source, Scenario scenario) {
   try {
     return PrepareStudy(std::move(scenario));
   } catch (const controller::SettingError& error) {
-    throw AtPlace(options.scenario_file, error);
+    throw AtPlace(PlaceOfSetting(source, error.key()), error);
   } catch (const UserError& error) {
     if (!error.place().empty()) throw;
-    throw UserError(
-        {.place = options.scenario_file, .key = error.key(), .problem = error.problem()});
+    throw UserError({.place = PlaceOfSetting(source, error.key()),
+                     .key = error.key(),
+                     .problem = error.problem()});
   }
 }
 
@@ -125,7 +127,7 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
           "scenario file (YAML): your own, or scenarios/NAME.yaml of gauntlet list scenarios")
       ->required()
       ->transform([](const std::string& file) { return OwnOrDataFile(file).string(); });
-  command.add_option("--out", options.out, "output folder [out/<scenario>]")->type_name("DIR");
+  AddOutOption(command, options.out, "output folder [out/<scenario>]", "DIR");
   command
       .add_option("--set", options.overrides,
                   "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated")
@@ -140,11 +142,14 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
 }
 
 void RunStudyCommand(const StudyCommand& options) {
-  Scenario scenario = LoadScenario(options.scenario_file, options.overrides);
+  const ScenarioSource source{.file = options.scenario_file,
+                              .text = ReadYamlText(options.scenario_file),
+                              .overrides = options.overrides};
+  Scenario scenario = ParseScenario(source);
   KeepOnly(options.controllers, scenario);
   FinishedStudy finished;
   finished.comparison = options.comparison;
-  finished.study = Prepare(options, std::move(scenario));
+  finished.study = Prepare(source, std::move(scenario));
   WarnIfMadeElsewhere(finished.study.scenario.made_with, *finished.study.hand,
                       "the run may differ");
   for (const std::string& remark : finished.study.remarks) {

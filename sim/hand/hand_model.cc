@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/signal.h"
+#include "sim/base/text.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/stability.h"
 
@@ -117,6 +118,18 @@ void AddCoupling(const Cable& cable, double share, double radius_m, bool interfe
   }
 }
 
+/// Names of joints, motors and cables become columns of tables and keys of results.
+/// Errors: UserError.
+void CheckName(std::string_view what, const std::string& name) {
+  std::string problem = NameProblem(name);
+  if (problem.empty() && name.find_first_of(",\"") != std::string::npos) {
+    problem = "has a comma or a quotation mark, which tables have between names";
+  }
+  if (name == "summary") problem = "has the name of the scores of the whole hand";
+  if (problem.empty()) return;
+  throw UserError(fmt::format("{} '{}' of the model {}", what, Shown(name), problem));
+}
+
 /// Throws if the spool of a motor cannot turn as far as some posture asks for.
 void CheckTravel(const TendonTransmission& transmission, std::size_t motor, double travel_deg) {
   const std::size_t joints = transmission.joint_names.size();
@@ -196,6 +209,11 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     const auto all = FindJoints(*model_, followers_, SpoolPositions(drives_));
     FindCables(*model_, config, all, followers_, drives_);
     joints_ = MovedJoints(all, drives_, followers_);
+    for (const HandJoint& joint : joints_) CheckName("joint", joint.name);
+    for (const Drive& drive : drives_) {
+      CheckName("motor", drive.name);
+      for (const Cable& cable : drive.cables) CheckName("cable", cable.name);
+    }
   });
   CheckStability(*model_, drives_);
   transmission_ =

@@ -13,6 +13,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -272,10 +273,8 @@ CsvReader::Source TextSource(std::string_view text) {
 }
 
 std::string Quoted(std::string_view text) {
-  std::string result = "'";
-  for (const char c : text.substr(0, 24)) result += c >= ' ' && c <= '~' ? c : '?';
-  result += text.size() > 24 ? "...'" : "'";
-  return result;
+  constexpr std::size_t kLongest = 30;
+  return fmt::format("'{}'", OneLine(text, kLongest));
 }
 
 }  // namespace gauntlet::sim

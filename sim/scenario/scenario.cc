@@ -5,11 +5,14 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <map>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
 #include "sim/glove/glove.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
@@ -176,6 +179,31 @@ void FillMeasurementVariances(const YAML::Node& root, const YamlSource& source,
   }
 }
 
+/// Names become those of folders and files, also where case makes no difference.
+void CheckNames(const YAML::Node& root, const YamlSource& source, const Scenario& scenario) {
+  if (const std::string problem = NameProblem(scenario.name); !problem.empty()) {
+    const YAML::Node given = Find(root, "name");
+    if (given.IsDefined()) throw source.At(given, controller::SettingError("name", problem));
+    throw UserError({.place = source.file.string(),
+                     .key = "name",
+                     .problem = fmt::format(
+                         "must be given, as the file's name cannot be one: it {}", problem)});
+  }
+  std::map<std::string, std::string> seen;  // in small letters -> as given
+  for (const NamedController& named : scenario.controllers) {
+    std::string small = named.name;
+    std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto [other, is_new] = seen.insert({small, named.name});
+    if (is_new) continue;
+    throw source.At(
+        NodeAt(root, "controllers." + named.name),
+        controller::SettingError(
+            "controllers." + named.name,
+            fmt::format("differs from {} by case only, which not all file systems tell apart",
+                        other->second)));
+  }
+}
+
 void CheckBaseline(const YAML::Node& root, const YamlSource& source, const Scenario& scenario) {
   if (scenario.baseline.empty()) return;
   std::vector<std::string> names;
@@ -183,7 +211,7 @@ void CheckBaseline(const YAML::Node& root, const YamlSource& source, const Scena
   if (std::ranges::find(names, scenario.baseline) != names.end()) return;
   throw UserError({.place = source.PlaceOf(Find(root, "baseline"), "baseline"),
                    .key = "baseline",
-                   .problem = scenario.baseline + " is not a controller of the scenario" +
+                   .problem = Shown(scenario.baseline) + " is not a controller of the scenario" +
                               Suggestion(scenario.baseline, names)});
 }
 
@@ -219,7 +247,7 @@ void CheckControllerNames(const std::vector<std::string>& names, const Scenario&
   for (const std::string& name : names) {
     if (std::ranges::find(known, name) == known.end()) {
       throw UserError({.place = "--controllers",
-                       .key = name,
+                       .key = Shown(name),
                        .problem = "unknown controller" + Suggestion(name, known)});
     }
     if (std::ranges::count(names, name) > 1) {
@@ -243,20 +271,43 @@ std::string CalibrationToYaml(const Calibration& calibration) {
   return SettingsToYaml([&copy](SettingsVisitor& visitor) { copy.Visit(visitor); });
 }
 
-Scenario LoadScenario(const std::filesystem::path& file,
-                      const std::vector<std::string>& overrides) {
-  YAML::Node root = ParseYamlFile(file);
-  YamlSource source{.file = file, .overrides = {}};
-  for (const std::string& text : overrides) ApplyOverride(root, text, source);
+namespace {
+
+YamlSource TreeOf(const ScenarioSource& text, YAML::Node& root) {
+  root.reset(ParseYaml(text.file, text.text));
+  YamlSource source{.file = text.file};
+  for (const std::string& override : text.overrides) ApplyOverride(root, override, source);
+  return source;
+}
+
+}  // namespace
+
+Scenario ParseScenario(const ScenarioSource& text) {
+  YAML::Node root;
+  const YamlSource source = TreeOf(text, root);
   Scenario scenario;
-  scenario.name = file.stem().string();
+  scenario.name = text.file.stem().string();
   YamlReader reader(root, "", source);
   scenario.Visit(reader);
   reader.RejectUnknownKeys();
+  CheckNames(root, source, scenario);
   IncludeCalibrations(root, source, scenario);
   FillMeasurementVariances(root, source, scenario);
   CheckBaseline(root, source, scenario);
   return scenario;
+}
+
+std::string PlaceOfSetting(const ScenarioSource& text, const std::string& key) {
+  YAML::Node root;
+  const YamlSource source = TreeOf(text, root);
+  const YAML::Node node = NodeAt(root, key);
+  if (source.OverrideOf(key) == nullptr && node.is(root)) return text.file.string();
+  return source.PlaceOf(node, key);
+}
+
+Scenario LoadScenario(const std::filesystem::path& file,
+                      const std::vector<std::string>& overrides) {
+  return ParseScenario({.file = file, .text = ReadYamlText(file), .overrides = overrides});
 }
 
 namespace {

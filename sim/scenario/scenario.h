@@ -73,8 +73,22 @@ void CheckControllerNames(const std::vector<std::string>& names, const Scenario&
 Calibration LoadCalibration(const std::filesystem::path& file);
 std::string CalibrationToYaml(const Calibration& calibration);
 
-/// Reads strictly: unknown, duplicate, missing or non-finite is a UserError with file:line:column.
-/// `overrides` are `key.path=value` as given by --set; they win over the file.
+/// A scenario file as it was read, and what --set puts over it: `key.path=value`, in order.
+struct ScenarioSource {
+  std::filesystem::path file;
+  std::string text;
+  std::vector<std::string> overrides = {};
+};
+
+/// Reads strictly: unknown, duplicate, missing or non-finite is a UserError with file:line:column,
+/// and so is what could not be a name or a text of the results. Paths in the scenario are relative
+/// to the file.
+Scenario ParseScenario(const ScenarioSource& source);
+
+/// Where a setting stands: `file:line:column` or `--set text`; the file if it has a default value.
+std::string PlaceOfSetting(const ScenarioSource& source, const std::string& key);
+
+/// ParseScenario() of what the file holds. Errors: UserError also for one that cannot be read.
 Scenario LoadScenario(const std::filesystem::path& file, const std::vector<std::string>& overrides);
 
 /// The scenario with every value used, as YAML that LoadScenario reads back to the same values.

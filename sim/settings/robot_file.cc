@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -13,6 +12,7 @@
 
 #include "controller/controller.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/settings/robot_writer.h"
 #include "sim/settings/yaml_reader.h"
 
@@ -21,13 +21,6 @@ namespace {
 
 using controller::RobotConfig;
 using controller::SettingError;
-
-/// As part of a comment, which ends with its line.
-std::string OneLine(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return text;
-}
 
 std::string Header(const RobotConfig& robot, const RobotOrigin& origin) {
   const int every = robot.timing.ticks_per_sample;
@@ -72,30 +65,6 @@ std::string KeyInFile(const std::string& key) {
     if (key.starts_with(theirs)) return std::string(ours) + key.substr(theirs.size());
   }
   return key;
-}
-
-/// The part of the file that a path of keys leads to, as far as the file has it.
-YAML::Node NodeAt(const YAML::Node& root, std::string_view path) {
-  YAML::Node node = root;
-  while (!path.empty()) {
-    const std::size_t end = std::min(path.find_first_of(".[]"), path.size());
-    const std::string_view key = path.substr(0, end);
-    path.remove_prefix(std::min(end + 1, path.size()));
-    if (key.empty()) continue;  // between ] and .
-    YAML::Node next(YAML::NodeType::Undefined);
-    std::size_t index = 0;
-    if (node.IsSequence() &&
-        std::from_chars(key.data(), key.data() + key.size(), index).ec == std::errc()) {
-      if (index < node.size()) next.reset(node[index]);
-    } else if (node.IsMap()) {
-      for (const auto& entry : node) {
-        if (entry.first.Scalar() == key) next.reset(entry.second);
-      }
-    }
-    if (!next.IsDefined()) break;
-    node.reset(next);
-  }
-  return node;
 }
 
 void CheckNames(const std::vector<std::string>& names, const char* key) {

@@ -2,31 +2,15 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <filesystem>
 #include <functional>
-#include <map>
-#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "controller/settings.h"
-#include "sim/base/error.h"
+#include "sim/settings/yaml_tree.h"
 
 namespace gauntlet::sim {
-
-/// What a setting may not be, as the user's mistake at a place.
-UserError AtPlace(std::string place, const controller::SettingError& error);
-
-/// Where values come from, for error messages: the file, and what --set put over it.
-struct YamlSource {
-  std::filesystem::path file;
-  std::map<std::string, std::string> overrides;  // path of keys -> text of the --set
-
-  /// `file:line:column` of a node, or `--set text` if an override gave it.
-  std::string PlaceOf(const YAML::Node& node, const std::string& path) const;
-  /// The error at the place of its node.
-  UserError At(const YAML::Node& node, const controller::SettingError& error) const;
-};
 
 /// Fills config structs from YAML, strictly: a key that is unknown, given twice, missing though
 /// required, of a wrong type, not finite or out of range is a UserError that names its place.
@@ -51,13 +35,14 @@ class YamlReader final : public controller::SettingsVisitor {
   void List(const controller::Setting& setting, const controller::SettingList& list) override;
   void Map(const controller::Setting& setting, const controller::SettingMap& map) override;
 
-  /// To be called after the visit: throws for the first key that nobody asked for.
+  /// To be called after the visit: throws for the first key that nobody asked for, then for the first
+  /// that is required and missing: so one that is only misspelt is said to be so.
   void RejectUnknownKeys() const;
 
  private:
   /// The node of a setting, or an undefined one if the file leaves it out.
   YAML::Node Find(const controller::Setting& setting);
-  std::string PathOf(const controller::Setting& setting) const;
+  std::string PathOf(std::string_view key) const;
   [[noreturn]] void Fail(const YAML::Node& node, const std::string& path,
                          const std::string& problem) const;
   std::string Scalar(const YAML::Node& node, const std::string& path, const char* expected) const;
@@ -70,13 +55,7 @@ class YamlReader final : public controller::SettingsVisitor {
   std::string path_;
   const YamlSource& source_;
   std::vector<std::string> known_keys_;
+  std::vector<std::string> missing_;  // with one, groups are not read: only its place is still open
 };
-
-/// Parses a file. Errors: UserError for a syntax error, an unreadable file, or a top level that is
-/// not a map.
-YAML::Node ParseYamlFile(const std::filesystem::path& file);
-
-/// Puts `key.path=value` over the tree. Errors: UserError for a text that is not an override.
-void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source);
 
 }  // namespace gauntlet::sim

@@ -16,6 +16,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/score/score.h"
 #include "sim/study/manifest.h"
 
@@ -93,6 +94,11 @@ Row ParseRow(const std::string& name, std::size_t number, std::string_view line,
   if (!seed) {
     Fail(name, number, 1, fmt::format("seed is \"{}\", must be a whole number", fields[0]));
   }
+  for (const std::size_t i : {1, 2}) {
+    if (const std::string problem = NameProblem(fields[i]); !problem.empty()) {
+      Fail(name, number, i + 1, problem);
+    }
+  }
   Row row{
       .seed = *seed,
       .controller = std::string(fields[1]),
@@ -165,7 +171,7 @@ StudyFolder ReadStudyFolder(const std::filesystem::path& folder) {
   const Manifest manifest(folder);
   const std::filesystem::path resolved = manifest.Checked("scenario.resolved.yaml");
   const std::filesystem::path scores = manifest.Checked("scores.csv");
-  return {.name = folder.string(),
+  return {.name = OneLine(folder.string()),
           .scenario = LoadScenario(resolved, {}),
           .scores = ParseScoresCsv(scores.string(), ReadText(scores)),
           .checked = manifest.exists()};

@@ -222,7 +222,8 @@ TEST_F(CliTest, AGloveWithoutTheChannelOfTheVideoTakesAnother) {
   EXPECT_EQ(named.exit_code, 2);
   EXPECT_THAT(
       named.standard_error,
-      HasSubstr("scenario.yaml: video.channel: index_mcp is not a joint that the glove measures"));
+      HasSubstr("--set video.channel=index_mcp: video.channel: index_mcp is not a joint that "
+                "the glove measures"));
 }
 
 TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
@@ -507,7 +508,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{"NoDiameter", kGood + "hand: {object: {diameter_mm: 0}}\n",
                     "scenario.yaml:4:30: hand.object.diameter_mm: is 0"},
         BadScenario{"TooLittleTravel", kGood + "hand: {servo: {travel_deg: 200}}\n",
-                    "scenario.yaml: hand.servo.travel_deg: 200 is too little"},
+                    "scenario.yaml:4:28: hand.servo.travel_deg: 200 is too little"},
         BadScenario{"UnknownJoint",
                     "question: q\nglove: {channels: [index_mpc]}\ncontrollers: {raw: {}}\n",
                     "scenario.yaml:2:19: glove.channels: unknown channel 'index_mpc' (did you mean "
@@ -515,15 +516,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{"UnknownChannelOfAFault",
                     "question: q\nglove: {faults: [spikes, {kind: stuck, channels: [index_mpc]}]}\n"
                     "controllers: {raw: {}}\n",
-                    "scenario.yaml: glove.faults[1].channels: unknown channel"},
+                    "scenario.yaml:2:50: glove.faults[1].channels: unknown channel"},
         BadScenario{"FewFrequencies",
                     "question: q\nglove: {motion: {kind: sine, frequency_hz: [1, 2]}}\n"
                     "controllers: {raw: {}}\n",
-                    "scenario.yaml: glove.motion.frequency_hz: has 2 values"},
+                    "scenario.yaml:2:44: glove.motion.frequency_hz: has 2 values"},
         BadScenario{"UnknownPosture",
                     "question: q\nglove: {motion: {kind: sequence, parts: [{kind: moves, postures: "
                     "[opn]}]}}\ncontrollers: {raw: {}}\n",
-                    "scenario.yaml: glove.motion.parts[0].postures: "},
+                    "scenario.yaml:2:66: glove.motion.parts[0].postures: "},
         BadScenario{"LongerThanAnHour",
                     "question: q\nglove: {motion: {kind: grasp, repeats: 1000, rest_s: 60}}\n"
                     "controllers: {raw: {}}\n",

@@ -136,7 +136,7 @@ TEST_F(ExportTest, TheCalibrationOfTheTrialsIsInTheFile) {
 }
 
 TEST_F(ExportTest, WritesWhereItIsToldAndSaysWhereTheFileComesFrom) {
-  Run("name: |\n  two\n  lines: 1\n" + std::string(kFiveChannelsAt60Hz));
+  Run("name: \"two: # words\"\n" + std::string(kFiveChannelsAt60Hz));
   const ProgramResult result =
       Gauntlet({"export", "out", "--controller", "ahead", "--out", "new/robot.yaml"});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
@@ -144,7 +144,7 @@ TEST_F(ExportTest, WritesWhereItIsToldAndSaysWhereTheFileComesFrom) {
   EXPECT_EQ(sim::LoadRobot(In("new/robot.yaml")).timing.ticks_per_sample, 17);
   std::ostringstream text;
   text << std::ifstream(In("new/robot.yaml")).rdbuf();
-  EXPECT_THAT(text.str(), AllOf(HasSubstr("# Controller ahead of scenario two lines: 1"),
+  EXPECT_THAT(text.str(), AllOf(HasSubstr("# Controller ahead of scenario two: # words"),
                                 HasSubstr("LoadRobot(\"ahead.robot.yaml\")"),
                                 HasSubstr("1020 times per second; a new sample every 17 times")));
 }

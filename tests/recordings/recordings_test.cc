@@ -65,7 +65,7 @@ TEST(CsvReader, NamesFileRowAndColumnOfEveryMistake) {
   EXPECT_EQ(ErrorOf("a,b\n1,2 3\n"), "in.csv:2:2: '2 3' is not a number");
   EXPECT_EQ(ErrorOf(""), "in.csv:1:1: the file holds no data");
   EXPECT_EQ(ErrorOf("\r\n\n"), "in.csv:1:1: the file holds no data");
-  EXPECT_EQ(ErrorOf(std::string("a,b\n1,\0\x01\n", 9)), "in.csv:2:2: '?\?' is not a number");
+  EXPECT_EQ(ErrorOf(std::string("a,b\n1,\0\x01\n", 9)), "in.csv:2:2: '\\x00\\x01' is not a number");
 }
 
 TEST(CsvReader, StopsAtALineWithoutEnd) {

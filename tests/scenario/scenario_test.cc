@@ -102,6 +102,45 @@ TEST(Scenario, AnOverrideCannotInventAController) {
   EXPECT_THROW(LoadScenario(file, {"controllers.rav.filter=none"}), UserError);
 }
 
+TEST(Scenario, IsParsedFromATextUnderTheNameOfAFile) {
+  const std::string text = "question: q\ncontrollers: {raw: {}}\n";
+  EXPECT_EQ(ParseScenario({.file = "some/folder/b\u00e4r.yaml", .text = text}).name, "b\u00e4r");
+  EXPECT_EQ(ParseScenario({.file = "x.yaml", .text = text, .overrides = {"name=other"}}).name,
+            "other");
+  EXPECT_THROW(ParseScenario({.file = "...yaml", .text = text}), UserError);
+  EXPECT_EQ(ParseScenario({.file = "...yaml", .text = "name: x\n" + text}).name, "x");
+}
+
+TEST(Scenario, TellsWhereASettingStands) {
+  const ScenarioSource source{.file = "s.yaml",
+                              .text =
+                                  "question: q\nglove:\n  faults: [spikes, {kind: stuck}]\n"
+                                  "controllers: {raw: {}}\n",
+                              .overrides = {"glove.faults.0.rate_per_s=1"}};
+  EXPECT_EQ(PlaceOfSetting(source, "question"), "s.yaml:1:11");
+  EXPECT_EQ(PlaceOfSetting(source, "glove.faults[1].kind"), "s.yaml:3:27");
+  EXPECT_EQ(PlaceOfSetting(source, "glove.faults[1].channels"), "s.yaml:3:20");  // left out there
+  EXPECT_EQ(PlaceOfSetting(source, "glove.faults[0].rate_per_s"),
+            "--set glove.faults.0.rate_per_s=1");
+  EXPECT_EQ(PlaceOfSetting(source, "glove.faults[0].kind"), "s.yaml:3:12");
+  EXPECT_EQ(PlaceOfSetting(source, "hand.servo.travel_deg"), "s.yaml");
+}
+
+TEST(Scenario, APathOfTheCommandLineIsRelativeToTheWorkingFolder) {
+  const std::string text =
+      "question: q\nglove: {motion: {kind: sequence, parts: [{kind: recording, file: a.csv}]}}\n"
+      "controllers: {raw: {}}\n";
+  const auto yaml = [&text](const std::vector<std::string>& overrides) {
+    return ScenarioToYaml(
+        ParseScenario({.file = "/data/s.yaml", .text = text, .overrides = overrides}));
+  };
+  const std::string here = "\"" + (fs::current_path() / "b.csv").string() + "\"";
+  EXPECT_THAT(yaml({}), testing::HasSubstr("file: \"/data/a.csv\""));
+  EXPECT_THAT(yaml({"glove.motion.parts.0.file=b.csv"}), testing::HasSubstr("file: " + here));
+  EXPECT_THAT(yaml({"glove.motion={kind: recording, file: b.csv}"}),
+              testing::HasSubstr("file: " + here));
+}
+
 TEST(Scenario, AnEventPeriodNeedNotBeAWholeNumberOfSamples) {
   const fs::path file = fs::path(SourceDir()) / "scenarios/random_motion.yaml";
   const LoopTiming timing =

@@ -1,16 +1,23 @@
 // Strict reading: every kind of mistake is one line that names its place.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "sim/base/error.h"
 #include "sim/settings/setting_rows.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
+#include "tests/support/program.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -158,6 +165,123 @@ TEST_F(YamlReaderTest, SyntaxErrorsAndEmptyFilesHaveAPlace) {
   EXPECT_EQ(Complaint("- a\n- b\n"), "file:1:1: must be a map of keys");
 }
 
+TEST_F(YamlReaderTest, AMisspeltKeyIsNotSaidToBeMissing) {
+  EXPECT_EQ(Complaint("titel: t\n"), "file:1:1: titel: unknown key (did you mean title?)");
+  EXPECT_EQ(Complaint("titel: t\ninner: {order: 9}\n"),
+            "file:1:1: titel: unknown key (did you mean title?)");
+  EXPECT_EQ(Complaint("enabled: true\ninner: {order: 9}\n"), "file:1:1: title: is missing");
+}
+
+TEST_F(YamlReaderTest, BytesThatNoTextHasAreRefusedWithTheirPlace) {
+  EXPECT_EQ(Complaint("title: t\nkind: caf\xe9\n"), "file:2:10: the byte \\xe9 is not UTF-8");
+  EXPECT_EQ(Complaint(std::string("title: a\0b\n", 11)),
+            "file:1:9: has the control character \\x00");
+  EXPECT_EQ(Complaint(std::string("\xff\xfet\0i\0", 6)),
+            "file:1:1: is UTF-16, must be saved as UTF-8");
+  EXPECT_EQ(Complaint("title: \"a\\e[2J\"\n"), "file:1:8: title: has the control character \\x1b");
+  EXPECT_EQ(Read("\xef\xbb\xbftitle: \"caf\u00e9\\nau lait\"\r\n").title, "caf\u00e9\nau lait");
+}
+
+TEST_F(YamlReaderTest, AnAliasInsideWhatItStandsForIsRefused) {
+  EXPECT_EQ(Complaint("title: t\ninner: &i {order: *i}\n"),
+            "file:2:19: stands inside what it stands for");
+  EXPECT_EQ(Complaint("title: t\nlist: &l\n  - [a, {b: *l}]\n"),
+            "file:3:13: stands inside what it stands for");
+  EXPECT_EQ(Read("title: t\nlist: [&i {order: 3}, *i]\n").list[1].order, 3);
+}
+
+TEST_F(YamlReaderTest, DepthAndSizeAreBounded) {
+  const std::string deep = std::string(64, '[') + std::string(64, ']');
+  EXPECT_EQ(Complaint("title: " + deep + "\n"), "file:1:71: is nested deeper than 64 levels");
+  EXPECT_EQ(Complaint("title: " + deep.substr(1, 126) + "\n"), "file:1:8: title: must be a text");
+  EXPECT_THAT(Complaint("title: " + std::string(100'000, '[')),
+              EndsWith("is nested deeper than 64 levels"));
+  std::string bomb = "a0: &a0 [x, x]\n";
+  for (int i = 1; i < 40; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    bomb += fmt::format("a{0}: &a{0} [{1}, {1}]\n", i, before);
+  }
+  EXPECT_EQ(Complaint(bomb), "file:16:18: has more than 200000 values");
+  std::string wide = "title: [";
+  for (int i = 0; i < 200'000; ++i) wide += "0,";
+  EXPECT_THAT(Complaint(wide + "0]\n"), EndsWith(": has more than 200000 values"));
+  EXPECT_EQ(Complaint("title: " + std::string(4'000'000, 'x')),
+            "file: has more than 4 MB, is no scenario file");
+}
+
+TEST_F(YamlReaderTest, AFileHasOneDocumentAndNoTags) {
+  EXPECT_EQ(Complaint("title: t\n---\ntitle: u\n"),
+            "file:2:1: a second document begins here, there must be one");
+  EXPECT_EQ(Complaint("title: !include other.yaml\n"),
+            "file:1:8: has the tag !include, tags have no meaning here");
+  EXPECT_EQ(Read("---\ntitle: !!str t\n...\n").title, "t");
+}
+
+TEST_F(YamlReaderTest, WhatCannotBeReadSaysWhy) {
+  const auto problem = [](const std::filesystem::path& file) -> std::string {
+    try {
+      ReadYamlText(file);
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path loop = folder.path() / "loop";
+  std::filesystem::create_symlink("loop", loop);
+  EXPECT_THAT(problem(loop), EndsWith("loop: cannot be read: Too many levels of symbolic links"));
+  EXPECT_THAT(problem(folder.path()), EndsWith(": is a folder, must be a scenario file"));
+  EXPECT_THAT(problem(folder.path() / "none"), EndsWith("none: no such file"));
+  EXPECT_THAT(problem(folder.path() / std::string(300, 'x')), EndsWith("File name too long"));
+  EXPECT_EQ(problem(""), "'': no such file");
+  EXPECT_EQ(problem("/dev/zero"), "/dev/zero: has more than 4 MB, is no scenario file");
+}
+
+TEST_F(YamlReaderTest, AFileMayBeAPipe) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&pipe] { std::ofstream(pipe) << "title: through a pipe\n"; });
+  EXPECT_EQ(ReadYamlText(pipe), "title: through a pipe\n");
+  writer.join();
+}
+
+TEST_F(YamlReaderTest, AnInterruptEndsTheWaitForAPipe) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  struct sigaction heard = {};
+  heard.sa_handler = [](int) {};
+  struct sigaction before = {};
+  ASSERT_EQ(sigaction(SIGUSR1, &heard, &before), 0);
+  std::atomic<bool> done = false;
+  std::thread reader([&] {
+    EXPECT_THROW(ReadYamlText(pipe), Cancelled);
+    done = true;
+  });
+  while (!done) {  // the first may come before it waits
+    pthread_kill(reader.native_handle(), SIGUSR1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  reader.join();
+  sigaction(SIGUSR1, &before, nullptr);
+}
+
+TEST_F(YamlReaderTest, MessagesShowLongValuesInShort) {
+  const std::string value = std::string(70'000, 'x') + "end";
+  const std::string from_file = Complaint("title: t\ninner: {order: " + value + "}\n");
+  EXPECT_THAT(from_file, testing::StartsWith("file:2:16: inner.order: is \"xxx"));
+  EXPECT_THAT(from_file, EndsWith("xxend\", must be a number"));
+  EXPECT_LT(from_file.size(), 150u);
+  const std::string overridden = Complaint("title: t\n", {"inner.order=" + value});
+  EXPECT_THAT(overridden, testing::StartsWith("--set inner.order=xxx"));
+  EXPECT_THAT(overridden, EndsWith("xxend\", must be a number"));
+  EXPECT_LT(overridden.size(), 250u);
+  const std::string key = Complaint("title: t\n" + value.substr(0, 1000) + ": 1\n");
+  EXPECT_THAT(key, HasSubstr("x: unknown key (one of: title, enabled"));
+  EXPECT_LT(key.size(), 250u);
+}
+
 TEST_F(YamlReaderTest, OverridesWinOverTheFile) {
   const Outer outer =
       Read("title: t\ninner: {order: 3}\nlist: [{order: 1}, {order: 2}]\n",
@@ -175,6 +299,64 @@ TEST_F(YamlReaderTest, MistakesInOverridesNameTheOverride) {
   EXPECT_EQ(Complaint("title: t\n", {"iner.order=1"}),
             "--set iner.order=1: iner: unknown key (did you mean inner?)");
   EXPECT_THAT(Complaint("title: t\n", {"order"}), EndsWith("must be key.path=value"));
+}
+
+TEST_F(YamlReaderTest, MistakesInOverridesOfAListNameTheOverride) {
+  const std::string two = "title: t\nlist: [{order: 1}, {order: 2}]\n";
+  EXPECT_EQ(
+      Complaint(two, {"list.2.order=3"}),
+      "--set list.2.order=3: list is a list of 2: an item is named by its number, 0 to 1, not "
+      "by 2");
+  EXPECT_EQ(Complaint(two, {"list.order=3"}),
+            "--set list.order=3: list is a list of 2: an item is named by its number, 0 to 1, not "
+            "by order");
+  EXPECT_EQ(
+      Complaint(two, {"list.-1.order=3"}),
+      "--set list.-1.order=3: list is a list of 2: an item is named by its number, 0 to 1, not "
+      "by -1");
+  EXPECT_EQ(Complaint(two, {"list.99999999999999999999.order=3"}),
+            "--set list.99999999999999999999.order=3: list is a list of 2: an item is named by its "
+            "number, 0 to 1, not by 99999999999999999999");
+  EXPECT_EQ(Complaint(two, {"list.1.order=9"}),
+            "--set list.1.order=9: list[1].order: is 9, must be from 1 to 8");
+  EXPECT_EQ(Complaint("title: t\nlist: []\n", {"list.0.order=3"}),
+            "--set list.0.order=3: list is an empty list");
+  EXPECT_EQ(Complaint("title: t\nlist: [{order: 1}]\n", {"list.order=9"}),
+            "--set list.order=9: list[0].order: is 9, must be from 1 to 8");
+}
+
+TEST_F(YamlReaderTest, TextsThatAreNoOverridesSayWhatOneIs) {
+  EXPECT_EQ(Complaint("title: t\n", {"="}), "--set =: must be key.path=value");
+  EXPECT_EQ(Complaint("title: t\n", {""}), "--set : must be key.path=value");
+  for (const char* path : {".", "inner.", ".inner", "inner..order"}) {
+    EXPECT_THAT(Complaint("title: t\n", {std::string(path) + "=1"}), EndsWith("has an empty key"));
+  }
+  std::string deep = "inner";
+  for (int i = 0; i < 1000; ++i) deep += ".x";
+  EXPECT_THAT(Complaint("title: t\n", {deep + "=1"}), EndsWith("has more than 64 keys"));
+  EXPECT_EQ(Complaint("title: t\n", {"title=caf\xe9"}),
+            "--set title=caf\\xe9: the byte \\xe9 is not UTF-8");
+  EXPECT_EQ(Complaint("title: t\n", {"title=\n---\n---\n"}),
+            "--set title=\\n---\\n---\\n: a second document begins here, there must be one");
+  EXPECT_THAT(Complaint("title: t\n", {"title.x=1"}), EndsWith("title: must be a text"));
+}
+
+TEST_F(YamlReaderTest, ALaterOverrideIsNamedForWhatItGave) {
+  EXPECT_EQ(Complaint("title: t\n", {"inner={order: 3}", "inner.order=9"}),
+            "--set inner.order=9: inner.order: is 9, must be from 1 to 8");
+  EXPECT_EQ(Complaint("title: t\n", {"inner.order=3", "inner={order: 9}"}),
+            "--set inner={order: 9}: inner.order: is 9, must be from 1 to 8");
+}
+
+TEST_F(YamlReaderTest, AnOverrideLeavesOtherPlacesAsTheyWere) {
+  // What is wrong elsewhere in a group that an override changed is still found there.
+  EXPECT_EQ(Complaint("title: t\ninner: {order: 3, cutof_hz: 1}\n", {"inner.order=4"}),
+            "file:2:19: inner.cutof_hz: unknown key (did you mean cutoff_hz?)");
+  EXPECT_EQ(Complaint("enabled: true\n", {"inner.order=4"}), "file:1:1: title: is missing");
+  const Outer shared = Read("title: t\ninner: &i {order: 3}\nlist: [*i, *i]\n", {"list.1.order=5"});
+  EXPECT_EQ(shared.inner.order, 3);
+  EXPECT_EQ(shared.list[0].order, 3);
+  EXPECT_EQ(shared.list[1].order, 5);
 }
 
 TEST(YamlWriter, WritesWhatTheReaderReadsBackToTheSameBits) {

@@ -1,0 +1,140 @@
+#include "sim/base/text.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::size_t kLongestName = 60;  // characters: at most 240 bytes, file names may have 255
+constexpr std::size_t kLongestValue = 60;
+
+struct Character {
+  std::uint32_t code = 0;
+  std::size_t size = 0;  // bytes; 0: not UTF-8
+};
+
+/// At the beginning of a text that is not empty. Longer forms than needed, halves of pairs and codes
+/// beyond the last are not UTF-8 (RFC 3629).
+Character FirstCharacter(std::string_view text) {
+  const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return {first, 1};
+  const std::size_t size = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+  if (size == 0 || first > 0xf4 || text.size() < size) return {};
+  std::uint32_t code = first & (0x7fU >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0U) != 0x80) return {};
+    code = code << 6U | (byte(i) & 0x3fU);
+  }
+  const bool too_long = (size == 3 && code < 0x800) || (size == 4 && code < 0x10000);
+  const bool half_a_pair = code >= 0xd800 && code <= 0xdfff;
+  if (too_long || half_a_pair || code > 0x10ffff) return {};
+  return {code, size};
+}
+
+/// No control character, no end of a line or paragraph, and nothing that turns the direction of
+/// what follows.
+bool IsPrintable(std::uint32_t code) {
+  const bool control = code < 0x20 || (code >= 0x7f && code < 0xa0);
+  const bool line = code == 0x2028 || code == 0x2029;
+  const bool direction = (code >= 0x202a && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+  return !control && !line && !direction && code != 0xfeff;
+}
+
+std::string Escaped(std::string_view bytes) {
+  if (bytes == "\n") return "\\n";
+  if (bytes == "\t") return "\\t";
+  std::string escaped;
+  for (const char byte : bytes)
+    escaped += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
+  return escaped;
+}
+
+/// The first character of `text`, or its first byte if that is none, as it is shown.
+std::string TakeShown(std::string_view& text) {
+  const Character character = FirstCharacter(text);
+  const std::string_view bytes = text.substr(0, character.size == 0 ? 1 : character.size);
+  text.remove_prefix(bytes.size());
+  const bool as_it_is = character.size > 0 && IsPrintable(character.code);
+  return as_it_is ? std::string(bytes) : Escaped(bytes);
+}
+
+}  // namespace
+
+std::optional<std::size_t> FirstBadByte(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t size = FirstCharacter(text.substr(i)).size;
+    if (size == 0) return i;
+    i += size;
+  }
+  return std::nullopt;
+}
+
+std::string OneLine(std::string_view text, std::size_t longest) {
+  // No character takes less than a byte nor is a byte shown as more than four: of a long text only
+  // the ends are looked at. A character that is cut there is beyond what is kept.
+  if (text.size() > 8 * longest) {
+    return OneLine(std::string(text.substr(0, 4 * longest)) + ' ' +
+                       std::string(text.substr(text.size() - 4 * longest + 1)),
+                   longest);
+  }
+  std::vector<std::string> shown;
+  std::size_t size = 0;
+  while (!text.empty()) size += shown.emplace_back(TakeShown(text)).size();
+  std::size_t begin = shown.size();  // of what is left out
+  std::size_t end = shown.size();
+  std::string_view middle;
+  if (size > longest) {
+    middle = "...";
+    const std::size_t head = (longest - middle.size()) * 2 / 5;
+    const std::size_t tail = longest - middle.size() - head;
+    begin = 0;
+    for (size = 0; size + shown[begin].size() <= head; ++begin) size += shown[begin].size();
+    for (size = 0; size + shown[end - 1].size() <= tail; --end) size += shown[end - 1].size();
+  }
+  std::string line;
+  for (std::size_t i = 0; i < begin; ++i) line += shown[i];
+  line += middle;
+  for (std::size_t i = end; i < shown.size(); ++i) line += shown[i];
+  return line;
+}
+
+std::string Shown(std::string_view value) { return OneLine(value, kLongestValue); }
+
+std::string TextProblem(std::string_view text) {
+  while (!text.empty()) {
+    const Character character = FirstCharacter(text);
+    if (character.size == 0) {
+      return fmt::format("has the byte {}, which is not UTF-8", Escaped(text.substr(0, 1)));
+    }
+    const bool blank = character.code == '\n' || character.code == '\t';
+    if (!blank && !IsPrintable(character.code)) {
+      return fmt::format("has the control character {}", Escaped(text.substr(0, character.size)));
+    }
+    text.remove_prefix(character.size);
+  }
+  return "";
+}
+
+std::string NameProblem(std::string_view name) {
+  if (name.empty()) return "is empty, must be a name";
+  if (std::string problem = TextProblem(name); !problem.empty()) return problem;
+  std::size_t characters = 0;
+  for (std::string_view rest = name; !rest.empty(); ++characters) {
+    rest.remove_prefix(FirstCharacter(rest).size);
+  }
+  if (characters > kLongestName) {
+    return fmt::format("has {} characters, a name has at most {}", characters, kLongestName);
+  }
+  if (name.find_first_of("/\\\n\t") != std::string_view::npos) {
+    return "has a slash, a backslash, a tabulator or an end of a line, which no name has";
+  }
+  if (name.front() == '.') return "begins with a dot, which no name does";
+  if (name.front() == ' ' || name.back() == ' ') return "has a blank at an end, which no name has";
+  return "";
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "controller/settings.h"
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+
+/// What a setting may not be, as the user's mistake at a place.
+UserError AtPlace(std::string place, const controller::SettingError& error);
+
+/// `--set key=value` as the place of a mistake.
+std::string OverridePlace(std::string_view text);
+
+/// Where values come from, for error messages: the file, and what --set put over it.
+///
+/// A path of keys has dots between keys and `[i]` for the items of a list: `filter[0].kind`.
+struct YamlSource {
+  std::filesystem::path file;
+  std::map<std::string, std::string> overrides = {};  // path of keys -> text of the --set
+  std::map<std::string, YAML::Mark> groups = {};      // those of the file that an override changed
+
+  /// The text of the --set that gave the value at this path; null if the file did.
+  const std::string* OverrideOf(const std::string& path) const;
+  /// `file:line:column` of a node, or `--set text` if an override gave it.
+  std::string PlaceOf(const YAML::Node& node, const std::string& path) const;
+  /// The error at the place of its node.
+  UserError At(const YAML::Node& node, const controller::SettingError& error) const;
+};
+
+/// The text of a file, which may also be a pipe.
+/// Errors: UserError for one that cannot be read or has more than 4 MB; Cancelled at an interrupt.
+std::string ReadYamlText(const std::filesystem::path& file);
+
+/// The tree of a text. It is bounded: 64 levels, 200,000 values with those of aliases counted where
+/// they are used.
+/// Errors: UserError `file:line:column` for a syntax error, a byte that is not UTF-8, a control
+/// character, an alias inside what it stands for, a tag, a second document, or a top level that is
+/// not a map.
+YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text);
+
+/// ParseYaml() of ReadYamlText().
+YAML::Node ParseYamlFile(const std::filesystem::path& file);
+
+/// The part of the tree that a path of keys leads to, as far as the tree has it.
+YAML::Node NodeAt(const YAML::Node& root, std::string_view path);
+
+/// Puts `key.path=value` over the tree. Groups on the way are copied, so that what an alias shares
+/// with another group stays as it is there. Items of a list are named by their number from 0; a list
+/// of one may be passed over. Errors: UserError for a text that is not an override, or leads to an
+/// item or a controller that is not there.
+void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source);
+
+}  // namespace gauntlet::sim
