@@ -12,6 +12,7 @@
 #include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/mathematics.h"
 #include "sim/cli/controllers_option.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/out_option.h"
@@ -114,6 +115,14 @@ void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
              made.model_hash, hand.Hash(), consequence);
 }
 
+void WarnIfOtherMathematics(const MadeWith& made) {
+  if (made.mathematics.empty() || made.mathematics == HashOfMathematics()) return;
+  fmt::print(
+      stderr,
+      "gauntlet: warning: this scenario was resolved on a machine whose sin, exp, ... differ "
+      "in the last bits (another kind of processor or system); so will the results\n");
+}
+
 void WarnIfUnchecked(const std::string& folder, bool checked) {
   if (checked) return;
   fmt::print(stderr, "gauntlet: warning: {} has no manifest.json: its files are not checked\n",
@@ -152,6 +161,7 @@ void RunStudyCommand(const StudyCommand& options) {
   finished.study = Prepare(source, std::move(scenario));
   WarnIfMadeElsewhere(finished.study.scenario.made_with, *finished.study.hand,
                       "the run may differ");
+  WarnIfOtherMathematics(finished.study.scenario.made_with);
   for (const std::string& remark : finished.study.remarks) {
     fmt::print(stderr, "gauntlet: {}\n", remark);
   }

@@ -33,6 +33,10 @@ void RunStudyCommand(const StudyCommand& options);
 /// `hand`, and what that may change.
 void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand, std::string_view consequence);
 
+/// Says so on standard error where the scenario was resolved on a machine that computes other last
+/// bits: bit for bit means on the same kind of processor.
+void WarnIfOtherMathematics(const MadeWith& made);
+
 /// Tells on standard error if an output folder has no manifest, so that its files are not checked.
 void WarnIfUnchecked(const std::string& folder, bool checked);
 

@@ -43,6 +43,10 @@ void MadeWith::Visit(SettingsVisitor& visitor) {
   visitor.Text({.key = "gauntlet_version", .help = "version of the program"}, gauntlet_version);
   visitor.Text({.key = "mujoco_version", .help = "version of the physics engine"}, mujoco_version);
   visitor.Text({.key = "model_hash", .help = "of the compiled hand and arm"}, model_hash);
+  visitor.Text(
+      {.key = "mathematics",
+       .help = "of sin, exp, ... to the last bit: they differ between kinds of processors"},
+      mathematics);
 }
 
 void NamedController::Visit(SettingsVisitor& visitor) {

@@ -39,6 +39,7 @@ struct MadeWith {
   std::string gauntlet_version;
   std::string mujoco_version;
   std::string model_hash;
+  std::string mathematics;  // see HashOfMathematics()
 
   void Visit(controller::SettingsVisitor& visitor);
 };

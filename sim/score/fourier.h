@@ -9,7 +9,7 @@ namespace gauntlet::sim {
 /// The discrete Fourier transform of complex values of any length, in place.
 ///
 /// Eigen's own transform (kissfft) and not FFTW: three times slower, yet fast enough by far, the
-/// same bytes on every processor (FFTW chooses its code by the processor), no planner that threads
+/// same code on every processor (FFTW chooses its own by the processor), no planner that threads
 /// share, and nothing more to install. Measured in tests/benchmarks/README.md.
 ///
 /// Twiddle factors are kept per length; use one object per thread.

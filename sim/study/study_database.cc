@@ -21,6 +21,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/mathematics.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -99,6 +100,7 @@ std::string HashOfStudy(const Study& study) {
   hash.Add(study.hand->Hash());
   hash.Add(study.glove_hash);  // holds the content of a recording, too
   hash.Add(HashOfProgram());
+  hash.Add(HashOfMathematics());
   return hash.Text();
 }
 

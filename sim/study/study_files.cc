@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/base/atomic_file.h"
+#include "sim/base/mathematics.h"
 #include "sim/trial/trace_csv.h"
 #include "sim/trial/trace_file.h"
 
@@ -146,7 +147,8 @@ std::string ResolvedScenario(const Study& study) {
   Scenario scenario = study.scenario;
   scenario.made_with = {.gauntlet_version = GAUNTLET_VERSION,
                         .mujoco_version = HandModel::EngineVersion(),
-                        .model_hash = study.hand->Hash()};
+                        .model_hash = study.hand->Hash(),
+                        .mathematics = HashOfMathematics()};
   return ScenarioToYaml(scenario);
 }
 

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 const std::string kProgram = GAUNTLET_PROGRAM;
@@ -136,6 +137,21 @@ TEST_F(CliTest, TheResolvedScenarioRepeatsTheRun) {
   for (const char* name : {"scores.json", "scores.csv", "trace.h5", "scenario.resolved.yaml"}) {
     EXPECT_TRUE(SameBytes(Out("a") / name, Out("b") / name)) << name;
   }
+}
+
+TEST_F(CliTest, WarnsWhereAScenarioWasResolvedOnAnotherKindOfProcessor) {
+  ASSERT_EQ(Gauntlet({"run", WriteScenario(kGood), "--out", "a"}).exit_code, 0);
+  const std::string warning = "differ in the last bits";
+  const ProgramResult same = Gauntlet({"run", "a/scenario.resolved.yaml", "--out", "b"});
+  EXPECT_THAT(same.standard_error, Not(HasSubstr(warning)));
+
+  std::string resolved = ReadFile(Out("a") / "scenario.resolved.yaml");
+  const std::string key = "mathematics: \"";
+  ASSERT_NE(resolved.find(key), std::string::npos);
+  resolved.replace(resolved.find(key) + key.size(), 4, "none");
+  const ProgramResult other = Gauntlet({"run", WriteScenario(resolved), "--out", "c"});
+  EXPECT_EQ(other.exit_code, 0);
+  EXPECT_THAT(other.standard_error, HasSubstr(warning));
 }
 
 TEST_F(CliTest, ReproduceMeasuresThePaper) {
