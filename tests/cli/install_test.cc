@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -51,7 +53,16 @@ std::vector<std::string> Commands() {
   return commands;
 }
 
-/// Gauntlet, installed and then moved.
+/// What the sanitizers are told, in builds that have them.
+std::map<std::string, std::string> SanitizerVariables() {
+  std::map<std::string, std::string> variables;
+  for (const char* name : {"ASAN_OPTIONS", "LSAN_OPTIONS", "TSAN_OPTIONS", "UBSAN_OPTIONS"}) {
+    if (const char* value = std::getenv(name)) variables[name] = value;
+  }
+  return variables;
+}
+
+/// Gauntlet, installed and then moved; it runs without any variable of its user.
 class InstalledTest : public testing::Test {
  protected:
   InstalledTest() {
@@ -64,7 +75,9 @@ class InstalledTest : public testing::Test {
 
   ProgramResult Gauntlet(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), prefix_ / "bin/gauntlet");
-    return RunProgram(arguments, {.inherit_environment = false, .working_directory = "/"});
+    return RunProgram(arguments, {.environment = SanitizerVariables(),
+                                  .inherit_environment = false,
+                                  .working_directory = "/"});
   }
 
   /// What bash offers for the last of the words, in an empty folder.
