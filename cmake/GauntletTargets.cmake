@@ -18,9 +18,9 @@ endif()
 target_compile_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 target_link_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 if(GAUNTLET_SANITIZE)
-  # A whole library as one source takes half as long. Then types of its unnamed namespaces are in a
-  # file that is included, which is no mistake here.
-  set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)
+  # Ten sources of a library as one take half as long. Then types of unnamed namespaces are in files
+  # that are included, which is no mistake here.
+  set(CMAKE_UNITY_BUILD_BATCH_SIZE 10)
   target_compile_options(gauntlet_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endif()
 
