@@ -1,10 +1,10 @@
-// A library for LD_PRELOAD: one system call of a program fails, as on a disk that is full or broken.
+// A library for LD_PRELOAD: one call of a program fails, as on a disk that is full or broken.
 //
 // Environment:
 //   GAUNTLET_FAIL_BELOW  a folder with its whole path: only calls on what is in it are counted
 //   GAUNTLET_FAIL_CALL   which of them fails, from 1
 //   GAUNTLET_FAIL_ERROR  the errno that it fails with
-//   GAUNTLET_FAIL_LOG    a file that gets the name of the call that failed, and at the end `calls N`
+//   GAUNTLET_FAIL_LOG    a file that gets the name of the call that failed, at the end `calls N`
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
-// Whatever call on the output folder fails: a clear end, whole files only, and the same command again
-// gives what it would have given.
+// Whatever call on the output folder fails: a clear end, whole files only, and the same command
+// again gives what it would have given.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
