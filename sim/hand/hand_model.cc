@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <new>
 
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/helper_process.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/hand/mujoco_messages.h"
@@ -27,8 +29,9 @@ std::filesystem::path ModelPath(const HandConfig& config) {
 }
 
 mjModel* LoadModel(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) {
-    throw UserError({.key = "hand.model_path", .problem = "no file " + path.string()});
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    throw UserError({.key = "hand.model_path", .problem = "no regular file " + path.string()});
   }
   char message[1000] = "";
   mjModel* model = nullptr;
@@ -42,6 +45,29 @@ mjModel* LoadModel(const std::filesystem::path& path) {
   std::string line = message;
   for (char& letter : line) letter = letter == '\n' ? ' ' : letter;
   throw UserError({.place = path.string(), .problem = line});
+}
+
+/// The engine believes what a model file says: some take all memory, or name a pipe as a mesh. So a
+/// process that can be spared loads it first.
+void TryModel(const std::filesystem::path& path) {
+  constexpr HelperLimits kLimits = {
+      .processor_s = 20.0, .memory_bytes = std::size_t{2} << 30, .silence_s = 30};
+  const auto load = [&path](const HelperProcess::Send&) {
+    try {
+      mj_deleteModel(LoadModel(path));
+    } catch (const std::bad_alloc&) {
+      throw UserError({.place = path.string(), .problem = "takes more than 2 GB of memory"});
+    }
+  };
+  try {
+    HelperProcess(load, kLimits).Finish();
+  } catch (const HelperError& error) {
+    throw UserError(error.what());
+  } catch (const HelperEnded& ended) {
+    throw UserError(
+        {.place = path.string(),
+         .problem = std::string("cannot be loaded: the process that tried it ") + ended.what()});
+  }
 }
 
 /// Does something with the model; what it finds wrong there is said with the model's file.
@@ -198,6 +224,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   TakeOverMujocoMessages();
   controller::CheckSettings(config);
   const std::filesystem::path path = ModelPath(config);
+  if (!config.model_path.empty()) TryModel(path);
   model_.reset(LoadModel(path));
   model_->opt.timestep = timing.step_s();
 

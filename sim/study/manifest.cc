@@ -55,7 +55,13 @@ void Write(const fs::path& folder, const Content& content) {
 
 /// Nothing if there is no such file. Errors: what nlohmann::json throws; UserError.
 std::optional<Content> Read(const fs::path& folder) {
-  std::ifstream text(folder / kName);
+  const fs::path file = folder / kName;
+  std::error_code ignored;
+  if (const auto status = fs::status(file, ignored);
+      fs::exists(status) && !fs::is_regular_file(status)) {
+    throw UserError({.place = file.string(), .problem = "is not a regular file"});
+  }
+  std::ifstream text(file);
   if (!text) return std::nullopt;
   const Json json = Json::parse(text);
   if (json.at("format").get<int>() != kFormat) {

@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -7,6 +8,7 @@
 #include "sim/base/error.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/small_hand.h"
+#include "tests/support/program.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -66,6 +68,14 @@ TEST(HandSettings, WhatTheTimeStepCannotBearIsRefused) {
 TEST(HandSettings, AMissingModelIsNamed) {
   EXPECT_THAT(Refusal([](HandConfig& c) { c.model_path = "/nowhere/hand.xml"; }),
               HasSubstr("/nowhere/hand.xml"));
+}
+
+TEST(HandSettings, AModelMustBeARegularFile) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path pipe = folder.path() / "hand.xml";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(Refusal([&](HandConfig& c) { c.model_path = pipe; }),
+            "hand.model_path: no regular file " + pipe.string());
 }
 
 TEST(HandSettings, AMissingPartIsNamedWithItsNeighbour) {
