@@ -175,10 +175,18 @@ void MakeDirectory(const std::filesystem::path& directory) {
   if (error) Fail("make the folder", directory, error.value());
 }
 
+void RemoveIfEmptyLater(const std::filesystem::path& folder) { Remember(folder / ""); }
+
 void RemoveUncommittedFiles() noexcept {
+  // A name that ends in a slash is a folder that may only go when it is empty.
+  const auto is_folder = [](const char* name) { return name[std::strlen(name) - 1] == '/'; };
   for (auto& place : uncommitted) {
     const char* name = place.load();
-    if (name != nullptr && unlink(name) != 0) RemoveFolder(name);
+    if (name != nullptr && !is_folder(name) && unlink(name) != 0) RemoveFolder(name);
+  }
+  for (auto& place : uncommitted) {
+    const char* name = place.load();
+    if (name != nullptr && is_folder(name)) rmdir(name);
   }
 }
 

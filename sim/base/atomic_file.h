@@ -50,6 +50,9 @@ void WriteFileAtomically(const std::filesystem::path& target, std::string_view c
 /// Makes `directory` if it is not there. Throws RunError with the path and the system's reason.
 void MakeDirectory(const std::filesystem::path& directory);
 
+/// A new folder that goes away with the temporary files if nothing else is in it then.
+void RemoveIfEmptyLater(const std::filesystem::path& folder);
+
 /// Removes every temporary file that is not yet committed, and every staging folder; safe to call in a signal handler.
 void RemoveUncommittedFiles() noexcept;
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/stop.h"
 
 namespace gauntlet::sim {
 
@@ -20,7 +21,7 @@ std::string HashOfFile(const std::filesystem::path& file) {
   Hash hash;
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   ssize_t count = descriptor < 0 ? -1 : 1;
-  while (count > 0) {
+  while (count > 0 && !StopAsked()) {
     count = read(descriptor, block.data(), block.size());
     if (count < 0 && errno == EINTR)
       count = 1;
@@ -29,6 +30,7 @@ std::string HashOfFile(const std::filesystem::path& file) {
   }
   const int error = errno;
   if (descriptor >= 0) close(descriptor);
+  ThrowIfStopped();
   if (count < 0) {
     throw RunError(fmt::format("{}: cannot read: {}", file.string(), std::strerror(error)));
   }

@@ -32,7 +32,8 @@ class Hash {
   std::uint64_t value_ = 0xCBF29CE484222325u;
 };
 
-/// Of a whole file: 16 hexadecimal digits. Errors: RunError with the path and the system's reason.
+/// Of a whole file: 16 hexadecimal digits. Errors: RunError with the path and the system's reason;
+/// Cancelled.
 std::string HashOfFile(const std::filesystem::path& file);
 
 }  // namespace gauntlet::sim

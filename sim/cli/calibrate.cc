@@ -12,6 +12,7 @@
 #include "sim/calibrate/calibration.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/scenario/scenario.h"
 
 namespace gauntlet::sim {
@@ -44,27 +45,27 @@ void PrintTable(const Calibration& calibration, const CurveErrors& errors, Curve
     width = std::max(width, channel.channel.size());
   }
   const bool has_curves = !errors.table_rms_deg.empty();
-  fmt::print("{} samples at {:.6g} Hz; R from {:.0f} still ones\n\n", calibration.samples,
-             calibration.rate_hz, calibration.degrees_of_freedom);
-  fmt::print("{:<{}}", "", width);
-  if (has_curves) fmt::print("  RMS error of the curve [deg]     ");
-  fmt::print("  R [counts^2]\n{:<{}}", "channel", width);
-  if (has_curves) fmt::print("  two_point  polynomial     table ");
-  fmt::print("  variance   {:.4g} % interval\n", calibration.confidence_percent);
+  Print("{} samples at {:.6g} Hz; R from {:.0f} still ones\n\n", calibration.samples,
+        calibration.rate_hz, calibration.degrees_of_freedom);
+  Print("{:<{}}", "", width);
+  if (has_curves) Print("  RMS error of the curve [deg]     ");
+  Print("  R [counts^2]\n{:<{}}", "channel", width);
+  if (has_curves) Print("  two_point  polynomial     table ");
+  Print("  variance   {:.4g} % interval\n", calibration.confidence_percent);
   for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
     const ChannelCalibration& channel = calibration.channels[i];
-    fmt::print("{:<{}}", channel.channel, width);
+    Print("{:<{}}", channel.channel, width);
     if (has_curves) {
       for (const CurveKind kind : kCurves) {
         const double error = ErrorsOf(errors, kind)[i];
-        fmt::print("  {:>9}{}", std::isfinite(error) ? fmt::format("{:.3f}", error) : "-",
-                   kind == chosen ? '*' : ' ');
+        Print("  {:>9}{}", std::isfinite(error) ? fmt::format("{:.3f}", error) : "-",
+              kind == chosen ? '*' : ' ');
       }
     }
-    fmt::print("  {:>8.3f}   {:.3f} to {:.3f}\n", channel.variance_counts2,
-               channel.variance_low_counts2, channel.variance_high_counts2);
+    Print("  {:>8.3f}   {:.3f} to {:.3f}\n", channel.variance_counts2, channel.variance_low_counts2,
+          channel.variance_high_counts2);
   }
-  if (has_curves) fmt::print("* in the file; the noise of the sensor is part of each error\n");
+  if (has_curves) Print("* in the file; the noise of the sensor is part of each error\n");
 }
 
 void PrintJson(const Calibration& calibration, const CurveErrors& errors) {
@@ -89,24 +90,21 @@ void PrintJson(const Calibration& calibration, const CurveErrors& errors) {
                                        {"degrees_of_freedom", calibration.degrees_of_freedom},
                                        {"confidence_percent", calibration.confidence_percent},
                                        {"channels", channels}};
-  fmt::print("{}\n", json.dump(2));
+  Print("{}\n", json.dump(2));
 }
 
 void Remark(const PoseRecording& recording, const Calibration& calibration) {
   if (recording.rows_left_out > 0) {
-    fmt::print(stderr, "gauntlet: {}: {} rows with a missing count left out\n", recording.name,
-               recording.rows_left_out);
+    Say("gauntlet: {}: {} rows with a missing count left out\n", recording.name,
+        recording.rows_left_out);
   }
   if (recording.angle_deg.cols() == 0) {
-    fmt::print(stderr,
-               "gauntlet: {}: no known angles (columns as index_mcp_deg), so no linearisation\n",
-               recording.name);
+    Say("gauntlet: {}: no known angles (columns as index_mcp_deg), so no linearisation\n",
+        recording.name);
   }
   for (const ChannelCalibration& channel : calibration.channels) {
     if (channel.variance_counts2 > 0.0) continue;
-    fmt::print(
-        stderr,
-        "gauntlet: warning: {}: {} has no noise beyond its rounding while the hand is still: "
+    Say("gauntlet: warning: {}: {} has no noise beyond its rounding while the hand is still: "
         "is the sensor connected?\n",
         recording.name, channel.channel);
   }
@@ -139,9 +137,9 @@ void RunCalibrate(const CalibrateOptions& options) {
   } else {
     PrintTable(calibration, errors, options.calibration.curve);
   }
-  std::fflush(stdout);
+  FlushOutput();
   Remark(recording, calibration);
-  fmt::print(stderr, "wrote {}\n", target.string());
+  Say("wrote {}\n", target.string());
 }
 
 }  // namespace

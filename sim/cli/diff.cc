@@ -1,10 +1,10 @@
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <functional>
 #include <memory>
 
 #include "sim/cli/commands.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/report/difference_table.h"
 #include "sim/study/study_difference.h"
@@ -30,10 +30,10 @@ void Diff(const Options& options) {
   }
   const StudyDifference difference = CompareStudies(a, b);
   if (options.json) {
-    fmt::print("{}", StudyDifferenceJson(a, b, difference));
+    PrintText(StudyDifferenceJson(a, b, difference));
   } else {
     const bool colour = isatty(STDOUT_FILENO) != 0;
-    fmt::print("{}", DifferenceTable(a, b, difference, {.all = options.all, .colour = colour}));
+    PrintText(DifferenceTable(a, b, difference, {.all = options.all, .colour = colour}));
   }
   if (!difference.Same()) throw CLI::RuntimeError(kDifferent);
 }

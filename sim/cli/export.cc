@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
 #include "sim/settings/robot_file.h"
@@ -59,7 +59,7 @@ void RunExport(const ExportOptions& options) {
                                            .scenario = scenario.name,
                                            .controller = named.name,
                                            .model_hash = hand.Hash()}));
-  fmt::print(stderr, "wrote {}\n", target.string());
+  Say("wrote {}\n", target.string());
 }
 
 }  // namespace

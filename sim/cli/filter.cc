@@ -15,6 +15,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/recordings/time_columns.h"
 #include "sim/settings/yaml_reader.h"
 
@@ -94,16 +95,15 @@ class FilterStream {
       ++column;
     }
     if (numbers == columns_) {  // names that data frames give; or the header was forgotten
-      fmt::print(stderr,
-                 "gauntlet: warning: standard input:1: numbers only, taken as the header\n");
+      Say("gauntlet: warning: standard input:1: numbers only, taken as the header\n");
     }
     if (channels_.empty()) Fail(1, "has no channel besides the time");
     filter_ = controller::MakeFilter(settings_.config, static_cast<int>(channels_.size()),
                                      settings_.rate_hz);
     values_.assign(channels_.size(), 0.0);
     started_.assign(channels_.size(), false);
-    fmt::print("{}\n", Trimmed(line));
-    std::fflush(stdout);
+    Print("{}\n", Trimmed(line));
+    CheckOutput();
   }
 
   void ReadRow(std::string_view line, std::size_t row) {
@@ -173,8 +173,8 @@ class FilterStream {
       }
     }
     text_.push_back('\n');
-    std::fwrite(text_.data(), 1, text_.size(), stdout);
-    if (std::fflush(stdout) != 0) throw RunError("standard output: cannot be written");
+    PrintText({text_.data(), text_.size()});
+    CheckOutput();
   }
 
   [[noreturn]] static void Fail(std::size_t row, const std::string& problem) {
@@ -197,7 +197,7 @@ class FilterStream {
 };
 
 void RunFilter(const FilterOptions& options) {
-  EndAtInterrupts();  // it waits for its source, and has nothing to tidy up
+  EndAtSignals();  // it waits for its source, and has nothing to tidy up
   const StreamFilter settings = ReadFilter(options);
   FilterStream stream(settings);
   std::ios::sync_with_stdio(false);
@@ -210,7 +210,7 @@ void RunFilter(const FilterOptions& options) {
     if (!Trimmed(line).empty()) stream.ReadRow(line, row);
   }
   if (stream.missing() > 0) {
-    fmt::print(stderr, "gauntlet: {} missing values held at the last good one\n", stream.missing());
+    Say("gauntlet: {} missing values held at the last good one\n", stream.missing());
   }
 }
 

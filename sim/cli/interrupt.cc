@@ -1,37 +1,85 @@
 #include "sim/cli/interrupt.h"
 
+#include <sys/time.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <initializer_list>
+#include <string_view>
 
 #include "sim/base/atomic_file.h"
+#include "sim/base/stop.h"
+#include "sim/cli/standard_streams.h"
+
+// In handlers: system calls and lock-free numbers only.
+static_assert(std::atomic<int>::is_always_lock_free);
 
 namespace gauntlet::sim {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+constexpr int kOfSignals = 128;   // an exit code of shells: 128 + signal
+constexpr int kPatienceMs = 500;  // to hear a signal: with the rest, the program ends within 1 s
+constexpr int kMomentMs = 20;     // between two looks whether files are no longer being changed
+constexpr int kMoments = 50;      // then it ends all the same
 
-void OnSignal(int) {
-  if (interrupted != 0) {
-    RemoveUncommittedFiles();
-    _exit(130);
-  }
-  interrupted = 1;
+std::atomic<bool> at_once{false};
+std::atomic<int> moments_left{kMoments};
+
+/// Calls the handler of SIGALRM.
+void ComeBackIn(int time_ms) {
+  const itimerval timer = {.it_interval = {}, .it_value = {.tv_sec = 0, .tv_usec = 1000 * time_ms}};
+  setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
-void Handle(void (*handler)(int)) {
+void EndWhenFilesAreWhole(int) {
+  const int error = errno;
+  if (Unbroken::Any() && moments_left-- > 0) {
+    ComeBackIn(kMomentMs);
+    errno = error;
+    return;
+  }
+  RemoveUncommittedFiles();
+  for (const std::string_view text :
+       {std::string_view("gauntlet: "), kInterrupted, std::string_view("\n")}) {
+    SayText(text);
+  }
+  _exit(kOfSignals + stop_signal);
+}
+
+void OnSignal(int signal) {
+  int none = 0;
+  const bool first = stop_signal.compare_exchange_strong(none, signal);
+  if (!first || at_once) return EndWhenFilesAreWhole(signal);
+  const int error = errno;
+  ComeBackIn(kPatienceMs);
+  errno = error;
+}
+
+void Handle(int signal, void (*handler)(int)) {
   struct sigaction action = {};
+  sigaction(signal, nullptr, &action);
+  if (action.sa_handler == SIG_IGN) return;
+  action = {};
   action.sa_handler = handler;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  action.sa_flags = SA_RESTART;
+  sigaction(signal, &action, nullptr);
 }
 
 }  // namespace
 
-void CatchInterrupts() { Handle(OnSignal); }
+void CatchSignals() {
+  Handle(SIGALRM, EndWhenFilesAreWhole);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) Handle(signal, OnSignal);
+  for (const int signal : {SIGPIPE, SIGXFSZ}) Handle(signal, SIG_IGN);
+}
 
-void EndAtInterrupts() { Handle(SIG_DFL); }
+void EndAtSignals() { at_once = true; }
 
-bool Interrupted() { return interrupted != 0; }
+int ExitCodeOfStop() {
+  ComeBackIn(0);  // never
+  return kOfSignals + stop_signal;
+}
 
 }  // namespace gauntlet::sim

@@ -1,15 +1,23 @@
 #pragma once
 
+#include <string_view>
+
 namespace gauntlet::sim {
 
-/// From now on the first Ctrl-C (or SIGTERM) asks long work to stop; a second one ends the program
-/// at once, without leaving temporary files.
-void CatchInterrupts();
+/// What the user reads when a signal ended the program.
+constexpr std::string_view kInterrupted = "interrupted; nothing half-written was left";
 
-/// From now on Ctrl-C and SIGTERM end the program at once, as they do any that has nothing to tidy.
-void EndAtInterrupts();
+/// From now on Ctrl-C, SIGTERM, SIGHUP and SIGQUIT ask long work to stop (see sim/base/stop.h). Work
+/// that does not hear it within a moment, and all work at a second signal, is ended at once, without
+/// leaving temporary files. What was to be ignored when the program began, as below nohup, stays so.
+/// A full quota of a file (SIGXFSZ) and a reader that has gone (SIGPIPE) become errors of writing.
+void CatchSignals();
 
-/// Whether somebody pressed Ctrl-C.
-bool Interrupted();
+/// From now on these signals end the program at once: it waits for a source, and has nothing to
+/// tidy.
+void EndAtSignals();
+
+/// The signal was heard, and the program has stopped: 128 + the signal, as shells have it.
+int ExitCodeOfStop();
 
 }  // namespace gauntlet::sim

@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
 #include "sim/score/score.h"
@@ -139,9 +140,9 @@ const std::vector<Topic>& Topics() {
   return kTopics;
 }
 
-void Print(const Topic& topic) {
+void PrintTopic(const Topic& topic) {
   for (const Entry& entry : topic.entries()) {
-    fmt::print("{}\n    {}\n", entry.name, entry.summary);
+    Print("{}\n    {}\n", entry.name, entry.summary);
     std::size_t width = 0;
     for (const SettingRow& row : entry.settings) width = std::max(width, row.key.size());
     for (const SettingRow& row : entry.settings) {
@@ -149,7 +150,7 @@ void Print(const Topic& topic) {
                                 : row.default_value.empty() ? "empty"
                                                             : row.default_value;
       const std::string range = row.range.empty() ? "" : fmt::format(" ({})", row.range);
-      fmt::print("    {:<{}}  {}; {}{}\n", row.key, width, value, row.help, range);
+      Print("    {:<{}}  {}; {}{}\n", row.key, width, value, row.help, range);
     }
   }
 }
@@ -175,11 +176,11 @@ void List(const std::string& name, bool as_json) {
     if (as_json) {
       nlohmann::ordered_json all;
       for (const Topic& topic : Topics()) all[topic.name] = Json(topic);
-      fmt::print("{}\n", all.dump(2));
+      Print("{}\n", all.dump(2));
       return;
     }
     for (const Topic& topic : Topics()) {
-      fmt::print("gauntlet list {:<11} {}\n", topic.name, topic.summary);
+      Print("gauntlet list {:<11} {}\n", topic.name, topic.summary);
     }
     return;
   }
@@ -188,9 +189,9 @@ void List(const std::string& name, bool as_json) {
     names.push_back(topic.name);
     if (topic.name != name) continue;
     if (as_json) {
-      fmt::print("{}\n", Json(topic).dump(2));
+      Print("{}\n", Json(topic).dump(2));
     } else {
-      Print(topic);
+      PrintTopic(topic);
     }
     return;
   }

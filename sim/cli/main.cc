@@ -2,23 +2,27 @@
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
+#include <sstream>
+#include <string>
 
 #include "controller/settings.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
+#include "sim/cli/standard_streams.h"
 
 namespace {
+
+namespace sim = gauntlet::sim;
 
 constexpr int kRunFailed = 1;
 constexpr int kUserMistake = 2;
 constexpr std::size_t kLongestMistake = 250;  // so that the hint behind it stays whole
-constexpr int kInterrupted = 130;             // 128 + SIGINT, as shells have it
+constexpr int kReaderGone = 141;              // 128 + SIGPIPE, as shells have it
 
 int Complain(const std::string& message, int exit_code) {
-  fmt::print(stderr, "{}\n", gauntlet::sim::OneLine("gauntlet: " + message));
+  sim::Say("{}\n", sim::OneLine("gauntlet: " + message));
   return exit_code;
 }
 
@@ -35,44 +39,49 @@ int Run(int argc, char** argv) {
       "The start script also has: ./gauntlet test, which builds and runs all tests.\n"
       "Exit codes: 0 done, 1 the run failed or diff found a difference, 2 a mistake in what was "
       "asked.");
-  gauntlet::sim::AddRunCommand(app);
-  gauntlet::sim::AddCompareCommand(app);
-  gauntlet::sim::AddRenderCommand(app);
-  gauntlet::sim::AddExportCommand(app);
-  gauntlet::sim::AddDiffCommand(app);
-  gauntlet::sim::AddFilterCommand(app);
-  gauntlet::sim::AddCalibrateCommand(app);
-  gauntlet::sim::AddReproduceCommand(app);
-  gauntlet::sim::AddListCommand(app);
+  sim::AddRunCommand(app);
+  sim::AddCompareCommand(app);
+  sim::AddRenderCommand(app);
+  sim::AddExportCommand(app);
+  sim::AddDiffCommand(app);
+  sim::AddFilterCommand(app);
+  sim::AddCalibrateCommand(app);
+  sim::AddReproduceCommand(app);
+  sim::AddListCommand(app);
   int exit_code = 0;
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version
-    app.exit(request);
+    std::ostringstream text;
+    app.exit(request, text, text);
+    sim::PrintText(text.str());
   } catch (const CLI::RuntimeError& result) {  // done, with an answer that is an exit code
     exit_code = result.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    return Complain(fmt::format("{} (see gauntlet --help)",
-                                gauntlet::sim::OneLine(error.what(), kLongestMistake)),
-                    kUserMistake);
+    return Complain(
+        fmt::format("{} (see gauntlet --help)", sim::OneLine(error.what(), kLongestMistake)),
+        kUserMistake);
   }
-  if (std::fflush(stdout) != 0) throw gauntlet::sim::RunError("standard output: cannot be written");
+  sim::CheckOutput();
   return exit_code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  sim::OpenStandardStreams();
+  sim::CatchSignals();
   // The signals of a trial get pages of their own, which go back when it ends. On the heap, the
   // scores that stay between them would hold their place: 1 MB more per trial, at times.
   mallopt(M_MMAP_THRESHOLD, 64 * 1024);
-  gauntlet::sim::CatchInterrupts();
   try {
     return Run(argc, argv);
-  } catch (const gauntlet::sim::Cancelled& cancelled) {
+  } catch (const sim::Cancelled& cancelled) {
     const std::string kept = cancelled.kept.empty() ? "" : "; " + cancelled.kept;
-    return Complain("interrupted; nothing half-written was left" + kept, kInterrupted);
-  } catch (const gauntlet::sim::UserError& error) {
+    return Complain(std::string(sim::kInterrupted) + kept, sim::ExitCodeOfStop());
+  } catch (const sim::ReaderGone&) {
+    return kReaderGone;
+  } catch (const sim::UserError& error) {
     return Complain(error.what(), kUserMistake);
   } catch (const gauntlet::controller::SettingError& error) {
     return Complain(error.what(), kUserMistake);

@@ -22,9 +22,10 @@ OutputFolder::OutputFolder(fs::path path) : path_(std::move(path)) {
   }
   for (fs::path p = fs::absolute(path_).lexically_normal(); !p.empty() && !fs::exists(p, ignored);
        p = p.parent_path()) {
-    if (p.has_filename()) first_made_ = p;
+    if (p.has_filename()) made_.push_back(p);
   }
   MakeDirectory(path_);
+  for (const fs::path& folder : made_) RemoveIfEmptyLater(folder);
   if (access(path_.c_str(), W_OK) != 0) {
     throw RunError(
         fmt::format("{}: cannot write into the folder: {}", path_.string(), std::strerror(errno)));
@@ -41,13 +42,11 @@ OutputFolder::OutputFolder(fs::path path) : path_(std::move(path)) {
 
 OutputFolder::~OutputFolder() {
   if (descriptor_ >= 0) close(descriptor_);
-  if (keep_ || first_made_.empty()) return;
+  if (keep_) return;
   std::error_code ignored;
-  // Only folders that this object made, and only while they are empty, from the inside out.
-  for (fs::path p = fs::absolute(path_).lexically_normal();
-       p.native().size() >= first_made_.native().size(); p = p.parent_path()) {
-    if (!p.has_filename()) continue;
-    if (!fs::remove(p, ignored)) return;
+  // Only folders that this object made, and only while they are empty.
+  for (const fs::path& folder : made_) {
+    if (!fs::remove(folder, ignored)) return;
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 namespace gauntlet::sim {
 
@@ -21,8 +22,8 @@ class OutputFolder {
 
  private:
   std::filesystem::path path_;
-  std::filesystem::path first_made_;  // the topmost folder that was not there before
-  int descriptor_ = -1;               // holds the lock
+  std::vector<std::filesystem::path> made_;  // folders that were not there before, inside out
+  int descriptor_ = -1;                      // holds the lock
   bool keep_ = false;
 };
 

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "sim/cli/interrupt.h"
+#include "sim/base/stop.h"
+#include "sim/cli/standard_streams.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -24,11 +24,11 @@ Progress::Progress(std::string label)
     : label_(std::move(label)), on_terminal_(isatty(STDERR_FILENO) != 0) {}
 
 Progress::~Progress() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) Say("\r\033[K");
 }
 
 bool Progress::Update(double done, double total) {
-  if (Interrupted()) return false;
+  if (StopAsked()) return false;
   const auto now = Clock::now();
   if (!on_terminal_ || now - last_drawn_ < std::chrono::milliseconds(100)) return true;
   last_drawn_ = now;
@@ -39,9 +39,8 @@ bool Progress::Update(double done, double total) {
   const int filled = static_cast<int>(share * kWidth);
   const std::string left =
       share > 0.01 ? Duration(elapsed_s * (1.0 - share) / share) + " left" : "";
-  fmt::print(stderr, "\r\033[K{} [{}{}] {:3.0f} %  {}", label_, std::string(filled, '#'),
-             std::string(kWidth - filled, '.'), 100.0 * share, left);
-  std::fflush(stderr);
+  Say("\r\033[K{} [{}{}] {:3.0f} %  {}", label_, std::string(filled, '#'),
+      std::string(kWidth - filled, '.'), 100.0 * share, left);
   return true;
 }
 

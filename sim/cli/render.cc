@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
@@ -11,6 +10,7 @@
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/study/manifest.h"
 #include "sim/video/render_folder.h"
@@ -46,7 +46,7 @@ void AddRenderCommand(CLI::App& app) {
                       .target = options->out,
                       .jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()))},
                      [&progress](int done, int total) { return progress.Update(done, total); });
-    fmt::print(stderr, "wrote {}\n", file.string());
+    Say("wrote {}\n", file.string());
   });
 }
 

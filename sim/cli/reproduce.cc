@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
@@ -10,6 +9,7 @@
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/paper/paper_page.h"
 #include "sim/study/manifest.h"
 #include "sim/study/study_files.h"
@@ -33,25 +33,27 @@ void Reproduce(const Options& options) {
          .jobs = options.jobs > 0
                      ? options.jobs
                      : std::max(1, static_cast<int>(std::thread::hardware_concurrency())),
-         .progress = [&](double done, double total) { return progress.Update(done, total); }});
+         .progress = [&](double done, double total) { return progress.Update(done, total); },
+         .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
   }();
   const std::vector<PaperFigure> figures = PaperFigures(experiment);
   OutputFiles files(folder.path());
-  WriteStudyFiles(files.path(), experiment.finished, false);
-  for (const PaperFigure& figure : figures) {
-    for (const PaperChart& chart : figure.charts) {
-      WriteFileAtomically(files.path() / chart.file, chart.svg);
+  files.Write([&](const std::filesystem::path& place) {
+    WriteStudyFiles(place, experiment.finished, false);
+    for (const PaperFigure& figure : figures) {
+      for (const PaperChart& chart : figure.charts) {
+        WriteFileAtomically(place / chart.file, chart.svg);
+      }
     }
-  }
-  WriteFileAtomically(files.path() / "reproduce.html", PaperPage(experiment, figures));
+    WriteFileAtomically(place / "reproduce.html", PaperPage(experiment, figures));
+  });
   files.Commit();
   folder.Keep();
-  fmt::print("{}", PaperTable(experiment));
-  std::fflush(stdout);
-  fmt::print(stderr,
-             "wrote {}: reproduce.html, figure_*.svg, scores.json, scores.csv, "
-             "trace.h5, scenario.resolved.yaml, manifest.json\n",
-             folder.path().string());
+  PrintText(PaperTable(experiment));
+  FlushOutput();
+  Say("wrote {}: reproduce.html, figure_*.svg, scores.json, scores.csv, "
+      "trace.h5, scenario.resolved.yaml, manifest.json\n",
+      folder.path().string());
 }
 
 }  // namespace

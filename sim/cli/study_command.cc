@@ -13,11 +13,12 @@
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/mathematics.h"
+#include "sim/base/stop.h"
 #include "sim/cli/controllers_option.h"
-#include "sim/cli/interrupt.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
@@ -40,8 +41,8 @@ void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
   scenario.controllers = std::move(kept);
   // Without its controller the rule for scenarios that name none decides.
   if (scenario.baseline.empty() || std::ranges::count(names, scenario.baseline) > 0) return;
-  fmt::print(stderr, "gauntlet: the baseline {} is not among --controllers: {}\n",
-             scenario.baseline, "the rule for scenarios that name none decides");
+  Say("gauntlet: the baseline {} is not among --controllers: {}\n", scenario.baseline,
+      "the rule for scenarios that name none decides");
   scenario.baseline.clear();
 }
 
@@ -75,14 +76,13 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   std::optional<StudyDatabase> database;
   if (options.comparison) {
     database.emplace(file, study, StudyDatabaseOptions{.seeds = options.seeds, .go_on = [] {
-                                                         return !Interrupted();
+                                                         return !StopAsked();
                                                        }});
     if (const int known = database->TrialCount(); known > 0) {
-      fmt::print(stderr, "goes on from {}, which holds {}\n", file.string(), Trials(known));
+      Say("goes on from {}, which holds {}\n", file.string(), Trials(known));
     }
     if (const int damaged = database->DamagedCount(); damaged > 0) {
-      fmt::print(stderr, "gauntlet: {}: {} damaged, computed again\n", file.string(),
-                 Trials(damaged));
+      Say("gauntlet: {}: {} damaged, computed again\n", file.string(), Trials(damaged));
     }
   }
   Progress progress(Trials(total));
@@ -91,6 +91,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
         study, {.seeds = options.seeds,
                 .jobs = JobsOrCores(options.jobs),
                 .progress = [&](double done, int all) { return progress.Update(done, all); },
+                .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); },
                 .keep_first_traces = true,
                 .database = database ? &*database : nullptr});
     if (database) not_kept = database->Finish();
@@ -109,24 +110,20 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
 void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
                          std::string_view consequence) {
   if (made.model_hash.empty() || made.model_hash == hand.Hash()) return;
-  fmt::print(stderr,
-             "gauntlet: warning: this scenario was resolved with another hand model (hash {}, now "
-             "{}); {}\n",
-             made.model_hash, hand.Hash(), consequence);
+  Say("gauntlet: warning: this scenario was resolved with another hand model (hash {}, now "
+      "{}); {}\n",
+      made.model_hash, hand.Hash(), consequence);
 }
 
 void WarnIfOtherMathematics(const MadeWith& made) {
   if (made.mathematics.empty() || made.mathematics == HashOfMathematics()) return;
-  fmt::print(
-      stderr,
-      "gauntlet: warning: this scenario was resolved on a machine whose sin, exp, ... differ "
+  Say("gauntlet: warning: this scenario was resolved on a machine whose sin, exp, ... differ "
       "in the last bits (another kind of processor or system); so will the results\n");
 }
 
 void WarnIfUnchecked(const std::string& folder, bool checked) {
   if (checked) return;
-  fmt::print(stderr, "gauntlet: warning: {} has no manifest.json: its files are not checked\n",
-             folder);
+  Say("gauntlet: warning: {} has no manifest.json: its files are not checked\n", folder);
 }
 
 void AddStudyOptions(CLI::App& command, StudyCommand& options) {
@@ -163,7 +160,7 @@ void RunStudyCommand(const StudyCommand& options) {
                       "the run may differ");
   WarnIfOtherMathematics(finished.study.scenario.made_with);
   for (const std::string& remark : finished.study.remarks) {
-    fmt::print(stderr, "gauntlet: {}\n", remark);
+    Say("gauntlet: {}\n", remark);
   }
   OutputFolder folder(options.out.empty() ? "out/" + finished.study.scenario.name : options.out);
 
@@ -171,16 +168,18 @@ void RunStudyCommand(const StudyCommand& options) {
   finished.result = RunTrials(finished.study, options, folder.path(), not_kept);
   finished.summary = Summarise(finished.study, finished.result);
   OutputFiles files(folder.path());
-  WriteStudyFiles(files.path(), finished, options.csv);
-  WriteFileAtomically(files.path() / "report.html", ReportPage(finished, options.video));
+  files.Write([&](const std::filesystem::path& place) {
+    WriteStudyFiles(place, finished, options.csv);
+    WriteFileAtomically(place / "report.html", ReportPage(finished, options.video));
+  });
   files.Commit();
   folder.Keep();
   if (options.json) {
-    fmt::print("{}", ScoresJson(finished));
+    PrintText(ScoresJson(finished));
   } else {
-    fmt::print("{}", ScoreTable(finished, isatty(STDOUT_FILENO) != 0));
+    PrintText(ScoreTable(finished, isatty(STDOUT_FILENO) != 0));
   }
-  std::fflush(stdout);
+  FlushOutput();
   std::string written =
       "report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml, manifest.json";
   if (options.csv) written += ", trace.<controller>.csv";
@@ -194,10 +193,10 @@ void RunStudyCommand(const StudyCommand& options) {
                  [&progress](int done, int total) { return progress.Update(done, total); });
     written += ", comparison.mp4";
   }
-  fmt::print(stderr, "wrote {}: {}\n", folder.path().string(), written);
+  Say("wrote {}: {}\n", folder.path().string(), written);
   for (const ControllerSummary& controller : finished.summary.controllers) {
     if (controller.problem.empty()) continue;
-    if (not_kept) fmt::print(stderr, "gauntlet: {}\n", *not_kept);
+    if (not_kept) Say("gauntlet: {}\n", *not_kept);
     throw RunError(fmt::format("{} stopped early: {}", controller.name, controller.problem));
   }
   if (not_kept) throw RunError(*not_kept);

@@ -303,6 +303,7 @@ PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
                                   return !options.progress ||
                                          options.progress(before + done, total);
                                 },
+                            .remark = options.remark,
                             .keep_first_traces = true});
   };
   experiment.finished.result = run(experiment.finished.study, 0.0);
@@ -318,7 +319,7 @@ PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
   experiment.generators = RunGeneratorTest(options.quick ? 100'000 : 1'000'000);
   EstimateVariance(experiment.finished.study.scenario, options.quick, experiment);
   experiment.switching_change =
-      SwitchingChange(experiment.finished.study, experiment.finished.result.first_glove);
+      SwitchingChange(experiment.finished.study, *experiment.finished.result.first_glove);
   return experiment;
 }
 

@@ -80,6 +80,7 @@ struct PaperExperimentOptions {
   bool quick = false;              // seconds instead of minutes of motion
   int jobs = 1;
   std::function<bool(double done, double total)> progress;
+  std::function<void(const std::string&)> remark = {};  // see StudyOptions
 };
 
 /// Deterministic. Errors: UserError for the scenario, Cancelled.

@@ -32,7 +32,7 @@ Chart EmptyChart(std::string title, std::string x_label, std::string y_label) {
 }
 
 PaperFigure Figure4(const PaperExperiment& experiment) {
-  const GloveSignal& glove = experiment.finished.result.first_glove;
+  const GloveSignal& glove = *experiment.finished.result.first_glove;
   Chart chart = EmptyChart("Figure 4: the raw signal of the glove", "time [s]", "counts");
   for (const int channel : {0, 7, 10}) {
     const Eigen::VectorXd counts =
@@ -134,7 +134,7 @@ PaperFigure Figure12(const PaperExperiment& experiment) {
           std::pair{"sent to the motor", &way.command}}) {
       chart.curves.push_back({.name = name,
                               .first_x = 0.0,
-                              .step_x = 1.0 / result.first_glove.tick_rate_hz,
+                              .step_x = 1.0 / result.first_glove->tick_rate_hz,
                               .values = Degrees(*angle, joint, kSamples),
                               .width_px = chart.curves.empty() ? kBehind_px : kOver_px});
     }

@@ -157,7 +157,7 @@ double LargestCoupling(const controller::TendonTransmission& hand) {
 }
 
 std::string RowTable(const PaperExperiment& e) {
-  const auto& glove = e.finished.result.first_glove;
+  const auto& glove = *e.finished.result.first_glove;
   const auto& hand = e.finished.study.hand->transmission();
   const auto claim = [&](std::size_t i) {
     return fmt::format("{}: {}", e.claims[i].claim, Word(e.claims[i].answer));
@@ -272,8 +272,8 @@ std::string PaperVerdict(const PaperExperiment& experiment) {
 std::string PaperPage(const PaperExperiment& experiment, const std::vector<PaperFigure>& figures) {
   const StudyResult& result = experiment.finished.result;
   const std::string facts = fmt::format(
-      "{} samples x {} channels · {} controllers · {} seeds{}", result.first_glove.counts.rows(),
-      result.first_glove.channel_names.size(), result.controller_names.size(), result.seeds.size(),
+      "{} samples x {} channels · {} controllers · {} seeds{}", result.first_glove->counts.rows(),
+      result.first_glove->channel_names.size(), result.controller_names.size(), result.seeds.size(),
       experiment.quick ? " · quick: 6 s of motion instead of the paper's 94" : "");
   return FillTemplate(kPaperHtml,
                       {{"style", std::string(assets::kStyle)},

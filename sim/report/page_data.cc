@@ -129,7 +129,7 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   json["scenario"] = finished.study.scenario.name;
   json["comparison"] = !summary.one_run;
   for (const SeedOutcome& seed : result.seeds) json["seeds"].push_back(seed.seed);
-  json["rate_hz"] = result.first_glove.tick_rate_hz;
+  json["rate_hz"] = result.first_glove->tick_rate_hz;
   json["reference"] = result.reference_name;
   json["metrics"] = MetricsJson();
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {

@@ -22,7 +22,7 @@ std::string Facts(const FinishedStudy& finished) {
           ? fmt::format("seed {}", first)
           : fmt::format("{} seeds, {} to {}", result.seeds.size(), first, last);
   return fmt::format("{:.1f} s at {:g} Hz · {} · {} controllers · {} · compared with {}",
-                     result.duration_s(), result.first_glove.rate_hz, Measured(finished.study),
+                     result.duration_s(), result.first_glove->rate_hz, Measured(finished.study),
                      result.controller_names.size(), seeds, result.reference_name);
 }
 

@@ -8,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/stop.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -38,7 +39,7 @@ std::string RunOf(const std::map<std::string, FileMark>& files) {
   return hash.Text();
 }
 
-void Write(const fs::path& folder, const Content& content) {
+void WriteManifest(const fs::path& folder, const Content& content) {
   Json json;
   json["format"] = kFormat;
   json["gauntlet_version"] = GAUNTLET_VERSION;
@@ -150,16 +151,29 @@ fs::path Manifest::Checked(const std::string& name) const {
 
 OutputFiles::OutputFiles(const fs::path& folder) : folder_(folder), staging_(folder / "results") {}
 
+void OutputFiles::Write(const std::function<void(const fs::path&)>& write) {
+  try {
+    write(path());
+  } catch (const RunError& error) {
+    std::string line = error.what();
+    const std::string temporary = path().string();
+    const std::size_t place = line.find(temporary);
+    if (place != std::string::npos) line.replace(place, temporary.size(), folder_.string());
+    throw RunError(line);
+  }
+}
+
 void OutputFiles::Commit() {
   Content content{.finished = true, .files = {}};
   for (const auto& entry : fs::directory_iterator(staging_.path())) {
     content.files[entry.path().filename().string()] = MarkOf(entry.path());
   }
+  const Unbroken unbroken;
   const std::optional<FileMark> earlier = ScenarioOf(folder_);
-  Write(folder_, {.finished = false, .files = {}});
+  WriteManifest(folder_, {.finished = false, .files = {}});
   if (!earlier || *earlier != content.files["scenario.resolved.yaml"]) RemoveLeftovers(folder_);
   staging_.MoveTo(folder_);
-  Write(folder_, content);
+  WriteManifest(folder_, content);
 }
 
 }  // namespace gauntlet::sim

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -48,8 +49,10 @@ class OutputFiles {
   /// Errors: RunError.
   explicit OutputFiles(const std::filesystem::path& folder);
 
-  /// Where to write them.
+  /// Where they are until Commit().
   const std::filesystem::path& path() const { return staging_.path(); }
+  /// Lets `write` fill the folder that it gets. Its RunErrors name the files as they will be called.
+  void Write(const std::function<void(const std::filesystem::path&)>& write);
   /// Renames them and writes the manifest. Video, trace tables and exported controllers of another
   /// scenario, which the folder held before, are removed. Errors: RunError.
   void Commit();

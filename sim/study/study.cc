@@ -1,9 +1,12 @@
 #include "sim/study/study.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "sim/base/error.h"
@@ -19,7 +22,7 @@ namespace {
 /// The glove signal of one seed, made by the first trial that needs it, freed after the last.
 struct SharedGlove {
   std::once_flag once;
-  GloveSignal signal;
+  std::shared_ptr<const GloveSignal> signal;
   Signal reference_rad;  // ticks x joints of the hand
   std::atomic<int> users_left{0};
 };
@@ -110,8 +113,10 @@ std::string HashOf(const GloveSignal& glove) {
   return hash.Text();
 }
 
-GloveSignal GloveOfSeed(const Study& study, int seed) {
-  return SynthesiseGlove(study.scenario.glove, static_cast<std::uint64_t>(seed));
+std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
+  if (seed == study.scenario.seed) return study.first_glove;
+  return std::make_shared<const GloveSignal>(
+      SynthesiseGlove(study.scenario.glove, static_cast<std::uint64_t>(seed)));
 }
 
 /// The trials of a study as tasks that threads take in the order of seeds.
@@ -164,15 +169,15 @@ class Schedule {
     if (Recall(seed_index, controller_index, outcome)) return;
     std::call_once(glove.once, [&] {
       glove.signal = GloveOfSeed(study_, seed.seed);
-      glove.reference_rad = JointAngles(study_.joint_map(), glove.signal.true_angle_rad);
+      glove.reference_rad = JointAngles(study_.joint_map(), glove.signal->true_angle_rad);
     });
     const NamedController& named = study_.scenario.controllers[controller_index];
     const Eigen::Index block_count =
-        glove.signal.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
+        glove.signal->true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
     const auto blocks = static_cast<double>(block_count);
     Trace trace =
-        RunTrial(SetupOf(study_, named), glove.signal, [&] { return Progress(1.0 / blocks); });
-    outcome.scores = Score(study_, glove.signal, glove.reference_rad, trace);
+        RunTrial(SetupOf(study_, named), *glove.signal, [&] { return Progress(1.0 / blocks); });
+    outcome.scores = Score(study_, *glove.signal, glove.reference_rad, trace);
     outcome.health = trace.health;
     outcome.untrusted_samples = trace.untrusted_samples;
     if (options_.database != nullptr) {
@@ -188,11 +193,11 @@ class Schedule {
     SharedGlove& glove = gloves_[seed_index];
     if (--glove.users_left > 0) return;
     if (seed_index == 0) {
-      result_.reference_name = glove.signal.reference_name;
+      result_.reference_name = glove.signal->reference_name;
       result_.first_glove = std::move(glove.signal);
       result_.first_reference_rad = std::move(glove.reference_rad);
     }
-    glove.signal = {};
+    glove.signal.reset();
     glove.reference_rad = {};
   }
 
@@ -285,22 +290,30 @@ Study PrepareStudy(Scenario scenario) {
   }
   ChooseVideoChannel(study.measured_joint_names, scenario.video.channel);
   study.scenario = std::move(scenario);
-  study.remarks = std::move(glove.remarks);
+  study.remarks = glove.remarks;
+  study.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
   return study;
 }
 
 StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   StudyOptions options = asked;
   const bool alike =
-      asked.seeds > 1 && HashOf(GloveOfSeed(study, study.scenario.seed + 1)) == study.glove_hash;
+      asked.seeds > 1 && HashOf(*GloveOfSeed(study, study.scenario.seed + 1)) == study.glove_hash;
   if (alike) options.seeds = 1;
   Schedule schedule(study, options);
   const std::size_t threads = std::min<std::size_t>(
       static_cast<std::size_t>(std::max(1, options.jobs)), schedule.TaskCount());
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < threads; ++i) others.emplace_back([&schedule] { schedule.Work(); });
+  std::vector<std::jthread> others;
+  try {
+    while (others.size() + 1 < threads) others.emplace_back([&schedule] { schedule.Work(); });
+  } catch (const std::system_error& error) {  // those that there are take all the trials
+    if (options.remark) {
+      options.remark(fmt::format("only {} of {} threads can be started: {}", others.size() + 1,
+                                 threads, error.code().message()));
+    }
+  }
   schedule.Work();
-  for (std::thread& thread : others) thread.join();
+  others.clear();
   StudyResult result = schedule.Finish();
   result.seeds_alike = alike;
   return result;

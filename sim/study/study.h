@@ -22,10 +22,11 @@ struct Study {
   std::vector<int> measured_motors;
   std::vector<int> measured_cables;
   std::vector<std::string> measured_joint_names;
-  int joint_count = 0;               // of the hand, measured or not
-  ScoreRows rows;                    // of these joints, motors and cables
-  std::vector<std::string> remarks;  // what was repaired in recordings, one line each
-  std::string glove_hash;            // of the first seed's signal
+  int joint_count = 0;                             // of the hand, measured or not
+  ScoreRows rows;                                  // of these joints, motors and cables
+  std::vector<std::string> remarks;                // what was repaired in recordings, one line each
+  std::shared_ptr<const GloveSignal> first_glove;  // the signal of the first seed
+  std::string glove_hash;                          // of that signal
 
   const std::vector<std::string>& channel_names() const { return calibration.channel_names; }
   /// From the glove's channels to the hand's joints.
@@ -65,6 +66,9 @@ struct StudyOptions {
   /// Gets trials done (with fractions of the running ones) and trials in all. Called from any
   /// thread, one at a time. False stops: RunStudy throws Cancelled.
   std::function<bool(double, int)> progress;
+  /// Gets a line for the user about what went otherwise than asked and changes no result. May be
+  /// empty.
+  std::function<void(const std::string&)> remark = {};
   /// Keep the glove signal and the traces of the first seed.
   bool keep_first_traces = true;
   /// Where finished trials are kept and looked for; null: nowhere.
@@ -77,12 +81,12 @@ struct StudyResult {
   std::string reference_name;
   std::vector<SeedOutcome> seeds;  // in the order of seeds, whatever the schedule
   bool seeds_alike = false;        // every seed gives the same run: only the first was run
-  GloveSignal first_glove;
+  std::shared_ptr<const GloveSignal> first_glove;
   Signal first_reference_rad;  // ticks x joints of the hand
   std::vector<Trace> first_traces;
 
   double duration_s() const {
-    return static_cast<double>(first_glove.true_angle_rad.rows()) / first_glove.tick_rate_hz;
+    return static_cast<double>(first_glove->true_angle_rad.rows()) / first_glove->tick_rate_hz;
   }
 };
 

@@ -22,6 +22,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/mathematics.h"
+#include "sim/base/stop.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -326,6 +327,7 @@ void StudyDatabase::State::Open() {
 }
 
 void StudyDatabase::State::MakeTables() {
+  const Unbroken unbroken;  // or its journal would be left
   SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::EXCLUSIVE);
   database->exec(kTables);
   database->exec(fmt::format("PRAGMA user_version = {}", kFormat));
@@ -478,6 +480,7 @@ void StudyDatabase::State::RemoveTrial(const Key& key) {
 /// is one. Waits for other programs until the deadline.
 void StudyDatabase::State::Write(const KeptTrial* kept) {
   // Exclusive from the start: if another program reads, nothing is done in vain.
+  const Unbroken unbroken;  // or its journal would be left
   SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::EXCLUSIVE);
   if (!started) Start();
   SQLite::Statement mark(*database, "UPDATE trial SET newest = 1 WHERE id = ?");

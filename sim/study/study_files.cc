@@ -157,13 +157,13 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
   const Study& study = finished.study;
   const StudyResult& result = finished.result;
   if (!result.first_traces.empty()) {
-    TraceWriter trace_file(folder / "trace.h5", result.first_glove, result.first_reference_rad,
+    TraceWriter trace_file(folder / "trace.h5", *result.first_glove, result.first_reference_rad,
                            *study.hand, study.scenario.name, result.seeds[0].seed);
     for (const Trace& trace : result.first_traces) {
       trace_file.Add(trace);
       if (trace_csv) {
         WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
-                      result.first_glove, *study.hand, trace);
+                      *result.first_glove, *study.hand, trace);
       }
     }
     trace_file.Commit();

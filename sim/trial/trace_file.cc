@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <type_traits>
 
@@ -167,6 +169,22 @@ void Guarded(const std::filesystem::path& path, const Action& action) {
 struct TraceWriter::State {
   State(const std::filesystem::path& path, TraceColumnNames column_names)
       : target(path), atomic(path), names(std::move(column_names)) {}
+  ~State() {
+    if (!file) return;  // committed, or never opened
+    MakeRoom(atomic.temporary_path().string());
+    try {
+      file->close();
+    } catch (const H5::Exception&) {
+      static_cast<void>(file.release());  // closing twice is what crashes
+      // HDF5 would do just that at the end of the program.
+      on_exit(
+          [](int exit_code, void*) {
+            std::fflush(nullptr);
+            _exit(exit_code);
+          },
+          nullptr);
+    }
+  }
   std::filesystem::path target;
   AtomicFile atomic;
   TraceColumnNames names;
@@ -201,15 +219,7 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
   });
 }
 
-TraceWriter::~TraceWriter() {
-  if (!state_->file) return;  // committed, or never opened
-  MakeRoom(state_->atomic.temporary_path().string());
-  try {
-    state_->file->close();
-  } catch (const H5::Exception&) {
-    static_cast<void>(state_->file.release());  // closing twice is what crashes
-  }
-}
+TraceWriter::~TraceWriter() = default;
 
 void TraceWriter::Add(const Trace& trace) {
   Guarded(state_->target, [&] {

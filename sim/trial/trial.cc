@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/stop.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"
 
@@ -37,6 +38,7 @@ Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove,
   std::vector<std::uint8_t> saturated(setup.hand->motor_names().size());
   trace.saturation_share.assign(saturated.size(), 0.0);
   for (Eigen::Index tick = 0; tick < ticks; ++tick) {
+    ThrowIfStopped();
     StepLoop(glove, tick, counts, loop);
     if (!loop.hand().health().ok) break;  // the engine has put the joints back to 0
     loop.hand().ReadSaturation(saturated);

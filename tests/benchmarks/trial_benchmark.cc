@@ -94,7 +94,7 @@ void Run(int repetitions) {
 
   StudyResult result = RunStudy(study, {});
   const Eigen::Index steps = result.first_traces[0].hand_angle_rad.rows();
-  const RecordedForces forces = RecordForces(study, result.first_traces[0], result.first_glove);
+  const RecordedForces forces = RecordForces(study, result.first_traces[0], *result.first_glove);
   const FinishedStudy finished{
       .study = study, .result = result, .summary = Summarise(study, result)};
   std::vector<double> trial_s;
@@ -104,7 +104,7 @@ void Run(int repetitions) {
   std::vector<double> bare_s;
   for (int i = 0; i < repetitions; ++i) {
     loop_s.push_back(Seconds(
-        [&] { RunTrial(SetupOf(study, study.scenario.controllers[0]), result.first_glove); }));
+        [&] { RunTrial(SetupOf(study, study.scenario.controllers[0]), *result.first_glove); }));
     trial_s.push_back(Seconds([&] {
       FinishedStudy timed{.study = study, .result = RunStudy(study, {}), .summary = {}};
       timed.summary = Summarise(study, timed.result);
@@ -112,7 +112,7 @@ void Run(int repetitions) {
     }));
     glove_s.push_back(Seconds([&] { SynthesiseGlove(study.scenario.glove, 1); }));
     files_s.push_back(Seconds([&] { WriteStudyFiles(folder, finished, false); }));
-    bare_s.push_back(Seconds([&] { BareLoop(study, result.first_glove, forces, steps); }));
+    bare_s.push_back(Seconds([&] { BareLoop(study, *result.first_glove, forces, steps); }));
   }
   std::filesystem::remove_all(folder);
 

@@ -68,9 +68,11 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
   made.study.joint_count = shape.channels;
   made.study.rows = sim::ScoreRows(result.row_names, result.row_names, {});
   made.study.scenario.video.channel = result.row_names.back();
-  result.first_glove.true_angle_rad = Swing(shape, 0.0, 0.0);
-  result.first_glove.counts = result.first_glove.true_angle_rad;
-  made.first_seed.reference_rad = result.first_glove.true_angle_rad;
+  sim::GloveSignal glove;
+  glove.true_angle_rad = Swing(shape, 0.0, 0.0);
+  glove.counts = glove.true_angle_rad;
+  made.first_seed.reference_rad = glove.true_angle_rad;
+  result.first_glove = std::make_shared<const sim::GloveSignal>(std::move(glove));
   for (int i = 0; i < shape.controllers; ++i) {
     sim::NamedController named{.name = i == 0 ? "raw" : "filter_" + std::to_string(i),
                                .config = {}};

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -77,7 +78,8 @@ pid_t Spawn(std::vector<std::string> command, const ProgramOptions& options, int
   posix_spawnattr_setpgroup(&attributes, 0);
   sigset_t defaults;
   sigemptyset(&defaults);
-  sigaddset(&defaults, SIGPIPE);
+  // A shell ignores some of them for what it starts in the background: this test, say.
+  for (const int signal : {SIGPIPE, SIGINT, SIGQUIT, SIGHUP}) sigaddset(&defaults, signal);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
 
   std::vector<std::string> environment = EnvironmentOf(options);
@@ -154,6 +156,22 @@ bool Program::WaitForText(std::string_view text) {
 bool Program::WaitForPath(const std::filesystem::path& path) {
   while (!std::filesystem::exists(path)) {
     if (!Advance()) return std::filesystem::exists(path);
+  }
+  return true;
+}
+
+bool Program::WaitForHandlerOf(int signal) {
+  const auto handled = [&] {
+    std::ifstream status("/proc/" + std::to_string(process_) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      if (!line.starts_with("SigCgt:")) continue;
+      return (std::stoull(line.substr(line.find_last_of(" \t")), nullptr, 16) >> (signal - 1) &
+              1) != 0;
+    }
+    return false;
+  };
+  while (!handled()) {
+    if (!Advance()) return false;
   }
   return true;
 }

@@ -44,6 +44,8 @@ class Program {
   bool WaitForText(std::string_view text);
   /// Waits until `path` exists; false as above.
   bool WaitForPath(const std::filesystem::path& path);
+  /// Waits until the program handles `signal` itself; false as above.
+  bool WaitForHandlerOf(int signal);
   void SendSignal(int signal);
   /// Waits for its end. The second call gives the same again.
   const ProgramResult& Wait();
