@@ -585,7 +585,9 @@ StudyDatabase::StudyDatabase(fs::path file, const Study& study, StudyDatabaseOpt
     const std::string name = state_->file.string();
     switch (TroubleOf(error)) {
       case Trouble::kDamage:
-        throw state_->NotUsable(error.what());
+        // SQLite quotes what it could not read, over several lines.
+        throw state_->NotUsable(error.getErrorCode() == SQLITE_NOTADB ? "is not a database"
+                                                                      : "is damaged");
       case Trouble::kLock:
         throw RunError(name +
                        ": another program (or its network folder) keeps it locked; try again "

@@ -116,7 +116,7 @@ TEST_F(ResumeTest, AFileThatIsNoDatabaseIsAClearLine) {
   std::ofstream(Out("a") / "study.db") << std::string(5000, 'x');
   const ProgramResult result = Run("a");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.standard_error, HasSubstr("a/study.db: file is not a database; remove it"));
+  EXPECT_THAT(result.standard_error, HasSubstr("a/study.db: is not a database; remove it"));
   EXPECT_EQ(ReadFile(Out("a") / "study.db"), std::string(5000, 'x'));
 }
 

@@ -464,9 +464,10 @@ TEST_F(StudyDatabaseTest, TablesThatAreNotItsOwnAreOneClearLine) {
            {"ALTER TABLE score RENAME COLUMN value TO worth",
             ": its table or view all_scores is not as Gauntlet makes it"},
            {"PRAGMA user_version = 3", ": is not a study database of this version of Gauntlet"},
-           {"PRAGMA writable_schema = 1; UPDATE sqlite_schema SET sql = 'CREATE' WHERE name = "
+           {"PRAGMA writable_schema = 1; UPDATE sqlite_schema SET sql = sql || char(10, 34) WHERE "
+            "name = "
             "'score'",
-            ": malformed database schema (score) - incomplete input"}}) {
+            ": is damaged"}}) {
     Open().Keep(7, 0, MakeOutcome());
     Execute(change);
     EXPECT_EQ(OpeningSays<UserError>(), file + said + advice);
