@@ -224,6 +224,33 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
   EXPECT_EQ(Gauntlet({"render", "nowhere"}).exit_code, 2);
 }
 
+TEST_F(CliTest, TooLittleMemoryForAVideoIsOneErrorAndNoCrash) {
+  ASSERT_EQ(Gauntlet({"run", WriteScenario(kGood), "--out", "a"}).exit_code, 0);
+  const auto before = Leftovers();
+  int failed = 0;
+  // How much a library needs differs from machine to machine: some of these fail in drawing, some in
+  // encoding, the largest may do.
+  for (const int limit_kb : {450'000, 500'000, 550'000, 600'000, 700'000}) {
+    ProgramOptions options;
+    options.working_directory = folder_.path();
+    const ProgramResult result =
+        RunProgram({"sh", "-c", fmt::format("ulimit -v {}; exec \"$0\" \"$@\"", limit_kb), kProgram,
+                    "render", "a", "--out", "b.mp4"},
+                   options);
+    SCOPED_TRACE(fmt::format("{} kB: {}", limit_kb, result.standard_error));
+    EXPECT_EQ(result.signal, 0);
+    if (result.exit_code == 0) {
+      fs::remove(Out("b.mp4"));
+      continue;
+    }
+    ++failed;
+    EXPECT_THAT(result.standard_error,
+                testing::AnyOf(HasSubstr("gauntlet"), HasSubstr("Sanitizer")));
+    EXPECT_EQ(Leftovers(), before);
+  }
+  EXPECT_GT(failed, 0);
+}
+
 TEST_F(CliTest, AGloveWithoutTheChannelOfTheVideoTakesAnother) {
   const std::string scenario = WriteScenario(kGood);
   const auto run = [&](const std::vector<std::string>& more) {
@@ -241,8 +268,9 @@ TEST_F(CliTest, AGloveWithoutTheChannelOfTheVideoTakesAnother) {
   EXPECT_THAT(ReadFile(Out("a") / "scenario.resolved.yaml"), HasSubstr("channel: \"thumb_ip\""));
   const ProgramResult unknown = run({"--set", "video.channel=nose"});
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.standard_error,
-              HasSubstr("--set video.channel=nose: video.channel: nose is not a joint of the hand"));
+  EXPECT_THAT(
+      unknown.standard_error,
+      HasSubstr("--set video.channel=nose: video.channel: nose is not a joint of the hand"));
 }
 
 TEST_F(CliTest, WhatNoVideoCanShowIsRefusedBeforeAnyTrial) {
@@ -263,8 +291,9 @@ TEST_F(CliTest, WhatNoVideoCanShowIsRefusedBeforeAnyTrial) {
   refuse({"--set", "video.width_px=320"}, "video.width_px: is 320, must be from 480 to 3840");
   refuse({"--set", "video.height_px=240"}, "video.height_px: is 240, must be from 270 to 2160");
   refuse({"--set", "video.width_px=481"}, "--set video.width_px=481: video.width_px: is 481");
-  refuse({"--set", "video.camera=hnd"},
-         "--set video.camera=hnd: video.camera: hnd is not a camera of the hand (did you mean hand?)");
+  refuse(
+      {"--set", "video.camera=hnd"},
+      "--set video.camera=hnd: video.camera: hnd is not a camera of the hand (did you mean hand?)");
 
   ASSERT_EQ(Gauntlet({"run", scenario, "--out", "a"}).exit_code, 0);
   EXPECT_THAT(Gauntlet({"render", "a"}).standard_error, HasSubstr("video: 9 controllers"));
