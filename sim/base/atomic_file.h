@@ -15,6 +15,7 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
+  const std::filesystem::path& target() const { return target_; }
   /// Where to write until Commit().
   const std::filesystem::path& temporary_path() const { return temporary_; }
   /// Throws RunError if the disk did not take it.

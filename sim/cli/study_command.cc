@@ -162,7 +162,10 @@ void RunStudyCommand(const StudyCommand& options) {
   for (const std::string& remark : finished.study.remarks) {
     Say("gauntlet: {}\n", remark);
   }
-  OutputFolder folder(options.out.empty() ? "out/" + finished.study.scenario.name : options.out);
+  const std::filesystem::path out =
+      options.out.empty() ? "out/" + finished.study.scenario.name : options.out;
+  if (options.video) CheckVideo(finished.study.scenario.controllers.size(), VideoOf(out));
+  OutputFolder folder(out);
 
   std::optional<std::string> not_kept;
   finished.result = RunTrials(finished.study, options, folder.path(), not_kept);

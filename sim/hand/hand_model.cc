@@ -256,6 +256,14 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   }
 }
 
+std::vector<std::string> HandModel::CameraNames() const {
+  std::vector<std::string> names;
+  for (int i = 0; i < model_->ncam; ++i) {
+    if (const char* name = mj_id2name(model_.get(), mjOBJ_CAMERA, i)) names.emplace_back(name);
+  }
+  return names;
+}
+
 std::string HandModel::EngineVersion() { return mj_versionString(); }
 
 std::string HandModel::Hash() const {

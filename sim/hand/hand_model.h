@@ -43,6 +43,9 @@ class HandModel {
   const std::vector<Drive>& drives() const { return drives_; }
   const GraspParts& grasp() const { return grasp_; }
 
+  /// For pictures of the hand, in the model's order.
+  std::vector<std::string> CameraNames() const;
+
   /// Of the compiled model and everything that shapes it, for `scenario.resolved.yaml`.
   std::string Hash() const;
   /// Of MuJoCo, as "2.2.2".

@@ -28,10 +28,16 @@ void VideoConfig::Visit(SettingsVisitor& visitor) {
       {.key = "channel",
        .help = "joint whose curves are drawn below the hands; empty: index_mcp, or the first"},
       channel);
-  visitor.Text({.key = "camera", .help = "camera of the model: hand or arm"}, camera);
-  visitor.Integer({.key = "width_px", .help = "picture width", .min = 320, .max = 3840}, width_px);
-  visitor.Integer({.key = "height_px", .help = "picture height", .min = 240, .max = 2160},
-                  height_px);
+  visitor.Text({.key = "camera",
+                .help = "camera of the model, as hand or arm; empty: the whole model, as also "
+                        "where hand is not in it"},
+               camera);
+  visitor.Integer(
+      {.key = "width_px", .help = "picture width, even", .min = kMinWidth_px, .max = 3840},
+      width_px);
+  visitor.Integer(
+      {.key = "height_px", .help = "picture height, even", .min = kMinHeight_px, .max = 2160},
+      height_px);
   visitor.Integer({.key = "frames_per_s",
                    .help = "pictures per second of simulated time",
                    .min = 1,
@@ -219,6 +225,16 @@ void CheckBaseline(const YAML::Node& root, const YamlSource& source, const Scena
                               Suggestion(scenario.baseline, names)});
 }
 
+void CheckVideoSize(const YAML::Node& root, const YamlSource& source, const VideoConfig& video) {
+  for (const auto& [key, side_px] :
+       {std::pair{"width_px", video.width_px}, std::pair{"height_px", video.height_px}}) {
+    if (side_px % 2 == 0) continue;
+    throw source.At(Find(Find(root, "video"), key),
+                    controller::SettingError(std::string("video.") + key,
+                                             fmt::format("is {}, must be even", side_px)));
+  }
+}
+
 /// A controller that does nothing against noise nor delay: what every other has to beat.
 bool NeitherFiltersNorPredicts(const controller::ControllerConfig& config) {
   return std::holds_alternative<controller::NoPredictionConfig>(config.prediction.settings) &&
@@ -298,6 +314,7 @@ Scenario ParseScenario(const ScenarioSource& text) {
   IncludeCalibrations(root, source, scenario);
   FillMeasurementVariances(root, source, scenario);
   CheckBaseline(root, source, scenario);
+  CheckVideoSize(root, source, scenario.video);
   return scenario;
 }
 

@@ -25,8 +25,12 @@ struct NamedController {
 
 /// What the video shows besides the hands.
 struct VideoConfig {
+  // Below, texts cannot be read. Sides are even: in the video two neighbours share their colour.
+  static constexpr int kMinWidth_px = 480;
+  static constexpr int kMinHeight_px = 270;
+
   std::string channel;  // whose curves are drawn; empty: index_mcp, or the first of the glove
-  std::string camera = "hand";
+  std::string camera = "hand";  // empty: the whole model
   int width_px = 1280;
   int height_px = 720;
   int frames_per_s = 30;

@@ -234,16 +234,25 @@ class Schedule {
   double trials_done_ = 0.0;
 };
 
-/// Errors: SettingError for a joint that the glove does not measure.
-void ChooseVideoChannel(const std::vector<std::string>& channels, std::string& channel) {
-  const auto has = [&channels](const std::string& name) {
-    return std::ranges::find(channels, name) != channels.end();
-  };
-  if (channel.empty()) channel = has("index_mcp") ? "index_mcp" : channels.front();
-  if (has(channel)) return;
-  throw controller::SettingError(
-      "video.channel",
-      channel + " is not a joint that the glove measures" + Suggestion(channel, channels));
+bool Has(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+/// The joint whose curves video and report begin with. A scenario for a full glove also serves a
+/// smaller one: for a joint of the hand that it does not measure another stands in, with a remark.
+/// Errors: SettingError for what is no joint of the hand.
+void ChooseVideoChannel(Study& study, std::string& channel) {
+  const std::vector<std::string>& measured = study.measured_joint_names;
+  if (Has(measured, channel)) return;
+  const std::string asked = channel;
+  if (!asked.empty() && !Has(study.hand->joint_names(), asked)) {
+    throw controller::SettingError(
+        "video.channel", asked + " is not a joint of the hand" + Suggestion(asked, measured));
+  }
+  channel = Has(measured, "index_mcp") ? "index_mcp" : measured.front();
+  if (asked.empty()) return;
+  study.remarks.push_back("video.channel: " + asked + " is not measured by the glove; " + channel +
+                          " is shown in its place");
 }
 
 }  // namespace
@@ -263,6 +272,16 @@ TrialSetup SetupOf(const Study& study, const NamedController& named) {
           .calibration = study.calibration,
           .joint_map = study.scenario.joint_map,
           .hand = study.hand};
+}
+
+void ChooseVideoCamera(const HandModel& hand, std::string& camera) {
+  const std::vector<std::string> cameras = hand.CameraNames();
+  if (camera.empty() || Has(cameras, camera)) return;
+  if (camera != VideoConfig{}.camera) {
+    throw controller::SettingError(
+        "video.camera", camera + " is not a camera of the hand" + Suggestion(camera, cameras));
+  }
+  camera.clear();  // the default: a model need not have it
 }
 
 Study PrepareStudy(Scenario scenario) {
@@ -288,9 +307,10 @@ Study PrepareStudy(Scenario scenario) {
       return controller::Controller(RobotOf(scenario, *study.hand, named.config));
     });
   }
-  ChooseVideoChannel(study.measured_joint_names, scenario.video.channel);
-  study.scenario = std::move(scenario);
   study.remarks = glove.remarks;
+  ChooseVideoChannel(study, scenario.video.channel);
+  ChooseVideoCamera(*study.hand, scenario.video.camera);
+  study.scenario = std::move(scenario);
   study.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
   return study;
 }

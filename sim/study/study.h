@@ -24,7 +24,7 @@ struct Study {
   std::vector<std::string> measured_joint_names;
   int joint_count = 0;                             // of the hand, measured or not
   ScoreRows rows;                                  // of these joints, motors and cables
-  std::vector<std::string> remarks;                // what was repaired in recordings, one line each
+  std::vector<std::string> remarks;                // what was repaired or replaced, a line each
   std::shared_ptr<const GloveSignal> first_glove;  // the signal of the first seed
   std::string glove_hash;                          // of that signal
 
@@ -41,6 +41,10 @@ controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
 
 /// The trial of one controller of the study.
 TrialSetup SetupOf(const Study& study, const NamedController& named);
+
+/// Empties the name of the default camera where the model does not have it: the whole is shown.
+/// Errors: SettingError `video.camera` for another that the model does not have.
+void ChooseVideoCamera(const HandModel& hand, std::string& camera);
 
 /// Builds hand, glove (of the first seed) and every controller. Errors: UserError, SettingError.
 Study PrepareStudy(Scenario scenario);

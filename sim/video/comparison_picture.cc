@@ -253,10 +253,8 @@ void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame, const Im
   plots_[pane].Draw(painter, frame, curves);
 }
 
-void ComparisonPicture::Draw(int frame, std::span<const Image> views, Image& image) const {
-  image.width_px = background_.width_px;
-  image.height_px = background_.height_px;
-  image.pixels.assign(background_.pixels.begin(), background_.pixels.end());
+void ComparisonPicture::Draw(int frame, std::span<const Image> views, ImageView image) const {
+  std::ranges::copy(background_.pixels, image.pixels);
   Painter painter(image);
   for (std::size_t i = 0; i < views.size(); ++i) {
     DrawPane(painter, i, frame, views[i]);

@@ -13,7 +13,7 @@
 namespace gauntlet::sim {
 
 /// Everything in a frame but the drawn hands: titles, running numbers, curves. Const once made, so
-/// many threads draw with one.
+/// many processes draw with one.
 /// Errors: UserError for sizes, RunError for signals that do not fit together.
 class ComparisonPicture {
  public:
@@ -28,8 +28,8 @@ class ComparisonPicture {
   /// The sample that a pane shows: its last one where a trial was stopped before.
   int SampleOf(int pane, int frame) const;
 
-  /// The whole frame. `views` has one picture per pane.
-  void Draw(int frame, std::span<const Image> views, Image& image) const;
+  /// The whole frame, into an image of the video's size. `views` has one picture per pane.
+  void Draw(int frame, std::span<const Image> views, ImageView image) const;
 
  private:
   Signal Measured(const Signal& all_joints) const;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
 #include "sim/hand/posture.h"
 #include "sim/video/comparison_picture.h"
@@ -23,7 +24,7 @@ std::vector<double> Row(const Signal& signal, int sample) {
   return values;
 }
 
-/// What one thread needs to draw frames: its own context, posture and pictures of hands.
+/// What one process needs to draw frames: its own context, posture and pictures of hands.
 class FrameArtist {
  public:
   FrameArtist(const VideoInput& input, const HandModel& hand, const ComparisonPicture& picture)
@@ -45,7 +46,7 @@ class FrameArtist {
     PlaceObject(hand.grasp(), *data_);
   }
 
-  void Draw(int frame, Image& image) {
+  void Draw(int frame, ImageView image) {
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const VideoPane& pane = input_.panes[i];
       const int sample = picture_.SampleOf(i, frame);
@@ -74,23 +75,27 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                           const std::filesystem::path& target,
                           const std::function<bool(int, int)>& progress) {
   const ComparisonPicture picture(input);
-  VideoEncoder encoder(target, {.width_px = input.width_px,
-                                .height_px = input.height_px,
-                                .frames_per_s = input.frames_per_s});
-  PrepareOffscreenDrawing();
+  AtomicFile file(target);
   const int frames = picture.frame_count();
   const bool complete = DrawFramesInOrder(
-      frames, input.jobs,
-      [&]() -> FrameDrawer {
-        auto artist = std::make_shared<FrameArtist>(input, hand, picture);
-        return [artist](int frame, Image& image) { artist->Draw(frame, image); };
+      {.frame_count = frames,
+       .width_px = input.width_px,
+       .height_px = input.height_px,
+       .jobs = input.jobs},
+      [&](Frames& todo) {
+        FrameArtist artist(input, hand, picture);
+        while (const auto frame = todo.Next()) artist.Draw(frame->number, frame->image);
       },
-      [&](int frame, const Image& image) {
-        encoder.Add(image);
-        return !progress || progress(frame + 1, frames);
-      });
+      [&](Frames& drawn) {
+        VideoEncoder encoder(file, {.width_px = input.width_px,
+                                    .height_px = input.height_px,
+                                    .frames_per_s = input.frames_per_s});
+        while (const auto frame = drawn.Next()) encoder.Add(frame->image);
+        encoder.Finish();
+      },
+      [&](int done) { return !progress || progress(done, frames); });
   if (!complete) throw Cancelled{};
-  encoder.Finish();
+  file.Commit();
 }
 
 }  // namespace gauntlet::sim

@@ -35,9 +35,10 @@ struct VideoInput {
   int jobs = 2;
 };
 
-/// Draws off-screen and encodes H.264 frame by frame, so memory does not grow with the length.
+/// Draws off-screen and encodes H.264 frame by frame, so memory does not grow with the length. Each
+/// library works in processes of its own (ordered_frames.h): no other thread may run meanwhile.
 /// The file appears under its name only when it is whole.
-/// Errors: RunError for a missing encoder, a full disk or a context that cannot be made.
+/// Errors: RunError for a missing encoder, a full disk, too little memory, a process that crashed.
 /// `progress` gets frames done and frames in all; false stops and throws Cancelled.
 void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                           const std::filesystem::path& target,

@@ -1,106 +1,164 @@
 #include "sim/video/ordered_frames.h"
 
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/mman.h>
+
 #include <algorithm>
-#include <condition_variable>
-#include <exception>
-#include <mutex>
-#include <thread>
-#include <utility>
+#include <cerrno>
+#include <cstring>
+#include <memory>
 #include <vector>
 
+#include "sim/base/error.h"
+
 namespace gauntlet::sim {
-namespace {
 
-/// A ring of images: frame k lives in image k mod size, from when a thread takes it up until it has
-/// been taken.
-class Ring {
+/// Images that this process and its children share: frame k lives in image k mod size, from when it
+/// is given to a process that draws until it has been taken.
+class SharedImages {
  public:
-  Ring(int frame_count, int size) : frame_count_(frame_count), images_(size), drawn_(size, false) {}
-
-  Image& ImageOf(int frame) { return images_[frame % images_.size()]; }
-
-  /// The next frame to be drawn; -1 if there is nothing more to do.
-  int Begin() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] {
-      return stopped_ || next_ == frame_count_ || next_ < taken_ + static_cast<int>(images_.size());
-    });
-    return stopped_ || next_ == frame_count_ ? -1 : next_++;
+  SharedImages(int count, const FramePlan& plan) : count_(count), plan_(plan) {
+    void* memory =
+        mmap(nullptr, Bytes(), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) {
+      throw RunError(fmt::format("video: no memory for {} pictures of {} x {} px: {}", count_,
+                                 plan_.width_px, plan_.height_px, std::strerror(errno)));
+    }
+    pixels_ = static_cast<std::uint32_t*>(memory);
   }
+  ~SharedImages() { munmap(pixels_, Bytes()); }
+  SharedImages(const SharedImages&) = delete;
+  SharedImages& operator=(const SharedImages&) = delete;
 
-  void MarkDrawn(int frame) {
-    const std::lock_guard lock(mutex_);
-    drawn_[frame % drawn_.size()] = true;
-    changed_.notify_all();
-  }
-
-  /// Until `frame` is drawn; throws what went wrong on a thread instead.
-  void WaitFor(int frame) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return problem_ != nullptr || drawn_[frame % drawn_.size()]; });
-    if (problem_ != nullptr) std::rethrow_exception(problem_);
-  }
-
-  void MarkTaken(int frame) {
-    const std::lock_guard lock(mutex_);
-    drawn_[frame % drawn_.size()] = false;
-    taken_ = frame + 1;
-    changed_.notify_all();
-  }
-
-  void Stop(std::exception_ptr problem) {
-    const std::lock_guard lock(mutex_);
-    if (problem_ == nullptr) problem_ = std::move(problem);
-    stopped_ = true;
-    changed_.notify_all();
+  int count() const { return count_; }
+  ImageView ImageOf(int frame) const {
+    return {plan_.width_px, plan_.height_px, pixels_ + frame % count_ * PixelsOfOne()};
   }
 
  private:
-  const int frame_count_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<Image> images_;
-  std::vector<bool> drawn_;
-  int next_ = 0;
-  int taken_ = 0;
-  bool stopped_ = false;
-  std::exception_ptr problem_;
+  std::size_t PixelsOfOne() const { return std::size_t{1} * plan_.width_px * plan_.height_px; }
+  std::size_t Bytes() const { return count_ * PixelsOfOne() * sizeof(std::uint32_t); }
+
+  int count_;
+  FramePlan plan_;
+  std::uint32_t* pixels_ = nullptr;
 };
 
-void DrawUntilDone(Ring& ring, const std::function<FrameDrawer()>& make_drawer) {
-  try {
-    const FrameDrawer draw = make_drawer();
-    for (int frame = ring.Begin(); frame >= 0; frame = ring.Begin()) {
-      draw(frame, ring.ImageOf(frame));
-      ring.MarkDrawn(frame);
-    }
-  } catch (...) {
-    ring.Stop(std::current_exception());
-  }
-}
+namespace {
 
-struct StopAtEnd {
-  Ring& ring;
-  ~StopAtEnd() { ring.Stop(nullptr); }
+constexpr int kMostTasks = 2;  // of one process: what it is at, and the next
+
+struct Drawer {
+  explicit Drawer(const std::function<void(WorkerProcess::Tasks&)>& work)
+      : process("draws", work) {}
+
+  WorkerProcess process;
+  int tasks = 0;
+};
+
+/// Gives frames to the processes that draw, and from them to the one that takes.
+class Schedule {
+ public:
+  Schedule(const FramePlan& plan, int jobs, const std::function<void(Frames&)>& draw,
+           const std::function<void(Frames&)>& take)
+      : frame_count_(plan.frame_count),
+        images_(FramesInFlight(jobs), plan),
+        drawn_(images_.count(), false),
+        taker_("encodes", WorkOn(take)) {
+    const auto draw_frames = WorkOn(draw);
+    while (std::ssize(drawers_) < jobs) {
+      try {
+        drawers_.push_back(std::make_unique<Drawer>(draw_frames));
+      } catch (const RunError&) {
+        if (drawers_.empty()) throw;
+        break;  // the pixels do not depend on how many there are
+      }
+    }
+  }
+
+  bool Run(const std::function<bool(int)>& keep_going) {
+    while (!finished_) {
+      HandOut();
+      const int taken_before = taken_;
+      const bool answered = WaitForAnswers();
+      if ((!answered || taken_ > taken_before) && !keep_going(taken_)) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::function<void(WorkerProcess::Tasks&)> WorkOn(const std::function<void(Frames&)>& work) {
+    return [this, &work](WorkerProcess::Tasks& tasks) {
+      Frames frames(tasks, images_);
+      work(frames);
+    };
+  }
+
+  /// Every process gets what it may have.
+  void HandOut() {
+    while (given_ < frame_count_ && given_ - taken_ < images_.count()) {
+      Drawer& idlest = **std::ranges::min_element(
+          drawers_, {}, [](const std::unique_ptr<Drawer>& drawer) { return drawer->tasks; });
+      if (idlest.tasks == kMostTasks) break;
+      idlest.process.Send(given_++);
+      ++idlest.tasks;
+    }
+    while (offered_ < given_ && drawn_[offered_ % images_.count()] &&
+           offered_ - taken_ < kMostTasks) {
+      taker_.Send(offered_++);
+    }
+    if (offered_ == frame_count_) taker_.Close();
+  }
+
+  /// At most one answer of each process. False: a signal came first.
+  bool WaitForAnswers() {
+    std::vector<pollfd> ends = {{.fd = taker_.descriptor(), .events = POLLIN, .revents = 0}};
+    for (const auto& drawer : drawers_) {
+      ends.push_back({.fd = drawer->process.descriptor(), .events = POLLIN, .revents = 0});
+    }
+    if (poll(ends.data(), ends.size(), -1) < 0) return false;
+    for (std::size_t i = 0; i < drawers_.size(); ++i) {
+      if (ends[i + 1].revents == 0) continue;
+      drawn_[drawers_[i]->process.Receive().value() % images_.count()] = true;
+      --drawers_[i]->tasks;
+    }
+    if (ends[0].revents != 0) {
+      if (const std::optional<int> frame = taker_.Receive()) {
+        drawn_[*frame % images_.count()] = false;
+        ++taken_;
+      } else {
+        finished_ = true;
+      }
+    }
+    return true;
+  }
+
+  const int frame_count_;
+  SharedImages images_;
+  std::vector<bool> drawn_;  // per image
+  WorkerProcess taker_;
+  std::vector<std::unique_ptr<Drawer>> drawers_;
+  int given_ = 0;    // frames given to processes that draw
+  int offered_ = 0;  // of these, to the taker
+  int taken_ = 0;    // of these, those that it is done with
+  bool finished_ = false;
 };
 
 }  // namespace
 
-bool DrawFramesInOrder(int frame_count, int jobs, const std::function<FrameDrawer()>& make_drawer,
-                       const std::function<bool(int, const Image&)>& take) {
-  jobs = std::clamp(jobs, 1, std::max(1, frame_count));
-  Ring ring(frame_count, FramesInFlight(jobs));
-  std::vector<std::jthread> threads;
-  const StopAtEnd stop_at_end{ring};  // goes before the threads, which are joined then
-  for (int job = 0; job < jobs; ++job) {
-    threads.emplace_back([&] { DrawUntilDone(ring, make_drawer); });
-  }
-  for (int frame = 0; frame < frame_count; ++frame) {
-    ring.WaitFor(frame);
-    if (!take(frame, ring.ImageOf(frame))) return false;
-    ring.MarkTaken(frame);
-  }
-  return true;
+std::optional<Frame> Frames::Next() {
+  if (current_) tasks_.Answer(*current_);
+  current_ = tasks_.Next();
+  if (!current_) return std::nullopt;
+  return Frame{.number = *current_, .image = images_.ImageOf(*current_)};
+}
+
+bool DrawFramesInOrder(const FramePlan& plan, const std::function<void(Frames&)>& draw,
+                       const std::function<void(Frames&)>& take,
+                       const std::function<bool(int)>& keep_going) {
+  const int jobs = std::clamp(plan.jobs, 1, std::max(1, plan.frame_count));
+  return Schedule(plan, jobs, draw, take).Run(keep_going);
 }
 
 }  // namespace gauntlet::sim

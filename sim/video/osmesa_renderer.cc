@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <mutex>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -19,9 +18,6 @@ namespace {
 constexpr int kMaxGeoms = 10000;      // of one scene, decorations included
 constexpr int kMaxDrawn_px = 16384;   // the rasteriser's largest picture
 constexpr int kPlaceholderSide = 16;  // the context's own buffer, never drawn into
-
-/// Loading the OpenGL functions and starting the rasteriser's compiler are global.
-std::mutex context_mutex;
 
 struct FreeModel {
   void operator()(mjModel* model) const { mj_deleteModel(model); }
@@ -126,11 +122,6 @@ void HalveRow(const std::uint32_t* upper, const std::uint32_t* lower, int width,
 
 }  // namespace
 
-void PrepareOffscreenDrawing() {
-  static std::once_flag once;
-  std::call_once(once, [] { setenv("LP_NUM_THREADS", "0", /*overwrite=*/0); });
-}
-
 struct OsmesaRenderer::Context {
   const mjModel& model;
   RendererConfig config;
@@ -154,7 +145,6 @@ struct OsmesaRenderer::Context {
   }
 
   ~Context() {
-    const std::lock_guard lock(context_mutex);
     if (mesa != nullptr && OSMesaMakeCurrent(mesa, placeholder.data(), GL_UNSIGNED_BYTE,
                                              kPlaceholderSide, kPlaceholderSide)) {
       mjr_freeContext(&drawing);
@@ -175,7 +165,6 @@ struct OsmesaRenderer::Context {
   }
 
   void Open() {
-    const std::lock_guard lock(context_mutex);
     mesa = MakeMesaContext();
     MakeCurrent();
     // The sizes of buffers are part of the model: set them in a copy, which is not kept.
@@ -244,7 +233,10 @@ struct OsmesaRenderer::Context {
 
 OsmesaRenderer::OsmesaRenderer(const mjModel& model, const RendererConfig& config) {
   CheckConfig(config);
-  PrepareOffscreenDrawing();
+  // The rasteriser draws on the thread that asks for it: several drawings at once use the cores
+  // better than several threads in one. Its cache of shaders would have a thread of its own, too.
+  setenv("LP_NUM_THREADS", "0", /*overwrite=*/1);
+  setenv("MESA_SHADER_CACHE_DISABLE", "true", /*overwrite=*/1);
   context_ = std::make_unique<Context>(model, config);
   context_->Open();
 }

@@ -32,7 +32,8 @@ struct RendererConfig {
 /// What the model does not cover stays transparent. For a picture taller than wide the camera
 /// `<name>_upright` is taken where the model has one; where not, the camera's field of view becomes
 /// that in width, so that the hand is not cut off.
-/// To be used on the thread that made it; one per thread.
+/// One thread of a process may have renderers, and draw with one at a time: Mesa's rasteriser keeps
+/// the scenes of all contexts in one list, and walks through it without a lock (llvmpipe of 22.3).
 /// Errors: UserError for a camera that the model lacks, RunError for a context that cannot be made.
 class OsmesaRenderer {
  public:
@@ -49,9 +50,5 @@ class OsmesaRenderer {
   struct Context;
   std::unique_ptr<Context> context_;
 };
-
-/// Once per program, before threads are started: each drawing stays on the thread that asks for it,
-/// because several drawings at once use the cores better than several threads in one drawing.
-void PrepareOffscreenDrawing();
 
 }  // namespace gauntlet::sim

@@ -39,10 +39,10 @@ double Advance(cairo_t* cairo, std::string_view text) {
 
 }  // namespace
 
-Painter::Painter(Image& image) {
-  surface_ = cairo_image_surface_create_for_data(
-      reinterpret_cast<unsigned char*>(image.pixels.data()), CAIRO_FORMAT_ARGB32, image.width_px,
-      image.height_px, 4 * image.width_px);
+Painter::Painter(ImageView image) {
+  surface_ = cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels),
+                                                 CAIRO_FORMAT_ARGB32, image.width_px,
+                                                 image.height_px, 4 * image.width_px);
   cairo_ = cairo_create(surface_);
   if (const cairo_status_t status = cairo_status(cairo_); status != CAIRO_STATUS_SUCCESS) {
     throw RunError(std::string("video: cannot draw: ") + cairo_status_to_string(status));

@@ -42,7 +42,7 @@ struct TextStyle {
 /// Draws shapes and text onto an image, smoothly. The image must outlive the painter.
 class Painter {
  public:
-  explicit Painter(Image& image);
+  explicit Painter(ImageView image);
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;

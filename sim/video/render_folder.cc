@@ -8,10 +8,13 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/scenario/scenario.h"
+#include "sim/settings/yaml_reader.h"
 #include "sim/study/manifest.h"
+#include "sim/study/study.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_reader.h"
 #include "sim/video/comparison_video.h"
+#include "sim/video/video_layout.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -38,12 +41,33 @@ void CheckTraceIsOfHand(const std::filesystem::path& place, const TraceFile& fil
 
 }  // namespace
 
+std::filesystem::path VideoOf(const std::filesystem::path& folder) {
+  return folder / "comparison.mp4";
+}
+
+void CheckVideo(int controllers, const std::filesystem::path& target) {
+  CheckPaneCount(controllers);
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(target, ignored)) return;
+  throw UserError({.place = target.string(), .problem = "is a folder, must be a file"});
+}
+
 std::filesystem::path RenderFolder(const RenderOptions& options,
                                    const std::function<bool(int, int)>& keep_going) {
+  const std::filesystem::path target =
+      options.target.empty() ? VideoOf(options.folder) : options.target;
   const Manifest manifest(options.folder);
   const std::filesystem::path resolved = manifest.Checked("scenario.resolved.yaml");
-  const Scenario scenario = LoadScenario(resolved, {});
+  Scenario scenario = LoadScenario(resolved, {});
   CheckControllerNames(options.controllers, scenario);
+  CheckVideo(options.controllers.empty() ? scenario.controllers.size() : options.controllers.size(),
+             target);
+  const HandModel hand(scenario.hand, TimingOf(scenario));
+  try {
+    ChooseVideoCamera(hand, scenario.video.camera);
+  } catch (const controller::SettingError& error) {
+    throw AtPlace(resolved.string(), error);
+  }
   const TraceFile file = ReadTraceFile(
       manifest.Checked("trace.h5"),
       {.only = options.controllers, .keep_going = [&] { return !keep_going || keep_going(0, 1); }});
@@ -51,7 +75,6 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
     throw UserError(
         {.place = (options.folder / "trace.h5").string(), .problem = "holds no controller"});
   }
-  const HandModel hand(scenario.hand, TimingOf(scenario));
   CheckTraceIsOfHand(options.folder / "trace.h5", file, scenario, hand);
   const controller::JointMap joint_map(scenario.joint_map, file.channel_names, hand.transmission());
   std::vector<WayOfAngles> ways;
@@ -89,8 +112,6 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   input.frames_per_s = scenario.video.frames_per_s;
   input.jobs = options.jobs;
 
-  std::filesystem::path target =
-      options.target.empty() ? options.folder / "comparison.mp4" : options.target;
   WriteComparisonVideo(input, hand, target, keep_going);
   return target;
 }

@@ -10,9 +10,16 @@ namespace gauntlet::sim {
 struct RenderOptions {
   std::filesystem::path folder;          // of a finished run or comparison
   std::vector<std::string> controllers;  // empty: all
-  std::filesystem::path target;          // empty: comparison.mp4 in the folder
+  std::filesystem::path target;          // empty: VideoOf(folder)
   int jobs = 1;
 };
+
+/// Where `folder` has its video.
+std::filesystem::path VideoOf(const std::filesystem::path& folder);
+
+/// What can be known of a video before the motion that it shows: more controllers than it has room
+/// for, or a folder in its place. Sizes and camera are checked with the scenario. Errors: UserError.
+void CheckVideo(int controllers, const std::filesystem::path& target);
 
 /// Draws the comparison video from `trace.h5` and `scenario.resolved.yaml`, checked by the manifest.
 /// Returns the file.

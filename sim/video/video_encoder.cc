@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <mutex>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
 
 extern "C" {
@@ -47,9 +45,8 @@ void CheckFormat(const VideoFormat& format) {
 }  // namespace
 
 struct VideoEncoder::State {
-  std::filesystem::path target;
+  const AtomicFile& file;
   VideoFormat settings;
-  AtomicFile file;
   AVCodecContext* codec = nullptr;
   AVFormatContext* container = nullptr;
   AVStream* stream = nullptr;
@@ -58,8 +55,8 @@ struct VideoEncoder::State {
   SwsContext* converter = nullptr;
   std::int64_t next_frame = 0;
 
-  State(const std::filesystem::path& given_target, const VideoFormat& format)
-      : target(given_target), settings(format), file(given_target) {}
+  State(const AtomicFile& given_file, const VideoFormat& format)
+      : file(given_file), settings(format) {}
 
   ~State() {
     sws_freeContext(converter);
@@ -70,16 +67,18 @@ struct VideoEncoder::State {
     avformat_free_context(container);
   }
 
+  std::string Target() const { return file.target().string(); }
+
   int Check(int result, const char* action) const {
     if (result >= 0) return result;
-    throw RunError(fmt::format("{}: cannot {}: {}", target.string(), action, ReasonOf(result)));
+    throw RunError(fmt::format("{}: cannot {}: {}", Target(), action, ReasonOf(result)));
   }
 
   void OpenCodec() {
     const AVCodec* encoder = avcodec_find_encoder_by_name(settings.encoder.c_str());
     if (encoder == nullptr) {
       throw RunError(fmt::format("{}: cannot encode: this machine's libavcodec has no encoder {}",
-                                 target.string(), settings.encoder));
+                                 Target(), settings.encoder));
     }
     codec = avcodec_alloc_context3(encoder);
     codec->width = settings.width_px;
@@ -149,11 +148,10 @@ struct VideoEncoder::State {
   void CheckWritten() const { Check(container->pb->error, "write"); }
 };
 
-VideoEncoder::VideoEncoder(const std::filesystem::path& target, const VideoFormat& format) {
-  static std::once_flag quiet;
-  std::call_once(quiet, [] { av_log_set_level(AV_LOG_QUIET); });
+VideoEncoder::VideoEncoder(const AtomicFile& file, const VideoFormat& format) {
+  av_log_set_level(AV_LOG_QUIET);
   CheckFormat(format);
-  state_ = std::make_unique<State>(target, format);
+  state_ = std::make_unique<State>(file, format);
   state_->OpenCodec();
   state_->OpenConverter();
   state_->OpenContainer();
@@ -161,15 +159,15 @@ VideoEncoder::VideoEncoder(const std::filesystem::path& target, const VideoForma
 
 VideoEncoder::~VideoEncoder() = default;
 
-void VideoEncoder::Add(const Image& image) {
+void VideoEncoder::Add(ImageView image) {
   State& state = *state_;
   if (image.width_px != state.settings.width_px || image.height_px != state.settings.height_px) {
-    throw RunError(fmt::format("{}: a frame of {} x {} px in a video of {} x {} px",
-                               state.target.string(), image.width_px, image.height_px,
-                               state.settings.width_px, state.settings.height_px));
+    throw RunError(fmt::format("{}: a frame of {} x {} px in a video of {} x {} px", state.Target(),
+                               image.width_px, image.height_px, state.settings.width_px,
+                               state.settings.height_px));
   }
   state.Check(av_frame_make_writable(state.frame), "reserve memory for a frame");
-  const std::uint8_t* rows[] = {reinterpret_cast<const std::uint8_t*>(image.pixels.data())};
+  const std::uint8_t* rows[] = {reinterpret_cast<const std::uint8_t*>(image.pixels)};
   const int strides[] = {4 * image.width_px};
   sws_scale(state.converter, rows, strides, 0, image.height_px, state.frame->data,
             state.frame->linesize);
@@ -184,7 +182,6 @@ void VideoEncoder::Finish() {
   avio_flush(state.container->pb);
   state.CheckWritten();
   state.Check(avio_closep(&state.container->pb), "write");
-  state.file.Commit();
 }
 
 }  // namespace gauntlet::sim

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
+#include "sim/base/atomic_file.h"
 #include "sim/video/image.h"
 
 namespace gauntlet::sim {
@@ -22,19 +22,20 @@ struct VideoFormat {
 /// browser.
 ///
 /// Frame by frame, so memory does not grow with the length; frame k is shown at exactly
-/// k / frames_per_s. The file appears under its name at Finish(); without it, nothing is left.
+/// k / frames_per_s. After Finish() the file is whole, and can be committed by its owner.
 /// Same frames, same bytes, on any number of cores.
 /// Errors: UserError for a size or rate that H.264 cannot have; RunError for a missing encoder
 /// (before anything is written), a missing folder, a full disk.
 class VideoEncoder {
  public:
-  VideoEncoder(const std::filesystem::path& target, const VideoFormat& format);
+  /// `file` must outlive the encoder.
+  VideoEncoder(const AtomicFile& file, const VideoFormat& format);
   ~VideoEncoder();
   VideoEncoder(const VideoEncoder&) = delete;
   VideoEncoder& operator=(const VideoEncoder&) = delete;
 
   /// The next frame. Alpha is not looked at.
-  void Add(const Image& frame);
+  void Add(ImageView frame);
   void Finish();
 
  private:

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/scenario/scenario.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -74,14 +75,20 @@ PaneLayout LayOutLowPane(const Rect& card, double unit) {
 
 }  // namespace
 
+void CheckPaneCount(int pane_count) {
+  if (pane_count >= 1 && pane_count <= kMaxPanes) return;
+  throw UserError({.place = "video",
+                   .problem = fmt::format("{} controllers, must be from 1 to {}: choose some with "
+                                          "--controllers, here or later in gauntlet render",
+                                          pane_count, kMaxPanes)});
+}
+
 VideoLayout LayOutVideo(int width_px, int height_px, int pane_count) {
-  if (pane_count < 1 || pane_count > kMaxPanes) {
-    throw UserError(fmt::format("video: {} controllers; a video shows 1 .. {} (choose some)",
-                                pane_count, kMaxPanes));
-  }
-  if (width_px < kMinVideoWidth_px || height_px < kMinVideoHeight_px) {
+  CheckPaneCount(pane_count);
+  if (width_px < VideoConfig::kMinWidth_px || height_px < VideoConfig::kMinHeight_px) {
     throw UserError(fmt::format("video: {} x {} px is too small, at least {} x {} px are needed",
-                                width_px, height_px, kMinVideoWidth_px, kMinVideoHeight_px));
+                                width_px, height_px, VideoConfig::kMinWidth_px,
+                                VideoConfig::kMinHeight_px));
   }
   VideoLayout layout;
   layout.unit = std::min(width_px / 1280.0, height_px / 720.0);

@@ -7,8 +7,9 @@
 namespace gauntlet::sim {
 
 inline constexpr int kMaxPanes = 8;
-inline constexpr int kMinVideoWidth_px = 480;
-inline constexpr int kMinVideoHeight_px = 270;
+
+/// Errors: UserError for a number of controllers that a video cannot show side by side.
+void CheckPaneCount(int pane_count);
 
 /// Where the parts of one pane lie. All edges are whole pixels.
 struct PaneLayout {

@@ -1,4 +1,4 @@
-// A walk through the keys of a scenario that concern time, channels or segments: at both ends of
+// A walk through the keys of a scenario that concern time, channels, segments or the video: at both ends of
 // its range, and at odd values, a key changes the scores as its help says or is refused by name.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -129,7 +129,17 @@ const std::vector<Step>& Walk() {
       {"joint_map.nose={channels: [index_pip]}", kRefused},
       {"video.channel=ring_pip", kKeeps},
       {"video.channel=nose", kRefused},
-      {"video.channel=index_mcp", kRefused, {}, kFive},
+      {"video.channel=index_mcp", kKeeps, {}, kFive},
+      {"video.camera=arm", kKeeps},
+      {"video.camera=nose", kRefused},
+      {"video.width_px=480", kKeeps},
+      {"video.width_px=3840", kKeeps},
+      {"video.width_px=478", kRefused},
+      {"video.width_px=481", kRefused, "video.width_px: is 481, must be even"},
+      {"video.height_px=270", kKeeps},
+      {"video.height_px=2160", kKeeps},
+      {"video.height_px=268", kRefused},
+      {"video.height_px=271", kRefused, "video.height_px: is 271, must be even"},
       {"video.frames_per_s=1", kKeeps},
       {"video.frames_per_s=120", kKeeps},
       {"video.frames_per_s=0", kRefused},
@@ -275,12 +285,12 @@ TEST_F(KeysWalk, EveryValueChangesTheScoresOrIsRefused) {
   }
 }
 
-/// Does a key concern time, channels or segments?
+/// Does a key concern time, channels, segments or the video?
 bool IsWalked(const std::string& key) {
   const auto ends_with = [&key](const char* end) { return key.ends_with(end); };
   const auto has = [&key](const char* part) { return key.find(part) != std::string::npos; };
   return ends_with("_ms") || ends_with("_s") || ends_with("_hz") || has("channel") ||
-         has("label") || has("joint_map") || has("filter_at");
+         has("label") || has("joint_map") || has("filter_at") || has("video.");
 }
 
 /// Keys that need no walk, and why.

@@ -2,10 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <numbers>
 
 #include "sim/base/channels.h"
@@ -103,7 +107,7 @@ TEST(ComparisonVideo, HoldsEveryFrameOfTheMotion) {
   }
 }
 
-TEST(ComparisonVideo, DoesNotDependOnTheNumberOfThreads) {
+TEST(ComparisonVideo, DoesNotDependOnTheNumberOfProcesses) {
   const TemporaryFolder folder;
   SmallComparison comparison;
   for (int jobs : {1, 2, 4}) {
@@ -113,6 +117,50 @@ TEST(ComparisonVideo, DoesNotDependOnTheNumberOfThreads) {
   }
   EXPECT_EQ(Bytes(folder.path() / "1.mp4"), Bytes(folder.path() / "2.mp4"));
   EXPECT_EQ(Bytes(folder.path() / "1.mp4"), Bytes(folder.path() / "4.mp4"));
+}
+
+/// The processes that this one has started and not yet seen the end of.
+std::vector<int> Children() {
+  std::vector<int> children;
+  std::ifstream list("/proc/self/task/" + std::to_string(getpid()) + "/children");
+  for (int child = 0; list >> child;) children.push_back(child);
+  return children;
+}
+
+// Mesa walks through the scenes of all contexts of a process without a lock.
+TEST(ComparisonVideo, DrawsWithOneThreadInEachProcess) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  comparison.input.jobs = 3;
+  std::vector<int> with_one_thread;
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4", [&](int done, int) {
+    if (done != 8) return true;  // all of them have drawn
+    for (const int child : Children()) {
+      const std::filesystem::directory_iterator threads("/proc/" + std::to_string(child) + "/task");
+      if (std::distance(begin(threads), end(threads)) == 1) with_one_thread.push_back(child);
+    }
+    return true;
+  });
+  EXPECT_EQ(with_one_thread.size(), 3u);  // the one that encodes has several
+  EXPECT_TRUE(Children().empty());
+}
+
+TEST(ComparisonVideo, AProcessThatDiesIsOneErrorAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const SmallComparison comparison;
+  for (const int which : {0, 1}) {  // one that encodes, one that draws
+    EXPECT_THAT(MessageOf([&] {
+                  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4",
+                                       [&](int done, int) {
+                                         if (done == 3) kill(Children()[which], SIGSEGV);
+                                         return true;
+                                       });
+                }),
+                StartsWith(std::string("RunError: video: the process that ") +
+                           (which == 0 ? "encodes" : "draws") + " was ended by signal 11"));
+    EXPECT_TRUE(folder.IsEmpty());
+    EXPECT_TRUE(Children().empty());
+  }
 }
 
 TEST(ComparisonVideo, StopsOnRequestAndLeavesNothing) {

@@ -1,87 +1,183 @@
 #include "sim/video/ordered_frames.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
-#include <stdexcept>
+#include <csignal>
+#include <filesystem>
+#include <new>
 #include <thread>
-#include <vector>
+
+#include "sim/base/error.h"
 
 namespace gauntlet::sim {
 namespace {
 
-/// Writes its number into the image, after a while that differs from frame to frame.
-void DrawNumber(int frame, Image& image) {
-  std::this_thread::sleep_for(std::chrono::microseconds(200 * (frame * 7 % 5)));
-  image = Image(1, 1);
-  image.pixels[0] = static_cast<std::uint32_t>(frame);
+/// A number that this process and its children share.
+class SharedNumber {
+ public:
+  SharedNumber()
+      : number_(new (mmap(nullptr, sizeof(std::atomic<int>), PROT_READ | PROT_WRITE,
+                          MAP_SHARED | MAP_ANONYMOUS, -1, 0)) std::atomic<int>(0)) {}
+  ~SharedNumber() { munmap(number_, sizeof(std::atomic<int>)); }
+  SharedNumber(const SharedNumber&) = delete;
+  SharedNumber& operator=(const SharedNumber&) = delete;
+  std::atomic<int>& operator*() const { return *number_; }
+
+ private:
+  std::atomic<int>* number_;
+};
+
+FramePlan SmallFrames(int frame_count, int jobs) {
+  return {.frame_count = frame_count, .width_px = 3, .height_px = 2, .jobs = jobs};
 }
 
-FrameDrawer MakeNumberDrawer() { return DrawNumber; }
+/// Writes its number into the image, after a while that differs from frame to frame.
+void DrawNumbers(Frames& frames) {
+  while (const auto frame = frames.Next()) {
+    std::this_thread::sleep_for(std::chrono::microseconds(200 * (frame->number * 7 % 5)));
+    for (int i = 0; i < 6; ++i) frame->image.pixels[i] = 10 * frame->number + i;
+  }
+}
+
+void TakeAll(Frames& frames) {
+  while (frames.Next()) {
+  }
+}
+
+bool GoOn(int) { return true; }
+
+bool HasChildren() { return waitpid(-1, nullptr, WNOHANG) >= 0 || errno != ECHILD; }
 
 TEST(OrderedFrames, HandsOverEveryFrameOnceInOrder) {
-  for (int jobs : {1, 2, 5, 200}) {
-    std::vector<std::uint32_t> taken;
-    EXPECT_TRUE(DrawFramesInOrder(100, jobs, MakeNumberDrawer, [&](int frame, const Image& image) {
-      EXPECT_EQ(image.pixels[0], static_cast<std::uint32_t>(frame));
-      taken.push_back(image.pixels[0]);
+  for (const int jobs : {1, 2, 5, 20}) {
+    int calls = 0;
+    const auto take = [](Frames& frames) {
+      int expected = 0;
+      for (; const auto frame = frames.Next(); ++expected) {
+        if (frame->number != expected) throw RunError("another frame");
+        for (int i = 0; i < 6; ++i) {
+          if (static_cast<int>(frame->image.pixels[i]) != 10 * expected + i) {
+            throw RunError("another image");
+          }
+        }
+      }
+      if (expected != 100) throw RunError("another number of frames");
+    };
+    EXPECT_TRUE(DrawFramesInOrder(SmallFrames(100, jobs), DrawNumbers, take, [&](int taken) {
+      EXPECT_EQ(taken, ++calls);
       return true;
     }));
-    ASSERT_EQ(taken.size(), 100u);
-    for (std::uint32_t i = 0; i < 100; ++i) EXPECT_EQ(taken[i], i);
+    EXPECT_EQ(calls, 100);
+    EXPECT_FALSE(HasChildren());
   }
+}
+
+TEST(OrderedFrames, AVideoOfNothingEndsAtOnce) {
+  EXPECT_TRUE(DrawFramesInOrder(SmallFrames(0, 2), DrawNumbers, TakeAll, GoOn));
 }
 
 TEST(OrderedFrames, NeverHoldsMoreFramesThanPromised) {
   constexpr int kJobs = 3, kFrames = 200;
-  std::atomic<int> begun = 0;
-  int taken = 0, most = 0;
+  const SharedNumber begun, taken, most;
   DrawFramesInOrder(
-      kFrames, kJobs,
-      [&]() -> FrameDrawer {
-        return [&](int frame, Image& image) {
-          ++begun;
-          DrawNumber(0, image);
-          (void)frame;
-        };
+      SmallFrames(kFrames, kJobs),
+      [&](Frames& frames) {
+        while (frames.Next()) ++*begun;
       },
-      [&](int, const Image&) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));  // slower than the threads
-        most = std::max(most, begun.load() - taken);
-        ++taken;
-        return true;
-      });
-  EXPECT_EQ(taken, kFrames);
-  EXPECT_LE(most, FramesInFlight(kJobs));
-  EXPECT_GT(most, kJobs);  // and the threads do run ahead
+      [&](Frames& frames) {
+        while (frames.Next()) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));  // slower than the drawers
+          *most = std::max<int>(*most, *begun - *taken);
+          ++*taken;
+        }
+      },
+      GoOn);
+  EXPECT_EQ(*taken, kFrames);
+  EXPECT_LE(*most, FramesInFlight(kJobs));
+  EXPECT_GT(*most, kJobs);  // and the drawers do run ahead
 }
 
-TEST(OrderedFrames, StopsWhenTheTakerSaysSo) {
-  std::atomic<int> begun = 0;
-  int taken = 0;
+TEST(OrderedFrames, EveryDrawerHasAProcessWithOneThread) {
+  const SharedNumber processes, with_one_thread;
+  DrawFramesInOrder(
+      SmallFrames(50, 3),
+      [&](Frames& frames) {
+        ++*processes;
+        int threads = 0;
+        for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+          (void)thread;
+          ++threads;
+        }
+        if (threads == 1) ++*with_one_thread;
+        DrawNumbers(frames);
+      },
+      TakeAll, GoOn);
+  EXPECT_EQ(*processes, 3);
+  EXPECT_EQ(*with_one_thread, 3);
+}
+
+TEST(OrderedFrames, StopsWhenItIsTold) {
+  const SharedNumber begun;
+  int calls = 0;
   const bool complete = DrawFramesInOrder(
-      100000, 2, [&]() -> FrameDrawer { return [&](int, Image&) { ++begun; }; },
-      [&](int, const Image&) { return ++taken < 10; });
+      SmallFrames(100000, 2),
+      [&](Frames& frames) {
+        while (frames.Next()) ++*begun;
+      },
+      TakeAll, [&](int) { return ++calls < 10; });
   EXPECT_FALSE(complete);
-  EXPECT_EQ(taken, 10);
-  EXPECT_LE(begun, 10 + FramesInFlight(2));
+  EXPECT_EQ(calls, 10);
+  EXPECT_LE(*begun, 10 + FramesInFlight(2));
+  EXPECT_FALSE(HasChildren());
 }
 
 TEST(OrderedFrames, PassesOnWhatGoesWrongWhereverItDoes) {
-  const auto take = [](int, const Image&) { return true; };
-  const auto fail_to_make = []() -> FrameDrawer { throw std::runtime_error("no context"); };
-  const auto fail_to_draw = []() -> FrameDrawer {
-    return [](int frame, Image&) {
-      if (frame == 7) throw std::runtime_error("no frame");
-    };
+  const auto message_of = [](const std::function<void(Frames&)>& draw,
+                             const std::function<void(Frames&)>& take) -> std::string {
+    try {
+      DrawFramesInOrder(SmallFrames(50, 2), draw, take, GoOn);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "no error";
   };
-  EXPECT_THROW(DrawFramesInOrder(50, 2, fail_to_make, take), std::runtime_error);
-  EXPECT_THROW(DrawFramesInOrder(50, 2, fail_to_draw, take), std::runtime_error);
-  EXPECT_THROW(
-      DrawFramesInOrder(50, 2, MakeNumberDrawer,
-                        [](int, const Image&) -> bool { throw std::runtime_error("full"); }),
-      std::runtime_error);
+  EXPECT_EQ(message_of([](Frames&) { throw RunError("no context"); }, TakeAll), "no context");
+  EXPECT_EQ(message_of(
+                [](Frames& frames) {
+                  while (const auto frame = frames.Next()) {
+                    if (frame->number == 7) throw UserError("no frame");
+                  }
+                },
+                TakeAll),
+            "no frame");
+  EXPECT_EQ(message_of(DrawNumbers,
+                       [](Frames& frames) {
+                         frames.Next();
+                         throw RunError("full");
+                       }),
+            "full");
+  EXPECT_EQ(message_of([](Frames&) { raise(SIGSEGV); }, TakeAll),
+            "video: the process that draws was ended by signal 11 (Segmentation fault)");
+  EXPECT_EQ(message_of(DrawNumbers,
+                       [](Frames& frames) {
+                         while (frames.Next()) raise(SIGKILL);
+                       }),
+            "video: the process that encodes was ended by signal 9 (Killed); the system does so "
+            "when memory runs out");
+  EXPECT_FALSE(HasChildren());
+}
+
+TEST(OrderedFrames, SaysThatThereIsNoMemoryForItsImages) {
+  FramePlan plan = SmallFrames(1, 1);
+  plan.width_px = plan.height_px = 2'000'000;
+  EXPECT_THROW(DrawFramesInOrder(plan, DrawNumbers, TakeAll, GoOn), RunError);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "sim/base/error.h"
 #include "tests/video/tiny_model.h"
@@ -242,19 +241,6 @@ TEST(OsmesaRenderer, TheGroundCanBeLeftOut) {
     renderer.Draw(model.data(), picture);
     EXPECT_EQ(Alpha(picture.Row(240)[320]), ground ? 255 : 0);
   }
-}
-
-TEST(OsmesaRenderer, ThreadsDrawTheSamePixels) {
-  const RendererConfig config = {.width_px = 120, .height_px = 90, .camera = "front"};
-  const Image alone = DrawShapes(config, 0.3);
-  Image pictures[3];
-  {
-    std::vector<std::jthread> threads;
-    for (Image& picture : pictures) {
-      threads.emplace_back([&] { picture = DrawShapes(config, 0.3); });
-    }
-  }
-  for (const Image& picture : pictures) EXPECT_EQ(picture.pixels, alone.pixels);
 }
 
 TEST(OsmesaRenderer, TwoOnOneThreadDoNotDisturbEachOther) {

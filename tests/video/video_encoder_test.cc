@@ -44,6 +44,18 @@ std::string MessageOf(const std::function<void()>& action) {
   return "no error";
 }
 
+/// A video as its owner makes it; `add` adds the frames.
+void Encode(const std::filesystem::path& target, const VideoFormat& format,
+            const std::function<void(VideoEncoder&)>& add) {
+  AtomicFile file(target);
+  VideoEncoder encoder(file, format);
+  add(encoder);
+  encoder.Finish();
+  file.Commit();
+}
+
+void AddNothing(VideoEncoder&) {}
+
 std::string Bytes(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
@@ -53,9 +65,9 @@ TEST(VideoEncoder, WritesWhatAPlayerExpects) {
   const TemporaryFolder folder;
   VideoFormat format = SmallFormat();
   format.frames_per_s = 25;
-  VideoEncoder encoder(folder.path() / "a.mp4", format);
-  for (int i = 0; i < 61; ++i) encoder.Add(Halves(format, 40, 200));
-  encoder.Finish();
+  Encode(folder.path() / "a.mp4", format, [&](VideoEncoder& encoder) {
+    for (int i = 0; i < 61; ++i) encoder.Add(Halves(format, 40, 200));
+  });
 
   const VideoContent content = ReadVideo(folder.path() / "a.mp4");
   EXPECT_EQ(content.codec, "h264");
@@ -72,9 +84,9 @@ TEST(VideoEncoder, WritesWhatAPlayerExpects) {
 TEST(VideoEncoder, KeepsBrightnessAndOrderOfFrames) {
   const TemporaryFolder folder;
   const VideoFormat format = SmallFormat();
-  VideoEncoder encoder(folder.path() / "a.mp4", format);
-  for (int i = 0; i < 40; ++i) encoder.Add(Halves(format, 5 * i, 255 - 5 * i));
-  encoder.Finish();
+  Encode(folder.path() / "a.mp4", format, [&](VideoEncoder& encoder) {
+    for (int i = 0; i < 40; ++i) encoder.Add(Halves(format, 5 * i, 255 - 5 * i));
+  });
 
   const VideoContent content = ReadVideo(folder.path() / "a.mp4");
   ASSERT_EQ(content.frames, 40);
@@ -87,9 +99,9 @@ TEST(VideoEncoder, KeepsBrightnessAndOrderOfFrames) {
 TEST(VideoEncoder, PutsTheIndexInFront) {
   const TemporaryFolder folder;
   const VideoFormat format = SmallFormat();
-  VideoEncoder encoder(folder.path() / "a.mp4", format);
-  for (int i = 0; i < 5; ++i) encoder.Add(Halves(format, 0, 255));
-  encoder.Finish();
+  Encode(folder.path() / "a.mp4", format, [&](VideoEncoder& encoder) {
+    for (int i = 0; i < 5; ++i) encoder.Add(Halves(format, 0, 255));
+  });
   const auto boxes = BoxesOf(folder.path() / "a.mp4");
   const auto index = std::find(boxes.begin(), boxes.end(), "moov");
   const auto data = std::find(boxes.begin(), boxes.end(), "mdat");
@@ -102,9 +114,9 @@ TEST(VideoEncoder, GivesTheSameBytesForTheSameFrames) {
   const TemporaryFolder folder;
   const VideoFormat format = SmallFormat();
   for (const char* name : {"a.mp4", "b.mp4"}) {
-    VideoEncoder encoder(folder.path() / name, format);
-    for (int i = 0; i < 20; ++i) encoder.Add(Halves(format, 7 * i, 3 * i));
-    encoder.Finish();
+    Encode(folder.path() / name, format, [&](VideoEncoder& encoder) {
+      for (int i = 0; i < 20; ++i) encoder.Add(Halves(format, 7 * i, 3 * i));
+    });
   }
   EXPECT_EQ(Bytes(folder.path() / "a.mp4"), Bytes(folder.path() / "b.mp4"));
 }
@@ -113,7 +125,8 @@ TEST(VideoEncoder, LeavesNothingWithoutFinish) {
   const TemporaryFolder folder;
   const VideoFormat format = SmallFormat();
   {
-    VideoEncoder encoder(folder.path() / "a.mp4", format);
+    const AtomicFile file(folder.path() / "a.mp4");
+    VideoEncoder encoder(file, format);
     for (int i = 0; i < 100; ++i) encoder.Add(Halves(format, 0, 255));
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.mp4"));
   }
@@ -124,7 +137,7 @@ TEST(VideoEncoder, NamesAMissingEncoderBeforeItWrites) {
   const TemporaryFolder folder;
   VideoFormat format = SmallFormat();
   format.encoder = "no_such_encoder";
-  EXPECT_THAT(MessageOf([&] { VideoEncoder(folder.path() / "a.mp4", format); }),
+  EXPECT_THAT(MessageOf([&] { Encode(folder.path() / "a.mp4", format, AddNothing); }),
               AllOf(HasSubstr("a.mp4"), HasSubstr("no encoder no_such_encoder")));
   EXPECT_TRUE(folder.IsEmpty());
 }
@@ -132,7 +145,7 @@ TEST(VideoEncoder, NamesAMissingEncoderBeforeItWrites) {
 TEST(VideoEncoder, NamesAMissingFolder) {
   const TemporaryFolder folder;
   const auto target = folder.path() / "missing" / "a.mp4";
-  EXPECT_THAT(MessageOf([&] { VideoEncoder(target, SmallFormat()); }),
+  EXPECT_THAT(MessageOf([&] { Encode(target, SmallFormat(), AddNothing); }),
               AllOf(HasSubstr(target.string()), HasSubstr("No such file or directory")));
 }
 
@@ -142,9 +155,8 @@ TEST(VideoEncoder, NamesATargetThatIsAFolder) {
   std::filesystem::create_directories(target / "full");
   const VideoFormat format = SmallFormat();
   EXPECT_THAT(MessageOf([&] {
-                VideoEncoder encoder(target, format);
-                encoder.Add(Halves(format, 0, 255));
-                encoder.Finish();
+                Encode(target, format,
+                       [&](VideoEncoder& encoder) { encoder.Add(Halves(format, 0, 255)); });
               }),
               HasSubstr(target.string()));
   EXPECT_TRUE(std::filesystem::is_directory(target));
@@ -154,10 +166,10 @@ TEST(VideoEncoder, RefusesWhatH264CannotHave) {
   const TemporaryFolder folder;
   VideoFormat format = SmallFormat();
   format.width_px = 63;
-  EXPECT_THROW(VideoEncoder(folder.path() / "a.mp4", format), UserError);
+  EXPECT_THROW(Encode(folder.path() / "a.mp4", format, AddNothing), UserError);
   format = SmallFormat();
   format.frames_per_s = 0;
-  EXPECT_THROW(VideoEncoder(folder.path() / "a.mp4", format), UserError);
+  EXPECT_THROW(Encode(folder.path() / "a.mp4", format, AddNothing), UserError);
   EXPECT_TRUE(folder.IsEmpty());
 }
 
@@ -184,14 +196,14 @@ std::string MessageOfFullDisk(const std::filesystem::path& target, rlim_t bytes)
   const VideoFormat format = SmallFormat();
   const FileSizeLimit limit(bytes);
   return MessageOf([&] {
-    VideoEncoder encoder(target, format);
-    std::uint32_t noise = 1;
-    for (int frame = 0; frame < 200; ++frame) {
-      Image image(format.width_px, format.height_px);
-      for (auto& pixel : image.pixels) pixel = noise = noise * 1664525u + 1013904223u;
-      encoder.Add(image);
-    }
-    encoder.Finish();
+    Encode(target, format, [&](VideoEncoder& encoder) {
+      std::uint32_t noise = 1;
+      for (int frame = 0; frame < 200; ++frame) {
+        Image image(format.width_px, format.height_px);
+        for (auto& pixel : image.pixels) pixel = noise = noise * 1664525u + 1013904223u;
+        encoder.Add(image);
+      }
+    });
   });
 }
 
