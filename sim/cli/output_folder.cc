@@ -25,7 +25,7 @@ OutputFolder::OutputFolder(fs::path path) : path_(std::move(path)) {
     if (p.has_filename()) first_made_ = p;
   }
   MakeDirectory(path_);
-  if (access(path_.c_str(), W_OK) != 0) {
+  if (access(path_.c_str(), W_OK | X_OK) != 0) {
     throw RunError(
         fmt::format("{}: cannot write into the folder: {}", path_.string(), std::strerror(errno)));
   }
