@@ -1,13 +1,115 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <iterator>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include "sim/base/signal_storage.h"
 
 namespace gauntlet::sim {
 
+/// A matrix whose values lie on the disk when there are many: see SignalStorage. For Eigen it is a
+/// map, so it can do all that an Eigen::Matrix can; as there, values that are not given are not set.
+///
+/// A long one that is made from an expression is made column by column.
+template <class Scalar>
+class SignalOf
+    : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>, Eigen::Aligned16> {
+ public:
+  using Base = Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>, Eigen::Aligned16>;
+
+  SignalOf() : Base(nullptr, 0, 0) {}
+  SignalOf(Eigen::Index rows, Eigen::Index cols)
+      : SignalOf(SignalStorage(static_cast<std::size_t>(rows * cols) * sizeof(Scalar)), rows,
+                 cols) {}
+  SignalOf(const SignalOf& other) : SignalOf(static_cast<const Base&>(other)) {}
+  SignalOf(SignalOf&& other) noexcept : SignalOf() { *this = std::move(other); }
+  template <class Derived>  // NOLINTNEXTLINE(google-explicit-constructor): as of Eigen::Matrix
+  SignalOf(const Eigen::DenseBase<Derived>& values) : SignalOf(values.rows(), values.cols()) {
+    const auto& matrix = values.derived().matrix();
+    if (!storage_.is_on_disk()) {
+      Base::operator=(matrix);
+      return;
+    }
+    for (Eigen::Index c = 0; c < this->cols(); ++c) {
+      this->col(c) = matrix.col(c);
+      TrimSignals();
+    }
+  }
+  ~SignalOf() = default;
+
+  SignalOf& operator=(const SignalOf& other) { return *this = SignalOf(other); }
+  SignalOf& operator=(SignalOf&& other) noexcept {
+    storage_ = std::move(other.storage_);
+    PointTo(other.rows(), other.cols());
+    other.PointTo(0, 0);
+    return *this;
+  }
+  template <class Derived>
+  SignalOf& operator=(const Eigen::DenseBase<Derived>& values) {
+    return *this = SignalOf(values);
+  }
+
+  using Base::setZero;
+  void setZero(Eigen::Index rows, Eigen::Index cols) {  // NOLINT(readability-identifier-naming)
+    *this = SignalOf(rows, cols);
+    if (!storage_.is_on_disk()) setZero();  // there all is 0 from the start
+  }
+  /// Keeps the first rows.
+  void KeepRows(Eigen::Index rows) {
+    if (rows < this->rows()) *this = SignalOf(this->topRows(rows));
+  }
+
+  bool is_on_disk() const { return storage_.is_on_disk(); }
+
+ private:
+  SignalOf(SignalStorage storage, Eigen::Index rows, Eigen::Index cols)
+      : Base(static_cast<Scalar*>(storage.data()), rows, cols), storage_(std::move(storage)) {}
+
+  /// Eigen's own way to let a map show something else.
+  void PointTo(Eigen::Index rows, Eigen::Index cols) {
+    new (static_cast<Base*>(this)) Base(static_cast<Scalar*>(storage_.data()), rows, cols);
+  }
+
+  SignalStorage storage_;
+};
+
 /// Samples x channels, column-major: the history of one channel is contiguous.
-using Signal = Eigen::MatrixXd;
+using Signal = SignalOf<double>;
 /// The same for integer commands.
-using IntegerSignal = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic>;
+using IntegerSignal = SignalOf<int>;
+
+/// Every `step`-th row, from the first on.
+inline Signal EveryRow(const Signal& signal, Eigen::Index step) {
+  Signal result((signal.rows() + step - 1) / step, signal.cols());
+  for (Eigen::Index c = 0; c < signal.cols(); ++c) {
+    result.col(c) = signal.col(c)(Eigen::seqN(0, result.rows(), step));
+    TrimSignals();
+  }
+  return result;
+}
+
+/// Some columns of a signal, in this order; without a copy where they are all of it.
+template <class Matrix>
+class Columns {
+ public:
+  Columns(const Matrix& whole, const std::vector<int>& columns)
+      : whole_(whole), all_(std::ssize(columns) == whole.cols()) {
+    if (!all_) part_ = whole(Eigen::all, columns);
+  }
+  const Matrix& operator*() const { return all_ ? whole_ : part_; }
+  const Matrix* operator->() const { return &**this; }
+
+ private:
+  const Matrix& whole_;
+  bool all_;
+  Matrix part_;
+};
+
+/// Rows that are worth a call of TrimSignals() where signals are walked row by row.
+inline constexpr Eigen::Index kTrimRows = 4096;
 
 inline constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 inline constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;

@@ -2,6 +2,7 @@
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
+#include <new>
 #include <sstream>
 #include <string>
 
@@ -85,6 +86,11 @@ int main(int argc, char** argv) {
     return Complain(error.what(), kUserMistake);
   } catch (const gauntlet::controller::SettingError& error) {
     return Complain(error.what(), kUserMistake);
+  } catch (const std::bad_alloc&) {
+    return Complain(
+        "not enough memory; a shorter glove.motion.duration_s, a lower glove.rate_hz or fewer "
+        "--jobs need less",
+        kRunFailed);
   } catch (const std::exception& error) {
     return Complain(error.what(), kRunFailed);
   }

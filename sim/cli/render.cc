@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "sim/base/error.h"
+#include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/controllers_option.h"
 #include "sim/cli/out_option.h"
@@ -39,6 +40,7 @@ void AddRenderCommand(CLI::App& app) {
     // No run may exchange the files while they are drawn.
     std::optional<OutputFolder> locked;
     if (options->out.empty()) locked.emplace(options->folder);
+    SetSignalFolder(options->folder);
     Progress progress("video");
     const auto file =
         RenderFolder({.folder = options->folder,

@@ -13,6 +13,7 @@
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/mathematics.h"
+#include "sim/base/signal_storage.h"
 #include "sim/base/stop.h"
 #include "sim/cli/controllers_option.h"
 #include "sim/cli/out_option.h"
@@ -155,6 +156,8 @@ void RunStudyCommand(const StudyCommand& options) {
   KeepOnly(options.controllers, scenario);
   FinishedStudy finished;
   finished.comparison = options.comparison;
+  const std::string out = options.out.empty() ? "out/" + scenario.name : options.out;
+  SetSignalFolder(out);
   finished.study = Prepare(source, std::move(scenario));
   WarnIfMadeElsewhere(finished.study.scenario.made_with, *finished.study.hand,
                       "the run may differ");
@@ -162,8 +165,6 @@ void RunStudyCommand(const StudyCommand& options) {
   for (const std::string& remark : finished.study.remarks) {
     Say("gauntlet: {}\n", remark);
   }
-  const std::filesystem::path out =
-      options.out.empty() ? "out/" + finished.study.scenario.name : options.out;
   if (options.video) CheckVideo(finished.study.scenario.controllers.size(), VideoOf(out));
   OutputFolder folder(out);
 

@@ -15,19 +15,20 @@ namespace gauntlet::sim {
 namespace {
 
 void ConvertAll(double full_scale_counts, Signal& counts) {
-  // NaN, a missing sample of a recording, passes through.
-  for (double& value : counts.reshaped()) {
-    if (!std::isnan(value)) value = Convert(value, full_scale_counts);
+  for (Eigen::Index c = 0; c < counts.cols(); ++c) {
+    // NaN, a missing sample of a recording, passes through.
+    for (double& value : counts.col(c)) {
+      if (!std::isnan(value)) value = Convert(value, full_scale_counts);
+    }
+    TrimSignals();
   }
 }
 
 /// Keeps the channels that the glove has, in its order, everywhere.
 void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
-  glove.true_angle_rad = glove.true_angle_rad(Eigen::all, indices).eval();
-  glove.counts = glove.counts(Eigen::all, indices).eval();
-  if (glove.tremor_rad.size() > 0) {
-    glove.tremor_rad = glove.tremor_rad(Eigen::all, indices).eval();
-  }
+  glove.true_angle_rad = glove.true_angle_rad(Eigen::all, indices);
+  glove.counts = glove.counts(Eigen::all, indices);
+  if (glove.tremor_rad.size() > 0) glove.tremor_rad = glove.tremor_rad(Eigen::all, indices);
   std::vector<FaultEvent> faults;
   for (FaultEvent event : glove.faults) {
     const auto place = std::ranges::find(indices, event.channel);
@@ -56,8 +57,7 @@ Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& trem
 /// What the glove takes of a signal that has a row per tick.
 Signal Sampled(Signal signal, int ticks_per_sample) {
   if (ticks_per_sample == 1) return signal;
-  const Eigen::Index samples = (signal.rows() + ticks_per_sample - 1) / ticks_per_sample;
-  return signal(Eigen::seqN(0, samples, ticks_per_sample), Eigen::all);
+  return EveryRow(signal, ticks_per_sample);
 }
 
 /// From the sensors' signal to what the glove says: faults of each stage, noise, converter.
@@ -128,7 +128,10 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   const auto samples = static_cast<int>(glove.counts.rows());
   glove.true_angle_rad = std::move(motion.angle_rad);
   if (glove.tremor_rad.size() > 0 && config.tremor.belongs_to_truth) {
-    glove.true_angle_rad += glove.tremor_rad;
+    for (Eigen::Index c = 0; c < glove.tremor_rad.cols(); ++c) {
+      glove.true_angle_rad.col(c) += glove.tremor_rad.col(c);
+      TrimSignals();
+    }
   }
   glove.segments = std::move(motion.segments);
   glove.reference_name = std::move(motion.reference_name);

@@ -52,6 +52,7 @@ bool IsGlitch(std::span<const Sample> before, std::span<const Sample> run,
 std::vector<std::size_t> FindGlitches(std::span<const double> time_s, std::span<const double> value,
                                       double range, StretchEnds ends) {
   std::vector<Sample> samples;
+  samples.reserve(value.size());
   for (std::size_t i = 0; i < value.size(); ++i) {
     if (std::isfinite(value[i])) samples.push_back({i, time_s[i], value[i] / range});
   }

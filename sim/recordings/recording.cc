@@ -26,6 +26,46 @@ struct Glitch {
   Eigen::Index channel;
 };
 
+/// Rows of angles, as many as come, in blocks: see SignalStorage.
+class RowTable {
+ public:
+  explicit RowTable(Eigen::Index width) : width_(width) {}
+
+  void Add(const std::vector<double>& row) {
+    const Eigen::Index place = rows_++ % kBlockRows;
+    if (place == 0) blocks_.emplace_back(width_, kBlockRows);
+    std::ranges::copy(row, blocks_.back().col(place).begin());
+    if (place == 0) TrimSignals();
+  }
+  /// While there are few.
+  void RemoveFirst() {
+    for (Eigen::Index row = 1; row < rows_; ++row) {
+      blocks_.front().col(row - 1) = blocks_.front().col(row);
+    }
+    --rows_;
+  }
+  /// All of them; then there are none.
+  Signal Take() {
+    Signal all(rows_, width_);
+    for (Eigen::Index block = 0; block < std::ssize(blocks_); ++block) {
+      const Eigen::Index first = block * kBlockRows;
+      const Eigen::Index count = std::min(kBlockRows, rows_ - first);
+      all.middleRows(first, count) = blocks_[block].leftCols(count).transpose();
+      blocks_[block] = {};
+      TrimSignals();
+    }
+    rows_ = 0;
+    blocks_.clear();
+    return all;
+  }
+
+ private:
+  static constexpr Eigen::Index kBlockRows = 1 << 16;
+  Eigen::Index width_;
+  Eigen::Index rows_ = 0;
+  std::vector<Signal> blocks_;  // a column per row, so that it is in one piece
+};
+
 [[noreturn]] void FailAsTooShort(const RecordingReader& reader, const Recording& recording,
                                  double start_s) {
   std::string problem =
@@ -53,6 +93,7 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
                       (joint.max_deg - joint.min_deg) * kRadPerDeg, ends)) {
       glitches.push_back({place, c});
     }
+    TrimSignals();
   }
   std::ranges::stable_sort(glitches, {}, &Glitch::place);
   for (const auto [place, c] : glitches) {
@@ -75,6 +116,7 @@ void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
       if (run > 0 && repeats++ == 0) first = i;
       longest = std::max(longest, run);
     }
+    TrimSignals();
     if (2 * repeats < angle.size()) continue;
     recording.remarks.push_back(fmt::format(
         "{}: {}: {} of {} rows repeat the value before, first in row {}, {} rows in a row at most",
@@ -138,7 +180,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   recording.has_channel = reader.has_channel();
   const std::size_t width = KnownChannels().size();
   std::vector<double> angles(width);
-  std::vector<double> table;
+  RowTable table(width);
   std::vector<std::size_t> rows;  // lines of the file
   StretchEnds ends{.at_first_row = true, .at_last_row = true};
   double first_s = kMissing;
@@ -150,12 +192,12 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
     if (since_start_s <= start_s && rows.size() == kRowsBeside) {
       recording.time_s.erase(recording.time_s.begin());
       rows.erase(rows.begin());
-      table.erase(table.begin(), table.begin() + width);
+      table.RemoveFirst();
       ends.at_first_row = false;
     }
     recording.time_s.push_back(since_start_s);
     rows.push_back(reader.row());
-    table.insert(table.end(), angles.begin(), angles.end());
+    table.Add(angles);
     if (duration_s > 0.0 && since_start_s >= start_s + duration_s && ++rows_behind == kRowsBeside) {
       ends.at_last_row = false;
       break;
@@ -164,8 +206,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   if (recording.time_s.size() < 2 || recording.time_s.back() <= start_s) {
     FailAsTooShort(reader, recording, start_s);
   }
-  using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  recording.angle_rad = Eigen::Map<const Table>(table.data(), rows.size(), width);
+  recording.angle_rad = table.Take();
   HandleGlitches(reader, rows, ends, recording);
   recording.remarks = reader.Remarks();
   RemarkRepeats(rows, recording);

@@ -68,32 +68,31 @@ Json ControllerJson(const StudyResult& result, const Summary& summary, std::size
   return json;
 }
 
-/// One joint of a signal in rad as a curve in degrees.
-std::string Curve(const Signal& angle_rad, std::size_t joint, int samples_per_bucket) {
-  const Eigen::VectorXd degrees = angle_rad.col(static_cast<Eigen::Index>(joint)) * kDegPerRad;
-  const std::span<const double> values(degrees.data(), static_cast<std::size_t>(degrees.size()));
-  return EncodeCurve(KeepPeaks(values, samples_per_bucket), kCurveStepDeg);
+/// The joints of a signal in rad as curves in degrees.
+FirstSeed::Curves CurvesOf(const Signal& angle_rad, int samples_per_bucket) {
+  FirstSeed::Curves curves;
+  for (Eigen::Index joint = 0; joint < angle_rad.cols(); ++joint) {
+    const Eigen::VectorXd degrees = angle_rad.col(joint) * kDegPerRad;
+    const std::span<const double> values(degrees.data(), static_cast<std::size_t>(degrees.size()));
+    curves.push_back(EncodeCurve(KeepPeaks(values, samples_per_bucket), kCurveStepDeg));
+    TrimSignals();
+  }
+  return curves;
 }
 
 Json CurvesJson(const FirstSeed& first_seed) {
-  const Signal& truth = first_seed.reference_rad;
-  const std::size_t controllers = first_seed.ways.size();
-  const auto joints = static_cast<std::size_t>(truth.cols());
-  const auto curves = static_cast<std::int64_t>(joints * (2 + 3 * controllers));
-  const int bucket = SamplesPerBucket(truth.rows(), curves);
   Json json;
-  json["samples"] = truth.rows();
-  json["samples_per_bucket"] = bucket;
+  json["samples"] = first_seed.samples;
+  json["samples_per_bucket"] = first_seed.samples_per_bucket;
   json["step_deg"] = kCurveStepDeg;
-  for (std::size_t j = 0; j < joints; ++j) {
+  for (std::size_t j = 0; j < first_seed.reference.size(); ++j) {
     Json joint;
-    joint["true"] = Curve(truth, j, bucket);
-    // Before its filter every controller sees the same.
-    joint["raw"] = Curve(first_seed.ways.front().raw, j, bucket);
-    for (std::size_t i = 0; i < controllers; ++i) {
-      joint["controllers"].push_back({{"hand", Curve(first_seed.hand_rad[i], j, bucket)},
-                                      {"filtered", Curve(first_seed.ways[i].filtered, j, bucket)},
-                                      {"command", Curve(first_seed.ways[i].command, j, bucket)}});
+    joint["true"] = first_seed.reference[j];
+    joint["raw"] = first_seed.raw[j];
+    for (const FirstSeed::ControllerCurves& controller : first_seed.controllers) {
+      joint["controllers"].push_back({{"hand", controller.hand[j]},
+                                      {"filtered", controller.filtered[j]},
+                                      {"command", controller.command[j]}});
     }
     json["channels"].push_back(std::move(joint));
   }
@@ -122,6 +121,19 @@ Json LatencyJson(const std::vector<std::optional<LatencyBudget>>& budgets) {
 
 }  // namespace
 
+FirstSeed::FirstSeed(const Signal& reference_rad, std::size_t controller_count)
+    : samples(reference_rad.rows()),
+      samples_per_bucket(SamplesPerBucket(
+          samples, reference_rad.cols() * static_cast<std::int64_t>(2 + 3 * controller_count))),
+      reference(CurvesOf(reference_rad, samples_per_bucket)) {}
+
+void FirstSeed::Add(const WayOfAngles& way, const Signal& hand_rad) {
+  if (controllers.empty()) raw = CurvesOf(way.raw, samples_per_bucket);
+  controllers.push_back({.hand = CurvesOf(hand_rad, samples_per_bucket),
+                         .filtered = CurvesOf(way.filtered, samples_per_bucket),
+                         .command = CurvesOf(way.command, samples_per_bucket)});
+}
+
 nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& first_seed) {
   const StudyResult& result = finished.result;
   const Summary& summary = finished.summary;
@@ -142,7 +154,7 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   json["first_channel"] = finished.study.scenario.video.channel;
   json["latency"] = LatencyJson(first_seed.latency);
   json["curves"] = nullptr;
-  if (!first_seed.ways.empty()) json["curves"] = CurvesJson(first_seed);
+  if (!first_seed.controllers.empty()) json["curves"] = CurvesJson(first_seed);
   return json;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sim/score/latency.h"
@@ -10,13 +12,29 @@
 
 namespace gauntlet::sim {
 
-/// What is measured on the traces of the first seed, per controller; empty if none were kept, and
-/// then the page has neither curves nor latencies. All angles are those of the measured joints,
-/// ticks x joints [rad].
+/// What the page shows of the traces of the first seed; empty if none were kept, and then it has
+/// neither curves nor latencies. Of a signal only its curves are kept, which are short however long
+/// the trial is.
 struct FirstSeed {
-  Signal reference_rad;
-  std::vector<WayOfAngles> ways;
-  std::vector<Signal> hand_rad;
+  FirstSeed() = default;
+  /// With the reference, and curves for so many controllers.
+  FirstSeed(const Signal& reference_rad, std::size_t controllers);
+  /// The next controller. All angles are those of the measured joints, ticks x joints [rad].
+  void Add(const WayOfAngles& way, const Signal& hand_rad);
+
+  /// One curve per joint: see EncodeCurve().
+  using Curves = std::vector<std::string>;
+  struct ControllerCurves {
+    Curves hand;
+    Curves filtered;
+    Curves command;
+  };
+
+  std::int64_t samples = 0;
+  int samples_per_bucket = 1;
+  Curves reference;
+  Curves raw;  // before its filter every controller sees the same
+  std::vector<ControllerCurves> controllers;
   std::vector<std::optional<LatencyBudget>> latency;  // as LatencyOfTrace() gives them
 };
 

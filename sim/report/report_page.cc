@@ -26,24 +26,26 @@ std::string Facts(const FinishedStudy& finished) {
                      result.controller_names.size(), seeds, result.reference_name);
 }
 
-/// The measured joints of a signal of all joints.
-Signal Measured(const Signal& all, const Study& study) {
-  return all(Eigen::all, study.measured_joints);
+/// Where a trial's samples have been, of the measured joints.
+WayOfAngles MeasuredWay(const Study& study, const Trace& trace) {
+  WayOfAngles way = WayOf(trace, study.joint_map(), study.hand->transmission());
+  if (std::ssize(study.measured_joints) == way.raw.cols()) return way;
+  for (Signal* angle_rad : {&way.raw, &way.filtered, &way.command}) {
+    *angle_rad = (*angle_rad)(Eigen::all, study.measured_joints);
+  }
+  return way;
 }
 
 FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
   const Study& study = finished.study;
-  FirstSeed first;
-  first.reference_rad = Measured(finished.result.first_reference_rad, study);
-  const controller::JointMap joint_map = study.joint_map();
-  for (const Trace& trace : finished.result.first_traces) {
-    const WayOfAngles all = WayOf(trace, joint_map, study.hand->transmission());
-    first.ways.push_back({.raw = Measured(all.raw, study),
-                          .filtered = Measured(all.filtered, study),
-                          .command = Measured(all.command, study)});
-    first.hand_rad.push_back(Measured(trace.hand_angle_rad, study));
-    first.latency.push_back(
-        LatencyOfTrace(*study.hand, first.reference_rad, first.ways.back(), first.hand_rad.back()));
+  const std::vector<Trace>& traces = finished.result.first_traces;
+  const Columns reference(finished.result.first_reference_rad, study.measured_joints);
+  FirstSeed first(*reference, traces.size());
+  for (const Trace& trace : traces) {
+    const WayOfAngles way = MeasuredWay(study, trace);
+    const Columns hand(trace.hand_angle_rad, study.measured_joints);
+    first.latency.push_back(LatencyOfTrace(*study.hand, *reference, way, *hand));
+    first.Add(way, *hand);
   }
   return first;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "sim/base/signal.h"
 
@@ -38,34 +39,44 @@ struct Moments {
   double Variation(int count) const { return squares - sum * sum / count; }
 };
 
-/// Leader and follower without their means, and their common transform.
+/// A signal without its mean.
+struct Centred {
+  explicit Centred(std::span<const double> signal) : values(signal), mean(Mean(signal)) {}
+
+  std::span<const double> values;
+  double mean;
+  Moments moments;  // of the whole
+
+  double operator[](int n) const { return values[n] - mean; }
+};
+
+/// Leader and follower, and their common transform.
 struct Pair {
   int samples = 0;
-  int size = 0;     // of the transform
-  Values centred;   // leader as real, follower as imaginary part
-  Values spectrum;  // of `centred`
-  Moments leader;
-  Moments follower;
+  int size = 0;  // of the transform
+  Centred leader;
+  Centred follower;
+  Values spectrum;  // of the leader as real, the follower as imaginary part
 };
 
 Pair Transform(std::span<const double> leader, std::span<const double> follower, int largest_lag,
                Fourier& fourier) {
-  Pair pair;
-  pair.samples = static_cast<int>(leader.size());
-  pair.size = FastTransformSize(pair.samples + largest_lag);  // lags must not wrap around
-  pair.centred.resize(pair.size);
-  const double leader_mean = Mean(leader);
-  const double follower_mean = Mean(follower);
+  const int samples = static_cast<int>(leader.size());
+  Pair pair{.samples = samples,
+            .size = FastTransformSize(samples + largest_lag),  // lags must not wrap around
+            .leader = Centred(leader),
+            .follower = Centred(follower),
+            .spectrum = {}};
+  pair.spectrum.resize(pair.size);
   for (int n = 0; n < pair.samples; ++n) {
-    const double x = leader[n] - leader_mean;
-    const double y = follower[n] - follower_mean;
-    pair.centred[n] = {x, y};
-    pair.leader.sum += x;
-    pair.leader.squares += x * x;
-    pair.follower.sum += y;
-    pair.follower.squares += y * y;
+    const double x = pair.leader[n];
+    const double y = pair.follower[n];
+    pair.spectrum[n] = {x, y};
+    pair.leader.moments.sum += x;
+    pair.leader.moments.squares += x * x;
+    pair.follower.moments.sum += y;
+    pair.follower.moments.squares += y * y;
   }
-  pair.spectrum = pair.centred;
   fourier.Forward(pair.spectrum);
   return pair;
 }
@@ -95,14 +106,20 @@ double DominantPeriod(const Pair& pair) {
   return static_cast<double>(pair.size) / strongest;
 }
 
-/// products[lag] = sum over n of leader[n] follower[n + lag]; negative lags from the end.
-Values CrossProducts(const Pair& pair, Fourier& fourier) {
-  Values products(pair.size);
-  for (int k = 0; k < pair.size; ++k) {
-    products[k] = std::conj(LeaderBin(pair, k)) * FollowerBin(pair, k);
+/// products[lag] = sum over n of leader[n] follower[n + lag]; negative lags from the end. Takes the
+/// place of the pair's spectrum: in a long trial that is large.
+Values CrossProducts(Pair& pair, Fourier& fourier) {
+  const auto product = [&pair](int k) {
+    return std::conj(LeaderBin(pair, k)) * FollowerBin(pair, k);
+  };
+  pair.spectrum[0] = product(0);
+  for (int k = 1; k <= pair.size - k; ++k) {  // a bin needs its mirror image
+    const auto lower = product(k);
+    pair.spectrum[pair.size - k] = product(pair.size - k);
+    pair.spectrum[k] = lower;
   }
-  fourier.Inverse(products);
-  return products;
+  fourier.Inverse(pair.spectrum);
+  return std::move(pair.spectrum);
 }
 
 /// Pearson's coefficient at lags -bound .. bound; kNothingSaid where the overlap says nothing.
@@ -110,20 +127,20 @@ std::vector<double> Correlations(const Pair& pair, const Values& products, int b
   std::vector<double> result(2 * bound + 1, kNothingSaid);
   const int samples = pair.samples;
   for (const int direction : {1, -1}) {
-    Moments leader = pair.leader;
-    Moments follower = pair.follower;
+    Moments leader = pair.leader.moments;
+    Moments follower = pair.follower.moments;
     for (int lag = 0; lag <= bound; ++lag) {
       if (lag > 0) {  // a late follower loses its first samples, the leader its last
         const int first = lag - 1;
         const int last = samples - lag;
-        leader.Remove(pair.centred[direction > 0 ? last : first].real());
-        follower.Remove(pair.centred[direction > 0 ? first : last].imag());
+        leader.Remove(pair.leader[direction > 0 ? last : first]);
+        follower.Remove(pair.follower[direction > 0 ? first : last]);
       }
       const int count = samples - lag;
       const double x = leader.Variation(count);
       const double y = follower.Variation(count);
-      if (x < kSmallestOverlapVariance * pair.leader.squares) continue;
-      if (y < kSmallestOverlapVariance * pair.follower.squares) continue;
+      if (x < kSmallestOverlapVariance * pair.leader.moments.squares) continue;
+      if (y < kSmallestOverlapVariance * pair.follower.moments.squares) continue;
       const int at = direction > 0 || lag == 0 ? lag : pair.size - lag;
       const double covariation = products[at].real() - leader.sum * follower.sum / count;
       result[bound + direction * lag] = covariation / std::sqrt(x * y);
@@ -145,9 +162,10 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
   const int samples = static_cast<int>(leader.size());
   const int largest_lag = std::min(samples / 4, static_cast<int>(kLargestDelay_s * rate_hz));
   if (largest_lag < 2) return std::nullopt;
-  const Pair pair = Transform(leader, follower, largest_lag, fourier);
+  Pair pair = Transform(leader, follower, largest_lag, fourier);
   const double still = kStillRms * kStillRms * samples;
-  if (!(pair.leader.squares > still) || !(pair.follower.squares > still)) return std::nullopt;
+  if (!(pair.leader.moments.squares > still)) return std::nullopt;
+  if (!(pair.follower.moments.squares > still)) return std::nullopt;
 
   const int bound = std::min(largest_lag, static_cast<int>(0.5 * DominantPeriod(pair)));
   const auto correlations = Correlations(pair, CrossProducts(pair, fourier), bound);

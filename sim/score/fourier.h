@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 /// same code on every processor (FFTW chooses its own by the processor), no planner that threads
 /// share, and nothing more to install. Measured in tests/benchmarks/README.md.
 ///
-/// Twiddle factors are kept per length; use one object per thread.
+/// Twiddle factors are kept per length, unless it is great; use one object per thread.
 class Fourier {
  public:
   using Values = std::vector<std::complex<double>>;
@@ -25,6 +25,8 @@ class Fourier {
   void Forward(const std::vector<double>& values, Values& lower_half);
 
  private:
+  void ForgetLong(std::size_t size);
+
   Eigen::FFT<double> transform_{{}, Eigen::FFT<double>::HalfSpectrum};
   Values result_;
 };

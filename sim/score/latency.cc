@@ -37,6 +37,7 @@ Signal Held(const Signal& signal, double period_ticks, Eigen::Index first) {
   controller::PeriodicClock clock(period_ticks);
   Eigen::Index newest = first;
   for (Eigen::Index n = first; n < signal.rows(); ++n) {
+    if (n % kTrimRows == 0) TrimSignals();
     if (clock.Tick()) newest = n;
     held.row(n) = signal.row(newest);
   }
@@ -64,9 +65,10 @@ std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fouri
   const auto add = [&](const Signal& signal) {
     // A joint without a number stands still here, and so has no latency; the filter would spread
     // it.
-    const Signal numbers = signal.topRows(rows).array().isNaN().select(0.0, signal.topRows(rows));
+    const auto all = signal.topRows(rows);
+    const Signal numbers = all.array().isNaN().select(0.0, all);
     const Signal low = Filter(low_pass, Band::kBelow, numbers, fourier).values;
-    stations.push_back(low(Eigen::seq(0, Eigen::last, step), Eigen::all));
+    stations.push_back(EveryRow(low, step));
   };
   add(*input.wearer_angle_rad);
   add(*input.raw_angle_rad);
@@ -102,6 +104,7 @@ LatencyBudget MeasureLatency(const LatencyInput& input) {
   }
   int count = 0;
   for (Eigen::Index channel = 0; channel < input.hand_angle_rad->cols(); ++channel) {
+    TrimSignals();
     const double total_ms = delay_ms(0, kStageCount, channel);
     bool whole = std::isfinite(total_ms);
     for (int i = 0; i < kStageCount; ++i) {

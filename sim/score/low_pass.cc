@@ -81,6 +81,7 @@ FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, 
     }
     if (!good_a) result.values.col(a).setConstant(std::numeric_limits<double>::quiet_NaN());
     if (!good_b) result.values.col(b).setConstant(std::numeric_limits<double>::quiet_NaN());
+    TrimSignals();
   }
   return result;
 }

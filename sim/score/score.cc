@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 
 #include "sim/score/fourier.h"
@@ -11,6 +12,8 @@
 
 namespace gauntlet::sim {
 namespace {
+
+constexpr int kLongTrial = 500'000;  // rows
 
 template <class Matrix>
 auto Column(const Matrix& signal, int column, int rows) {
@@ -95,6 +98,10 @@ ScoreRows::ScoreRows(std::span<const std::string> joint_names,
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   CheckShapes(input, table);
   const int rows = static_cast<int>(input.hand_angle_rad->rows());
+  // A long trial's transforms take much memory: those of one trial at a time.
+  static std::mutex long_trials;
+  std::unique_lock lock(long_trials, std::defer_lock);
+  if (rows >= kLongTrial) lock.lock();
   Fourier fourier;
   const FilteredSignal trembling = Trembling(*input.hand_angle_rad, input.rate_hz, fourier);
 
@@ -103,6 +110,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   for (std::size_t joint = 0; rows > 0 && joint < table.joints.size(); ++joint) {
     Score(ScoredJoint(input, static_cast<int>(joint), trembling, fourier),
           scores.channels[table.joints[joint]]);
+    TrimSignals();
   }
   for (std::size_t motor = 0; rows > 0 && motor < table.motors.size(); ++motor) {
     ScoredMotor scored{.rate_hz = input.rate_hz,
@@ -112,10 +120,12 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
                        .fourier = fourier};
     if (!input.saturation_share.empty()) scored.saturation_share = input.saturation_share[motor];
     Score(scored, scores.channels[table.motors[motor]]);
+    TrimSignals();
   }
   for (std::size_t cable = 0; rows > 0 && cable < table.cables.size(); ++cable) {
     Score(ScoredCable{ColumnOrNothing(input.tension_n, cable, rows)},
           scores.channels[table.cables[cable]]);
+    TrimSignals();
   }
   scores.summary = MeansOver(scores.channels);
   Score(ScoredHand{.rate_hz = input.rate_hz,

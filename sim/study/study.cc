@@ -1,10 +1,14 @@
 #include "sim/study/study.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <exception>
+#include <fstream>
+#include <limits>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -27,22 +31,6 @@ struct SharedGlove {
   std::atomic<int> users_left{0};
 };
 
-/// The columns of a signal that count; without a copy where all do.
-template <class Matrix>
-class Columns {
- public:
-  Columns(const Matrix& whole, const std::vector<int>& columns)
-      : whole_(whole), all_(std::ssize(columns) == whole.cols()) {
-    if (!all_) part_ = whole(Eigen::all, columns);
-  }
-  const Matrix* get() const { return all_ ? &whole_ : &part_; }
-
- private:
-  const Matrix& whole_;
-  bool all_;
-  Matrix part_;
-};
-
 Scores Score(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
              const Trace& trace) {
   const Columns reference(reference_rad, study.measured_joints);
@@ -56,11 +44,11 @@ Scores Score(const Study& study, const GloveSignal& glove, const Signal& referen
   }
   ScoreInput input;
   input.rate_hz = glove.tick_rate_hz;
-  input.reference_angle_rad = reference.get();
-  input.hand_angle_rad = hand.get();
-  input.command_counts = command.get();
-  input.motor_speed_rad_s = speed.get();
-  input.tension_n = tension.get();
+  input.reference_angle_rad = &*reference;
+  input.hand_angle_rad = &*hand;
+  input.command_counts = &*command;
+  input.motor_speed_rad_s = &*speed;
+  input.tension_n = &*tension;
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   input.saturation_share = saturation_share;
   input.segments = glove.segments;
@@ -108,7 +96,10 @@ void FindMeasuredParts(Study& study) {
 std::string HashOf(const GloveSignal& glove) {
   Hash hash;
   for (const Signal* signal : {&glove.counts, &glove.true_angle_rad}) {
-    hash.Add(std::span<const double>(signal->data(), static_cast<std::size_t>(signal->size())));
+    for (Eigen::Index c = 0; c < signal->cols(); ++c) {
+      hash.Add(std::span(signal->col(c).data(), static_cast<std::size_t>(signal->rows())));
+      TrimSignals();
+    }
   }
   return hash.Text();
 }
@@ -255,6 +246,76 @@ void ChooseVideoChannel(Study& study, std::string& channel) {
                           " is shown in its place");
 }
 
+/// What a study takes while it runs, its trace file and page included.
+struct Needs {
+  double disk_bytes = 0.0;
+  double memory_bytes = 0.0;
+};
+
+Needs NeedsOf(const Study& study, const StudyOptions& options) {
+  const auto channels = static_cast<double>(study.channel_names().size());
+  const auto joints = static_cast<double>(study.joint_count);
+  const auto motors = static_cast<double>(study.hand->motor_names().size());
+  const auto cables = static_cast<double>(study.hand->cable_names().size());
+  const auto controllers = static_cast<double>(study.scenario.controllers.size());
+  const double others = options.seeds > 1 ? options.jobs : 0;  // trials beside the first seed's
+  constexpr double kGripAndPose = 8.0;
+  // Columns of numbers with a row per tick.
+  const double glove = 3.0 * channels + joints;
+  const double trace = 2.0 * channels + 2.0 * joints + 2.5 * motors + cables + kGripAndPose;
+  const double in_passing = 9.0 * joints;  // what the scores or the page make and forget
+  const double kept = glove + controllers * trace;
+  const double in_file = 0.5 * kept;
+  const auto ticks = static_cast<double>(study.ticks);
+  // Of a long signal's transform there are the values, the result and the factors, all complex, and
+  // beside it a few columns.
+  constexpr double kComplexColumns = 5.0;
+  constexpr double kRest = 400e6;
+  return {.disk_bytes =
+              ticks * sizeof(double) * (kept + in_file + others * (glove + trace) + in_passing),
+          .memory_bytes = ticks * kComplexColumns * 2.0 * sizeof(double) + kRest};
+}
+
+/// Bytes of memory that are to be had; as many as one likes if the system does not say.
+double AvailableMemory() {
+  std::ifstream info("/proc/meminfo");
+  for (std::string line; std::getline(info, line);) {
+    double kilobytes = 0.0;
+    if (std::sscanf(line.c_str(), "MemAvailable: %lf kB", &kilobytes) == 1) {
+      return 1024.0 * kilobytes;
+    }
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Errors: RunError if a long study will not find the disk and the memory that it needs.
+void CheckRoom(const Study& study, const StudyOptions& options) {
+  const Needs needs = NeedsOf(study, options);
+  if (needs.disk_bytes < static_cast<double>(GetSignalStorageLimits().all_on_heap_bytes)) return;
+  const auto fail = [&](double needed, std::string_view where, double free) {
+    throw RunError(fmt::format(
+        "{:.6g} s of {} need about {:.1f} GB {}, {:.1f} GB are free: a shorter "
+        "glove.motion.duration_s, a lower glove.rate_hz or fewer --controllers need less",
+        static_cast<double>(study.ticks) / study.hand->timing().tick_rate_hz(),
+        study.scenario.controllers.size() == 1
+            ? "one controller"
+            : fmt::format("{} controllers", study.scenario.controllers.size()),
+        1e-9 * needed, where, 1e-9 * free));
+  };
+  const SignalSpace space = FreeSignalSpace();
+  const auto free_disk = static_cast<double>(space.free_bytes);
+  if (needs.disk_bytes > free_disk) {
+    fail(needs.disk_bytes, fmt::format("on the disk of {}", space.folder.string()), free_disk);
+  }
+  const double free_memory = AvailableMemory();
+  if (needs.memory_bytes > free_memory) fail(needs.memory_bytes, "of memory", free_memory);
+  rlimit addresses{};
+  if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) return;
+  const auto allowed = static_cast<double>(addresses.rlim_cur);
+  const double needed = needs.disk_bytes + needs.memory_bytes;
+  if (needed > allowed) fail(needed, "of addresses (ulimit -v)", allowed);
+}
+
 }  // namespace
 
 controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
@@ -293,6 +354,7 @@ Study PrepareStudy(Scenario scenario) {
   study.hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
   study.calibration = NominalCalibration(scenario.glove);
   study.glove_hash = HashOf(glove);
+  study.ticks = glove.true_angle_rad.rows();
   controller::WithinSetting("joint_map", [&] {
     study.scenario.joint_map = scenario.joint_map;
     FindMeasuredParts(study);
@@ -320,6 +382,7 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   const bool alike =
       asked.seeds > 1 && HashOf(*GloveOfSeed(study, study.scenario.seed + 1)) == study.glove_hash;
   if (alike) options.seeds = 1;
+  CheckRoom(study, options);
   Schedule schedule(study, options);
   const std::size_t threads = std::min<std::size_t>(
       static_cast<std::size_t>(std::max(1, options.jobs)), schedule.TaskCount());

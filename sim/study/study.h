@@ -23,6 +23,7 @@ struct Study {
   std::vector<int> measured_cables;
   std::vector<std::string> measured_joint_names;
   int joint_count = 0;                             // of the hand, measured or not
+  Eigen::Index ticks = 0;                          // of a trial
   ScoreRows rows;                                  // of these joints, motors and cables
   std::vector<std::string> remarks;                // what was repaired or replaced, a line each
   std::shared_ptr<const GloveSignal> first_glove;  // the signal of the first seed
@@ -96,7 +97,8 @@ struct StudyResult {
 
 /// Runs every controller on every seed, `jobs` trials at a time. Where nothing is drawn at random,
 /// as with the recording of a real glove, one seed stands for all. The result does not depend on
-/// jobs.
+/// jobs. Errors: RunError, before the first trial, where the signals find no room: see
+/// SignalStorage.
 StudyResult RunStudy(const Study& study, const StudyOptions& options);
 
 }  // namespace gauntlet::sim

@@ -16,6 +16,7 @@ Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_
     for (const auto& term : joint_map.terms(joint)) {
       column += term.weight * channel_angle_rad.col(term.channel);
     }
+    TrimSignals();
   }
   return joints;
 }
@@ -27,6 +28,7 @@ Signal CommandAngles(const controller::TendonTransmission& transmission,
   std::vector<std::int32_t> counts(static_cast<std::size_t>(command_counts.cols()));
   std::vector<double> joints(transmission.joint_names.size());
   for (Eigen::Index k = 0; k < command_counts.rows(); ++k) {
+    if (k % kTrimRows == 0) TrimSignals();
     // A frame is held for many samples: the same counts are the same angles.
     if (k > 0 && command_counts.row(k) == command_counts.row(k - 1)) {
       angle.row(k) = angle.row(k - 1);

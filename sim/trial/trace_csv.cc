@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <functional>
 #include <iterator>
 
@@ -12,6 +14,8 @@
 
 namespace gauntlet::sim {
 namespace {
+
+constexpr std::size_t kBufferBytes = 1 << 20;
 
 /// One column of the table: a name and how to print the value of a sample.
 struct CsvColumn {
@@ -45,7 +49,14 @@ void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove
     if (matrix.cols() > 0) AddColumns(signal.name, names.Of(signal.columns), matrix, 1, columns);
   });
 
+  AtomicFile file(target);
+  std::ofstream stream(file.temporary_path(), std::ios::binary);
   fmt::memory_buffer text;
+  const auto write = [&] {
+    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+    text.clear();
+    TrimSignals();
+  };
   const auto append = std::back_inserter(text);
   fmt::format_to(append, "t_s");
   for (const CsvColumn& column : columns) fmt::format_to(append, ",{}", column.name);
@@ -55,9 +66,15 @@ void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove
       text.push_back(',');
       column.print(k, text);
     }
+    if (text.size() > kBufferBytes) write();
   }
   text.push_back('\n');
-  WriteFileAtomically(target, {text.data(), text.size()});
+  write();
+  stream.close();
+  if (!stream) {
+    throw RunError(fmt::format("{}: cannot write: {}", target.string(), std::strerror(errno)));
+  }
+  file.Commit();
 }
 
 }  // namespace gauntlet::sim

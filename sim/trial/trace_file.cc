@@ -76,8 +76,7 @@ void MakeRoom(const std::string& file) { static_cast<void>(truncate(file.c_str()
 /// Block by block through a small buffer: turning the whole matrix at once costs as much memory
 /// again, and the time to get it.
 template <class Scalar>
-void WriteBlocks(H5::DataSet& dataset, const hsize_t (&size)[2],
-                 const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
+void WriteBlocks(H5::DataSet& dataset, const hsize_t (&size)[2], const SignalOf<Scalar>& matrix) {
   RowMajor<Stored<Scalar>> block;
   for (Eigen::Index row = 0; row < matrix.rows(); row += kBlockRows) {
     block = matrix.middleRows(row, std::min(kBlockRows, matrix.rows() - row))
@@ -88,12 +87,13 @@ void WriteBlocks(H5::DataSet& dataset, const hsize_t (&size)[2],
     place_in_file.selectHyperslab(H5S_SELECT_SET, count, begin);
     dataset.write(block.data(), MemoryType(Stored<Scalar>{}), H5::DataSpace(2, count),
                   place_in_file);
+    TrimSignals();
   }
 }
 
 template <class Scalar>
 void WriteMatrix(const DatasetPlace& place, const std::vector<std::string>& columns,
-                 const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
+                 const SignalOf<Scalar>& matrix) {
   const hsize_t size[2] = {static_cast<hsize_t>(matrix.rows()),
                            static_cast<hsize_t>(matrix.cols())};
   // Without the time of writing, the same signals give the same bytes.

@@ -139,7 +139,10 @@ void CheckColumns(const std::string& signal, const Signal& matrix,
 }
 
 void CheckFinite(const std::string& signal, const Signal& matrix) {
-  if (!matrix.allFinite()) Fail(signal, "has values that are no finite numbers");
+  for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+    if (!matrix.col(c).allFinite()) Fail(signal, "has values that are no finite numbers");
+    TrimSignals();
+  }
 }
 
 void CheckGlove(const TraceFile& file) {

@@ -18,8 +18,7 @@ TraceRecorder::TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumn
              [block, &matrix](Eigen::Index first, Eigen::Index count) {
                matrix.middleRows(first, count) = block->leftCols(count).transpose();
              },
-         .cut =
-             [&matrix](Eigen::Index rows) { matrix.conservativeResize(rows, Eigen::NoChange); }});
+         .cut = [&matrix](Eigen::Index rows) { matrix.KeepRows(rows); }});
   });
 }
 
@@ -34,6 +33,7 @@ bool TraceRecorder::Record(const HandLoop& loop) {
 void TraceRecorder::Flush() {
   for (const Column& column : columns_) column.move(flushed_, recorded_ - flushed_);
   flushed_ = recorded_;
+  TrimSignals();
 }
 
 void TraceRecorder::Finish() {

@@ -90,7 +90,7 @@ std::vector<std::string> TraceReceiver::Texts() {
 }
 
 template <class Scalar>
-void TraceReceiver::Matrix(Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
+void TraceReceiver::Matrix(SignalOf<Scalar>& matrix) {
   using Sent = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>;
   const auto row_count = Take<std::uint64_t>();
   const auto column_count = Take<std::uint64_t>();
@@ -98,16 +98,17 @@ void TraceReceiver::Matrix(Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>
   if (column_count > 0) Spend(row_count, column_count * sizeof(Sent));
   const Eigen::Index columns = column_count;
   const Eigen::Index rows = columns > 0 ? row_count : 0;
-  matrix.resize(rows, columns);
+  matrix = SignalOf<Scalar>(rows, columns);
   Eigen::Matrix<Sent, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> block;
   for (Eigen::Index row = 0; row < rows; row += block.rows()) {
     block.resize(std::min(std::max<Eigen::Index>(kBlockValues / columns, 1), rows - row), columns);
     receive_({reinterpret_cast<char*>(block.data()), block.size() * sizeof(Sent)});
     matrix.middleRows(row, block.rows()) = block.template cast<Scalar>();
+    TrimSignals();
   }
 }
 
-template void TraceReceiver::Matrix(Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>&);
-template void TraceReceiver::Matrix(Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic>&);
+template void TraceReceiver::Matrix(Signal&);
+template void TraceReceiver::Matrix(IntegerSignal&);
 
 }  // namespace gauntlet::sim

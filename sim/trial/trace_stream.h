@@ -1,12 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "sim/base/signal.h"
 
 namespace gauntlet::sim {
 
@@ -47,7 +48,7 @@ class TraceReceiver {
   std::vector<std::string> Texts();
   /// Values of type float, widened, or int.
   template <class Scalar>
-  void Matrix(Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix);
+  void Matrix(SignalOf<Scalar>& matrix);
 
  private:
   template <class Value>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "sim/base/error.h"
@@ -74,20 +75,24 @@ FrameClock ClockOf(const VideoInput& input) {
 ComparisonPicture::ComparisonPicture(const VideoInput& input)
     : input_(input),
       clock_(ClockOf(input)),
-      layout_(LayOutVideo(input.width_px, input.height_px, input.panes.size())) {
+      layout_(LayOutVideo(input.width_px, input.height_px, input.panes.size())),
+      measured_joints_(input.measured_joints) {
+  if (measured_joints_.empty()) {
+    measured_joints_.resize(static_cast<std::size_t>(input.true_angle_rad->cols()));
+    std::iota(measured_joints_.begin(), measured_joints_.end(), 0);
+  }
   const AngleScale scale = ScaleOfAllPanes();
   for (std::size_t i = 0; i < input_.panes.size(); ++i) {
-    scores_.push_back(ComputeRunningScores(Measured(*input_.true_angle_rad),
-                                           Measured(*input_.panes[i].hand_angle_rad),
+    scores_.push_back(ComputeRunningScores(*Measured(*input_.true_angle_rad),
+                                           *Measured(*input_.panes[i].hand_angle_rad),
                                            input_.rate_hz, clock_));
     plots_.emplace_back(layout_.panes[i].curves, layout_.unit, scale, input_.rate_hz, clock_);
   }
   DrawBackground();
 }
 
-Signal ComparisonPicture::Measured(const Signal& all_joints) const {
-  if (input_.measured_joints.empty()) return all_joints;
-  return all_joints(Eigen::all, input_.measured_joints);
+Columns<Signal> ComparisonPicture::Measured(const Signal& all_joints) const {
+  return {all_joints, measured_joints_};
 }
 
 int ComparisonPicture::view_width_px() const {
@@ -113,7 +118,9 @@ AngleScale ComparisonPicture::ScaleOfAllPanes() const {
     whole.push_back(Column(*pane.hand_angle_rad, input_.joint));
     noisy.push_back(Column(*pane.command_angle_rad, input_.joint));
   }
-  return ChooseAngleScale(whole, noisy);
+  const AngleScale scale = ChooseAngleScale(whole, noisy);
+  TrimSignals();
+  return scale;
 }
 
 void ComparisonPicture::DrawBackground() {
@@ -147,9 +154,9 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
   const Rect& header = layout_.header;
   const TextStyle title = {.size_px = 19.0 * unit, .bold = true};
   const TextStyle subtitle = {.size_px = 12.5 * unit, .color = palette::kMutedInk};
-  const std::string curves = fmt::format(
-      "Numbers: mean over {} joints, up to now.  Curves: one joint, {}.",
-      Measured(input_.true_angle_rad->topRows(1)).cols(), JointTitle(input_.joint_name));
+  const std::string curves =
+      fmt::format("Numbers: mean over {} joints, up to now.  Curves: one joint, {}.",
+                  measured_joints_.size(), JointTitle(input_.joint_name));
   painter.Text(painter.Elide(input_.title, 0.8 * header.width, title),
                {header.x, header.y + 28.0 * unit}, title);
   painter.Text(painter.Elide(curves, 0.62 * header.width, subtitle),

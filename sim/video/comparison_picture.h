@@ -32,7 +32,7 @@ class ComparisonPicture {
   void Draw(int frame, std::span<const Image> views, ImageView image) const;
 
  private:
-  Signal Measured(const Signal& all_joints) const;
+  Columns<Signal> Measured(const Signal& all_joints) const;
   int SampleCount(int pane) const;
   bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }
   AngleScale ScaleOfAllPanes() const;
@@ -48,6 +48,7 @@ class ComparisonPicture {
   const VideoInput& input_;
   FrameClock clock_;
   VideoLayout layout_;
+  std::vector<int> measured_joints_;  // all, where the input names none
   std::vector<RunningScores> scores_;
   std::vector<CurvePlot> plots_;
   Image background_;

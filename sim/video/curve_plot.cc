@@ -35,6 +35,7 @@ void Include(double value, AngleScale& scale) {
 
 void IncludeMost(std::span<const double> angle_rad, AngleScale& scale) {
   std::vector<double> values;
+  values.reserve(angle_rad.size());
   for (double value : angle_rad) {
     if (std::isfinite(value)) values.push_back(value);
   }

@@ -18,6 +18,7 @@ std::vector<double> RunningRms(const Signal& angle_rad, int first_sample, const 
   for (int frame = 0; frame < clock.FrameCount(); ++frame) {
     // A frame stands for all samples until the next one.
     const int end = std::clamp(clock.Sample(frame + 1) - first_sample, 0, rows);
+    TrimSignals();
     for (; row < end; ++row) sum += angle_rad.row(row).transpose().array().square();
     result.push_back(row == 0 ? std::numeric_limits<double>::quiet_NaN()
                               : kDegPerRad * (sum / row).sqrt().mean());

@@ -166,12 +166,12 @@ TEST(Calibrate, NamesWhatARecordingLacks) {
       HasSubstr("thumb_rotation: has 0 poses, must have at least 2; a pose is a known angle "
                 "(thumb_rotation_deg) that stays the same for more than 200 ms"));
   PoseRecording no_angles = RecordingOf(SynthesiseGlove(moving, 1));
-  no_angles.angle_deg.resize(no_angles.counts.rows(), 0);
+  no_angles.angle_deg = Signal(no_angles.counts.rows(), 0);
   EXPECT_THAT(ErrorOf(no_angles), HasSubstr("never holds still"));
 
   PoseRecording broken = good;
   broken.counts.col(7).setZero();
-  broken.angle_deg.resize(broken.counts.rows(), 0);
+  broken.angle_deg = Signal(broken.counts.rows(), 0);
   EXPECT_THAT(ErrorOf(broken), HasSubstr("middle_pip: is at 0 or at full scale"));
 
   EXPECT_THAT(ErrorOf(good, {.curve = CurveKind::kPolynomial, .degree = 9}),

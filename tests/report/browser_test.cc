@@ -121,7 +121,7 @@ class BrowserTest : public testing::Test {
   }
 
   static std::string Page(const test::MadeUpStudy& made) {
-    const auto data = PageData(made, made.first_seed);
+    const auto data = PageData(made, made.first_seed());
     return AssemblePage({.title = made.study.scenario.name,
                          .question = made.study.scenario.question,
                          .facts = "facts",

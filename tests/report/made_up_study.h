@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,16 @@ namespace gauntlet::test {
 /// A study that nobody ran, with curves and scores of the right shapes: channels that swing, a raw
 /// glove that trembles, hands that lag. Commands are left out, as they need a hand.
 struct MadeUpStudy : sim::FinishedStudy {
-  sim::FirstSeed first_seed;
+  std::vector<sim::WayOfAngles> ways;
+  std::vector<sim::Signal> hand_rad;
+  std::vector<std::optional<sim::LatencyBudget>> latency;
+
+  sim::FirstSeed first_seed() const {
+    sim::FirstSeed first(result.first_glove->true_angle_rad, ways.size());
+    for (std::size_t i = 0; i < ways.size(); ++i) first.Add(ways[i], hand_rad[i]);
+    first.latency = latency;
+    return first;
+  }
 };
 
 struct MadeUpShape {
@@ -71,7 +81,6 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
   sim::GloveSignal glove;
   glove.true_angle_rad = Swing(shape, 0.0, 0.0);
   glove.counts = glove.true_angle_rad;
-  made.first_seed.reference_rad = glove.true_angle_rad;
   result.first_glove = std::make_shared<const sim::GloveSignal>(std::move(glove));
   for (int i = 0; i < shape.controllers; ++i) {
     sim::NamedController named{.name = i == 0 ? "raw" : "filter_" + std::to_string(i),
@@ -84,10 +93,10 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
     made.study.scenario.controllers.push_back(named);
     result.controller_names.push_back(named.name);
     const sim::Signal filtered = Swing(shape, 0.01 * i, 0.02 / (1 + i));
-    made.first_seed.ways.push_back(
+    made.ways.push_back(
         {.raw = Swing(shape, 0.0, 0.02), .filtered = filtered, .command = filtered});
-    made.first_seed.hand_rad.push_back(Swing(shape, 0.06 + 0.01 * i, 0.004 / (1 + i)));
-    made.first_seed.latency.push_back(sim::LatencyBudget{
+    made.hand_rad.push_back(Swing(shape, 0.06 + 0.01 * i, 0.004 / (1 + i)));
+    made.latency.push_back(sim::LatencyBudget{
         .stages = {{.key = "filter_ms", .help = "filter", .mean_ms = 3.0 + i, .channel_ms = {}},
                    {.key = "rest_ms", .help = "rest", .mean_ms = 60.0, .channel_ms = {}}},
         .sum_ms = 63.0 + i,

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json Data(const test::MadeUpStudy& made) { return PageData(made, made.first_seed); }
+Json Data(const test::MadeUpStudy& made) { return PageData(made, made.first_seed()); }
 
 std::string Page(const test::MadeUpStudy& made) {
   return AssemblePage({.title = made.study.scenario.name,
@@ -55,7 +55,7 @@ TEST(PageData, CurvesAreTheTracesInDegrees) {
   EXPECT_EQ(curves["samples_per_bucket"], 1);
   const std::vector<double> hand = test::DecodeCurve(
       curves["channels"][1]["controllers"][2]["hand"].get<std::string>(), curves["step_deg"]);
-  const Signal& expected = made.first_seed.hand_rad[2];
+  const Signal& expected = made.hand_rad[2];
   ASSERT_EQ(static_cast<Eigen::Index>(hand.size()), expected.rows());
   for (Eigen::Index k = 0; k < expected.rows(); ++k) {
     ASSERT_NEAR(hand[static_cast<std::size_t>(k)], expected(k, 1) * kDegPerRad,
@@ -76,14 +76,13 @@ TEST(PageData, OfOneSeedIsNoComparison) {
 }
 
 TEST(PageData, LeavesCurvesOutWhereNoTraceWasKept) {
-  test::MadeUpStudy made = test::MakeUpStudy({});
-  made.first_seed = {};
-  EXPECT_TRUE(Data(made)["curves"].is_null());
+  const test::MadeUpStudy made = test::MakeUpStudy({});
+  EXPECT_TRUE(PageData(made, FirstSeed())["curves"].is_null());
 }
 
 TEST(PageData, TakesAHandThatWasStoppedEarly) {
   test::MadeUpStudy made = test::MakeUpStudy({});
-  made.first_seed.hand_rad[1].conservativeResize(100, Eigen::NoChange);
+  made.hand_rad[1].KeepRows(100);
   made.summary.controllers[1].problem = "at 0.1 s: bad value in qacc (dof 12)";
   const Json data = Data(made);
   EXPECT_EQ(data["controllers"][1]["problem"], "at 0.1 s: bad value in qacc (dof 12)");

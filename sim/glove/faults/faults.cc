@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "sim/base/random.h"
 #include "sim/glove/motions/motion.h"
@@ -84,7 +85,9 @@ void ApplyFaults(FaultStage stage, const std::vector<FaultConfig>& faults, doubl
     if (nature.stage != stage) continue;
     auto events = EventsOf(faults[number], number, static_cast<int>(counts.rows()), rate_hz, seed);
     if (nature.last_first) std::ranges::reverse(events);
+    int channel = kFrame;
     for (const FaultEvent& event : events) {
+      if (std::exchange(channel, event.channel) != event.channel) TrimSignals();
       const auto moment = static_cast<std::uint64_t>(event.begin) << 32;
       RandomStream random(seed, "fault/how", moment + StreamIndex(number, event.channel));
       FaultStrike strike{.column = counts.col(event.channel),

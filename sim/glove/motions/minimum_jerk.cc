@@ -42,6 +42,7 @@ void MoveChannel(std::size_t channel, double start_rad, const std::vector<Move>&
     base_rad += finished_rad[static_cast<std::size_t>(i)];
     angle[i] += base_rad;
   }
+  TrimSignals();
 }
 
 MovePlan::MovePlan(std::vector<double> start_rad)

@@ -39,6 +39,7 @@ Motion StillMotion(const MotionContext& context, int samples) {
 void HoldChannel(std::size_t channel, double angle_rad, Motion& motion) {
   const auto column = static_cast<Eigen::Index>(channel);
   motion.angle_rad.col(column).setConstant(angle_rad);
+  TrimSignals();
   if (!motion.has_derivatives()) return;
   motion.velocity_rad_s.col(column).setZero();
   motion.acceleration_rad_s2.col(column).setZero();

@@ -80,6 +80,7 @@ Motion MakeMotion(const RandomMotionConfig& config, const MotionContext& context
     FillSpline(random, ChannelExcursion(channel, config.range_percent),
                config.bandwidth_hz / kKnotSpacingTimesBandwidth, context.rate_hz,
                static_cast<Eigen::Index>(channel), motion);
+    TrimSignals();
   }
   return motion;
 }

@@ -58,6 +58,7 @@ Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recor
                                                  ? std::numeric_limits<double>::quiet_NaN()
                                                  : resampled.value[i];
     }
+    TrimSignals();
   }
   return angle_rad;
 }
@@ -68,6 +69,7 @@ void KeepInRange(Signal& angle_rad) {
     const Channel& joint = KnownChannels()[channel];
     auto column = angle_rad.col(static_cast<Eigen::Index>(channel));
     column = column.cwiseMax(joint.min_deg * kRadPerDeg).cwiseMin(joint.max_deg * kRadPerDeg);
+    TrimSignals();
   }
 }
 
@@ -168,6 +170,7 @@ Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& conte
       for (Eigen::Index c = 0; c < motion.angle_rad.cols(); ++c) {
         SmoothZeroPhase(config.smoothing_hz, context.rate_hz,
                         {motion.angle_rad.col(c).data(), samples});
+        TrimSignals();
       }
       motion.reference_name =
           fmt::format("recording smoothed at {:g} Hz, zero phase", config.smoothing_hz);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "sim/base/channels.h"
 #include "sim/glove/motions/motion_config.h"
@@ -70,7 +71,10 @@ class Correction {
 Signal Stacked(const Signal& above, const Signal& below) {
   if (above.size() == 0 || below.size() == 0) return {};
   Signal result(above.rows() + below.rows(), above.cols());
-  result << above, below;
+  for (Eigen::Index c = 0; c < result.cols(); ++c) {
+    result.col(c) << above.col(c), below.col(c);
+    TrimSignals();
+  }
   return result;
 }
 
@@ -108,21 +112,20 @@ Motion MakeMotion(const SequenceConfig& config, const MotionContext& context) {
     if (part == 0) {
       motion = std::move(next);
     } else {
-      AppendMotion(next, config.blend_s, context.rate_hz, motion);
+      AppendMotion(std::move(next), config.blend_s, context.rate_hz, motion);
     }
     context.SampleCount(static_cast<double>(motion.angle_rad.rows()) / context.rate_hz);
   }
   return motion;
 }
 
-void AppendMotion(const Motion& next, double blend_s, double rate_hz, Motion& motion) {
-  Motion joined = next;
+void AppendMotion(Motion next, double blend_s, double rate_hz, Motion& motion) {
   const double step_s = 1.0 / rate_hz;
   const Eigen::Index blend =
-      std::min(static_cast<Eigen::Index>(blend_s * rate_hz), joined.angle_rad.rows());
-  for (Eigen::Index c = 0; c < joined.angle_rad.cols(); ++c) {
+      std::min(static_cast<Eigen::Index>(blend_s * rate_hz), next.angle_rad.rows());
+  for (Eigen::Index c = 0; c < next.angle_rad.cols(); ++c) {
     const State before = StateAfter(motion.angle_rad, c, step_s);
-    const State after = StartState(joined.angle_rad, c, step_s);
+    const State after = StartState(next.angle_rad, c, step_s);
     const Correction correction({before.angle - after.angle, before.velocity - after.velocity,
                                  before.acceleration - after.acceleration},
                                 static_cast<double>(blend) * step_s);
@@ -130,21 +133,22 @@ void AppendMotion(const Motion& next, double blend_s, double rate_hz, Motion& mo
     for (Eigen::Index i = 0; i < blend; ++i) {
       const State add = correction.At(static_cast<double>(i) * step_s);
       // A fast end of the part before could carry the joint beyond its stop.
-      joined.angle_rad(i, c) = std::clamp(joined.angle_rad(i, c) + add.angle,
-                                          joint.min_deg * kRadPerDeg, joint.max_deg * kRadPerDeg);
-      if (!joined.has_derivatives()) continue;
-      joined.velocity_rad_s(i, c) += add.velocity;
-      joined.acceleration_rad_s2(i, c) += add.acceleration;
+      next.angle_rad(i, c) = std::clamp(next.angle_rad(i, c) + add.angle,
+                                        joint.min_deg * kRadPerDeg, joint.max_deg * kRadPerDeg);
+      if (!next.has_derivatives()) continue;
+      next.velocity_rad_s(i, c) += add.velocity;
+      next.acceleration_rad_s2(i, c) += add.acceleration;
     }
+    TrimSignals();
   }
   const int offset = static_cast<int>(motion.angle_rad.rows());
-  for (const Segment& segment : joined.segments) {
+  for (const Segment& segment : next.segments) {
     motion.segments.push_back({segment.label, segment.begin + offset, segment.end + offset});
   }
-  motion.velocity_rad_s = Stacked(motion.velocity_rad_s, joined.velocity_rad_s);
-  motion.acceleration_rad_s2 = Stacked(motion.acceleration_rad_s2, joined.acceleration_rad_s2);
-  motion.angle_rad = Stacked(motion.angle_rad, joined.angle_rad);
-  motion.remarks.insert(motion.remarks.end(), joined.remarks.begin(), joined.remarks.end());
+  motion.velocity_rad_s = Stacked(motion.velocity_rad_s, next.velocity_rad_s);
+  motion.acceleration_rad_s2 = Stacked(motion.acceleration_rad_s2, next.acceleration_rad_s2);
+  motion.angle_rad = Stacked(motion.angle_rad, next.angle_rad);
+  motion.remarks.insert(motion.remarks.end(), next.remarks.begin(), next.remarks.end());
 }
 
 }  // namespace gauntlet::sim

@@ -29,6 +29,6 @@ Motion MakeMotion(const SequenceConfig& config, const MotionContext& context);
 ///
 /// Over the first `blend_s` of `next` a fifth-order polynomial is added that takes up the
 /// differences at the joint and is zero with its derivatives at its end.
-void AppendMotion(const Motion& next, double blend_s, double rate_hz, Motion& motion);
+void AppendMotion(Motion next, double blend_s, double rate_hz, Motion& motion);
 
 }  // namespace gauntlet::sim

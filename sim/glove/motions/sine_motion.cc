@@ -55,6 +55,7 @@ Motion ForEachChannel(const std::vector<std::string>& names, int samples,
     } else {
       HoldChannel(channel, rest[channel], motion);
     }
+    TrimSignals();
   }
   return motion;
 }

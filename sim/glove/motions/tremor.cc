@@ -62,7 +62,8 @@ Signal SynthesiseTremor(const TremorConfig& config, int samples, double rate_hz,
   RandomStream shared_random(seed, "tremor/shared");
   const Eigen::VectorXd shared =
       std::sqrt(0.01 * config.shared_percent) * NarrowBand(shared_random, config, samples, rate_hz);
-  Signal tremor_rad = Signal::Zero(samples, static_cast<Eigen::Index>(selected.size()));
+  Signal tremor_rad;
+  tremor_rad.setZero(samples, static_cast<Eigen::Index>(selected.size()));
   for (std::size_t channel = 0; channel < selected.size(); ++channel) {
     if (!selected[channel]) continue;
     RandomStream random(seed, "tremor/own", channel);
@@ -70,6 +71,7 @@ Signal SynthesiseTremor(const TremorConfig& config, int samples, double rate_hz,
     tremor_rad.col(static_cast<Eigen::Index>(channel)) =
         kRadPerDeg * config.rms_deg *
         (shared + own_share * NarrowBand(random, config, samples, rate_hz));
+    TrimSignals();
   }
   return tremor_rad;
 }

@@ -44,6 +44,7 @@ void AddCorrelated(const NoiseConfig& config, double scale, std::uint64_t seed, 
   Eigen::VectorXd white(kBlock);
   for (Eigen::Index begin = 0; begin < counts.rows(); begin += kBlock) {
     const Eigen::Index rows = std::min(kBlock, counts.rows() - begin);
+    if (begin % kTrimRows == 0) TrimSignals();
     for (Eigen::Index k = 0; k < channels; ++k) {
       white.setZero();
       AddWhite(config, random[static_cast<std::size_t>(k)], 1.0,
@@ -106,6 +107,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
     for (Eigen::Index i = 0; i < counts.rows(); ++i) {
       counts(i, c) += config.recording_scale * noise[static_cast<std::size_t>(i) % noise.size()];
     }
+    TrimSignals();
   }
 }
 
@@ -149,6 +151,7 @@ void AddNoise(const NoiseConfig& config, const SensorConfig& sensor,
       RandomStream random = stream("noise/walk");
       AddRandomWalk(random, scale * config.walk_counts_per_sqrt_s, rate_hz, signal);
     }
+    TrimSignals();
   }
   if (!config.recording.empty()) {
     AddRecordedNoise(config, sensor, converter, rate_hz, counts, remarks);

@@ -65,6 +65,7 @@ void AddCrossTalk(const std::vector<CrossTalk>& cross_talk, Signal& bend) {
   for (Eigen::Index begin = 0; begin < bend.rows(); begin += kBlock) {
     const Eigen::Index rows = std::min(kBlock, bend.rows() - begin);
     own.topRows(rows) = bend.middleRows(begin, rows);
+    TrimSignals();
     for (const CrossTalk& pair : cross_talk) {
       bend.col(pair.to).segment(begin, rows).array() +=
           pair.share * (own.col(pair.from).head(rows).array() - 0.5);
@@ -127,6 +128,7 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
     const double play_deg = config.hysteresis_deg * sensor.hysteresis_scale[channel];
     const Channel& joint = KnownChannels()[channel];
     if (play_deg > 0.0) Hysteresis(play_deg / (joint.max_deg - joint.min_deg), bend.col(c));
+    TrimSignals();
   }
   AddCrossTalk(sensor.cross_talk, bend);
   const double low = 0.01 * config.low_percent * full_scale_counts;
@@ -139,6 +141,7 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
         low + span * (0.5 - 0.5 * gain) + sensor.offset_share[channel] * full_scale_counts;
     const auto b = bend.col(c).array();
     bend.col(c) = start + span * (b * (gain + bow * (1.0 - b)));
+    TrimSignals();
     if (sensor.drift_share[channel] == 0.0) continue;
     const double drift = sensor.drift_share[channel] * full_scale_counts;
     for (Eigen::Index i = 0; i < bend.rows(); ++i) {
