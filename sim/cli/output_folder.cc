@@ -26,7 +26,7 @@ OutputFolder::OutputFolder(fs::path path) : path_(std::move(path)) {
   }
   MakeDirectory(path_);
   for (const fs::path& folder : made_) RemoveIfEmptyLater(folder);
-  if (access(path_.c_str(), W_OK) != 0) {
+  if (access(path_.c_str(), W_OK | X_OK) != 0) {
     throw RunError(
         fmt::format("{}: cannot write into the folder: {}", path_.string(), std::strerror(errno)));
   }

@@ -109,7 +109,7 @@ void YamlReader::Flag(const Setting& setting, bool& value) {
 void YamlReader::Text(const Setting& setting, std::string& value) {
   const YAML::Node node = Find(setting);
   if (!node.IsDefined()) return;
-  value = Scalar(node, PathOf(setting.key), "a text");
+  value = node.IsNull() ? "" : Scalar(node, PathOf(setting.key), "a text");
   if (const std::string problem = TextProblem(value); !problem.empty()) {
     Fail(node, PathOf(setting.key), problem);
   }

@@ -31,13 +31,22 @@ bool IsAtOrBelow(const std::string& path, const std::string& group) {
   return path == group || path.starts_with(group + ".") || path.starts_with(group + "[");
 }
 
+/// With the item that stands alone where a list is expected named like the first of a list.
+std::string WithoutFirstItems(std::string path) {
+  constexpr std::string_view kFirst = "[0]";
+  for (std::size_t at = 0; (at = path.find(kFirst, at)) != std::string::npos;) {
+    path.erase(at, kFirst.size());
+  }
+  return path;
+}
+
 /// The longest of the paths that is `path` or a group around it.
 template <class Value>
 const Value* Nearest(const std::map<std::string, Value>& paths, const std::string& path) {
   const Value* nearest = nullptr;
   std::size_t longest = 0;
   for (const auto& [group, value] : paths) {
-    if (!group.empty() && !IsAtOrBelow(path, group)) continue;
+    if (!group.empty() && !IsAtOrBelow(WithoutFirstItems(path), WithoutFirstItems(group))) continue;
     if (nearest != nullptr && group.size() < longest) continue;
     nearest = &value;
     longest = group.size();

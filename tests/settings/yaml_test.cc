@@ -341,6 +341,17 @@ TEST_F(YamlReaderTest, TextsThatAreNoOverridesSayWhatOneIs) {
   EXPECT_THAT(Complaint("title: t\n", {"title.x=1"}), EndsWith("title: must be a text"));
 }
 
+TEST_F(YamlReaderTest, AnItemAloneInPlaceOfAListIsItsFirst) {
+  const YamlSource source{.file = "file", .overrides = {{"list.order", "list.order=9"}}};
+  EXPECT_EQ(source.PlaceOf(YAML::Node(), "list[0].order"), "--set list.order=9");
+  EXPECT_EQ(source.PlaceOf(YAML::Node(), "list[1].order"), "file");
+}
+
+TEST_F(YamlReaderTest, NothingIsAnEmptyText) {
+  EXPECT_EQ(Complaint("title:\n"), "file:2:1: title: is empty");
+  EXPECT_EQ(Complaint("title: t\n", {"title="}), "--set title=: title: is empty");
+}
+
 TEST_F(YamlReaderTest, ALaterOverrideIsNamedForWhatItGave) {
   EXPECT_EQ(Complaint("title: t\n", {"inner={order: 3}", "inner.order=9"}),
             "--set inner.order=9: inner.order: is 9, must be from 1 to 8");
