@@ -68,8 +68,8 @@ void RemoveRemains(const std::filesystem::path& target) {
   throw RunError(fmt::format("{}: cannot {}: {}", path.string(), action, std::strerror(error)));
 }
 
-/// What a rename changed is on the disk only when the folder is. Where a file system cannot do that,
-/// it is not asked for.
+/// What a rename changed is on the disk only when the folder is. Where a file system cannot do
+/// that, it is not asked for.
 void FlushFolder(const std::filesystem::path& folder) {
   const int descriptor =
       open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

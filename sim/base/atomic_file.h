@@ -54,7 +54,8 @@ void MakeDirectory(const std::filesystem::path& directory);
 /// A new folder that goes away with the temporary files if nothing else is in it then.
 void RemoveIfEmptyLater(const std::filesystem::path& folder);
 
-/// Removes every temporary file that is not yet committed, and every staging folder; safe to call in a signal handler.
+/// Removes every temporary file that is not yet committed, and every staging folder; safe to call
+/// in a signal handler.
 void RemoveUncommittedFiles() noexcept;
 
 }  // namespace gauntlet::sim

@@ -10,8 +10,8 @@ namespace gauntlet::sim {
 /// replaced or swapped letters, at most a third of the name's length. Empty if there is none.
 std::string NearestName(std::string_view name, const std::vector<std::string>& candidates);
 
-/// ` (did you mean X?)`, or ` (one of: A, B, C)` where no name is near. Of a long list the beginning,
-/// and how many more there are.
+/// ` (did you mean X?)`, or ` (one of: A, B, C)` where no name is near. Of a long list the
+/// beginning, and how many more there are.
 std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates);
 
 }  // namespace gauntlet::sim

@@ -11,7 +11,8 @@
 namespace gauntlet::sim {
 
 /// A matrix whose values lie on the disk when there are many: see SignalStorage. For Eigen it is a
-/// map, so it can do all that an Eigen::Matrix can; as there, values that are not given are not set.
+/// map, so it can do all that an Eigen::Matrix can; as there, values that are not given are not
+/// set.
 ///
 /// A long one that is made from an expression is made column by column.
 template <class Scalar>

@@ -18,8 +18,8 @@ inline void ThrowIfStopped() {
   if (StopAsked()) throw Cancelled{};
 }
 
-/// While there is one, the program is in the middle of a change of files that takes a moment: even a
-/// second Ctrl-C lets it get to its end.
+/// While there is one, the program is in the middle of a change of files that takes a moment: even
+/// a second Ctrl-C lets it get to its end.
 class Unbroken {
  public:
   Unbroken() { ++count_; }

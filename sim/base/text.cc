@@ -16,8 +16,8 @@ struct Character {
   std::size_t size = 0;  // bytes; 0: not UTF-8
 };
 
-/// At the beginning of a text that is not empty. Longer forms than needed, halves of pairs and codes
-/// beyond the last are not UTF-8 (RFC 3629).
+/// At the beginning of a text that is not empty. Longer forms than needed, halves of pairs and
+/// codes beyond the last are not UTF-8 (RFC 3629).
 Character FirstCharacter(std::string_view text) {
   const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(0);

@@ -12,9 +12,9 @@ namespace gauntlet::sim {
 /// Where the first byte stands that is not part of a character of UTF-8; none if there is no such.
 std::optional<std::size_t> FirstBadByte(std::string_view text);
 
-/// As it may stand in a message: on one line, with `\n`, `\t` and `\xNN` for what is not printable or
-/// not UTF-8, and no longer than `longest` bytes: `...` stands for what is left out in the middle,
-/// so that the beginning (a file, a key) and the end (what is allowed) stay.
+/// As it may stand in a message: on one line, with `\n`, `\t` and `\xNN` for what is not printable
+/// or not UTF-8, and no longer than `longest` bytes: `...` stands for what is left out in the
+/// middle, so that the beginning (a file, a key) and the end (what is allowed) stay.
 std::string OneLine(std::string_view text, std::size_t longest = 300);
 
 /// The same for a value in a message, which is to leave place for the rest.
@@ -24,8 +24,9 @@ std::string Shown(std::string_view value);
 /// end of a line and the tabulator; empty if it may be used.
 std::string TextProblem(std::string_view text);
 
-/// The sentence for what cannot be a name; empty if it can. A name can be that of a file: it has 1 to
-/// 60 printable characters, no slash nor backslash, no dot at its beginning and no blank at an end.
+/// The sentence for what cannot be a name; empty if it can. A name can be that of a file: it has 1
+/// to 60 printable characters, no slash nor backslash, no dot at its beginning and no blank at an
+/// end.
 std::string NameProblem(std::string_view name);
 
 }  // namespace gauntlet::sim

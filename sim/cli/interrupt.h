@@ -7,10 +7,11 @@ namespace gauntlet::sim {
 /// What the user reads when a signal ended the program.
 constexpr std::string_view kInterrupted = "interrupted; nothing half-written was left";
 
-/// From now on Ctrl-C, SIGTERM, SIGHUP and SIGQUIT ask long work to stop (see sim/base/stop.h). Work
-/// that does not hear it within a moment, and all work at a second signal, is ended at once, without
-/// leaving temporary files. What was to be ignored when the program began, as below nohup, stays so.
-/// A full quota of a file (SIGXFSZ) and a reader that has gone (SIGPIPE) become errors of writing.
+/// From now on Ctrl-C, SIGTERM, SIGHUP and SIGQUIT ask long work to stop (see sim/base/stop.h).
+/// Work that does not hear it within a moment, and all work at a second signal, is ended at once,
+/// without leaving temporary files. What was to be ignored when the program began, as below nohup,
+/// stays so. A full quota of a file (SIGXFSZ) and a reader that has gone (SIGPIPE) become errors of
+/// writing.
 void CatchSignals();
 
 /// From now on these signals end the program at once: it waits for a source, and has nothing to

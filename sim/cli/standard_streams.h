@@ -14,8 +14,8 @@ struct ReaderGone {};
 /// get what is meant for the terminal.
 void OpenStandardStreams();
 
-/// What a person is told, on standard error. Where nobody can read it, nothing can be done: it never
-/// fails.
+/// What a person is told, on standard error. Where nobody can read it, nothing can be done: it
+/// never fails.
 void SayText(std::string_view text) noexcept;
 template <class... Arguments>
 void Say(fmt::format_string<Arguments...> format, Arguments&&... arguments) {

@@ -52,9 +52,9 @@ YAML::Node ParseYamlFile(const std::filesystem::path& file);
 YAML::Node NodeAt(const YAML::Node& root, std::string_view path);
 
 /// Puts `key.path=value` over the tree. Groups on the way are copied, so that what an alias shares
-/// with another group stays as it is there. Items of a list are named by their number from 0; a list
-/// of one may be passed over. Errors: UserError for a text that is not an override, or leads to an
-/// item or a controller that is not there.
+/// with another group stays as it is there. Items of a list are named by their number from 0; a
+/// list of one may be passed over. Errors: UserError for a text that is not an override, or leads
+/// to an item or a controller that is not there.
 void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source);
 
 }  // namespace gauntlet::sim

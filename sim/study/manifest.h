@@ -23,9 +23,9 @@ struct FileMark {
 /// change the manifest, too. While files are exchanged it says that the folder is unfinished.
 class Manifest {
  public:
-  /// Reads that of `folder`. A folder without one, of an earlier version or put together by hand, is
-  /// taken as it is. Errors: UserError in one line if the folder does not exist, was left while its
-  /// files were exchanged, or if its manifest cannot be read.
+  /// Reads that of `folder`. A folder without one, of an earlier version or put together by hand,
+  /// is taken as it is. Errors: UserError in one line if the folder does not exist, was left while
+  /// its files were exchanged, or if its manifest cannot be read.
   explicit Manifest(std::filesystem::path folder);
 
   /// False: there is no manifest, so nothing is checked.
@@ -42,8 +42,8 @@ class Manifest {
 
 /// New files of an output folder, which all appear together: written into a folder inside it, then
 /// renamed one after the other in a moment. A program that ends before leaves the folder as it was;
-/// one that is killed in that moment leaves it marked as unfinished. The destructor removes what was
-/// not committed.
+/// one that is killed in that moment leaves it marked as unfinished. The destructor removes what
+/// was not committed.
 class OutputFiles {
  public:
   /// Errors: RunError.
@@ -51,7 +51,8 @@ class OutputFiles {
 
   /// Where they are until Commit().
   const std::filesystem::path& path() const { return staging_.path(); }
-  /// Lets `write` fill the folder that it gets. Its RunErrors name the files as they will be called.
+  /// Lets `write` fill the folder that it gets. Its RunErrors name the files as they will be
+  /// called.
   void Write(const std::function<void(const std::filesystem::path&)>& write);
   /// Renames them and writes the manifest. Video, trace tables and exported controllers of another
   /// scenario, which the folder held before, are removed. Errors: RunError.

@@ -334,7 +334,8 @@ void StudyDatabase::State::MakeTables() {
   transaction.commit();
 }
 
-/// Errors: UserError if the file is of another version, or somebody or something changed its tables.
+/// Errors: UserError if the file is of another version, or somebody or something changed its
+/// tables.
 void StudyDatabase::State::CheckTables() {
   if (database->execAndGet("PRAGMA user_version").getInt() != kFormat) {
     throw NotUsable("is not a study database of this version of Gauntlet");
@@ -476,8 +477,8 @@ void StudyDatabase::State::RemoveTrial(const Key& key) {
   }
 }
 
-/// In one transaction: what this study is, which of its trials were asked for, and a trial, if there
-/// is one. Waits for other programs until the deadline.
+/// In one transaction: what this study is, which of its trials were asked for, and a trial, if
+/// there is one. Waits for other programs until the deadline.
 void StudyDatabase::State::Write(const KeptTrial* kept) {
   // Exclusive from the start: if another program reads, nothing is done in vain.
   const Unbroken unbroken;  // or its journal would be left

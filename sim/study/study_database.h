@@ -56,8 +56,8 @@ class StudyDatabase {
   std::optional<TrialOutcome> Take(int seed, std::size_t controller);
   /// Does not wait for other programs. Errors: RunError when the disk is full.
   void Keep(int seed, std::size_t controller, const TrialOutcome& outcome);
-  /// Writes what the file has not taken so far. Returns what it lacks now, why, and what to do about
-  /// it, as one line; nothing if it lacks nothing.
+  /// Writes what the file has not taken so far. Returns what it lacks now, why, and what to do
+  /// about it, as one line; nothing if it lacks nothing.
   std::optional<std::string> Finish();
 
   /// Trials of this study that the file holds, damaged ones not counted.

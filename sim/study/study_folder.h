@@ -33,8 +33,8 @@ struct StudyFolder {
 /// for columns that are not those of Metrics().
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text);
 
-/// Reads `scenario.resolved.yaml` and `scores.csv`, checked by the manifest. Errors: UserError in one
-/// line.
+/// Reads `scenario.resolved.yaml` and `scores.csv`, checked by the manifest. Errors: UserError in
+/// one line.
 StudyFolder ReadStudyFolder(const std::filesystem::path& folder);
 
 }  // namespace gauntlet::sim

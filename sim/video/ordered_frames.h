@@ -39,7 +39,8 @@ struct FramePlan {
   int jobs = 1;  // processes that draw
 };
 
-/// Draws frames 0 .. `frame_count` - 1 in `jobs` processes, and hands them over in order to one more.
+/// Draws frames 0 .. `frame_count` - 1 in `jobs` processes, and hands them over in order to one
+/// more.
 ///
 /// `draw` runs in each process that draws and gets some of the frames; `take` runs in one process
 /// and gets them all. Both return when there are no more. They see what this process knew before,
@@ -47,8 +48,9 @@ struct FramePlan {
 /// memory that all processes share; however far ahead the drawing is, there are at most
 /// `FramesInFlight(jobs)`, so memory does not grow with the length of the video.
 ///
-/// `keep_going` gets the number of frames taken, after each one and at each signal; false stops, and
-/// the function returns false. Errors: those of `draw` and `take`, as WorkerProcess hands them on.
+/// `keep_going` gets the number of frames taken, after each one and at each signal; false stops,
+/// and the function returns false. Errors: those of `draw` and `take`, as WorkerProcess hands them
+/// on.
 bool DrawFramesInOrder(const FramePlan& plan, const std::function<void(Frames&)>& draw,
                        const std::function<void(Frames&)>& take,
                        const std::function<bool(int taken)>& keep_going);

@@ -16,7 +16,8 @@ namespace gauntlet::sim {
 /// of the parent is tidied up there: no destructor, no exit handler. It leaves Ctrl-C to the parent
 /// and never outlives it.
 ///
-/// To be made while no other thread runs: the copy of a lock that another thread holds stays closed.
+/// To be made while no other thread runs: the copy of a lock that another thread holds stays
+/// closed.
 class WorkerProcess {
  public:
   /// The child's end.

@@ -228,8 +228,8 @@ TEST_F(CliTest, TooLittleMemoryForAVideoIsOneErrorAndNoCrash) {
   ASSERT_EQ(Gauntlet({"run", WriteScenario(kGood), "--out", "a"}).exit_code, 0);
   const auto before = Leftovers();
   int failed = 0;
-  // How much a library needs differs from machine to machine: some of these fail in drawing, some in
-  // encoding, the largest may do.
+  // How much a library needs differs from machine to machine: some of these fail in drawing, some
+  // in encoding, the largest may do.
   for (const int limit_kb : {450'000, 500'000, 550'000, 600'000, 700'000}) {
     ProgramOptions options;
     options.working_directory = folder_.path();

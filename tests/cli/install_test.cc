@@ -1,4 +1,5 @@
-// What `cmake --install` gives: a program that runs from wherever it lies, its pages and completion.
+// What `cmake --install` gives: a program that runs from wherever it lies, its pages and
+// completion.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// A walk through the keys of a scenario that concern time, channels, segments or the video: at both ends of
-// its range, and at odd values, a key changes the scores as its help says or is refused by name.
+// A walk through the keys of a scenario that concern time, channels, segments or the video: at both
+// ends of its range, and at odd values, a key changes the scores as its help says or is refused by
+// name.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -119,7 +119,8 @@ TEST(WorkerProcess, EndsWithItsParent) {
   if (parent == 0) {
     WorkerProcess worker("is tested", [](Tasks&) {});
     worker.Receive();
-    // The worker closes files: this one outlives it on purpose, by standing where standard error was.
+    // The worker closes files: this one outlives it on purpose, by standing where standard error
+    // was.
     dup2(pipe_ends[1], STDERR_FILENO);
     WorkerProcess waiting("is tested", [](Tasks& tasks) {
       tasks.Answer(0);
