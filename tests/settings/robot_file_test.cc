@@ -151,7 +151,8 @@ TEST_F(RobotFileTest, NamesThePlaceOfEveryMistake) {
               HasSubstr(": hand.motors.m: one.center_counts: is -7.5, must be a whole number"));
   EXPECT_THAT(Complaint("low_counts: 102.30000000000001", "low_counts: .nan"),
               HasSubstr(": glove.channels.a.low_counts: is .nan, must be finite"));
-  EXPECT_THAT(Complaint("timing:", "timings:"), HasSubstr("timings: unknown key (did you mean timing?)"));
+  EXPECT_THAT(Complaint("timing:", "timings:"),
+              HasSubstr("timings: unknown key (did you mean timing?)"));
 }
 
 TEST_F(RobotFileTest, WhatDoesNotFitTogetherIsNamedAsInTheFile) {
