@@ -57,8 +57,8 @@ std::vector<std::string> GloveChannelNames() { return NamesOf(GloveChannels()); 
 int ChannelIndex(std::string_view name) {
   const auto found = std::ranges::find(kChannels, name, &Channel::name);
   if (found != kChannels.end()) return found - kChannels.begin();
-  throw UserError(fmt::format("unknown channel '{}'{}", Shown(name),
-                              Suggestion(name, KnownChannelNames())));
+  throw UserError(
+      fmt::format("unknown channel '{}'{}", Shown(name), Suggestion(name, KnownChannelNames())));
 }
 
 std::size_t PlaceInList(std::size_t channel, std::size_t list_size) {
