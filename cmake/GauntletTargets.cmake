@@ -65,7 +65,7 @@ function(gauntlet_add_fuzzer name)
   file(MAKE_DIRECTORY ${found})
   add_test(NAME fuzz_${name}
     COMMAND fuzz_${name} -seed=1 -max_total_time=30 -max_len=${ARG_MAX_BYTES} -timeout=20
-            -print_final_stats=1 -artifact_prefix=${found}/ ${found}
+            -close_fd_mask=3 -print_final_stats=1 -artifact_prefix=${found}/ ${found}
             ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${name})
   set_tests_properties(fuzz_${name} PROPERTIES TIMEOUT 240)
 endfunction()

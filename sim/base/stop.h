@@ -22,15 +22,15 @@ inline void ThrowIfStopped() {
 /// a second Ctrl-C lets it get to its end.
 class Unbroken {
  public:
-  Unbroken() { ++count_; }
-  ~Unbroken() { --count_; }
+  Unbroken() { ++count; }
+  ~Unbroken() { --count; }
   Unbroken(const Unbroken&) = delete;
   Unbroken& operator=(const Unbroken&) = delete;
 
-  static bool Any() { return count_ > 0; }
+  static bool Any() { return count > 0; }
 
  private:
-  static inline std::atomic<int> count_{0};
+  static inline std::atomic<int> count{0};
 };
 
 }  // namespace gauntlet::sim

@@ -127,7 +127,7 @@ Manifest::Manifest(fs::path folder) : folder_(std::move(folder)) {
 }
 
 fs::path Manifest::Checked(const std::string& name) const {
-  const fs::path file = folder_ / name;
+  fs::path file = folder_ / name;
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) {
     throw UserError(

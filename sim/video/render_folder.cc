@@ -54,8 +54,7 @@ void CheckVideo(int controllers, const std::filesystem::path& target) {
 
 std::filesystem::path RenderFolder(const RenderOptions& options,
                                    const std::function<bool(int, int)>& keep_going) {
-  const std::filesystem::path target =
-      options.target.empty() ? VideoOf(options.folder) : options.target;
+  std::filesystem::path target = options.target.empty() ? VideoOf(options.folder) : options.target;
   const Manifest manifest(options.folder);
   const std::filesystem::path resolved = manifest.Checked("scenario.resolved.yaml");
   Scenario scenario = LoadScenario(resolved, {});

@@ -22,6 +22,8 @@ constexpr int kLargestSide_px = 8192;
 constexpr int kLargestRate_hz = 240;
 
 std::string ReasonOf(int error) {
+  // libx264 says no more than that; memory is what it fails for.
+  if (error == AVERROR_EXTERNAL) return "the encoder failed, as it does with too little memory";
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
   av_strerror(error, text, sizeof(text));
   return text;
