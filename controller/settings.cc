@@ -1,7 +1,9 @@
 #include "controller/settings.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 namespace gauntlet::controller {
 namespace {
@@ -80,8 +82,10 @@ class RangeChecker final : public SettingsVisitor {
 }  // namespace
 
 std::string NumberText(double value) {
+  constexpr double kExact = 1e15;  // whole numbers up to here have all their digits
+  const bool whole = std::abs(value) < kExact && value == std::floor(value);
   char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
+  std::snprintf(text, sizeof text, whole ? "%.0f" : "%.6g", value);
   return text;
 }
 
@@ -89,7 +93,10 @@ std::string RangeProblem(const Setting& setting, double value) {
   const bool inside = setting.open_range ? value > setting.min && value < setting.max
                                          : value >= setting.min && value <= setting.max;
   if (std::isfinite(value) && inside) return "";
-  return "is " + NumberText(value) + ", must be " + RangeText(setting);
+  // As it was given: rounded, a number just outside would look like one inside.
+  char text[32];
+  const auto end = std::to_chars(std::begin(text), std::end(text), value).ptr;
+  return "is " + std::string(std::begin(text), end) + ", must be " + RangeText(setting);
 }
 
 std::string CountProblem(const Setting& setting, std::size_t count) {

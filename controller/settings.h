@@ -90,7 +90,7 @@ auto WithinSetting(const std::string& key, const Work& work) {
   }
 }
 
-/// A number as errors show it: at most six digits.
+/// A number as errors show it: whole numbers exactly, others with six digits.
 std::string NumberText(double value);
 
 /// The sentence for a number outside its range or not finite; empty if the number is allowed.

@@ -6,7 +6,6 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/time.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,7 +13,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
-#include <cstring>
 #include <exception>
 #include <fstream>
 #include <new>
@@ -76,18 +74,6 @@ int CloseAllBut(int pipe) {
   return kPipe;
 }
 
-/// The program hears the signals that ask it to stop, and ends its helper; the helper itself does
-/// not outlive it.
-void LeaveSignalsTo(pid_t program) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
-  for (const int signal : {SIGPIPE, SIGPROF, SIGXFSZ}) std::signal(signal, SIG_DFL);
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != program) _exit(1);
-}
-
 bool WriteAll(int pipe, const char* data, std::size_t size) {
   while (size > 0) {
     const ssize_t written = write(pipe, data, size);
@@ -112,6 +98,7 @@ void HelperProcess::WriteFrame(int pipe, Frame frame, std::span<const char> byte
 
 void HelperProcess::Work(const std::function<void(const Send&)>& work, const HelperLimits& limits,
                          int pipe) {
+  for (const int signal : {SIGPIPE, SIGPROF, SIGXFSZ}) std::signal(signal, SIG_DFL);
   pipe = CloseAllBut(pipe);
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   prctl(PR_SET_DUMPABLE, 0);
@@ -140,41 +127,28 @@ HelperProcess::HelperProcess(const std::function<void(const Send&)>& work,
                              const HelperLimits& limits, std::function<bool()> keep_going)
     : limits_(limits), keep_going_(std::move(keep_going)) {
   int ends[2] = {-1, -1};
-  const pid_t program = getpid();
-  if (pipe2(ends, O_CLOEXEC) == 0) process_ = fork();
-  if (process_ < 0) {
-    const std::error_code reason(errno, std::generic_category());
+  try {
+    if (pipe2(ends, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category());
+    process_.emplace([&] { Work(work, limits, ends[1]); });
+  } catch (const std::system_error& error) {
     for (const int end : ends) close(end);
-    throw RunError("cannot start a helper process: " + reason.message());
-  }
-  if (process_ == 0) {
-    LeaveSignalsTo(program);
-    Work(work, limits, ends[1]);
+    throw RunError("cannot start a helper process: " + error.code().message());
   }
   close(ends[1]);
   pipe_ = ends[0];
   fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);  // fewer changes from one process to the other
 }
 
-HelperProcess::~HelperProcess() {
-  close(pipe_);
-  if (process_ < 0) return;
-  kill(process_, SIGKILL);
-  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) continue;
-}
+HelperProcess::~HelperProcess() { close(pipe_); }
 
 void HelperProcess::ThrowEnded() {
-  kill(process_, SIGKILL);  // should it only have closed the pipe
-  int status = 0;
-  pid_t ended = -1;
-  while ((ended = waitpid(process_, &status, 0)) < 0 && errno == EINTR) continue;
-  process_ = -1;
-  if (ended < 0 || !WIFSIGNALED(status)) throw HelperEnded("ended too early");
-  const int signal = WTERMSIG(status);
-  if (signal == SIGPROF) {
+  process_->Kill();  // should it only have closed the pipe
+  const std::optional<ChildEnd> end = process_->Wait();
+  if (!end || end->signal == 0) throw HelperEnded("ended too early");
+  if (end->signal == SIGPROF) {
     throw HelperEnded(fmt::format("took more than {} s of processor time", limits_.processor_s));
   }
-  throw HelperEnded(fmt::format("ended by signal {} ({})", signal, sigdescr_np(signal)));
+  throw HelperEnded(TextOf(*end));
 }
 
 std::size_t HelperProcess::ReadSome(std::span<char> bytes) {

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <stdexcept>
+
+#include "sim/base/child_process.h"
 
 namespace gauntlet::sim {
 
@@ -72,8 +73,8 @@ class HelperProcess {
 
   HelperLimits limits_;
   std::function<bool()> keep_going_;
-  pid_t process_ = -1;
   int pipe_ = -1;
+  std::optional<ChildProcess> process_;
   std::size_t left_of_frame_ = 0;
 };
 

@@ -7,7 +7,9 @@
 #include <cerrno>
 #include <csignal>
 #include <initializer_list>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/stop.h"
@@ -15,6 +17,7 @@
 
 // In handlers: system calls and lock-free numbers only.
 static_assert(std::atomic<int>::is_always_lock_free);
+static_assert(std::atomic<const char*>::is_always_lock_free);
 
 namespace gauntlet::sim {
 namespace {
@@ -26,6 +29,7 @@ constexpr int kMoments = 50;      // then it ends all the same
 
 std::atomic<bool> at_once{false};
 std::atomic<int> moments_left{kMoments};
+std::atomic<const char*> what_is_kept{""};
 
 /// Calls the handler of SIGALRM.
 void ComeBackIn(int time_ms) {
@@ -42,7 +46,8 @@ void EndWhenFilesAreWhole(int) {
   }
   RemoveUncommittedFiles();
   for (const std::string_view text :
-       {std::string_view("gauntlet: "), kInterrupted, std::string_view("\n")}) {
+       {std::string_view("gauntlet: "), kInterrupted, std::string_view(what_is_kept.load()),
+        std::string_view("\n")}) {
     SayText(text);
   }
   _exit(kOfSignals + stop_signal);
@@ -76,6 +81,12 @@ void CatchSignals() {
 }
 
 void EndAtSignals() { at_once = true; }
+
+void SetWhatIsKept(std::string text) {
+  static std::string kept;  // for the handler, as long as there is one
+  kept = "; " + std::move(text);
+  what_is_kept = kept.c_str();
+}
 
 int ExitCodeOfStop() {
   ComeBackIn(0);  // never

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace gauntlet::sim {
@@ -17,6 +18,10 @@ void CatchSignals();
 /// From now on these signals end the program at once: it waits for a source, and has nothing to
 /// tidy.
 void EndAtSignals();
+
+/// What a signal that ends the program at once says besides: what was not in vain. To be called
+/// once, before the work.
+void SetWhatIsKept(std::string text);
 
 /// The signal was heard, and the program has stopped: 128 + the signal, as shells have it.
 int ExitCodeOfStop();

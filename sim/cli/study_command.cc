@@ -16,6 +16,7 @@
 #include "sim/base/signal_storage.h"
 #include "sim/base/stop.h"
 #include "sim/cli/controllers_option.h"
+#include "sim/cli/interrupt.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
@@ -86,6 +87,9 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
       Say("gauntlet: {}: {} damaged, computed again\n", file.string(), Trials(damaged));
     }
   }
+  const std::string go_on =
+      fmt::format("kept in {}: the same command goes on from there", file.string());
+  if (database) SetWhatIsKept("finished trials are " + go_on);
   Progress progress(Trials(total));
   try {
     StudyResult result = RunStudy(
@@ -101,8 +105,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
     if (database) not_kept = database->Finish();
     const int known = database ? database->TrialCount() : 0;
     if (known == 0) throw;
-    throw Cancelled{fmt::format("{} are kept in {}: the same command goes on from there",
-                                Trials(known), file.string())};
+    throw Cancelled{fmt::format("{} are {}", Trials(known), go_on)};
   }
 }
 

@@ -1,10 +1,8 @@
 #include "sim/video/worker_process.h"
 
 #include <fmt/format.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -13,6 +11,7 @@
 #include <cstring>
 #include <new>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "sim/base/error.h"
@@ -69,25 +68,19 @@ std::string NotEnoughMemory(const std::string& does) {
 }
 
 /// How the child ended, and why it may have.
-std::string EndOf(pid_t process, const std::string& does) {
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0) {
-    if (errno != EINTR) return fmt::format("video: the process that {} is gone", does);
-  }
-  if (!WIFSIGNALED(status)) {
-    return fmt::format("video: the process that {} ended with exit code {}", does,
-                       WEXITSTATUS(status));
-  }
-  const int signal = WTERMSIG(status);
-  std::string reason = LimitOfMemory();
-  if (reason.empty() && signal == SIGKILL) reason = "the system does so when memory runs out";
-  return fmt::format("video: the process that {} was ended by signal {} ({}){}{}", does, signal,
-                     strsignal(signal), reason.empty() ? "" : "; ", reason);
+std::string EndOf(ChildProcess& process, const std::string& does) {
+  const std::optional<ChildEnd> end = process.Wait();
+  if (!end) return fmt::format("video: the process that {} is gone", does);
+  std::string reason = end->signal != 0 ? LimitOfMemory() : "";
+  if (reason.empty() && end->signal == SIGKILL) reason = "the system does so when memory runs out";
+  return fmt::format("video: the process that {} {}{}{}", does,
+                     (end->signal != 0 ? "was " : "") + TextOf(*end), reason.empty() ? "" : "; ",
+                     reason);
 }
 
 /// What the child does in place of the parent's own way on.
-[[noreturn]] void WorkInChild(int socket, const std::string& does,
-                              const std::function<void(WorkerProcess::Tasks&)>& work) {
+void WorkInChild(int socket, const std::string& does,
+                 const std::function<void(WorkerProcess::Tasks&)>& work) {
   dup2(socket, kSocketOfChild);
   closefrom(kSocketOfChild + 1);
   socket = kSocketOfChild;
@@ -102,7 +95,6 @@ std::string EndOf(pid_t process, const std::string& does) {
   } catch (const std::exception& error) {
     SendMessage(socket, kRunError, error.what());
   }
-  _exit(0);
 }
 
 }  // namespace
@@ -117,42 +109,22 @@ void WorkerProcess::Tasks::Answer(int number) { SendNumber(socket_, number); }
 
 WorkerProcess::WorkerProcess(std::string does, const std::function<void(Tasks&)>& work)
     : does_(std::move(does)) {
-  const auto fail = [this] {
+  int ends[2] = {-1, -1};
+  try {
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
+      throw std::system_error(errno, std::generic_category());
+    }
+    process_.emplace([&] { WorkInChild(ends[1], does_, work); });
+  } catch (const std::system_error& error) {
+    for (const int end : ends) close(end);
     throw RunError(
-        fmt::format("video: cannot start the process that {}: {}", does_, std::strerror(errno)));
-  };
-  int ends[2];
-  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) fail();
-  socket_ = ends[0];
-  // Signals wait until the child is no longer one that would tidy up as its parent does.
-  sigset_t all, before;
-  sigfillset(&all);
-  sigprocmask(SIG_SETMASK, &all, &before);
-  const pid_t parent = getpid();
-  process_ = fork();
-  if (process_ == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(0);  // it ended before it was said what to do then
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
-    sigprocmask(SIG_SETMASK, &before, nullptr);
-    WorkInChild(ends[1], does_, work);
+        fmt::format("video: cannot start the process that {}: {}", does_, error.code().message()));
   }
-  const int error = errno;
-  sigprocmask(SIG_SETMASK, &before, nullptr);
+  socket_ = ends[0];
   close(ends[1]);
-  if (process_ > 0) return;
-  close(socket_);
-  errno = error;
-  fail();
 }
 
-WorkerProcess::~WorkerProcess() {
-  close(socket_);
-  if (process_ < 0) return;
-  kill(process_, SIGKILL);
-  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
-  }
-}
+WorkerProcess::~WorkerProcess() { close(socket_); }
 
 void WorkerProcess::Send(int number) { SendNumber(socket_, number); }
 
@@ -160,7 +132,7 @@ void WorkerProcess::Close() { shutdown(socket_, SHUT_WR); }
 
 std::optional<int> WorkerProcess::Receive() {
   const std::string message = ReceiveMessage(socket_);
-  if (message.empty()) throw RunError(EndOf(std::exchange(process_, -1), does_));
+  if (message.empty()) throw RunError(EndOf(*process_, does_));
   switch (message[0]) {
     case kNumber:
       return NumberOf(message);

@@ -1,23 +1,18 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <functional>
 #include <optional>
 #include <string>
+
+#include "sim/base/child_process.h"
 
 namespace gauntlet::sim {
 
 /// Work in a child of this process, which is told by numbers what to do and answers by numbers.
 ///
 /// A library that crashes there, or that has no memory left, ends the work and not the program; one
-/// that cannot bear two threads has a process of its own. The child is a copy of this process as it
-/// is when the worker is made, with its memory and standard streams but no other open file. Nothing
-/// of the parent is tidied up there: no destructor, no exit handler. It leaves Ctrl-C to the parent
-/// and never outlives it.
-///
-/// To be made while no other thread runs: the copy of a lock that another thread holds stays
-/// closed.
+/// that cannot bear two threads has a process of its own. The child has the standard streams and no
+/// other open file. To be made while no other thread runs: see ChildProcess.
 class WorkerProcess {
  public:
   /// The child's end.
@@ -52,7 +47,7 @@ class WorkerProcess {
  private:
   std::string does_;
   int socket_ = -1;
-  pid_t process_ = -1;
+  std::optional<ChildProcess> process_;
 };
 
 }  // namespace gauntlet::sim
