@@ -382,17 +382,24 @@ def following_delay(reference, hand, counting, rate_hz):
     return step * (peak - bound + (0.5 * (left - right) / curvature if curvature < 0 else 0.0))
 
 
-def error_parts(reference, hand, quiet_hand, limited, edge_hz, rate_hz):
+def limit_ticks(at_limit, shortest, after):
+    """Ticks with a motor at its limit for a frame on end, and some after; at_limit: one signal per motor."""
+    limit = np.zeros(len(at_limit[0]), bool)
+    for motor in at_limit:
+        for begin, end in stretches(motor != 0):
+            if end - begin >= shortest:
+                limit[begin : end + after] = True
+    return limit
+
+
+def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz):
     """The mean square error by its cause [deg^2]: mean(signal of the cause times the error)."""
     reference, hand, quiet_hand = (np.degrees(x) for x in (reference, hand, quiet_hand))
     n = np.arange(len(hand))
-    reach = round(0.25 * rate_hz)
-    passed = np.concatenate(([0], np.cumsum(limited)))
-    limit = passed[n + 1] - passed[np.maximum(0, n - reach)] > 0  # now, or up to 250 ms ago
     counting = ~limit if np.sum(~limit) >= 0.5 * rate_hz else np.ones(len(hand), bool)
     delay = following_delay(np.radians(reference), np.radians(quiet_hand), counting, rate_hz)
     late = np.interp(n - delay, n, reference)
-    fitted = counting & (n >= max(0, int(delay) + 1)) & (n < min(len(n), len(n) + int(delay) - 1))
+    fitted = counting & (n - delay >= 0) & (n - delay <= len(n) - 1)
     gain = 1.0
     if np.std(late[fitted]) > 0.1:
         gain = np.cov(late[fitted], quiet_hand[fitted])[0, 1] / np.var(late[fitted], ddof=1)
@@ -505,6 +512,7 @@ class Context:
         self.rate_hz = float(trace["glove/reference_angle_rad"].attrs["rate_hz"])
         self.jitter_above_hz = setting("jitter_above_hz", 10.0)
         self.card = ModelCard()
+        self.shortest_limit_s = max(20.0, setting("period_ms"), setting("frame_ms")) / 1000
         self.servo = {name: setting(name) for name in (
             "resolution_bits", "travel_deg", "dead_band_deg", "full_torque_error_deg", "damping_ms",
             "no_load_speed_deg_s")}
@@ -535,7 +543,9 @@ def rescore(trace, controller, measured_joints, context):
         quiet, limited = None, None
         if quiet_hand:
             quiet = quiet_hand[name][:count]
-            limited = np.any([at_limit_then[m][:count] for m in context.card.motors_of[name]], axis=0)
+            limited = limit_ticks([at_limit_then[m][:count] for m in context.card.motors_of[name]],
+                                  round(context.shortest_limit_s * context.rate_hz),
+                                  round(0.25 * context.rate_hz))
         rows.setdefault(name, {}).update(
             joint_scores(reference[name][:count], hand[name], quiet, limited, context))
     angle, speed = (columns_of(group, s) for s in ("spool_angle_rad", "spool_speed_rad_s"))
