@@ -1,0 +1,635 @@
+#!/usr/bin/python3
+"""Recomputes the scores of a run from its trace, without any code of Gauntlet.
+
+    gauntlet run scenarios/random_motion.yaml --out out/random_motion
+    tests/measurements/rescore.py out/random_motion [--tolerance 0.001] [--rows]
+
+Written from the definitions in sim/score/README.md and `gauntlet list metrics`. Every value of
+scores.json, of each joint, motor and cable and of the summary, is held against what trace.h5 says of
+it, and the largest relative difference of each metric is printed. A score that exists on one side only
+differs by inf. What the motors of the project's hand pull and turn is read from models/README.md.
+
+Needs numpy, scipy and h5py. Exit code: 0 all within the tolerance; 1 one is beyond, or a metric is
+unknown to this script; 2 the folder cannot be used (a comparison of several seeds has the trace of
+the first only); 77 a library is missing.
+"""
+import argparse
+import json
+import os
+import re
+import sys
+
+try:
+    import h5py
+    import numpy as np
+    from scipy import signal
+except ImportError as missing:
+    print(f"skipped: {missing} (apt-get install python3-h5py python3-scipy)")
+    sys.exit(77)
+
+NAN = float("nan")
+# Differences up to this count as none, in the metric's own unit. Angles in the trace are 32-bit floats: one of
+# 2 rad is known to 7e-6 deg.
+FLOOR = 1e-5
+# The same for what is split by thresholds of the wearer's angle and speed (60 deg/s, the turning point of a slow
+# movement): a 32-bit float passes them some ticks earlier or later.
+FLOOR_OF_SPLIT_DEG = 0.003
+ERROR_PARTS = [f"error_{cause}_deg2"
+               for cause in ("delay", "constant", "gain", "limit", "frames", "noise", "rest")]
+NO_SUMMARY = {"tension_peak_n"}  # a finger's cable and a shoulder's are not alike
+SPLIT = re.compile("(rest|slow|fast|onset|reversal)_.*_deg|overshoot_deg")
+
+
+# Building blocks
+
+
+def rms(x):
+    return np.sqrt(np.mean(np.square(x))) if len(x) else NAN
+
+
+def fast_size(least):
+    """The smallest 4^a 3^b 5^c that is not below `least`."""
+    best = None
+    five = 1
+    while best is None or five < best:
+        size = five
+        while best is None or size < best:
+            candidate = size
+            while candidate < least:
+                candidate *= 4
+            best = candidate if best is None else min(best, candidate)
+            size *= 3
+        five *= 5
+    return best
+
+
+def low_pass(cutoff_hz, transition_hz, rate_hz):
+    """Weights of a sinc in a Kaiser window of 80 dB, at offsets -reach .. reach; sum 1."""
+    reach = int(np.ceil(0.5 * (80 - 7.95) / (2.285 * 2 * np.pi * transition_hz / rate_hz)))
+    n = np.arange(-reach, reach + 1)
+    weights = np.sinc(2 * cutoff_hz * n / rate_hz) * np.kaiser(len(n), 0.1102 * (80 - 8.7))
+    return weights / weights.sum()
+
+
+def high_passed(x, edge_hz, rate_hz):
+    """x above an edge, and the number of samples that are left out at each end."""
+    transition_hz = 0.4 * edge_hz
+    if rate_hz <= 2 * edge_hz + transition_hz:
+        return np.empty(0), 0
+    weights = low_pass(edge_hz, transition_hz, rate_hz)
+    reach = len(weights) // 2
+    if len(x) - 2 * reach < rate_hz / edge_hz:
+        return np.empty(0), 0
+    return x[reach:-reach] - signal.fftconvolve(x, weights, mode="valid"), reach
+
+
+def delay_samples(reference, hand, rate_hz):
+    """The lag of the largest correlation, refined by a parabola; None if there is none."""
+    count = len(reference)
+    largest = min(count // 4, int(2.0 * rate_hz))
+    if largest < 2:
+        return None
+    x = reference - reference.mean()
+    y = hand - hand.mean()
+    still = np.radians(0.1)
+    if not (rms(x) > still and rms(y) > still):
+        return None
+    size = fast_size(count + largest)
+    power = np.abs(np.fft.rfft(x, size)) ** 2
+    bound = min(largest, int(0.5 * size / (1 + np.argmax(power[1:]))))
+    products = signal.correlate(y, x, mode="full", method="fft")  # lag 0 at count - 1
+    sums = [np.concatenate(([0.0], np.cumsum(values))) for values in (x, x * x, y, y * y)]
+    found = np.full(2 * bound + 1, -2.0)
+    for lag in range(-bound, bound + 1):
+        first, last = max(0, -lag), count - max(0, lag)  # of the reference; the hand's is later by lag
+        overlap = last - first
+        sx, sxx = (s[last] - s[first] for s in sums[:2])
+        sy, syy = (s[last + lag] - s[first + lag] for s in sums[2:])
+        vx, vy = sxx - sx * sx / overlap, syy - sy * sy / overlap
+        if vx < 0.1 * sums[1][-1] or vy < 0.1 * sums[3][-1]:
+            continue
+        found[lag + bound] = (products[count - 1 + lag] - sx * sy / overlap) / np.sqrt(vx * vy)
+    peak = int(np.argmax(found))
+    if peak in (0, 2 * bound) or not found[peak] > 0:
+        return None
+    left, middle, right = found[peak - 1 : peak + 2]
+    if left == -2.0 or right == -2.0:
+        return None
+    curvature = left - 2 * middle + right
+    return peak - bound + (0.5 * (left - right) / curvature if curvature < 0 else 0.0)
+
+
+def aligned_error(reference, hand, delay):
+    n = np.arange(len(reference))
+    whole = int(np.floor(delay))
+    inside = (n + whole >= 0) & (n + whole + 1 < len(hand))
+    at = n[inside] + whole
+    moved = hand[at] + (delay - whole) * (hand[at + 1] - hand[at])
+    return moved - reference[inside]
+
+
+# What the wearer does
+
+
+def stretches(mask):
+    """[begin, end) of every run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], mask.astype(np.int8), [0]))))
+    return list(zip(edges[0::2], edges[1::2]))
+
+
+def turning_points(angle, begin, end):
+    """Where the direction changes by more than 5 deg, with both ends of the motion."""
+    reach = np.radians(5.0)
+    points, direction = [begin], 0
+    lowest = highest = begin
+    for n in range(begin, end):
+        if angle[n] < angle[lowest]:
+            lowest = n
+        if angle[n] > angle[highest]:
+            highest = n
+        if direction >= 0 and angle[n] < angle[highest] - reach:
+            if highest > points[-1]:
+                points.append(highest)
+            direction, lowest = -1, n
+        elif direction <= 0 and angle[n] > angle[lowest] + reach:
+            if lowest > points[-1]:
+                points.append(lowest)
+            direction, highest = 1, n
+    points.append(highest if direction > 0 else lowest if direction < 0 else end - 1)
+    return points
+
+
+class Movement:
+    def __init__(self, angle, begin, end, from_rest):
+        self.begin, self.end, self.from_rest = begin, end, from_rest
+        self.to = angle[end]
+        self.direction = 1.0 if angle[end] > angle[begin] else -1.0
+        self.amplitude = abs(angle[end] - angle[begin])
+
+
+class Wearer:
+    """Regimes as lists of [begin, end), and the movements of one joint."""
+
+    def __init__(self, angle, rate_hz, segments):
+        count = len(angle)
+        reach = max(1, round(0.005 * rate_hz))
+        n = np.arange(count)
+        before, after = np.maximum(0, n - reach), np.minimum(count - 1, n + reach)
+        speed = np.abs(angle[after] - angle[before]) * rate_hz / np.maximum(1, after - before)
+        rest = speed < np.radians(5.0)
+        for begin, end in stretches(rest):
+            if end - begin < round(0.3 * rate_hz):
+                rest[begin:end] = False
+        self.movements = []
+        for begin, end in stretches(~rest):
+            points = turning_points(angle, begin, end)
+            for i, (a, b) in enumerate(zip(points, points[1:])):
+                movement = Movement(angle, a, b, i == 0 and begin > 0)
+                if movement.amplitude >= np.radians(5.0):
+                    self.movements.append(movement)
+
+        kind = np.where(rest, "rest", np.where(speed >= np.radians(60.0), "fast", "slow"))
+        for label, begin, end in segments:
+            if label in ("rest", "slow", "fast"):
+                kind[begin:end] = label
+        settling = round(0.5 * rate_hz)
+        self.regimes = {
+            "rest": [(b + settling, e) for b, e in stretches(kind == "rest") if b + settling < e],
+            "slow": stretches(kind == "slow"),
+            "fast": stretches(kind == "fast"),
+            "onset": [(m.begin, min(count, m.begin + round(0.3 * rate_hz)))
+                      for m in self.movements if m.from_rest],
+            "reversal": self.reversals(round(0.15 * rate_hz), count),
+        }
+        for label in ("onset", "reversal"):
+            labelled = [(b, e) for name, b, e in segments if name == label and e > b]
+            if labelled:
+                self.regimes[label] = labelled
+
+    def reversals(self, reach, count):
+        ranges = []
+        for last, movement in zip(self.movements, self.movements[1:]):
+            if movement.begin != last.end:
+                continue  # a rest or a small turn lies between
+            begin = max(0, movement.begin - reach, ranges[-1][1] if ranges else 0)
+            ranges.append((begin, min(count, movement.begin + reach)))
+        return ranges
+
+
+def within(values, first, ranges):
+    """The values inside the ranges; values[0] belongs to sample `first`."""
+    parts = [values[max(0, b - first) : max(0, e - first)] for b, e in ranges]
+    return np.concatenate(parts) if parts else np.empty(0)
+
+
+# Single movements
+
+
+def smoothness(hand, rate_hz, movements, delay):
+    """SPARC and LDLJ, means over movements."""
+    if rate_hz <= 60:
+        return NAN, NAN
+    weights = low_pass(20.0, 20.0, rate_hz)
+    reach = len(weights) // 2 + 1
+    smooth = signal.fftconvolve(hand, weights, mode="valid")
+    velocity = 0.5 * rate_hz * (smooth[2:] - smooth[:-2])  # velocity[0] belongs to sample `reach`
+    step = max(1, round(rate_hz / 100.0))
+    velocity, rate = velocity[::step], rate_hz / step
+    found = []
+    for movement in movements:
+        begin, end = (int(np.ceil((sample + delay - reach) / step))
+                      for sample in (movement.begin, movement.end))
+        if begin < 0 or end > len(velocity) or end - begin < int(0.2 * rate):
+            continue
+        both = sparc(velocity[begin:end], rate), ldlj(velocity[begin:end], rate)
+        if np.all(np.isfinite(both)):
+            found.append(both)
+    return tuple(np.mean(found, axis=0)) if found else (NAN, NAN)
+
+
+def sparc(velocity, rate_hz):
+    size = 16 * 2 ** int(np.ceil(np.log2(len(velocity))))
+    amplitude = np.abs(np.fft.rfft(velocity, size))
+    amplitude /= amplitude.max()
+    amplitude = amplitude[np.arange(len(amplitude)) * rate_hz / size <= 10.0]
+    large = np.flatnonzero(amplitude >= 0.05)
+    band = amplitude[large[0] : large[-1] + 1]
+    return -np.sum(np.hypot(1.0 / (len(band) - 1), np.diff(band))) if len(band) > 1 else NAN
+
+
+def ldlj(velocity, rate_hz):
+    jerk = np.diff(velocity, 2) * rate_hz**2
+    duration = len(velocity) / rate_hz
+    integral = np.sum(jerk**2) / rate_hz
+    return -np.log(duration**3 / np.max(np.abs(velocity)) ** 2 * integral)
+
+
+def overshoot(reference, hand, rate_hz, movements, delay):
+    offset = np.mean(hand - reference)
+    late = int(np.floor(max(0.0, delay or 0.0) + 0.5))
+    found = []
+    for i, movement in enumerate(movements):
+        if movement.end + late + 1 >= len(hand):
+            continue
+        end = movement.end + int(1.0 * rate_hz)
+        if i + 1 < len(movements):
+            after = movements[i + 1]
+            end = min(end, after.begin if after.direction == movement.direction else after.end)
+        stretch = hand[movement.begin : min(end + late, len(hand))]
+        found.append(max(0.0, np.max(movement.direction * (stretch - offset - movement.to))))
+    return np.mean(found) if found else NAN
+
+
+def time_before_onset(angle, movement, baseline, end):
+    """Samples that the angle spends below 10 % of the amplitude before it reaches 50 %."""
+    travel = movement.direction * (angle[movement.begin : end] - baseline)
+    moving = np.flatnonzero(travel >= 0.5 * movement.amplitude)
+    moving = moving[moving < len(travel) - 1]
+    if len(moving) == 0:
+        return None
+    now, then = travel[: moving[0]], travel[1 : moving[0] + 1]
+    level = 0.1 * movement.amplitude
+    low, high = np.minimum(now, then), np.maximum(now, then)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(high < level, 1.0, np.where(low >= level, 0.0, (level - low) / (high - low)))
+    return np.sum(share)
+
+
+def onset_delay(reference, hand, rate_hz, movements):
+    first, last = int(0.3 * rate_hz), min(int(0.3 * rate_hz) - 1, int(0.2 * rate_hz))
+    found = []
+    for movement in movements:
+        if not movement.from_rest or movement.begin < first:
+            continue
+        end = min(len(hand), movement.end + int(1.0 * rate_hz))
+        times = [time_before_onset(angle, movement,
+                                   angle[movement.begin - first : movement.begin - last].mean(), end)
+                 for angle in (reference, hand)]
+        if None not in times:
+            found.append(times[1] - times[0])
+    return np.mean(found) if found else NAN
+
+
+# Motors, cables, grip
+
+
+def centroid(speed, rate_hz):
+    size = fast_size(int(rate_hz))
+    if len(speed) < size:
+        return NAN
+    frequency, power = signal.welch(speed - speed.mean(), rate_hz, window="hann", nperseg=size,
+                                    noverlap=size - size // 2, detrend=False)
+    power[-1] *= 2 if size % 2 == 0 else 1  # one-sided densities halve neither end
+    total = power[1:].sum()
+    return np.sum(frequency[1:] * power[1:]) / total if total > 1e-24 else NAN
+
+
+def reversals_per_s(counts, rate_hz):
+    steps = np.sign(np.diff(counts))
+    steps = steps[steps != 0]
+    return np.sum(steps[1:] != steps[:-1]) * rate_hz / len(counts)
+
+
+def at_limit(counts, angle, speed, servo):
+    """1 where the servo wants more torque than it has; torques over the stall torque."""
+    target = (counts - 2 ** servo["resolution_bits"] / 2) * servo["travel_deg"] / (
+        2 ** servo["resolution_bits"] - 1)
+    angle, speed = (np.degrees(np.concatenate(([NAN], x[:-1]))) for x in (angle, speed))
+    error = target - angle  # before the tick's step of physics
+    beyond = np.sign(error) * np.maximum(0.0, np.abs(error) - servo["dead_band_deg"])
+    wanted = (beyond - servo["damping_ms"] / 1000 * speed) / servo["full_torque_error_deg"]
+    back_emf = speed / servo["no_load_speed_deg_s"]
+    return (wanted > np.clip(1 - back_emf, -1, 1)) | (wanted < np.clip(-1 - back_emf, -1, 1))
+
+
+def grip_ripple(force, edge_hz, rate_hz):
+    ripple = [high_passed(force[b:e], edge_hz, rate_hz)[0] for b, e in stretches(force >= 0.1)]
+    return rms(np.concatenate(ripple)) if ripple else NAN
+
+
+# The error by its cause
+
+
+def block_means(values, step):
+    count = len(values) // step
+    return values[: count * step].reshape(count, step).mean(axis=1)
+
+
+def following_delay(reference, hand, counting, rate_hz):
+    """Samples by which a hand follows, over the ticks that count: the lag of the largest correlation."""
+    step = max(1, round(rate_hz / 100.0))
+    rate_hz /= step
+    counts = block_means(counting.astype(float), step) == 1.0
+    reference, hand = (x - x.mean() for x in (block_means(reference, step), block_means(hand, step)))
+    size = len(reference)
+    if size < 8:
+        return 0.0
+    padded = fast_size(size)
+    period = padded / (1 + np.argmax(np.abs(np.fft.rfft(reference, padded))[1:]))
+    bound = min(size // 4, int(0.5 * rate_hz), int(0.5 * period))
+    inside = np.arange(bound, size - bound)
+    inside = inside[counts[inside]]
+    if bound < 1 or len(inside) < 0.5 * rate_hz or not np.std(hand[inside]) > np.radians(0.1):
+        return 0.0
+    found = [np.corrcoef(reference[inside - lag], hand[inside])[0, 1]
+             if np.std(reference[inside - lag]) > np.radians(0.1) else 0.0
+             for lag in range(-bound, bound + 1)]
+    peak = int(np.argmax(found))
+    if peak in (0, 2 * bound) or not found[peak] > 0:
+        return 0.0
+    left, middle, right = found[peak - 1 : peak + 2]
+    curvature = left - 2 * middle + right
+    return step * (peak - bound + (0.5 * (left - right) / curvature if curvature < 0 else 0.0))
+
+
+def limit_ticks(at_limit, shortest, after):
+    """Ticks with a motor at its limit for a frame on end, and some after; at_limit: one signal per motor."""
+    limit = np.zeros(len(at_limit[0]), bool)
+    for motor in at_limit:
+        for begin, end in stretches(motor != 0):
+            if end - begin >= shortest:
+                limit[begin : end + after] = True
+    return limit
+
+
+def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz):
+    """The mean square error by its cause [deg^2]: mean(signal of the cause times the error)."""
+    reference, hand, quiet_hand = (np.degrees(x) for x in (reference, hand, quiet_hand))
+    n = np.arange(len(hand))
+    counting = ~limit if np.sum(~limit) >= 0.5 * rate_hz else np.ones(len(hand), bool)
+    delay = following_delay(np.radians(reference), np.radians(quiet_hand), counting, rate_hz)
+    late = np.interp(n - delay, n, reference)
+    fitted = counting & (n - delay >= 0) & (n - delay <= len(n) - 1)
+    gain = 1.0
+    if np.std(late[fitted]) > 0.1:
+        gain = np.cov(late[fitted], quiet_hand[fitted])[0, 1] / np.var(late[fitted], ddof=1)
+    constant = np.mean(quiet_hand[fitted] - gain * late[fitted])
+    left = quiet_hand - constant - gain * late
+    above, first = high_passed(left, edge_hz, rate_hz)
+    frames = np.zeros(len(hand))
+    frames[first : first + len(above)] = above
+    signals = {
+        "delay": late - reference,
+        "constant": constant + (gain - 1) * late.mean() + 0 * late,
+        "gain": (gain - 1) * (late - late.mean()),
+        "limit": np.where(limit, left, 0.0),
+        "frames": np.where(limit, 0.0, frames),
+        "noise": hand - quiet_hand,
+        "rest": np.where(limit, 0.0, left - frames),
+    }
+    error = hand - reference
+    return {f"error_{cause}_deg2": np.mean(x * error) for cause, x in signals.items()}
+
+
+# The project's hand, as its model card says
+
+
+class ModelCard:
+    """What no trace tells of the project's hand: the motors that turn a joint, and pulls at stall."""
+
+    def __init__(self):
+        here = os.path.dirname(os.path.abspath(__file__))
+        with open(os.path.join(here, "..", "..", "models", "README.md"), encoding="utf-8") as file:
+            card = file.read()
+        number = r" *([-\d.]+) *\|"
+        rows = re.findall(rf"^\| `(\w+)` \| [-\d]+ \.\. \d+ \|{number * 4}", card, re.MULTILINE)
+        # stall torque [N m] over radius of the drum [mm]
+        self.stall_n = {name: 1000 * float(torque) / float(drum) for name, _, drum, torque, _ in rows}
+        coupling = re.findall(r"^ *\d+ (\w+) +((?: +(?:[\d.]+))+)$", card, re.MULTILINE)
+        joints = [name for name, _ in coupling]
+        self.motors_of = {joint: [motor for motor, row in coupling if row.split()[i] != "."]
+                          for i, joint in enumerate(joints)}
+
+
+# All scores of one part
+
+
+def joint_scores(reference, hand, quiet_hand, limited, context):
+    """quiet_hand and limited: of the noise-free trial, None if there is none."""
+    rate_hz = context.rate_hz
+    wearer = Wearer(reference, rate_hz, context.segments)
+    error = np.degrees(hand - reference)
+    trembling, first = high_passed(np.degrees(hand), context.jitter_above_hz, rate_hz)
+    delay = delay_samples(reference, hand, rate_hz)
+    rests = [error[b:e] for b, e in wearer.regimes["rest"]]
+    hand_rests = [np.degrees(hand[b:e]) for b, e in wearer.regimes["rest"]]
+    scores = {
+        "tracking_rmse_deg": rms(error),
+        "delay_ms": NAN if delay is None else 1000 * delay / rate_hz,
+        "aligned_rmse_deg": rms(error if delay is None
+                                else np.degrees(aligned_error(reference, hand, delay))),
+        "peak_error_deg": np.max(np.abs(error)),
+        "jitter_rms_deg": rms(trembling),
+        "rest_jitter_deg": rms(np.concatenate([x - x.mean() for x in hand_rests])) if rests else NAN,
+        "rest_offset_deg": np.mean([abs(x.mean()) for x in rests]) if rests else NAN,
+        "overshoot_deg": np.degrees(overshoot(reference, hand, rate_hz, wearer.movements, delay)),
+        "onset_delay_ms": 1000 / rate_hz * onset_delay(reference, hand, rate_hz, wearer.movements),
+    }
+    scores["sparc"], scores["ldlj"] = smoothness(hand, rate_hz, wearer.movements, delay or 0.0)
+    for regime, ranges in wearer.regimes.items():
+        scores[regime + "_tracking_rmse_deg"] = rms(within(error, 0, ranges))
+        if regime != "rest":
+            scores[regime + "_jitter_rms_deg"] = rms(within(trembling, first, ranges))
+    quiet = quiet_hand is not None
+    noise = np.degrees(hand - quiet_hand) if quiet else np.empty(0)
+    scores["noise_jitter_rms_deg"] = rms(high_passed(noise, context.jitter_above_hz, rate_hz)[0])
+    scores |= (error_parts(reference, hand, quiet_hand, limited, context.jitter_above_hz, rate_hz)
+               if quiet else dict.fromkeys(ERROR_PARTS, NAN))
+    return scores
+
+
+def motor_scores(counts, angle, speed, quiet_speed, context):
+    noise = speed - quiet_speed if quiet_speed is not None else np.empty(0)
+    return {
+        "motor_noise_rms_deg_s": rms(np.degrees(noise)),
+        "motor_noise_centroid_hz": centroid(noise, context.rate_hz),
+        "command_reversals_per_s": reversals_per_s(counts, context.rate_hz),
+        "motor_speed_rms_deg_s": rms(np.degrees(speed)),
+        "motor_speed_centroid_hz": centroid(speed, context.rate_hz),
+        "saturation_share": np.mean(at_limit(counts, angle, speed, context.servo)),
+    }
+
+
+def cable_scores(tension, stall_n):
+    return {"slack_share": np.mean(tension <= 0.01), "tension_peak_n": np.max(tension),
+            "tension_peak_share": np.max(tension) / stall_n}
+
+
+# The folder
+
+
+class Context:
+    """What holds for all parts: clocks, labels and the settings that a definition names."""
+
+    def __init__(self, folder, trace):
+        with open(os.path.join(folder, "scenario.resolved.yaml"), encoding="utf-8") as file:
+            text = file.read()
+
+        def setting(name, default=NAN):
+            found = re.search(rf"^\s+{name}: (\S+)$", text, re.MULTILINE)
+            return float(found.group(1)) if found else default
+
+        self.rate_hz = float(trace["glove/reference_angle_rad"].attrs["rate_hz"])
+        self.jitter_above_hz = setting("jitter_above_hz", 10.0)
+        self.card = ModelCard()
+        self.shortest_limit_s = max(20.0, setting("period_ms"), setting("frame_ms")) / 1000
+        self.servo = {name: setting(name) for name in (
+            "resolution_bits", "travel_deg", "dead_band_deg", "full_torque_error_deg", "damping_ms",
+            "no_load_speed_deg_s")}
+        self.segments = [(row["label"].decode(), int(row["begin_sample"]), int(row["end_sample"]))
+                         for row in trace["glove/segments"][()]]
+
+
+def columns_of(group, name):
+    """Column name -> 64-bit signal."""
+    if name not in group:
+        return {}
+    names = group[name].attrs["columns"]
+    values = np.asarray(group[name][()], dtype=float)
+    return {str(column): values[:, i] for i, column in enumerate(names)}
+
+
+def rescore(trace, controller, measured_joints, context):
+    """Row name -> metric -> value, and the scores of the whole hand."""
+    group = trace["controllers"][controller]
+    reference = columns_of(trace["glove"], "reference_angle_rad")
+    hand = columns_of(group, "hand_angle_rad")
+    quiet_hand = columns_of(group, "noise_free_hand_angle_rad")
+    quiet_speed = columns_of(group, "noise_free_spool_speed_rad_s")
+    at_limit_then = columns_of(group, "noise_free_motor_at_limit")
+    rows = {}
+    for name in measured_joints:
+        count = len(hand[name])
+        quiet, limited = None, None
+        if quiet_hand:
+            quiet = quiet_hand[name][:count]
+            limited = limit_ticks([at_limit_then[m][:count] for m in context.card.motors_of[name]],
+                                  round(context.shortest_limit_s * context.rate_hz),
+                                  round(0.25 * context.rate_hz))
+        rows.setdefault(name, {}).update(
+            joint_scores(reference[name][:count], hand[name], quiet, limited, context))
+    angle, speed = (columns_of(group, s) for s in ("spool_angle_rad", "spool_speed_rad_s"))
+    for name, counts in columns_of(group, "command_counts").items():
+        quiet = quiet_speed[name][: len(counts)] if quiet_speed else None
+        rows.setdefault(name, {}).update(
+            motor_scores(counts, angle[name], speed[name], quiet, context))
+    for name, tension in columns_of(group, "tension_n").items():
+        stall_n = context.card.stall_n[re.sub("_(flexor|extensor)$", "", name)]
+        rows.setdefault(name, {}).update(cable_scores(tension, stall_n))
+    force = columns_of(group, "grip_force_n")
+    ripple = [grip_ripple(x, context.jitter_above_hz, context.rate_hz) for x in force.values()]
+    return rows, {"grip_force_ripple_n": ripple[0] if ripple else NAN}
+
+
+def difference(metric, theirs, ours):
+    """Relative; none up to the floor."""
+    theirs = NAN if theirs is None else theirs
+    if np.isnan(theirs) or np.isnan(ours):
+        return 0.0 if np.isnan(theirs) and np.isnan(ours) else float("inf")
+    floor = FLOOR_OF_SPLIT_DEG if SPLIT.fullmatch(metric) else FLOOR
+    return abs(theirs - ours) / max(abs(theirs), abs(ours)) if abs(theirs - ours) > floor else 0.0
+
+
+def compare(folder):
+    """Metric -> list of (difference, place, their value, ours); and the metrics nobody knows."""
+    with open(os.path.join(folder, "scores.json"), encoding="utf-8") as file:
+        scores = json.load(file)
+    if "seed" not in scores:
+        raise ValueError("a comparison of several seeds; its trace is of the first only")
+    results, unknown = {}, set()
+    with h5py.File(os.path.join(folder, "trace.h5"), "r") as trace:
+        context = Context(folder, trace)
+        for controller in scores["controllers"]:
+            name = controller["name"]
+            rows, of_hand = rescore(trace, name, scores["measured_joints"], context)
+            for row, theirs in controller["channels"].items():
+                for metric, value in theirs.items():
+                    if metric not in rows[row]:
+                        unknown.add(metric)
+                        continue
+                    ours = rows[row][metric]
+                    results.setdefault(metric, []).append(
+                        (difference(metric, value, ours), f"{name}, {row}", value, ours))
+            for metric, value in controller["summary"].items():
+                if value is None and metric in NO_SUMMARY:
+                    continue
+                values = [rows[row][metric] for row in controller["channels"]
+                          if metric in rows[row] and not np.isnan(rows[row][metric])]
+                ours = of_hand.get(metric, np.mean(values) if values else NAN)
+                results.setdefault(metric, []).append(
+                    (difference(metric, value, ours), f"{name}, summary", value, ours))
+    return results, unknown
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", nargs="+", help="output folder of `gauntlet run`")
+    parser.add_argument("--tolerance", type=float, default=1e-3, help="relative [0.001]")
+    parser.add_argument("--rows", action="store_true", help="list every value beyond the tolerance")
+    arguments = parser.parse_args()
+    bad = False
+    for folder in arguments.folder:
+        try:
+            results, unknown = compare(folder)
+        except (OSError, KeyError, ValueError) as problem:
+            print(f"{folder}: {problem}", file=sys.stderr)
+            return 2
+        count = sum(len(values) for values in results.values())
+        print(f"{folder}: {count} values; largest relative difference of each metric:")
+        for metric, values in results.items():
+            worst = max(values, key=lambda result: result[0])
+            flag = " " if worst[0] <= arguments.tolerance else "!"
+            bad |= flag == "!"
+            print(f"{flag} {metric:28} {worst[0]:8.1e}  of {len(values):4}", end="")
+            print(f"  {worst[1]}: {worst[2]} is {worst[3]:.9g}" if flag == "!" else "")
+            for result in values if arguments.rows else []:
+                if result[0] > arguments.tolerance:
+                    print(f"    {result[1]}: {result[2]} is {result[3]:.9g}")
+        for metric in sorted(unknown):
+            print(f"! {metric:28} is unknown here: define it in this script, too")
+            bad = True
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
