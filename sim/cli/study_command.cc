@@ -198,10 +198,11 @@ void RunStudyCommand(const StudyCommand& options) {
     written += ", comparison.mp4";
   }
   Say("wrote {}: {}\n", folder.path().string(), written);
-  for (const ControllerSummary& controller : finished.summary.controllers) {
-    if (controller.problem.empty()) continue;
+  const std::vector<std::string> failures =
+      Failures(finished.summary, finished.result.seeds.size());
+  if (!failures.empty()) {
     if (not_kept) Say("gauntlet: {}\n", *not_kept);
-    throw RunError(fmt::format("{} stopped early: {}", controller.name, controller.problem));
+    throw RunError(failures.front());
   }
   if (not_kept) throw RunError(*not_kept);
 }

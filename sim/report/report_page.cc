@@ -44,7 +44,8 @@ FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
   for (const Trace& trace : traces) {
     const WayOfAngles way = MeasuredWay(study, trace);
     const Columns hand(trace.hand_angle_rad, study.measured_joints);
-    first.latency.push_back(LatencyOfTrace(*study.hand, *reference, way, *hand));
+    first.latency.push_back(trace.health.ok ? LatencyOfTrace(*study.hand, *reference, way, *hand)
+                                            : std::nullopt);
     first.Add(way, *hand);
   }
   return first;

@@ -95,6 +95,11 @@ ScoreRows::ScoreRows(std::span<const std::string> joint_names,
   for (const std::string& name : cable_names) cables.push_back(row_of(name));
 }
 
+Scores NoScores(const ScoreRows& rows) {
+  const std::vector<double> none(Metrics().size(), kNoScore);
+  return {.summary = none, .channels = {rows.names.size(), none}};
+}
+
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   CheckShapes(input, table);
   const int rows = static_cast<int>(input.hand_angle_rad->rows());
@@ -105,8 +110,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   Fourier fourier;
   const FilteredSignal trembling = Trembling(*input.hand_angle_rad, input.rate_hz, fourier);
 
-  Scores scores;
-  scores.channels.assign(table.names.size(), std::vector<double>(Metrics().size(), kNoScore));
+  Scores scores = NoScores(table);
   for (std::size_t joint = 0; rows > 0 && joint < table.joints.size(); ++joint) {
     Score(ScoredJoint(input, static_cast<int>(joint), trembling, fourier),
           scores.channels[table.joints[joint]]);

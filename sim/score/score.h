@@ -43,6 +43,14 @@ struct ScoreInput {
   std::span<const Segment> segments = {};         // win over the split by the wearer's speed
 };
 
+/// The smallest difference between two values of a score that matters to a person: the larger of
+/// an amount in the score's unit and a share of the smaller value's size.
+struct RelevantDifference {
+  double absolute = 0.0;
+  double relative = 0.0;
+  std::string_view reason;  // a source, or why; "a convention" where there is none
+};
+
 /// One score that Gauntlet knows. The unit is the suffix of the key.
 struct Metric {
   std::string_view key;
@@ -51,7 +59,11 @@ struct Metric {
   bool lower_is_better = true;
   ScoredPart part = ScoredPart::kJoint;
   bool main = false;  // of the main question: a column of the table at the terminal
+  RelevantDifference relevant_difference = {};
 };
+
+/// From where on two values of the metric differ by what matters; NaN if one of them is.
+double RelevantDifferenceBetween(const Metric& metric, double first, double second);
 
 /// All metrics in the order of every table and file.
 std::span<const Metric> Metrics();
@@ -67,6 +79,9 @@ struct Scores {
   std::vector<double> summary;                // metrics
   std::vector<std::vector<double>> channels;  // rows of ScoreRows x metrics
 };
+
+/// Of a trial that says nothing: every score is NaN.
+Scores NoScores(const ScoreRows& rows);
 
 /// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped
 /// early is shorter than the reference; the rows that exist are scored.

@@ -168,8 +168,9 @@ class Schedule {
     const auto blocks = static_cast<double>(block_count);
     Trace trace =
         RunTrial(SetupOf(study_, named), *glove.signal, [&] { return Progress(1.0 / blocks); });
-    outcome.scores = Score(study_, *glove.signal, glove.reference_rad, trace);
     outcome.health = trace.health;
+    outcome.scores = trace.health.ok ? Score(study_, *glove.signal, glove.reference_rad, trace)
+                                     : NoScores(study_.rows);
     outcome.untrusted_samples = trace.untrusted_samples;
     if (options_.database != nullptr) {
       options_.database->Keep(seed.seed, controller_index, outcome);

@@ -54,7 +54,7 @@ class StudyDatabase;
 
 /// What one controller did with one seed.
 struct TrialOutcome {
-  Scores scores;
+  Scores scores;  // none, all NaN, of a hand that was stopped
   HandHealth health;
   std::vector<std::int64_t> untrusted_samples;  // per channel
 };
@@ -62,6 +62,7 @@ struct TrialOutcome {
 /// All trials of one seed: the same glove signal and the same hand for every controller.
 struct SeedOutcome {
   int seed = 0;
+  int motion = 0;  // number of what the wearer did, from 0: the same where the true angles are
   std::vector<TrialOutcome> controllers;  // in the order of the scenario
 };
 
