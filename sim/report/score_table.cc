@@ -365,7 +365,7 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
   AppendMissingSeeds(result, summary, out);
   for (const std::string& note : Notes(finished)) out += Wrapped(note) + "\n";
   const std::string verdict = Verdict(summary);
-  if (!verdict.empty()) out += "\n" + verdict + "\n";
+  if (!verdict.empty()) out += "\n" + Wrapped(verdict) + "\n";
   return out;
 }
 

@@ -62,7 +62,10 @@ constexpr RelevantDifference kNoticedDelay = {
     .reason =
         "people who drag something by a finger notice improvements well below 10 ms (Ng, "
         "Lepinski, Wigdor, Sanders, Dietz 2012)"};
-constexpr RelevantDifference kTenth = {.relative = 0.1, .reason = "a tenth: a convention"};
+constexpr RelevantDifference kPitch = {
+    .absolute = 0.5,
+    .relative = 0.1,
+    .reason = "a tenth, and not less than half a hertz: a convention"};
 constexpr RelevantDifference kReversals = {
     .absolute = 0.5,
     .relative = 0.1,
@@ -239,7 +242,7 @@ constexpr MetricRow kRows[] = {
     {{.key = "motor_speed_centroid_hz",
       .help = "how high the motors sound",
       .definition = "centre of the power spectrum of the speed of the spool (Welch 1967)",
-      .relevant_difference = kTenth},
+      .relevant_difference = kPitch},
      [](const ScoredMotor& m) { return SpectralCentroid(m.speed_rad_s, m.rate_hz, m.fourier); }},
     {{.key = "saturation_share",
       .help = "how often the servo gives all it has",

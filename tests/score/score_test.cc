@@ -63,6 +63,29 @@ TEST(Metrics, HaveDistinctKeysWithUnitsAndWords) {
   }
 }
 
+TEST(Metrics, SayFromWhereOnADifferenceMatters) {
+  for (const Metric& metric : Metrics()) {
+    EXPECT_GT(metric.relevant_difference.absolute, 0.0) << metric.key;  // also beside a zero
+    EXPECT_GE(metric.relevant_difference.relative, 0.0) << metric.key;
+    EXPECT_LT(metric.relevant_difference.relative, 0.5) << metric.key;
+    EXPECT_FALSE(metric.relevant_difference.reason.empty()) << metric.key;
+  }
+  const Metric& jitter = Metrics()[MetricIndex("jitter_rms_deg")];
+  EXPECT_EQ(RelevantDifferenceBetween(jitter, 3.0, 90.0), 0.05);
+  const Metric& reversals = Metrics()[MetricIndex("command_reversals_per_s")];
+  EXPECT_EQ(RelevantDifferenceBetween(reversals, 20.0, 30.0), 2.0);  // of the smaller
+  EXPECT_EQ(RelevantDifferenceBetween(reversals, 30.0, 20.0), 2.0);
+  EXPECT_EQ(RelevantDifferenceBetween(reversals, 0.0, 30.0), 0.5);
+  EXPECT_TRUE(std::isnan(RelevantDifferenceBetween(reversals, std::nan(""), 30.0)));
+}
+
+TEST(Scores, OfATrialThatSaysNothingAreNone) {
+  const Scores scores = NoScores(kThreeRows);
+  EXPECT_EQ(scores.summary.size(), Metrics().size());
+  ASSERT_EQ(scores.channels.size(), kThreeRows.names.size());
+  for (const double value : scores.channels[1]) EXPECT_TRUE(std::isnan(value));
+}
+
 TEST(Scores, OfAKnownHandAreTheKnownValues) {
   const Example example;
   const Scores scores = ComputeScores(example.Input(), kThreeRows);
