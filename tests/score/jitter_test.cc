@@ -10,7 +10,7 @@ namespace {
 
 double JitterRms(const std::vector<double>& angle, double rate_hz = 1000.0) {
   Fourier fourier;
-  const Signal high = Trembling(OneChannel(angle), rate_hz, fourier).values;
+  const Signal high = Trembling(OneChannel(angle), rate_hz, 10.0, fourier).values;
   return Rms(std::span(high.data(), static_cast<std::size_t>(high.size())));
 }
 
@@ -51,7 +51,7 @@ TEST(Jitter, OfWhiteNoiseHasTheShareOfTheBand) {
 TEST(Jitter, HasNoPhase) {
   const auto tremble = [](double t) { return std::sin(2.0 * kPi * 15.0 * t); };
   Fourier fourier;
-  const auto high = Trembling(OneChannel(Sampled(4.0, 1000.0, tremble)), 1000.0, fourier);
+  const auto high = Trembling(OneChannel(Sampled(4.0, 1000.0, tremble)), 1000.0, 10.0, fourier);
   for (int n = 0; n < high.values.rows(); ++n) {
     ASSERT_NEAR(high.values(n, 0), tremble((n + high.first_sample) / 1000.0), 1e-3);
   }
@@ -62,9 +62,9 @@ TEST(Jitter, KeepsChannelsApart) {
   const auto noise = Noise(9000, 2);
   for (int i = 0; i < both.size(); ++i) both.data()[i] = noise[i];
   Fourier fourier;
-  const Signal together = Trembling(both, 1000.0, fourier).values;
+  const Signal together = Trembling(both, 1000.0, 10.0, fourier).values;
   for (int c = 0; c < 3; ++c) {
-    const Signal alone = Trembling(both.col(c), 1000.0, fourier).values;
+    const Signal alone = Trembling(both.col(c), 1000.0, 10.0, fourier).values;
     EXPECT_LT((together.col(c) - alone).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
