@@ -17,4 +17,7 @@ namespace gauntlet::sim {
 FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, double above_hz,
                          Fourier& fourier);
 
+/// The shortest signal in which there is trembling, in ticks.
+Eigen::Index TremblingTicks(double rate_hz, double above_hz);
+
 }  // namespace gauntlet::sim

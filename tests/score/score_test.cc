@@ -273,6 +273,21 @@ TEST(Scores, OfNoiseThatIsNoneAreZero) {
   EXPECT_TRUE(std::isnan(scores.summary[IndexOf("motor_noise_centroid_hz")]));
 }
 
+TEST(Scores, OfTremblingBeginWhereTheInputSays) {
+  FullExample example;
+  for (int n = 0; n < FullExample::kSamples; ++n) {
+    example.grip(n, 0) += 0.7 * std::sqrt(2.0) * std::sin(2.0 * kPi * 9.0 * n / 1000.0);
+    example.hand(n, 0) = 0.5 * kRadPerDeg * std::sqrt(2.0) * std::sin(2.0 * kPi * 9.0 * n / 1000.0);
+    example.noise_free_hand(n, 0) = 0.4 * example.hand(n, 0);
+  }
+  ScoreInput input = example.Input();
+  input.jitter_above_hz = 7.5;
+  const Scores scores = ComputeScores(input, kFullRows);
+  EXPECT_NEAR(scores.channels[0][IndexOf("jitter_rms_deg")], 0.5, 1e-3);
+  EXPECT_NEAR(scores.channels[0][IndexOf("noise_jitter_rms_deg")], 0.3, 1e-3);
+  EXPECT_NEAR(scores.summary[IndexOf("grip_force_ripple_n")], std::hypot(1.0, 0.7), 1e-3);
+}
+
 TEST(Scores, OfTheOffsetAtRestIsTheSizeOfTheMeanError) {
   FullExample example;
   example.hand.col(0).array() -= 3.0 * kRadPerDeg;  // below the wearer, all the time
