@@ -124,8 +124,8 @@ double FindDelay(const Joint& joint, const Ticks& counting, Fourier& fourier) {
 /// Gain and constant by least squares, where the reference of `delay` ago is known.
 Following FitAt(double delay_ticks, const Joint& joint, const Ticks& counting) {
   const auto ticks = std::ssize(joint.hand);
-  const auto begin = std::max<std::ptrdiff_t>(0, static_cast<std::ptrdiff_t>(delay_ticks) + 1);
-  const auto end = std::min(ticks, ticks + static_cast<std::ptrdiff_t>(delay_ticks) - 1);
+  const auto begin = static_cast<std::ptrdiff_t>(std::ceil(std::max(0.0, delay_ticks)));
+  const auto end = ticks + static_cast<std::ptrdiff_t>(std::floor(std::min(0.0, delay_ticks)));
   double x_sum = 0.0;
   double y_sum = 0.0;
   double xx_sum = 0.0;
