@@ -317,8 +317,8 @@ std::vector<Claim> JudgeClaims(const PaperExperiment& experiment) {
   };
   filter_lowers("Much less local jumps", "command_reversals_per_s");
   filter_lowers("Fingers move quieter", "jitter_rms_deg");
-  filter_lowers("Motor noise is lower in level", "motor_speed_rms_deg_s");
-  filter_lowers("Motor noise is lower in frequency", "motor_speed_centroid_hz");
+  filter_lowers("Motor noise is lower in level", "motor_noise_rms_deg_s");
+  filter_lowers("Motor noise is lower in frequency", "motor_noise_centroid_hz");
   claims.AddReduction(
       "More so in slow motion", "jitter that the filter takes away, %: fast motion, then slow",
       Reduction(result, "fast_jitter_rms_deg"), Reduction(result, "slow_jitter_rms_deg"));

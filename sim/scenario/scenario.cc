@@ -81,6 +81,7 @@ void Scenario::Visit(SettingsVisitor& visitor) {
   joint_map.Visit(visitor,
                   {.key = "joint_map",
                    .help = "joints of the hand that do not follow the channel of their own name"});
+  VisitGroup(visitor, {.key = "score", .help = "what counts in the scores"}, score);
   VisitGroup(visitor, {.key = "video", .help = "what the comparison video shows"}, video);
   visitor.Map(
       {.key = "controllers",

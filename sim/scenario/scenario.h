@@ -11,6 +11,7 @@
 #include "sim/glove/glove_config.h"
 #include "sim/hand/hand_config.h"
 #include "sim/loop/event_config.h"
+#include "sim/score/score_config.h"
 
 namespace gauntlet::sim {
 
@@ -56,6 +57,7 @@ struct Scenario {
   GloveConfig glove;
   EventConfig event;
   HandConfig hand;
+  ScoreConfig score;
   VideoConfig video;
   controller::JointMapConfig joint_map;
   std::vector<NamedController> controllers;

@@ -43,6 +43,12 @@ double MeanOffset(std::span<const double> error, const std::vector<Range>& range
   return ranges.empty() ? kNoScore : offsets / static_cast<double>(ranges.size());
 }
 
+double PeakTension(const ScoredCable& cable) {
+  return cable.tension_n.empty() ? kNoScore : *std::ranges::max_element(cable.tension_n);
+}
+
+double Degrees2(double radians2) { return kDegPerRad * kDegPerRad * radians2; }
+
 // The smallest differences that matter, each with its source or reason.
 constexpr RelevantDifference kFeltAngle = {
     .absolute = 0.5,
@@ -79,6 +85,12 @@ constexpr RelevantDifference kLoudness = {
     .reason = "1 dB; of steady noise people hear changes from 0.4 dB on (Miller 1947)"};
 constexpr RelevantDifference kShareOfTime = {.absolute = 0.01,
                                              .reason = "one sample in a hundred: a convention"};
+constexpr RelevantDifference kSquaredAngle = {
+    .absolute = 0.25,
+    .relative = 0.1,
+    .reason =
+        "a tenth, and not less than the square of the 0.5 deg of tracking_rmse_deg: a "
+        "convention"};
 constexpr RelevantDifference kFeltForce = {
     .absolute = 0.01,
     .relative = 0.07,
@@ -119,12 +131,20 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kFeltPeak},
      [](const ScoredJoint& j) { return kDegPerRad * PeakDifference(j.reference_rad, j.hand_rad); }},
     {{.key = "jitter_rms_deg",
-      .help = "trembling of the hand: its angle above 10 Hz, RMS",
-      .definition = "RMS behind a zero-phase high pass at 10 Hz: linear phase, Kaiser window, 8 to "
-                    "12 Hz, 80 dB; 0.63 s at both ends left out",
+      .help = "trembling of the hand: its angle above score.jitter_above_hz (10 Hz), RMS",
+      .definition = "RMS behind a zero-phase high pass at score.jitter_above_hz: linear phase, "
+                    "Kaiser window, 0.8 to 1.2 of it (8 to 12 Hz), 80 dB; 6.3 of its periods (0.63 "
+                    "s) at both ends left out",
       .main = true,
       .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * Rms(j.trembling_rad); }},
+    {{.key = "noise_jitter_rms_deg",
+      .help = "trembling that the glove's noise adds, RMS: what a filter can take away",
+      .definition = "jitter_rms_deg of the hand less the hand of the same trial with a noise-free "
+                    "glove",
+      .main = true,
+      .relevant_difference = kVisibleTrembling},
+     [](const ScoredJoint& j) { return kDegPerRad * j.noise_jitter_rad; }},
     {{.key = "command_reversals_per_s",
       .help = "local jumps: how often the motor command turns round",
       .definition = "sign changes between successive non-zero increments of the integer command, "
@@ -240,10 +260,25 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kLoudness},
      [](const ScoredMotor& m) { return kDegPerRad * Rms(m.speed_rad_s); }},
     {{.key = "motor_speed_centroid_hz",
-      .help = "how high the motors sound",
-      .definition = "centre of the power spectrum of the speed of the spool (Welch 1967)",
+      .help = "how high the motors sound, the wearer's own motion included",
+      .definition = "centre of the power spectrum of the speed of the spool (Welch 1967); less "
+                    "noise moves it to the motion: of noise motor_noise_centroid_hz tells",
       .relevant_difference = kPitch},
      [](const ScoredMotor& m) { return SpectralCentroid(m.speed_rad_s, m.rate_hz, m.fourier); }},
+    {{.key = "motor_noise_rms_deg_s",
+      .help = "how loud the glove's noise makes the motors",
+      .definition = "RMS of the speed of the spool less that of the same trial with a noise-free "
+                    "glove",
+      .relevant_difference = kLoudness},
+     [](const ScoredMotor& m) {
+       return m.noise_rad_s.empty() ? kNoScore : kDegPerRad * Rms(m.noise_rad_s);
+     }},
+    {{.key = "motor_noise_centroid_hz",
+      .help = "how high the noise of the motors is that the glove's noise makes",
+      .definition = "centre of the power spectrum (Welch 1967) of the speed of the spool less that "
+                    "of the same trial with a noise-free glove",
+      .relevant_difference = kPitch},
+     [](const ScoredMotor& m) { return SpectralCentroid(m.noise_rad_s, m.rate_hz, m.fourier); }},
     {{.key = "saturation_share",
       .help = "how often the servo gives all it has",
       .definition = "share of samples at the torque limit",
@@ -255,23 +290,71 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kShareOfTime},
      [](const ScoredCable& c) { return c.tension_n.empty() ? kNoScore : SlackShare(c.tension_n); }},
     {{.key = "tension_peak_n",
-      .help = "the largest pull",
+      .help = "the largest pull; of each cable only, as a finger's and a shoulder's are not alike",
       .definition = "largest tension, per cable",
+      .alike = false,
+      .relevant_difference = kFeltForce},
+     [](const ScoredCable& c) { return PeakTension(c); }},
+    {{.key = "tension_peak_share",
+      .help = "the largest pull, of what the cable's motor pulls with at stall",
+      .definition = "largest tension over (stall torque of the motor / radius of its spool), per "
+                    "cable",
       .relevant_difference = kFeltForce},
      [](const ScoredCable& c) {
-       return c.tension_n.empty() ? kNoScore : *std::ranges::max_element(c.tension_n);
+       return c.stall_tension_n ? PeakTension(c) / *c.stall_tension_n : kNoScore;
      }},
     {{.key = "grip_force_ripple_n",
-      .help = "trembling of the grip: the force on a held object above 10 Hz, RMS",
+      .help = "trembling of the grip: the force on a held object above score.jitter_above_hz (10 "
+              "Hz), RMS",
       .definition =
           "RMS of the grip force behind the high pass of jitter_rms_deg, over stretches of "
-          "grip, 0.63 s at both ends left out; of the whole hand",
+          "grip, 6.3 periods (0.63 s) at both ends left out; of the whole hand",
       .main = true,
       .relevant_difference = kFeltForce},
      [](const ScoredHand& h) {
-       return h.grip_force_n.empty() ? kNoScore
-                                     : GripForceRipple(h.grip_force_n, h.rate_hz, h.fourier);
+       return h.grip_force_n.empty()
+                  ? kNoScore
+                  : GripForceRipple(h.grip_force_n, h.rate_hz, h.jitter_above_hz, h.fourier);
      }},
+    {{.key = "error_delay_deg2",
+      .help = "error because the hand is late (or early), mean square",
+      .definition = "mean(p (hand - reference)), p = reference(t - d) - reference(t): of the fit "
+                    "a + b reference(t - d) to the hand with a noise-free glove",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kDelay)); }},
+    {{.key = "error_constant_deg2",
+      .help = "error because the hand stands beside the wearer all the time, mean square",
+      .definition = "the same with p = a + (b - 1) mean(reference(t - d))",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kConstant)); }},
+    {{.key = "error_gain_deg2",
+      .help = "error because the hand moves too far or not far enough, mean square",
+      .definition = "the same with p = (b - 1) (reference(t - d) less its mean)",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kGain)); }},
+    {{.key = "error_limit_deg2",
+      .help = "error while a motor gives all it has, and 250 ms after, mean square",
+      .definition = "the same with p = what the fit leaves of the hand with a noise-free glove, "
+                    "while one of the joint's motors is at its limit there and 250 ms after",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kLimit)); }},
+    {{.key = "error_frames_deg2",
+      .help = "error of the staircase of command frames and counts, mean square",
+      .definition = "the same with p = what the fit leaves at other times, behind the high pass of "
+                    "jitter_rms_deg",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kFrames)); }},
+    {{.key = "error_noise_deg2",
+      .help = "error of the glove's noise, mean square",
+      .definition = "the same with p = hand less the hand of the same trial with a noise-free "
+                    "glove",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kNoise)); }},
+    {{.key = "error_rest_deg2",
+      .help = "error of friction, play, compliance, gravity and all else, mean square",
+      .definition = "the same with p = all that is left; the seven sum to tracking_rmse_deg^2",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kRest)); }},
 };
 
 constexpr int kCount = static_cast<int>(std::size(kRows));
@@ -285,7 +368,25 @@ constexpr std::array<Metric, kCount> kMetrics = [] {
   return metrics;
 }();
 
+constexpr std::array<TrackingErrorPart, kErrorCauseCount> kTrackingErrorParts = [] {
+  std::array<TrackingErrorPart, kErrorCauseCount> parts{{
+      {.key = "error_delay_deg2", .name = "delay", .metric = 0},
+      {.key = "error_constant_deg2", .name = "constant", .metric = 0},
+      {.key = "error_gain_deg2", .name = "gain", .metric = 0},
+      {.key = "error_limit_deg2", .name = "motors' limit", .metric = 0},
+      {.key = "error_frames_deg2", .name = "frames", .metric = 0},
+      {.key = "error_noise_deg2", .name = "noise", .metric = 0},
+      {.key = "error_rest_deg2", .name = "rest", .metric = 0},
+  }};
+  for (TrackingErrorPart& part : parts) {
+    while (kMetrics[part.metric].key != part.key) ++part.metric;  // a misspelt key: no constant
+  }
+  return parts;
+}();
+
 }  // namespace
+
+std::span<const TrackingErrorPart> TrackingErrorParts() { return kTrackingErrorParts; }
 
 std::span<const MetricRow> MetricRows() { return kRows; }
 

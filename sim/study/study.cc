@@ -31,6 +31,17 @@ struct SharedGlove {
   std::atomic<int> users_left{0};
 };
 
+/// Of each measured cable what its motor pulls with at stall [N].
+std::vector<double> StallTensions(const Study& study) {
+  std::vector<double> tensions;
+  for (const int motor : study.measured_motors) {
+    const Drive& drive = study.hand->drives()[static_cast<std::size_t>(motor)];
+    tensions.insert(tensions.end(), drive.cables.size(),
+                    drive.servo.stall_torque_nm / drive.drum_radius_m);
+  }
+  return tensions;
+}
+
 Scores Score(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
              const Trace& trace) {
   const Columns reference(reference_rad, study.measured_joints);
@@ -42,6 +53,7 @@ Scores Score(const Study& study, const GloveSignal& glove, const Signal& referen
   for (const int motor : study.measured_motors) {
     saturation_share.push_back(trace.saturation_share[motor]);
   }
+  const std::vector<double> stall_tension_n = StallTensions(study);
   ScoreInput input;
   input.rate_hz = glove.tick_rate_hz;
   input.reference_angle_rad = &*reference;
@@ -52,6 +64,8 @@ Scores Score(const Study& study, const GloveSignal& glove, const Signal& referen
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   input.saturation_share = saturation_share;
   input.segments = glove.segments;
+  input.jitter_above_hz = study.scenario.score.jitter_above_hz;
+  input.stall_tension_n = stall_tension_n;
   Scores scores = ComputeScores(input, study.rows);
   // No score is -0.0, which SQLite keeps as 0.0.
   for (double& score : scores.summary) score += 0.0;
@@ -356,6 +370,8 @@ Study PrepareStudy(Scenario scenario) {
   study.calibration = NominalCalibration(scenario.glove);
   study.glove_hash = HashOf(glove);
   study.ticks = glove.true_angle_rad.rows();
+  controller::WithinSetting(
+      "score", [&] { scenario.score.Check(study.hand->timing().tick_rate_hz(), study.ticks); });
   controller::WithinSetting("joint_map", [&] {
     study.scenario.joint_map = scenario.joint_map;
     FindMeasuredParts(study);
