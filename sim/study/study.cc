@@ -10,6 +10,7 @@
 #include <fstream>
 #include <limits>
 #include <mutex>
+#include <ranges>
 #include <system_error>
 #include <thread>
 
@@ -107,21 +108,83 @@ void FindMeasuredParts(Study& study) {
                 Selected(study.hand->cable_names(), study.measured_cables));
 }
 
-std::string HashOf(const GloveSignal& glove) {
-  Hash hash;
-  for (const Signal* signal : {&glove.counts, &glove.true_angle_rad}) {
-    for (Eigen::Index c = 0; c < signal->cols(); ++c) {
-      hash.Add(std::span(signal->col(c).data(), static_cast<std::size_t>(signal->rows())));
-      TrimSignals();
-    }
+void Add(const Signal& signal, Hash& hash) {
+  for (Eigen::Index c = 0; c < signal.cols(); ++c) {
+    hash.Add(std::span(signal.col(c).data(), static_cast<std::size_t>(signal.rows())));
+    TrimSignals();
   }
-  return hash.Text();
+}
+
+GloveFacts FactsOf(const GloveSignal& glove) {
+  Hash motion;
+  Add(glove.true_angle_rad, motion);
+  Hash signal = motion;
+  Add(glove.counts, signal);
+  return {.signal_hash = signal.Text(),
+          .motion_hash = motion.Text(),
+          .ticks = glove.true_angle_rad.rows()};
 }
 
 std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
   if (seed == study.scenario.seed) return study.first_glove;
   return std::make_shared<const GloveSignal>(
-      SynthesiseGlove(study.scenario.glove, static_cast<std::uint64_t>(seed)));
+      SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed)));
+}
+
+/// Which of the seeds differ, in what the wearer does and in anything at all.
+class Repeats {
+ public:
+  /// `seeds`: how many are asked for. Costs one more signal per repetition that comes twice.
+  Repeats(const Study& study, int seeds)
+      : study_(study), count_(static_cast<int>(study.repetitions.size())) {
+    alike_ = seeds > count_;
+    for (int i = 0; i < count_ && i + count_ < seeds; ++i) {
+      const GloveFacts& first = study.repetitions[i];
+      const GloveFacts next = FactsOf(*GloveOfSeed(study, study.scenario.seed + count_ + i));
+      alike_ = alike_ && next.signal_hash == first.signal_hash;
+      drawn_.push_back(next.motion_hash != first.motion_hash);
+    }
+    drawn_.resize(count_, false);  // a repetition that comes once
+  }
+
+  /// Whether every repetition is the same again.
+  bool alike() const { return alike_; }
+  /// A name for the motion of the i-th seed.
+  std::string MotionOf(int i) const {
+    const int repetition = i % count_;
+    if (drawn_[repetition] && i >= count_) return fmt::format("of seed number {}", i);
+    return study_.repetitions[repetition].motion_hash;
+  }
+
+ private:
+  const Study& study_;
+  int count_;
+  bool alike_ = false;
+  std::vector<bool> drawn_;  // per repetition: another motion for every seed
+};
+
+/// Numbers the motions of the seeds in the order in which they come.
+void NumberMotions(const Repeats& repeats, StudyResult& result) {
+  std::vector<std::string> motions;
+  for (std::size_t i = 0; i < result.seeds.size(); ++i) {
+    const std::string motion = repeats.MotionOf(static_cast<int>(i));
+    const auto known = std::ranges::find(motions, motion);
+    result.seeds[i].motion = static_cast<int>(known - motions.begin());
+    if (known == motions.end()) motions.push_back(motion);
+  }
+}
+
+void FindDurations(const Study& study, StudyResult& result) {
+  const std::size_t used = std::min(study.repetitions.size(), result.seeds.size());
+  const auto [shortest, longest] = std::ranges::minmax(std::span(study.repetitions).first(used) |
+                                                       std::views::transform(&GloveFacts::ticks));
+  const double rate_hz = study.hand->timing().tick_rate_hz();
+  result.shortest_s = static_cast<double>(shortest) / rate_hz;
+  result.longest_s = static_cast<double>(longest) / rate_hz;
+}
+
+Eigen::Index LongestTicks(const Study& study) {
+  return std::ranges::max(study.repetitions, {}, &GloveFacts::ticks).ticks;
 }
 
 /// The trials of a study as tasks that threads take in the order of seeds.
@@ -280,7 +343,7 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const double in_passing = 9.0 * joints;  // what the scores or the page make and forget
   const double kept = glove + controllers * trace;
   const double in_file = 0.5 * kept;
-  const auto ticks = static_cast<double>(study.ticks);
+  const auto ticks = static_cast<double>(LongestTicks(study));
   // Of a long signal's transform there are the values, the result and the factors, all complex, and
   // beside it a few columns.
   constexpr double kComplexColumns = 5.0;
@@ -310,7 +373,7 @@ void CheckRoom(const Study& study, const StudyOptions& options) {
     throw RunError(fmt::format(
         "{:.6g} s of {} need about {:.1f} GB {}, {:.1f} GB are free: a shorter "
         "glove.motion.duration_s, a lower glove.rate_hz or fewer --controllers need less",
-        static_cast<double>(study.ticks) / study.hand->timing().tick_rate_hz(),
+        static_cast<double>(LongestTicks(study)) / study.hand->timing().tick_rate_hz(),
         study.scenario.controllers.size() == 1
             ? "one controller"
             : fmt::format("{} controllers", study.scenario.controllers.size()),
@@ -362,15 +425,25 @@ void ChooseVideoCamera(const HandModel& hand, std::string& camera) {
 Study PrepareStudy(Scenario scenario) {
   Study study;
   // A recording that cannot be read is found here, before anything is written.
-  GloveSignal glove = controller::WithinSetting("glove", [&scenario] {
-    return SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
+  controller::WithinSetting("glove", [&] {
+    const int count = std::max(1, static_cast<int>(scenario.repetitions.gloves.size()));
+    for (int i = 0; i < count; ++i) {
+      const int seed = scenario.seed + i;
+      GloveSignal glove =
+          SynthesiseGlove(GloveOf(scenario, seed), static_cast<std::uint64_t>(seed));
+      study.repetitions.push_back(FactsOf(glove));
+      for (const std::string& remark : glove.remarks) {  // the same of many is said once
+        if (!Has(study.remarks, remark)) study.remarks.push_back(remark);
+      }
+      if (i == 0) study.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
+    }
   });
   study.hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
   study.calibration = NominalCalibration(scenario.glove);
-  study.glove_hash = HashOf(glove);
-  study.ticks = glove.true_angle_rad.rows();
+  const Eigen::Index fewest_ticks =
+      std::ranges::min(study.repetitions, {}, &GloveFacts::ticks).ticks;
   controller::WithinSetting(
-      "score", [&] { scenario.score.Check(study.hand->timing().tick_rate_hz(), study.ticks); });
+      "score", [&] { scenario.score.Check(study.hand->timing().tick_rate_hz(), fewest_ticks); });
   controller::WithinSetting("joint_map", [&] {
     study.scenario.joint_map = scenario.joint_map;
     FindMeasuredParts(study);
@@ -385,19 +458,16 @@ Study PrepareStudy(Scenario scenario) {
       return controller::Controller(RobotOf(scenario, *study.hand, named.config));
     });
   }
-  study.remarks = glove.remarks;
   ChooseVideoChannel(study, scenario.video.channel);
   ChooseVideoCamera(*study.hand, scenario.video.camera);
   study.scenario = std::move(scenario);
-  study.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
   return study;
 }
 
 StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   StudyOptions options = asked;
-  const bool alike =
-      asked.seeds > 1 && HashOf(*GloveOfSeed(study, study.scenario.seed + 1)) == study.glove_hash;
-  if (alike) options.seeds = 1;
+  const Repeats repeats(study, asked.seeds);
+  if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
   CheckRoom(study, options);
   Schedule schedule(study, options);
   const std::size_t threads = std::min<std::size_t>(
@@ -414,7 +484,9 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   schedule.Work();
   others.clear();
   StudyResult result = schedule.Finish();
-  result.seeds_alike = alike;
+  result.seeds_alike = repeats.alike();
+  NumberMotions(repeats, result);
+  FindDurations(study, result);
   return result;
 }
 

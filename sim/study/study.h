@@ -11,6 +11,13 @@
 
 namespace gauntlet::sim {
 
+/// What stays known of a glove signal when it is gone.
+struct GloveFacts {
+  std::string signal_hash;  // of all that it holds, a recording's content included
+  std::string motion_hash;  // of the wearer's true angles alone
+  Eigen::Index ticks = 0;
+};
+
 /// A scenario whose parts have all been built once, so that nothing in it is wrong any more.
 struct Study {
   Scenario scenario;
@@ -23,11 +30,10 @@ struct Study {
   std::vector<int> measured_cables;
   std::vector<std::string> measured_joint_names;
   int joint_count = 0;                             // of the hand, measured or not
-  Eigen::Index ticks = 0;                          // of a trial
   ScoreRows rows;                                  // of these joints, motors and cables
   std::vector<std::string> remarks;                // what was repaired or replaced, a line each
   std::shared_ptr<const GloveSignal> first_glove;  // the signal of the first seed
-  std::string glove_hash;                          // of that signal
+  std::vector<GloveFacts> repetitions;             // of the first seed of each; one if none differ
 
   const std::vector<std::string>& channel_names() const { return calibration.channel_names; }
   /// From the glove's channels to the hand's joints.
@@ -47,7 +53,7 @@ TrialSetup SetupOf(const Study& study, const NamedController& named);
 /// Errors: SettingError `video.camera` for another that the model does not have.
 void ChooseVideoCamera(const HandModel& hand, std::string& camera);
 
-/// Builds hand, glove (of the first seed) and every controller. Errors: UserError, SettingError.
+/// Builds hand, glove (of the first seed of every repetition) and every controller. Errors: UserError, SettingError.
 Study PrepareStudy(Scenario scenario);
 
 class StudyDatabase;
@@ -62,6 +68,7 @@ struct TrialOutcome {
 /// All trials of one seed: the same glove signal and the same hand for every controller.
 struct SeedOutcome {
   int seed = 0;
+  int motion = 0;  // number of what the wearer did, from 0: the same where the true angles are
   std::vector<TrialOutcome> controllers;  // in the order of the scenario
 };
 
@@ -85,18 +92,18 @@ struct StudyResult {
   std::vector<std::string> row_names;  // of the scores: see ScoreRows
   std::string reference_name;
   std::vector<SeedOutcome> seeds;  // in the order of seeds, whatever the schedule
-  bool seeds_alike = false;        // every seed gives the same run: only the first was run
+  /// Nothing is drawn at random: one seed of each repetition was run, the others would be the same.
+  bool seeds_alike = false;
+  double shortest_s = 0.0;  // of the trials, as far as the wearer's motion goes
+  double longest_s = 0.0;
   std::shared_ptr<const GloveSignal> first_glove;
   Signal first_reference_rad;  // ticks x joints of the hand
   std::vector<Trace> first_traces;
-
-  double duration_s() const {
-    return static_cast<double>(first_glove->true_angle_rad.rows()) / first_glove->tick_rate_hz;
-  }
 };
 
-/// Runs every controller on every seed, `jobs` trials at a time. Where nothing is drawn at random,
-/// as with the recording of a real glove, one seed stands for all. The result does not depend on
+/// Runs every controller on every seed, `jobs` trials at a time; repetitions take turns. Where
+/// nothing is drawn at random, as with the recording of a real glove, one seed of each repetition
+/// stands for all. The result does not depend on
 /// jobs. Errors: RunError, before the first trial, where the signals find no room: see
 /// SignalStorage.
 StudyResult RunStudy(const Study& study, const StudyOptions& options);
