@@ -72,7 +72,7 @@ std::string Trials(int count) { return fmt::format("{} trial{}", count, count ==
 /// `not_kept` tells what it lacks in the end, if anything.
 StudyResult RunTrials(const Study& study, const StudyCommand& options,
                       const std::filesystem::path& folder, std::optional<std::string>& not_kept) {
-  const int total = static_cast<int>(study.scenario.controllers.size()) * options.seeds;
+  const int total = TrialCount(study, options.seeds);
   const std::filesystem::path file = folder / "study.db";
   std::optional<StudyDatabase> database;
   if (options.comparison) {

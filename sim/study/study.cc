@@ -28,7 +28,8 @@ namespace {
 struct SharedGlove {
   std::once_flag once;
   std::shared_ptr<const GloveSignal> signal;
-  Signal reference_rad;  // ticks x joints of the hand
+  std::shared_ptr<const GloveSignal> noise_free;  // for twins that are trials; else null
+  Signal reference_rad;                           // ticks x joints of the hand
   std::atomic<int> users_left{0};
 };
 
@@ -43,18 +44,56 @@ std::vector<double> StallTensions(const Study& study) {
   return tensions;
 }
 
+/// Per measured joint the places among the measured motors of those that turn it.
+std::vector<std::vector<int>> MotorsOfJoints(const Study& study) {
+  const controller::TendonTransmission& hand = study.hand->transmission();
+  std::vector<std::vector<int>> motors_of_joints;
+  for (const int joint : study.measured_joints) {
+    std::vector<int>& motors = motors_of_joints.emplace_back();
+    for (std::size_t i = 0; i < study.measured_motors.size(); ++i) {
+      const int motor = study.measured_motors[i];
+      if (hand.coupling[motor * study.joint_count + joint] != 0.0) {
+        motors.push_back(static_cast<int>(i));
+      }
+    }
+  }
+  return motors_of_joints;
+}
+
+/// Per measured motor the share of ticks in which it gives all that it has.
+std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_limit) {
+  std::vector<double> shares;
+  const auto ticks = static_cast<double>(std::max<Eigen::Index>(at_limit.rows(), 1));
+  for (const int motor : study.measured_motors) {
+    shares.push_back(static_cast<double>(at_limit.col(motor).cast<std::int64_t>().sum()) / ticks);
+  }
+  return shares;
+}
+
+/// The columns of measured parts of a twin, or nothing.
+struct MeasuredTwin {
+  MeasuredTwin(const Study& study, const NoiseFreeTwin& twin)
+      : hand(twin.hand_angle_rad, study.measured_joints),
+        speed(twin.spool_speed_rad_s, study.measured_motors),
+        at_limit(twin.motor_at_limit(Eigen::all, study.measured_motors).cast<int>()) {}
+
+  Columns<Signal> hand;
+  Columns<Signal> speed;
+  IntegerSignal at_limit;
+};
+
 Scores Score(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
-             const Trace& trace) {
+             const Trace& trace, const std::optional<NoiseFreeTwin>& twin) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const Columns command(trace.command_counts, study.measured_motors);
   const Columns speed(trace.spool_speed_rad_s, study.measured_motors);
   const Columns tension(trace.tension_n, study.measured_cables);
-  std::vector<double> saturation_share;
-  for (const int motor : study.measured_motors) {
-    saturation_share.push_back(trace.saturation_share[motor]);
-  }
   const std::vector<double> stall_tension_n = StallTensions(study);
+  const std::vector<double> saturation_share = SaturationShares(study, trace.motor_at_limit);
+  const std::vector<std::vector<int>> motors_of_joint = MotorsOfJoints(study);
+  std::optional<MeasuredTwin> measured_twin;
+  if (twin) measured_twin.emplace(study, *twin);
   ScoreInput input;
   input.rate_hz = glove.tick_rate_hz;
   input.reference_angle_rad = &*reference;
@@ -67,6 +106,12 @@ Scores Score(const Study& study, const GloveSignal& glove, const Signal& referen
   input.segments = glove.segments;
   input.jitter_above_hz = study.scenario.score.jitter_above_hz;
   input.stall_tension_n = stall_tension_n;
+  input.motors_of_joint = motors_of_joint;
+  if (measured_twin) {
+    input.noise_free_hand_angle_rad = &*measured_twin->hand;
+    input.noise_free_motor_speed_rad_s = &*measured_twin->speed;
+    input.noise_free_motor_at_limit = &measured_twin->at_limit;
+  }
   Scores scores = ComputeScores(input, study.rows);
   // No score is -0.0, which SQLite keeps as 0.0.
   for (double& score : scores.summary) score += 0.0;
@@ -122,13 +167,27 @@ GloveFacts FactsOf(const GloveSignal& glove) {
   Add(glove.counts, signal);
   return {.signal_hash = signal.Text(),
           .motion_hash = motion.Text(),
-          .ticks = glove.true_angle_rad.rows()};
+          .ticks = glove.true_angle_rad.rows(),
+          .is_recorded = glove.is_recorded};
 }
 
 std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
   if (seed == study.scenario.seed) return study.first_glove;
   return std::make_shared<const GloveSignal>(
       SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed)));
+}
+
+std::shared_ptr<const GloveSignal> NoiseFreeGlove(const Study& study, int seed) {
+  return std::make_shared<const GloveSignal>(SynthesiseGlove(
+      WithoutNoise(GloveOf(study.scenario, seed)), static_cast<std::uint64_t>(seed)));
+}
+
+/// None of a trial that ended early.
+std::optional<NoiseFreeTwin> AsTwin(const Trace& trace) {
+  if (!trace.health.ok) return std::nullopt;
+  return NoiseFreeTwin{.hand_angle_rad = trace.hand_angle_rad,
+                       .spool_speed_rad_s = trace.spool_speed_rad_s,
+                       .motor_at_limit = trace.motor_at_limit};
 }
 
 /// Which of the seeds differ, in what the wearer does and in anything at all.
@@ -204,7 +263,11 @@ class Schedule {
       result_.seeds.back().controllers.resize(controllers_);
       gloves_[static_cast<std::size_t>(i)].users_left = static_cast<int>(controllers_);
     }
-    if (options.keep_first_traces) result_.first_traces.resize(controllers_);
+    if (options.keep_first_traces) {
+      result_.first_traces.resize(controllers_);
+      result_.first_twins.resize(controllers_);
+    }
+    trials_in_all_ = TrialCount(study, options.seeds);
   }
 
   /// Takes tasks until there are none, an error or a stop.
@@ -235,25 +298,34 @@ class Schedule {
     SharedGlove& glove = gloves_[seed_index];
     TrialOutcome& outcome = seed.controllers[controller_index];
     if (Recall(seed_index, controller_index, outcome)) return;
+    const TwinSource twin_source = TwinOf(study_, seed.seed);
     std::call_once(glove.once, [&] {
       glove.signal = GloveOfSeed(study_, seed.seed);
       glove.reference_rad = JointAngles(study_.joint_map(), glove.signal->true_angle_rad);
+      if (twin_source == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed.seed);
     });
-    const NamedController& named = study_.scenario.controllers[controller_index];
-    const Eigen::Index block_count =
-        glove.signal->true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
-    const auto blocks = static_cast<double>(block_count);
-    Trace trace =
-        RunTrial(SetupOf(study_, named), *glove.signal, [&] { return Progress(1.0 / blocks); });
-    outcome.scores = Score(study_, *glove.signal, glove.reference_rad, trace);
+    std::optional<NoiseFreeTwin> twin;
+    if (glove.noise_free) twin = AsTwin(Run(controller_index, *glove.noise_free));
+    Trace trace = Run(controller_index, *glove.signal);
+    if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
+    outcome.scores = Score(study_, *glove.signal, glove.reference_rad, trace, twin);
     outcome.health = trace.health;
     outcome.untrusted_samples = trace.untrusted_samples;
     if (options_.database != nullptr) {
       options_.database->Keep(seed.seed, controller_index, outcome);
     }
     const bool keep = seed_index == 0 && options_.keep_first_traces;
-    if (keep) result_.first_traces[controller_index] = std::move(trace);
+    if (keep) {
+      result_.first_traces[controller_index] = std::move(trace);
+      result_.first_twins[controller_index] = std::move(twin);
+    }
     LeaveGlove(seed_index);
+  }
+
+  Trace Run(std::size_t controller_index, const GloveSignal& glove) {
+    const Eigen::Index blocks = glove.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
+    return RunTrial(SetupOf(study_, study_.scenario.controllers[controller_index]), glove,
+                    [&] { return Progress(1.0 / static_cast<double>(blocks)); });
   }
 
   /// The last trial of a seed frees its signal, or hands out that of the first seed.
@@ -266,6 +338,7 @@ class Schedule {
       result_.first_reference_rad = std::move(glove.reference_rad);
     }
     glove.signal.reset();
+    glove.noise_free.reset();
     glove.reference_rad = {};
   }
 
@@ -277,7 +350,8 @@ class Schedule {
     if (!known) return false;
     outcome = std::move(*known);
     LeaveGlove(seed_index);
-    Progress(1.0);
+    const TwinSource twin = TwinOf(study_, result_.seeds[seed_index].seed);
+    Progress(twin == TwinSource::kTrial ? 2.0 : 1.0);
     return true;
   }
 
@@ -286,8 +360,8 @@ class Schedule {
     if (!options_.progress) return true;
     const std::lock_guard lock(mutex_);
     trials_done_ += trials;
-    return options_.progress(std::min(trials_done_, static_cast<double>(TaskCount())),
-                             static_cast<int>(TaskCount()));
+    return options_.progress(std::min(trials_done_, static_cast<double>(trials_in_all_)),
+                             trials_in_all_);
   }
 
   const Study& study_;
@@ -300,6 +374,7 @@ class Schedule {
   std::mutex mutex_;
   std::exception_ptr error_;
   double trials_done_ = 0.0;
+  int trials_in_all_ = 0;  // twins counted
 };
 
 bool Has(const std::vector<std::string>& names, const std::string& name) {
@@ -337,10 +412,14 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const auto controllers = static_cast<double>(study.scenario.controllers.size());
   const double others = options.seeds > 1 ? options.jobs : 0;  // trials beside the first seed's
   constexpr double kGripAndPose = 8.0;
+  const bool twins = study.scenario.score.noise_free_twin;
   // Columns of numbers with a row per tick.
-  const double glove = 3.0 * channels + joints;
-  const double trace = 2.0 * channels + 2.0 * joints + 2.5 * motors + cables + kGripAndPose;
-  const double in_passing = 9.0 * joints;  // what the scores or the page make and forget
+  const double glove = (twins ? 6.0 : 3.0) * channels + joints;
+  const double twin = twins ? joints + 1.125 * motors : 0.0;
+  const double trace =
+      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kGripAndPose + twin;
+  const double in_passing =
+      9.0 * joints + 0.5 * motors;  // what the scores or the page make and forget
   const double kept = glove + controllers * trace;
   const double in_file = 0.5 * kept;
   const auto ticks = static_cast<double>(LongestTicks(study));
@@ -402,6 +481,22 @@ controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
           .hand = hand.transmission(),
           .joint_map = scenario.joint_map,
           .timing = hand.timing().controller};
+}
+
+TwinSource TwinOf(const Study& study, int seed) {
+  if (!study.scenario.score.noise_free_twin) return TwinSource::kNone;
+  const int repetition = (seed - study.scenario.seed) % static_cast<int>(study.repetitions.size());
+  if (study.repetitions[repetition].is_recorded) return TwinSource::kNone;
+  const bool itself = IsWithoutNoise(GloveOf(study.scenario, seed));
+  return itself ? TwinSource::kItself : TwinSource::kTrial;
+}
+
+int TrialCount(const Study& study, int seeds) {
+  int count = 0;
+  for (int i = 0; i < seeds; ++i) {
+    count += TwinOf(study, study.scenario.seed + i) == TwinSource::kTrial ? 2 : 1;
+  }
+  return count * static_cast<int>(study.scenario.controllers.size());
 }
 
 TrialSetup SetupOf(const Study& study, const NamedController& named) {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct GloveFacts {
   std::string signal_hash;  // of all that it holds, a recording's content included
   std::string motion_hash;  // of the wearer's true angles alone
   Eigen::Index ticks = 0;
+  bool is_recorded = false;  // see GloveSignal
 };
 
 /// A scenario whose parts have all been built once, so that nothing in it is wrong any more.
@@ -75,7 +77,7 @@ struct SeedOutcome {
 struct StudyOptions {
   int seeds = 1;  // seed, seed + 1, ...
   int jobs = 1;
-  /// Gets trials done (with fractions of the running ones) and trials in all. Called from any
+  /// Gets trials done (with fractions of the running ones) and trials in all, twins counted. Called from any
   /// thread, one at a time. False stops: RunStudy throws Cancelled.
   std::function<bool(double, int)> progress;
   /// Gets a line for the user about what went otherwise than asked and changes no result. May be
@@ -99,11 +101,24 @@ struct StudyResult {
   std::shared_ptr<const GloveSignal> first_glove;
   Signal first_reference_rad;  // ticks x joints of the hand
   std::vector<Trace> first_traces;
+  std::vector<std::optional<NoiseFreeTwin>> first_twins;  // of these trials, where they have one
 };
+
+/// Where the noise-free twin of a seed's trials comes from.
+enum class TwinSource {
+  kNone,    // not wanted, or not to be had: a recorded glove cannot be without its noise
+  kItself,  // the trial has no noise, nor faults
+  kTrial,   // a trial of its own, before the other
+};
+TwinSource TwinOf(const Study& study, int seed);
+
+/// How many trials are run for so many seeds, twins included.
+int TrialCount(const Study& study, int seeds);
 
 /// Runs every controller on every seed, `jobs` trials at a time; repetitions take turns. Where
 /// nothing is drawn at random, as with the recording of a real glove, one seed of each repetition
-/// stands for all. The result does not depend on
+/// stands for all. Before a trial its noise-free twin runs, which the scores need: see ScoreInput.
+/// The result does not depend on
 /// jobs. Errors: RunError, before the first trial, where the signals find no room: see
 /// SignalStorage.
 StudyResult RunStudy(const Study& study, const StudyOptions& options);
