@@ -17,12 +17,12 @@ std::string Facts(const FinishedStudy& finished) {
   const StudyResult& result = finished.result;
   const int first = result.seeds.front().seed;
   const int last = result.seeds.back().seed;
-  const std::string seeds =
-      finished.summary.one_run
-          ? fmt::format("seed {}", first)
-          : fmt::format("{} seeds, {} to {}", result.seeds.size(), first, last);
-  return fmt::format("{:.1f} s at {:g} Hz · {} · {} controllers · {} · compared with {}",
-                     result.duration_s(), result.first_glove->rate_hz, Measured(finished.study),
+  const std::string seeds = finished.summary.one_run
+                                ? fmt::format("seed {}", first)
+                                : fmt::format("{} seeds, {} to {}: {}", result.seeds.size(), first,
+                                              last, WhatVaries(result));
+  return fmt::format("{} at {:g} Hz · {} · {} controllers · {} · compared with {}",
+                     DurationText(result), result.first_glove->rate_hz, Measured(finished.study),
                      result.controller_names.size(), seeds, result.reference_name);
 }
 

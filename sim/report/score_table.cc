@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
+#include <ranges>
 #include <vector>
 
 #include "sim/report/table_text.h"
@@ -343,6 +345,25 @@ std::string Verdict(const Summary& summary) {
   return text + "." + Costs(summary, *follower);
 }
 
+std::string DurationText(const StudyResult& result) {
+  const std::string shortest = fmt::format("{:.1f}", result.shortest_s);
+  const std::string longest = fmt::format("{:.1f}", result.longest_s);
+  return shortest == longest ? longest + " s" : fmt::format("{} to {} s", shortest, longest);
+}
+
+std::string WhatVaries(const StudyResult& result) {
+  std::map<int, int> seeds_of;  // motion -> how many seeds
+  for (const SeedOutcome& seed : result.seeds) ++seeds_of[seed.motion];
+  const std::size_t motions = seeds_of.size();
+  const std::string moved = motions == 1 ? "one motion" : fmt::format("{} motions", motions);
+  if (result.seeds_alike) return moved + ", nothing drawn at random";
+  if (motions == 1) return fmt::format("{}, {} noises", moved, result.seeds.size());
+  const auto [fewest, most] = std::ranges::minmax(seeds_of | std::views::values);
+  if (most == 1) return moved + ", one noise each";
+  if (fewest == most) return fmt::format("{}, {} noises each", moved, most);
+  return fmt::format("{}, {} to {} noises each", moved, fewest, most);
+}
+
 std::string Measured(const Study& study) {
   return fmt::format("{} of {} joints measured", study.measured_joint_names.size(),
                      study.joint_count);
@@ -353,11 +374,11 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
   const Summary& summary = finished.summary;
   const Scenario& scenario = finished.study.scenario;
   std::string out = fmt::format("{}: {}\n", scenario.name, scenario.question);
-  const std::string seeds =
-      summary.one_run
-          ? fmt::format("seed {}", result.seeds.front().seed)
-          : fmt::format("seeds {} to {}", result.seeds.front().seed, result.seeds.back().seed);
-  out += fmt::format("{:.1f} s, {}; {}; reference: {}\n\n", result.duration_s(),
+  const std::string seeds = summary.one_run
+                                ? fmt::format("seed {}", result.seeds.front().seed)
+                                : fmt::format("seeds {} to {}: {}", result.seeds.front().seed,
+                                              result.seeds.back().seed, WhatVaries(result));
+  out += fmt::format("{}, {}; {}; reference: {}\n\n", DurationText(result),
                      Measured(finished.study), seeds, result.reference_name);
   AppendRows(summary, colour, out);
   if (!summary.one_run && summary.controllers.size() > 1) out += Legend(summary) + "\n";

@@ -10,6 +10,12 @@ namespace gauntlet::sim {
 /// "5 of 18 joints measured".
 std::string Measured(const Study& study);
 
+/// How long the trials are: "10.8 s", "3.1 to 5.4 s".
+std::string DurationText(const StudyResult& result);
+
+/// What differs from seed to seed: "one motion, 8 noises", "25 motions, one noise each".
+std::string WhatVaries(const StudyResult& result);
+
 /// What the numbers say, in one sentence; empty where tracking or jitter has no value.
 std::string Verdict(const Summary& summary);
 

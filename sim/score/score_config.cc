@@ -14,6 +14,11 @@ void ScoreConfig::Visit(controller::SettingsVisitor& visitor) {
                   .min = 2,
                   .max = 100},
                  jitter_above_hz);
+  visitor.Flag({.key = "noise_free_twin",
+                .help = "run every trial also with a noise-free glove, for what its noise adds and "
+                        "for the causes of the error; false: half the time, and these scores are "
+                        "missing"},
+               noise_free_twin);
 }
 
 void ScoreConfig::Check(double rate_hz, Eigen::Index ticks) const {

@@ -14,6 +14,9 @@ struct ScoreConfig {
   /// would not hold it.
   double jitter_above_hz = 10.0;
 
+  /// Before every trial the same one runs with a noise-free glove: what noise adds is the difference.
+  bool noise_free_twin = true;
+
   void Visit(controller::SettingsVisitor& visitor);
   /// Errors: SettingError for an edge below the default that a trial is too short for. (One that is
   /// too short for the default has no jitter.)

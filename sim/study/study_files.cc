@@ -185,8 +185,9 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
   if (!result.first_traces.empty()) {
     TraceWriter trace_file(folder / "trace.h5", *result.first_glove, result.first_reference_rad,
                            *study.hand, study.scenario.name, result.seeds[0].seed);
-    for (const Trace& trace : result.first_traces) {
-      trace_file.Add(trace);
+    for (std::size_t c = 0; c < result.first_traces.size(); ++c) {
+      const Trace& trace = result.first_traces[c];
+      trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr);
       if (trace_csv) {
         WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
                       *result.first_glove, *study.hand, trace);
