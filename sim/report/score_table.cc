@@ -43,7 +43,7 @@ std::vector<std::string> HeadOf(std::string_view key) {
     }
   }
   const auto join = [&words](std::size_t first) {
-    words[first] += "_" + words[first + 1];
+    words[first] = fmt::format("{}_{}", words[first], words[first + 1]);
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(first) + 1);
   };
   if (key.ends_with("_per_s") || key.ends_with("_deg_s")) join(words.size() - 2);
@@ -56,7 +56,9 @@ std::vector<std::string> HeadOf(std::string_view key) {
 std::string DifferenceText(const MeanInterval& difference) {
   const double half_width = difference.high - difference.mean;
   if (std::isnan(difference.mean)) return "";
-  if (!(half_width > 0.0)) return (difference.mean >= 0.0 ? "+" : "") + Short(difference.mean);
+  if (!(half_width > 0.0)) {
+    return fmt::format("{}{}", difference.mean >= 0.0 ? "+" : "", Short(difference.mean));
+  }
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width))), 0, 3);
   return fmt::format("{:+.{}f}±{:.{}f}", difference.mean, decimals, half_width, decimals);
 }
@@ -287,8 +289,7 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
   if (summary.controllers.size() > 1) {
     notes.push_back(fmt::format(
         "Differences are to the best of the column, paired by seed, ± half of the interval that "
-        "decides: of all {} pairs judged together, a false one in at most 5 % of comparisons "
-        "(Holm).",
+        "decides: those of all {} pairs hold together with 95 % (Bonferroni).",
         summary.pairs));
     notes.push_back(WhatMatters(summary));
   }

@@ -34,42 +34,17 @@ Judgement JudgeDifference(const MeanInterval& difference, double relevant_differ
   return Judgement::kUndecided;
 }
 
-std::vector<double> HolmLevels(std::span<const double> probabilities) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < probabilities.size(); ++i) {
-    if (!std::isnan(probabilities[i])) order.push_back(i);
-  }
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return probabilities[i]; });
-  double level = 1.0 - kFamilyError;
-  std::size_t fallen = 0;
-  std::vector<double> levels(probabilities.size());
-  for (; fallen < order.size(); ++fallen) {
-    const double error = kFamilyError / static_cast<double>(order.size() - fallen);
-    level = 1.0 - error;
-    if (probabilities[order[fallen]] > error) break;
-    levels[order[fallen]] = level;
-  }
-  for (std::size_t i = fallen; i < order.size(); ++i) levels[order[i]] = level;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (std::isnan(probabilities[i])) levels[i] = level;
-  }
-  return levels;
-}
-
 std::vector<Comparison> Judge(std::span<const Question> questions) {
-  std::vector<double> probabilities;
-  for (const Question& question : questions) {
-    probabilities.push_back(question.difference.Probability());
-  }
-  const std::vector<double> levels = HolmLevels(probabilities);
+  const auto can_be_answered = [](const Question& question) {
+    return std::isfinite(question.difference.standard_error);
+  };
+  const auto count = std::max<std::ptrdiff_t>(1, std::ranges::count_if(questions, can_be_answered));
+  const double level = 1.0 - kFamilyError / static_cast<double>(count);
   std::vector<Comparison> comparisons;
-  for (std::size_t i = 0; i < questions.size(); ++i) {
-    const auto& [difference, relevant_difference, lower_is_better] = questions[i];
-    Comparison& comparison = comparisons.emplace_back();
-    comparison.difference = difference.IntervalAt(levels[i]);
-    comparison.relevant_difference = relevant_difference;
-    comparison.judgement =
-        JudgeDifference(comparison.difference, relevant_difference, lower_is_better);
+  for (const auto& [difference, relevant_difference, lower_is_better] : questions) {
+    const MeanInterval interval = difference.IntervalAt(level);
+    comparisons.push_back({interval, relevant_difference,
+                           JudgeDifference(interval, relevant_difference, lower_is_better)});
   }
   return comparisons;
 }

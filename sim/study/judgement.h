@@ -45,19 +45,15 @@ struct Comparison {
 Judgement JudgeDifference(const MeanInterval& difference, double relevant_difference,
                           bool lower_is_better);
 
-/// The error that all questions of one comparison together may make.
+/// The error that all questions of one family together may make.
 constexpr double kFamilyError = 0.05;
 
-/// The level of confidence of each question's interval so that all questions together make a false
-/// step at most in 5 % of comparisons, by Holm's method: of m probabilities, in ascending order, the
-/// i-th is held against 0.05 / (m - i + 1), up to the first that is larger. A question whose
-/// hypothesis of no difference falls has the level 1 - 0.05 / (m - i + 1) of its own step, all
-/// others have that of the step at which it stopped. So the interval excludes 0 exactly where Holm
-/// rejects. A NaN is no question: it does not count, and has the level of the last step.
-/// Source: Holm 1979, Scandinavian Journal of Statistics 6, 65.
-std::vector<double> HolmLevels(std::span<const double> probabilities);
-
-/// Answers all questions of one family at Holm's levels, in their order.
+/// Answers all questions of one family, in their order. Of m that can be answered every interval has
+/// the level 1 - 0.05 / m (Bonferroni), so that all of them together hold their truths in 95 % of
+/// families, and with them all that is read from them: better, worse and equal, of pairs chosen
+/// before or after. Holm's steps would give narrower intervals to what is rejected; these hold
+/// together no more, and "equal" was wrong in up to 25 % of comparisons (sim/study/README.md).
+/// Source: Dunn 1961, doi 10.1080/01621459.1961.10482090.
 std::vector<Comparison> Judge(std::span<const Question> questions);
 
 }  // namespace gauntlet::sim

@@ -127,12 +127,6 @@ MeanInterval MeanEstimate::IntervalAt(double level) const {
   return interval;
 }
 
-double MeanEstimate::Probability() const {
-  if (std::isnan(standard_error)) return kNaN;
-  if (standard_error == 0.0) return mean == 0.0 ? 1.0 : 0.0;
-  return StudentProbability(mean / standard_error, degrees_of_freedom);
-}
-
 MeanEstimate EstimateMean(std::span<const double> values, std::span<const int> motions) {
   std::map<int, std::vector<double>> groups;
   for (std::size_t i = 0; i < motions.size(); ++i) groups[motions[i]].push_back(values[i]);

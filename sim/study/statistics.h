@@ -34,8 +34,6 @@ struct MeanEstimate {
 
   /// mean -+ t(level) standard_error. One value has no interval, equal values have one of no width.
   MeanInterval IntervalAt(double level = 0.95) const;
-  /// The chance of a mean so far from 0 if the truth is 0; NaN without a standard error.
-  double Probability() const;
 };
 
 /// The mean of values of which those with the same number in `motions` share a motion of the wearer
