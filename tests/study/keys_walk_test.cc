@@ -102,6 +102,10 @@ const std::vector<Step>& Walk() {
       {"hand.servo.damping_ms=100", kRefused, "hand.servo: the servo of thumb_rotation"},
       {"hand.servo.no_load_speed_deg_s=1", kRefused, "hand.servo: the servo of thumb_rotation"},
       {"hand.servo.no_load_speed_deg_s=10000", kChanges},
+      // Scores.
+      {"score.noise_free_twin=false", kChanges},
+      {"score.noise_free_twin=true", kKeeps},
+      {"score.noise_free_twin=2", kRefused},
       // Channels and joints.
       {"glove.channels=[]", kKeeps},
       {"glove.channels=[index_mcp]", kChanges},

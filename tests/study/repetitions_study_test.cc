@@ -24,9 +24,9 @@ using testing::ElementsAre;
 class RepetitionsStudyTest : public testing::Test {
  protected:
   RepetitionsStudyTest() {
-    WriteRecording("a.csv", 1.6, 10.0);
-    WriteRecording("b.csv", 2.1, 25.0);
-    WriteRecording("c.csv", 1.2, 40.0);
+    WriteRecording("a.csv", 0.4, 10.0);
+    WriteRecording("b.csv", 0.5, 25.0);
+    WriteRecording("c.csv", 0.3, 40.0);
   }
   void WriteRecording(const std::string& name, double duration_s, double swing_deg) {
     std::ofstream file(folder_.path() / name);
@@ -86,8 +86,8 @@ TEST_F(RepetitionsStudyTest, EveryTrialIsTheOneOfItsSeedAlone) {
   ASSERT_EQ(result.seeds.size(), 6u);
   EXPECT_THAT(Motions(result), ElementsAre(0, 1, 2, 0, 1, 2));
   EXPECT_FALSE(result.seeds_alike);
-  EXPECT_NEAR(result.shortest_s, 1.2, 0.02);
-  EXPECT_NEAR(result.longest_s, 2.1, 0.02);
+  EXPECT_NEAR(result.shortest_s, 0.3, 0.02);
+  EXPECT_NEAR(result.longest_s, 0.5, 0.02);
   for (const SeedOutcome& seed : result.seeds) {
     Scenario alone = study.scenario;
     alone.glove = GloveOf(study.scenario, seed.seed);
@@ -103,7 +103,7 @@ TEST_F(RepetitionsStudyTest, EveryTrialIsTheOneOfItsSeedAlone) {
 TEST_F(RepetitionsStudyTest, FewerSeedsThanRepetitionsTakeTheFirstOnes) {
   const StudyResult result = RunStudy(PrepareStudy(OfThreeRecordings()), Seeds(2));
   EXPECT_THAT(Motions(result), ElementsAre(0, 1));
-  EXPECT_NEAR(result.shortest_s, 1.6, 0.02);
+  EXPECT_NEAR(result.shortest_s, 0.4, 0.02);
 }
 
 TEST_F(RepetitionsStudyTest, WhereNothingIsDrawnEveryRepetitionRunsOnce) {
@@ -144,7 +144,7 @@ TEST_F(RepetitionsStudyTest, TheDatabaseKnowsTheContentOfEveryRecording) {
   };
   EXPECT_EQ(trials_kept(), 0);
   EXPECT_EQ(trials_kept(), 12);
-  WriteRecording("c.csv", 1.2, 41.0);  // the last of them, under the same name
+  WriteRecording("c.csv", 0.3, 41.0);  // the last of them, under the same name
   EXPECT_EQ(trials_kept(), 0);
 }
 
