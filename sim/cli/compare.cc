@@ -10,13 +10,13 @@ void AddCompareCommand(CLI::App& app) {
       "compare", "Run every controller over several seeds: means, 95 % intervals, ranking");
   const auto options = std::make_shared<StudyCommand>();
   options->comparison = true;
-  options->seeds = 8;
+  options->seeds = 0;
   AddStudyOptions(*command, *options);
   command
       ->add_option("--seeds", options->seeds,
-                   "number of seeds, counted up from the scenario's; each is another glove")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+                   "number of seeds, counted up from the scenario's; each is another glove, and "
+                   "takes the next of the scenario's repetitions [8, or one for each repetition]")
+      ->check(CLI::Range(1, 100000));
   command->footer(
       "\nExamples:\n  gauntlet compare scenarios/door_opening.yaml --video\n"
       "  gauntlet compare scenarios/random_motion.yaml --seeds 32 --controllers "

@@ -23,11 +23,12 @@
 namespace gauntlet::sim {
 namespace {
 
-/// One thing of a list: its name, a sentence, and its settings.
+/// One thing of a list: its name, a sentence, its settings, and what else is known of it, as JSON.
 struct Entry {
   std::string name;
   std::string summary;
   std::vector<SettingRow> settings;
+  nlohmann::ordered_json facts = nlohmann::ordered_json::object();
 };
 
 /// The kinds of one thing; the first setting of a kind is its name.
@@ -44,11 +45,28 @@ std::vector<Entry> EntriesOf(const Kinds& kinds) {
   return entries;
 }
 
+/// "Differences matter from 0.5 on, and from 10 % of the smaller value on: why."
+std::string WhatMatters(const RelevantDifference& least) {
+  std::vector<std::string> limits;
+  if (least.absolute > 0.0) limits.push_back(fmt::format("from {:g} on", least.absolute));
+  if (least.relative > 0.0) {
+    limits.push_back(fmt::format("from {:g} % of the smaller value on", 100.0 * least.relative));
+  }
+  return fmt::format("Differences matter {}: {}.", fmt::join(limits, " and "), least.reason);
+}
+
 std::vector<Entry> Scores() {
   std::vector<Entry> entries;
   for (const Metric& metric : Metrics()) {
+    const RelevantDifference& least = metric.relevant_difference;
     entries.push_back(
-        {std::string(metric.key), fmt::format("{} {}", metric.help, metric.definition), {}});
+        {std::string(metric.key),
+         fmt::format("{}: {}. {}", metric.help, metric.definition, WhatMatters(least)),
+         {},
+         {{"relevant_difference",
+           {{"absolute", least.absolute},
+            {"relative", least.relative},
+            {"reason", least.reason}}}}});
   }
   return entries;
 }
@@ -167,6 +185,7 @@ nlohmann::ordered_json Json(const Topic& topic) {
                           {"help", row.help}});
     }
     json.push_back({{"name", entry.name}, {"summary", entry.summary}, {"settings", settings}});
+    json.back().update(entry.facts);
   }
   return json;
 }

@@ -5,6 +5,7 @@
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
+#include "sim/base/error.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
@@ -54,6 +55,10 @@ void Reproduce(const Options& options) {
   Say("wrote {}: reproduce.html, figure_*.svg, scores.json, scores.csv, "
       "trace.h5, scenario.resolved.yaml, manifest.json\n",
       folder.path().string());
+  const auto& finished = experiment.finished;
+  for (const std::string& failure : Failures(finished.summary, finished.result.seeds.size())) {
+    throw RunError(failure);
+  }
 }
 
 }  // namespace

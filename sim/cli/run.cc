@@ -11,7 +11,11 @@ void AddRunCommand(CLI::App& app) {
   const auto options = std::make_shared<StudyCommand>();
   const auto seed = std::make_shared<int>(-1);
   AddStudyOptions(*command, *options);
-  command->add_option("--seed", *seed, "seed of all random numbers [as in the scenario]")
+  command
+      ->add_option(
+          "--seed", *seed,
+          "seed of all random numbers, and the repetition that compare gives it [as in the "
+          "scenario]")
       ->check(CLI::NonNegativeNumber);
   command->footer(
       "\nExample:\n  gauntlet run scenarios/hold_still.yaml --seed 7 --out out/still\n");

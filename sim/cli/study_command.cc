@@ -73,7 +73,7 @@ std::string Trials(int count) { return fmt::format("{} trial{}", count, count ==
 /// `not_kept` tells what it lacks in the end, if anything.
 StudyResult RunTrials(const Study& study, const StudyCommand& options,
                       const std::filesystem::path& folder, std::optional<std::string>& not_kept) {
-  const int total = static_cast<int>(study.scenario.controllers.size()) * options.seeds;
+  const int total = TrialCount(study, options.seeds);
   const std::filesystem::path file = folder / "study.db";
   std::optional<StudyDatabase> database;
   if (options.comparison) {
@@ -151,12 +151,17 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
   command.add_flag("--csv", options.csv, "also write the trace as CSV, one file per controller");
 }
 
-void RunStudyCommand(const StudyCommand& options) {
+void RunStudyCommand(const StudyCommand& asked) {
+  StudyCommand options = asked;
   const ScenarioSource source{.file = options.scenario_file,
                               .text = ReadYamlText(options.scenario_file),
                               .overrides = options.overrides};
   Scenario scenario = ParseScenario(source);
   KeepOnly(options.controllers, scenario);
+  if (options.seeds == 0) {
+    constexpr int kFewest = 8;
+    options.seeds = std::max(kFewest, static_cast<int>(scenario.repetitions.gloves.size()));
+  }
   FinishedStudy finished;
   finished.comparison = options.comparison;
   const std::string out = options.out.empty() ? "out/" + scenario.name : options.out;
@@ -201,10 +206,11 @@ void RunStudyCommand(const StudyCommand& options) {
     written += ", comparison.mp4";
   }
   Say("wrote {}: {}\n", folder.path().string(), written);
-  for (const ControllerSummary& controller : finished.summary.controllers) {
-    if (controller.problem.empty()) continue;
+  const std::vector<std::string> failures =
+      Failures(finished.summary, finished.result.seeds.size());
+  if (!failures.empty()) {
     if (not_kept) Say("gauntlet: {}\n", *not_kept);
-    throw RunError(fmt::format("{} stopped early: {}", controller.name, controller.problem));
+    throw RunError(failures.front());
   }
   if (not_kept) throw RunError(*not_kept);
 }

@@ -16,8 +16,8 @@ struct StudyCommand {
   std::string out;  // empty: out/<scenario>
   std::vector<std::string> overrides;
   std::vector<std::string> controllers;  // empty: all of the scenario
-  int seeds = 1;
-  int jobs = 0;  // 0: one per core
+  int seeds = 1;                         // 0: of a comparison, 8 or one for each repetition
+  int jobs = 0;                          // 0: one per core
   bool comparison = false;
   bool video = false;
   bool json = false;

@@ -123,6 +123,7 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   }
   glove.tremor_rad = controller::WithinSetting(
       "tremor", [&] { return SynthesiseTremor(config.tremor, ticks, timing.tick_rate_hz, seed); });
+  glove.is_recorded = motion.measured_rad.size() > 0;
   glove.counts = Sampled(Sense(config, motion, glove.tremor_rad, timing.tick_rate_hz, seed),
                          timing.ticks_per_sample);
   const auto samples = static_cast<int>(glove.counts.rows());
@@ -142,6 +143,19 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   AddRemarksOnFaults(config, samples, glove.remarks);
   KeepChannels(indices, glove);
   return glove;
+}
+
+GloveConfig WithoutNoise(GloveConfig config) {
+  config.noise = {};
+  config.noise.kind = WhiteNoiseKind::kNone;
+  config.faults.clear();
+  return config;
+}
+
+bool IsWithoutNoise(const GloveConfig& config) {
+  const bool recorded = !config.noise.recording.empty() && config.noise.recording_scale > 0.0;
+  return config.faults.empty() && !recorded && config.noise.walk_counts_per_sqrt_s == 0.0 &&
+         std::ranges::all_of(NoiseVarianceCounts2(config), [](double v) { return v == 0.0; });
 }
 
 std::vector<double> NoiseVarianceCounts2(const GloveConfig& config) {

@@ -22,6 +22,7 @@ struct GloveSignal {
   Signal counts;          // samples x channels, whole numbers; NaN where a sample is missing
   std::vector<Segment> segments;   // that a person labelled, in ticks
   std::string reference_name;      // what the scores compare with, in words: "ground truth"
+  bool is_recorded = false;        // counts are what a real glove said, its own noise included
   Signal tremor_rad;               // ticks x channels: part of the motion; no rows if there is none
   std::vector<FaultEvent> faults;  // the truth of each fault, in samples
   std::vector<std::string> remarks;  // what was repaired in a recording, one line each
@@ -35,6 +36,12 @@ std::vector<int> ChannelsOf(const GloveConfig& config);
 /// Errors: UserError for a recording that cannot be read, SettingError for settings that do not
 /// fit.
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed);
+
+/// The same wearer, motion, tremor, sensors and converter, without noise and faults. All random
+/// streams are of their own: with the same seed nothing else changes.
+GloveConfig WithoutNoise(GloveConfig config);
+/// Whether WithoutNoise() changes nothing of the signal.
+bool IsWithoutNoise(const GloveConfig& config);
 
 /// Variance of the noise that the settings draw, per channel of the glove; 0 where there is none.
 /// A recording's noise is not counted.

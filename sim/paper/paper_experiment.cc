@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/galton_board.h"
+#include "sim/report/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -218,54 +219,140 @@ std::vector<double> Reduction(const StudyResult& result, std::string_view metric
   return percent;
 }
 
-Claim Judge(std::string claim, std::string measured, const std::vector<double>& before,
-            const std::vector<double>& after, bool less_is_claimed) {
-  Claim judged;
-  judged.claim = std::move(claim);
-  judged.measured = std::move(measured);
-  judged.difference = PairedDifference(after, before, 1);
-  judged.before = BootstrapMean(before, 1).mean;
-  judged.after = BootstrapMean(after, 1).mean;
-  const bool below = judged.difference.ci95_high < 0.0;
-  const bool above = judged.difference.ci95_low > 0.0;
-  if (below || above) {
-    judged.answer = below == less_is_claimed ? Answer::kConfirmed : Answer::kRefuted;
+/// "jitter_rms_deg 0.235 -> 0.421": the main metrics in which the second controller is worse.
+std::string CostsOf(const FinishedStudy& finished, const std::string& before,
+                    const std::string& after) {
+  const std::size_t first = ControllerIndex(finished.result, before);
+  const std::size_t second = ControllerIndex(finished.result, after);
+  const auto& controllers = finished.summary.controllers;
+  std::string costs;
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (!Metrics()[m].main) continue;
+    if (finished.summary.Of(m, second, first).judgement != Judgement::kWorse) continue;
+    if (!costs.empty()) costs += ", ";
+    costs += fmt::format("{} {} -> {}", Metrics()[m].key, Short(controllers[first].summary[m].mean),
+                         Short(controllers[second].summary[m].mean));
   }
-  return judged;
+  return costs;
 }
+
+/// Claims and their questions, gathered before all are judged at once.
+class Claims {
+ public:
+  explicit Claims(const PaperExperiment& experiment) : experiment_(experiment) {}
+
+  /// That a metric is less, or more, with `after` than with `before`.
+  Claim& Add(const char* row, const char* claim, std::string_view metric, const char* before,
+             const char* after, bool less_is_claimed) {
+    const FinishedStudy& finished = experiment_.finished;
+    Claim& added = AddScores(finished.result, row, claim, metric, before, after, less_is_claimed);
+    if (less_is_claimed) added.costs = CostsOf(finished, before, after);
+    return added;
+  }
+
+  Claim& AddScores(const StudyResult& result, const char* row, const char* claim,
+                   std::string_view metric, const char* before, const char* after,
+                   bool less_is_claimed) {
+    const std::vector<double> first = SeedValues(result, before, metric);
+    const std::vector<double> second = SeedValues(result, after, metric);
+    const std::vector<int> motions = MotionsOf(result);
+    const Metric& known = Metrics()[MetricIndex(metric)];
+    return AddValues(
+        row, claim, fmt::format("{}: {}, then {}", metric, before, after), first, second, motions,
+        {.difference = EstimateDifference(second, first, motions),
+         .relevant_difference = RelevantDifferenceBetween(known, EstimateMean(first, motions).mean,
+                                                          EstimateMean(second, motions).mean),
+         .lower_is_better = less_is_claimed},
+        known.relevant_difference.reason);
+  }
+
+  /// That the filter takes away a larger share of the second score's jitter.
+  Claim& AddReduction(const char* claim, const char* measured, const std::vector<double>& before,
+                      const std::vector<double>& after) {
+    const StudyResult& result = experiment_.finished.result;
+    const std::vector<int> motions = MotionsOf(result);
+    const Metric& jitter = Metrics()[MetricIndex("jitter_rms_deg")];
+    const double raw_deg = EstimateMean(SeedValues(result, "raw", jitter.key), motions).mean;
+    const double visible_deg = jitter.relevant_difference.absolute;
+    return AddValues("P16", claim, measured, before, after, motions,
+                     {.difference = EstimateDifference(after, before, motions),
+                      .relevant_difference = 100.0 * visible_deg / raw_deg,
+                      .lower_is_better = false},
+                     fmt::format("the points of the unfiltered {:.2f} deg that make {:g} deg, the "
+                                 "smallest trembling that is seen",
+                                 raw_deg, visible_deg));
+  }
+
+  std::vector<Claim> Judged() {
+    const std::vector<Comparison> answers = Judge(questions_);
+    for (std::size_t i = 0; i < answers.size(); ++i) claims_[i].comparison = answers[i];
+    return std::move(claims_);
+  }
+
+ private:
+  Claim& AddValues(const char* row, const char* claim, std::string measured,
+                   const std::vector<double>& before, const std::vector<double>& after,
+                   const std::vector<int>& motions, Question question, std::string_view reason) {
+    questions_.push_back(question);
+    Claim& added = claims_.emplace_back();
+    added.row = row;
+    added.claim = claim;
+    added.measured = std::move(measured);
+    added.before = EstimateMean(before, motions).mean;
+    added.after = EstimateMean(after, motions).mean;
+    added.relevant_reason = reason;
+    return added;
+  }
+
+  const PaperExperiment& experiment_;
+  std::vector<Claim> claims_;
+  std::vector<Question> questions_;
+};
 
 std::vector<Claim> JudgeClaims(const PaperExperiment& experiment) {
   const StudyResult& result = experiment.finished.result;
+  Claims claims(experiment);
   const auto filter_lowers = [&](const char* claim, const char* metric) {
-    return Judge(claim, fmt::format("{}: raw, then paper_kalman", metric),
-                 SeedValues(result, "raw", metric), SeedValues(result, "paper_kalman", metric),
-                 true);
+    claims.Add("P16", claim, metric, "raw", "paper_kalman", true);
   };
-  std::vector<Claim> claims;
-  claims.push_back(filter_lowers("Much less local jumps", "command_reversals_per_s"));
-  claims.push_back(filter_lowers("Fingers move quieter", "jitter_rms_deg"));
-  claims.push_back(filter_lowers("Motor noise is lower in level", "motor_speed_rms_deg_s"));
-  claims.push_back(filter_lowers("Motor noise is lower in frequency", "motor_speed_centroid_hz"));
-  claims.push_back(Judge(
+  filter_lowers("Much less local jumps", "command_reversals_per_s");
+  filter_lowers("Fingers move quieter", "jitter_rms_deg");
+  filter_lowers("Motor noise is lower in level", "motor_noise_rms_deg_s");
+  filter_lowers("Motor noise is lower in frequency", "motor_noise_centroid_hz");
+  claims.AddReduction(
       "More so in slow motion", "jitter that the filter takes away, %: fast motion, then slow",
-      Reduction(result, "fast_jitter_rms_deg"), Reduction(result, "slow_jitter_rms_deg"), false));
-  claims.push_back(Judge("Better servos gain more",
-                         "jitter that the filter takes away, %: servo of 10 bits with dead band, "
-                         "then of 16 bits without",
-                         Reduction(result, "jitter_rms_deg"),
-                         Reduction(experiment.precise_result, "jitter_rms_deg"), false));
-  claims.push_back(Judge("A mean filter costs real-time behaviour",
-                         "delay_ms: paper_kalman, then mean_20",
-                         SeedValues(result, "paper_kalman", "delay_ms"),
-                         SeedValues(result, "mean_20", "delay_ms"), false));
-  claims.push_back(Judge("Prediction follows better when the master moves quickly (never built)",
-                         "fast_tracking_rmse_deg: tuned_kalman, then prediction",
-                         SeedValues(result, "tuned_kalman", "fast_tracking_rmse_deg"),
-                         SeedValues(result, "prediction", "fast_tracking_rmse_deg"), true));
-  return claims;
+      Reduction(result, "fast_jitter_rms_deg"), Reduction(result, "slow_jitter_rms_deg"));
+  claims.AddReduction("Better servos gain more",
+                      "jitter that the filter takes away, %: servo of 10 bits with dead band, "
+                      "then of 16 bits without",
+                      Reduction(result, "jitter_rms_deg"),
+                      Reduction(experiment.precise_result, "jitter_rms_deg"));
+  claims.Add("P4", "A mean filter costs real-time behaviour", "delay_ms", "paper_kalman", "mean_20",
+             false);
+  claims.Add("P18", "Prediction follows better when the master moves quickly (never built)",
+             "fast_tracking_rmse_deg", "tuned_kalman", "prediction", true);
+  claims.AddScores(experiment.burst_result, "P18", "The same in short bursts (fast_bursts)",
+                   "tracking_rmse_deg", "tuned_kalman", "prediction", true);
+  return claims.Judged();
 }
 
 }  // namespace
+
+std::string_view AnswerText(Judgement judgement) {
+  switch (judgement) {
+    case Judgement::kNone:
+      return "not measured";
+    case Judgement::kBetter:
+      return "confirmed";
+    case Judgement::kEqual:
+      return "too small to matter";
+    case Judgement::kUndecided:
+      return "undecided";
+    case Judgement::kWorse:
+      return "refuted";
+  }
+  return "";
+}
 
 std::size_t ControllerIndex(const StudyResult& result, const std::string& name) {
   const auto& names = result.controller_names;
@@ -290,11 +377,19 @@ PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
     return named.name != "raw" && named.name != "paper_kalman";
   });
   const Study precise_study = PrepareStudy(std::move(precise));
+  Scenario bursts = LoadScenario(options.scenario.parent_path() / "fast_bursts.yaml", {});
+  bursts.controllers = experiment.finished.study.scenario.controllers;
+  std::erase_if(bursts.controllers, [](const NamedController& named) {
+    return named.name != "tuned_kalman" && named.name != "prediction";
+  });
+  bursts.baseline.clear();
+  const Study burst_study = PrepareStudy(std::move(bursts));
 
   const auto trials = [](const Study& study) {
     return static_cast<double>(study.scenario.controllers.size()) * kSeeds;
   };
-  const double total = trials(experiment.finished.study) + trials(precise_study);
+  const double total =
+      trials(experiment.finished.study) + trials(precise_study) + trials(burst_study);
   const auto run = [&](const Study& study, double before) {
     return RunStudy(study, {.seeds = kSeeds,
                             .jobs = options.jobs,
@@ -308,6 +403,7 @@ PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
   };
   experiment.finished.result = run(experiment.finished.study, 0.0);
   experiment.precise_result = run(precise_study, trials(experiment.finished.study));
+  experiment.burst_result = run(burst_study, total - trials(burst_study));
   experiment.finished.summary = Summarise(experiment.finished.study, experiment.finished.result);
 
   const controller::Timing& timing = experiment.finished.study.hand->timing().controller;

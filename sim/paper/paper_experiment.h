@@ -4,9 +4,10 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "sim/study/statistics.h"
+#include "sim/study/judgement.h"
 #include "sim/study/study.h"
 #include "sim/study/summary.h"
 
@@ -23,18 +24,20 @@ struct FilterFacts {
   double delay_ms = 0.0;  // at 1 Hz, mean over channels
 };
 
-/// How sure the answer to a claim is.
-enum class Answer { kConfirmed, kRefuted, kUndecided };
-
-/// One claim of the paper, with the number that decides it.
+/// One claim, with the numbers that decide it. All claims are one family of questions: see Judge().
 struct Claim {
+  std::string row;  // of the paper, or of what was added: P4, P16, P18
   std::string claim;
   std::string measured;  // what the two numbers are
   double before = 0.0;   // as a mean over seeds
   double after = 0.0;
-  MeanInterval difference;  // after - before, paired by seed
-  Answer answer = Answer::kUndecided;
+  Comparison comparison;        // after - before, paired by seed; better: as claimed
+  std::string relevant_reason;  // why a smaller difference does not matter
+  std::string costs;            // in what `after` is worse than `before`; may be empty
 };
+
+/// "confirmed" (better as claimed), "too small to matter", "undecided" or "refuted".
+std::string_view AnswerText(Judgement judgement);
 
 /// The first test of the paper: one channel, filtered alone [counts].
 struct OneChannelTest {
@@ -60,6 +63,7 @@ struct PaperExperiment {
   bool quick = false;
   FinishedStudy finished;
   StudyResult precise_result;  // raw and paper_kalman with a servo as precise as can be
+  StudyResult burst_result;    // tuned_kalman and prediction in fast_bursts
   std::vector<FilterFacts> filters;
   std::vector<Claim> claims;
   OneChannelTest one_channel;
@@ -76,7 +80,7 @@ OneChannelTest RunOneChannelTest();
 GeneratorTest RunGeneratorTest(std::int64_t draws);
 
 struct PaperExperimentOptions {
-  std::filesystem::path scenario;  // paper_claims.yaml
+  std::filesystem::path scenario;  // paper_claims.yaml; fast_bursts.yaml stands beside it
   bool quick = false;              // seconds instead of minutes of motion
   int jobs = 1;
   std::function<bool(double done, double total)> progress;

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <span>
+#include <string_view>
 
 #include "controller/filters/paper_noise.h"
 #include "paper_html.h"
@@ -19,11 +21,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-const char* Word(Answer answer) {
-  if (answer == Answer::kConfirmed) return "confirmed";
-  return answer == Answer::kRefuted ? "refuted" : "undecided";
-}
 
 std::string Range(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
@@ -60,43 +57,59 @@ std::string Table(const Row& head, const std::vector<Row>& rows) {
   return html + "</tbody></table>";
 }
 
+/// "-5.21 (-5.80 to -4.62)".
+std::string DifferenceText(const MeanInterval& difference) {
+  if (std::isnan(difference.low)) return Short(difference.mean);
+  return fmt::format("{} ({} to {})", Short(difference.mean), Short(difference.low),
+                     Short(difference.high));
+}
+
 std::string ClaimTable(const PaperExperiment& experiment) {
   std::vector<Row> rows;
   for (const Claim& claim : experiment.claims) {
-    rows.push_back(
-        {{claim.claim},
-         {claim.measured},
-         {Short(claim.before), true},
-         {Short(claim.after), true},
-         {fmt::format("{} ({} to {})", Short(claim.difference.mean),
-                      Short(claim.difference.ci95_low), Short(claim.difference.ci95_high)),
-          true},
-         {Word(claim.answer), false, Word(claim.answer)}});
+    const auto& [difference, relevant_difference, judgement] = claim.comparison;
+    std::string said = claim.claim;
+    if (!claim.costs.empty()) said += fmt::format(". It costs: {}", claim.costs);
+    rows.push_back({{said},
+                    {claim.measured},
+                    {Short(claim.before), true},
+                    {Short(claim.after), true},
+                    {DifferenceText(difference), true},
+                    {fmt::format("{}: {}", Short(relevant_difference), claim.relevant_reason)},
+                    {std::string(AnswerText(judgement)), false,
+                     judgement == Judgement::kNone ? "" : std::string(JudgementText(judgement))}});
   }
   return Table({{"Claim"},
                 {"Measured by"},
                 {"Before", true},
                 {"After", true},
-                {"Difference, 95 % interval", true},
+                {"Difference, interval", true},
+                {"Matters from"},
                 {"Answer"}},
                rows);
 }
 
 std::string ScoresTable(const PaperExperiment& experiment) {
+  const Summary& summary = experiment.finished.summary;
   Row head = {{"Controller"}};
   std::vector<Row> rows;
-  for (const ControllerSummary& controller : experiment.finished.summary.controllers) {
+  for (const ControllerSummary& controller : summary.controllers)
     rows.push_back({{controller.name}});
-  }
   for (std::size_t metric = 0; metric < Metrics().size(); ++metric) {
-    const bool has_value =
-        std::isfinite(experiment.finished.summary.controllers[0].summary[metric].mean);
+    const bool has_value = std::isfinite(summary.controllers[0].summary[metric].mean);
     if (!Metrics()[metric].main || !has_value) continue;
     head.push_back({std::string(Metrics()[metric].key), true});
     for (std::size_t c = 0; c < rows.size(); ++c) {
-      const MeanInterval& value = experiment.finished.summary.controllers[c].summary[metric];
-      const double half_width = 0.5 * (value.ci95_high - value.ci95_low);
-      rows[c].push_back({fmt::format("{} ±{}", Short(value.mean), Short(half_width)), true});
+      const ControllerSummary& controller = summary.controllers[c];
+      const Comparison& to_best = controller.to_best[metric];
+      std::string text = Short(controller.summary[metric].mean);
+      if (to_best.judgement != Judgement::kNone) {
+        text += fmt::format("; {}: {}", DifferenceText(to_best.difference),
+                            JudgementText(to_best.judgement));
+      } else if (controller.as_good_as_best[metric]) {
+        text += "; best";
+      }
+      rows[c].push_back({text, true});
     }
   }
   return Table(head, rows);
@@ -159,8 +172,15 @@ double LargestCoupling(const controller::TendonTransmission& hand) {
 std::string RowTable(const PaperExperiment& e) {
   const auto& glove = *e.finished.result.first_glove;
   const auto& hand = e.finished.study.hand->transmission();
-  const auto claim = [&](std::size_t i) {
-    return fmt::format("{}: {}", e.claims[i].claim, Word(e.claims[i].answer));
+  const auto claims_of = [&](std::string_view row) {
+    std::string text;
+    for (const Claim& claim : e.claims) {
+      if (claim.row != row) continue;
+      if (!text.empty()) text += "; ";
+      text += fmt::format("{}: {}", claim.claim, AnswerText(claim.comparison.judgement));
+      if (!claim.costs.empty()) text += fmt::format(" (it costs: {})", claim.costs);
+    }
+    return text;
   };
   std::vector<Row> rows;
   const auto add = [&](const char* number, const char* paper, const std::string& here) {
@@ -183,7 +203,8 @@ std::string RowTable(const PaperExperiment& e) {
                   Short(Score(e, "mean_20", "delay_ms")),
                   Short(Score(e, "paper_kalman", "delay_ms")),
                   Short(Score(e, "mean_20", "jitter_rms_deg")),
-                  Short(Score(e, "paper_kalman", "jitter_rms_deg"))));
+                  Short(Score(e, "paper_kalman", "jitter_rms_deg"))) +
+          ". " + claims_of("P4"));
   add("P5", "A Kalman filter per joint, A = [1 1; 0 1]",
       fmt::format("that model; largest difference from the textbook recursion over 6000 samples: "
                   "{:.1e} counts",
@@ -225,8 +246,7 @@ std::string RowTable(const PaperExperiment& e) {
   add("P16",
       "Less local jumps, quieter, lower motor noise, more so in slow motion, and with better "
       "servos",
-      fmt::format("{}; {}; {}; {}; {}; {}", claim(0), claim(1), claim(2), claim(3), claim(4),
-                  claim(5)));
+      claims_of("P16"));
   add("P17", "No measurement was possible; a video as evidence",
       fmt::format(
           "tracking error {} deg RMS without a filter, {} with the paper's, {} tuned; video "
@@ -235,10 +255,10 @@ std::string RowTable(const PaperExperiment& e) {
           Short(Score(e, "paper_kalman", "tracking_rmse_deg")),
           Short(Score(e, "tuned_kalman", "tracking_rmse_deg"))));
   add("P18", "Prediction control, never built",
-      fmt::format("built: tracking error {} deg RMS, delay {} ms, jitter {} deg",
+      fmt::format("built: tracking error {} deg RMS, delay {} ms, jitter {} deg. {}",
                   Short(Score(e, "prediction", "tracking_rmse_deg")),
                   Short(Score(e, "prediction", "delay_ms")),
-                  Short(Score(e, "prediction", "jitter_rms_deg"))));
+                  Short(Score(e, "prediction", "jitter_rms_deg")), claims_of("P18")));
   return Table({{""}, {"In the paper"}, {"Here"}}, rows);
 }
 
@@ -255,13 +275,20 @@ std::string FigureHtml(const std::vector<PaperFigure>& figures) {
 }  // namespace
 
 std::string PaperVerdict(const PaperExperiment& experiment) {
-  int confirmed = 0;
-  for (const Claim& claim : experiment.claims) confirmed += claim.answer == Answer::kConfirmed;
+  std::map<Judgement, int> answers;
+  for (const Claim& claim : experiment.claims) ++answers[claim.comparison.judgement];
+  std::string counts;
+  for (const Judgement judgement : {Judgement::kBetter, Judgement::kEqual, Judgement::kUndecided,
+                                    Judgement::kWorse, Judgement::kNone}) {
+    if (answers[judgement] == 0) continue;
+    if (!counts.empty()) counts += ", ";
+    counts += fmt::format("{} {}", answers[judgement], AnswerText(judgement));
+  }
   return fmt::format(
-      "{} of {} claims are confirmed. With Q = I the paper's filter leaves {} of the glove's noise "
-      "and takes jitter from {} to {} deg RMS; a tuned Q takes it to {} and follows as near ({} "
-      "against {} deg RMS).",
-      confirmed, experiment.claims.size(), Range(Facts(experiment, "paper_kalman").noise_share),
+      "Of {} claims: {}. With Q = I the paper's filter leaves {} of the glove's noise and takes "
+      "jitter from {} to {} deg RMS; a tuned Q takes it to {}, with a tracking error of {} against "
+      "{} deg RMS.",
+      experiment.claims.size(), counts, Range(Facts(experiment, "paper_kalman").noise_share),
       Short(Score(experiment, "raw", "jitter_rms_deg")),
       Short(Score(experiment, "paper_kalman", "jitter_rms_deg")),
       Short(Score(experiment, "tuned_kalman", "jitter_rms_deg")),
@@ -288,13 +315,17 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
 }
 
 std::string PaperTable(const PaperExperiment& experiment) {
-  std::size_t width = 0;
-  for (const Claim& claim : experiment.claims) width = std::max(width, claim.claim.size());
   std::string out;
   for (const Claim& claim : experiment.claims) {
-    out += fmt::format("{}  {:<9}  {:>6} -> {:>6}  {}\n", Padded(claim.claim, width, false),
-                       Word(claim.answer), Short(claim.before), Short(claim.after), claim.measured);
+    const auto& [difference, relevant_difference, judgement] = claim.comparison;
+    out += fmt::format("{:<19}  {}\n", AnswerText(judgement), claim.claim);
+    out += fmt::format("{:21}{} -> {}  {}\n", "", Short(claim.before), Short(claim.after),
+                       claim.measured);
+    out += fmt::format("{:21}difference {}, matters from {}\n", "", DifferenceText(difference),
+                       Short(relevant_difference));
+    if (!claim.costs.empty()) out += fmt::format("{:21}costs {}\n", "", claim.costs);
   }
+  out += "Intervals are paired by seed, and hold together with 95 % (Bonferroni).\n";
   if (experiment.quick) out += "\nQuick: 6 s of motion instead of the paper's 94.";
   return out + "\n" + PaperVerdict(experiment) + "\n";
 }

@@ -78,8 +78,8 @@ Row RowOf(const ScoreDifference& score) {
           "-",
           std::string(ChangeText(score.change))};
   if (std::isfinite(difference.mean)) row[4] = fmt::format("{:+.3g}", difference.mean);
-  if (std::isfinite(difference.ci95_low)) {
-    row[5] = fmt::format("{:+.3g} to {:+.3g}", difference.ci95_low, difference.ci95_high);
+  if (std::isfinite(difference.low)) {
+    row[5] = fmt::format("{:+.3g} to {:+.3g}", difference.low, difference.high);
   }
   return row;
 }

@@ -18,8 +18,21 @@ Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Js
 Json Estimates(const std::vector<MeanInterval>& estimates) {
   Json json = Json::array();
   for (const MeanInterval& estimate : estimates) {
-    json.push_back({NumberOrNull(estimate.mean), NumberOrNull(estimate.ci95_low),
-                    NumberOrNull(estimate.ci95_high), estimate.count});
+    json.push_back({NumberOrNull(estimate.mean), NumberOrNull(estimate.low),
+                    NumberOrNull(estimate.high), estimate.count});
+  }
+  return json;
+}
+
+Json ComparisonsJson(const std::vector<Comparison>& comparisons) {
+  Json json = Json::array();
+  for (const auto& [difference, relevant_difference, judgement] : comparisons) {
+    json.push_back({{"mean", NumberOrNull(difference.mean)},
+                    {"low", NumberOrNull(difference.low)},
+                    {"high", NumberOrNull(difference.high)},
+                    {"level", difference.level},
+                    {"relevant", NumberOrNull(relevant_difference)},
+                    {"verdict", JudgementText(judgement)}});
   }
   return json;
 }
@@ -37,7 +50,8 @@ Json MetricsJson() {
                     {"help", metric.help},
                     {"definition", metric.definition},
                     {"lower_is_better", metric.lower_is_better},
-                    {"main", metric.main}});
+                    {"main", metric.main},
+                    {"relevant_reason", metric.relevant_difference.reason}});
   }
   return json;
 }
@@ -57,13 +71,14 @@ Json ControllerJson(const StudyResult& result, const Summary& summary, std::size
   json["name"] = controller.name;
   json["baseline"] = summary.baseline == index;
   json["dominated"] = static_cast<bool>(summary.dominated[index]);
+  json["failed_trials"] = controller.failed_trials;
   json["problem"] = controller.problem;
   json["untrusted_samples"] = UntrustedSamples(result, index);
   json["summary"] = Estimates(controller.summary);
-  json["difference_to_baseline"] = Estimates(controller.difference_to_baseline);
+  json["to_best"] = ComparisonsJson(controller.to_best);
+  json["as_good_as_best"] = controller.as_good_as_best;
+  json["to_baseline"] = ComparisonsJson(controller.to_baseline);
   json["effect_size"] = Numbers(controller.effect_size);
-  json["worse_than_baseline"] = controller.worse_than_baseline;
-  json["rank"] = controller.rank;
   for (const std::vector<double>& row : controller.rows) json["rows"].push_back(Numbers(row));
   return json;
 }
@@ -144,6 +159,8 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   json["rate_hz"] = result.first_glove->tick_rate_hz;
   json["reference"] = result.reference_name;
   json["metrics"] = MetricsJson();
+  json["notes"] = Notes(finished);
+  json["failures"] = Failures(summary, result.seeds.size());
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     json["controllers"].push_back(ControllerJson(result, summary, c));
   }

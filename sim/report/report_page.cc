@@ -17,12 +17,12 @@ std::string Facts(const FinishedStudy& finished) {
   const StudyResult& result = finished.result;
   const int first = result.seeds.front().seed;
   const int last = result.seeds.back().seed;
-  const std::string seeds =
-      finished.summary.one_run
-          ? fmt::format("seed {}", first)
-          : fmt::format("{} seeds, {} to {}", result.seeds.size(), first, last);
-  return fmt::format("{:.1f} s at {:g} Hz · {} · {} controllers · {} · compared with {}",
-                     result.duration_s(), result.first_glove->rate_hz, Measured(finished.study),
+  const std::string seeds = finished.summary.one_run
+                                ? fmt::format("seed {}", first)
+                                : fmt::format("{} seeds, {} to {}: {}", result.seeds.size(), first,
+                                              last, WhatVaries(result));
+  return fmt::format("{} at {:g} Hz · {} · {} controllers · {} · compared with {}",
+                     DurationText(result), result.first_glove->rate_hz, Measured(finished.study),
                      result.controller_names.size(), seeds, result.reference_name);
 }
 
@@ -44,7 +44,8 @@ FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
   for (const Trace& trace : traces) {
     const WayOfAngles way = MeasuredWay(study, trace);
     const Columns hand(trace.hand_angle_rad, study.measured_joints);
-    first.latency.push_back(LatencyOfTrace(*study.hand, *reference, way, *hand));
+    first.latency.push_back(trace.health.ok ? LatencyOfTrace(*study.hand, *reference, way, *hand)
+                                            : std::nullopt);
     first.Add(way, *hand);
   }
   return first;

@@ -5,12 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
+#include <ranges>
 #include <vector>
 
 #include "sim/report/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
+
+constexpr std::size_t kHeadLines = 3;
+constexpr std::size_t kLineWidth = 100;
 
 /// The main metrics that some controller has a value of.
 std::vector<std::size_t> ShownMetrics(const Summary& summary) {
@@ -26,62 +31,106 @@ std::vector<std::size_t> ShownMetrics(const Summary& summary) {
   return shown;
 }
 
+/// What stands above a column, from the top: the words of the metric's key. Below each other they
+/// take less room, and read downwards they are the key.
+std::vector<std::string> HeadOf(std::string_view key) {
+  std::vector<std::string> words = {""};
+  for (const char c : key) {
+    if (c == '_') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  const auto join = [&words](std::size_t first) {
+    words[first] = fmt::format("{}_{}", words[first], words[first + 1]);
+    words.erase(words.begin() + static_cast<std::ptrdiff_t>(first) + 1);
+  };
+  if (key.ends_with("_per_s") || key.ends_with("_deg_s")) join(words.size() - 2);
+  while (words.size() > kHeadLines) join(0);
+  words.insert(words.begin(), kHeadLines - words.size(), "");
+  return words;
+}
+
+/// "+0.41±0.05", with as many digits as the interval allows.
+std::string DifferenceText(const MeanInterval& difference) {
+  const double half_width = difference.high - difference.mean;
+  if (std::isnan(difference.mean)) return "";
+  if (!(half_width > 0.0)) {
+    return fmt::format("{}{}", difference.mean >= 0.0 ? "+" : "", Short(difference.mean));
+  }
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width))), 0, 3);
+  return fmt::format("{:+.{}f}±{:.{}f}", difference.mean, decimals, half_width, decimals);
+}
+
 struct Cell {
-  std::string text;
-  bool best = false;
-  bool worse_than_baseline = false;
+  std::string value;
+  std::string difference;  // to the best
+  char mark = ' ';
 };
 
-Cell MakeCell(const ControllerSummary& controller, std::size_t metric, bool comparison) {
-  const MeanInterval& estimate = controller.summary[metric];
-  Cell cell{.text = Short(estimate.mean), .best = false, .worse_than_baseline = false};
-  if (comparison && std::isfinite(estimate.ci95_low)) {
-    cell.text += fmt::format(" ±{}", Short(0.5 * (estimate.ci95_high - estimate.ci95_low)));
+Cell MakeCell(const Summary& summary, const ControllerSummary& controller, std::size_t metric) {
+  Cell cell{.value = Short(controller.summary[metric].mean), .difference = ""};
+  if (summary.one_run || summary.controllers.size() < 2) return cell;
+  const Comparison& to_best = controller.to_best[metric];
+  cell.difference = DifferenceText(to_best.difference);
+  if (controller.as_good_as_best[metric]) {
+    if (to_best.judgement == Judgement::kNone) cell.difference = "best";
+    cell.mark = '*';
+  } else if (to_best.judgement == Judgement::kUndecided) {
+    cell.mark = '~';
   }
-  cell.worse_than_baseline =
-      metric < controller.worse_than_baseline.size() && controller.worse_than_baseline[metric];
+  if (controller.IsWorseThanBaseline(metric)) cell.mark = '!';
   return cell;
 }
 
-std::string Decorated(const Cell& cell, std::size_t width, bool colour) {
-  const char* mark = cell.worse_than_baseline ? "!" : cell.best ? "*" : " ";
-  std::string text = Padded(cell.text, width, true) + mark;
-  if (!colour) return text;
-  if (cell.worse_than_baseline) return Warning(text);
-  if (cell.best) return Good(text);
-  return text;
+std::string Decorated(const std::string& text, char mark, bool colour) {
+  if (colour && mark == '!') return Warning(text + mark);
+  if (colour && mark == '*') return Good(text + mark);
+  return text + mark;
 }
 
-void AppendRows(const FinishedStudy& finished, bool colour, std::string& out) {
-  const Summary& summary = finished.summary;
+void AppendLine(std::string& out, std::string line) {
+  line.erase(line.find_last_not_of(' ') + 1);
+  out += line + "\n";
+}
+
+void AppendRows(const Summary& summary, bool colour, std::string& out) {
   std::size_t name_width = std::string_view("controller").size();
   for (const auto& controller : summary.controllers) {
     name_width = std::max(name_width, controller.name.size());
   }
+  std::vector<std::vector<std::string>> heads;
   std::vector<std::vector<Cell>> columns;
   std::vector<std::size_t> widths;
-  const std::vector<std::size_t> shown = ShownMetrics(summary);
-  for (const std::size_t metric : shown) {
+  for (const std::size_t metric : ShownMetrics(summary)) {
+    heads.push_back(HeadOf(Metrics()[metric].key));
     std::vector<Cell>& cells = columns.emplace_back();
-    std::size_t width = Metrics()[metric].key.size();
+    std::size_t width = 0;
+    for (const std::string& word : heads.back()) width = std::max(width, word.size());
     for (const auto& controller : summary.controllers) {
-      cells.push_back(MakeCell(controller, metric, finished.comparison));
-      cells.back().best = summary.controllers.size() > 1 && controller.as_good_as_best[metric];
-      width = std::max(width, Width(cells.back().text));
+      const Cell& cell = cells.emplace_back(MakeCell(summary, controller, metric));
+      width = std::max({width, Width(cell.value), Width(cell.difference)});
     }
     widths.push_back(width);
   }
-  out += Padded("controller", name_width, false);
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    out += "  " + Padded(std::string(Metrics()[shown[i]].key), widths[i], true) + " ";
-  }
-  out += "\n";
-  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    out += Padded(summary.controllers[c].name, name_width, false);
+  for (std::size_t line = 0; line < kHeadLines; ++line) {
+    std::string text = Padded(line + 1 < kHeadLines ? "" : "controller", name_width, false);
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      out += "  " + Decorated(columns[i][c], widths[i], colour);
+      text += "  " + Padded(heads[i][line], widths[i], true) + " ";
     }
-    out += "\n";
+    AppendLine(out, text);
+  }
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    std::string values = Padded(summary.controllers[c].name, name_width, false);
+    std::string differences(name_width, ' ');
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const Cell& cell = columns[i][c];
+      values += "  " + Decorated(Padded(cell.value, widths[i], true), cell.mark, colour);
+      differences += "  " + Padded(cell.difference, widths[i], true) + " ";
+    }
+    AppendLine(out, values);
+    if (differences.find_first_not_of(' ') != std::string::npos) AppendLine(out, differences);
   }
 }
 
@@ -91,7 +140,7 @@ void AppendMissingSeeds(const StudyResult& result, const Summary& summary, std::
   for (const ControllerSummary& controller : summary.controllers) {
     for (const std::size_t metric : ShownMetrics(summary)) {
       const int count = controller.summary[metric].count;
-      if (count == 0 || count == seeds) continue;
+      if (count == 0 || count == seeds || controller.failed_trials > 0) continue;
       out += fmt::format("{}: {} from {} of {} seeds; the others have none\n", controller.name,
                          Metrics()[metric].key, count, seeds);
     }
@@ -127,35 +176,131 @@ std::string VerdictOfOneRun(const Summary& summary, std::size_t tracking, std::s
       Value(*calm, jitter), Value(*calm, tracking));
 }
 
-/// Why there is no interval, star or flag; empty if there are.
-std::string ReasonForNoChance(const FinishedStudy& finished) {
-  if (!finished.summary.one_run) return "";
-  if (finished.result.seeds_alike) {
+/// Why there is no interval, star or flag.
+std::string ReasonForNoChance(const StudyResult& result) {
+  if (result.seeds_alike) {
     return "Every seed gives the same run, as nothing in it is drawn at random: one was run, and "
            "there is no interval, no star and no flag.";
   }
   return "One seed tells nothing about chance: no interval, no star, no flag (gauntlet compare "
-         "runs "
-         "several).";
+         "runs several).";
 }
 
-std::string Legend(const FinishedStudy& finished) {
-  const Summary& summary = finished.summary;
-  if (summary.one_run) return ReasonForNoChance(finished) + "\n";
-  std::string legend = "* best, or as good within chance";
-  const bool any_worse = std::ranges::any_of(summary.controllers, [&](const auto& controller) {
-    return std::ranges::any_of(ShownMetrics(summary), [&](std::size_t metric) {
-      return metric < controller.worse_than_baseline.size() &&
-             controller.worse_than_baseline[metric];
-    });
-  });
-  if (any_worse) {
+std::string Legend(const Summary& summary) {
+  std::string legend = "* best, or equal within what matters   ~ undecided";
+  if (summary.baseline) {
     legend += "   ! worse than " + summary.controllers[*summary.baseline].name;
   }
-  return legend + "\n";
+  return legend;
+}
+
+/// "97 % the motions' and 3 % the noise's", as a mean over controllers; empty where it is not known.
+std::string SharesText(const Summary& summary, const auto& interval_of) {
+  double sum = 0.0;
+  int count = 0;
+  for (const ControllerSummary& controller : summary.controllers) {
+    const double share = interval_of(controller).motion_share;
+    if (controller.failed_trials > 0 || std::isnan(share)) continue;
+    sum += share;
+    ++count;
+  }
+  if (count == 0) return "";
+  const double percent = std::round(100.0 * sum / count);
+  return fmt::format("{:.0f} % the motions' and {:.0f} % the noise's", percent, 100.0 - percent);
+}
+
+/// Whose the scatter of tracking is, and that of its differences; empty where it is not known.
+std::string WhoseScatter(const Summary& summary) {
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const std::string of_values =
+      SharesText(summary, [&](const auto& c) { return c.summary[tracking]; });
+  const std::string of_differences =
+      SharesText(summary, [&](const auto& c) { return c.to_best[tracking].difference; });
+  if (of_values.empty()) return "";
+  std::string text = fmt::format("The variance of {} is {}", Metrics()[tracking].key, of_values);
+  if (!of_differences.empty()) text += fmt::format("; that of its differences {}", of_differences);
+  return text + ".";
+}
+
+std::string WhatMatters(const Summary& summary) {
+  std::string text;
+  for (const std::size_t metric : ShownMetrics(summary)) {
+    const RelevantDifference& least = Metrics()[metric].relevant_difference;
+    if (!text.empty()) text += ", ";
+    text += std::string(Metrics()[metric].key);
+    if (least.absolute > 0.0) text += fmt::format(" {:g}", least.absolute);
+    if (least.absolute > 0.0 && least.relative > 0.0) text += " or";
+    if (least.relative > 0.0) text += fmt::format(" {:g} %", 100.0 * least.relative);
+  }
+  return fmt::format("Differences matter from here on: {} (gauntlet list metrics says why).", text);
+}
+
+/// In lines that fit a terminal.
+std::string Wrapped(const std::string& text) {
+  std::string wrapped;
+  std::size_t width = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    if (width > 0 && width + 1 + Width(word) > kLineWidth) {
+      wrapped += '\n';
+      width = 0;
+    }
+    if (width > 0) wrapped += ' ';
+    wrapped += word;
+    width += (width > 0 ? 1 : 0) + Width(word);
+    begin = end + 1;
+  }
+  return wrapped;
+}
+
+/// What follows a controller's name in the verdict: whether it is known to be the best, only as
+/// good as others, or the best of this sample alone.
+std::string Superlative(const Summary& summary, std::size_t metric, const char* best,
+                        const char* as_good_as_any, const char* not_decided) {
+  int stars = 0;
+  bool undecided = false;
+  for (const ControllerSummary& controller : summary.controllers) {
+    stars += controller.as_good_as_best[metric] ? 1 : 0;
+    undecided |= controller.to_best[metric].judgement == Judgement::kUndecided;
+  }
+  return stars > 1 ? as_good_as_any : undecided ? not_decided : best;
+}
+
+/// " mean_20 is worse than raw in delay_ms."; empty if it is so in no main metric.
+std::string Costs(const Summary& summary, const ControllerSummary& controller) {
+  std::string worse;
+  for (const std::size_t metric : ShownMetrics(summary)) {
+    if (!controller.IsWorseThanBaseline(metric)) continue;
+    if (!worse.empty()) worse += ", ";
+    worse += Metrics()[metric].key;
+  }
+  if (worse.empty()) return "";
+  return fmt::format(" {} is worse than {} in {}.", controller.name,
+                     summary.controllers[*summary.baseline].name, worse);
 }
 
 }  // namespace
+
+std::vector<std::string> Notes(const FinishedStudy& finished) {
+  const Summary& summary = finished.summary;
+  if (summary.one_run) return {ReasonForNoChance(finished.result)};
+  std::vector<std::string> notes;
+  if (summary.controllers.size() > 1) {
+    notes.push_back(fmt::format(
+        "Differences are to the best of the column, paired by seed, ± half of the interval that "
+        "decides: those of all {} pairs hold together with 95 % (Bonferroni).",
+        summary.pairs));
+    notes.push_back(WhatMatters(summary));
+  }
+  notes.push_back(summary.motions == 1
+                      ? "One motion: the intervals tell of noise only."
+                      : fmt::format("{} motions are what repeats: the intervals hold for other "
+                                    "motions of their kind.",
+                                    summary.motions));
+  if (const std::string whose = WhoseScatter(summary); !whose.empty()) notes.push_back(whose);
+  return notes;
+}
 
 std::string Verdict(const Summary& summary) {
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
@@ -173,31 +318,51 @@ std::string Verdict(const Summary& summary) {
   for (const ControllerSummary& controller : all) {
     if (controller.rank[jitter] == 0) continue;
     const auto calmer = [&](const ControllerSummary* than) {
-      return than == nullptr || controller.rank[jitter] < than->rank[jitter];
+      return than == nullptr || controller.summary[jitter].mean < than->summary[jitter].mean;
     };
     if (controller.as_good_as_best[tracking] && calmer(follower)) follower = &controller;
     if (calmer(calm)) calm = &controller;
   }
   if (follower == nullptr || calm == nullptr) return "";
-  const bool tie = std::ranges::count_if(all, [&](const auto& controller) {
-                     return controller.as_good_as_best[tracking];
-                   }) > 1;
-  const char* best = tie ? "follows as well as any" : "follows best";
+  const std::string follows =
+      Superlative(summary, tracking, "follows best", "follows as well as any", "may follow best");
+  const std::string shakes =
+      Superlative(summary, jitter, "shakes least", "shakes as little as any", "may shake least");
   std::string text;
   if (follower->as_good_as_best[jitter]) {
-    text = fmt::format("{} {} ({} deg RMS) and shakes least ({} deg RMS)", follower->name, best,
-                       Value(*follower, tracking), Value(*follower, jitter));
+    text = fmt::format("{} {} ({} deg RMS) and {} ({} deg RMS)", follower->name, follows,
+                       Value(*follower, tracking), shakes, Value(*follower, jitter));
   } else {
-    text = fmt::format("{} {} ({} deg RMS, jitter {}); {} shakes least ({} deg RMS, tracking {})",
-                       follower->name, best, Value(*follower, tracking), Value(*follower, jitter),
-                       calm->name, Value(*calm, jitter), Value(*calm, tracking));
+    text =
+        fmt::format("{} {} ({} deg RMS, jitter {}); {} {} ({} deg RMS, tracking {})",
+                    follower->name, follows, Value(*follower, tracking), Value(*follower, jitter),
+                    calm->name, shakes, Value(*calm, jitter), Value(*calm, tracking));
   }
   if (summary.baseline && follower != &all[*summary.baseline]) {
     const ControllerSummary& baseline = all[*summary.baseline];
     text += fmt::format("; {}: {} and {}", baseline.name, Value(baseline, tracking),
                         Value(baseline, jitter));
   }
-  return text + ".";
+  return text + "." + Costs(summary, *follower);
+}
+
+std::string DurationText(const StudyResult& result) {
+  const std::string shortest = fmt::format("{:.1f}", result.shortest_s);
+  const std::string longest = fmt::format("{:.1f}", result.longest_s);
+  return shortest == longest ? longest + " s" : fmt::format("{} to {} s", shortest, longest);
+}
+
+std::string WhatVaries(const StudyResult& result) {
+  std::map<int, int> seeds_of;  // motion -> how many seeds
+  for (const SeedOutcome& seed : result.seeds) ++seeds_of[seed.motion];
+  const std::size_t motions = seeds_of.size();
+  const std::string moved = motions == 1 ? "one motion" : fmt::format("{} motions", motions);
+  if (result.seeds_alike) return moved + ", nothing drawn at random";
+  if (motions == 1) return fmt::format("{}, {} noises", moved, result.seeds.size());
+  const auto [fewest, most] = std::ranges::minmax(seeds_of | std::views::values);
+  if (most == 1) return moved + ", one noise each";
+  if (fewest == most) return fmt::format("{}, {} noises each", moved, most);
+  return fmt::format("{}, {} to {} noises each", moved, fewest, most);
 }
 
 std::string Measured(const Study& study) {
@@ -212,20 +377,17 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
   std::string out = fmt::format("{}: {}\n", scenario.name, scenario.question);
   const std::string seeds = summary.one_run
                                 ? fmt::format("seed {}", result.seeds.front().seed)
-                                : fmt::format("seeds {} to {}, mean ± half of the 95 % interval",
-                                              result.seeds.front().seed, result.seeds.back().seed);
-  out += fmt::format("{:.1f} s, {}; {}; reference: {}\n\n", result.duration_s(),
+                                : fmt::format("seeds {} to {}: {}", result.seeds.front().seed,
+                                              result.seeds.back().seed, WhatVaries(result));
+  out += fmt::format("{}, {}; {}; reference: {}\n\n", DurationText(result),
                      Measured(finished.study), seeds, result.reference_name);
-  AppendRows(finished, colour, out);
-  out += Legend(finished);
-  for (const ControllerSummary& controller : summary.controllers) {
-    if (!controller.problem.empty()) {
-      out += fmt::format("{} stopped early: {}\n", controller.name, controller.problem);
-    }
-  }
+  AppendRows(summary, colour, out);
+  if (!summary.one_run && summary.controllers.size() > 1) out += Legend(summary) + "\n";
+  for (const std::string& failure : Failures(summary, result.seeds.size())) out += failure + "\n";
   AppendMissingSeeds(result, summary, out);
+  for (const std::string& note : Notes(finished)) out += Wrapped(note) + "\n";
   const std::string verdict = Verdict(summary);
-  if (!verdict.empty()) out += "\n" + verdict + "\n";
+  if (!verdict.empty()) out += "\n" + Wrapped(verdict) + "\n";
   return out;
 }
 

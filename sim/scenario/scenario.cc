@@ -76,11 +76,17 @@ void Scenario::Visit(SettingsVisitor& visitor) {
                    .max = 2147480000},
                   seed);
   VisitGroup(visitor, {.key = "glove", .help = "the wearer's motion and the data glove"}, glove);
+  // Read and written by hand, see repetitions.h: no other setting has this form.
+  visitor.Map({.key = "repetitions",
+               .help = "what differs between the repetitions of a comparison: settings, as "
+                       "glove.motion.file, each with a list of values"},
+              SettingMap{.size = [] { return 0; }, .name = {}, .add = {}, .visit = {}});
   VisitGroup(visitor, {.key = "event", .help = "when command frames leave and arrive"}, event);
   VisitGroup(visitor, {.key = "hand", .help = "motors, cables and joints"}, hand);
   joint_map.Visit(visitor,
                   {.key = "joint_map",
                    .help = "joints of the hand that do not follow the channel of their own name"});
+  VisitGroup(visitor, {.key = "score", .help = "what counts in the scores"}, score);
   VisitGroup(visitor, {.key = "video", .help = "what the comparison video shows"}, video);
   visitor.Map(
       {.key = "controllers",
@@ -245,6 +251,14 @@ bool NeitherFiltersNorPredicts(const controller::ControllerConfig& config) {
 
 }  // namespace
 
+const GloveConfig& GloveOf(const Scenario& scenario, int seed) {
+  const std::vector<GloveConfig>& gloves = scenario.repetitions.gloves;
+  if (gloves.empty()) return scenario.glove;
+  const int count = static_cast<int>(gloves.size());
+  const int place = (seed - scenario.seed) % count;
+  return gloves[place < 0 ? place + count : place];
+}
+
 LoopTiming TimingOf(const Scenario& scenario) {
   return MakeLoopTiming({.sample_rate_hz = scenario.glove.rate_hz,
                          .event_period_ms = scenario.event.period_ms,
@@ -293,34 +307,85 @@ std::string CalibrationToYaml(const Calibration& calibration) {
 
 namespace {
 
-YamlSource TreeOf(const ScenarioSource& text, YAML::Node& root) {
+using RepeatedSettings = std::vector<RepeatedSetting>;
+
+/// The file, the values of one repetition, then what --set puts over both.
+YamlSource TreeOf(const ScenarioSource& text, const RepeatedSettings& lists, std::size_t repetition,
+                  YAML::Node& root) {
   root.reset(ParseYaml(text.file, text.text));
   YamlSource source{.file = text.file};
+  PutRepetition(lists, repetition, root, source);
   for (const std::string& override : text.overrides) ApplyOverride(root, override, source);
   return source;
+}
+
+RepeatedSettings ListsOf(const ScenarioSource& text) {
+  YAML::Node root;
+  const YamlSource source = TreeOf(text, {}, 0, root);
+  return ReadRepetitions(root, source);
+}
+
+/// What the tree of one repetition says.
+Scenario ReadScenario(const ScenarioSource& text, const RepeatedSettings& lists,
+                      std::size_t repetition, YAML::Node& root, const YamlSource& source) {
+  root.remove("repetitions");
+  Scenario scenario;
+  scenario.name = text.file.stem().string();
+  try {
+    YamlReader reader(root, "", source);
+    scenario.Visit(reader);
+    reader.RejectUnknownKeys();
+  } catch (const UserError& error) {
+    const auto list = std::ranges::find(lists, error.key(), &RepeatedSetting::key);
+    if (list == lists.end()) throw;
+    throw source.At(list->values[repetition],
+                    controller::SettingError(error.key(), error.problem()));
+  }
+  return scenario;
+}
+
+/// The gloves of all repetitions; `scenario` is of the first. They begin with the one that the
+/// scenario's seed has in the file.
+Repetitions AllRepetitions(const ScenarioSource& text, const RepeatedSettings& lists,
+                           const YamlSource& source, const Scenario& scenario) {
+  Repetitions repetitions;
+  if (lists.empty()) return repetitions;
+  for (const RepeatedSetting& list : lists) repetitions.keys.push_back(list.key);
+  repetitions.gloves.push_back(scenario.glove);
+  for (std::size_t i = 1; i < lists.front().values.size(); ++i) {
+    YAML::Node root;
+    const YamlSource of_this = TreeOf(text, lists, i, root);
+    repetitions.gloves.push_back(ReadScenario(text, lists, i, root, of_this).glove);
+  }
+  CheckRepetitions(lists, repetitions, source);
+  const YAML::Node seed_in_file = Find(ParseYaml(text.file, text.text), "seed");
+  repetitions.Rotate(scenario.seed - (seed_in_file.IsDefined() && seed_in_file.IsScalar()
+                                          ? seed_in_file.as<int>(Scenario{}.seed)
+                                          : Scenario{}.seed));
+  return repetitions;
 }
 
 }  // namespace
 
 Scenario ParseScenario(const ScenarioSource& text) {
+  const RepeatedSettings lists = ListsOf(text);
   YAML::Node root;
-  const YamlSource source = TreeOf(text, root);
-  Scenario scenario;
-  scenario.name = text.file.stem().string();
-  YamlReader reader(root, "", source);
-  scenario.Visit(reader);
-  reader.RejectUnknownKeys();
+  const YamlSource source = TreeOf(text, lists, 0, root);
+  Scenario scenario = ReadScenario(text, lists, 0, root, source);
   CheckNames(root, source, scenario);
   IncludeCalibrations(root, source, scenario);
   FillMeasurementVariances(root, source, scenario);
   CheckBaseline(root, source, scenario);
   CheckVideoSize(root, source, scenario.video);
+  scenario.repetitions = AllRepetitions(text, lists, source, scenario);
+  scenario.glove = GloveOf(scenario, scenario.seed);
   return scenario;
 }
 
 std::string PlaceOfSetting(const ScenarioSource& text, const std::string& key) {
+  const RepeatedSettings lists = ListsOf(text);
   YAML::Node root;
-  const YamlSource source = TreeOf(text, root);
+  const YamlSource source = TreeOf(text, lists, 0, root);
   const YAML::Node node = NodeAt(root, key);
   if (source.OverrideOf(key) == nullptr && node.is(root)) return text.file.string();
   return source.PlaceOf(node, key);
@@ -340,7 +405,7 @@ void CollectValues(const std::string& key, const YAML::Node& node,
     for (const auto& entry : node) {
       CollectValues(prefix + entry.first.Scalar(), entry.second, values);
     }
-  } else if (node.IsSequence() && node.size() > 0 && node[0].IsMap()) {
+  } else if (node.IsSequence() && node.size() > 0 && !node[0].IsScalar()) {
     for (std::size_t i = 0; i < node.size(); ++i) {
       CollectValues(prefix + std::to_string(i), node[i], values);
     }
@@ -356,7 +421,9 @@ void CollectValues(const std::string& key, const YAML::Node& node,
 
 std::string ScenarioToYaml(const Scenario& scenario) {
   Scenario copy = scenario;  // a visitor may change what it sees
-  return SettingsToYaml([&copy](SettingsVisitor& visitor) { copy.Visit(visitor); });
+  std::string text = SettingsToYaml([&copy](SettingsVisitor& visitor) { copy.Visit(visitor); });
+  if (!copy.repetitions.gloves.empty()) text += RepetitionsToYaml(copy.repetitions);
+  return text;
 }
 
 std::vector<SettingValue> SettingValues(const Scenario& scenario) {

@@ -11,6 +11,8 @@
 #include "sim/glove/glove_config.h"
 #include "sim/hand/hand_config.h"
 #include "sim/loop/event_config.h"
+#include "sim/scenario/repetitions.h"
+#include "sim/score/score_config.h"
 
 namespace gauntlet::sim {
 
@@ -53,9 +55,11 @@ struct Scenario {
   std::string name;      // the file's stem unless the file says otherwise
   std::string question;  // what this scenario answers, one sentence
   int seed = 1;
-  GloveConfig glove;
+  GloveConfig glove;  // of the first repetition
+  Repetitions repetitions;
   EventConfig event;
   HandConfig hand;
+  ScoreConfig score;
   VideoConfig video;
   controller::JointMapConfig joint_map;
   std::vector<NamedController> controllers;
@@ -67,6 +71,11 @@ struct Scenario {
 
 /// The clocks of the scenario's trials.
 LoopTiming TimingOf(const Scenario& scenario);
+
+/// The glove of a seed: the scenario's own, or that of the repetition which the seed takes.
+/// Repetitions take turns from the scenario's seed on: number (seed - scenario.seed) mod their
+/// count.
+const GloveConfig& GloveOf(const Scenario& scenario, int seed);
 
 /// Index of the controller that all others are held against; none if there is no such controller.
 std::optional<std::size_t> BaselineOf(const Scenario& scenario);
@@ -88,6 +97,9 @@ struct ScenarioSource {
 /// Reads strictly: unknown, duplicate, missing or non-finite is a UserError with file:line:column,
 /// and so is what could not be a name or a text of the results. Paths in the scenario are relative
 /// to the file.
+///
+/// Where --set changes the seed, the repetitions begin with the one that the new seed has in the
+/// file: a seed is the same trial however it is asked for.
 Scenario ParseScenario(const ScenarioSource& source);
 
 /// Where a setting stands: `file:line:column` or `--set text`; the file if it has a default value.

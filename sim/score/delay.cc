@@ -12,8 +12,6 @@ namespace {
 
 using Values = Fourier::Values;
 
-/// Below this RMS a signal counts as still. Assumption: a tenth of what a servo resolves.
-constexpr double kStillRms = 0.1 * kRadPerDeg;
 /// Longer than any delay a person could work with, and what a mean over 4 s would cost.
 constexpr double kLargestDelay_s = 2.0;
 /// An overlap that holds less of a signal's variance than this says nothing about its delay.
@@ -92,18 +90,19 @@ std::complex<double> FollowerBin(const Pair& pair, int k) {
   return {0.5 * difference.imag(), -0.5 * difference.real()};  // times 1/(2i)
 }
 
-/// Period of the strongest frequency of the leader, in samples.
-double DominantPeriod(const Pair& pair) {
+/// Period of the strongest of the frequencies k / size above 0, in samples.
+template <class Bin>
+double StrongestPeriod(int size, const Bin& bin) {
   int strongest = 1;
   double power = 0.0;
-  for (int k = 1; k <= pair.size / 2; ++k) {
-    const double candidate = std::norm(LeaderBin(pair, k));
+  for (int k = 1; k <= size / 2; ++k) {
+    const double candidate = std::norm(bin(k));
     if (candidate > power) {
       power = candidate;
       strongest = k;
     }
   }
-  return static_cast<double>(pair.size) / strongest;
+  return static_cast<double>(size) / strongest;
 }
 
 /// products[lag] = sum over n of leader[n] follower[n + lag]; negative lags from the end. Takes the
@@ -149,13 +148,20 @@ std::vector<double> Correlations(const Pair& pair, const Values& products, int b
   return result;
 }
 
-/// Where the parabola through three equidistant values has its peak, relative to the middle one.
+}  // namespace
+
+double DominantPeriod(std::span<const double> signal, Fourier& fourier) {
+  std::vector<double> padded(FastTransformSize(static_cast<int>(signal.size())));
+  std::ranges::copy(signal, padded.begin());
+  Values spectrum;
+  fourier.Forward(padded, spectrum);
+  return StrongestPeriod(static_cast<int>(padded.size()), [&](int k) { return spectrum[k]; });
+}
+
 double ParabolaPeak(double left, double middle, double right) {
   const double curvature = left - 2.0 * middle + right;
   return curvature < 0.0 ? 0.5 * (left - right) / curvature : 0.0;
 }
-
-}  // namespace
 
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
                                    double rate_hz, Fourier& fourier) {
@@ -163,11 +169,12 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
   const int largest_lag = std::min(samples / 4, static_cast<int>(kLargestDelay_s * rate_hz));
   if (largest_lag < 2) return std::nullopt;
   Pair pair = Transform(leader, follower, largest_lag, fourier);
-  const double still = kStillRms * kStillRms * samples;
+  const double still = kStillRms_rad * kStillRms_rad * samples;
   if (!(pair.leader.moments.squares > still)) return std::nullopt;
   if (!(pair.follower.moments.squares > still)) return std::nullopt;
 
-  const int bound = std::min(largest_lag, static_cast<int>(0.5 * DominantPeriod(pair)));
+  const double period = StrongestPeriod(pair.size, [&pair](int k) { return LeaderBin(pair, k); });
+  const int bound = std::min(largest_lag, static_cast<int>(0.5 * period));
   const auto correlations = Correlations(pair, CrossProducts(pair, fourier), bound);
   const auto peak = std::max_element(correlations.begin(), correlations.end());
   const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();

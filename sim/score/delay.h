@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 
+#include "sim/base/signal.h"
 #include "sim/score/fourier.h"
 
 namespace gauntlet::sim {
@@ -26,6 +27,15 @@ namespace gauntlet::sim {
 /// Source: Knapp and Carter 1976 (delay by correlation); parabola: Jacovitti and Scarano 1993.
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
                                    double rate_hz, Fourier& fourier);
+
+/// Below this RMS a signal counts as still. Assumption: a tenth of what a servo resolves.
+inline constexpr double kStillRms_rad = 0.1 * kRadPerDeg;
+
+/// Period of the strongest frequency of a signal without its mean, in samples.
+double DominantPeriod(std::span<const double> signal, Fourier& fourier);
+
+/// Where the parabola through three equidistant values has its peak, relative to the middle one.
+double ParabolaPeak(double left, double middle, double right);
 
 /// RMS of follower[n + delay] - leader[n] where both exist, linear between samples.
 double AlignedRms(std::span<const double> leader, std::span<const double> follower,

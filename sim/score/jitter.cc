@@ -1,20 +1,34 @@
 #include "sim/score/jitter.h"
 
+#include <cmath>
+
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kCutoff_hz = 10.0;     // the definition of jitter in the project's design
-constexpr double kTransition_hz = 4.0;  // centred on the cutoff
+constexpr double kTransitionShare = 0.4;  // of the edge, centred on it
+
+LowPass BelowTrembling(double rate_hz, double above_hz) {
+  return DesignLowPass(above_hz, kTransitionShare * above_hz, rate_hz);
+}
+
+Eigen::Index TicksFor(const LowPass& low_pass, double rate_hz, double above_hz) {
+  // And one period of the slowest trembling.
+  return 2 * low_pass.reach() + static_cast<Eigen::Index>(std::ceil(rate_hz / above_hz));
+}
 
 }  // namespace
 
-FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, Fourier& fourier) {
+FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, double above_hz,
+                         Fourier& fourier) {
   FilteredSignal none{0, Signal(0, angle_rad.cols())};
-  if (rate_hz <= 2.0 * kCutoff_hz + kTransition_hz) return none;
-  const LowPass low_pass = DesignLowPass(kCutoff_hz, kTransition_hz, rate_hz);
-  const auto rows = static_cast<double>(angle_rad.rows() - 2 * low_pass.reach());
-  if (rows < rate_hz / kCutoff_hz) return none;  // not one period of the slowest trembling
+  if (rate_hz <= (2.0 + kTransitionShare) * above_hz) return none;
+  const LowPass low_pass = BelowTrembling(rate_hz, above_hz);
+  if (angle_rad.rows() < TicksFor(low_pass, rate_hz, above_hz)) return none;
   return Filter(low_pass, Band::kAbove, angle_rad, fourier);
+}
+
+Eigen::Index TremblingTicks(double rate_hz, double above_hz) {
+  return TicksFor(BelowTrembling(rate_hz, above_hz), rate_hz, above_hz);
 }
 
 }  // namespace gauntlet::sim

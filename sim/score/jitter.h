@@ -5,14 +5,19 @@
 
 namespace gauntlet::sim {
 
-/// Everything above 10 Hz of some angles: what people see as trembling.
+/// Everything above an edge, by default 10 Hz, of some angles: what people see as trembling.
 ///
-/// A zero-phase high pass: the angle minus its low pass of 10 Hz, from 8 Hz (nothing passes) to
-/// 12 Hz (all passes). Steep on purpose: a Butterworth filter of order 4 run both ways still takes
-/// 19 % off a trembling of 12 Hz. Ramps vanish exactly. It reaches 0.63 s to both sides; samples
-/// nearer to an end than that have no value.
+/// A zero-phase high pass: the angle minus its low pass at the edge, from 0.8 (nothing passes) to
+/// 1.2 times the edge (all passes). Steep on purpose: a Butterworth filter of order 4 run both ways
+/// still takes 19 % off a trembling of 1.2 times the edge. Ramps vanish exactly. It reaches 6.3
+/// periods of the edge to both sides (0.63 s for 10 Hz); samples nearer to an end have no value.
 ///
-/// No rows for a signal too short, or a rate at or below 24 Hz, which cannot hold the band.
-FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, Fourier& fourier);
+/// No rows for a signal that is shorter than that and one period of the edge, or a rate at or below
+/// 2.4 times the edge, which cannot hold the band.
+FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, double above_hz,
+                         Fourier& fourier);
+
+/// The shortest signal in which there is trembling, in ticks.
+Eigen::Index TremblingTicks(double rate_hz, double above_hz);
 
 }  // namespace gauntlet::sim

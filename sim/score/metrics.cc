@@ -43,17 +43,74 @@ double MeanOffset(std::span<const double> error, const std::vector<Range>& range
   return ranges.empty() ? kNoScore : offsets / static_cast<double>(ranges.size());
 }
 
+double PeakTension(const ScoredCable& cable) {
+  return cable.tension_n.empty() ? kNoScore : *std::ranges::max_element(cable.tension_n);
+}
+
+double Degrees2(double radians2) { return kDegPerRad * kDegPerRad * radians2; }
+
+// The smallest differences that matter, each with its source or reason.
+constexpr RelevantDifference kFeltAngle = {
+    .absolute = 0.5,
+    .reason =
+        "below the smallest angle that people feel at a joint: 0.8 deg at the shoulder, 2.5 "
+        "deg at a finger (Tan, Srinivasan, Eberman, Cheng 1994)"};
+constexpr RelevantDifference kFeltPeak = {
+    .absolute = 2.5,
+    .reason = "the smallest angle that people feel at a finger joint (Tan et al. 1994)"};
+constexpr RelevantDifference kVisibleTrembling = {
+    .absolute = 0.05,
+    .reason =
+        "0.14 deg to and fro move a fingertip 9 cm away by 0.2 mm; an eye resolves 0.15 mm "
+        "from half a metre (1 minute of arc)"};
+constexpr RelevantDifference kNoticedDelay = {
+    .absolute = 5.0,
+    .reason =
+        "people who drag something by a finger notice improvements well below 10 ms (Ng, "
+        "Lepinski, Wigdor, Sanders, Dietz 2012)"};
+constexpr RelevantDifference kPitch = {
+    .absolute = 0.5,
+    .relative = 0.1,
+    .reason = "a tenth, and not less than half a hertz: a convention"};
+constexpr RelevantDifference kReversals = {
+    .absolute = 0.5,
+    .relative = 0.1,
+    .reason = "a tenth, and not less than one in two seconds: a convention"};
+constexpr RelevantDifference kSpectralArc = {.absolute = 0.1, .reason = "a convention"};
+constexpr RelevantDifference kJerk = {
+    .absolute = 0.2, .reason = "a tenth of the RMS of the jerk, 2 ln(1.1) = 0.19: a convention"};
+constexpr RelevantDifference kLoudness = {
+    .absolute = 0.1,
+    .relative = 0.12,
+    .reason = "1 dB; of steady noise people hear changes from 0.4 dB on (Miller 1947)"};
+constexpr RelevantDifference kShareOfTime = {.absolute = 0.01,
+                                             .reason = "one sample in a hundred: a convention"};
+constexpr RelevantDifference kSquaredAngle = {
+    .absolute = 0.25,
+    .relative = 0.1,
+    .reason =
+        "a tenth, and not less than the square of the 0.5 deg of tracking_rmse_deg: a "
+        "convention"};
+constexpr RelevantDifference kFeltForce = {
+    .absolute = 0.01,
+    .relative = 0.07,
+    .reason =
+        "people tell forces apart from 7 % on (Pang, Tan, Durlach 1991); 0.01 N is the "
+        "weight of 1 g"};
+
 constexpr MetricRow kRows[] = {
     {{.key = "tracking_rmse_deg",
       .help = "how far the hand is from the wearer, RMS",
       .definition = "sqrt(mean((hand - reference)^2))",
-      .main = true},
+      .main = true,
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) { return kDegPerRad * RmsDifference(j.reference_rad, j.hand_rad); }},
     {{.key = "delay_ms",
       .help = "how late the hand is",
       .definition = "lag of the largest Pearson correlation over the overlap, within half the "
                     "dominant period, refined by a parabola (Knapp and Carter 1976)",
-      .main = true},
+      .main = true,
+      .relevant_difference = kNoticedDelay},
      [](const ScoredJoint& j) {
        return j.delay_ticks ? 1000.0 * *j.delay_ticks / j.rate_hz : kNoScore;
      }},
@@ -61,7 +118,8 @@ constexpr MetricRow kRows[] = {
       .help = "how far the hand is from the wearer once the delay is taken out, RMS",
       .definition = "sqrt(mean((hand(t + delay_ms) - reference(t))^2)); the plain difference where "
                     "there is no delay",
-      .main = true},
+      .main = true,
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) {
        return kDegPerRad * (j.delay_ticks ? AlignedRms(j.reference_rad, j.hand_rad, *j.delay_ticks)
                                           : RmsDifference(j.reference_rad, j.hand_rad));
@@ -69,96 +127,120 @@ constexpr MetricRow kRows[] = {
     {{.key = "peak_error_deg",
       .help = "the largest distance between hand and wearer",
       .definition = "max |hand - reference|",
-      .main = true},
+      .main = true,
+      .relevant_difference = kFeltPeak},
      [](const ScoredJoint& j) { return kDegPerRad * PeakDifference(j.reference_rad, j.hand_rad); }},
     {{.key = "jitter_rms_deg",
-      .help = "trembling of the hand: its angle above 10 Hz, RMS",
-      .definition = "RMS behind a zero-phase high pass at 10 Hz: linear phase, Kaiser window, 8 to "
-                    "12 Hz, 80 dB; 0.63 s at both ends left out",
-      .main = true},
+      .help = "trembling of the hand: its angle above score.jitter_above_hz (10 Hz), RMS",
+      .definition = "RMS behind a zero-phase high pass at score.jitter_above_hz: linear phase, "
+                    "Kaiser window, 0.8 to 1.2 of it (8 to 12 Hz), 80 dB; 6.3 of its periods (0.63 "
+                    "s) at both ends left out",
+      .main = true,
+      .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * Rms(j.trembling_rad); }},
+    {{.key = "noise_jitter_rms_deg",
+      .help = "trembling that the glove's noise adds, RMS: what a filter can take away",
+      .definition = "jitter_rms_deg of the hand less the hand of the same trial with a noise-free "
+                    "glove",
+      .main = true,
+      .relevant_difference = kVisibleTrembling},
+     [](const ScoredJoint& j) { return kDegPerRad * j.noise_jitter_rad; }},
     {{.key = "command_reversals_per_s",
       .help = "local jumps: how often the motor command turns round",
       .definition = "sign changes between successive non-zero increments of the integer command, "
                     "per second (Bai, Jiang, Yokoi 2021, figure 12)",
-      .main = true},
+      .main = true,
+      .relevant_difference = kReversals},
      [](const ScoredMotor& m) {
        return m.command_counts.empty() ? kNoScore : ReversalsPerSecond(m.command_counts, m.rate_hz);
      }},
     {{.key = "rest_tracking_rmse_deg",
       .help = "distance to the wearer who holds still, RMS",
       .definition = "tracking_rmse_deg where the wearer is slower than 5 deg/s for 0.3 s, without "
-                    "the first 0.5 s; or in segments labelled rest"},
+                    "the first 0.5 s; or in segments labelled rest",
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kRest); }},
     {{.key = "rest_jitter_deg",
       .help = "how much the hand wanders while the wearer holds still",
-      .definition =
-          "standard deviation of the hand about its mean of each rest, pooled over rests"},
+      .definition = "standard deviation of the hand about its mean of each rest, pooled over rests",
+      .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) {
        return kDegPerRad * PooledDeviation(j.hand_rad, j.wearer.Of(Regime::kRest));
      }},
     {{.key = "rest_offset_deg",
       .help = "how far beside the wearer who holds still the hand stands",
-      .definition = "mean over rests of |mean(hand - reference)|: what no filter of noise changes"},
+      .definition = "mean over rests of |mean(hand - reference)|: what no filter of noise changes",
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) {
        return kDegPerRad * MeanOffset(j.error_rad, j.wearer.Of(Regime::kRest));
      }},
     {{.key = "slow_tracking_rmse_deg",
       .help = "distance to the wearer while the wearer moves slowly, RMS",
       .definition = "tracking_rmse_deg where the wearer is below 60 deg/s and not at rest; or in "
-                    "segments labelled slow"},
+                    "segments labelled slow",
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kSlow); }},
     {{.key = "slow_jitter_rms_deg",
       .help = "trembling while the wearer moves slowly, RMS",
       .definition = "jitter_rms_deg where the wearer is below 60 deg/s and not at rest; or in "
-                    "segments labelled slow"},
+                    "segments labelled slow",
+      .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kSlow); }},
     {{.key = "fast_tracking_rmse_deg",
       .help = "distance to the wearer while the wearer moves fast, RMS",
       .definition =
-          "tracking_rmse_deg where the wearer has 60 deg/s or more; or in segments labelled fast"},
+          "tracking_rmse_deg where the wearer has 60 deg/s or more; or in segments labelled fast",
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kFast); }},
     {{.key = "fast_jitter_rms_deg",
       .help = "trembling while the wearer moves fast, RMS",
       .definition =
-          "jitter_rms_deg where the wearer has 60 deg/s or more; or in segments labelled fast"},
+          "jitter_rms_deg where the wearer has 60 deg/s or more; or in segments labelled fast",
+      .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kFast); }},
     {{.key = "onset_tracking_rmse_deg",
       .help = "distance to the wearer just after the wearer starts from rest, RMS",
       .definition = "tracking_rmse_deg where 0.3 s have not passed since a movement began from "
-                    "rest; or in segments labelled onset"},
+                    "rest; or in segments labelled onset",
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kOnset); }},
     {{.key = "onset_jitter_rms_deg",
       .help = "trembling just after the wearer starts from rest, RMS",
       .definition = "jitter_rms_deg where 0.3 s have not passed since a movement began from rest; "
-                    "or in segments labelled onset"},
+                    "or in segments labelled onset",
+      .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kOnset); }},
     {{.key = "reversal_tracking_rmse_deg",
       .help = "distance to the wearer around a change of direction, RMS",
       .definition = "tracking_rmse_deg where the wearer turns round within 0.15 s; or in segments "
-                    "labelled reversal"},
+                    "labelled reversal",
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kReversal); }},
     {{.key = "reversal_jitter_rms_deg",
       .help = "trembling around a change of direction, RMS",
       .definition = "jitter_rms_deg where the wearer turns round within 0.15 s; or in segments "
-                    "labelled reversal"},
+                    "labelled reversal",
+      .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kReversal); }},
     {{.key = "sparc",
       .help = "smoothness of the movements (0 is smoothest)",
       .definition = "minus the arc length of the normalised amplitude spectrum of the velocity up "
                     "to 10 Hz, mean over movements (Balasubramanian et al. 2015)",
-      .lower_is_better = false},
+      .lower_is_better = false,
+      .relevant_difference = kSpectralArc},
      [](const ScoredJoint& j) { return j.smoothness.sparc; }},
     {{.key = "ldlj",
       .help = "smoothness of the movements (0 is smoothest)",
       .definition = "-ln(duration^3 / peak speed^2 * integral of jerk^2), mean over movements "
                     "(Balasubramanian et al. 2015)",
-      .lower_is_better = false},
+      .lower_is_better = false,
+      .relevant_difference = kJerk},
      [](const ScoredJoint& j) { return j.smoothness.ldlj; }},
     {{.key = "overshoot_deg",
       .help = "how far the hand goes beyond where the wearer stops or turns",
       .definition = "mean over movements of the largest excursion beyond the end of the movement, "
-                    "the mean error taken off"},
+                    "the mean error taken off",
+      .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) {
        return kDegPerRad * Overshoot(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer.movements,
                                      j.delay_ticks.value_or(0.0));
@@ -166,43 +248,113 @@ constexpr MetricRow kRows[] = {
     {{.key = "onset_delay_ms",
       .help = "how late the hand leaves its rest",
       .definition = "mean over movements from rest of the time between wearer and hand passing 10 "
-                    "% of the amplitude"},
+                    "% of the amplitude",
+      .relevant_difference = kNoticedDelay},
      [](const ScoredJoint& j) {
        return 1000.0 / j.rate_hz *
               OnsetDelay(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer.movements);
      }},
     {{.key = "motor_speed_rms_deg_s",
       .help = "how loud the motors are",
-      .definition = "RMS of the speed of the spool"},
+      .definition = "RMS of the speed of the spool",
+      .relevant_difference = kLoudness},
      [](const ScoredMotor& m) { return kDegPerRad * Rms(m.speed_rad_s); }},
     {{.key = "motor_speed_centroid_hz",
-      .help = "how high the motors sound",
-      .definition = "centre of the power spectrum of the speed of the spool (Welch 1967)"},
+      .help = "how high the motors sound, the wearer's own motion included",
+      .definition = "centre of the power spectrum of the speed of the spool (Welch 1967); less "
+                    "noise moves it to the motion: of noise motor_noise_centroid_hz tells",
+      .relevant_difference = kPitch},
      [](const ScoredMotor& m) { return SpectralCentroid(m.speed_rad_s, m.rate_hz, m.fourier); }},
+    {{.key = "motor_noise_rms_deg_s",
+      .help = "how loud the glove's noise makes the motors",
+      .definition = "RMS of the speed of the spool less that of the same trial with a noise-free "
+                    "glove",
+      .relevant_difference = kLoudness},
+     [](const ScoredMotor& m) {
+       return m.noise_rad_s.empty() ? kNoScore : kDegPerRad * Rms(m.noise_rad_s);
+     }},
+    {{.key = "motor_noise_centroid_hz",
+      .help = "how high the noise of the motors is that the glove's noise makes",
+      .definition = "centre of the power spectrum (Welch 1967) of the speed of the spool less that "
+                    "of the same trial with a noise-free glove",
+      .relevant_difference = kPitch},
+     [](const ScoredMotor& m) { return SpectralCentroid(m.noise_rad_s, m.rate_hz, m.fourier); }},
     {{.key = "saturation_share",
       .help = "how often the servo gives all it has",
-      .definition = "share of samples at the torque limit"},
+      .definition = "share of samples at the torque limit",
+      .relevant_difference = kShareOfTime},
      [](const ScoredMotor& m) { return m.saturation_share.value_or(kNoScore); }},
     {{.key = "slack_share",
       .help = "how often a cable is slack",
-      .definition = "share of samples with 0.01 N or less, per cable"},
+      .definition = "share of samples with 0.01 N or less, per cable",
+      .relevant_difference = kShareOfTime},
      [](const ScoredCable& c) { return c.tension_n.empty() ? kNoScore : SlackShare(c.tension_n); }},
     {{.key = "tension_peak_n",
-      .help = "the largest pull",
-      .definition = "largest tension, per cable"},
+      .help = "the largest pull; of each cable only, as a finger's and a shoulder's are not alike",
+      .definition = "largest tension, per cable",
+      .alike = false,
+      .relevant_difference = kFeltForce},
+     [](const ScoredCable& c) { return PeakTension(c); }},
+    {{.key = "tension_peak_share",
+      .help = "the largest pull, of what the cable's motor pulls with at stall",
+      .definition = "largest tension over (stall torque of the motor / radius of its spool), per "
+                    "cable",
+      .relevant_difference = kFeltForce},
      [](const ScoredCable& c) {
-       return c.tension_n.empty() ? kNoScore : *std::ranges::max_element(c.tension_n);
+       return c.stall_tension_n ? PeakTension(c) / *c.stall_tension_n : kNoScore;
      }},
     {{.key = "grip_force_ripple_n",
-      .help = "trembling of the grip: the force on a held object above 10 Hz, RMS",
+      .help = "trembling of the grip: the force on a held object above score.jitter_above_hz (10 "
+              "Hz), RMS",
       .definition =
           "RMS of the grip force behind the high pass of jitter_rms_deg, over stretches of "
-          "grip, 0.63 s at both ends left out; of the whole hand",
-      .main = true},
+          "grip, 6.3 periods (0.63 s) at both ends left out; of the whole hand",
+      .main = true,
+      .relevant_difference = kFeltForce},
      [](const ScoredHand& h) {
-       return h.grip_force_n.empty() ? kNoScore
-                                     : GripForceRipple(h.grip_force_n, h.rate_hz, h.fourier);
+       return h.grip_force_n.empty()
+                  ? kNoScore
+                  : GripForceRipple(h.grip_force_n, h.rate_hz, h.jitter_above_hz, h.fourier);
      }},
+    {{.key = "error_delay_deg2",
+      .help = "error because the hand is late (or early), mean square",
+      .definition = "mean(p (hand - reference)), p = reference(t - d) - reference(t): of the fit "
+                    "a + b reference(t - d) to the hand with a noise-free glove",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kDelay)); }},
+    {{.key = "error_constant_deg2",
+      .help = "error because the hand stands beside the wearer all the time, mean square",
+      .definition = "the same with p = a + (b - 1) mean(reference(t - d))",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kConstant)); }},
+    {{.key = "error_gain_deg2",
+      .help = "error because the hand moves too far or not far enough, mean square",
+      .definition = "the same with p = (b - 1) (reference(t - d) less its mean)",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kGain)); }},
+    {{.key = "error_limit_deg2",
+      .help = "error while a motor gives all it has, and 250 ms after, mean square",
+      .definition = "the same with p = what the fit leaves of the hand with a noise-free glove, "
+                    "while one of the joint's motors is at its limit there and 250 ms after",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kLimit)); }},
+    {{.key = "error_frames_deg2",
+      .help = "error of the staircase of command frames and counts, mean square",
+      .definition = "the same with p = what the fit leaves at other times, behind the high pass of "
+                    "jitter_rms_deg",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kFrames)); }},
+    {{.key = "error_noise_deg2",
+      .help = "error of the glove's noise, mean square",
+      .definition = "the same with p = hand less the hand of the same trial with a noise-free "
+                    "glove",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kNoise)); }},
+    {{.key = "error_rest_deg2",
+      .help = "error of friction, play, compliance, gravity and all else, mean square",
+      .definition = "the same with p = all that is left; the seven sum to tracking_rmse_deg^2",
+      .relevant_difference = kSquaredAngle},
+     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kRest)); }},
 };
 
 constexpr int kCount = static_cast<int>(std::size(kRows));
@@ -216,11 +368,36 @@ constexpr std::array<Metric, kCount> kMetrics = [] {
   return metrics;
 }();
 
+constexpr std::array<TrackingErrorPart, kErrorCauseCount> kTrackingErrorParts = [] {
+  std::array<TrackingErrorPart, kErrorCauseCount> parts{{
+      {.key = "error_delay_deg2", .name = "delay", .metric = 0},
+      {.key = "error_constant_deg2", .name = "constant", .metric = 0},
+      {.key = "error_gain_deg2", .name = "gain", .metric = 0},
+      {.key = "error_limit_deg2", .name = "motors' limit", .metric = 0},
+      {.key = "error_frames_deg2", .name = "frames", .metric = 0},
+      {.key = "error_noise_deg2", .name = "noise", .metric = 0},
+      {.key = "error_rest_deg2", .name = "rest", .metric = 0},
+  }};
+  for (TrackingErrorPart& part : parts) {
+    while (kMetrics[part.metric].key != part.key) ++part.metric;  // a misspelt key: no constant
+  }
+  return parts;
+}();
+
 }  // namespace
+
+std::span<const TrackingErrorPart> TrackingErrorParts() { return kTrackingErrorParts; }
 
 std::span<const MetricRow> MetricRows() { return kRows; }
 
 std::span<const Metric> Metrics() { return kMetrics; }
+
+double RelevantDifferenceBetween(const Metric& metric, double first, double second) {
+  const RelevantDifference& least = metric.relevant_difference;
+  const double size = std::min(std::abs(first), std::abs(second));
+  if (std::isnan(first) || std::isnan(second)) return kNoScore;
+  return std::max(least.absolute, least.relative * size);
+}
 
 std::optional<std::size_t> FindMetric(std::string_view key) {
   const auto found = std::ranges::find(kMetrics, key, &Metric::key);

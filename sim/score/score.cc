@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "sim/score/fourier.h"
-#include "sim/score/jitter.h"
 #include "sim/score/metrics.h"
 #include "sim/score/no_score.h"
 
@@ -22,6 +21,23 @@ auto Column(const Matrix& signal, int column, int rows) {
 
 void Check(bool fits, const char* problem) {
   if (!fits) throw std::invalid_argument(std::string("ComputeScores: ") + problem);
+}
+
+template <class Fits>
+void CheckNoiseFree(const ScoreInput& input, const ScoreRows& table, const Fits& fits) {
+  Check(fits(input.noise_free_hand_angle_rad, table.joints.size()),
+        "the noise-free hand has another shape than the hand");
+  Check(fits(input.noise_free_motor_speed_rad_s, table.motors.size()),
+        "the noise-free motor speed has another shape than the motors'");
+  Check(fits(input.noise_free_motor_at_limit, table.motors.size()),
+        "the noise-free motors' limits have another shape than the motors");
+  Check(input.motors_of_joint.empty() || input.motors_of_joint.size() == table.joints.size(),
+        "the motors are needed of every joint");
+  for (const std::vector<int>& motors : input.motors_of_joint) {
+    for (const int motor : motors) {
+      Check(motor >= 0 && motor < std::ssize(table.motors), "a joint has a motor that is none");
+    }
+  }
 }
 
 void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
@@ -44,6 +60,10 @@ void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   Check(fits(input.tension_n, table.cables.size()),
         "the tensions have other cables than the rows, or are shorter than the hand's angles");
   Check(fits(input.grip_force_n, 1), "the grip force is no column as long as the hand's angles");
+  Check(input.stall_tension_n.empty() || input.stall_tension_n.size() == table.cables.size(),
+        "a stall tension is needed per cable");
+  Check(input.jitter_above_hz > 0.0, "jitter begins above 0 Hz");
+  CheckNoiseFree(input, table, fits);
 }
 
 /// The columns' spans of a signal that may be missing.
@@ -51,6 +71,13 @@ template <class Matrix>
 auto ColumnOrNothing(const Matrix* signal, std::size_t column, int rows) {
   using Span = decltype(Column(*signal, 0, 0));
   return signal == nullptr ? Span() : Column(*signal, static_cast<int>(column), rows);
+}
+
+/// Empty if one of them is.
+std::vector<double> Difference(std::span<const double> values, std::span<const double> others) {
+  std::vector<double> difference(std::min(values.size(), others.size()));
+  for (std::size_t n = 0; n < difference.size(); ++n) difference[n] = values[n] - others[n];
+  return difference;
 }
 
 /// Fills in the metrics that are measured on this kind of part.
@@ -63,14 +90,14 @@ void Score(const Part& part, std::vector<double>& values) {
   }
 }
 
-/// Mean over the rows that have a value, per metric.
+/// Mean over the rows that have a value, per metric; none where the rows are not alike.
 std::vector<double> MeansOver(const std::vector<std::vector<double>>& rows) {
   std::vector<double> means;
   for (std::size_t metric = 0; metric < Metrics().size(); ++metric) {
     double sum = 0.0;
     int count = 0;
     for (const std::vector<double>& row : rows) {
-      if (!std::isfinite(row[metric])) continue;
+      if (!Metrics()[metric].alike || !std::isfinite(row[metric])) continue;
       sum += row[metric];
       ++count;
     }
@@ -95,6 +122,11 @@ ScoreRows::ScoreRows(std::span<const std::string> joint_names,
   for (const std::string& name : cable_names) cables.push_back(row_of(name));
 }
 
+Scores NoScores(const ScoreRows& rows) {
+  const std::vector<double> none(Metrics().size(), kNoScore);
+  return {.summary = none, .channels = {rows.names.size(), none}};
+}
+
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   CheckShapes(input, table);
   const int rows = static_cast<int>(input.hand_angle_rad->rows());
@@ -103,12 +135,11 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   std::unique_lock lock(long_trials, std::defer_lock);
   if (rows >= kLongTrial) lock.lock();
   Fourier fourier;
-  const FilteredSignal trembling = Trembling(*input.hand_angle_rad, input.rate_hz, fourier);
+  const AllJoints all(input, fourier);
 
-  Scores scores;
-  scores.channels.assign(table.names.size(), std::vector<double>(Metrics().size(), kNoScore));
+  Scores scores = NoScores(table);
   for (std::size_t joint = 0; rows > 0 && joint < table.joints.size(); ++joint) {
-    Score(ScoredJoint(input, static_cast<int>(joint), trembling, fourier),
+    Score(ScoredJoint(input, static_cast<int>(joint), all, fourier),
           scores.channels[table.joints[joint]]);
     TrimSignals();
   }
@@ -116,19 +147,25 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
     ScoredMotor scored{.rate_hz = input.rate_hz,
                        .command_counts = ColumnOrNothing(input.command_counts, motor, rows),
                        .speed_rad_s = ColumnOrNothing(input.motor_speed_rad_s, motor, rows),
+                       .noise_rad_s = {},
                        .saturation_share = {},
                        .fourier = fourier};
+    scored.noise_rad_s = Difference(
+        scored.speed_rad_s, ColumnOrNothing(input.noise_free_motor_speed_rad_s, motor, rows));
     if (!input.saturation_share.empty()) scored.saturation_share = input.saturation_share[motor];
     Score(scored, scores.channels[table.motors[motor]]);
     TrimSignals();
   }
   for (std::size_t cable = 0; rows > 0 && cable < table.cables.size(); ++cable) {
-    Score(ScoredCable{ColumnOrNothing(input.tension_n, cable, rows)},
-          scores.channels[table.cables[cable]]);
+    ScoredCable scored{.tension_n = ColumnOrNothing(input.tension_n, cable, rows),
+                       .stall_tension_n = {}};
+    if (!input.stall_tension_n.empty()) scored.stall_tension_n = input.stall_tension_n[cable];
+    Score(scored, scores.channels[table.cables[cable]]);
     TrimSignals();
   }
   scores.summary = MeansOver(scores.channels);
   Score(ScoredHand{.rate_hz = input.rate_hz,
+                   .jitter_above_hz = input.jitter_above_hz,
                    .grip_force_n = ColumnOrNothing(input.grip_force_n, 0, rows),
                    .fourier = fourier},
         scores.summary);

@@ -8,6 +8,7 @@
 
 #include "sim/base/segment.h"
 #include "sim/base/signal.h"
+#include "sim/score/score_config.h"
 
 namespace gauntlet::sim {
 
@@ -41,6 +42,22 @@ struct ScoreInput {
   const Signal* grip_force_n = nullptr;           // ticks x 1: of the hand on an object
   std::span<const double> saturation_share = {};  // per motor
   std::span<const Segment> segments = {};         // win over the split by the wearer's speed
+
+  // Of the same trial with a noise-free glove: what noise adds, and the split of the error.
+  const Signal* noise_free_hand_angle_rad = nullptr;         // ticks x joints
+  const Signal* noise_free_motor_speed_rad_s = nullptr;      // ticks x motors
+  const IntegerSignal* noise_free_motor_at_limit = nullptr;  // ticks x motors: 1 or 0
+  std::span<const std::vector<int>> motors_of_joint = {};    // per joint: those that turn it
+  double jitter_above_hz = ScoreConfig{}.jitter_above_hz;    // where trembling begins
+  std::span<const double> stall_tension_n = {};              // per cable: of its motor at stall
+};
+
+/// The smallest difference between two values of a score that matters to a person: the larger of
+/// an amount in the score's unit and a share of the smaller value's size.
+struct RelevantDifference {
+  double absolute = 0.0;
+  double relative = 0.0;
+  std::string_view reason;  // a source, or why; "a convention" where there is none
 };
 
 /// One score that Gauntlet knows. The unit is the suffix of the key.
@@ -51,7 +68,12 @@ struct Metric {
   bool lower_is_better = true;
   ScoredPart part = ScoredPart::kJoint;
   bool main = false;  // of the main question: a column of the table at the terminal
+  bool alike = true;  // false: a mean over parts would mix what is not alike, so there is none
+  RelevantDifference relevant_difference = {};
 };
+
+/// From where on two values of the metric differ by what matters; NaN if one of them is.
+double RelevantDifferenceBetween(const Metric& metric, double first, double second);
 
 /// All metrics in the order of every table and file.
 std::span<const Metric> Metrics();
@@ -60,6 +82,19 @@ std::optional<std::size_t> FindMetric(std::string_view key);
 /// Place of a key that the program itself names. Errors: std::invalid_argument for a misspelt one.
 std::size_t MetricIndex(std::string_view key);
 
+/// One of the metrics into which the mean square error falls by its cause; see error_split.h. They
+/// are of the joints and sum to the square of tracking_rmse_deg; their summaries sum to the mean of
+/// these squares.
+struct TrackingErrorPart {
+  std::string_view key;   // of the metric
+  std::string_view name;  // for pictures and tables: "motors' limit"
+  std::size_t metric;     // its place in Metrics()
+};
+
+/// All of them, in the order in which a picture shows them. Without a noise-free trial none has a
+/// value.
+std::span<const TrackingErrorPart> TrackingErrorParts();
+
 /// Values in the order of Metrics(). NaN where a score does not exist (a joint that never moved has
 /// no delay; a cable has no tracking error). A summary is the mean over the parts that have a
 /// value.
@@ -67,6 +102,9 @@ struct Scores {
   std::vector<double> summary;                // metrics
   std::vector<std::vector<double>> channels;  // rows of ScoreRows x metrics
 };
+
+/// Of a trial that says nothing: every score is NaN.
+Scores NoScores(const ScoreRows& rows);
 
 /// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped
 /// early is shorter than the reference; the rows that exist are scored.

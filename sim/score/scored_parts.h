@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/score/error_split.h"
 #include "sim/score/fourier.h"
 #include "sim/score/low_pass.h"
 #include "sim/score/score.h"
@@ -14,26 +15,37 @@ namespace gauntlet::sim {
 
 // What the metrics see of one part of a trial. Views: the signals outlive them.
 
+/// What is found for all joints together.
+struct AllJoints {
+  AllJoints(const ScoreInput& input, Fourier& fourier);
+
+  FilteredSignal trembling;              // of the hand above jitter_above_hz
+  std::vector<double> noise_jitter_rad;  // RMS of what noise adds to it; empty: not known
+  std::vector<ErrorSplit> error_splits;  // empty: not known
+};
+
 /// One joint. What several metrics need is found once.
 struct ScoredJoint {
-  /// `trembling` is that of all joints.
-  ScoredJoint(const ScoreInput& input, int column, const FilteredSignal& trembling,
-              Fourier& fourier);
+  ScoredJoint(const ScoreInput& input, int column, const AllJoints& all, Fourier& fourier);
 
   double rate_hz;
   std::span<const double> reference_rad;
   std::span<const double> hand_rad;
   std::vector<double> error_rad;          // hand - reference
-  std::span<const double> trembling_rad;  // of the hand above 10 Hz
+  std::span<const double> trembling_rad;  // of the hand above jitter_above_hz
   int first_trembling_tick;               // the tick of its first value
   WearerMotion wearer;
   std::optional<double> delay_ticks;
   Smoothness smoothness;
+  double noise_jitter_rad;                // kNoScore: not known
+  std::optional<ErrorSplit> error_split;  // [rad^2]
 
   /// RMS of the error while the wearer does this [rad].
   double ErrorDuring(Regime regime) const;
   /// RMS of the trembling while the wearer does this [rad].
   double TremblingDuring(Regime regime) const;
+  /// Part of the mean square error [rad^2], kNoScore if it is not known.
+  double PartOfError(ErrorCause cause) const;
 };
 
 /// One motor. A signal that is not there is empty.
@@ -41,6 +53,7 @@ struct ScoredMotor {
   double rate_hz;
   std::span<const int> command_counts;
   std::span<const double> speed_rad_s;
+  std::vector<double> noise_rad_s;  // speed less that with a noise-free glove
   std::optional<double> saturation_share;
   Fourier& fourier;
 };
@@ -48,11 +61,13 @@ struct ScoredMotor {
 /// One cable; empty without tensions.
 struct ScoredCable {
   std::span<const double> tension_n;
+  std::optional<double> stall_tension_n;
 };
 
 /// What belongs to the hand as a whole; empty where it holds nothing.
 struct ScoredHand {
   double rate_hz;
+  double jitter_above_hz;
   std::span<const double> grip_force_n;
   Fourier& fourier;
 };

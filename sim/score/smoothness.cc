@@ -19,13 +19,6 @@ constexpr double kCutoff_hz = 20.0;
 constexpr double kTransition_hz = 20.0;
 constexpr double kShortestMovement_s = 0.2;
 
-/// A smoothed velocity at a lower rate: value i belongs to sample first_sample + i * step.
-struct VelocityProfile {
-  int first_sample = 0;
-  int step = 1;
-  std::vector<double> velocity;
-};
-
 /// Low pass and derivative in one: v[n] = sum over k of weight_k x[n - reach + k].
 Eigen::VectorXd DerivativeWeights(const LowPass& low_pass, double rate_hz) {
   const int reach = low_pass.reach() + 1;
@@ -37,32 +30,22 @@ Eigen::VectorXd DerivativeWeights(const LowPass& low_pass, double rate_hz) {
   return weights;
 }
 
-VelocityProfile SmoothedVelocity(std::span<const double> angle, double rate_hz) {
-  VelocityProfile profile;
-  if (rate_hz <= 2.0 * kCutoff_hz + kTransition_hz) return profile;
-  const Eigen::VectorXd weights =
-      DerivativeWeights(DesignLowPass(kCutoff_hz, kTransition_hz, rate_hz), rate_hz);
+/// The hand's velocity in one movement, every `step` ticks from the movement's own begin on: the
+/// grid has no phase of its own. Empty where the filter reaches beyond the signal.
+std::vector<double> VelocityIn(const Movement& movement, std::span<const double> angle,
+                               const Eigen::VectorXd& weights, double delay_ticks, int step) {
   const Eigen::Map<const Eigen::VectorXd> signal(angle.data(),
                                                  static_cast<Eigen::Index>(angle.size()));
-  profile.first_sample = static_cast<int>(weights.size() / 2);
-  profile.step = std::max(1, static_cast<int>(std::lround(rate_hz / kProfileRate_hz)));
-  for (Eigen::Index n = 0; n + weights.size() <= signal.size(); n += profile.step) {
-    profile.velocity.push_back(weights.dot(signal.segment(n, weights.size())));
+  const Eigen::Index reach = weights.size() / 2;
+  const Eigen::Index begin = movement.begin + std::lround(delay_ticks) - reach;
+  const auto count = static_cast<Eigen::Index>(
+      std::lround((movement.end - movement.begin) / static_cast<double>(step)));
+  std::vector<double> velocity;
+  if (begin < 0 || begin + (count - 1) * step + weights.size() > signal.size()) return velocity;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    velocity.push_back(weights.dot(signal.segment(begin + i * step, weights.size())));
   }
-  return profile;
-}
-
-/// The part of the profile in which the hand makes the wearer's movement.
-std::span<const double> Cut(const VelocityProfile& profile, const Movement& movement,
-                            double delay_samples) {
-  const auto index = [&](int sample) {
-    const double position = (sample + delay_samples - profile.first_sample) / profile.step;
-    return static_cast<int>(std::ceil(position));
-  };
-  const int begin = index(movement.begin);
-  const int end = index(movement.end);
-  if (begin < 0 || end > static_cast<int>(profile.velocity.size())) return {};
-  return std::span(profile.velocity).subspan(begin, end - begin);
+  return velocity;
 }
 
 }  // namespace
@@ -116,14 +99,17 @@ double LogDimensionlessJerk(std::span<const double> speed, double rate_hz) {
 Smoothness MovementSmoothness(std::span<const double> hand_angle_rad, double rate_hz,
                               std::span<const Movement> movements, double delay_samples,
                               Fourier& fourier) {
-  const VelocityProfile profile = SmoothedVelocity(hand_angle_rad, rate_hz);
-  const double profile_rate_hz = rate_hz / profile.step;
+  if (rate_hz <= 2.0 * kCutoff_hz + kTransition_hz) return {kNoScore, kNoScore};
+  const Eigen::VectorXd weights =
+      DerivativeWeights(DesignLowPass(kCutoff_hz, kTransition_hz, rate_hz), rate_hz);
+  const int step = std::max(1, static_cast<int>(std::lround(rate_hz / kProfileRate_hz)));
+  const double profile_rate_hz = rate_hz / step;
   const auto shortest = static_cast<std::size_t>(kShortestMovement_s * profile_rate_hz);
   double sparc = 0.0;
   double ldlj = 0.0;
   int count = 0;
   for (const Movement& movement : movements) {
-    const auto velocity = Cut(profile, movement, delay_samples);
+    const auto velocity = VelocityIn(movement, hand_angle_rad, weights, delay_samples, step);
     if (velocity.size() < shortest) continue;
     const double arc = SpectralArcLength(velocity, profile_rate_hz, fourier);
     const double jerk = LogDimensionlessJerk(velocity, profile_rate_hz);

@@ -33,9 +33,10 @@ struct Smoothness {
 };
 
 /// Both are made for single movements, so the hand's velocity is cut where the wearer's movements
-/// begin and end, later by the delay. It is taken behind a zero-phase low pass of 20 Hz (10 to 30
-/// Hz) at about 100 Hz: the rate of the published program, and as for any third derivative of a
-/// measured angle. Movements below 0.2 s do not count. NaN where there is none.
+/// begin and end, later by the delay to the nearest tick. It is taken behind a zero-phase low pass
+/// of 20 Hz (10 to 30 Hz) every 10 ms or so from the begin of the cut on: the rate of the published
+/// program, and as for any third derivative of a measured angle. Movements below 0.2 s do not
+/// count. NaN where there is none.
 /// Units: rad, samples. Shapes: `hand_angle_rad` has the wearer's samples.
 Smoothness MovementSmoothness(std::span<const double> hand_angle_rad, double rate_hz,
                               std::span<const Movement> movements, double delay_samples,

@@ -58,7 +58,8 @@ class RowCollector final : public controller::SettingsVisitor {
     Add(setting, list.size() == 0 ? "none" : fmt::format("{} given", list.size()), "a list");
   }
   void Map(const Setting& setting, const controller::SettingMap& map) override {
-    Add(setting, map.size() == 0 ? "none" : fmt::format("{} given", map.size()), "named groups");
+    Add(setting, map.size() == 0 ? "none" : fmt::format("{} given", map.size()),
+        map.visit ? "named groups" : "named lists");
   }
 
   std::vector<SettingRow> rows;

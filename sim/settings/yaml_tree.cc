@@ -27,10 +27,6 @@ constexpr std::size_t kMostValues = 200'000;
 constexpr std::size_t kMostLevels = 64;
 constexpr std::size_t kLongestPlace = 100;
 
-bool IsAtOrBelow(const std::string& path, const std::string& group) {
-  return path == group || path.starts_with(group + ".") || path.starts_with(group + "[");
-}
-
 /// With the item that stands alone where a list is expected named like the first of a list.
 std::string WithoutFirstItems(std::string path) {
   constexpr std::string_view kFirst = "[0]";
@@ -59,6 +55,10 @@ std::string PlaceInFile(const std::filesystem::path& file, const YAML::Mark& mar
 }
 
 }  // namespace
+
+bool IsAtOrBelow(const std::string& path, const std::string& group) {
+  return path == group || path.starts_with(group + ".") || path.starts_with(group + "[");
+}
 
 UserError AtPlace(std::string place, const SettingError& error) {
   return UserError({.place = std::move(place), .key = error.key(), .problem = error.problem()});
@@ -312,7 +312,7 @@ void RejectUnknownController(const YAML::Node& root, const std::string& text,
 /// Puts one override over a tree.
 class Override {
  public:
-  Override(const std::string& text, YamlSource& source) : text_(text), source_(source) {}
+  Override(std::string place, YamlSource& source) : place_(std::move(place)), source_(source) {}
 
   /// A copy of `node` with `value` at the end of the path of keys; follows the reader's shorthands.
   YAML::Node With(const YAML::Node& node, std::span<const std::string> keys,
@@ -326,7 +326,7 @@ class Override {
   const std::string& path() const { return path_; }
 
   [[noreturn]] void Fail(const std::string& problem) const {
-    throw UserError({.place = OverridePlace(text_), .problem = problem});
+    throw UserError({.place = place_, .problem = problem});
   }
 
  private:
@@ -373,22 +373,35 @@ class Override {
     return copy;
   }
 
-  const std::string& text_;
+  std::string place_;
   YamlSource& source_;
   std::string path_;
 };
 
-}  // namespace
-
-void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source) {
-  Override override(text, source);
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) override.Fail("must be key.path=value");
-  const std::vector<std::string> keys = SplitPath(std::string_view(text).substr(0, equals));
+/// The keys of a path. Errors: by `override`.
+std::vector<std::string> KeysOf(std::string_view path, const Override& override) {
+  std::vector<std::string> keys = SplitPath(path);
   if (std::ranges::find(keys, "") != keys.end()) override.Fail("has an empty key");
   if (keys.size() > kMostLevels) {
     override.Fail(fmt::format("has more than {} keys", kMostLevels));
   }
+  return keys;
+}
+
+}  // namespace
+
+std::string PutOver(YAML::Node& root, const std::string& path, const YAML::Node& value,
+                    const std::string& place, YamlSource& source) {
+  Override override(place, source);
+  root.reset(override.With(root, KeysOf(path, override), value));
+  return override.path();
+}
+
+void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source) {
+  Override override(OverridePlace(text), source);
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) override.Fail("must be key.path=value");
+  const std::vector<std::string> keys = KeysOf(std::string_view(text).substr(0, equals), override);
   RejectUnknownController(root, text, keys);
   const YAML::Node value = ParseChecked(
       std::string_view(text).substr(equals + 1),

@@ -51,6 +51,14 @@ YAML::Node ParseYamlFile(const std::filesystem::path& file);
 /// The part of the tree that a path of keys leads to, as far as the tree has it.
 YAML::Node NodeAt(const YAML::Node& root, std::string_view path);
 
+/// Puts `value` at the end of a path of keys over the tree, as ApplyOverride() does. `place` is that
+/// of a mistake in the path. Errors: UserError. Returns the path as a reader has it.
+std::string PutOver(YAML::Node& root, const std::string& path, const YAML::Node& value,
+                    const std::string& place, YamlSource& source);
+
+/// Whether a path of keys is `group` or leads into it.
+bool IsAtOrBelow(const std::string& path, const std::string& group);
+
 /// Puts `key.path=value` over the tree. Groups on the way are copied, so that what an alias shares
 /// with another group stays as it is there. Items of a list are named by their number from 0; a
 /// list of one may be passed over. Errors: UserError for a text that is not an override, or leads

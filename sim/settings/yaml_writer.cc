@@ -53,6 +53,7 @@ class YamlWriter final : public controller::SettingsVisitor {
     emitter_ << YAML::EndSeq;
   }
   void Map(const Setting& setting, const controller::SettingMap& map) override {
+    if (!map.visit) return;  // of no named groups: its owner writes it
     Key(setting) << YAML::Value << YAML::BeginMap;
     for (std::size_t i = 0; i < map.size(); ++i) {
       emitter_ << YAML::Key << map.name(i) << YAML::Value << YAML::BeginMap;

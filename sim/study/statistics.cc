@@ -3,33 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-
-#include "sim/base/random.h"
+#include <map>
+#include <unsupported/Eigen/SpecialFunctions>
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kResamples = 2000;
-constexpr int kSmallestBootstrap = 5;
-/// A resample whose standard deviation is below this share of the sample's has no scatter: it
-/// missed the one value that makes the scatter, and dividing by what is left says nothing but how
-/// equal the others are. Without it one delay of 175 ms among seven of 45 ms gives +-218 ms. With
-/// it the coverage of normal and exponential values stays within 0.5 %.
-constexpr double kSmallestResampledScatter = 0.1;
-
-/// Student's t at 97.5 %. Source: Abramowitz and Stegun 1964, table 26.10 and formula 26.7.5, which
-/// is right to 0.01 from 4 degrees of freedom on.
-double StudentT(int degrees_of_freedom) {
-  constexpr double kTable[] = {12.7062, 4.30265, 3.18245};
-  if (degrees_of_freedom <= 3) return kTable[degrees_of_freedom - 1];
-  const double z = 1.959964;
-  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
-  const double v = degrees_of_freedom;
-  return z + (z3 + z) / (4.0 * v) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * v * v) +
-         (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * v * v * v);
-}
 
 struct Sample {
   std::vector<double> deviations;  // from the mean
@@ -37,6 +17,11 @@ struct Sample {
   double scatter = kNaN;  // standard deviation, n - 1
 
   int size() const { return static_cast<int>(deviations.size()); }
+  double squares() const {
+    double sum = 0.0;
+    for (const double value : deviations) sum += value * value;
+    return sum;
+  }
 };
 
 Sample FiniteValues(std::span<const double> values) {
@@ -53,37 +38,39 @@ Sample FiniteValues(std::span<const double> values) {
   double sum = 0.0;
   for (const double value : sample.deviations) sum += value - smallest;
   sample.mean = equal ? smallest : smallest + sum / count;
-  double squares = 0.0;
-  for (double& value : sample.deviations) {
-    value -= sample.mean;
-    squares += value * value;
-  }
-  if (count > 1) sample.scatter = std::sqrt(squares / (count - 1));
+  for (double& value : sample.deviations) value -= sample.mean;
+  if (count > 1) sample.scatter = std::sqrt(sample.squares() / (count - 1));
   return sample;
 }
 
-/// The studentised mean of one resample; infinite where the resample has no scatter of its own.
-double ResampledT(const Sample& sample, RandomStream& random) {
-  const int count = sample.size();
-  double sum = 0.0;
-  double squares = 0.0;
-  for (int i = 0; i < count; ++i) {
-    const double value = sample.deviations[random.Index(static_cast<std::uint64_t>(count))];
-    sum += value;
-    squares += value * value;
-  }
-  const double mean = sum / count;
-  const double variance = (squares - sum * mean) / (count - 1);
-  const double least_scatter = kSmallestResampledScatter * sample.scatter;
-  if (variance < least_scatter * least_scatter) {
-    return std::copysign(std::numeric_limits<double>::infinity(), mean);
-  }
-  return mean / std::sqrt(variance / count);
+MeanEstimate EstimateOf(const Sample& sample) {
+  MeanEstimate estimate{.mean = sample.mean, .count = sample.size()};
+  if (sample.size() < 2) return estimate;
+  estimate.standard_error = sample.scatter / std::sqrt(sample.size());
+  estimate.degrees_of_freedom = sample.size() - 1;
+  return estimate;
 }
 
-/// The value with `share` of the sorted values below it.
-double Quantile(const std::vector<double>& sorted, double share) {
-  return sorted[std::lround(share * (sorted.size() - 1))];
+/// The share of the motions in the variance; NaN where every motion has one value.
+double MotionShare(const std::vector<Sample>& motions) {
+  const auto groups = static_cast<double>(motions.size());
+  double count = 0.0, sum = 0.0, counts_squared = 0.0, within = 0.0;
+  for (const Sample& motion : motions) {
+    const double n = motion.size();
+    count += n;
+    counts_squared += n * n;
+    sum += n * motion.mean;
+    within += motion.squares();
+  }
+  if (count <= groups) return kNaN;
+  double between = 0.0;
+  for (const Sample& motion : motions) {
+    between += motion.size() * (motion.mean - sum / count) * (motion.mean - sum / count);
+  }
+  const double noise = within / (count - groups);
+  const double effective_count = (count - counts_squared / count) / (groups - 1.0);
+  const double motion = std::max(0.0, (between / (groups - 1.0) - noise) / effective_count);
+  return motion + noise > 0.0 ? motion / (motion + noise) : kNaN;
 }
 
 std::vector<double> Differences(std::span<const double> first, std::span<const double> second) {
@@ -94,50 +81,92 @@ std::vector<double> Differences(std::span<const double> first, std::span<const d
 
 }  // namespace
 
-MeanInterval BootstrapMean(std::span<const double> values, std::uint64_t seed) {
-  const Sample sample = FiniteValues(values);
-  const int count = sample.size();
-  if (count < 2) return {sample.mean, kNaN, kNaN, count};
-  if (sample.scatter == 0.0) return {sample.mean, sample.mean, sample.mean, count};
-  double low_t = -StudentT(count - 1);
-  double high_t = -low_t;
-  if (count >= kSmallestBootstrap) {
-    RandomStream random(seed, "bootstrap");
-    std::vector<double> t(kResamples);
-    for (double& value : t) value = ResampledT(sample, random);
-    std::sort(t.begin(), t.end());
-    const double low = Quantile(t, 0.025);
-    const double high = Quantile(t, 0.975);
-    if (std::isfinite(low) && std::isfinite(high)) {
-      low_t = low;
-      high_t = high;
+double StudentProbability(double t, double degrees_of_freedom) {
+  return Eigen::numext::betainc(0.5 * degrees_of_freedom, 0.5,
+                                degrees_of_freedom / (degrees_of_freedom + t * t));
+}
+
+double StudentHalfWidth(double level, double degrees_of_freedom) {
+  // The root of ln(probability) over ln(t), which is nearly straight in the tail, by the Illinois
+  // method: a chord, and half the weight for an end that stays twice.
+  const auto excess = [&](double log_t) {
+    return std::log(StudentProbability(std::exp(log_t), degrees_of_freedom)) - std::log1p(-level);
+  };
+  double low = -1.0, high = 1.0;
+  double above = excess(low), below = excess(high);
+  while (above < 0.0) above = excess(low *= 2.0);
+  while (below > 0.0) below = excess(high *= 2.0);
+  int last = 0;
+  while (high - low > 1e-12) {
+    const double share = std::isinf(below) ? 0.5 : above / (above - below);
+    const double middle = low + share * (high - low);
+    const double value = excess(middle);
+    if (std::abs(value) < 1e-12) return std::exp(middle);
+    if (value > 0.0) {
+      low = middle;
+      above = value;
+      if (last == 1) below *= 0.5;
+      last = 1;
+    } else {
+      high = middle;
+      below = value;
+      if (last == -1) above *= 0.5;
+      last = -1;
     }
   }
-  const double error = sample.scatter / std::sqrt(count);
-  return {sample.mean, sample.mean - high_t * error, sample.mean - low_t * error, count};
+  return std::exp(high);
 }
 
-MeanInterval PairedDifference(std::span<const double> first, std::span<const double> second,
-                              std::uint64_t seed) {
-  return BootstrapMean(Differences(first, second), seed);
+MeanInterval MeanEstimate::IntervalAt(double level) const {
+  MeanInterval interval{.mean = mean, .count = count, .level = level, .motion_share = motion_share};
+  if (std::isnan(standard_error)) return interval;
+  const double half_width =
+      standard_error > 0.0 ? StudentHalfWidth(level, degrees_of_freedom) * standard_error : 0.0;
+  interval.low = mean - half_width;
+  interval.high = mean + half_width;
+  return interval;
 }
 
-MeanInterval UnpairedDifference(std::span<const double> first, std::span<const double> second) {
+MeanEstimate EstimateMean(std::span<const double> values, std::span<const int> motions) {
+  std::map<int, std::vector<double>> groups;
+  for (std::size_t i = 0; i < motions.size(); ++i) groups[motions[i]].push_back(values[i]);
+  if (groups.size() < 2) return EstimateOf(FiniteValues(values));
+  std::vector<Sample> of_motions;
+  std::vector<double> means;
+  int count = 0;
+  for (const auto& [motion, group] : groups) {
+    Sample sample = FiniteValues(group);
+    if (sample.size() == 0) continue;
+    count += sample.size();
+    means.push_back(sample.mean);
+    of_motions.push_back(std::move(sample));
+  }
+  MeanEstimate estimate = EstimateOf(FiniteValues(means));
+  estimate.count = count;
+  if (of_motions.size() > 1) estimate.motion_share = MotionShare(of_motions);
+  return estimate;
+}
+
+MeanEstimate EstimateDifference(std::span<const double> first, std::span<const double> second,
+                                std::span<const int> motions) {
+  return EstimateMean(Differences(first, second), motions);
+}
+
+MeanEstimate EstimateUnpairedDifference(std::span<const double> first,
+                                        std::span<const double> second) {
   const Sample a = FiniteValues(first);
   const Sample b = FiniteValues(second);
-  const double difference = a.mean - b.mean;
-  const int count = a.size() + b.size();
-  if (a.size() < 2 || b.size() < 2) return {difference, kNaN, kNaN, count};
+  MeanEstimate estimate{.mean = a.mean - b.mean, .count = a.size() + b.size()};
+  if (a.size() < 2 || b.size() < 2) return estimate;
   const double a_variance = a.scatter * a.scatter / a.size();
   const double b_variance = b.scatter * b.scatter / b.size();
   const double variance = a_variance + b_variance;
-  if (variance == 0.0) return {difference, difference, difference, count};
-  const double freedom =
+  estimate.standard_error = std::sqrt(variance);
+  if (variance == 0.0) return estimate;
+  estimate.degrees_of_freedom =
       variance * variance /
       (a_variance * a_variance / (a.size() - 1) + b_variance * b_variance / (b.size() - 1));
-  // The sum of a hair keeps whole numbers whole; there is never less than 1.
-  const double half_width = StudentT(static_cast<int>(freedom + 1e-9)) * std::sqrt(variance);
-  return {difference, difference - half_width, difference + half_width, count};
+  return estimate;
 }
 
 double PairedEffectSize(std::span<const double> first, std::span<const double> second) {
@@ -154,18 +183,6 @@ std::vector<int> Ranking(std::span<const double> values, bool lower_is_better) {
                 }));
   }
   return places;
-}
-
-std::vector<bool> DominatedPoints(std::span<const double> first, std::span<const double> second) {
-  std::vector<bool> dominated(first.size(), false);
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    for (std::size_t j = 0; j < first.size(); ++j) {
-      const bool as_good = first[j] <= first[i] && second[j] <= second[i];
-      const bool better = first[j] < first[i] || second[j] < second[i];
-      if (as_good && better) dominated[i] = true;
-    }
-  }
-  return dominated;
 }
 
 }  // namespace gauntlet::sim

@@ -1,46 +1,80 @@
 #pragma once
 
-#include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace gauntlet::sim {
 
-/// A mean and the interval that holds the true mean with 95 % confidence. Values that are not
-/// finite do not count; NaN where there are too few.
+/// Student's t: the chance of a value at least so far from 0, to either side.
+double StudentProbability(double t, double degrees_of_freedom);
+/// Its inverse: within how many standard errors to both sides the truth lies with this confidence.
+double StudentHalfWidth(double level, double degrees_of_freedom);
+
+/// A mean and the interval that holds the true mean with the confidence `level`. NaN where there
+/// are too few values.
 struct MeanInterval {
-  double mean;
-  double ci95_low;
-  double ci95_high;
+  double mean = std::numeric_limits<double>::quiet_NaN();
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();
   int count = 0;  // of the values, or pairs, that it is made of; of two groups both together
+  double level = 0.95;
+  /// Which share of the variance of a single value is the motion's, see EstimateMean(); the rest is
+  /// the noise's. NaN where the two cannot be told apart.
+  double motion_share = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// The mean of independent values, its interval by the studentised bootstrap of 2,000 resamples:
+/// A mean before its interval has a level.
+struct MeanEstimate {
+  double mean = std::numeric_limits<double>::quiet_NaN();
+  double standard_error = std::numeric_limits<double>::quiet_NaN();  // NaN: too few values
+  double degrees_of_freedom = 0.0;
+  int count = 0;
+  double motion_share = std::numeric_limits<double>::quiet_NaN();  // as of a MeanInterval
+
+  /// mean -+ t(level) standard_error. One value has no interval, equal values have one of no width.
+  MeanInterval IntervalAt(double level = 0.95) const;
+};
+
+/// The mean of values of which those with the same number in `motions` share a motion of the wearer
+/// and differ by noise alone. Values that are not finite do not count.
 ///
-///     t* = (mean* - mean) / (s* / sqrt(n)),   interval = mean - t*(97.5 %, 2.5 %) s / sqrt(n)
+/// With values of one motion (or `motions` left out) the values are what repeats:
 ///
-/// Not the plain percentile bootstrap: with 8 seeds that covers the truth in 89 % of studies, this
-/// one in 95 %, and it follows skewed scores. Where resamples hold too little (below 5 values, or
-/// values nearly all equal beside one far away) the interval is Student's. One value has no
-/// interval, equal values have one of no width.
+///     error = s / sqrt(n), n - 1 degrees of freedom
 ///
-/// Deterministic: `seed` fixes the resampling.
-/// Source: Efron and Tibshirani 1993, An Introduction to the Bootstrap, section 12.5.
-MeanInterval BootstrapMean(std::span<const double> values, std::uint64_t seed);
+/// and the interval tells of noise alone. With several motions these are what repeats, and not the
+/// seeds on each of them: the mean, too, is that of the G means of the motions, each with the same
+/// weight however many values it has,
+///
+///     mean = sum(m_g) / G,   error = s(m_g) / sqrt(G),   G - 1 degrees of freedom
+///
+/// Where some motions have several values, the shares of the variance are those of the analysis of
+/// variance in one way with random effects: MSW and MSB the mean squares within and between,
+/// n_0 = (N - sum(n_g^2) / N) / (G - 1),
+///
+///     motion = max(0, (MSB - MSW) / n_0),   noise = MSW
+///
+/// Student's t and no bootstrap: 2,000 resamples do not reach the levels of many comparisons.
+/// Coverage and false verdicts: sim/study/README.md.
+/// Shapes: `motions` empty or as long as `values`.
+/// Source: Searle, Casella, McCulloch 1992, Variance Components, section 3.6.
+MeanEstimate EstimateMean(std::span<const double> values, std::span<const int> motions = {});
 
 /// The same of first - second, value by value: pairs share their seed, and with it the glove signal
 /// and the hand, so what a seed makes hard for both cancels.
 /// Shapes: the same length.
-MeanInterval PairedDifference(std::span<const double> first, std::span<const double> second,
-                              std::uint64_t seed);
+MeanEstimate EstimateDifference(std::span<const double> first, std::span<const double> second,
+                                std::span<const int> motions = {});
 
 /// The same of the means of two groups that share no seeds, first - second, by Welch's t:
 ///
-///     error^2 = s1^2 / n1 + s2^2 / n2,   interval = mean1 - mean2 -+ t(97.5 %) error
+///     error^2 = s1^2 / n1 + s2^2 / n2
 ///
-/// with error^4 / ((s1^2 / n1)^2 / (n1 - 1) + (s2^2 / n2)^2 / (n2 - 1)) degrees of freedom, rounded
-/// down. No interval where a group has one value. Source: Welch 1947, doi 10.1093/biomet/34.1-2.28.
-MeanInterval UnpairedDifference(std::span<const double> first, std::span<const double> second);
+/// with error^4 / ((s1^2 / n1)^2 / (n1 - 1) + (s2^2 / n2)^2 / (n2 - 1)) degrees of freedom. No
+/// interval where a group has one value. Source: Welch 1947, doi 10.1093/biomet/34.1-2.28.
+MeanEstimate EstimateUnpairedDifference(std::span<const double> first,
+                                        std::span<const double> second);
 
 /// How large a paired difference is beside its scatter: Cohen's d_z = mean(d) / s(d), d = first -
 /// second. 0.2 counts as small, 0.5 as medium, 0.8 as large. NaN below two pairs or without
@@ -49,9 +83,5 @@ double PairedEffectSize(std::span<const double> first, std::span<const double> s
 
 /// Place of each value: 1 is the best, equal values share a place (1, 2, 2, 4), 0 for NaN.
 std::vector<int> Ranking(std::span<const double> values, bool lower_is_better);
-
-/// For two things of which less is better, whether another point is as good in both and better in
-/// one. A point with NaN is not dominated and dominates nobody. Shapes: the same length.
-std::vector<bool> DominatedPoints(std::span<const double> first, std::span<const double> second);
 
 }  // namespace gauntlet::sim

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <limits>
 #include <mutex>
+#include <ranges>
 #include <system_error>
 #include <thread>
 
@@ -27,21 +28,72 @@ namespace {
 struct SharedGlove {
   std::once_flag once;
   std::shared_ptr<const GloveSignal> signal;
-  Signal reference_rad;  // ticks x joints of the hand
+  std::shared_ptr<const GloveSignal> noise_free;  // for twins that are trials; else null
+  Signal reference_rad;                           // ticks x joints of the hand
   std::atomic<int> users_left{0};
 };
 
+/// Of each measured cable what its motor pulls with at stall [N].
+std::vector<double> StallTensions(const Study& study) {
+  std::vector<double> tensions;
+  for (const int motor : study.measured_motors) {
+    const Drive& drive = study.hand->drives()[static_cast<std::size_t>(motor)];
+    tensions.insert(tensions.end(), drive.cables.size(),
+                    drive.servo.stall_torque_nm / drive.drum_radius_m);
+  }
+  return tensions;
+}
+
+/// Per measured joint the places among the measured motors of those that turn it.
+std::vector<std::vector<int>> MotorsOfJoints(const Study& study) {
+  const controller::TendonTransmission& hand = study.hand->transmission();
+  std::vector<std::vector<int>> motors_of_joints;
+  for (const int joint : study.measured_joints) {
+    std::vector<int>& motors = motors_of_joints.emplace_back();
+    for (std::size_t i = 0; i < study.measured_motors.size(); ++i) {
+      const int motor = study.measured_motors[i];
+      if (hand.coupling[motor * study.joint_count + joint] != 0.0) {
+        motors.push_back(static_cast<int>(i));
+      }
+    }
+  }
+  return motors_of_joints;
+}
+
+/// Per measured motor the share of ticks in which it gives all that it has.
+std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_limit) {
+  std::vector<double> shares;
+  const auto ticks = static_cast<double>(std::max<Eigen::Index>(at_limit.rows(), 1));
+  for (const int motor : study.measured_motors) {
+    shares.push_back(static_cast<double>(at_limit.col(motor).cast<std::int64_t>().sum()) / ticks);
+  }
+  return shares;
+}
+
+/// The columns of measured parts of a twin, or nothing.
+struct MeasuredTwin {
+  MeasuredTwin(const Study& study, const NoiseFreeTwin& twin)
+      : hand(twin.hand_angle_rad, study.measured_joints),
+        speed(twin.spool_speed_rad_s, study.measured_motors),
+        at_limit(twin.motor_at_limit(Eigen::all, study.measured_motors).cast<int>()) {}
+
+  Columns<Signal> hand;
+  Columns<Signal> speed;
+  IntegerSignal at_limit;
+};
+
 Scores Score(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
-             const Trace& trace) {
+             const Trace& trace, const std::optional<NoiseFreeTwin>& twin) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const Columns command(trace.command_counts, study.measured_motors);
   const Columns speed(trace.spool_speed_rad_s, study.measured_motors);
   const Columns tension(trace.tension_n, study.measured_cables);
-  std::vector<double> saturation_share;
-  for (const int motor : study.measured_motors) {
-    saturation_share.push_back(trace.saturation_share[motor]);
-  }
+  const std::vector<double> stall_tension_n = StallTensions(study);
+  const std::vector<double> saturation_share = SaturationShares(study, trace.motor_at_limit);
+  const std::vector<std::vector<int>> motors_of_joint = MotorsOfJoints(study);
+  std::optional<MeasuredTwin> measured_twin;
+  if (twin) measured_twin.emplace(study, *twin);
   ScoreInput input;
   input.rate_hz = glove.tick_rate_hz;
   input.reference_angle_rad = &*reference;
@@ -52,6 +104,14 @@ Scores Score(const Study& study, const GloveSignal& glove, const Signal& referen
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   input.saturation_share = saturation_share;
   input.segments = glove.segments;
+  input.jitter_above_hz = study.scenario.score.jitter_above_hz;
+  input.stall_tension_n = stall_tension_n;
+  input.motors_of_joint = motors_of_joint;
+  if (measured_twin) {
+    input.noise_free_hand_angle_rad = &*measured_twin->hand;
+    input.noise_free_motor_speed_rad_s = &*measured_twin->speed;
+    input.noise_free_motor_at_limit = &measured_twin->at_limit;
+  }
   Scores scores = ComputeScores(input, study.rows);
   // No score is -0.0, which SQLite keeps as 0.0.
   for (double& score : scores.summary) score += 0.0;
@@ -93,21 +153,97 @@ void FindMeasuredParts(Study& study) {
                 Selected(study.hand->cable_names(), study.measured_cables));
 }
 
-std::string HashOf(const GloveSignal& glove) {
-  Hash hash;
-  for (const Signal* signal : {&glove.counts, &glove.true_angle_rad}) {
-    for (Eigen::Index c = 0; c < signal->cols(); ++c) {
-      hash.Add(std::span(signal->col(c).data(), static_cast<std::size_t>(signal->rows())));
-      TrimSignals();
-    }
+void Add(const Signal& signal, Hash& hash) {
+  for (Eigen::Index c = 0; c < signal.cols(); ++c) {
+    hash.Add(std::span(signal.col(c).data(), static_cast<std::size_t>(signal.rows())));
+    TrimSignals();
   }
-  return hash.Text();
+}
+
+GloveFacts FactsOf(const GloveSignal& glove) {
+  Hash motion;
+  Add(glove.true_angle_rad, motion);
+  Hash signal = motion;
+  Add(glove.counts, signal);
+  return {.signal_hash = signal.Text(),
+          .motion_hash = motion.Text(),
+          .ticks = glove.true_angle_rad.rows(),
+          .is_recorded = glove.is_recorded};
 }
 
 std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
   if (seed == study.scenario.seed) return study.first_glove;
   return std::make_shared<const GloveSignal>(
-      SynthesiseGlove(study.scenario.glove, static_cast<std::uint64_t>(seed)));
+      SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed)));
+}
+
+std::shared_ptr<const GloveSignal> NoiseFreeGlove(const Study& study, int seed) {
+  return std::make_shared<const GloveSignal>(SynthesiseGlove(
+      WithoutNoise(GloveOf(study.scenario, seed)), static_cast<std::uint64_t>(seed)));
+}
+
+/// None of a trial that ended early.
+std::optional<NoiseFreeTwin> AsTwin(const Trace& trace) {
+  if (!trace.health.ok) return std::nullopt;
+  return NoiseFreeTwin{.hand_angle_rad = trace.hand_angle_rad,
+                       .spool_speed_rad_s = trace.spool_speed_rad_s,
+                       .motor_at_limit = trace.motor_at_limit};
+}
+
+/// Which of the seeds differ, in what the wearer does and in anything at all.
+class Repeats {
+ public:
+  /// `seeds`: how many are asked for. Costs one more signal per repetition that comes twice.
+  Repeats(const Study& study, int seeds)
+      : study_(study), count_(static_cast<int>(study.repetitions.size())) {
+    alike_ = seeds > count_;
+    for (int i = 0; i < count_ && i + count_ < seeds; ++i) {
+      const GloveFacts& first = study.repetitions[i];
+      const GloveFacts next = FactsOf(*GloveOfSeed(study, study.scenario.seed + count_ + i));
+      alike_ = alike_ && next.signal_hash == first.signal_hash;
+      drawn_.push_back(next.motion_hash != first.motion_hash);
+    }
+    drawn_.resize(count_, false);  // a repetition that comes once
+  }
+
+  /// Whether every repetition is the same again.
+  bool alike() const { return alike_; }
+  /// A name for the motion of the i-th seed.
+  std::string MotionOf(int i) const {
+    const int repetition = i % count_;
+    if (drawn_[repetition] && i >= count_) return fmt::format("of seed number {}", i);
+    return study_.repetitions[repetition].motion_hash;
+  }
+
+ private:
+  const Study& study_;
+  int count_;
+  bool alike_ = false;
+  std::vector<bool> drawn_;  // per repetition: another motion for every seed
+};
+
+/// Numbers the motions of the seeds in the order in which they come.
+void NumberMotions(const Repeats& repeats, StudyResult& result) {
+  std::vector<std::string> motions;
+  for (std::size_t i = 0; i < result.seeds.size(); ++i) {
+    const std::string motion = repeats.MotionOf(static_cast<int>(i));
+    const auto known = std::ranges::find(motions, motion);
+    result.seeds[i].motion = static_cast<int>(known - motions.begin());
+    if (known == motions.end()) motions.push_back(motion);
+  }
+}
+
+void FindDurations(const Study& study, StudyResult& result) {
+  const std::size_t used = std::min(study.repetitions.size(), result.seeds.size());
+  const auto [shortest, longest] = std::ranges::minmax(std::span(study.repetitions).first(used) |
+                                                       std::views::transform(&GloveFacts::ticks));
+  const double rate_hz = study.hand->timing().tick_rate_hz();
+  result.shortest_s = static_cast<double>(shortest) / rate_hz;
+  result.longest_s = static_cast<double>(longest) / rate_hz;
+}
+
+Eigen::Index LongestTicks(const Study& study) {
+  return std::ranges::max(study.repetitions, {}, &GloveFacts::ticks).ticks;
 }
 
 /// The trials of a study as tasks that threads take in the order of seeds.
@@ -127,7 +263,11 @@ class Schedule {
       result_.seeds.back().controllers.resize(controllers_);
       gloves_[static_cast<std::size_t>(i)].users_left = static_cast<int>(controllers_);
     }
-    if (options.keep_first_traces) result_.first_traces.resize(controllers_);
+    if (options.keep_first_traces) {
+      result_.first_traces.resize(controllers_);
+      result_.first_twins.resize(controllers_);
+    }
+    trials_in_all_ = TrialCount(study, options.seeds);
   }
 
   /// Takes tasks until there are none, an error or a stop.
@@ -158,25 +298,36 @@ class Schedule {
     SharedGlove& glove = gloves_[seed_index];
     TrialOutcome& outcome = seed.controllers[controller_index];
     if (Recall(seed_index, controller_index, outcome)) return;
+    const TwinSource twin_source = TwinOf(study_, seed.seed);
     std::call_once(glove.once, [&] {
       glove.signal = GloveOfSeed(study_, seed.seed);
       glove.reference_rad = JointAngles(study_.joint_map(), glove.signal->true_angle_rad);
+      if (twin_source == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed.seed);
     });
-    const NamedController& named = study_.scenario.controllers[controller_index];
-    const Eigen::Index block_count =
-        glove.signal->true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
-    const auto blocks = static_cast<double>(block_count);
-    Trace trace =
-        RunTrial(SetupOf(study_, named), *glove.signal, [&] { return Progress(1.0 / blocks); });
-    outcome.scores = Score(study_, *glove.signal, glove.reference_rad, trace);
+    std::optional<NoiseFreeTwin> twin;
+    if (glove.noise_free) twin = AsTwin(Run(controller_index, *glove.noise_free));
+    Trace trace = Run(controller_index, *glove.signal);
+    if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
     outcome.health = trace.health;
+    outcome.scores = trace.health.ok
+                         ? Score(study_, *glove.signal, glove.reference_rad, trace, twin)
+                         : NoScores(study_.rows);
     outcome.untrusted_samples = trace.untrusted_samples;
     if (options_.database != nullptr) {
       options_.database->Keep(seed.seed, controller_index, outcome);
     }
     const bool keep = seed_index == 0 && options_.keep_first_traces;
-    if (keep) result_.first_traces[controller_index] = std::move(trace);
+    if (keep) {
+      result_.first_traces[controller_index] = std::move(trace);
+      result_.first_twins[controller_index] = std::move(twin);
+    }
     LeaveGlove(seed_index);
+  }
+
+  Trace Run(std::size_t controller_index, const GloveSignal& glove) {
+    const Eigen::Index blocks = glove.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
+    return RunTrial(SetupOf(study_, study_.scenario.controllers[controller_index]), glove,
+                    [&] { return Progress(1.0 / static_cast<double>(blocks)); });
   }
 
   /// The last trial of a seed frees its signal, or hands out that of the first seed.
@@ -189,6 +340,7 @@ class Schedule {
       result_.first_reference_rad = std::move(glove.reference_rad);
     }
     glove.signal.reset();
+    glove.noise_free.reset();
     glove.reference_rad = {};
   }
 
@@ -200,7 +352,8 @@ class Schedule {
     if (!known) return false;
     outcome = std::move(*known);
     LeaveGlove(seed_index);
-    Progress(1.0);
+    const TwinSource twin = TwinOf(study_, result_.seeds[seed_index].seed);
+    Progress(twin == TwinSource::kTrial ? 2.0 : 1.0);
     return true;
   }
 
@@ -209,8 +362,8 @@ class Schedule {
     if (!options_.progress) return true;
     const std::lock_guard lock(mutex_);
     trials_done_ += trials;
-    return options_.progress(std::min(trials_done_, static_cast<double>(TaskCount())),
-                             static_cast<int>(TaskCount()));
+    return options_.progress(std::min(trials_done_, static_cast<double>(trials_in_all_)),
+                             trials_in_all_);
   }
 
   const Study& study_;
@@ -223,6 +376,7 @@ class Schedule {
   std::mutex mutex_;
   std::exception_ptr error_;
   double trials_done_ = 0.0;
+  int trials_in_all_ = 0;  // twins counted
 };
 
 bool Has(const std::vector<std::string>& names, const std::string& name) {
@@ -260,13 +414,17 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const auto controllers = static_cast<double>(study.scenario.controllers.size());
   const double others = options.seeds > 1 ? options.jobs : 0;  // trials beside the first seed's
   constexpr double kGripAndPose = 8.0;
+  const bool twins = study.scenario.score.noise_free_twin;
   // Columns of numbers with a row per tick.
-  const double glove = 3.0 * channels + joints;
-  const double trace = 2.0 * channels + 2.0 * joints + 2.5 * motors + cables + kGripAndPose;
-  const double in_passing = 9.0 * joints;  // what the scores or the page make and forget
+  const double glove = (twins ? 6.0 : 3.0) * channels + joints;
+  const double twin = twins ? joints + 1.125 * motors : 0.0;
+  const double trace =
+      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kGripAndPose + twin;
+  const double in_passing =
+      9.0 * joints + 0.5 * motors;  // what the scores or the page make and forget
   const double kept = glove + controllers * trace;
   const double in_file = 0.5 * kept;
-  const auto ticks = static_cast<double>(study.ticks);
+  const auto ticks = static_cast<double>(LongestTicks(study));
   // Of a long signal's transform there are the values, the result and the factors, all complex, and
   // beside it a few columns.
   constexpr double kComplexColumns = 5.0;
@@ -296,7 +454,7 @@ void CheckRoom(const Study& study, const StudyOptions& options) {
     throw RunError(fmt::format(
         "{:.6g} s of {} need about {:.1f} GB {}, {:.1f} GB are free: a shorter "
         "glove.motion.duration_s, a lower glove.rate_hz or fewer --controllers need less",
-        static_cast<double>(study.ticks) / study.hand->timing().tick_rate_hz(),
+        static_cast<double>(LongestTicks(study)) / study.hand->timing().tick_rate_hz(),
         study.scenario.controllers.size() == 1
             ? "one controller"
             : fmt::format("{} controllers", study.scenario.controllers.size()),
@@ -327,6 +485,22 @@ controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
           .timing = hand.timing().controller};
 }
 
+TwinSource TwinOf(const Study& study, int seed) {
+  if (!study.scenario.score.noise_free_twin) return TwinSource::kNone;
+  const int repetition = (seed - study.scenario.seed) % static_cast<int>(study.repetitions.size());
+  if (study.repetitions[repetition].is_recorded) return TwinSource::kNone;
+  const bool itself = IsWithoutNoise(GloveOf(study.scenario, seed));
+  return itself ? TwinSource::kItself : TwinSource::kTrial;
+}
+
+int TrialCount(const Study& study, int seeds) {
+  int count = 0;
+  for (int i = 0; i < seeds; ++i) {
+    count += TwinOf(study, study.scenario.seed + i) == TwinSource::kTrial ? 2 : 1;
+  }
+  return count * static_cast<int>(study.scenario.controllers.size());
+}
+
 TrialSetup SetupOf(const Study& study, const NamedController& named) {
   return {.controller_name = named.name,
           .controller = named.config,
@@ -348,13 +522,25 @@ void ChooseVideoCamera(const HandModel& hand, std::string& camera) {
 Study PrepareStudy(Scenario scenario) {
   Study study;
   // A recording that cannot be read is found here, before anything is written.
-  GloveSignal glove = controller::WithinSetting("glove", [&scenario] {
-    return SynthesiseGlove(scenario.glove, static_cast<std::uint64_t>(scenario.seed));
+  controller::WithinSetting("glove", [&] {
+    const int count = std::max(1, static_cast<int>(scenario.repetitions.gloves.size()));
+    for (int i = 0; i < count; ++i) {
+      const int seed = scenario.seed + i;
+      GloveSignal glove =
+          SynthesiseGlove(GloveOf(scenario, seed), static_cast<std::uint64_t>(seed));
+      study.repetitions.push_back(FactsOf(glove));
+      for (const std::string& remark : glove.remarks) {  // the same of many is said once
+        if (!Has(study.remarks, remark)) study.remarks.push_back(remark);
+      }
+      if (i == 0) study.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
+    }
   });
   study.hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
   study.calibration = NominalCalibration(scenario.glove);
-  study.glove_hash = HashOf(glove);
-  study.ticks = glove.true_angle_rad.rows();
+  const Eigen::Index fewest_ticks =
+      std::ranges::min(study.repetitions, {}, &GloveFacts::ticks).ticks;
+  controller::WithinSetting(
+      "score", [&] { scenario.score.Check(study.hand->timing().tick_rate_hz(), fewest_ticks); });
   controller::WithinSetting("joint_map", [&] {
     study.scenario.joint_map = scenario.joint_map;
     FindMeasuredParts(study);
@@ -369,19 +555,16 @@ Study PrepareStudy(Scenario scenario) {
       return controller::Controller(RobotOf(scenario, *study.hand, named.config));
     });
   }
-  study.remarks = glove.remarks;
   ChooseVideoChannel(study, scenario.video.channel);
   ChooseVideoCamera(*study.hand, scenario.video.camera);
   study.scenario = std::move(scenario);
-  study.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
   return study;
 }
 
 StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   StudyOptions options = asked;
-  const bool alike =
-      asked.seeds > 1 && HashOf(*GloveOfSeed(study, study.scenario.seed + 1)) == study.glove_hash;
-  if (alike) options.seeds = 1;
+  const Repeats repeats(study, asked.seeds);
+  if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
   CheckRoom(study, options);
   Schedule schedule(study, options);
   const std::size_t threads = std::min<std::size_t>(
@@ -398,7 +581,9 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   schedule.Work();
   others.clear();
   StudyResult result = schedule.Finish();
-  result.seeds_alike = alike;
+  result.seeds_alike = repeats.alike();
+  NumberMotions(repeats, result);
+  FindDurations(study, result);
   return result;
 }
 

@@ -99,7 +99,7 @@ std::string HashOfStudy(const Study& study) {
   Hash hash;
   hash.Add(SharedSettings(study));
   hash.Add(study.hand->Hash());
-  hash.Add(study.glove_hash);  // holds the content of a recording, too
+  for (const GloveFacts& glove : study.repetitions) hash.Add(glove.signal_hash);
   hash.Add(HashOfProgram());
   hash.Add(HashOfMathematics());
   return hash.Text();

@@ -26,10 +26,11 @@ struct StudyDatabaseOptions {
 ///     SELECT controller, avg(value) FROM scores
 ///     WHERE metric = 'tracking_rmse_deg' AND channel = 'summary' GROUP BY controller;
 ///
-/// A trial belongs to all that decides it: glove, hand, event, the model, the glove signal of the
-/// first seed and the program itself (a row of `study`), then the controller's settings and the
-/// seed. Trials of other studies stay where they are: changing a setting and changing it back costs
-/// nothing. The view `scores` shows what was asked for last, `all_scores` every one.
+/// A trial belongs to all that decides it: glove, hand, event, the model, the glove signals of the
+/// first seed of every repetition and the program itself (a row of `study`), then the controller's
+/// settings and the seed. Trials of other studies stay where they are: changing a setting and
+/// changing it back costs nothing. The view `scores` shows what was asked for last, `all_scores`
+/// every one.
 ///
 /// Opening reads all that may be asked for, and nothing later: a file that is damaged, locked or
 /// cannot be written is found before the first trial is run. Each trial has a checksum over all

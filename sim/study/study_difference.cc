@@ -108,11 +108,10 @@ double MeanOfFinite(const std::vector<double>& values) {
 MeanInterval DifferenceOf(const std::vector<double>& a, const std::vector<double>& b,
                           DifferenceMethod method) {
   if (method == DifferenceMethod::kPaired) {
-    constexpr std::uint64_t kResamplingSeed = 1;
-    const MeanInterval paired = PairedDifference(b, a, kResamplingSeed);
-    if (std::isfinite(paired.ci95_low)) return paired;
+    const MeanInterval paired = EstimateDifference(b, a).IntervalAt();
+    if (std::isfinite(paired.low)) return paired;
   }
-  return UnpairedDifference(b, a);
+  return EstimateUnpairedDifference(b, a).IntervalAt();
 }
 
 ScoreChange ChangeOf(const ScoreDifference& score, bool lower_is_better) {
@@ -122,7 +121,7 @@ ScoreChange ChangeOf(const ScoreDifference& score, bool lower_is_better) {
   if (!(std::abs(difference.mean) > kRounding * std::max(std::abs(score.a), std::abs(score.b)))) {
     return ScoreChange::kNone;
   }
-  if (difference.ci95_low <= 0.0 && 0.0 <= difference.ci95_high) return ScoreChange::kNone;
+  if (difference.low <= 0.0 && 0.0 <= difference.high) return ScoreChange::kNone;
   return (difference.mean < 0.0) == lower_is_better ? ScoreChange::kBetter : ScoreChange::kWorse;
 }
 
@@ -261,8 +260,8 @@ std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
                               {"b", NumberOrNull(score.b)},
                               {"difference",
                                {{"mean", NumberOrNull(score.difference.mean)},
-                                {"ci95_low", NumberOrNull(score.difference.ci95_low)},
-                                {"ci95_high", NumberOrNull(score.difference.ci95_high)}}},
+                                {"ci95_low", NumberOrNull(score.difference.low)},
+                                {"ci95_high", NumberOrNull(score.difference.high)}}},
                               {"change", ChangeText(score.change)}});
   }
   return json.dump(2) + "\n";

@@ -34,8 +34,8 @@ struct ScoreDifference {
 /// Where the intervals come from. Seeds that both have are compared, and no others: the same seed
 /// is the same glove.
 enum class DifferenceMethod {
-  kPaired,    // several such seeds: PairedDifference()
-  kUnpaired,  // none: UnpairedDifference() of all
+  kPaired,    // several such seeds: EstimateDifference()
+  kUnpaired,  // none: EstimateUnpairedDifference() of all
   kPlain,     // one such seed, or none and A or B has but one: no interval
 };
 

@@ -30,10 +30,30 @@ Json MetricValues(const std::vector<double>& values) {
 Json MetricEstimates(const std::vector<MeanInterval>& estimates) {
   Json json = Json::object();
   for (std::size_t m = 0; m < estimates.size(); ++m) {
-    json[std::string(Metrics()[m].key)] = {{"mean", NumberOrNull(estimates[m].mean)},
-                                           {"ci95_low", NumberOrNull(estimates[m].ci95_low)},
-                                           {"ci95_high", NumberOrNull(estimates[m].ci95_high)},
-                                           {"seeds", estimates[m].count}};
+    json[std::string(Metrics()[m].key)] = {
+        {"mean", NumberOrNull(estimates[m].mean)},
+        {"ci95_low", NumberOrNull(estimates[m].low)},
+        {"ci95_high", NumberOrNull(estimates[m].high)},
+        {"seeds", estimates[m].count},
+        {"motion_share", NumberOrNull(estimates[m].motion_share)}};
+  }
+  return json;
+}
+
+Json ComparisonsJson(const std::vector<Comparison>& comparisons) {
+  Json json = Json::object();
+  for (std::size_t m = 0; m < comparisons.size(); ++m) {
+    const auto& [difference, relevant_difference, judgement] = comparisons[m];
+    const bool judged = judgement != Judgement::kNone;
+    json[std::string(Metrics()[m].key)] = {
+        {"mean", NumberOrNull(difference.mean)},
+        {"low", NumberOrNull(difference.low)},
+        {"high", NumberOrNull(difference.high)},
+        {"level", judged ? Json(difference.level) : Json(nullptr)},
+        {"relevant_difference", NumberOrNull(relevant_difference)},
+        {"verdict", judged ? Json(JudgementText(judgement)) : Json(nullptr)},
+        {"seeds", difference.count},
+        {"motion_share", NumberOrNull(difference.motion_share)}};
   }
   return json;
 }
@@ -54,10 +74,11 @@ Json RowValues(const ScoreRows& rows, std::size_t row, const std::vector<double>
   return json;
 }
 
-Json KeysWhere(const std::vector<bool>& marks) {
+template <class Condition>
+Json KeysWhere(Condition condition) {
   Json keys = Json::array();
-  for (std::size_t m = 0; m < marks.size(); ++m) {
-    if (marks[m]) keys.push_back(Metrics()[m].key);
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (condition(m)) keys.push_back(Metrics()[m].key);
   }
   return keys;
 }
@@ -69,14 +90,17 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
   Json json;
   json["name"] = controller.name;
   json["health"] = controller.problem.empty() ? "ok" : controller.problem;
+  json["failed_trials"] = controller.failed_trials;
   json["summary"] = comparison ? MetricEstimates(controller.summary)
                                : MetricValues(result.seeds[0].controllers[index].scores.summary);
-  if (comparison && !controller.difference_to_baseline.empty()) {
-    json["difference_to_baseline"] = MetricEstimates(controller.difference_to_baseline);
+  if (comparison) json["difference_to_best"] = ComparisonsJson(controller.to_best);
+  if (comparison && !controller.to_baseline.empty()) {
+    json["difference_to_baseline"] = ComparisonsJson(controller.to_baseline);
     json["effect_size"] = MetricValues(controller.effect_size);
   }
-  json["worse_than_baseline"] = KeysWhere(controller.worse_than_baseline);
-  json["as_good_as_best"] = KeysWhere(controller.as_good_as_best);
+  json["worse_than_baseline"] =
+      KeysWhere([&](std::size_t m) { return controller.IsWorseThanBaseline(m); });
+  json["as_good_as_best"] = KeysWhere([&](std::size_t m) { return controller.as_good_as_best[m]; });
   for (std::size_t m = 0; m < controller.rank.size(); ++m) {
     json["rank"][std::string(Metrics()[m].key)] = controller.rank[m];
   }
@@ -108,7 +132,9 @@ std::string ScoresJson(const FinishedStudy& finished) {
   json["question"] = finished.study.scenario.question;
   if (finished.comparison) {
     for (const SeedOutcome& seed : result.seeds) json["seeds"].push_back(seed.seed);
+    for (const SeedOutcome& seed : result.seeds) json["motions"].push_back(seed.motion);
     json["seeds_alike"] = result.seeds_alike;
+    json["pairs"] = summary.pairs;
   } else {
     json["seed"] = result.seeds[0].seed;
   }
@@ -159,8 +185,9 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
   if (!result.first_traces.empty()) {
     TraceWriter trace_file(folder / "trace.h5", *result.first_glove, result.first_reference_rad,
                            *study.hand, study.scenario.name, result.seeds[0].seed);
-    for (const Trace& trace : result.first_traces) {
-      trace_file.Add(trace);
+    for (std::size_t c = 0; c < result.first_traces.size(); ++c) {
+      const Trace& trace = result.first_traces[c];
+      trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr);
       if (trace_csv) {
         WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
                       *result.first_glove, *study.hand, trace);

@@ -1,8 +1,11 @@
 #include "sim/study/summary.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace gauntlet::sim {
 namespace {
@@ -18,106 +21,195 @@ std::vector<double> SeedValues(const StudyResult& result, std::size_t controller
 }
 
 std::vector<std::vector<double>> RowMeans(const StudyResult& result, std::size_t controller) {
+  const std::vector<int> motions = MotionsOf(result);
   std::vector<std::vector<double>> means;
   for (std::size_t c = 0; c < result.row_names.size(); ++c) {
     std::vector<double>& row = means.emplace_back();
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
-      double sum = 0.0;
-      int count = 0;
+      std::vector<double> values;
       for (const SeedOutcome& seed : result.seeds) {
-        const double value = seed.controllers[controller].scores.channels[c][m];
-        if (!std::isfinite(value)) continue;
-        sum += value;
-        ++count;
+        values.push_back(seed.controllers[controller].scores.channels[c][m]);
       }
-      row.push_back(count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN());
+      row.push_back(EstimateMean(values, motions).mean);
     }
   }
   return means;
 }
 
-/// Whether the whole interval of a difference lies on the wrong side.
-bool IsWorse(const MeanInterval& difference, const Metric& metric) {
-  return metric.lower_is_better ? difference.ci95_low > 0.0 : difference.ci95_high < 0.0;
-}
-
-void CompareWithBaseline(const std::vector<double>& values, const std::vector<double>& baseline,
-                         const Metric& metric, std::uint64_t seed, ControllerSummary& summary) {
-  const MeanInterval difference = PairedDifference(values, baseline, seed);
-  summary.difference_to_baseline.push_back(difference);
-  summary.effect_size.push_back(PairedEffectSize(values, baseline));
-  summary.worse_than_baseline.push_back(IsWorse(difference, metric));
-}
-
-std::string FirstProblem(const StudyResult& result, std::size_t controller) {
+void FindFailures(const StudyResult& result, std::size_t controller, ControllerSummary& summary) {
   for (const SeedOutcome& seed : result.seeds) {
     const HandHealth& health = seed.controllers[controller].health;
-    if (!health.ok) return health.problem + " (seed " + std::to_string(seed.seed) + ")";
-  }
-  return "";
-}
-
-void FindAsGoodAsBest(const StudyResult& result, std::uint64_t seed, Summary& summary) {
-  for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    const auto best = std::find_if(summary.controllers.begin(), summary.controllers.end(),
-                                   [&](const auto& c) { return c.rank[m] == 1; });
-    const auto best_index = static_cast<std::size_t>(best - summary.controllers.begin());
-    for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-      ControllerSummary& controller = summary.controllers[c];
-      const auto worse = [&] {
-        return IsWorse(
-            PairedDifference(SeedValues(result, c, m), SeedValues(result, best_index, m), seed),
-            Metrics()[m]);
-      };
-      controller.as_good_as_best.push_back(
-          !summary.one_run && (controller.rank[m] == 1 || (controller.rank[m] > 1 && !worse())));
+    if (health.ok) continue;
+    if (++summary.failed_trials == 1) {
+      summary.problem = fmt::format("{} (seed {})", health.problem, seed.seed);
     }
   }
 }
 
-void RankControllers(Summary& summary) {
+/// A score that can be held against others: of a controller all of whose trials went well.
+bool CanBeRanked(const ControllerSummary& controller, std::size_t metric) {
+  return controller.failed_trials == 0 && std::isfinite(controller.summary[metric].mean);
+}
+
+/// The second against the first, from the first against the second.
+Comparison Reversed(Comparison comparison) {
+  MeanInterval& difference = comparison.difference;
+  difference.mean = -difference.mean;
+  std::swap(difference.low, difference.high);
+  difference.low = -difference.low;
+  difference.high = -difference.high;
+  if (comparison.judgement == Judgement::kBetter) {
+    comparison.judgement = Judgement::kWorse;
+  } else if (comparison.judgement == Judgement::kWorse) {
+    comparison.judgement = Judgement::kBetter;
+  }
+  return comparison;
+}
+
+void JudgePairs(const StudyResult& result, Summary& summary) {
+  const std::vector<int> motions = MotionsOf(result);
+  const std::size_t controllers = summary.controllers.size();
+  std::vector<Question> questions;
+  std::vector<std::pair<std::size_t, std::size_t>> places;  // there and back
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    std::vector<double> means;
-    for (const ControllerSummary& c : summary.controllers) means.push_back(c.summary[m].mean);
-    const std::vector<int> ranks = Ranking(means, Metrics()[m].lower_is_better);
-    for (std::size_t c = 0; c < ranks.size(); ++c) summary.controllers[c].rank.push_back(ranks[c]);
+    for (std::size_t first = 0; first < controllers; ++first) {
+      for (std::size_t second = 0; second < first; ++second) {
+        const ControllerSummary& a = summary.controllers[first];
+        const ControllerSummary& b = summary.controllers[second];
+        if (!CanBeRanked(a, m) || !CanBeRanked(b, m)) continue;
+        places.emplace_back(summary.Place(m, first, second), summary.Place(m, second, first));
+        questions.push_back(
+            {.difference = EstimateDifference(SeedValues(result, first, m),
+                                              SeedValues(result, second, m), motions),
+             .relevant_difference =
+                 RelevantDifferenceBetween(Metrics()[m], a.summary[m].mean, b.summary[m].mean),
+             .lower_is_better = Metrics()[m].lower_is_better});
+      }
+    }
+  }
+  summary.comparisons.resize(Metrics().size() * controllers * controllers);
+  std::vector<Comparison> answers = Judge(questions);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (summary.one_run) answers[i].judgement = Judgement::kNone;
+    if (std::isfinite(answers[i].difference.low)) ++summary.pairs;
+    summary.comparisons[places[i].first] = answers[i];
+    summary.comparisons[places[i].second] = Reversed(answers[i]);
+  }
+}
+
+/// The controller with the best mean, if any can be ranked.
+std::optional<std::size_t> BestOf(const Summary& summary, std::size_t metric) {
+  std::optional<std::size_t> best;
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    if (!CanBeRanked(summary.controllers[c], metric)) continue;
+    const double value = summary.controllers[c].summary[metric].mean;
+    const double least = best ? summary.controllers[*best].summary[metric].mean : value;
+    const bool better = Metrics()[metric].lower_is_better ? value < least : value > least;
+    if (!best || better) best = c;
+  }
+  return best;
+}
+
+void CompareWithBest(std::size_t metric, Summary& summary) {
+  const std::optional<std::size_t> best = BestOf(summary, metric);
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    ControllerSummary& controller = summary.controllers[c];
+    controller.to_best.push_back(best ? summary.Of(metric, c, *best) : Comparison{});
+    const bool equal = controller.to_best.back().judgement == Judgement::kEqual;
+    controller.as_good_as_best.push_back(!summary.one_run && (c == best || equal));
+  }
+}
+
+void CompareWithBaseline(const StudyResult& result, std::size_t metric, Summary& summary) {
+  if (!summary.baseline) return;
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    if (c == *summary.baseline) continue;
+    ControllerSummary& controller = summary.controllers[c];
+    controller.to_baseline.push_back(summary.Of(metric, c, *summary.baseline));
+    controller.effect_size.push_back(PairedEffectSize(
+        SeedValues(result, c, metric), SeedValues(result, *summary.baseline, metric)));
+  }
+}
+
+void RankControllers(std::size_t metric, Summary& summary) {
+  std::vector<double> values;
+  for (const ControllerSummary& controller : summary.controllers) {
+    values.push_back(CanBeRanked(controller, metric) ? controller.summary[metric].mean
+                                                     : std::numeric_limits<double>::quiet_NaN());
+  }
+  std::vector<int> ranks = Ranking(values, Metrics()[metric].lower_is_better);
+  for (std::size_t c = 0; c < ranks.size(); ++c) {
+    if (!summary.one_run && ranks[c] > 0) {
+      ranks[c] = 1;
+      for (std::size_t other = 0; other < ranks.size(); ++other) {
+        ranks[c] += summary.Of(metric, other, c).judgement == Judgement::kBetter;
+      }
+    }
+    summary.controllers[c].rank.push_back(ranks[c]);
   }
 }
 
 std::vector<bool> DominatedControllers(const Summary& summary) {
-  std::vector<double> jitter;
-  std::vector<double> delay;
-  for (const ControllerSummary& controller : summary.controllers) {
-    jitter.push_back(controller.summary[MetricIndex("jitter_rms_deg")].mean);
-    delay.push_back(controller.summary[MetricIndex("delay_ms")].mean);
+  const std::size_t controllers = summary.controllers.size();
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  const std::size_t delay = MetricIndex("delay_ms");
+  const auto as_good = [](Judgement judgement) {
+    return judgement == Judgement::kBetter || judgement == Judgement::kEqual;
+  };
+  std::vector<bool> dominated(controllers, false);
+  for (std::size_t c = 0; c < controllers; ++c) {
+    for (std::size_t other = 0; other < controllers; ++other) {
+      const Judgement shakes = summary.Of(jitter, other, c).judgement;
+      const Judgement lags = summary.Of(delay, other, c).judgement;
+      const bool better = shakes == Judgement::kBetter || lags == Judgement::kBetter;
+      if (better && as_good(shakes) && as_good(lags)) dominated[c] = true;
+    }
   }
-  return DominatedPoints(jitter, delay);
+  return dominated;
 }
 
 }  // namespace
 
+std::vector<int> MotionsOf(const StudyResult& result) {
+  std::vector<int> motions;
+  for (const SeedOutcome& seed : result.seeds) motions.push_back(seed.motion);
+  return motions;
+}
+
 Summary Summarise(const Study& study, const StudyResult& result) {
-  const auto seed = static_cast<std::uint64_t>(study.scenario.seed);
   Summary summary;
   summary.baseline = BaselineOf(study.scenario);
   summary.one_run = result.seeds.size() < 2;
+  const std::vector<int> motions = MotionsOf(result);
+  summary.motions = static_cast<int>(std::set(motions.begin(), motions.end()).size());
   for (std::size_t c = 0; c < result.controller_names.size(); ++c) {
     ControllerSummary& controller = summary.controllers.emplace_back();
     controller.name = result.controller_names[c];
-    controller.problem = FirstProblem(result, c);
+    FindFailures(result, c, controller);
     controller.rows = RowMeans(result, c);
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
-      const std::vector<double> values = SeedValues(result, c, m);
-      controller.summary.push_back(BootstrapMean(values, seed));
-      if (!summary.baseline || *summary.baseline == c) continue;
-      CompareWithBaseline(values, SeedValues(result, *summary.baseline, m), Metrics()[m], seed,
-                          controller);
+      controller.summary.push_back(EstimateMean(SeedValues(result, c, m), motions).IntervalAt());
     }
   }
-  RankControllers(summary);
-  FindAsGoodAsBest(result, seed, summary);
+  JudgePairs(result, summary);
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    CompareWithBest(m, summary);
+    CompareWithBaseline(result, m, summary);
+    RankControllers(m, summary);
+  }
   summary.dominated = DominatedControllers(summary);
   return summary;
+}
+
+std::vector<std::string> Failures(const Summary& summary, std::size_t seeds) {
+  std::vector<std::string> lines;
+  for (const ControllerSummary& controller : summary.controllers) {
+    if (controller.failed_trials == 0) continue;
+    lines.push_back(fmt::format("{} failed in {} of {} trial{}, and is not ranked: {}",
+                                controller.name, controller.failed_trials, seeds,
+                                seeds == 1 ? "" : "s", controller.problem));
+  }
+  return lines;
 }
 
 }  // namespace gauntlet::sim

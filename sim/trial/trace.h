@@ -9,6 +9,9 @@
 
 namespace gauntlet::sim {
 
+/// 1 where something is the case, else 0.
+using FlagSignal = SignalOf<std::uint8_t>;
+
 /// Everything that happened in one trial, one row per tick.
 struct Trace {
   std::string controller_name;
@@ -18,13 +21,21 @@ struct Trace {
   IntegerSignal command_counts;  // ticks x motors: the frame that the servos hold
   Signal spool_angle_rad;        // ticks x motors
   Signal spool_speed_rad_s;      // ticks x motors
+  FlagSignal motor_at_limit;     // ticks x motors: the servo gives all that it has
   Signal hand_angle_rad;         // ticks x joints
   Signal tension_n;              // ticks x cables
   Signal grip_force_n;           // ticks x 1; no columns without an object
   Signal object_pose;            // ticks x 7: position [m] and quaternion; as above
-  std::vector<double> saturation_share;         // per motor
   std::vector<std::int64_t> untrusted_samples;  // per channel
   HandHealth health;  // not ok: the signals end at the moment of the problem
+};
+
+/// What the same trial does with a noise-free glove, tick by tick: what remains without it is the
+/// noise's.
+struct NoiseFreeTwin {
+  Signal hand_angle_rad;      // ticks x joints
+  Signal spool_speed_rad_s;   // ticks x motors
+  FlagSignal motor_at_limit;  // ticks x motors
 };
 
 }  // namespace gauntlet::sim

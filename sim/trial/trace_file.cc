@@ -28,8 +28,10 @@ using Stored = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>
 
 const H5::PredType& FileType(float) { return H5::PredType::IEEE_F32LE; }
 const H5::PredType& FileType(int) { return H5::PredType::STD_I32LE; }
+const H5::PredType& FileType(std::uint8_t) { return H5::PredType::STD_U8LE; }
 const H5::PredType& MemoryType(float) { return H5::PredType::NATIVE_FLOAT; }
 const H5::PredType& MemoryType(int) { return H5::PredType::NATIVE_INT; }
+const H5::PredType& MemoryType(std::uint8_t) { return H5::PredType::NATIVE_UINT8; }
 
 const H5::StrType& TextType() {
   static const H5::StrType kType = [] {
@@ -221,14 +223,24 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
 
 TraceWriter::~TraceWriter() = default;
 
-void TraceWriter::Add(const Trace& trace) {
+void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin) {
   Guarded(state_->target, [&] {
     H5::Group group = state_->file->createGroup("controllers/" + trace.controller_name);
-    ForEachSignal(trace, [&](const auto& signal, const auto& matrix) {
+    const auto write = [&](std::string_view name, std::string_view unit, TraceColumns columns,
+                           const auto& matrix) {
       if (matrix.cols() == 0) return;
-      WriteMatrix({group, std::string(signal.name), std::string(signal.unit), state_->tick_rate_hz},
-                  state_->names.Of(signal.columns), matrix);
+      WriteMatrix({group, std::string(name), std::string(unit), state_->tick_rate_hz},
+                  state_->names.Of(columns), matrix);
+    };
+    ForEachSignal(trace, [&](const auto& signal, const auto& matrix) {
+      write(signal.name, signal.unit, signal.columns, matrix);
     });
+    if (twin != nullptr) {
+      write("noise_free_hand_angle_rad", "rad", TraceColumns::kJoints, twin->hand_angle_rad);
+      write("noise_free_spool_speed_rad_s", "rad/s", TraceColumns::kMotors,
+            twin->spool_speed_rad_s);
+      write("noise_free_motor_at_limit", "1 or 0", TraceColumns::kMotors, twin->motor_at_limit);
+    }
     WriteText(group, "health", trace.health.ok ? "ok" : trace.health.problem);
     state_->controllers.push_back(trace.controller_name);
   });

@@ -10,8 +10,8 @@
 namespace gauntlet::sim {
 
 /// Writes `trace.h5`: HDF5, a group `/glove` and one group per controller below `/controllers`;
-/// every signal is a dataset, rows x columns, of 32-bit floats or integers, with the attributes
-/// `unit`, `rate_hz` (of its rows: ticks, for `/glove/counts` samples) and `columns` (their names).
+/// every signal is a dataset, rows x columns, of 32-bit floats or integers (flags: 8 bits), with the
+/// attributes `unit`, `rate_hz` (of its rows: ticks, for `/glove/counts` samples) and `columns` (their names).
 /// `/glove/faults` and `/glove/segments` are tables: what was wrong with the glove in which
 /// samples, and which ticks of the motion the scenario labels. The file appears when Commit() has
 /// been called. Errors: RunError with the path when the disk does not take it.
@@ -22,7 +22,8 @@ class TraceWriter {
               int seed);
   ~TraceWriter();
 
-  void Add(const Trace& trace);
+  /// `twin`: of the same trial, as `noise_free_..` beside the signals; null if there is none.
+  void Add(const Trace& trace, const NoiseFreeTwin* twin = nullptr);
   void Commit();
 
  private:

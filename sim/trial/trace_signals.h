@@ -72,6 +72,11 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
          [](Loop loop, Row row) { loop.hand().ReadSpoolAngles(row); });
   number("spool_speed_rad_s", "rad/s", TraceColumns::kMotors, trace.spool_speed_rad_s,
          [](Loop loop, Row row) { loop.hand().ReadSpoolSpeeds(row); });
+  visit(TraceSignal<std::uint8_t>{"motor_at_limit", "1 or 0", TraceColumns::kMotors,
+                                  [](Loop loop, std::span<std::uint8_t> row) {
+                                    loop.hand().ReadSaturation(row);
+                                  }},
+        trace.motor_at_limit);
   number("hand_angle_rad", "rad", TraceColumns::kJoints, trace.hand_angle_rad,
          [](Loop loop, Row row) { loop.hand().ReadJointAngles(row); });
   number("tension_n", "N", TraceColumns::kCables, trace.tension_n,

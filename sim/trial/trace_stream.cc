@@ -53,6 +53,7 @@ void TraceSender::Size(std::uint64_t rows, std::uint64_t columns) {
 
 void TraceSender::Values(std::span<const float> values) { send_(BytesOf(values)); }
 void TraceSender::Values(std::span<const int> values) { send_(BytesOf(values)); }
+void TraceSender::Values(std::span<const std::uint8_t> values) { send_(BytesOf(values)); }
 
 void TraceReceiver::Spend(std::uint64_t count, std::uint64_t size) {
   if (count > budget_bytes_ / size) {
@@ -110,5 +111,6 @@ void TraceReceiver::Matrix(SignalOf<Scalar>& matrix) {
 
 template void TraceReceiver::Matrix(Signal&);
 template void TraceReceiver::Matrix(IntegerSignal&);
+template void TraceReceiver::Matrix(SignalOf<std::uint8_t>&);
 
 }  // namespace gauntlet::sim

@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 
 /// What is in `trace.h5` on its way from the helper that reads it: numbers, texts and matrices one
 /// after another, in an order that both sides know. A matrix is rows, columns, then its values row
-/// by row, 32 bits each.
+/// by row, 32 bits each, or 8 of a flag.
 class TraceSender {
  public:
   using Send = std::function<void(std::span<const char>)>;
@@ -27,6 +27,7 @@ class TraceSender {
   void Size(std::uint64_t rows, std::uint64_t columns);
   void Values(std::span<const float> values);
   void Values(std::span<const int> values);
+  void Values(std::span<const std::uint8_t> values);
 
  private:
   Send send_;
@@ -46,7 +47,7 @@ class TraceReceiver {
   double Number();
   std::string Text();
   std::vector<std::string> Texts();
-  /// Values of type float, widened, or int.
+  /// Values of type float, widened, int, or flags.
   template <class Scalar>
   void Matrix(SignalOf<Scalar>& matrix);
 

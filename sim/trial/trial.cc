@@ -1,6 +1,5 @@
 #include "sim/trial/trial.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -35,20 +34,13 @@ Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove,
   const Eigen::Index ticks = glove.true_angle_rad.rows();
   TraceRecorder recorder(trace, ticks, TraceColumnNames(glove.channel_names, *setup.hand));
   std::vector<double> counts(glove.channel_names.size());
-  std::vector<std::uint8_t> saturated(setup.hand->motor_names().size());
-  trace.saturation_share.assign(saturated.size(), 0.0);
   for (Eigen::Index tick = 0; tick < ticks; ++tick) {
     ThrowIfStopped();
     StepLoop(glove, tick, counts, loop);
     if (!loop.hand().health().ok) break;  // the engine has put the joints back to 0
-    loop.hand().ReadSaturation(saturated);
-    for (std::size_t m = 0; m < saturated.size(); ++m) trace.saturation_share[m] += saturated[m];
     if (recorder.Record(loop) && keep_going && !keep_going()) throw Cancelled{};
   }
   recorder.Finish();
-  for (double& share : trace.saturation_share) {
-    share /= static_cast<double>(std::max<Eigen::Index>(recorder.ticks_recorded(), 1));
-  }
   const auto untrusted = loop.controller().untrusted_samples();
   trace.untrusted_samples.assign(untrusted.begin(), untrusted.end());
   trace.health = loop.hand().health();

@@ -85,7 +85,7 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
   for (std::size_t i = 0; i < input_.panes.size(); ++i) {
     scores_.push_back(ComputeRunningScores(*Measured(*input_.true_angle_rad),
                                            *Measured(*input_.panes[i].hand_angle_rad),
-                                           input_.rate_hz, clock_));
+                                           input_.rate_hz, input_.jitter_above_hz, clock_));
     plots_.emplace_back(layout_.panes[i].curves, layout_.unit, scale, input_.rate_hz, clock_);
   }
   DrawBackground();

@@ -26,6 +26,7 @@ struct VideoInput {
   const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered
   std::vector<VideoPane> panes;
   std::vector<int> measured_joints;  // whose scores count; empty: all
+  double jitter_above_hz = 10.0;     // where trembling begins: score.jitter_above_hz
   int joint = 0;                     // whose curves are drawn
   std::string joint_name;
   std::string camera;

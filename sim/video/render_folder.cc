@@ -103,6 +103,7 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
                      .problem = scenario.video.channel + " is not in the trace" +
                                 Suggestion(scenario.video.channel, file.joint_names)});
   }
+  input.jitter_above_hz = scenario.score.jitter_above_hz;
   input.joint = static_cast<int>(joint - file.joint_names.begin());
   input.joint_name = scenario.video.channel;
   input.camera = scenario.video.camera;

@@ -29,9 +29,10 @@ std::vector<double> RunningRms(const Signal& angle_rad, int first_sample, const 
 }  // namespace
 
 RunningScores ComputeRunningScores(const Signal& true_angle_rad, const Signal& hand_angle_rad,
-                                   double rate_hz, const FrameClock& clock) {
+                                   double rate_hz, double jitter_above_hz,
+                                   const FrameClock& clock) {
   Fourier fourier;
-  const FilteredSignal trembling = Trembling(hand_angle_rad, rate_hz, fourier);
+  const FilteredSignal trembling = Trembling(hand_angle_rad, rate_hz, jitter_above_hz, fourier);
   const Signal difference = hand_angle_rad - true_angle_rad.topRows(hand_angle_rad.rows());
   return {.tracking_rmse_deg = RunningRms(difference, 0, clock),
           .jitter_rms_deg = RunningRms(trembling.values, trembling.first_sample, clock)};

@@ -11,10 +11,10 @@ namespace gauntlet::sim {
 /// frame they are the scores of the table. NaN where there is none yet.
 ///
 ///     rmse   = mean over channels of sqrt(mean over samples of (hand - true)^2)
-///     jitter = mean over channels of sqrt(mean over samples of (hand above 10 Hz)^2)
+///     jitter = mean over channels of sqrt(mean over samples of (hand above the edge)^2)
 ///
-/// The jitter's high pass is the score's own (sim/score/jitter.h): it has no value within 0.63 s of
-/// either end.
+/// The jitter's high pass is the score's own (sim/score/jitter.h): near either end (0.63 s for 10
+/// Hz) it has no value.
 struct RunningScores {
   std::vector<double> tracking_rmse_deg;  // per frame
   std::vector<double> jitter_rms_deg;     // per frame
@@ -22,6 +22,6 @@ struct RunningScores {
 
 /// Shapes: both samples x channels; the hand may have fewer samples (a stopped trial).
 RunningScores ComputeRunningScores(const Signal& true_angle_rad, const Signal& hand_angle_rad,
-                                   double rate_hz, const FrameClock& clock);
+                                   double rate_hz, double jitter_above_hz, const FrameClock& clock);
 
 }  // namespace gauntlet::sim

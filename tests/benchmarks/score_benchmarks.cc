@@ -89,7 +89,7 @@ void TremblingOf18Channels(benchmark::State& state) {
   const Recording& recording = SharedRecording();
   for (auto _ : state) {
     Fourier fourier;
-    benchmark::DoNotOptimize(Trembling(recording.hand, 1000.0, fourier).values.data());
+    benchmark::DoNotOptimize(Trembling(recording.hand, 1000.0, 10.0, fourier).values.data());
   }
 }
 BENCHMARK(TremblingOf18Channels)->Unit(benchmark::kMillisecond);

@@ -195,5 +195,60 @@ TEST(Glove, NamesTheSettingThatIsWrong) {
   }
 }
 
+/// All that draws at random, and faults.
+GloveConfig RestlessGlove() {
+  GloveConfig config;
+  config.rate_hz = 120.0;
+  config.motion.settings = RandomMotionConfig{.duration_s = 0.6};
+  config.tremor.rms_deg = 2.0;
+  config.sensor.drift_deviation_percent = 5.0;
+  config.noise.pink_variance_counts2 = 30.0;
+  config.noise.walk_counts_per_sqrt_s = 5.0;
+  config.faults.resize(1);
+  return config;
+}
+
+TEST(Glove, WithoutNoiseAllElseIsTheSame) {
+  const GloveConfig noisy = RestlessGlove();
+  const GloveConfig quiet = WithoutNoise(noisy);
+  EXPECT_FALSE(IsWithoutNoise(noisy));
+  EXPECT_TRUE(IsWithoutNoise(quiet));
+  for (const std::uint64_t seed : {1, 2}) {
+    const GloveSignal with = SynthesiseGlove(noisy, seed);
+    const GloveSignal without = SynthesiseGlove(quiet, seed);
+    EXPECT_EQ(with.true_angle_rad, without.true_angle_rad);
+    EXPECT_EQ(with.tremor_rad, without.tremor_rad);
+    EXPECT_NE(with.counts, without.counts);
+    EXPECT_TRUE(without.faults.empty());
+  }
+  // The deviations of its sensors remain: another seed is another glove on the same still hand.
+  GloveConfig still = quiet;
+  still.motion.settings = HoldConfig{.duration_s = 0.2};
+  EXPECT_NE(SynthesiseGlove(still, 1).counts, SynthesiseGlove(still, 2).counts);
+  EXPECT_EQ(SynthesiseGlove(still, 1).true_angle_rad, SynthesiseGlove(still, 2).true_angle_rad);
+}
+
+TEST(Glove, IsWithoutNoiseWhereEveryKindOfItIsNothing) {
+  const auto with = [](auto change) {
+    GloveConfig config = WithoutNoise(RestlessGlove());
+    change(config);
+    return IsWithoutNoise(config);
+  };
+  EXPECT_FALSE(with([](GloveConfig& c) { c.noise.kind = WhiteNoiseKind::kGalton; }));
+  EXPECT_TRUE(with([](GloveConfig& c) {
+    c.noise.kind = WhiteNoiseKind::kBoxMuller;
+    c.noise.variance_scale = 0.0;
+  }));
+  EXPECT_FALSE(with([](GloveConfig& c) { c.noise.pink_variance_counts2 = 0.1; }));
+  EXPECT_FALSE(with([](GloveConfig& c) { c.noise.mains_amplitude_counts = 0.1; }));
+  EXPECT_FALSE(with([](GloveConfig& c) { c.noise.walk_counts_per_sqrt_s = 0.1; }));
+  EXPECT_FALSE(with([](GloveConfig& c) { c.noise.recording = "a.csv"; }));
+  EXPECT_TRUE(with([](GloveConfig& c) {
+    c.noise.recording = "a.csv";
+    c.noise.recording_scale = 0.0;
+  }));
+  EXPECT_FALSE(with([](GloveConfig& c) { c.faults.resize(1); }));
+}
+
 }  // namespace
 }  // namespace gauntlet::sim

@@ -112,7 +112,7 @@ struct SmallHand {
 /// The small hand beside a mass on a spring too stiff for the time step, whose swing doubles every
 /// millisecond (k h^2 / m = 4.5): after 17 steps its acceleration passes 1e10 m/s^2, where the
 /// physics engine gives up. The hinge has the name of a channel.
-inline std::shared_ptr<const HandModel> MakeDivergingHand(const std::string& channel) {
+inline std::string DivergingHandXml(const std::string& channel) {
   std::string xml = SmallHand{}.Xml();
   const std::string name = "\"joint";  // where a value begins with it
   for (std::size_t at = xml.find(name); at != std::string::npos; at = xml.find(name, at + 1)) {
@@ -122,7 +122,10 @@ inline std::shared_ptr<const HandModel> MakeDivergingHand(const std::string& cha
       xml.find("</worldbody>"),
       R"(<body pos="0 0 1"><joint type="slide" axis="1 0 0" stiffness="4500" springref=".01"/>
                 <geom size=".01" mass=".001"/></body>)");
-  return MakeFromText(xml, {});
+  return xml;
+}
+inline std::shared_ptr<const HandModel> MakeDivergingHand(const std::string& channel) {
+  return MakeFromText(DivergingHandXml(channel), {});
 }
 
 /// A command with which the joint stands at this angle when nothing stretches.

@@ -1,6 +1,7 @@
 // The paper's experiments, in their quick form, against values that are known otherwise.
 #include "sim/paper/paper_experiment.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,13 +79,33 @@ TEST(PaperExperiment, DecidesClaimsByTheIntervalOfTheirDifference) {
        .quick = true,
        .jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency())),
        .progress = {}});
-  ASSERT_EQ(experiment.claims.size(), 8u);
+  ASSERT_EQ(experiment.claims.size(), 9u);
   EXPECT_EQ(experiment.claims[0].claim, "Much less local jumps");
-  EXPECT_EQ(experiment.claims[0].answer, Answer::kConfirmed);
+  EXPECT_EQ(experiment.claims[0].comparison.judgement, Judgement::kBetter);
   for (const Claim& claim : experiment.claims) {
-    EXPECT_NEAR(claim.after - claim.before, claim.difference.mean, 1e-9) << claim.claim;
-    const bool holds_zero = claim.difference.ci95_low <= 0.0 && claim.difference.ci95_high >= 0.0;
-    EXPECT_EQ(holds_zero, claim.answer == Answer::kUndecided) << claim.claim;
+    const auto& [difference, relevant_difference, judgement] = claim.comparison;
+    EXPECT_NEAR(claim.after - claim.before, difference.mean, 1e-9) << claim.claim;
+    EXPECT_GT(relevant_difference, 0.0) << claim.claim;
+    EXPECT_FALSE(claim.relevant_reason.empty()) << claim.claim;
+    EXPECT_NE(judgement, Judgement::kNone) << claim.claim;
+    const bool holds_zero = difference.low <= 0.0 && difference.high >= 0.0;
+    const bool small = std::abs(difference.mean) < relevant_difference;
+    if (holds_zero || small) {
+      EXPECT_NE(judgement, Judgement::kBetter) << claim.claim;
+      EXPECT_NE(judgement, Judgement::kWorse) << claim.claim;
+    }
+    EXPECT_GE(difference.level, 1.0 - 0.05) << claim.claim;
+    EXPECT_LE(difference.level, 1.0 - 0.05 / 9) << claim.claim;
+    if (claim.claim == "Better servos gain more") {
+      EXPECT_EQ(AnswerText(judgement), "too small to matter");
+    }
+    if (claim.claim.starts_with("Prediction follows better")) {
+      EXPECT_EQ(AnswerText(judgement), "confirmed");
+      EXPECT_THAT(claim.costs, testing::HasSubstr("jitter_rms_deg 0."));
+    }
+    if (claim.claim.starts_with("The same in short bursts")) {
+      EXPECT_NE(judgement, Judgement::kBetter);
+    }
   }
   const std::vector<double> paper = controller::PaperMeasurementVariance();
   int inside = 0;

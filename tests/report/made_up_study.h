@@ -81,6 +81,7 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
   sim::GloveSignal glove;
   glove.true_angle_rad = Swing(shape, 0.0, 0.0);
   glove.counts = glove.true_angle_rad;
+  result.shortest_s = result.longest_s = shape.samples / 1000.0;
   result.first_glove = std::make_shared<const sim::GloveSignal>(std::move(glove));
   for (int i = 0; i < shape.controllers; ++i) {
     sim::NamedController named{.name = i == 0 ? "raw" : "filter_" + std::to_string(i),

@@ -40,13 +40,22 @@ TEST(PageData, HasTheSummaryOfEveryController) {
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
       const MeanInterval& expected = made.summary.controllers[c].summary[m];
       EXPECT_EQ(data["controllers"][c]["summary"][m],
-                Json({expected.mean, expected.ci95_low, expected.ci95_high, 5}));
+                Json({expected.mean, expected.low, expected.high, 5}));
     }
   }
   EXPECT_EQ(data["baseline"], "raw");
   EXPECT_EQ(data["controllers"][0]["baseline"], true);
-  EXPECT_TRUE(data["controllers"][0]["difference_to_baseline"].empty());
-  EXPECT_EQ(data["controllers"][1]["difference_to_baseline"].size(), Metrics().size());
+  EXPECT_TRUE(data["controllers"][0]["to_baseline"].empty());
+  ASSERT_EQ(data["controllers"][1]["to_baseline"].size(), Metrics().size());
+  const Comparison& expected = made.summary.controllers[1].to_baseline[3];
+  EXPECT_EQ(data["controllers"][1]["to_baseline"][3],
+            Json({{"mean", expected.difference.mean},
+                  {"low", expected.difference.low},
+                  {"high", expected.difference.high},
+                  {"level", expected.difference.level},
+                  {"relevant", expected.relevant_difference},
+                  {"verdict", JudgementText(expected.judgement)}}));
+  EXPECT_EQ(data["controllers"][2]["to_best"].size(), Metrics().size());
 }
 
 TEST(PageData, CurvesAreTheTracesInDegrees) {

@@ -1,9 +1,12 @@
 #include "sim/report/score_table.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <sstream>
 
+#include "sim/report/table_text.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {
@@ -16,12 +19,13 @@ using ::testing::Not;
 TEST(ScoreTable, ShowsTheGripOnlyWhereSomethingWasHeld) {
   test::MadeUpStudy made = test::MakeUpStudy({});
   const auto table = [&] { return ScoreTable(made, false); };
-  EXPECT_THAT(table(), HasSubstr("grip_force_ripple_n"));
+  EXPECT_THAT(table(), HasSubstr("grip_force"));
+  EXPECT_THAT(table(), HasSubstr("0.01 or 7 %"));
   for (ControllerSummary& controller : made.summary.controllers) {
     controller.summary[MetricIndex("grip_force_ripple_n")].mean =
         std::numeric_limits<double>::quiet_NaN();
   }
-  EXPECT_THAT(table(), Not(HasSubstr("grip_force_ripple_n")));
+  EXPECT_THAT(table(), Not(HasSubstr("grip_force")));
   EXPECT_THAT(table(), HasSubstr("tracking_rmse_deg"));
 }
 
@@ -34,9 +38,65 @@ TEST(ScoreTable, OfOneSeedClaimsNoIntervalAndNoChance) {
   EXPECT_THAT(table, Not(HasSubstr("*")));
   EXPECT_THAT(table, Not(HasSubstr("!")));
   const test::MadeUpStudy five = test::MakeUpStudy({});
-  EXPECT_THAT(ScoreTable(five, false),
-              AllOf(HasSubstr("seeds 1 to 5"), HasSubstr("±"), HasSubstr("within chance"),
-                    Not(HasSubstr("of 5 seeds"))));
+  EXPECT_THAT(
+      ScoreTable(five, false),
+      AllOf(HasSubstr("seeds 1 to 5"), HasSubstr("±"), HasSubstr("equal within what matters"),
+            HasSubstr("One motion: the intervals tell of noise only."),
+            Not(HasSubstr("of 5 seeds"))));
+}
+
+TEST(ScoreTable, ShowsTheDifferenceThatItsStarsComeFrom) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  for (int s = 0; s < 5; ++s) {
+    const double seed = 10.0 + 2.0 * std::sin(1.7 * s);  // the same for all
+    constexpr double kMore[] = {0.0, 0.2, 3.0};
+    for (int c = 0; c < 3; ++c) {
+      made.result.seeds[s].controllers[c].scores.summary[tracking] =
+          seed + kMore[c] + 0.001 * std::cos(3.1 * s + c);
+    }
+  }
+  made.summary = Summarise(made.study, made.result);
+  const MeanInterval& difference = made.summary.controllers[2].to_best[tracking].difference;
+  const std::string table = ScoreTable(made, false);
+  EXPECT_THAT(table, HasSubstr(fmt::format("{:+.3f}±{:.3f}", difference.mean,
+                                           difference.high - difference.mean)));
+  EXPECT_THAT(table, Not(HasSubstr("±2")));  // no interval of a mean, which the seeds make wide
+  EXPECT_EQ(made.summary.controllers[1].to_best[tracking].judgement, Judgement::kEqual);
+  EXPECT_TRUE(made.summary.controllers[2].IsWorseThanBaseline(tracking));
+}
+
+TEST(ScoreTable, OfSixMetricsFitsAHundredColumns) {
+  const test::MadeUpStudy made = test::MakeUpStudy({.controllers = 4});
+  std::istringstream table(ScoreTable(made, false));
+  for (std::string line; std::getline(table, line);) {
+    if (line.find("Is the page whole") != std::string::npos) continue;
+    EXPECT_LE(Width(line), 116U) << line;  // seven metrics here, with the grip
+  }
+}
+
+TEST(ScoreTable, TellsWhoseTheScatterIs) {
+  test::MadeUpStudy made = test::MakeUpStudy({.seeds = 6});
+  for (int s = 0; s < 6; ++s) made.result.seeds[s].motion = s % 3;
+  made.summary = Summarise(made.study, made.result);
+  EXPECT_THAT(ScoreTable(made, false),
+              AllOf(HasSubstr("3 motions are what repeats"), Not(HasSubstr("One motion")),
+                    HasSubstr("The variance of tracking_rmse_deg is"), HasSubstr("% the noise's")));
+}
+
+TEST(ScoreTable, NamesWhatFailedAndDoesNotRankIt) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  TrialOutcome& trial = made.result.seeds[1].controllers[1];
+  trial.health = {.ok = false, .problem = "at 0.1 s: bad value in qacc (dof 12)"};
+  trial.scores.summary.assign(Metrics().size(), std::numeric_limits<double>::quiet_NaN());
+  made.summary = Summarise(made.study, made.result);
+  const std::string table = ScoreTable(made, false);
+  EXPECT_THAT(table, HasSubstr("filter_1 failed in 1 of 5 trials, and is not ranked: at 0.1 s: bad "
+                               "value in qacc (dof 12) (seed 2)\n"));
+  EXPECT_THAT(Verdict(made.summary), Not(HasSubstr("filter_1")));
+  const std::size_t row = table.find("\nfilter_1 ") + 1;
+  EXPECT_THAT(table.substr(row, table.find("\nfilter_2") - row),
+              AllOf(Not(HasSubstr("±")), Not(HasSubstr("*")), Not(HasSubstr("~"))));
 }
 
 TEST(ScoreTable, SaysWhenEverySeedGivesTheSameRun) {

@@ -31,6 +31,7 @@ Summary Of(const std::vector<Entry>& entries) {
       controller.rank[tracking] += other.tracking_deg < entry.tracking_deg;
       controller.rank[jitter] += other.jitter_deg < entry.jitter_deg;
     }
+    controller.to_best.resize(Metrics().size());
     controller.as_good_as_best.assign(Metrics().size(), false);
     controller.as_good_as_best[tracking] = entry.follows_as_well_as_best;
     controller.as_good_as_best[jitter] = entry.shakes_as_little_as_least;
@@ -56,6 +57,25 @@ TEST(Verdict, AmongEqualFollowersTakesTheCalmest) {
 TEST(Verdict, AdmitsThatNoFilterIsBetter) {
   EXPECT_EQ(Verdict(Of({{"raw", 4.0, 0.1, true, true}, {"filter", 5.0, 0.2, false, false}})),
             "raw follows best (4.00 deg RMS) and shakes least (0.100 deg RMS).");
+}
+
+TEST(Verdict, SaysWhereItIsUndecided) {
+  Summary summary = Of({{"raw", 4.9, 0.5, false, false}, {"calm", 4.8, 0.3, true, true}});
+  summary.controllers[0].to_best[MetricIndex("tracking_rmse_deg")].judgement =
+      Judgement::kUndecided;
+  EXPECT_EQ(Verdict(summary),
+            "calm may follow best (4.80 deg RMS) and shakes least (0.300 deg RMS); raw: 4.90 and "
+            "0.500.");
+}
+
+TEST(Verdict, TellsWhatItCosts) {
+  Summary summary = Of({{"raw", 5.0, 0.5, true, false}, {"late", 5.1, 0.2, true, true}});
+  summary.controllers[1].to_baseline.resize(Metrics().size());
+  summary.controllers[1].to_baseline[MetricIndex("delay_ms")].judgement = Judgement::kWorse;
+  summary.controllers[1].summary[MetricIndex("delay_ms")].mean = 80.0;
+  EXPECT_EQ(Verdict(summary),
+            "late follows as well as any (5.10 deg RMS) and shakes least (0.200 deg RMS); raw: "
+            "5.00 and 0.500. late is worse than raw in delay_ms.");
 }
 
 TEST(Verdict, OfOneRunSpeaksOfThatRunAlone) {

@@ -2,24 +2,26 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/score/score_config.h"
 #include "sim/score/tracking.h"
 #include "tests/score/signals.h"
 
 namespace gauntlet::sim {
 namespace {
 
-double JitterRms(const std::vector<double>& angle, double rate_hz = 1000.0) {
+double JitterRms(const std::vector<double>& angle, double rate_hz = 1000.0,
+                 double above_hz = 10.0) {
   Fourier fourier;
-  const Signal high = Trembling(OneChannel(angle), rate_hz, fourier).values;
+  const Signal high = Trembling(OneChannel(angle), rate_hz, above_hz, fourier).values;
   return Rms(std::span(high.data(), static_cast<std::size_t>(high.size())));
 }
 
-double SineJitter(double frequency_hz, double rate_hz = 1000.0) {
+double SineJitter(double frequency_hz, double rate_hz = 1000.0, double above_hz = 10.0) {
   return JitterRms(Sampled(6.0, rate_hz,
                            [&](double t) {
                              return std::sqrt(2.0) * std::sin(2.0 * kPi * frequency_hz * t + 0.3);
                            }),
-                   rate_hz);
+                   rate_hz, above_hz);
 }
 
 TEST(Jitter, PassesWhatTremblesAndStopsWhatMoves) {
@@ -28,6 +30,14 @@ TEST(Jitter, PassesWhatTremblesAndStopsWhatMoves) {
       EXPECT_NEAR(SineJitter(hz, rate_hz), 1.0, 5e-3);
     for (const double hz : {0.1, 1.0, 3.0, 5.0, 8.0}) EXPECT_LT(SineJitter(hz, rate_hz), 3e-4);
     EXPECT_NEAR(SineJitter(10.0, rate_hz), 0.5, 0.01);
+  }
+}
+
+TEST(Jitter, BeginsWhereItIsSaidTo) {
+  for (const double above_hz : {3.0, 6.6, 40.0}) {
+    EXPECT_NEAR(SineJitter(1.2 * above_hz, 1000.0, above_hz), 1.0, 5e-3) << above_hz;
+    EXPECT_NEAR(SineJitter(above_hz, 1000.0, above_hz), 0.5, 0.01) << above_hz;
+    EXPECT_LT(SineJitter(0.8 * above_hz, 1000.0, above_hz), 3e-4) << above_hz;
   }
 }
 
@@ -51,7 +61,7 @@ TEST(Jitter, OfWhiteNoiseHasTheShareOfTheBand) {
 TEST(Jitter, HasNoPhase) {
   const auto tremble = [](double t) { return std::sin(2.0 * kPi * 15.0 * t); };
   Fourier fourier;
-  const auto high = Trembling(OneChannel(Sampled(4.0, 1000.0, tremble)), 1000.0, fourier);
+  const auto high = Trembling(OneChannel(Sampled(4.0, 1000.0, tremble)), 1000.0, 10.0, fourier);
   for (int n = 0; n < high.values.rows(); ++n) {
     ASSERT_NEAR(high.values(n, 0), tremble((n + high.first_sample) / 1000.0), 1e-3);
   }
@@ -62,11 +72,35 @@ TEST(Jitter, KeepsChannelsApart) {
   const auto noise = Noise(9000, 2);
   for (int i = 0; i < both.size(); ++i) both.data()[i] = noise[i];
   Fourier fourier;
-  const Signal together = Trembling(both, 1000.0, fourier).values;
+  const Signal together = Trembling(both, 1000.0, 10.0, fourier).values;
   for (int c = 0; c < 3; ++c) {
-    const Signal alone = Trembling(both.col(c), 1000.0, fourier).values;
+    const Signal alone = Trembling(both.col(c), 1000.0, 10.0, fourier).values;
     EXPECT_LT((together.col(c) - alone).cwiseAbs().maxCoeff(), 1e-12);
   }
+}
+
+TEST(Jitter, NeedsTheTicksThatItSays) {
+  for (const double above_hz : {2.0, 10.0, 33.0}) {
+    const auto needed = static_cast<std::size_t>(TremblingTicks(1000.0, above_hz));
+    EXPECT_NEAR(static_cast<double>(needed), 13600.0 / above_hz, 100.0 / above_hz);
+    EXPECT_TRUE(std::isnan(JitterRms(Noise(needed - 1, 3), 1000.0, above_hz))) << above_hz;
+    EXPECT_FALSE(std::isnan(JitterRms(Noise(needed, 3), 1000.0, above_hz))) << above_hz;
+  }
+}
+
+TEST(ScoreConfig, RefusesAnEdgeThatATrialIsTooShortFor) {
+  EXPECT_NO_THROW(ScoreConfig{}.Check(1000.0, 100));  // such a trial has no jitter
+  const ScoreConfig low{.jitter_above_hz = 2.5};
+  EXPECT_NO_THROW(low.Check(1000.0, 6000));
+  try {
+    low.Check(1000.0, 3000);
+    FAIL();
+  } catch (const controller::SettingError& error) {
+    EXPECT_STREQ(error.what(),
+                 "jitter_above_hz: is 2.5, must be at least 4.6 in a trial of 3 s: the high pass "
+                 "needs 5.42 s");
+  }
+  EXPECT_NO_THROW(ScoreConfig{.jitter_above_hz = 4.6}.Check(1000.0, 3000));
 }
 
 TEST(Jitter, DoesNotExistForShortSignalsAndSlowRates) {

@@ -63,6 +63,29 @@ TEST(Metrics, HaveDistinctKeysWithUnitsAndWords) {
   }
 }
 
+TEST(Metrics, SayFromWhereOnADifferenceMatters) {
+  for (const Metric& metric : Metrics()) {
+    EXPECT_GT(metric.relevant_difference.absolute, 0.0) << metric.key;  // also beside a zero
+    EXPECT_GE(metric.relevant_difference.relative, 0.0) << metric.key;
+    EXPECT_LT(metric.relevant_difference.relative, 0.5) << metric.key;
+    EXPECT_FALSE(metric.relevant_difference.reason.empty()) << metric.key;
+  }
+  const Metric& jitter = Metrics()[MetricIndex("jitter_rms_deg")];
+  EXPECT_EQ(RelevantDifferenceBetween(jitter, 3.0, 90.0), 0.05);
+  const Metric& reversals = Metrics()[MetricIndex("command_reversals_per_s")];
+  EXPECT_EQ(RelevantDifferenceBetween(reversals, 20.0, 30.0), 2.0);  // of the smaller
+  EXPECT_EQ(RelevantDifferenceBetween(reversals, 30.0, 20.0), 2.0);
+  EXPECT_EQ(RelevantDifferenceBetween(reversals, 0.0, 30.0), 0.5);
+  EXPECT_TRUE(std::isnan(RelevantDifferenceBetween(reversals, std::nan(""), 30.0)));
+}
+
+TEST(Scores, OfATrialThatSaysNothingAreNone) {
+  const Scores scores = NoScores(kThreeRows);
+  EXPECT_EQ(scores.summary.size(), Metrics().size());
+  ASSERT_EQ(scores.channels.size(), kThreeRows.names.size());
+  for (const double value : scores.channels[1]) EXPECT_TRUE(std::isnan(value));
+}
+
 TEST(Scores, OfAKnownHandAreTheKnownValues) {
   const Example example;
   const Scores scores = ComputeScores(example.Input(), kThreeRows);
@@ -129,6 +152,11 @@ struct FullExample {
   Signal tension = Signal::Zero(kSamples, 3);
   Signal grip = Signal::Zero(kSamples, 1);
   std::vector<double> saturation{0.25, 0.75};
+  std::vector<double> stall_tension_n{12.0, 4.0, 10.0};
+  Signal noise_free_hand = Signal::Zero(kSamples, 2);
+  Signal noise_free_speed = Signal::Zero(kSamples, 2);
+  IntegerSignal noise_free_at_limit = IntegerSignal::Zero(kSamples, 2);
+  std::vector<std::vector<int>> motors_of_joint{{0}, {0, 1}};
 
   FullExample() {
     const auto noise = Noise(2 * kSamples, 12);
@@ -136,9 +164,13 @@ struct FullExample {
       for (int c = 0; c < 2; ++c) {
         const double white = 0.3 * kRadPerDeg * noise[2 * n + c];
         reference(n, c) = At(n, c);
-        hand(n, c) = At(n - 60, c) + white;
+        noise_free_hand(n, c) = At(n - 60, c);
+        hand(n, c) = noise_free_hand(n, c) + white;
+        noise_free_at_limit(n, c) = n % 5000 < 20 * c ? 1 : 0;
+        noise_free_speed(n, c) = 0.7 * std::sin(2.0 * kPi * 1.0 * n / 1000.0);
         command(n, c) = static_cast<int>(100.0 * At(n / 20 * 20, c));
-        speed(n, c) = 0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 40.0 * n / 1000.0);
+        speed(n, c) =
+            noise_free_speed(n, c) + 0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 40.0 * n / 1000.0);
       }
       grip(n, 0) = 9.0 + std::sqrt(2.0) * std::sin(2.0 * kPi * 25.0 * n / 1000.0);
       tension(n, 0) = n < kSamples / 10 ? 0.0 : 3.0;
@@ -159,7 +191,12 @@ struct FullExample {
             .motor_speed_rad_s = &speed,
             .tension_n = &tension,
             .grip_force_n = &grip,
-            .saturation_share = saturation};
+            .saturation_share = saturation,
+            .noise_free_hand_angle_rad = &noise_free_hand,
+            .noise_free_motor_speed_rad_s = &noise_free_speed,
+            .noise_free_motor_at_limit = &noise_free_at_limit,
+            .motors_of_joint = motors_of_joint,
+            .stall_tension_n = stall_tension_n};
   }
 };
 
@@ -167,7 +204,7 @@ TEST(Scores, AllExistWhereAllSignalsDo) {
   const FullExample example;
   const Scores scores = ComputeScores(example.Input(), kFullRows);
   for (std::size_t i = 0; i < Metrics().size(); ++i) {
-    EXPECT_TRUE(std::isfinite(scores.summary[i])) << Metrics()[i].key;
+    EXPECT_EQ(std::isfinite(scores.summary[i]), Metrics()[i].alike) << Metrics()[i].key;
     const ScoredPart part = Metrics()[i].part;
     // Rows: the joint and motor a, the joint b, the motor pull, three cables.
     ASSERT_EQ(scores.channels.size(), 6u);
@@ -192,8 +229,12 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
   EXPECT_LT(value("reversal_tracking_rmse_deg"), value("fast_tracking_rmse_deg"));
   EXPECT_NEAR(value("delay_ms"), 60.0, 0.5);
   EXPECT_NEAR(value("onset_delay_ms"), 60.0, 10.0);
-  EXPECT_NEAR(value("motor_speed_rms_deg_s"), 0.5 * kDegPerRad, 1e-6);
-  EXPECT_NEAR(value("motor_speed_centroid_hz"), 40.0, 0.02);
+  EXPECT_NEAR(value("noise_jitter_rms_deg"), 0.3 * std::sqrt(0.98), 0.01);
+  EXPECT_NEAR(value("motor_speed_rms_deg_s"), std::hypot(0.5, std::sqrt(0.5) * 0.7) * kDegPerRad,
+              1e-6);
+  EXPECT_LT(value("motor_speed_centroid_hz"), 30.0);  // the motion draws it down
+  EXPECT_NEAR(value("motor_noise_rms_deg_s"), 0.5 * kDegPerRad, 1e-6);
+  EXPECT_NEAR(value("motor_noise_centroid_hz"), 40.0, 0.02);
   EXPECT_DOUBLE_EQ(value("saturation_share"), 0.25);
   const auto of_cable = [&](std::size_t cable, std::string_view key) {
     return scores.channels[kFullRows.cables[cable]][IndexOf(key)];
@@ -201,10 +242,73 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
   EXPECT_DOUBLE_EQ(of_cable(0, "slack_share"), 0.1);
   EXPECT_DOUBLE_EQ(of_cable(1, "slack_share"), 0.0);
   EXPECT_DOUBLE_EQ(of_cable(2, "tension_peak_n"), 8.0);
-  EXPECT_DOUBLE_EQ(scores.summary[IndexOf("tension_peak_n")], (3.0 + 1.0 + 8.0) / 3.0);
+  EXPECT_TRUE(std::isnan(scores.summary[IndexOf("tension_peak_n")]));
+  EXPECT_DOUBLE_EQ(of_cable(2, "tension_peak_share"), 0.8);
+  EXPECT_DOUBLE_EQ(scores.summary[IndexOf("tension_peak_share")], (0.25 + 0.25 + 0.8) / 3.0);
   EXPECT_DOUBLE_EQ(scores.channels[kFullRows.motors[1]][IndexOf("saturation_share")], 0.75);
   EXPECT_DOUBLE_EQ(scores.summary[IndexOf("saturation_share")], 0.5);
   EXPECT_NEAR(scores.summary[IndexOf("grip_force_ripple_n")], 1.0, 1e-3);
+}
+
+TEST(Scores, PartsOfTheErrorSumToTheSquareOfTheTrackingError) {
+  const FullExample example;
+  const Scores scores = ComputeScores(example.Input(), kFullRows);
+  ASSERT_EQ(TrackingErrorParts().size(), 7u);
+  double summaries = 0.0;
+  double squares = 0.0;
+  for (const std::size_t row : kFullRows.joints) {
+    double sum = 0.0;
+    for (const TrackingErrorPart& part : TrackingErrorParts()) {
+      EXPECT_EQ(Metrics()[part.metric].key, part.key);
+      sum += scores.channels[row][part.metric];
+    }
+    const double tracking = scores.channels[row][IndexOf("tracking_rmse_deg")];
+    EXPECT_NEAR(sum / (tracking * tracking), 1.0, 1e-9);
+    squares += tracking * tracking;
+  }
+  for (const TrackingErrorPart& part : TrackingErrorParts())
+    summaries += scores.summary[part.metric];
+  EXPECT_NEAR(summaries / (squares / 2.0), 1.0, 1e-9);
+}
+
+TEST(Scores, OfNoiseNeedTheNoiseFreeTrial) {
+  const FullExample example;
+  ScoreInput input = example.Input();
+  input.noise_free_hand_angle_rad = nullptr;
+  input.noise_free_motor_speed_rad_s = nullptr;
+  const Scores scores = ComputeScores(input, kFullRows);
+  for (const TrackingErrorPart& part : TrackingErrorParts())
+    EXPECT_TRUE(std::isnan(scores.summary[part.metric]));
+  for (const char* key :
+       {"noise_jitter_rms_deg", "motor_noise_rms_deg_s", "motor_noise_centroid_hz"}) {
+    EXPECT_TRUE(std::isnan(scores.summary[IndexOf(key)])) << key;
+  }
+}
+
+TEST(Scores, OfNoiseThatIsNoneAreZero) {
+  FullExample example;
+  example.noise_free_hand = example.hand;
+  example.noise_free_speed = example.speed;
+  const Scores scores = ComputeScores(example.Input(), kFullRows);
+  EXPECT_EQ(scores.summary[IndexOf("noise_jitter_rms_deg")], 0.0);
+  EXPECT_EQ(scores.summary[IndexOf("error_noise_deg2")], 0.0);
+  EXPECT_EQ(scores.summary[IndexOf("motor_noise_rms_deg_s")], 0.0);
+  EXPECT_TRUE(std::isnan(scores.summary[IndexOf("motor_noise_centroid_hz")]));
+}
+
+TEST(Scores, OfTremblingBeginWhereTheInputSays) {
+  FullExample example;
+  for (int n = 0; n < FullExample::kSamples; ++n) {
+    example.grip(n, 0) += 0.7 * std::sqrt(2.0) * std::sin(2.0 * kPi * 9.0 * n / 1000.0);
+    example.hand(n, 0) = 0.5 * kRadPerDeg * std::sqrt(2.0) * std::sin(2.0 * kPi * 9.0 * n / 1000.0);
+    example.noise_free_hand(n, 0) = 0.4 * example.hand(n, 0);
+  }
+  ScoreInput input = example.Input();
+  input.jitter_above_hz = 7.5;
+  const Scores scores = ComputeScores(input, kFullRows);
+  EXPECT_NEAR(scores.channels[0][IndexOf("jitter_rms_deg")], 0.5, 1e-3);
+  EXPECT_NEAR(scores.channels[0][IndexOf("noise_jitter_rms_deg")], 0.3, 1e-3);
+  EXPECT_NEAR(scores.summary[IndexOf("grip_force_ripple_n")], std::hypot(1.0, 0.7), 1e-3);
 }
 
 TEST(Scores, OfTheOffsetAtRestIsTheSizeOfTheMeanError) {
@@ -263,6 +367,16 @@ TEST(Scores, RefuseSignalsThatDoNotFit) {
   input = example.Input();
   const double one_share[] = {0.5};
   input.saturation_share = one_share;
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
+  input = example.Input();
+  input.noise_free_hand_angle_rad = &narrow;
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
+  input = example.Input();
+  const std::vector<int> motors_of_joint[] = {{0}, {1}, {3}};
+  input.motors_of_joint = motors_of_joint;
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
+  input = example.Input();
+  input.jitter_above_hz = 0.0;
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input.hand_angle_rad = nullptr;
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);

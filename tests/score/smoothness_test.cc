@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
+#include "sim/score/delay.h"
 #include "tests/score/signals.h"
 
 namespace gauntlet::sim {
@@ -60,6 +64,89 @@ TEST(Smoothness, OfAMinimumJerkMovementOfTheHandIsAnalytic) {
   // The jerk jumps at both ends; at 100 Hz a part of that is lost.
   EXPECT_NEAR(smooth.ldlj, -5.3220, 0.1);
   EXPECT_GT(smooth.sparc, -1.6);
+}
+
+TEST(Smoothness, OfAMovementIsThatOfItsVelocityAtAllTicks) {
+  const auto smooth = OfHand([](double t) { return MinimumJerk(t - 1.0, 1.0); });
+  const auto speed =
+      Sampled(1.0, 1000.0, [](double t) { return 30.0 * t * t * (1 - t) * (1 - t); });
+  Fourier fourier;
+  EXPECT_NEAR(smooth.sparc / SpectralArcLength(speed, 1000.0, fourier), 1.0, 0.01);
+}
+
+/// Random turns of a hand, which trembles.
+class RandomTurns {
+ public:
+  explicit RandomTurns(std::uint64_t seed) {
+    RandomStream random(seed, "random turns");
+    for (Wave& wave : waves_) {
+      wave.hz = 0.2 + 1.2 * random.Uniform();
+      wave.rad = 0.3 * random.Uniform() / (0.3 + wave.hz);
+      wave.phase = random.Uniform();
+    }
+    waves_[0] = {.hz = 8.3, .rad = 0.004, .phase = 0.0};
+  }
+  double At(int tick) const {
+    double angle = 0.0;
+    for (const Wave& wave : waves_) {
+      angle += wave.rad * std::sin(2.0 * kPi * (0.001 * wave.hz * tick + wave.phase));
+    }
+    return angle;
+  }
+
+ private:
+  struct Wave {
+    double hz;
+    double rad;
+    double phase;
+  };
+  std::array<Wave, 9> waves_{};
+};
+
+TEST(Smoothness, DoesNotDependOnWhenTheTrialBegan) {
+  constexpr int kDelay = 60;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const RandomTurns turns(seed);
+    const auto score = [&](int shift) {
+      std::vector<double> wearer(12000), hand(12000);
+      for (int n = 0; n < 12000; ++n) {
+        wearer[n] = turns.At(n - shift);
+        hand[n] = turns.At(n - shift - kDelay);
+      }
+      std::vector<Movement> movements = AnalyseWearer(wearer, 1000.0, {}).movements;
+      // The first and the last depend on where the signal is cut off.
+      movements.pop_back();
+      movements.erase(movements.begin());
+      EXPECT_GT(movements.size(), 5u);
+      Fourier fourier;
+      return MovementSmoothness(hand, 1000.0, movements, kDelay, fourier);
+    };
+    const Smoothness at_once = score(0);
+    for (int shift = 1; shift <= 9; ++shift) {
+      EXPECT_NEAR(score(shift).sparc / at_once.sparc, 1.0, 1e-6) << seed << ' ' << shift;
+      EXPECT_NEAR(score(shift).ldlj / at_once.ldlj, 1.0, 1e-6) << seed << ' ' << shift;
+    }
+  }
+}
+
+TEST(Smoothness, OfALaterHandIsNearlyTheSame) {
+  // The delay is that which the scores find, no whole number of ticks.
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    std::vector<double> wearer(40000), hand(40000);
+    const RandomTurns turns(seed);
+    for (int n = 0; n < 40000; ++n) wearer[n] = turns.At(n);
+    const WearerMotion motion = AnalyseWearer(wearer, 1000.0, {});
+    Fourier fourier;
+    const auto sparc = [&](int delay) {
+      for (int n = 0; n < 40000; ++n) hand[n] = turns.At(n - delay);
+      const auto found = DelaySamples(wearer, hand, 1000.0, fourier);
+      return MovementSmoothness(hand, 1000.0, motion.movements, found.value(), fourier).sparc;
+    };
+    const double at_first = sparc(60);
+    for (int later = 1; later <= 9; ++later) {
+      EXPECT_NEAR(sparc(60 + later) / at_first, 1.0, 0.01) << seed << ' ' << later;
+    }
+  }
 }
 
 TEST(Smoothness, OfALateHandIsThatOfTheHandInTime) {

@@ -102,6 +102,10 @@ const std::vector<Step>& Walk() {
       {"hand.servo.damping_ms=100", kRefused, "hand.servo: the servo of thumb_rotation"},
       {"hand.servo.no_load_speed_deg_s=1", kRefused, "hand.servo: the servo of thumb_rotation"},
       {"hand.servo.no_load_speed_deg_s=10000", kChanges},
+      // Scores.
+      {"score.noise_free_twin=false", kChanges},
+      {"score.noise_free_twin=true", kKeeps},
+      {"score.noise_free_twin=2", kRefused},
       // Channels and joints.
       {"glove.channels=[]", kKeeps},
       {"glove.channels=[index_mcp]", kChanges},
@@ -128,6 +132,9 @@ const std::vector<Step>& Walk() {
       {"joint_map.index_mcp={channels: [index_mcp]}", kRefused, "joint_map.index_mcp.channels",
        kFive},
       {"joint_map.nose={channels: [index_pip]}", kRefused},
+      {"score.jitter_above_hz=100", kChanges},
+      {"score.jitter_above_hz=2", kRefused, "score.jitter_above_hz: is 2, must be at least 9.7"},
+      {"score.jitter_above_hz=101", kRefused},
       {"video.channel=ring_pip", kKeeps},
       {"video.channel=nose", kRefused},
       {"video.channel=index_mcp", kKeeps, {}, kFive},

@@ -4,109 +4,177 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "sim/base/random.h"
+#include "sim/glove/noise/box_muller.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-double Normal(RandomStream& random) {
-  return std::sqrt(-2.0 * std::log(random.UniformAboveZero())) *
-         std::cos(2.0 * std::numbers::pi * random.Uniform());
+double Normal(RandomStream& random) { return BoxMuller(random).first; }
+
+TEST(Student, IsThatOfTheTables) {
+  // Abramowitz and Stegun 1964, table 26.10.
+  EXPECT_NEAR(StudentHalfWidth(0.95, 1), 12.706, 5e-4);
+  EXPECT_NEAR(StudentHalfWidth(0.95, 7), 2.365, 5e-4);
+  EXPECT_NEAR(StudentHalfWidth(0.99, 2), 9.925, 5e-4);
+  EXPECT_NEAR(StudentHalfWidth(0.999, 24), 3.745, 5e-4);
+  EXPECT_NEAR(StudentHalfWidth(0.9999, 3), 28.000, 5e-4);
 }
 
-/// Share of 2,000 simulated studies of `seeds` values whose interval holds the true mean.
-template <class Draw>
-double Coverage(int seeds, double truth, Draw draw) {
-  constexpr int kStudies = 2000;
-  RandomStream random(17, "simulated studies", static_cast<std::uint64_t>(seeds));
+TEST(Student, OfOneDegreeOfFreedomIsCauchys) {
+  for (const double t : {0.3, 2.0, 50.0, 1e4}) {
+    EXPECT_NEAR(StudentProbability(t, 1), 2.0 * std::atan(1.0 / t) / M_PI, 1e-12) << t;
+    EXPECT_EQ(StudentProbability(t, 1), StudentProbability(-t, 1));
+  }
+}
+
+TEST(Student, HalfWidthTurnsProbabilityRound) {
+  for (const double degrees : {1.0, 2.0, 3.7, 31.0, 99999.0}) {
+    for (const double error : {0.5, 0.05, 3e-4, 1e-7}) {
+      const double t = StudentHalfWidth(1.0 - error, degrees);
+      EXPECT_NEAR(StudentProbability(t, degrees) / error, 1.0, 1e-6) << degrees << " " << error;
+    }
+  }
+}
+
+/// Share of 4,000 simulated studies whose 95 % interval holds the true mean, 3: of so many motions
+/// with so many noises each, the scatter of motions twice that of noise.
+double Coverage(int motions, int noises) {
+  constexpr int kStudies = 4000;
+  RandomStream random(17, "simulated studies", static_cast<std::uint64_t>(100 * motions + noises));
   int covered = 0;
   for (int study = 0; study < kStudies; ++study) {
-    std::vector<double> values(static_cast<std::size_t>(seeds));
-    for (double& value : values) value = draw(random);
-    const MeanInterval interval = BootstrapMean(values, static_cast<std::uint64_t>(study));
-    covered += interval.ci95_low <= truth && truth <= interval.ci95_high;
+    std::vector<double> values;
+    std::vector<int> motion_of;
+    for (int g = 0; g < motions; ++g) {
+      const double motion = motions > 1 ? 3.0 + 2.0 * Normal(random) : 3.0;
+      for (int i = 0; i < noises; ++i) {
+        values.push_back(motion + Normal(random));
+        motion_of.push_back(g);
+      }
+    }
+    const MeanInterval interval = EstimateMean(values, motion_of).IntervalAt(0.95);
+    covered += interval.low <= 3.0 && 3.0 <= interval.high;
   }
   return static_cast<double>(covered) / kStudies;
 }
 
-TEST(BootstrapMean, CoversTheTruthIn93To97PercentOfStudies) {
-  for (const int seeds : {2, 3, 4, 5, 8, 16, 32}) {
-    const double share =
-        Coverage(seeds, 3.0, [](RandomStream& random) { return 3.0 + Normal(random); });
-    EXPECT_GE(share, 0.93) << seeds << " seeds";
-    EXPECT_LE(share, 0.97) << seeds << " seeds";
+TEST(EstimateMean, CoversTheTruthIn93To97PercentOfStudiesOfOneMotion) {
+  for (const int noises : {2, 3, 4, 5, 8, 16, 32}) {
+    EXPECT_NEAR(Coverage(1, noises), 0.95, 0.02) << noises << " noises";
   }
 }
 
-TEST(BootstrapMean, CoversTheTruthOfSkewedScores) {
-  const double share =
-      Coverage(32, 1.0, [](RandomStream& random) { return -std::log(random.UniformAboveZero()); });
-  EXPECT_GE(share, 0.93);
-  EXPECT_LE(share, 0.97);
+TEST(EstimateMean, CoversTheTruthIn93To97PercentOfStudiesOfSeveralMotions) {
+  for (const auto& [motions, noises] : {std::pair(2, 2), {2, 16}, {3, 1}, {4, 4}, {16, 2}}) {
+    EXPECT_NEAR(Coverage(motions, noises), 0.95, 0.02) << motions << " x " << noises;
+  }
 }
 
-TEST(BootstrapMean, DependsOnItsSeedOnly) {
-  RandomStream random(3, "values");
-  std::vector<double> values(12);
-  for (double& value : values) value = Normal(random);
-  const MeanInterval first = BootstrapMean(values, 1);
-  const MeanInterval again = BootstrapMean(values, 1);
-  const MeanInterval other = BootstrapMean(values, 2);
-  EXPECT_EQ(first.ci95_low, again.ci95_low);
-  EXPECT_EQ(first.ci95_high, again.ci95_high);
-  EXPECT_NE(first.ci95_low, other.ci95_low);
-  EXPECT_NEAR(first.ci95_low, other.ci95_low, 0.2);
-  EXPECT_LT(first.ci95_low, first.mean);
-  EXPECT_GT(first.ci95_high, first.mean);
+TEST(EstimateMean, SeedsOfOneMotionAreNoMoreMotions) {
+  // Three demonstrations with eight noises each: 24 values, but the truth is known from three.
+  std::vector<double> values;
+  std::vector<int> motions;
+  for (int seed = 0; seed < 24; ++seed) {
+    constexpr double kMotion[] = {4.7, 6.3, 6.4};
+    values.push_back(kMotion[seed % 3] + 0.01 * std::sin(seed));
+    motions.push_back(seed % 3);
+  }
+  const MeanEstimate of_motions = EstimateMean(values, motions);
+  const MeanEstimate of_noise = EstimateMean(values);
+  EXPECT_EQ(of_motions.degrees_of_freedom, 2.0);
+  EXPECT_EQ(of_noise.degrees_of_freedom, 23.0);
+  EXPECT_NEAR(of_motions.mean, 5.8, 0.01);
+  EXPECT_NEAR(of_motions.standard_error, std::sqrt(2.0 * (1.1 * 1.1 + 0.5 * 0.5 + 0.6 * 0.6) / 12),
+              0.01);  // of 4.7, 6.3, 6.4
+  EXPECT_GT(of_motions.IntervalAt().high - of_motions.mean,
+            5.0 * (of_noise.IntervalAt().high - of_noise.mean));
+  EXPECT_GT(of_motions.motion_share, 0.999);
+  EXPECT_TRUE(std::isnan(of_noise.motion_share));
 }
 
-TEST(BootstrapMean, FollowsScaleAndOffset) {
+TEST(EstimateMean, GivesEveryMotionTheSameWeight) {
+  const std::vector<double> values{1.0, 3.0, 3.0, 3.0, kNaN, 5.0};
+  const MeanEstimate estimate = EstimateMean(values, std::vector<int>{0, 7, 7, 7, 7, 9});
+  EXPECT_EQ(estimate.mean, 3.0);
+  EXPECT_EQ(estimate.count, 5);
+  EXPECT_EQ(estimate.degrees_of_freedom, 2.0);
+  EXPECT_NEAR(estimate.standard_error, 2.0 / std::sqrt(3.0), 1e-12);
+}
+
+TEST(EstimateMean, TellsTheMotionsShareOfTheVariance) {
+  const std::vector<double> values{1.0, 3.0, 5.0, 7.0, 3.0, 5.0};
+  const std::vector<int> motions{0, 0, 1, 1, 2, 2};
+  // By hand: means 2, 6, 4, so MSB = 2 (4 + 4 + 0) / 2 = 8; MSW = 2; of motions (8 - 2) / 2 = 3.
+  EXPECT_NEAR(EstimateMean(values, motions).motion_share, 3.0 / 5.0, 1e-12);
+  EXPECT_TRUE(
+      std::isnan(EstimateMean(std::vector<double>{1, 2}, std::vector<int>{0, 1}).motion_share));
+  EXPECT_EQ(
+      EstimateMean(std::vector<double>{1, 9, 2, 8}, std::vector<int>{0, 0, 1, 1}).motion_share,
+      0.0);  // motions alike: never below zero
+  RandomStream random(4, "shares");
+  double sum = 0.0;
+  for (int study = 0; study < 400; ++study) {
+    std::vector<double> drawn;
+    std::vector<int> of_motion;
+    for (int g = 0; g < 20; ++g) {
+      const double motion = Normal(random);
+      for (int i = 0; i < 1 + g % 3; ++i) {  // unbalanced
+        drawn.push_back(motion + 2.0 * Normal(random));
+        of_motion.push_back(g);
+      }
+    }
+    sum += EstimateMean(drawn, of_motion).motion_share / 400;
+  }
+  EXPECT_NEAR(sum, 0.2, 0.03);  // 1 of 1 + 4
+}
+
+TEST(EstimateMean, OfAScoreThatOneOfSeveralMotionsHasIsWithoutAnInterval) {
+  const std::vector<double> values{1.0, 1.1, kNaN, kNaN};
+  const MeanEstimate estimate = EstimateMean(values, std::vector<int>{0, 0, 1, 1});
+  EXPECT_NEAR(estimate.mean, 1.05, 1e-12);
+  EXPECT_TRUE(std::isnan(estimate.IntervalAt().low));
+}
+
+TEST(EstimateMean, FollowsScaleAndOffset) {
   const std::vector<double> values{1, 4, 2, 8, 5, 7, 3};
   std::vector<double> moved;
   for (const double value : values) moved.push_back(100.0 - 8.0 * value);
-  const MeanInterval interval = BootstrapMean(values, 4);
-  const MeanInterval mirrored = BootstrapMean(moved, 4);
+  const MeanInterval interval = EstimateMean(values).IntervalAt(0.99);
+  const MeanInterval mirrored = EstimateMean(moved).IntervalAt(0.99);
   EXPECT_NEAR(mirrored.mean, 100.0 - 8.0 * interval.mean, 1e-12);
-  EXPECT_NEAR(mirrored.ci95_low, 100.0 - 8.0 * interval.ci95_high, 1e-9);
-  EXPECT_NEAR(mirrored.ci95_high, 100.0 - 8.0 * interval.ci95_low, 1e-9);
+  EXPECT_NEAR(mirrored.low, 100.0 - 8.0 * interval.high, 1e-9);
+  EXPECT_NEAR(mirrored.high, 100.0 - 8.0 * interval.low, 1e-9);
 }
 
-TEST(BootstrapMean, OfFewEqualOrMissingValues) {
-  const MeanInterval none = BootstrapMean(std::vector<double>{kNaN}, 1);
+TEST(EstimateMean, OfFewEqualOrMissingValues) {
+  const MeanInterval none = EstimateMean(std::vector<double>{kNaN}).IntervalAt();
   EXPECT_TRUE(std::isnan(none.mean));
-  const MeanInterval one = BootstrapMean(std::vector<double>{2.5, kNaN}, 1);
+  const MeanInterval one = EstimateMean(std::vector<double>{2.5, kNaN}).IntervalAt();
   EXPECT_EQ(one.mean, 2.5);
-  EXPECT_TRUE(std::isnan(one.ci95_low));
-  const MeanInterval equal = BootstrapMean(std::vector<double>(9, 0.1), 1);
+  EXPECT_TRUE(std::isnan(one.low));
+  const MeanEstimate equal = EstimateMean(std::vector<double>(9, 0.1));
   EXPECT_EQ(equal.mean, 0.1);
-  EXPECT_EQ(equal.ci95_low, 0.1);
-  EXPECT_EQ(equal.ci95_high, 0.1);
-  const MeanInterval two = BootstrapMean(std::vector<double>{1.0, 3.0}, 1);
-  EXPECT_NEAR(two.ci95_high, 2.0 + 12.7062, 1e-3);  // Student's t with one degree of freedom
+  EXPECT_EQ(equal.IntervalAt(0.999).low, 0.1);
+  EXPECT_EQ(equal.IntervalAt(0.999).high, 0.1);
+  const MeanInterval two = EstimateMean(std::vector<double>{1.0, 3.0}).IntervalAt();
+  EXPECT_NEAR(two.high, 2.0 + 12.7062, 1e-3);  // Student's t with one degree of freedom
 }
 
-TEST(BootstrapMean, OfValuesNearlyAllEqualIsStudents) {
-  const MeanInterval interval = BootstrapMean(std::vector<double>{0, 0, 0, 0, 1}, 1);
-  const double half_width = 2.7764 * 0.2;  // t of 4 degrees of freedom, standard error 1/5
-  EXPECT_NEAR(interval.ci95_low, 0.2 - half_width, 2e-3);
-  EXPECT_NEAR(interval.ci95_high, 0.2 + half_width, 2e-3);
-}
-
-TEST(BootstrapMean, OfOneFarValueIsNoWiderThanTheValues) {
+TEST(EstimateMean, OfOneFarValueIsNoWiderThanTheValues) {
   // Delays of eight seeds in ms: the last one's true scatter is unknown, but no mean of such values
   // can lie thousands of milliseconds away.
   const std::vector<double> values{45.1, 45.0, 45.2, 44.9, 45.0, 45.1, 44.8, 175.0};
-  const MeanInterval interval = BootstrapMean(values, 1);
-  EXPECT_GT(interval.ci95_low, 61.2625 - 130.2);
-  EXPECT_LT(interval.ci95_high, 61.2625 + 130.2);
-  EXPECT_GT(interval.ci95_high - interval.ci95_low, 30.0);  // nor is it hidden
+  const MeanInterval interval = EstimateMean(values).IntervalAt();
+  EXPECT_GT(interval.low, 61.2625 - 130.2);
+  EXPECT_LT(interval.high, 61.2625 + 130.2);
+  EXPECT_GT(interval.high - interval.low, 30.0);  // nor is it hidden
 }
 
-TEST(PairedDifference, IsNarrowWherePairsShareTheirDifficulty) {
+TEST(EstimateDifference, IsNarrowWherePairsShareTheirDifficulty) {
   RandomStream random(8, "pairs");
   std::vector<double> first, second;
   for (int i = 0; i < 12; ++i) {
@@ -116,13 +184,14 @@ TEST(PairedDifference, IsNarrowWherePairsShareTheirDifficulty) {
   }
   first.push_back(kNaN);
   second.push_back(5.0);
-  const MeanInterval difference = PairedDifference(first, second, 1);
+  const MeanInterval difference = EstimateDifference(first, second).IntervalAt();
   EXPECT_NEAR(difference.mean, 1.0, 0.1);
-  EXPECT_GT(difference.ci95_low, 0.8);
-  EXPECT_LT(difference.ci95_high, 1.2);
+  EXPECT_GT(difference.low, 0.8);
+  EXPECT_LT(difference.high, 1.2);
+  EXPECT_EQ(difference.count, 12);
 }
 
-TEST(UnpairedDifference, CoversTheTruthOfGroupsOfOtherSizeAndScatter) {
+TEST(EstimateUnpairedDifference, CoversTheTruthOfGroupsOfOtherSizeAndScatter) {
   constexpr int kStudies = 2000;
   RandomStream random(5, "two groups");
   int covered = 0;
@@ -130,31 +199,34 @@ TEST(UnpairedDifference, CoversTheTruthOfGroupsOfOtherSizeAndScatter) {
     std::vector<double> first(6), second(12);
     for (double& value : first) value = 2.0 + 3.0 * Normal(random);
     for (double& value : second) value = 1.0 + Normal(random);
-    const MeanInterval interval = UnpairedDifference(first, second);
-    covered += interval.ci95_low <= 1.0 && 1.0 <= interval.ci95_high;
+    const MeanInterval interval = EstimateUnpairedDifference(first, second).IntervalAt();
+    covered += interval.low <= 1.0 && 1.0 <= interval.high;
   }
   EXPECT_GE(covered, 0.93 * kStudies);
   EXPECT_LE(covered, 0.97 * kStudies);
 }
 
-TEST(UnpairedDifference, OfEqualScattersIsStudentsTwoSampleTest) {
+TEST(EstimateUnpairedDifference, OfEqualScattersIsStudentsTwoSampleTest) {
   // Means 2 and 5, variance 1 each: error sqrt(2 / 3), 4 degrees of freedom, t = 2.7764.
   const MeanInterval interval =
-      UnpairedDifference(std::vector<double>{1, 2, 3}, std::vector<double>{4, 5, 6, kNaN});
+      EstimateUnpairedDifference(std::vector<double>{1, 2, 3}, std::vector<double>{4, 5, 6, kNaN})
+          .IntervalAt();
   EXPECT_DOUBLE_EQ(interval.mean, -3.0);
-  EXPECT_NEAR(interval.ci95_low, -3.0 - 2.7764 * std::sqrt(2.0 / 3.0), 0.01);
-  EXPECT_NEAR(interval.ci95_high, -3.0 + 2.7764 * std::sqrt(2.0 / 3.0), 0.01);
+  EXPECT_NEAR(interval.low, -3.0 - 2.7764 * std::sqrt(2.0 / 3.0), 1e-4);
+  EXPECT_NEAR(interval.high, -3.0 + 2.7764 * std::sqrt(2.0 / 3.0), 1e-4);
 }
 
-TEST(UnpairedDifference, OfFewOrEqualValues) {
+TEST(EstimateUnpairedDifference, OfFewOrEqualValues) {
   const std::vector<double> one{2.0};
   const std::vector<double> equal{5.0, 5.0};
-  EXPECT_EQ(UnpairedDifference(one, equal).mean, -3.0);
-  EXPECT_TRUE(std::isnan(UnpairedDifference(one, equal).ci95_low));
-  EXPECT_EQ(UnpairedDifference(equal, equal).ci95_low, 0.0);
-  EXPECT_EQ(UnpairedDifference(equal, equal).ci95_high, 0.0);
-  const MeanInterval wide = UnpairedDifference(std::vector<double>{0, 1}, equal);
-  EXPECT_NEAR(wide.ci95_high, -4.5 + 12.7062 * 0.5, 1e-3);  // one degree of freedom
+  const auto interval = [](const std::vector<double>& a, const std::vector<double>& b) {
+    return EstimateUnpairedDifference(a, b).IntervalAt();
+  };
+  EXPECT_EQ(interval(one, equal).mean, -3.0);
+  EXPECT_TRUE(std::isnan(interval(one, equal).low));
+  EXPECT_EQ(interval(equal, equal).low, 0.0);
+  EXPECT_EQ(interval(equal, equal).high, 0.0);
+  EXPECT_NEAR(interval({0, 1}, equal).high, -4.5 + 12.7062 * 0.5, 1e-3);  // one degree of freedom
 }
 
 TEST(PairedEffectSize, IsTheMeanOverTheScatter) {
@@ -169,13 +241,6 @@ TEST(Ranking, SharesPlacesAndLeavesOutWhatIsMissing) {
   const std::vector<double> values{2.0, 1.0, kNaN, 2.0, 5.0};
   EXPECT_EQ(Ranking(values, true), (std::vector<int>{2, 1, 0, 2, 4}));
   EXPECT_EQ(Ranking(values, false), (std::vector<int>{2, 4, 0, 2, 1}));
-}
-
-TEST(DominatedPoints, AreThoseBehindTheFront) {
-  const std::vector<double> jitter{1.0, 2.0, 3.0, 2.5, 1.0, kNaN, 1.0};
-  const std::vector<double> delay{9.0, 5.0, 1.0, 5.0, 9.0, 0.0, 9.5};
-  EXPECT_EQ(DominatedPoints(jitter, delay),
-            (std::vector<bool>{false, false, false, true, false, false, true}));
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST(CompareStudies, PairsSeeWhatTheScatterOfSeedsHides) {
   EXPECT_EQ(Score(paired, "tracking_rmse_deg").change, ScoreChange::kWorse);
   EXPECT_EQ(Score(paired, "sparc").change, ScoreChange::kBetter);  // more of it is better
   EXPECT_NEAR(Score(paired, "delay_ms").difference.mean, 0.10125, 1e-9);
-  EXPECT_GT(Score(paired, "delay_ms").difference.ci95_low, 0.09);
+  EXPECT_GT(Score(paired, "delay_ms").difference.low, 0.09);
   EXPECT_FALSE(paired.Same());
 
   const StudyDifference unpaired = CompareStudies(a, Folder(5.1, 101, 8));
@@ -109,7 +109,7 @@ TEST(CompareStudies, WithOneSeedEveryDifferenceButRoundingCounts) {
   EXPECT_EQ(difference.method, DifferenceMethod::kPlain);
   EXPECT_EQ(difference.ChangedScores(), 1u);
   EXPECT_EQ(Score(difference, "tracking_rmse_deg").change, ScoreChange::kWorse);
-  EXPECT_TRUE(std::isnan(Score(difference, "tracking_rmse_deg").difference.ci95_low));
+  EXPECT_TRUE(std::isnan(Score(difference, "tracking_rmse_deg").difference.low));
 }
 
 TEST(CompareStudies, AScoreThatOnlyOneHasDiffers) {

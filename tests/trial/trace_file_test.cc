@@ -64,6 +64,8 @@ class TraceFileTest : public testing::Test {
     trace.command_counts = IntegerSignal::Constant(kSamples, 18, 7);
     trace.spool_angle_rad = Signal::Random(kSamples, 18);
     trace.spool_speed_rad_s = Signal::Random(kSamples, 18);
+    trace.motor_at_limit = FlagSignal::Constant(kSamples, 18, 1);
+    trace.motor_at_limit(7, 3) = 0;
     trace.hand_angle_rad = Signal::Random(kSamples, 18);
     trace.tension_n =
         Signal::Random(kSamples, static_cast<Eigen::Index>(hand_.cable_names().size()));
@@ -103,10 +105,46 @@ TEST_F(TraceFileTest, GivesBackTwentyFourBitsOfEverySignal) {
   EXPECT_EQ(read.traces[1].controller_name, "kalman");
   EXPECT_EQ(read.traces[1].hand_angle_rad, Stored(b.hand_angle_rad));
   EXPECT_EQ(read.traces[1].command_counts, b.command_counts);
+  EXPECT_EQ(read.traces[1].motor_at_limit, b.motor_at_limit);
   EXPECT_EQ(read.traces[0].tension_n, Stored(a.tension_n));
   EXPECT_EQ(read.traces[0].object_pose, Stored(a.object_pose));
   EXPECT_EQ(read.traces[0].grip_force_n.size(), 0);
   EXPECT_EQ(ReadTraceFile(file_, {.only = {"kalman"}}).traces.size(), 1u);
+}
+
+TEST_F(TraceFileTest, HoldsTheNoiseFreeTwinAndOneByteForEveryFlag) {
+  const Trace trace = MakeTrace("raw");
+  const NoiseFreeTwin twin{.hand_angle_rad = Signal::Random(kSamples, 18),
+                           .spool_speed_rad_s = Signal::Random(kSamples, 18),
+                           .motor_at_limit = FlagSignal::Constant(kSamples, 18, 0)};
+  TraceWriter writer(file_, glove_, reference_, hand_, "test", 42);
+  writer.Add(trace, &twin);
+  writer.Add(MakeTrace("kalman"));
+  writer.Commit();
+  const H5::H5File file(file_.string(), H5F_ACC_RDONLY);
+  const H5::Group raw = file.openGroup("controllers/raw");
+  for (const char* name : {"motor_at_limit", "noise_free_motor_at_limit"}) {
+    EXPECT_EQ(raw.openDataSet(name).getStorageSize(), kSamples * 18u) << name;
+  }
+  const auto first_row = [&](const char* name) {
+    std::vector<double> values(kSamples * 18);
+    raw.openDataSet(name).read(values.data(), H5::PredType::NATIVE_DOUBLE);
+    return Signal(Eigen::Map<Eigen::RowVectorXd>(values.data(), 18));
+  };
+  EXPECT_EQ(first_row("noise_free_hand_angle_rad"), Stored(twin.hand_angle_rad.topRows(1)));
+  EXPECT_EQ(first_row("noise_free_spool_speed_rad_s"), Stored(twin.spool_speed_rad_s.topRows(1)));
+  EXPECT_EQ(first_row("noise_free_motor_at_limit").sum(), 0.0);
+  EXPECT_FALSE(file.openGroup("controllers/kalman").nameExists("noise_free_motor_at_limit"));
+  EXPECT_EQ(ReadTraceFile(file_).traces.size(), 2u);
+}
+
+TEST_F(TraceFileTest, ReadsOneOfAnEarlierVersionWithoutLimits) {
+  Trace trace = MakeTrace("raw");
+  trace.motor_at_limit = {};
+  TraceWriter writer(file_, glove_, reference_, hand_, "test", 42);
+  writer.Add(trace);
+  writer.Commit();
+  EXPECT_EQ(ReadTraceFile(file_).traces[0].motor_at_limit.size(), 0);
 }
 
 struct StretchRow {

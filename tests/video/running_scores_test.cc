@@ -11,6 +11,7 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kRate_hz = 1000.0;
+constexpr double kJitterAbove_hz = 15.0;
 
 /// A slow motion; the hand adds an offset and a trembling of 20 Hz, other sizes on each channel.
 Signal Motion(int samples, double offset_rad, double trembling_rad) {
@@ -36,10 +37,11 @@ double SummaryOf(const ScoreInput& input, std::string_view key) {
 
 TEST(RunningScores, EndAtTheScoresOfTheTable) {
   const Signal truth = Motion(5017, 0.0, 0.0), hand = Motion(5017, 0.02, 0.005);
-  const RunningScores scores =
-      ComputeRunningScores(truth, hand, kRate_hz, FrameClock(kRate_hz, 30, truth.rows()));
+  const RunningScores scores = ComputeRunningScores(truth, hand, kRate_hz, kJitterAbove_hz,
+                                                    FrameClock(kRate_hz, 30, truth.rows()));
   ScoreInput input;
   input.rate_hz = kRate_hz;
+  input.jitter_above_hz = kJitterAbove_hz;
   input.reference_angle_rad = &truth;
   input.hand_angle_rad = &hand;
   EXPECT_NEAR(scores.tracking_rmse_deg.back(), SummaryOf(input, "tracking_rmse_deg"), 1e-9);
@@ -51,7 +53,7 @@ TEST(RunningScores, GrowWhereTheHandGoesAstray) {
   Signal hand = truth;
   hand.bottomRows(2000).array() += 0.1;  // from 2 s on
   const FrameClock clock(kRate_hz, 10, truth.rows());
-  const RunningScores scores = ComputeRunningScores(truth, hand, kRate_hz, clock);
+  const RunningScores scores = ComputeRunningScores(truth, hand, kRate_hz, kJitterAbove_hz, clock);
   EXPECT_EQ(scores.tracking_rmse_deg[19], 0.0);
   EXPECT_GT(scores.tracking_rmse_deg[20], 0.0);
   // At the end half of the samples are 0.1 rad off.
@@ -60,8 +62,8 @@ TEST(RunningScores, GrowWhereTheHandGoesAstray) {
 
 TEST(RunningScores, HaveNoJitterBeforeTheFilterHasOne) {
   const Signal truth = Motion(4000, 0.0, 0.0), hand = Motion(4000, 0.0, 0.01);
-  const RunningScores scores =
-      ComputeRunningScores(truth, hand, kRate_hz, FrameClock(kRate_hz, 10, truth.rows()));
+  const RunningScores scores = ComputeRunningScores(truth, hand, kRate_hz, kJitterAbove_hz,
+                                                    FrameClock(kRate_hz, 10, truth.rows()));
   EXPECT_TRUE(std::isnan(scores.jitter_rms_deg[0]));
   // Sines of 0.01, 0.02, 0.03 rad have 1 / sqrt(2) of it as RMS: 0.02 rad on the mean.
   EXPECT_NEAR(scores.jitter_rms_deg.back(), 0.02 * kDegPerRad / std::numbers::sqrt2, 1e-3);
@@ -70,8 +72,8 @@ TEST(RunningScores, HaveNoJitterBeforeTheFilterHasOne) {
 TEST(RunningScores, StandStillAfterATrialWasStopped) {
   const Signal truth = Motion(4000, 0.0, 0.0);
   const Signal hand = truth.topRows(1500).array() + 0.1;
-  const RunningScores scores =
-      ComputeRunningScores(truth, hand, kRate_hz, FrameClock(kRate_hz, 30, truth.rows()));
+  const RunningScores scores = ComputeRunningScores(truth, hand, kRate_hz, kJitterAbove_hz,
+                                                    FrameClock(kRate_hz, 30, truth.rows()));
   EXPECT_EQ(scores.tracking_rmse_deg.size(), 120u);
   EXPECT_NEAR(scores.tracking_rmse_deg.back(), 0.1 * kDegPerRad, 1e-9);
 }

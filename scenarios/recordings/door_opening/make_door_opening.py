@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Makes angles.csv and targets.csv from the demonstrations of a person who opens a door.
+"""Makes angles_01.csv to angles_25.csv, one for each demonstration of a person who opens a door, and
+angles.csv and targets.csv of three of them.
 
 Usage: make_door_opening.py FOLDER
 FOLDER holds door_demos_obs.csv and door_demos_actions.csv: the columns of door-v0_demos.pickle of
@@ -12,11 +13,13 @@ import pathlib
 import sys
 
 RATE_HZ = 100
-DEMOS = (0, 10, 13)  # they fit the ranges with almost no clamping
+THREE_DEMOS = (0, 10, 13)  # they fit the ranges with almost no clamping
 SKIP_SAMPLES = 20  # the simulated hand springs from its zero posture to the first target
 REST_S = 1.0  # the first and the last posture held, so that rest can be scored
 SMOOTHING_S = 0.020  # standard deviation of the Gaussian; -3 dB at 6.6 Hz
 JOIN_S = 0.4  # from the end of one demonstration to the start of the next
+# Of a demonstration by itself: a posture held, then up to its first speed; brake, then rest.
+LEAD_REST_S, LEAD_S, BRAKE_S, LAST_REST_S = 0.4, 0.3, 0.3, 0.5
 
 # Ranges of the actuators [rad]: target -1 is the lower end, +1 the upper end.
 TARGET_RANGE_RAD = {
@@ -131,9 +134,32 @@ def write(path, rows):
             file.write(f"{index / RATE_HZ:.2f}," + ",".join(cells) + "\n")
 
 
-def main(source):
-    observations = read(source / "door_demos_obs.csv")
-    actions = read(source / "door_demos_actions.csv")
+def brought_to_rest(row, speed_deg_s, duration_s):
+    """Where a motion through `row` comes to rest when braked evenly; where it started from when
+    accelerated so, for a duration below 0."""
+    return [min(max(angle + 0.5 * duration_s * speed, low), high)
+            for angle, speed, (low, high, _) in zip(row, speed_deg_s, CHANNELS.values())]
+
+
+def one_demonstration(angles):
+    """The demonstration with a rest before and behind it."""
+    first_speed = [(b - a) * RATE_HZ for a, b in zip(angles[0], angles[1])]
+    last_speed = [(b - a) * RATE_HZ for a, b in zip(angles[-2], angles[-1])]
+    begin = [brought_to_rest(angles[0], first_speed, -LEAD_S)]
+    end = [brought_to_rest(angles[-1], last_speed, BRAKE_S)]
+    return (begin * round(LEAD_REST_S * RATE_HZ) + join(begin, angles, LEAD_S) + angles
+            + join(angles, end, BRAKE_S) + end * round(LAST_REST_S * RATE_HZ))
+
+
+def all_demonstrations(observations, folder):
+    demos = sorted({int(o["demo"]) for o in observations})
+    for demo in demos:
+        rows = [o for o in observations if int(o["demo"]) == demo][SKIP_SAMPLES:]
+        write(folder / f"angles_{demo + 1:02}.csv",
+              one_demonstration(smooth([angles_of(o) for o in rows])))
+
+
+def three_demonstrations(observations, actions, folder):
     angles, targets = [], []
     missing = [None] * len(CHANNELS)
 
@@ -141,7 +167,7 @@ def main(source):
         angles.extend(new_angles)
         targets.extend(new_targets or [missing] * len(new_angles))
 
-    for demo in DEMOS:
+    for demo in THREE_DEMOS:
         rows = [(o, a) for o, a in zip(observations, actions) if int(o["demo"]) == demo]
         rows = rows[SKIP_SAMPLES:]
         new_angles = smooth([angles_of(o) for o, a in rows])
@@ -151,16 +177,20 @@ def main(source):
         append(new_angles, [targets_of(a, o) for o, a in rows])
     last = [angles[-1]] * round(REST_S * RATE_HZ)
     # A posture to settle in: where the motion would come to rest when braked evenly.
-    settle = [angles[-1][c] + 0.5 * JOIN_S * (angles[-1][c] - angles[-2][c]) * RATE_HZ
-              for c in range(len(CHANNELS))]
-    settle = [min(max(value, low), high)
-              for value, (low, high, _) in zip(settle, CHANNELS.values())]
+    settle = brought_to_rest(
+        angles[-1], [(b - a) * RATE_HZ for a, b in zip(angles[-2], angles[-1])], JOIN_S)
     append(join(angles, [settle], JOIN_S))
     append([settle] * len(last))
 
-    folder = pathlib.Path(__file__).resolve().parent
     write(folder / "angles.csv", angles)
     write(folder / "targets.csv", targets)
+
+
+def main(source):
+    folder = pathlib.Path(__file__).resolve().parent
+    observations = read(source / "door_demos_obs.csv")
+    all_demonstrations(observations, folder)
+    three_demonstrations(observations, read(source / "door_demos_actions.csv"), folder)
 
 
 if __name__ == "__main__":

@@ -54,17 +54,9 @@ function placeNames(points, x, y, width) {
 
 function pointShapes(p, x, y) {
   const colour = colourName(p.index);
-  const bar = (x1, y1, x2, y2) =>
-    element("line", {x1, y1, x2, y2, style: `stroke: ${colour}; stroke-width: 1.5; opacity: 0.6`});
-  const shapes = [];
-  if (p.delay[1] !== null && p.jitter[1] !== null) {
-    shapes.push(bar(x(p.delay[1]), y(p.jitter[0]), x(p.delay[2]), y(p.jitter[0])),
-      bar(x(p.delay[0]), y(p.jitter[1]), x(p.delay[0]), y(p.jitter[2])));
-  }
-  shapes.push(element("circle", {cx: x(p.delay[0]), cy: y(p.jitter[0]), r: 6, style: p.dominated
+  return [element("circle", {cx: x(p.delay[0]), cy: y(p.jitter[0]), r: 6, style: p.dominated
     ? `fill: var(--ground); stroke: ${colour}; stroke-width: 2`
-    : `fill: ${colour}; stroke: var(--ground); stroke-width: 1.5`}));
-  return shapes;
+    : `fill: ${colour}; stroke: var(--ground); stroke-width: 1.5`})];
 }
 
 function axisShapes(x_ticks, y_ticks, x, y, width) {
@@ -110,9 +102,9 @@ function drawFrontChart(data) {
   const width = Math.max(300, place.clientWidth);
   const inner_width = width - FRONT_MARGIN.left - FRONT_MARGIN.right;
   const bottom = FRONT_HEIGHT - FRONT_MARGIN.bottom;
-  const low = Math.min(0, ...points.map((p) => 1.15 * (p.delay[1] ?? p.delay[0])));
-  const high = Math.max(145, ...points.map((p) => 1.1 * (p.delay[2] ?? p.delay[0])));
-  const top = 1.15 * Math.max(1e-3, ...points.map((p) => p.jitter[2] ?? p.jitter[0]));
+  const low = Math.min(0, ...points.map((p) => 1.15 * p.delay[0]));
+  const high = Math.max(145, ...points.map((p) => 1.1 * p.delay[0]));
+  const top = 1.15 * Math.max(1e-3, ...points.map((p) => p.jitter[0]));
   const x = (value) => FRONT_MARGIN.left + (value - low) / (high - low) * inner_width;
   const y = (value) => bottom - value / top * (bottom - FRONT_MARGIN.top);
 

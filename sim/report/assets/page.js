@@ -2,10 +2,8 @@
 
 function showProblems(data) {
   const list = byId("problems");
+  list.append(...data.failures.map((failure) => element("li", {}, failure)));
   for (const controller of data.controllers) {
-    if (controller.problem) {
-      list.append(element("li", {}, `${controller.name} stopped early: ${controller.problem}`));
-    }
     if (controller.untrusted_samples > 0) {
       list.append(element("li", {}, `${controller.name}: ${controller.untrusted_samples} glove ` +
         "samples were missing or out of range and replaced by the last good value"));

@@ -1,8 +1,13 @@
 // The scores: a row per metric, a column per controller.
 
-function spreadText(estimate) {
-  const half = 0.5 * (estimate[2] - estimate[1]);
-  return estimate[1] === null || estimate[2] === null ? "" : ` ± ${formatNumber(half)}`;
+// As many digits as the interval allows: the rule of the terminal's table.
+function differenceText({mean, low, high}) {
+  if (mean === null) return "";
+  const sign = mean < 0 ? "−" : "+";
+  const half = 0.5 * (high - low);
+  if (low === null || half === 0) return sign + formatNumber(Math.abs(mean));
+  const decimals = Math.min(Math.max(1 - Math.floor(Math.log10(half)), 0), 3);
+  return `${sign}${Math.abs(mean).toFixed(decimals)} ± ${half.toFixed(decimals)}`;
 }
 
 // Where some seeds have no such score, the mean is over the others.
@@ -12,21 +17,33 @@ function seedsText(data, estimate) {
   return count === 0 || count === all ? "" : ` ${count} of ${all} seeds`;
 }
 
+// What a cell is, in the words of scores.json; one run decides nothing.
+function judgedAs(data, metric, c) {
+  const against_baseline = c.to_baseline[metric]?.verdict;
+  if (against_baseline === "worse") return {kind: "worse", mark: "▲", said: `worse than ${data.baseline}`};
+  if (!data.comparison || data.controllers.length < 2) return {kind: null, mark: "", said: ""};
+  const to_best = c.to_best[metric].verdict;
+  if (c.as_good_as_best[metric]) {
+    return {kind: "best", mark: "★", said: to_best === "equal" ? "equal to the best" : "best"};
+  }
+  if (to_best === "undecided") return {kind: null, mark: "~", said: "undecided"};
+  return {kind: null, mark: "", said: ""};
+}
+
 function scoreCell(data, metric, controller) {
   const c = data.controllers[controller];
   const estimate = c.summary[metric];
-  const best = data.comparison && c.rank[metric] === 1 && data.controllers.length > 1;
-  const worse = c.worse_than_baseline[metric] === true;
+  const {kind, mark, said} = judgedAs(data, metric, c);
   const means = data.controllers.map((other) => other.summary[metric][0]);
   const largest = Math.max(...means.map((mean) => mean ?? 0));
   const bars = largest > 0 && means.every((mean) => mean === null || mean >= 0);
-  const said = best ? "best" : worse ? `worse than ${data.baseline}` : "";
-  return element("td", {class: worse ? "worse" : best ? "best" : null, title: said || null},
+  const spread = data.comparison ? differenceText(c.to_best[metric]) : "";
+  return element("td", {class: kind, title: said || null},
     element("span", {class: "value"}, formatNumber(estimate[0])),
-    data.comparison ? element("span", {class: "spread"}, spreadText(estimate),
-      seedsText(data, estimate)) : null,
-    element("span", {class: "mark", "aria-hidden": "true"}, worse ? "▲" : best ? "★" : ""),
+    element("span", {class: "mark", "aria-hidden": "true"}, mark),
     said ? element("span", {class: "hidden-text"}, ` (${said})`) : null,
+    data.comparison ? element("span", {class: "spread"}, spread || (kind === "best" ? "best" : ""),
+      c.failed_trials ? "" : seedsText(data, estimate)) : null,
     bars && estimate[0] !== null
       ? element("span", {class: "bar", style:
           `width: calc((100% - 0.95em) * ${(estimate[0] / largest).toFixed(4)}); ` +
@@ -34,26 +51,35 @@ function scoreCell(data, metric, controller) {
       : null);
 }
 
-// Below an opened row: how the score is defined, and each controller's paired difference to the
-// baseline.
+// "[0.31, 0.52] at 99.97 %: worse"
+function comparisonText({low, high, level, verdict}) {
+  if (low === null) return verdict;
+  const percent = (100 * level).toFixed(Math.max(0, Math.ceil(-Math.log10(1 - level)) - 1));
+  return `[${formatNumber(low)}, ${formatNumber(high)}] at ${percent} %: ${verdict}`;
+}
+
+// Below an opened row: how the score is defined, what difference matters, and each controller's
+// paired differences with their intervals.
 function definitionRow(data, metric, id) {
-  const {key, definition} = data.metrics[metric];
+  const {key, definition, relevant_reason} = data.metrics[metric];
   const row = element("tr", {class: "definition", id, hidden: true},
-    element("th", {scope: "row"}, definition, element("br"), element("code", {}, key)));
+    element("th", {scope: "row"}, definition, element("br"), element("code", {}, key),
+      element("br"), `What matters: ${relevant_reason}.`));
   for (const controller of data.controllers) {
-    const difference = controller.difference_to_baseline[metric];
     const cell = element("td");
-    if (difference && difference[0] !== null) {
-      const sign = difference[0] > 0 ? "+" : "";
-      cell.append(`${sign}${formatNumber(difference[0])} to ${data.baseline}`);
-      if (data.comparison && difference[1] !== null) {
-        cell.append(element("br"),
-          `[${formatNumber(difference[1])}, ${formatNumber(difference[2])}]`);
-      }
-      const effect = controller.effect_size[metric];
-      if (data.comparison && effect !== null && effect !== undefined) {
-        cell.append(element("br"), `effect size ${formatNumber(effect)}`);
-      }
+    for (const [difference, other] of [[controller.to_best[metric], "the best"],
+      [controller.to_baseline[metric], data.baseline]]) {
+      if (!difference || difference.mean === null) continue;
+      const sign = difference.mean > 0 ? "+" : "";
+      if (cell.hasChildNodes()) cell.append(element("br"));
+      cell.append(`${sign}${formatNumber(difference.mean)} to ${other}`);
+      if (!data.comparison || !difference.verdict) continue;
+      cell.append(element("br"), comparisonText(difference), element("br"),
+        `matters from ${formatNumber(difference.relevant)}`);
+    }
+    const effect = controller.effect_size[metric];
+    if (data.comparison && effect !== null && effect !== undefined) {
+      cell.append(element("br"), `effect size ${formatNumber(effect)}`);
     }
     row.append(cell);
   }
@@ -81,7 +107,7 @@ function metricRows(data, metric) {
 
 function controllerHead(data, c) {
   const controller = data.controllers[c];
-  const tags = [controller.baseline ? "baseline" : "", controller.problem ? "stopped early" : ""];
+  const tags = [controller.baseline ? "baseline" : "", controller.failed_trials ? "failed, not ranked" : ""];
   return element("th", {scope: "col"}, ...controllerLabel(data, c),
     ...tags.filter(Boolean).map((tag) => element("span", {class: "tag"}, tag)));
 }
@@ -117,15 +143,16 @@ function drawScoreTable(data) {
   more.addEventListener("click", () => { shown = !shown; update(); });
   update();
 
-  byId("scores-note").textContent = data.comparison
-    ? `Means over ${data.seeds.length} seeds, ± half of the 95 % interval; averaged over joints, ` +
-      "motors or cables. Each score opens its definition" +
-      (data.baseline ? ` and the paired difference to ${data.baseline}.` : ".")
-    : "One run: nothing is said about chance. Averaged over joints, motors or cables. " +
-      "Each score opens its definition.";
-  const worse = data.controllers.some((c) => c.worse_than_baseline.includes(true));
-  const stars = data.comparison && data.controllers.length > 1 ? "★ best" : "";
-  byId("scores-legend").textContent = stars + (worse
-    ? `\u2003▲ worse than ${data.baseline}: the whole interval of the paired difference says so`
-    : "");
+  byId("scores-note").textContent = [
+    data.comparison ? `Means over ${data.seeds.length} seeds.` : "One run.",
+    "Averaged over joints, motors or cables. Each score opens its definition.",
+    ...data.notes].join(" ");
+  const marks = [];
+  if (data.comparison && data.controllers.length > 1) {
+    marks.push("★ best, or equal within what matters", "~ undecided");
+  }
+  if (data.controllers.some((c) => c.to_baseline.some((d) => d.verdict === "worse"))) {
+    marks.push(`▲ worse than ${data.baseline}`);
+  }
+  byId("scores-legend").textContent = marks.join("\u2003");
 }

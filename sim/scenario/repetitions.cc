@@ -1,0 +1,162 @@
+#include "sim/scenario/repetitions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+#include "sim/glove/glove.h"
+#include "sim/settings/yaml_writer.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::string_view kGlove = "glove.";
+
+[[noreturn]] void Fail(const YamlSource& source, const YAML::Node& node, const std::string& key,
+                       const std::string& problem) {
+  const std::string path = "repetitions" + (key.empty() ? "" : "." + key);
+  throw source.At(node, controller::SettingError(path, problem));
+}
+
+/// Lists stand in the file, or in one --set that replaces all of them.
+void RefuseSetOfOneList(const YamlSource& source) {
+  for (const auto& [path, text] : source.overrides) {
+    if (path == "repetitions" || !IsAtOrBelow(path, "repetitions")) continue;
+    throw UserError(
+        {.place = OverridePlace(text),
+         .key = "repetitions",
+         .problem = "--set cannot change one list: it gives one value to all repetitions (--set "
+                    "glove.motion.file=a.csv) or replaces all lists (--set repetitions={})"});
+  }
+}
+
+void CheckKey(const YamlSource& source, const YAML::Node& node, const std::string& key,
+              const std::vector<RepeatedSetting>& lists) {
+  if (!key.starts_with(kGlove)) {
+    Fail(source, node, key, "must be a setting of the glove, as glove.motion.file");
+  }
+  if (key.ends_with(".kind")) {
+    Fail(source, node, key,
+         fmt::format("cannot be repeated by itself, as every kind has settings of its own: repeat "
+                     "{}",
+                     key.substr(0, key.rfind('.'))));
+  }
+  for (const RepeatedSetting& other : lists) {
+    if (key == other.key) Fail(source, node, key, "is given twice");
+    if (IsAtOrBelow(key, other.key) || IsAtOrBelow(other.key, key)) {
+      Fail(source, node, key, fmt::format("and {} are parts of each other", other.key));
+    }
+  }
+}
+
+RepeatedSetting ReadList(const YamlSource& source, const std::string& key, const YAML::Node& list) {
+  if (!list.IsSequence() || list.size() == 0) {
+    Fail(source, list, key, "must be a list of values, one for each repetition");
+  }
+  const std::string* set = source.OverrideOf("repetitions");
+  RepeatedSetting setting{.key = key, .values = {}, .set = set == nullptr ? "" : *set};
+  for (std::size_t i = 0; i < list.size(); ++i) setting.values.push_back(list[i]);
+  return setting;
+}
+
+/// Why one controller, with one calibration, does not serve both gloves; empty if it does.
+std::string WhyNotAlike(const GloveConfig& first, const GloveConfig& other) {
+  if (other.rate_hz != first.rate_hz) {
+    return fmt::format("glove.rate_hz is {}, in the first {}", other.rate_hz, first.rate_hz);
+  }
+  if (ChannelsOf(other) != ChannelsOf(first)) return "glove.channels are others than in the first";
+  const controller::GloveCalibration a = NominalCalibration(first);
+  const controller::GloveCalibration b = NominalCalibration(other);
+  const bool same = a.full_scale_counts == b.full_scale_counts && a.low_counts == b.low_counts &&
+                    a.high_counts == b.high_counts;
+  return same ? "" : "glove.converter or glove.sensor ask for another calibration than the first";
+}
+
+}  // namespace
+
+void Repetitions::Rotate(int steps) {
+  const int count = static_cast<int>(gloves.size());
+  if (count == 0) return;
+  const int first = ((steps % count) + count) % count;
+  std::ranges::rotate(gloves, gloves.begin() + first);
+}
+
+std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlSource& source) {
+  std::vector<RepeatedSetting> lists;
+  if (!root.IsMap()) return lists;
+  RefuseSetOfOneList(source);
+  for (const auto& entry : root) {
+    if (entry.first.Scalar() != "repetitions" || entry.second.IsNull()) continue;
+    if (!entry.second.IsMap()) {
+      Fail(source, entry.second, "", "must be settings of the glove, each with a list of values");
+    }
+    if (!lists.empty()) Fail(source, entry.first, "", "is given twice");
+    std::size_t count = 0;
+    for (const auto& list : entry.second) {
+      if (!list.first.IsScalar()) Fail(source, list.first, "", "must have texts as keys");
+      const std::string key = OneLine(list.first.Scalar());
+      CheckKey(source, list.first, key, lists);
+      lists.push_back(ReadList(source, key, list.second));
+      const std::size_t size = lists.back().values.size();
+      if (count == 0) count = size;
+      if (size == count) continue;
+      Fail(source, list.second, key,
+           fmt::format("has {} values, {} has {}: each repetition takes one of every list", size,
+                       lists.front().key, count));
+    }
+  }
+  std::erase_if(lists, [&source](const RepeatedSetting& list) {
+    return source.OverrideOf(list.key) != nullptr;
+  });
+  return lists;
+}
+
+void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, YAML::Node& root,
+                   YamlSource& source) {
+  for (const RepeatedSetting& list : lists) {
+    const YAML::Node& value = list.values[i];
+    const std::string place =
+        list.set.empty() ? source.PlaceOf(value, list.key) : OverridePlace(list.set);
+    const std::string path = PutOver(root, list.key, value, place, source);
+    if (!list.set.empty()) source.overrides[path] = list.set;
+  }
+}
+
+void CheckRepetitions(const std::vector<RepeatedSetting>& lists, const Repetitions& repetitions,
+                      const YamlSource& source) {
+  for (std::size_t i = 1; i < repetitions.gloves.size(); ++i) {
+    std::string problem;
+    try {
+      repetitions.gloves[i].noise.Check();
+      problem = WhyNotAlike(repetitions.gloves.front(), repetitions.gloves[i]);
+    } catch (const controller::SettingError& error) {
+      throw source.At(lists.front().values[i],
+                      controller::SettingError("glove." + error.key(), error.problem()));
+    }
+    if (problem.empty()) continue;
+    Fail(source, lists.front().values[i], "",
+         fmt::format("in repetition {} {}; one controller must serve all", i + 1, problem));
+  }
+}
+
+std::string RepetitionsToYaml(const Repetitions& repetitions) {
+  std::vector<YAML::Node> gloves;
+  for (GloveConfig glove : repetitions.gloves) {  // a copy: a visitor may change what it sees
+    gloves.push_back(YAML::Load(
+        SettingsToYaml([&glove](controller::SettingsVisitor& visitor) { glove.Visit(visitor); })));
+  }
+  YAML::Emitter emitter;
+  emitter << YAML::BeginMap << YAML::Key << "repetitions" << YAML::Value << YAML::BeginMap;
+  for (const std::string& key : repetitions.keys) {
+    emitter << YAML::Key << key << YAML::Value << YAML::BeginSeq;
+    for (const YAML::Node& glove : gloves) emitter << NodeAt(glove, key.substr(kGlove.size()));
+    emitter << YAML::EndSeq;
+  }
+  emitter << YAML::EndMap << YAML::EndMap;
+  return std::string(emitter.c_str()) + "\n";
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+#include <vector>
+
+#include "sim/glove/glove_config.h"
+#include "sim/settings/yaml_tree.h"
+
+namespace gauntlet::sim {
+
+/// What differs between the repetitions of a comparison: settings below `glove.` that have a list
+/// of values. Repetition i is a whole glove, made with the i-th value of each list.
+struct Repetitions {
+  std::vector<std::string> keys;    // as "glove.motion.file", in the order of the file
+  std::vector<GloveConfig> gloves;  // one per repetition; none: there are no lists
+
+  /// The next repetition becomes the first, `steps` times. Below 0: the one before.
+  void Rotate(int steps);
+};
+
+/// One list of `repetitions` as it was read.
+struct RepeatedSetting {
+  std::string key;
+  std::vector<YAML::Node> values;
+  std::string set = {};  // text of the --set that gave it; empty: it stands in the file
+};
+
+/// The lists below `repetitions` that --set leaves in force: a --set of the same setting, or of a
+/// group around it, is for all repetitions.
+/// Errors: UserError for what is no map from keys below `glove.` to lists of one length, and for a
+/// --set of a part of it.
+std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlSource& source);
+
+/// Puts the i-th value of each list over the tree, at the place where it stands.
+void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, YAML::Node& root,
+                   YamlSource& source);
+
+/// Errors: UserError at the first repetition whose glove has another rate, other channels or
+/// another nominal calibration than the first: one controller serves all.
+void CheckRepetitions(const std::vector<RepeatedSetting>& lists, const Repetitions& repetitions,
+                      const YamlSource& source);
+
+/// As it stands in a scenario, each value as the glove of its repetition has it.
+std::string RepetitionsToYaml(const Repetitions& repetitions);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "controller/settings.h"
+
+namespace gauntlet::sim {
+
+/// What a scenario chooses of its scores.
+struct ScoreConfig {
+  /// Where trembling begins: the lower edge of the high pass of jitter.h, which passes nothing
+  /// below 0.8 and everything above 1.2 times this. Below 2 Hz all is human motion; above 100 Hz
+  /// there is nothing to be seen any more, and ticks, of which there are 1000 in a second at least,
+  /// would not hold it.
+  double jitter_above_hz = 10.0;
+
+  /// Before every trial the same one runs with a noise-free glove: what noise adds is the difference.
+  bool noise_free_twin = true;
+
+  void Visit(controller::SettingsVisitor& visitor);
+  /// Errors: SettingError for an edge below the default that a trial is too short for. (One that is
+  /// too short for the default has no jitter.)
+  void Check(double rate_hz, Eigen::Index ticks) const;
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,41 @@
+// Filters that differ by nothing that matters are told apart in no score.
+#include <gtest/gtest.h>
+
+#include "sim/study/summary.h"
+#include "tests/support/source_dir.h"
+
+namespace gauntlet::sim {
+namespace {
+
+TEST(Summary, TiesFiltersThatDifferByNothingThatMatters) {
+  Scenario scenario =
+      LoadScenario(SourceDir() + "/scenarios/random_motion.yaml", {"glove.motion.duration_s=3"});
+  scenario.controllers.clear();
+  for (const double q : {0.0100, 0.0101, 0.0102}) {
+    controller::KalmanConfig kalman;
+    kalman.noise.q = {q};
+    controller::FilterConfig filter;
+    filter.settings = kalman;
+    NamedController& named = scenario.controllers.emplace_back();
+    named.name = "q_" + std::to_string(q);
+    named.config.filters = {filter};
+  }
+  scenario.baseline.clear();
+  const Study study = PrepareStudy(std::move(scenario));
+  const StudyResult result =
+      RunStudy(study, {.seeds = 6, .jobs = 2, .progress = {}, .keep_first_traces = false});
+  const Summary summary = Summarise(study, result);
+  int scores = 0;
+  for (const ControllerSummary& controller : summary.controllers) {
+    for (std::size_t m = 0; m < Metrics().size(); ++m) {
+      if (controller.rank[m] == 0) continue;  // nothing is gripped here
+      EXPECT_TRUE(controller.as_good_as_best[m]) << controller.name << " " << Metrics()[m].key;
+      ++scores;
+    }
+  }
+  EXPECT_GT(scores, 3 * 20);
+  EXPECT_NE(summary.controllers[0].summary[0].mean, summary.controllers[2].summary[0].mean);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
