@@ -9,6 +9,7 @@
 #include <ranges>
 #include <vector>
 
+#include "sim/report/error_split_table.h"
 #include "sim/report/table_text.h"
 
 namespace gauntlet::sim {
@@ -246,6 +247,7 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
     }
   }
   AppendMissingSeeds(result, summary, out);
+  if (const std::string split = ErrorSplitTable(summary); !split.empty()) out += "\n" + split;
   const std::string verdict = Verdict(summary);
   if (!verdict.empty()) out += "\n" + verdict + "\n";
   return out;
