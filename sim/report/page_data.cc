@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sim/report/curve_codec.h"
+#include "sim/report/error_split_table.h"
 #include "sim/report/score_table.h"
 
 namespace gauntlet::sim {
@@ -134,6 +135,19 @@ Json LatencyJson(const std::vector<std::optional<LatencyBudget>>& budgets) {
   return json;
 }
 
+/// Null where no controller has a split, else its causes and their mean squares per controller.
+Json ErrorSplitJson(const Summary& summary) {
+  Json json;
+  bool any = false;
+  for (const TrackingErrorPart& part : TrackingErrorParts()) json["parts"].push_back(part.name);
+  for (const ControllerSummary& controller : summary.controllers) {
+    const std::vector<double> parts = ErrorByCause(controller);
+    json["controllers"].push_back(parts.empty() ? Json(nullptr) : Json(parts));
+    any = any || !parts.empty();
+  }
+  return any ? json : Json(nullptr);
+}
+
 }  // namespace
 
 FirstSeed::FirstSeed(const Signal& reference_rad, std::size_t controller_count)
@@ -169,6 +183,7 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   json["rows"] = result.row_names;
   json["channels"] = finished.study.measured_joint_names;
   json["first_channel"] = finished.study.scenario.video.channel;
+  json["error_split"] = ErrorSplitJson(summary);
   json["latency"] = LatencyJson(first_seed.latency);
   json["curves"] = nullptr;
   if (!first_seed.controllers.empty()) json["curves"] = CurvesJson(first_seed);

@@ -9,6 +9,7 @@
 #include <ranges>
 #include <vector>
 
+#include "sim/report/error_split_table.h"
 #include "sim/report/table_text.h"
 
 namespace gauntlet::sim {
@@ -386,6 +387,7 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
   for (const std::string& failure : Failures(summary, result.seeds.size())) out += failure + "\n";
   AppendMissingSeeds(result, summary, out);
   for (const std::string& note : Notes(finished)) out += Wrapped(note) + "\n";
+  if (const std::string split = ErrorSplitTable(summary); !split.empty()) out += "\n" + split;
   const std::string verdict = Verdict(summary);
   if (!verdict.empty()) out += "\n" + Wrapped(verdict) + "\n";
   return out;

@@ -65,6 +65,8 @@ constexpr const char* kUse = R"(<script>
     seen.metric_switched = get("heat-map").textContent !== cells;
     document.querySelectorAll("#curves-readout input").forEach((box) => box.click());
     seen.points = document.querySelectorAll("#front-chart circle").length;
+    seen.causes = document.querySelectorAll("#error-bars rect").length;
+    seen.cause_rows = get("error-table").rows.length;
     const explain = document.querySelector(".explain");
     explain.click();
     seen.explained = !get(explain.getAttribute("aria-controls")).hidden;
@@ -142,6 +144,8 @@ class BrowserTest : public testing::Test {
     EXPECT_EQ(seen["channel_of_heat_map"], "channel_1");
     EXPECT_EQ(seen["metric_switched"], true);
     EXPECT_EQ(seen["points"], 3);
+    EXPECT_EQ(seen["causes"], 3 * TrackingErrorParts().size());
+    EXPECT_EQ(seen["cause_rows"], 1 + TrackingErrorParts().size() + 1);  // names, causes, the whole
     EXPECT_EQ(seen["explained"], true);
     EXPECT_LE(seen["wide"], 0) << "the page must not scroll sideways";
   }

@@ -72,7 +72,7 @@ TEST(NoiseFreeTwin, IsTheTrialThatRunsWithoutNoise) {
 }
 
 TEST(NoiseFreeTwin, WhereThereIsNoNoiseTheTrialIsItsOwnAndNoiseScoresZero) {
-  const Study study = PrepareStudy(SlowGlove("  noise: {variance_scale: 0}\n"));
+  const Study study = PrepareStudy(SlowGlove("  noise: {variance_scale: 0}\n", 1.6));
   EXPECT_EQ(TwinOf(study, 7), TwinSource::kItself);
   EXPECT_EQ(TrialCount(study, 3), 6);
   const StudyResult result = RunStudy(study, Seeds(2));
@@ -97,7 +97,7 @@ TEST(NoiseFreeTwin, ThePartsOfTheErrorAreTheWhole) {
         for (const TrackingErrorPart& part : TrackingErrorParts()) sum += row[part.metric];
         EXPECT_NEAR(sum, whole, 1e-9 * whole);
       }
-      EXPECT_GT(Score(outcome, "error_noise_deg2"), 0.0);
+      EXPECT_NE(Score(outcome, "error_noise_deg2"), 0.0);
     }
   }
 }
@@ -166,7 +166,7 @@ TEST(NoiseFreeTwin, RunsOnlyForTrialsThatAreMissing) {
       return true;
     };
     RunStudy(study, options);
-    EXPECT_GT(done, 3.5 * seeds);
+    EXPECT_GT(done, 0.75 * 4 * seeds);  // what is left of a trial behind its last step is not told
     return steps;
   };
   // A trial tells its progress every 64 ticks; one that is known tells it once.
@@ -177,7 +177,7 @@ TEST(NoiseFreeTwin, RunsOnlyForTrialsThatAreMissing) {
 
 TEST(NoiseFreeTwin, TheShareAtTheLimitIsTheMeanOfItsTicks) {
   Scenario scenario = SlowGlove();
-  scenario.glove.motion.settings = StepsConfig{};
+  scenario.glove.motion.settings = StepsConfig{.duration_s = 0.6, .period_s = 0.4};
   const Study study = PrepareStudy(scenario);
   const StudyResult result = RunStudy(study, Seeds(1));
   const FlagSignal& at_limit = result.first_traces[0].motor_at_limit;

@@ -9,7 +9,7 @@ function formatNumber(value) {
 
 // The unit is the end of a key; what is left of it names the score.
 const UNITS = [
-  ["_deg_s", "deg/s"], ["_deg", "deg"], ["_ms", "ms"], ["_per_s", "per s"], ["_hz", "Hz"],
+  ["_deg_s", "deg/s"], ["_deg2", "deg²"], ["_deg", "deg"], ["_ms", "ms"], ["_per_s", "per s"], ["_hz", "Hz"],
   ["_n", "N"],
 ];
 const CAPITALS = ["rms", "rmse", "sparc", "ldlj"];
@@ -21,6 +21,8 @@ function metricName(key) {
   words[0] = words[0][0].toUpperCase() + words[0].slice(1);
   return {name: words.join(" "), unit};
 }
+
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 // element("td", {class: "best"}, "text", child...): text is always text, never markup.
 function element(tag, attributes = {}, ...children) {

@@ -14,7 +14,6 @@ function drawLatency(data) {
   const {stages, sum_ms, total_ms} = data.latency;
   const table = byId("latency-table");
   const largest = Math.max(...stages.flatMap((stage) => stage.ms.map((value) => value ?? 0)));
-  const capital = (text) => text[0].toUpperCase() + text.slice(1);
   table.style.setProperty("--controllers", data.controllers.length);
   table.append(
     element("thead", {}, element("tr", {}, element("th", {scope: "col"},

@@ -88,6 +88,8 @@ function hidePart(id) {
 function start() {
   const data = JSON.parse(byId("data").textContent);
   showProblems(data);
+  if (data.error_split) drawErrorSplit(data);
+  else hidePart("error");
   drawScoreTable(data);
   drawFrontChart(data);
   if (data.latency) drawLatency(data);
@@ -107,6 +109,7 @@ function start() {
   startVideo();
   startSettings();
   followScreen(() => {
+    if (data.error_split) drawErrorBars(data);
     drawFrontChart(data);
     curves?.show();
   });

@@ -1,0 +1,77 @@
+// What the squared error is made of: a stacked bar per controller as SVG, and the numbers as a table
+// that is the legend, too.
+
+const SPLIT_ROW = 52;
+const SPLIT_BAR = {top: 24, height: 22};
+
+function splitColour(part) { return `var(--part${part})`; }
+
+// Without the sign of what rounds to 0.
+function formatPercent(share) {
+  const percent = Math.round(100 * share);
+  return `${percent < 0 ? "−" : ""}${Math.abs(percent)} %`;
+}
+
+function splitWhole(parts) { return parts.reduce((sum, part) => sum + part, 0); }
+
+// A part below 0 takes no place.
+function splitBar(data, controller, y, pixels_per_deg2) {
+  const parts = data.error_split.controllers[controller];
+  const shapes = [element("text", {class: "name", x: 0, y: y + 15}, data.controllers[controller].name)];
+  if (!parts) return [...shapes, element("text", {x: 0, y: y + 40}, "no value")];
+  const whole = splitWhole(parts);
+  let x = 0;
+  parts.forEach((part, i) => {
+    const width = Math.max(0, part) * pixels_per_deg2;
+    if (width === 0) return;
+    shapes.push(element("rect", {x, y: y + SPLIT_BAR.top, width: Math.max(width - 1, 0.5),
+      height: SPLIT_BAR.height, style: `fill: ${splitColour(i)}`}));
+    if (width > 38) {
+      shapes.push(element("text", {class: "share", x: x + width / 2, y: y + SPLIT_BAR.top + 15.5,
+        "text-anchor": "middle"}, formatPercent(part / whole)));
+    }
+    x += width;
+  });
+  return shapes;
+}
+
+function drawErrorBars(data) {
+  const place = byId("error-bars");
+  const width = Math.max(280, place.clientWidth);
+  const splits = data.error_split.controllers;
+  const longest = Math.max(...splits.map((parts) => parts
+    ? splitWhole(parts.map((part) => Math.max(0, part))) : 0));
+  const height = SPLIT_ROW * splits.length;
+  const said = splits.map((parts, c) => parts && `${data.controllers[c].name}: ` +
+    parts.map((part, i) => `${data.error_split.parts[i]} ` +
+      formatPercent(part / splitWhole(parts))).join(", ")).filter(Boolean).join("; ");
+  place.replaceChildren(element("svg", {viewBox: `0 0 ${width} ${height}`, height, role: "img",
+      "aria-label": `Causes of the squared error. ${said}`},
+    ...splits.flatMap((_, c) => splitBar(data, c, SPLIT_ROW * c, width / longest))));
+}
+
+function drawErrorTable(data) {
+  const {parts, controllers} = data.error_split;
+  const table = byId("error-table");
+  table.style.setProperty("--controllers", data.controllers.length);
+  const row = (label, text, sum) => element("tr", {class: sum ? "sum" : null},
+    element("th", {scope: "row"}, ...label),
+    ...controllers.map((split) => element("td", {},
+      element("span", {class: "value"}, split ? text(split) : "–"),
+      element("span", {class: "mark"}))));
+  table.append(
+    element("thead", {}, element("tr", {}, element("th", {scope: "col"},
+      element("span", {class: "hidden-text"}, "Cause")),
+      ...data.controllers.map((_, c) => controllerHead(data, c)))),
+    element("tbody", {},
+      ...parts.map((part, i) => row(
+        [element("span", {class: "swatch", style: `--colour: ${splitColour(i)}`}), capital(part)],
+        (split) => formatPercent(split[i] / splitWhole(split)), false)),
+      row(["Squared error ", element("span", {class: "unit"}, "deg²")],
+        (split) => formatNumber(splitWhole(split)), true)));
+}
+
+function drawErrorSplit(data) {
+  drawErrorTable(data);
+  drawErrorBars(data);
+}

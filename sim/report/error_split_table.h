@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/study/summary.h"
+
+namespace gauntlet::sim {
+
+/// The mean square error of a controller by its cause, in the order of TrackingErrorParts() [deg^2]: means
+/// over joints and seeds, which sum to the whole. Empty where there is no split.
+std::vector<double> ErrorByCause(const ControllerSummary& controller);
+
+/// Which share of the squared error each cause has, for a person at a terminal: a line per
+/// controller. Empty where no controller has a split.
+std::string ErrorSplitTable(const Summary& summary);
+
+}  // namespace gauntlet::sim
