@@ -13,6 +13,7 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kAfterLimit_s = 0.25;
+constexpr double kShortestLimit_s = 0.02;
 constexpr double kLargestDelay_s = 0.5;
 constexpr double kLeastFit_s = 0.5;
 constexpr double kSearchRate_hz = 100.0;  // hands move below 10 Hz
@@ -25,7 +26,7 @@ struct Joint {
   std::span<const double> reference;
   std::span<const double> hand;
   std::span<const double> noise_free_hand;
-  Ticks free;  // 0 while one of its motors gives all it has, and a while after
+  Ticks free;  // 0 while one of its motors is at its limit, and a while after
 };
 
 /// hand(t) ~ constant + gain * reference(t - delay).
@@ -40,14 +41,23 @@ std::span<const double> Column(const Signal& signal, int column, Eigen::Index ro
 }
 
 Ticks FreeTicks(const ScoreInput& input, int joint, Eigen::Index rows) {
-  const auto after = static_cast<Eigen::Index>(std::lround(kAfterLimit_s * input.rate_hz));
+  const auto in_ticks = [&](double time_s) {
+    return static_cast<Eigen::Index>(std::lround(time_s * input.rate_hz));
+  };
+  const Eigen::Index shortest =
+      std::max<Eigen::Index>(1, in_ticks(std::max(kShortestLimit_s, 0.001 * input.frame_ms)));
   Ticks free(static_cast<std::size_t>(rows), 1);
   for (const int motor : input.motors_of_joint[static_cast<std::size_t>(joint)]) {
     const int* at_limit = input.noise_free_motor_at_limit->col(motor).data();
-    Eigen::Index until = 0;
-    for (Eigen::Index n = 0; n < rows; ++n) {
-      if (at_limit[n] != 0) until = n + after + 1;
-      if (n < until) free[static_cast<std::size_t>(n)] = 0;
+    for (Eigen::Index begin = 0; begin < rows; ++begin) {
+      if (at_limit[begin] == 0) continue;
+      Eigen::Index end = begin;
+      while (end < rows && at_limit[end] != 0) ++end;
+      if (end - begin >= shortest) {
+        const Eigen::Index until = std::min(rows, end + in_ticks(kAfterLimit_s));
+        std::fill(free.begin() + begin, free.begin() + until, 0);
+      }
+      begin = end;
     }
   }
   return free;

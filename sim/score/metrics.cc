@@ -85,7 +85,7 @@ constexpr MetricRow kRows[] = {
       .main = true},
      [](const ScoredJoint& j) { return kDegPerRad * Rms(j.trembling_rad); }},
     {{.key = "noise_jitter_rms_deg",
-      .help = "trembling that the glove's noise adds, RMS: what a filter can take away",
+      .help = "trembling that the glove's noise makes, RMS: not that of frames and limits",
       .definition = "jitter_rms_deg of the hand less the hand of the same trial with a noise-free "
                     "glove",
       .main = true},
@@ -251,9 +251,11 @@ constexpr MetricRow kRows[] = {
       .definition = "the same with p = (b - 1) (reference(t - d) less its mean)"},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kGain)); }},
     {{.key = "error_limit_deg2",
-      .help = "error while a motor gives all it has, and 250 ms after, mean square",
-      .definition = "the same with p = what the fit leaves of the hand with a noise-free glove, "
-                    "while one of the joint's motors is at its limit there and 250 ms after"},
+      .help = "error while a motor is at its limit, and 250 ms after, mean square",
+      .definition =
+          "the same with p = what the fit leaves of the hand with a noise-free glove, "
+          "while one of the joint's motors gives all it has there for a whole command frame on "
+          "end, and 250 ms after"},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kLimit)); }},
     {{.key = "error_frames_deg2",
       .help = "error of the staircase of command frames and counts, mean square",
