@@ -139,7 +139,7 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * Rms(j.trembling_rad); }},
     {{.key = "noise_jitter_rms_deg",
-      .help = "trembling that the glove's noise adds, RMS: what a filter can take away",
+      .help = "trembling that the glove's noise makes, RMS: not that of frames and limits",
       .definition = "jitter_rms_deg of the hand less the hand of the same trial with a noise-free "
                     "glove",
       .main = true,
@@ -333,9 +333,11 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kGain)); }},
     {{.key = "error_limit_deg2",
-      .help = "error while a motor gives all it has, and 250 ms after, mean square",
-      .definition = "the same with p = what the fit leaves of the hand with a noise-free glove, "
-                    "while one of the joint's motors is at its limit there and 250 ms after",
+      .help = "error while a motor is at its limit, and 250 ms after, mean square",
+      .definition =
+          "the same with p = what the fit leaves of the hand with a noise-free glove, "
+          "while one of the joint's motors gives all it has there for a whole command frame on "
+          "end, and 250 ms after",
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kLimit)); }},
     {{.key = "error_frames_deg2",

@@ -48,6 +48,7 @@ struct ScoreInput {
   const Signal* noise_free_motor_speed_rad_s = nullptr;      // ticks x motors
   const IntegerSignal* noise_free_motor_at_limit = nullptr;  // ticks x motors: 1 or 0
   std::span<const std::vector<int>> motors_of_joint = {};    // per joint: those that turn it
+  double frame_ms = 20.0;                                    // time between two commands
   double jitter_above_hz = ScoreConfig{}.jitter_above_hz;    // where trembling begins
   std::span<const double> stall_tension_n = {};              // per cable: of its motor at stall
 };

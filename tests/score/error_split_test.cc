@@ -193,6 +193,7 @@ TEST(ErrorSplit, CountsAQuarterOfASecondAfterALimitAndTheMotorsOfTheJointOnly) {
   IntegerSignal at_limit = IntegerSignal::Zero(kTicks, 2);
   at_limit.block(20300, 0, 100, 1).setConstant(1);   // and 250 more
   at_limit.block(20000, 1, 1000, 1).setConstant(1);  // of a motor that turns another joint
+  at_limit.block(20050, 0, 19, 1).setConstant(1);    // a kick
   ScoreInput input = trial.Input();
   input.noise_free_motor_at_limit = &at_limit;
   Fourier fourier;
@@ -204,6 +205,10 @@ TEST(ErrorSplit, CountsAQuarterOfASecondAfterALimitAndTheMotorsOfTheJointOnly) {
               0.35 * all * (5.0 - constant_deg) / 5.0, 1e-6);
   EXPECT_NEAR(kDegPerRad * kDegPerRad * split.Of(ErrorCause::kConstant),
               5.0 * constant_deg * 1000.0 / kTicks, 1e-6);
+  input.frame_ms = 101.0;  // then a motor at its limit for 100 ms has not missed a command
+  EXPECT_EQ(SplitErrors(input, fourier).at(0).Of(ErrorCause::kLimit), 0.0);
+  input.frame_ms = 1.0;  // but 20 ms are what it takes
+  EXPECT_EQ(SplitErrors(input, fourier).at(0).Of(ErrorCause::kLimit), split.Of(ErrorCause::kLimit));
 }
 
 TEST(ErrorSplit, OfPlayIsDelayAndRest) {
