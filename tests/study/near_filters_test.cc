@@ -9,7 +9,7 @@ namespace {
 
 TEST(Summary, TiesFiltersThatDifferByNothingThatMatters) {
   Scenario scenario =
-      LoadScenario(SourceDir() + "/scenarios/random_motion.yaml", {"glove.motion.duration_s=3"});
+      LoadScenario(SourceDir() + "/scenarios/random_motion.yaml", {"glove.motion.duration_s=2"});
   scenario.controllers.clear();
   for (const double q : {0.0100, 0.0101, 0.0102}) {
     controller::KalmanConfig kalman;
@@ -23,17 +23,19 @@ TEST(Summary, TiesFiltersThatDifferByNothingThatMatters) {
   scenario.baseline.clear();
   const Study study = PrepareStudy(std::move(scenario));
   const StudyResult result =
-      RunStudy(study, {.seeds = 6, .jobs = 2, .progress = {}, .keep_first_traces = false});
+      RunStudy(study, {.seeds = 4, .jobs = 2, .progress = {}, .keep_first_traces = false});
   const Summary summary = Summarise(study, result);
   int scores = 0;
   for (const ControllerSummary& controller : summary.controllers) {
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
-      if (controller.rank[m] == 0) continue;  // nothing is gripped here
+      EXPECT_NE(controller.to_best[m].judgement, Judgement::kWorse) << Metrics()[m].key;
+      // In so short a motion some seeds have no start from rest; nothing is gripped at all.
+      if (controller.summary[m].count < std::ssize(result.seeds)) continue;
       EXPECT_TRUE(controller.as_good_as_best[m]) << controller.name << " " << Metrics()[m].key;
       ++scores;
     }
   }
-  EXPECT_GT(scores, 3 * 20);
+  EXPECT_GT(scores, 3 * 15);
   EXPECT_NE(summary.controllers[0].summary[0].mean, summary.controllers[2].summary[0].mean);
 }
 
