@@ -581,6 +581,9 @@ def compare(folder):
         context = Context(folder, trace)
         for controller in scores["controllers"]:
             name = controller["name"]
+            if controller["health"] != "ok":
+                print(f"{folder}: {name} was stopped early and has no scores")
+                continue
             rows, of_hand = rescore(trace, name, scores["measured_joints"], context)
             for row, theirs in controller["channels"].items():
                 for metric, value in theirs.items():
