@@ -34,6 +34,8 @@ FLOOR = 1e-5
 # The same for what is split by thresholds of the wearer's angle and speed (60 deg/s, the turning point of a slow
 # movement): a 32-bit float passes them some ticks earlier or later.
 FLOOR_OF_SPLIT_DEG = 0.003
+# The same for a part of the error: such a float times an error of some deg.
+FLOOR_OF_PART_DEG2 = 1e-4
 ERROR_PARTS = [f"error_{cause}_deg2"
                for cause in ("delay", "constant", "gain", "limit", "frames", "noise", "rest")]
 NO_SUMMARY = {"tension_peak_n"}  # a finger's cable and a shoulder's are not alike
@@ -567,6 +569,8 @@ def difference(metric, theirs, ours):
     if np.isnan(theirs) or np.isnan(ours):
         return 0.0 if np.isnan(theirs) and np.isnan(ours) else float("inf")
     floor = FLOOR_OF_SPLIT_DEG if SPLIT.fullmatch(metric) else FLOOR
+    if metric in ERROR_PARTS:
+        floor = FLOOR_OF_PART_DEG2
     return abs(theirs - ours) / max(abs(theirs), abs(ours)) if abs(theirs - ours) > floor else 0.0
 
 
@@ -581,6 +585,9 @@ def compare(folder):
         context = Context(folder, trace)
         for controller in scores["controllers"]:
             name = controller["name"]
+            if controller["health"] != "ok":
+                print(f"{folder}: {name} was stopped early and has no scores")
+                continue
             rows, of_hand = rescore(trace, name, scores["measured_joints"], context)
             for row, theirs in controller["channels"].items():
                 for metric, value in theirs.items():
