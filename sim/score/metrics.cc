@@ -281,7 +281,8 @@ constexpr MetricRow kRows[] = {
      [](const ScoredMotor& m) { return SpectralCentroid(m.noise_rad_s, m.rate_hz, m.fourier); }},
     {{.key = "saturation_share",
       .help = "how often the servo gives all it has",
-      .definition = "share of samples at the torque limit",
+      .definition =
+          "share of samples in which the servo wants more torque than it has at this speed",
       .relevant_difference = kShareOfTime},
      [](const ScoredMotor& m) { return m.saturation_share.value_or(kNoScore); }},
     {{.key = "slack_share",

@@ -49,6 +49,11 @@ def rms(x):
     return np.sqrt(np.mean(np.square(x))) if len(x) else NAN
 
 
+def half_up(x):
+    """To the nearest whole number; halves away from 0."""
+    return int(np.copysign(np.floor(abs(x) + 0.5), x))
+
+
 def fast_size(least):
     """The smallest 4^a 3^b 5^c that is not below `least`."""
     best = None
@@ -236,14 +241,14 @@ def smoothness(hand, rate_hz, movements, delay):
     smooth = signal.fftconvolve(hand, weights, mode="valid")
     velocity = 0.5 * rate_hz * (smooth[2:] - smooth[:-2])  # velocity[0] belongs to sample `reach`
     step = max(1, round(rate_hz / 100.0))
-    velocity, rate = velocity[::step], rate_hz / step
+    rate = rate_hz / step
     found = []
     for movement in movements:
-        begin, end = (int(np.ceil((sample + delay - reach) / step))
-                      for sample in (movement.begin, movement.end))
-        if begin < 0 or end > len(velocity) or end - begin < int(0.2 * rate):
+        begin = movement.begin + half_up(delay) - reach
+        at = begin + step * np.arange(half_up((movement.end - movement.begin) / step))
+        if begin < 0 or len(at) < int(0.2 * rate) or at[-1] >= len(velocity):
             continue
-        both = sparc(velocity[begin:end], rate), ldlj(velocity[begin:end], rate)
+        both = sparc(velocity[at], rate), ldlj(velocity[at], rate)
         if np.all(np.isfinite(both)):
             found.append(both)
     return tuple(np.mean(found, axis=0)) if found else (NAN, NAN)
@@ -268,7 +273,7 @@ def ldlj(velocity, rate_hz):
 
 def overshoot(reference, hand, rate_hz, movements, delay):
     offset = np.mean(hand - reference)
-    late = int(np.floor(max(0.0, delay or 0.0) + 0.5))
+    late = half_up(max(0.0, delay or 0.0))
     found = []
     for i, movement in enumerate(movements):
         if movement.end + late + 1 >= len(hand):
