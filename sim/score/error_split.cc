@@ -96,7 +96,7 @@ double FindDelay(const Joint& joint, const VectorXd& counting, Fourier& fourier)
   const double half_period =
       0.5 * DominantPeriod({reference.data(), static_cast<std::size_t>(size)}, fourier);
   const auto bound = static_cast<Index>(
-      std::min({static_cast<double>(size / 4), kLargestDelay_s * rate_hz, half_period}));
+      std::min({0.25 * static_cast<double>(size), kLargestDelay_s * rate_hz, half_period}));
   const Index compared = size - 2 * bound;
   // A block counts if all its ticks do.
   const VectorXd weights = Means(counting, step).segment(bound, compared).array().floor();
