@@ -7,8 +7,8 @@
 
 namespace gauntlet::sim {
 
-/// The mean square error of a controller by its cause, in the order of TrackingErrorParts() [deg^2]: means
-/// over joints and seeds, which sum to the whole. Empty where there is no split.
+/// The mean square error of a controller by its cause, in the order of TrackingErrorParts(): means
+/// over joints and seeds [deg^2], which sum to the whole. Empty where there is no split.
 std::vector<double> ErrorByCause(const ControllerSummary& controller);
 
 /// Which share of the squared error each cause has, for a person at a terminal: a line per

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <ranges>
 #include <vector>
 
 #include "sim/report/error_split_table.h"
@@ -360,7 +359,12 @@ std::string WhatVaries(const StudyResult& result) {
   const std::string moved = motions == 1 ? "one motion" : fmt::format("{} motions", motions);
   if (result.seeds_alike) return moved + ", nothing drawn at random";
   if (motions == 1) return fmt::format("{}, {} noises", moved, result.seeds.size());
-  const auto [fewest, most] = std::ranges::minmax(seeds_of | std::views::values);
+  int fewest = std::ssize(result.seeds);
+  int most = 0;
+  for (const auto& [motion, seeds] : seeds_of) {
+    fewest = std::min(fewest, seeds);
+    most = std::max(most, seeds);
+  }
   if (most == 1) return moved + ", one noise each";
   if (fewest == most) return fmt::format("{}, {} noises each", moved, most);
   return fmt::format("{}, {} to {} noises each", moved, fewest, most);

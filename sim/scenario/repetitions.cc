@@ -81,7 +81,7 @@ void Repetitions::Rotate(int steps) {
   const int count = static_cast<int>(gloves.size());
   if (count == 0) return;
   const int first = ((steps % count) + count) % count;
-  std::ranges::rotate(gloves, gloves.begin() + first);
+  std::rotate(gloves.begin(), gloves.begin() + first, gloves.end());
 }
 
 std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlSource& source) {

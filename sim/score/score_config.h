@@ -14,7 +14,7 @@ struct ScoreConfig {
   /// would not hold it.
   double jitter_above_hz = 10.0;
 
-  /// Before every trial the same one runs with a noise-free glove: what noise adds is the difference.
+  /// Before every trial the same one runs with a noise-free glove: noise adds the difference.
   bool noise_free_twin = true;
 
   void Visit(controller::SettingsVisitor& visitor);

@@ -51,8 +51,8 @@ YAML::Node ParseYamlFile(const std::filesystem::path& file);
 /// The part of the tree that a path of keys leads to, as far as the tree has it.
 YAML::Node NodeAt(const YAML::Node& root, std::string_view path);
 
-/// Puts `value` at the end of a path of keys over the tree, as ApplyOverride() does. `place` is that
-/// of a mistake in the path. Errors: UserError. Returns the path as a reader has it.
+/// Puts `value` at the end of a path of keys over the tree, as ApplyOverride() does. `place` is
+/// that of a mistake in the path. Errors: UserError. Returns the path as a reader has it.
 std::string PutOver(YAML::Node& root, const std::string& path, const YAML::Node& value,
                     const std::string& place, YamlSource& source);
 

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <limits>
 #include <mutex>
-#include <ranges>
 #include <system_error>
 #include <thread>
 
@@ -236,11 +235,12 @@ void NumberMotions(const Repeats& repeats, StudyResult& result) {
 
 void FindDurations(const Study& study, StudyResult& result) {
   const std::size_t used = std::min(study.repetitions.size(), result.seeds.size());
-  const auto [shortest, longest] = std::ranges::minmax(std::span(study.repetitions).first(used) |
-                                                       std::views::transform(&GloveFacts::ticks));
+  const auto [shortest, longest] = std::ranges::minmax_element(
+      study.repetitions.begin(), study.repetitions.begin() + static_cast<std::ptrdiff_t>(used), {},
+      &GloveFacts::ticks);
   const double rate_hz = study.hand->timing().tick_rate_hz();
-  result.shortest_s = static_cast<double>(shortest) / rate_hz;
-  result.longest_s = static_cast<double>(longest) / rate_hz;
+  result.shortest_s = static_cast<double>(shortest->ticks) / rate_hz;
+  result.longest_s = static_cast<double>(longest->ticks) / rate_hz;
 }
 
 Eigen::Index LongestTicks(const Study& study) {

@@ -55,7 +55,8 @@ TrialSetup SetupOf(const Study& study, const NamedController& named);
 /// Errors: SettingError `video.camera` for another that the model does not have.
 void ChooseVideoCamera(const HandModel& hand, std::string& camera);
 
-/// Builds hand, glove (of the first seed of every repetition) and every controller. Errors: UserError, SettingError.
+/// Builds hand, glove (of the first seed of every repetition) and every controller.
+/// Errors: UserError, SettingError.
 Study PrepareStudy(Scenario scenario);
 
 class StudyDatabase;
@@ -77,8 +78,8 @@ struct SeedOutcome {
 struct StudyOptions {
   int seeds = 1;  // seed, seed + 1, ...
   int jobs = 1;
-  /// Gets trials done (with fractions of the running ones) and trials in all, twins counted. Called from any
-  /// thread, one at a time. False stops: RunStudy throws Cancelled.
+  /// Gets trials done (with fractions of the running ones) and trials in all, twins counted. Called
+  /// from any thread, one at a time. False stops: RunStudy throws Cancelled.
   std::function<bool(double, int)> progress;
   /// Gets a line for the user about what went otherwise than asked and changes no result. May be
   /// empty.

@@ -10,11 +10,11 @@
 namespace gauntlet::sim {
 
 /// Writes `trace.h5`: HDF5, a group `/glove` and one group per controller below `/controllers`;
-/// every signal is a dataset, rows x columns, of 32-bit floats or integers (flags: 8 bits), with the
-/// attributes `unit`, `rate_hz` (of its rows: ticks, for `/glove/counts` samples) and `columns` (their names).
-/// `/glove/faults` and `/glove/segments` are tables: what was wrong with the glove in which
-/// samples, and which ticks of the motion the scenario labels. The file appears when Commit() has
-/// been called. Errors: RunError with the path when the disk does not take it.
+/// every signal is a dataset, rows x columns, of 32-bit floats or integers (flags: 8 bits), with
+/// the attributes `unit`, `rate_hz` (of its rows: ticks, for `/glove/counts` samples) and `columns`
+/// (their names). `/glove/faults` and `/glove/segments` are tables: what was wrong with the glove
+/// in which samples, and which ticks of the motion the scenario labels. The file appears when
+/// Commit() has been called. Errors: RunError with the path when the disk does not take it.
 class TraceWriter {
  public:
   TraceWriter(const std::filesystem::path& target, const GloveSignal& glove,

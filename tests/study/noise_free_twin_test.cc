@@ -17,8 +17,8 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Five sensors at 33.3 Hz, with tremor, noise of every kind and faults; no controller is raw, and r
-/// is given, as its default is the scenario's noise.
+/// Five sensors at 33.3 Hz, with tremor, noise of every kind and faults; no controller is raw, and
+/// r is given, as its default is the scenario's noise.
 Scenario SlowGlove(const std::string& more_of_glove = "", double duration_s = 0.8) {
   return ParseScenario(
       {.file = "s.yaml",
