@@ -71,7 +71,12 @@ struct Cell {
 
 Cell MakeCell(const Summary& summary, const ControllerSummary& controller, std::size_t metric) {
   Cell cell{.value = Short(controller.summary[metric].mean), .difference = ""};
-  if (summary.one_run || summary.controllers.size() < 2) return cell;
+  if (summary.one_run) return cell;
+  if (summary.controllers.size() == 1) {  // has nobody to differ from
+    const MeanInterval& own = controller.summary[metric];
+    if (std::isfinite(own.low)) cell.difference = fmt::format("±{}", Short(own.high - own.mean));
+    return cell;
+  }
   const Comparison& to_best = controller.to_best[metric];
   cell.difference = DifferenceText(to_best.difference);
   if (controller.as_good_as_best[metric]) {
@@ -286,7 +291,10 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
   if (summary.one_run) return {ReasonForNoChance(finished.result)};
   std::vector<std::string> notes;
-  if (summary.controllers.size() > 1) {
+  if (summary.controllers.size() == 1) {
+    notes.emplace_back("± half of the 95 % interval of the mean.");
+  }
+  if (summary.pairs > 0) {
     notes.push_back(fmt::format(
         "Differences are to the best of the column, paired by seed, ± half of the interval that "
         "decides: those of all {} pairs hold together with 95 % (Bonferroni).",
@@ -387,7 +395,7 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
   out += fmt::format("{}, {}; {}; reference: {}\n\n", DurationText(result),
                      Measured(finished.study), seeds, result.reference_name);
   AppendRows(summary, colour, out);
-  if (!summary.one_run && summary.controllers.size() > 1) out += Legend(summary) + "\n";
+  if (summary.pairs > 0) out += Legend(summary) + "\n";
   for (const std::string& failure : Failures(summary, result.seeds.size())) out += failure + "\n";
   AppendMissingSeeds(result, summary, out);
   for (const std::string& note : Notes(finished)) out += Wrapped(note) + "\n";

@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
     Truth truth;
     double scatter_size;
   };
+  // The last two are the hardest for "better" and "worse", and for "equal".
   constexpr Case kCases[] = {
       {"Equal, slightly and clearly different, a third each", Truth::kMixed, 0.3},
       {"The same with more scatter", Truth::kMixed, 1.0},

@@ -66,6 +66,13 @@ TEST(ScoreTable, ShowsTheDifferenceThatItsStarsComeFrom) {
   EXPECT_TRUE(made.summary.controllers[2].IsWorseThanBaseline(tracking));
 }
 
+TEST(ScoreTable, OfOneControllerShowsItsOwnInterval) {
+  const test::MadeUpStudy made = test::MakeUpStudy({.controllers = 1});
+  EXPECT_THAT(ScoreTable(made, false),
+              AllOf(HasSubstr("±0."), HasSubstr("95 % interval of the mean"),
+                    Not(HasSubstr("best")), Not(HasSubstr("pairs"))));
+}
+
 TEST(ScoreTable, OfSixMetricsFitsAHundredColumns) {
   const test::MadeUpStudy made = test::MakeUpStudy({.controllers = 4});
   std::istringstream table(ScoreTable(made, false));

@@ -110,11 +110,11 @@ class Simulation {
           const double truth = truth_[m][a] - truth_[m][b];
           const double gain = Metrics()[m].lower_is_better ? -truth : truth;
           const double d = RelevantDifferenceBetween(Metrics()[m], truth_[m][a], truth_[m][b]);
-          const Judgement judgement = summary.Of(m, a, b).judgement;
+          const auto& [difference, printed_d, judgement] = summary.Of(m, a, b);
           const bool wrong = (judgement == Judgement::kBetter && gain <= 0.0) ||
                              (judgement == Judgement::kWorse && gain >= 0.0);
           const bool matters = std::abs(truth) >= d * (1.0 - 1e-9);
-          const bool wrongly_equal = judgement == Judgement::kEqual && matters;
+          const bool wrongly_equal = judgement == Judgement::kEqual && std::abs(truth) >= printed_d;
           false_step |= wrong;
           false_equal |= wrongly_equal;
           auto& verdicts = outcome_.of_truth[truth == 0.0 ? 0 : matters ? 2 : 1];

@@ -37,7 +37,7 @@ struct ComparisonsShape {
 struct ComparisonsOutcome {
   double coverage = 0.0;            // of the 95 % interval of the paired difference
   double false_better_worse = 0.0;  // of studies with one where the truth is equal or the reverse
-  double false_equal = 0.0;         // of studies with one where the truth is D or more
+  double false_equal = 0.0;         // of studies with one where the truth is the printed D or more
   double false_verdict = 0.0;       // of studies with one of either
   /// How pairs whose truth is equal, slightly and clearly different are judged: shares of what is right
   /// (in the direction of the truth), equal, undecided, wrong.
