@@ -40,8 +40,8 @@ struct ErrorSplit {
 /// step of the staircase.
 ///
 /// d, a and b are found by least squares over the ticks that are not `limit`, or over all where
-/// these are less than half a second in all. |d| is at most half the dominant period of r, a quarter
-/// of the signal and 0.5 s. Where there is no such delay (as for a hand or a reference that moves by
+/// these are less than half a second. |d| is at most half the dominant period of r, a quarter of
+/// the signal and 0.5 s. Where there is no such delay (as for a hand or a reference that moves by
 /// less than 0.1 deg RMS) d is 0, and without a reference that moves b is 1.
 ///
 /// None without the noise-free hand, its motors' limits and the motors of each joint.
