@@ -30,7 +30,7 @@ class RepetitionsCliTest : public testing::Test {
            "repetitions:\n  glove.motion:\n"
            "    - {kind: hold, duration_s: 0.2}\n"
            "    - {kind: random, duration_s: 0.25}\n"
-           "    - {kind: bursts, duration_s: 0.3}\n"
+           "    - {kind: steps, duration_s: 0.3}\n"
            "controllers:\n  mean:\n    filter: {kind: moving_average, window: 2}\n"
            "  median:\n    filter: {kind: median, window: 3}\n";
   }

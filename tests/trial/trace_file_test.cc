@@ -121,6 +121,7 @@ TEST_F(TraceFileTest, HoldsTheNoiseFreeTwinAndOneByteForEveryFlag) {
   writer.Add(trace, &twin);
   writer.Add(MakeTrace("kalman"));
   writer.Commit();
+  EXPECT_EQ(ReadTraceFile(file_).traces.size(), 2u);
   const H5::H5File file(file_.string(), H5F_ACC_RDONLY);
   const H5::Group raw = file.openGroup("controllers/raw");
   for (const char* name : {"motor_at_limit", "noise_free_motor_at_limit"}) {
@@ -135,7 +136,6 @@ TEST_F(TraceFileTest, HoldsTheNoiseFreeTwinAndOneByteForEveryFlag) {
   EXPECT_EQ(first_row("noise_free_spool_speed_rad_s"), Stored(twin.spool_speed_rad_s.topRows(1)));
   EXPECT_EQ(first_row("noise_free_motor_at_limit").sum(), 0.0);
   EXPECT_FALSE(file.openGroup("controllers/kalman").nameExists("noise_free_motor_at_limit"));
-  EXPECT_EQ(ReadTraceFile(file_).traces.size(), 2u);
 }
 
 TEST_F(TraceFileTest, ReadsOneOfAnEarlierVersionWithoutLimits) {
