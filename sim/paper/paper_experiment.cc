@@ -370,14 +370,16 @@ PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
   std::vector<std::string> overrides;
   if (options.quick) overrides.push_back("glove.motion.duration_s=6");
   experiment.finished.study = PrepareStudy(LoadScenario(options.scenario, overrides));
-  overrides.insert(overrides.end(),
-                   {"hand.servo.resolution_bits=16", "hand.servo.dead_band_deg=0"});
+  overrides.insert(overrides.end(), {"hand.servo.resolution_bits=16", "hand.servo.dead_band_deg=0",
+                                     "score.noise_free_twin=false"});  // no claim needs them here
   Scenario precise = LoadScenario(options.scenario, overrides);
   std::erase_if(precise.controllers, [](const NamedController& named) {
     return named.name != "raw" && named.name != "paper_kalman";
   });
   const Study precise_study = PrepareStudy(std::move(precise));
-  Scenario bursts = LoadScenario(options.scenario.parent_path() / "fast_bursts.yaml", {});
+  std::vector<std::string> of_bursts = {"score.noise_free_twin=false"};
+  if (options.quick) of_bursts.emplace_back("glove.motion.bursts=1");
+  Scenario bursts = LoadScenario(options.scenario.parent_path() / "fast_bursts.yaml", of_bursts);
   bursts.controllers = experiment.finished.study.scenario.controllers;
   std::erase_if(bursts.controllers, [](const NamedController& named) {
     return named.name != "tuned_kalman" && named.name != "prediction";

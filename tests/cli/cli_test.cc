@@ -104,7 +104,7 @@ TEST_F(CliTest, RunPrintsATableAndWritesTheFiles) {
   const ProgramResult result = ShortRun({"run", kScenarios + "random_motion.yaml", "--out", "a"});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_THAT(result.standard_output,
-              AllOf(HasSubstr("tracking_rmse_deg"), HasSubstr("raw"), HasSubstr("paper_kalman"),
+              AllOf(HasSubstr("tracking "), HasSubstr("raw"), HasSubstr("paper_kalman"),
                     HasSubstr("One seed tells nothing about chance")));
   for (const char* name :
        {"report.html", "scores.json", "scores.csv", "trace.h5", "scenario.resolved.yaml"}) {
