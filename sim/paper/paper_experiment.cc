@@ -219,7 +219,8 @@ std::vector<double> Reduction(const StudyResult& result, std::string_view metric
   return percent;
 }
 
-/// "jitter_rms_deg 0.235 -> 0.421": the main metrics in which the second controller is worse.
+/// "jitter_rms_deg 0.235 -> 0.421": the main metrics in which the second controller is worse, or
+/// may be, as the mean is by what matters.
 std::string CostsOf(const FinishedStudy& finished, const std::string& before,
                     const std::string& after) {
   const std::size_t first = ControllerIndex(finished.result, before);
@@ -228,10 +229,15 @@ std::string CostsOf(const FinishedStudy& finished, const std::string& before,
   std::string costs;
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
     if (!Metrics()[m].main) continue;
-    if (finished.summary.Of(m, second, first).judgement != Judgement::kWorse) continue;
+    const auto& [difference, relevant_difference, judgement] =
+        finished.summary.Of(m, second, first);
+    const double more = Metrics()[m].lower_is_better ? difference.mean : -difference.mean;
+    const bool undecided = judgement == Judgement::kUndecided && more >= relevant_difference;
+    if (judgement != Judgement::kWorse && !undecided) continue;
     if (!costs.empty()) costs += ", ";
     costs += fmt::format("{} {} -> {}", Metrics()[m].key, Short(controllers[first].summary[m].mean),
                          Short(controllers[second].summary[m].mean));
+    if (undecided) costs += " (undecided)";
   }
   return costs;
 }
