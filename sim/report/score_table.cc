@@ -199,7 +199,7 @@ std::string Legend(const Summary& summary) {
   return legend;
 }
 
-/// "97 % the motions' and 3 % the noise's", as a mean over controllers; empty where it is not known.
+/// "97 % the motions' and 3 % the noise's", a mean over controllers; empty where it is not known.
 std::string SharesText(const Summary& summary, const auto& interval_of) {
   double sum = 0.0;
   int count = 0;

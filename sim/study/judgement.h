@@ -48,9 +48,9 @@ Judgement JudgeDifference(const MeanInterval& difference, double relevant_differ
 /// The error that all questions of one family together may make.
 constexpr double kFamilyError = 0.05;
 
-/// Answers all questions of one family, in their order. Of m that can be answered every interval has
-/// the level 1 - 0.05 / m (Bonferroni), so that all of them together hold their truths in 95 % of
-/// families, and with them all that is read from them: better, worse and equal, of pairs chosen
+/// Answers all questions of one family, in their order. Of m that can be answered every interval
+/// has the level 1 - 0.05 / m (Bonferroni), so that all of them together hold their truths in 95 %
+/// of families, and with them all that is read from them: better, worse and equal, of pairs chosen
 /// before or after. Holm's steps would give narrower intervals to what is rejected, which hold
 /// together no more, so that "equal" could not be read from them.
 /// Source: Dunn 1961, doi 10.1080/01621459.1961.10482090.

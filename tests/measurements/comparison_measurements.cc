@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <string>
+#include <string_view>
 
 #include "tests/study/simulated_comparisons.h"
 
@@ -58,6 +59,7 @@ int main(int argc, char** argv) {
       {"All equal", Truth::kEqual, 3.0},
       {"All equal, or different by what just matters", Truth::kAtLimit, 0.3}};
   for (const auto& [title, truth, scatter_size] : kCases) {
+    if (argc > 2 && std::string_view(title).find(argv[2]) == std::string_view::npos) continue;
     PrintHead(title);
     shape.truth = truth;
     shape.scatter_size = scatter_size;

@@ -18,9 +18,9 @@ enum class Scatter { kNormal, kSkewed };
 ///
 ///     value = mean + 3 D motion_g + 3 D seed_i + scatter D (interaction_gc + noise_ic) / sqrt(2)
 ///
-/// Motion and seed are the same for all controllers. Without several motions there is no motion and no
-/// interaction. Effects are normal, or exponential with the mean taken off (skewness 2). The last two
-/// are the smaller the later the controller, as of a filter that takes more away: 1, 0.8, 0.6, 0.4;
+/// Motion and seed are the same for all controllers. Without several motions there is no motion
+/// and no interaction. Effects are normal, or exponential with the mean taken off (skewness 2). The
+/// last two are the smaller the later the controller, as of a filter that takes more away: 1, 0.8, 0.6, 0.4;
 /// so differences are skewed, too.
 struct ComparisonsShape {
   Truth truth = Truth::kMixed;
@@ -39,7 +39,8 @@ struct ComparisonsOutcome {
   double false_better_worse = 0.0;  // of studies with one where the truth is equal or the reverse
   double false_equal = 0.0;         // of studies with one where the truth is the printed D or more
   double false_verdict = 0.0;       // of studies with one of either
-  /// How pairs whose truth is equal, slightly and clearly different are judged: shares of what is right
+  /// How pairs whose truth is equal, slightly and clearly different are judged: shares of what is
+  /// right
   /// (in the direction of the truth), equal, undecided, wrong.
   struct Verdicts {
     double right = 0.0, equal = 0.0, undecided = 0.0, wrong = 0.0;
