@@ -175,16 +175,26 @@ struct TraceWriter::State {
     if (!file) return;  // committed, or never opened
     MakeRoom(atomic.temporary_path().string());
     try {
-      file->close();
+      Close();
+    } catch (const H5::Exception&) {  // the file is given up anyway
+    }
+  }
+  /// Closes the file once, whether or not that succeeds: closing again is what crashes.
+  /// Errors: H5::Exception.
+  void Close() {
+    std::unique_ptr<H5::H5File> closing = std::move(file);
+    try {
+      closing->close();
     } catch (const H5::Exception&) {
-      static_cast<void>(file.release());  // closing twice is what crashes
-      // HDF5 would do just that at the end of the program.
+      static_cast<void>(closing.release());
+      // HDF5 would close it again at the end of the program.
       on_exit(
           [](int exit_code, void*) {
             std::fflush(nullptr);
             _exit(exit_code);
           },
           nullptr);
+      throw;
     }
   }
   std::filesystem::path target;
@@ -250,8 +260,7 @@ void TraceWriter::Commit() {
   Guarded(state_->target, [&] {
     WriteTexts(*state_->file, "controllers", state_->controllers);
     state_->file->flush(H5F_SCOPE_GLOBAL);
-    state_->file->close();
-    state_->file.reset();
+    state_->Close();
   });
   state_->atomic.Commit();
 }
