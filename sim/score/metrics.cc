@@ -127,7 +127,6 @@ constexpr MetricRow kRows[] = {
     {{.key = "peak_error_deg",
       .help = "the largest distance between hand and wearer",
       .definition = "max |hand - reference|",
-      .main = true,
       .relevant_difference = kFeltPeak},
      [](const ScoredJoint& j) { return kDegPerRad * PeakDifference(j.reference_rad, j.hand_rad); }},
     {{.key = "jitter_rms_deg",
