@@ -53,6 +53,7 @@ class CliTest : public testing::Test {
     arguments.insert(arguments.begin(), kProgram);
     ProgramOptions options;
     options.working_directory = folder_.path();
+    options.timeout = std::chrono::minutes(5);  // reproduce, with sanitizers, on a busy machine
     return RunProgram(arguments, options);
   }
   ProgramResult ShortRun(std::vector<std::string> arguments) {
