@@ -20,8 +20,8 @@ enum class Scatter { kNormal, kSkewed };
 ///
 /// Motion and seed are the same for all controllers. Without several motions there is no motion
 /// and no interaction. Effects are normal, or exponential with the mean taken off (skewness 2). The
-/// last two are the smaller the later the controller, as of a filter that takes more away: 1, 0.8, 0.6, 0.4;
-/// so differences are skewed, too.
+/// last two are the smaller the later the controller, as of a filter that takes more away: 1, 0.8,
+/// 0.6, 0.4; so differences are skewed, too.
 struct ComparisonsShape {
   Truth truth = Truth::kMixed;
   Scatter scatter = Scatter::kNormal;

@@ -18,9 +18,9 @@ namespace gauntlet::sim {
 /// Source: what they add up to, 1.5 deg RMS, stands for a good glove that was calibrated with care.
 /// Gentner and Classen (J Neurosci Methods 178, 2009) found a mean standard deviation of 1.59 deg
 /// for a glove of resistive bend sensors, and an "overall error" of 4.96 deg, which we take for no
-/// RMS: it is as much larger as ten readings lie apart. VPL gave below 5 deg for its DataGlove model
-/// 4; the best calibrated CyberGlove III has an RMS error below 10 deg at most joints. How it is
-/// split is an assumption. Before calibration bend sensors differ far more: 30 % in resistance
+/// RMS: it is as much larger as ten readings lie apart. VPL gave below 5 deg for its DataGlove
+/// model 4; the best calibrated CyberGlove III has an RMS error below 10 deg at most joints. How it
+/// is split is an assumption. Before calibration bend sensors differ far more: 30 % in resistance
 /// (data sheet of Spectra Symbol's Flex Sensor, 2014).
 struct SensorConfig {
   double low_percent = 10.0;
