@@ -182,12 +182,13 @@ std::shared_ptr<const GloveSignal> NoiseFreeGlove(const Study& study, int seed) 
       WithoutNoise(GloveOf(study.scenario, seed)), static_cast<std::uint64_t>(seed)));
 }
 
-/// None of a trial that ended early.
-std::optional<NoiseFreeTwin> AsTwin(const Trace& trace) {
+/// None of a trial that ended early. Moves the signals of a trace that is not needed any more.
+template <class AnyTrace>
+std::optional<NoiseFreeTwin> AsTwin(AnyTrace&& trace) {
   if (!trace.health.ok) return std::nullopt;
-  return NoiseFreeTwin{.hand_angle_rad = trace.hand_angle_rad,
-                       .spool_speed_rad_s = trace.spool_speed_rad_s,
-                       .motor_at_limit = trace.motor_at_limit};
+  return NoiseFreeTwin{.hand_angle_rad = std::forward<AnyTrace>(trace).hand_angle_rad,
+                       .spool_speed_rad_s = std::forward<AnyTrace>(trace).spool_speed_rad_s,
+                       .motor_at_limit = std::forward<AnyTrace>(trace).motor_at_limit};
 }
 
 /// Which of the seeds differ, in what the wearer does and in anything at all.
@@ -302,7 +303,7 @@ class Schedule {
     const TwinSource twin_source = TwinOf(study_, seed.seed);
     std::call_once(glove.once, [&] {
       glove.signal = GloveOfSeed(study_, seed.seed);
-      glove.reference_rad = JointAngles(study_.joint_map(), glove.signal->true_angle_rad);
+      glove.reference_rad = ReferenceAngles(study_.joint_map(), glove.signal->true_angle_rad);
       if (twin_source == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed.seed);
     });
     std::optional<NoiseFreeTwin> twin;

@@ -119,9 +119,8 @@ int TrialCount(const Study& study, int seeds);
 /// Runs every controller on every seed, `jobs` trials at a time; repetitions take turns. Where
 /// nothing is drawn at random, as with the recording of a real glove, one seed of each repetition
 /// stands for all. Before a trial its noise-free twin runs, which the scores need: see ScoreInput.
-/// The result does not depend on
-/// jobs. Errors: RunError, before the first trial, where the signals find no room: see
-/// SignalStorage.
+/// The result does not depend on jobs. Errors: RunError, before the first trial, where the signals
+/// find no room: see SignalStorage.
 StudyResult RunStudy(const Study& study, const StudyOptions& options);
 
 }  // namespace gauntlet::sim

@@ -21,6 +21,16 @@ Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_
   return joints;
 }
 
+Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true_angle_rad) {
+  Signal reference = JointAngles(joint_map, true_angle_rad);
+  for (Eigen::Index joint = 0; joint < reference.cols(); ++joint) {
+    auto column = reference.col(joint);
+    column = column.cast<Stored<double>>().cast<double>().eval();
+    TrimSignals();
+  }
+  return reference;
+}
+
 Signal CommandAngles(const controller::TendonTransmission& transmission,
                      const IntegerSignal& command_counts) {
   controller::TendonMap map(transmission, true);

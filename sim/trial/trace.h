@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "sim/base/signal.h"
@@ -11,6 +12,13 @@ namespace gauntlet::sim {
 
 /// 1 where something is the case, else 0.
 using FlagSignal = SignalOf<std::uint8_t>;
+
+/// What stands in trace.h5 for a value in memory. Signals are kept with 24 significant bits: 1e-7
+/// of an angle is far below what any joint can show, every count of an ADC is exact, and a long
+/// trace takes half the disk and half the time. They are rounded when they are recorded, so whoever
+/// computes a score again from the file has the very numbers that it was computed from.
+template <class Scalar>
+using Stored = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>;
 
 /// Everything that happened in one trial, one row per tick.
 struct Trace {

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-#include <type_traits>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
@@ -19,12 +18,6 @@ namespace {
 
 template <class Scalar>
 using RowMajor = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// What stands in the file for a value in memory. Signals are kept with 24 significant bits: 1e-7
-/// of an angle is far below what any joint can show, every count of an ADC is exact, and a long
-/// trace takes half the disk and half the time.
-template <class Scalar>
-using Stored = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>;
 
 const H5::PredType& FileType(float) { return H5::PredType::IEEE_F32LE; }
 const H5::PredType& FileType(int) { return H5::PredType::STD_I32LE; }

@@ -16,7 +16,10 @@ TraceRecorder::TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumn
              },
          .move =
              [block, &matrix](Eigen::Index first, Eigen::Index count) {
-               matrix.middleRows(first, count) = block->leftCols(count).transpose();
+               matrix.middleRows(first, count) = block->leftCols(count)
+                                                     .transpose()
+                                                     .template cast<Stored<Scalar>>()
+                                                     .template cast<Scalar>();
              },
          .cut = [&matrix](Eigen::Index rows) { matrix.KeepRows(rows); }});
   });
