@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/stop.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -111,6 +112,7 @@ bool SignalStorage::FitsOnHeap() {
 }
 
 void SignalStorage::MapFile() {
+  TrimSignals();
   fs::path folder;
   int file = -1;
   for (const fs::path& candidate : Folders()) {
@@ -143,7 +145,6 @@ void SignalStorage::MapFile() {
   data_ = place;
   is_on_disk_ = true;
   bytes_on_disk += bytes_;
-  TrimSignals();
 }
 
 SignalStorage::~SignalStorage() {
@@ -198,6 +199,7 @@ SignalSpace FreeSignalSpace() {
 void TrimSignals() {
   // So few that they cannot be too many in memory.
   if (bytes_on_disk.load(std::memory_order_relaxed) <= limits.resident_bytes / 2) return;
+  ThrowIfStopped();
   if (ResidentFileBytes() <= limits.resident_bytes) return;
   const std::lock_guard lock(TheMappings().mutex);
   // Of a shared mapping of a file this forgets where the pages are, and not what is in them.

@@ -62,7 +62,9 @@ SignalSpace FreeSignalSpace();
 
 /// Takes signals on the disk out of memory if they have come to use much of it; nothing is lost,
 /// and what is touched again comes back. Whoever walks through long signals calls it every few
-/// megabytes, on any thread; it costs next to nothing while all signals are short.
+/// megabytes, on any thread; it costs next to nothing while all signals are short. As this is where
+/// long work passes again and again, it is also where it ends when it is asked to.
+/// Errors: Cancelled.
 void TrimSignals();
 
 }  // namespace gauntlet::sim

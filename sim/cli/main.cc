@@ -37,7 +37,6 @@ int Run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "\nExample:\n  gauntlet compare scenarios/door_opening.yaml --video\n\n"
-      "The start script also has: ./gauntlet test, which builds and runs all tests.\n"
       "Exit codes: 0 done, 1 the run failed or diff found a difference, 2 a mistake in what was "
       "asked.");
   sim::AddRunCommand(app);

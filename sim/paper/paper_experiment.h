@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/study/judgement.h"
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 #include "sim/study/summary.h"
 
 namespace gauntlet::sim {

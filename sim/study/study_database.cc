@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstring>
 #include <deque>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -21,8 +20,8 @@
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
-#include "sim/base/mathematics.h"
 #include "sim/base/stop.h"
+#include "sim/study/study_identity.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -71,47 +70,6 @@ constexpr const char* kTables = R"(
     SELECT seed, controller, channel, metric, value
     FROM score JOIN trial ON trial.id = score.trial WHERE newest = 1;
 )";
-
-/// The program's own bytes: another build may compute other bytes.
-const std::string& HashOfProgram() {
-  static const std::string kHash = [] {
-    std::ifstream file("/proc/self/exe", std::ios::binary);
-    Hash content;
-    content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
-    return content.Text();
-  }();
-  return kHash;
-}
-
-/// What all trials of a study share, whatever their seed, as text.
-std::string SharedSettings(const Study& study) {
-  Scenario scenario = study.scenario;
-  scenario.name.clear();
-  scenario.question.clear();
-  scenario.video = {};
-  scenario.made_with = {};
-  scenario.controllers.clear();
-  scenario.baseline.clear();  // judges trials, and changes none
-  return ScenarioToYaml(scenario);
-}
-
-std::string HashOfStudy(const Study& study) {
-  Hash hash;
-  hash.Add(SharedSettings(study));
-  hash.Add(study.hand->Hash());
-  for (const GloveFacts& glove : study.repetitions) hash.Add(glove.signal_hash);
-  hash.Add(HashOfProgram());
-  hash.Add(HashOfMathematics());
-  return hash.Text();
-}
-
-std::string HashOfSettings(const NamedController& controller) {
-  Scenario scenario;
-  scenario.controllers = {controller};
-  Hash hash;
-  hash.Add(ScenarioToYaml(scenario));
-  return hash.Text();
-}
 
 using Clock = std::chrono::steady_clock;
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
 

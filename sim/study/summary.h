@@ -6,7 +6,7 @@
 
 #include "sim/study/judgement.h"
 #include "sim/study/statistics.h"
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
 

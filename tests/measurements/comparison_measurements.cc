@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   constexpr Case kCases[] = {
       {"Equal, slightly and clearly different, a third each", Truth::kMixed, 0.3},
       {"The same with more scatter", Truth::kMixed, 1.0},
+      {"The same with most scatter", Truth::kMixed, 3.0},
       {"All equal", Truth::kEqual, 3.0},
       {"All equal, or different by what just matters", Truth::kAtLimit, 0.3}};
   for (const auto& [title, truth, scatter_size] : kCases) {

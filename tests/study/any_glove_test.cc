@@ -9,7 +9,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/signal.h"
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "sim/base/error.h"
 #include "sim/settings/setting_rows.h"
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 

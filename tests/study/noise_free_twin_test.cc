@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/scenario/scenario.h"
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 #include "sim/study/study_database.h"
 #include "tests/support/program.h"
 

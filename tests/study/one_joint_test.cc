@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "sim/base/channels.h"
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sim/scenario/scenario.h"
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 #include "sim/study/study_database.h"
 #include "tests/support/program.h"
 

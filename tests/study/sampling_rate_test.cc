@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/study/study.h"
+#include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,0 +1,54 @@
+#include "sim/study/study_identity.h"
+
+#include <fstream>
+#include <iterator>
+
+#include "sim/base/hash.h"
+#include "sim/base/mathematics.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// The program's own bytes: another build may compute other bytes.
+const std::string& HashOfProgram() {
+  static const std::string kHash = [] {
+    std::ifstream file("/proc/self/exe", std::ios::binary);
+    Hash content;
+    content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
+    return content.Text();
+  }();
+  return kHash;
+}
+
+}  // namespace
+
+std::string SharedSettings(const Study& study) {
+  Scenario scenario = study.scenario;
+  scenario.name.clear();
+  scenario.question.clear();
+  scenario.video = {};
+  scenario.made_with = {};
+  scenario.controllers.clear();
+  scenario.baseline.clear();  // judges trials, and changes none
+  return ScenarioToYaml(scenario);
+}
+
+std::string HashOfStudy(const Study& study) {
+  Hash hash;
+  hash.Add(SharedSettings(study));
+  hash.Add(study.hand->Hash());
+  for (const GloveFacts& glove : study.repetitions) hash.Add(glove.signal_hash);
+  hash.Add(HashOfProgram());
+  hash.Add(HashOfMathematics());
+  return hash.Text();
+}
+
+std::string HashOfSettings(const NamedController& controller) {
+  Scenario scenario;
+  scenario.controllers = {controller};
+  Hash hash;
+  hash.Add(ScenarioToYaml(scenario));
+  return hash.Text();
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,97 @@
+#include "sim/study/study_room.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+Eigen::Index LongestTicks(const Study& study) {
+  return std::ranges::max(study.repetitions, {}, &GloveFacts::ticks).ticks;
+}
+
+/// What a study takes while it runs, its trace file and page included.
+struct Needs {
+  double disk_bytes = 0.0;
+  double memory_bytes = 0.0;
+};
+
+Needs NeedsOf(const Study& study, const StudyOptions& options) {
+  const auto channels = static_cast<double>(study.channel_names().size());
+  const auto joints = static_cast<double>(study.joint_count);
+  const auto motors = static_cast<double>(study.hand->motor_names().size());
+  const auto cables = static_cast<double>(study.hand->cable_names().size());
+  const auto controllers = static_cast<double>(study.scenario.controllers.size());
+  const double others = options.seeds > 1 ? options.jobs : 0;  // trials beside the first seed's
+  constexpr double kGripAndPose = 8.0;
+  const bool twins = study.scenario.score.noise_free_twin;
+  // Columns of numbers with a row per tick.
+  const double glove = (twins ? 6.0 : 3.0) * channels + joints;
+  const double twin = twins ? joints + 1.125 * motors : 0.0;
+  const double trace =
+      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kGripAndPose + twin;
+  const double in_passing =
+      9.0 * joints + 0.5 * motors;  // what the scores or the page make and forget
+  const double kept = glove + controllers * trace;
+  const double in_file = 0.5 * kept;
+  const auto ticks = static_cast<double>(LongestTicks(study));
+  // Of a long signal's transform there are the values, the result and the factors, all complex, and
+  // beside it a few columns.
+  constexpr double kComplexColumns = 5.0;
+  constexpr double kRest = 400e6;
+  return {.disk_bytes =
+              ticks * sizeof(double) * (kept + in_file + others * (glove + trace) + in_passing),
+          .memory_bytes = ticks * kComplexColumns * 2.0 * sizeof(double) + kRest};
+}
+
+/// Bytes of memory that are to be had; as many as one likes if the system does not say.
+double AvailableMemory() {
+  std::ifstream info("/proc/meminfo");
+  for (std::string line; std::getline(info, line);) {
+    double kilobytes = 0.0;
+    if (std::sscanf(line.c_str(), "MemAvailable: %lf kB", &kilobytes) == 1) {
+      return 1024.0 * kilobytes;
+    }
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+void CheckRoom(const Study& study, const StudyOptions& options) {
+  const Needs needs = NeedsOf(study, options);
+  if (needs.disk_bytes < static_cast<double>(GetSignalStorageLimits().all_on_heap_bytes)) return;
+  const auto fail = [&](double needed, std::string_view where, double free) {
+    throw RunError(fmt::format(
+        "{:.6g} s of {} need about {:.1f} GB {}, {:.1f} GB are free: a shorter "
+        "glove.motion.duration_s, a lower glove.rate_hz or fewer --controllers need less",
+        static_cast<double>(LongestTicks(study)) / study.hand->timing().tick_rate_hz(),
+        study.scenario.controllers.size() == 1
+            ? "one controller"
+            : fmt::format("{} controllers", study.scenario.controllers.size()),
+        1e-9 * needed, where, 1e-9 * free));
+  };
+  const SignalSpace space = FreeSignalSpace();
+  const auto free_disk = static_cast<double>(space.free_bytes);
+  if (needs.disk_bytes > free_disk) {
+    fail(needs.disk_bytes, fmt::format("on the disk of {}", space.folder.string()), free_disk);
+  }
+  const double free_memory = AvailableMemory();
+  if (needs.memory_bytes > free_memory) fail(needs.memory_bytes, "of memory", free_memory);
+  rlimit addresses{};
+  if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) return;
+  const auto allowed = static_cast<double>(addresses.rlim_cur);
+  const double needed = needs.disk_bytes + needs.memory_bytes;
+  if (needed > allowed) fail(needed, "of addresses (ulimit -v)", allowed);
+}
+
+}  // namespace gauntlet::sim

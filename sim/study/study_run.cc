@@ -1,0 +1,281 @@
+#include "sim/study/study_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include "sim/base/error.h"
+#include "sim/study/study_database.h"
+#include "sim/study/study_room.h"
+#include "sim/study/trial_score.h"
+#include "sim/trial/joint_angles.h"
+#include "sim/trial/trace_recorder.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// The glove signal of one seed, made by the first trial that needs it, freed after the last.
+struct SharedGlove {
+  std::once_flag once;
+  std::shared_ptr<const GloveSignal> signal;
+  std::shared_ptr<const GloveSignal> noise_free;  // for twins that are trials; else null
+  Signal reference_rad;                           // ticks x joints of the hand
+  std::atomic<int> users_left{0};
+};
+
+std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
+  if (seed == study.scenario.seed) return study.first_glove;
+  return std::make_shared<const GloveSignal>(
+      SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed)));
+}
+
+std::shared_ptr<const GloveSignal> NoiseFreeGlove(const Study& study, int seed) {
+  return std::make_shared<const GloveSignal>(SynthesiseGlove(
+      WithoutNoise(GloveOf(study.scenario, seed)), static_cast<std::uint64_t>(seed)));
+}
+
+/// None of a trial that ended early. Moves the signals of a trace that is not needed any more.
+template <class AnyTrace>
+std::optional<NoiseFreeTwin> AsTwin(AnyTrace&& trace) {
+  if (!trace.health.ok) return std::nullopt;
+  return NoiseFreeTwin{.hand_angle_rad = std::forward<AnyTrace>(trace).hand_angle_rad,
+                       .spool_speed_rad_s = std::forward<AnyTrace>(trace).spool_speed_rad_s,
+                       .motor_at_limit = std::forward<AnyTrace>(trace).motor_at_limit};
+}
+
+/// Which of the seeds differ, in what the wearer does and in anything at all.
+class Repeats {
+ public:
+  /// `seeds`: how many are asked for. Costs one more signal per repetition that comes twice.
+  Repeats(const Study& study, int seeds)
+      : study_(study), count_(static_cast<int>(study.repetitions.size())) {
+    alike_ = seeds > count_;
+    for (int i = 0; i < count_ && i + count_ < seeds; ++i) {
+      const GloveFacts& first = study.repetitions[i];
+      const GloveFacts next = FactsOf(*GloveOfSeed(study, study.scenario.seed + count_ + i));
+      alike_ = alike_ && next.signal_hash == first.signal_hash;
+      drawn_.push_back(next.motion_hash != first.motion_hash);
+    }
+    drawn_.resize(count_, false);  // a repetition that comes once
+  }
+
+  /// Whether every repetition is the same again.
+  bool alike() const { return alike_; }
+  /// A name for the motion of the i-th seed.
+  std::string MotionOf(int i) const {
+    const int repetition = i % count_;
+    if (drawn_[repetition] && i >= count_) return fmt::format("of seed number {}", i);
+    return study_.repetitions[repetition].motion_hash;
+  }
+
+ private:
+  const Study& study_;
+  int count_;
+  bool alike_ = false;
+  std::vector<bool> drawn_;  // per repetition: another motion for every seed
+};
+
+/// Numbers the motions of the seeds in the order in which they come.
+void NumberMotions(const Repeats& repeats, StudyResult& result) {
+  std::vector<std::string> motions;
+  for (std::size_t i = 0; i < result.seeds.size(); ++i) {
+    const std::string motion = repeats.MotionOf(static_cast<int>(i));
+    const auto known = std::ranges::find(motions, motion);
+    result.seeds[i].motion = static_cast<int>(known - motions.begin());
+    if (known == motions.end()) motions.push_back(motion);
+  }
+}
+
+void FindDurations(const Study& study, StudyResult& result) {
+  const std::size_t used = std::min(study.repetitions.size(), result.seeds.size());
+  const auto [shortest, longest] = std::ranges::minmax_element(
+      study.repetitions.begin(), study.repetitions.begin() + static_cast<std::ptrdiff_t>(used), {},
+      &GloveFacts::ticks);
+  const double rate_hz = study.hand->timing().tick_rate_hz();
+  result.shortest_s = static_cast<double>(shortest->ticks) / rate_hz;
+  result.longest_s = static_cast<double>(longest->ticks) / rate_hz;
+}
+
+/// The trials of a study as tasks that threads take in the order of seeds.
+class Schedule {
+ public:
+  Schedule(const Study& study, const StudyOptions& options)
+      : study_(study),
+        options_(options),
+        gloves_(static_cast<std::size_t>(options.seeds)),
+        controllers_(study.scenario.controllers.size()) {
+    result_.row_names = study.rows.names;
+    for (const NamedController& c : study.scenario.controllers) {
+      result_.controller_names.push_back(c.name);
+    }
+    for (int i = 0; i < options.seeds; ++i) {
+      result_.seeds.push_back({.seed = study.scenario.seed + i, .controllers = {}});
+      result_.seeds.back().controllers.resize(controllers_);
+      gloves_[static_cast<std::size_t>(i)].users_left = static_cast<int>(controllers_);
+    }
+    if (options.keep_first_traces) {
+      result_.first_traces.resize(controllers_);
+      result_.first_twins.resize(controllers_);
+    }
+    trials_in_all_ = TrialCount(study, options.seeds);
+  }
+
+  /// Takes tasks until there are none, an error or a stop.
+  void Work() {
+    while (!stopped_) {
+      const std::size_t task = next_task_++;
+      if (task >= TaskCount()) return;
+      try {
+        RunTask(task / controllers_, task % controllers_);
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        if (!error_) error_ = std::current_exception();
+        stopped_ = true;
+      }
+    }
+  }
+
+  StudyResult Finish() {
+    if (error_) std::rethrow_exception(error_);
+    return std::move(result_);
+  }
+
+  std::size_t TaskCount() const { return controllers_ * gloves_.size(); }
+
+ private:
+  void RunTask(std::size_t seed_index, std::size_t controller_index) {
+    SeedOutcome& seed = result_.seeds[seed_index];
+    SharedGlove& glove = gloves_[seed_index];
+    TrialOutcome& outcome = seed.controllers[controller_index];
+    if (Recall(seed_index, controller_index, outcome)) return;
+    const TwinSource twin_source = TwinOf(study_, seed.seed);
+    std::call_once(glove.once, [&] {
+      glove.signal = GloveOfSeed(study_, seed.seed);
+      glove.reference_rad = ReferenceAngles(study_.joint_map(), glove.signal->true_angle_rad);
+      if (twin_source == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed.seed);
+    });
+    std::optional<NoiseFreeTwin> twin;
+    if (glove.noise_free) twin = AsTwin(Run(controller_index, *glove.noise_free));
+    Trace trace = Run(controller_index, *glove.signal);
+    if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
+    outcome.health = trace.health;
+    outcome.scores = trace.health.ok
+                         ? ScoreTrial(study_, *glove.signal, glove.reference_rad, trace, twin)
+                         : NoScores(study_.rows);
+    outcome.untrusted_samples = trace.untrusted_samples;
+    if (options_.database != nullptr) {
+      options_.database->Keep(seed.seed, controller_index, outcome);
+    }
+    const bool keep = seed_index == 0 && options_.keep_first_traces;
+    if (keep) {
+      result_.first_traces[controller_index] = std::move(trace);
+      result_.first_twins[controller_index] = std::move(twin);
+    }
+    LeaveGlove(seed_index);
+  }
+
+  Trace Run(std::size_t controller_index, const GloveSignal& glove) {
+    const Eigen::Index blocks = glove.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
+    return RunTrial(SetupOf(study_, study_.scenario.controllers[controller_index]), glove,
+                    [&] { return Progress(1.0 / static_cast<double>(blocks)); });
+  }
+
+  /// The last trial of a seed frees its signal, or hands out that of the first seed.
+  void LeaveGlove(std::size_t seed_index) {
+    SharedGlove& glove = gloves_[seed_index];
+    if (--glove.users_left > 0) return;
+    if (seed_index == 0) {
+      result_.reference_name = glove.signal->reference_name;
+      result_.first_glove = std::move(glove.signal);
+      result_.first_reference_rad = std::move(glove.reference_rad);
+    }
+    glove.signal.reset();
+    glove.noise_free.reset();
+    glove.reference_rad = {};
+  }
+
+  /// Takes a trial from the database, if it is there. The first seed runs again: its signals are
+  /// wanted, too.
+  bool Recall(std::size_t seed_index, std::size_t controller_index, TrialOutcome& outcome) {
+    if (options_.database == nullptr || seed_index == 0) return false;
+    auto known = options_.database->Take(result_.seeds[seed_index].seed, controller_index);
+    if (!known) return false;
+    outcome = std::move(*known);
+    LeaveGlove(seed_index);
+    const TwinSource twin = TwinOf(study_, result_.seeds[seed_index].seed);
+    Progress(twin == TwinSource::kTrial ? 2.0 : 1.0);
+    return true;
+  }
+
+  bool Progress(double trials) {
+    if (stopped_) return false;
+    if (!options_.progress) return true;
+    const std::lock_guard lock(mutex_);
+    trials_done_ += trials;
+    return options_.progress(std::min(trials_done_, static_cast<double>(trials_in_all_)),
+                             trials_in_all_);
+  }
+
+  const Study& study_;
+  const StudyOptions& options_;
+  std::vector<SharedGlove> gloves_;
+  std::size_t controllers_;
+  StudyResult result_;
+  std::atomic<std::size_t> next_task_{0};
+  std::atomic<bool> stopped_{false};
+  std::mutex mutex_;
+  std::exception_ptr error_;
+  double trials_done_ = 0.0;
+  int trials_in_all_ = 0;  // twins counted
+};
+
+}  // namespace
+
+TwinSource TwinOf(const Study& study, int seed) {
+  if (!study.scenario.score.noise_free_twin) return TwinSource::kNone;
+  const int repetition = (seed - study.scenario.seed) % static_cast<int>(study.repetitions.size());
+  if (study.repetitions[repetition].is_recorded) return TwinSource::kNone;
+  const bool itself = IsWithoutNoise(GloveOf(study.scenario, seed));
+  return itself ? TwinSource::kItself : TwinSource::kTrial;
+}
+
+int TrialCount(const Study& study, int seeds) {
+  int count = 0;
+  for (int i = 0; i < seeds; ++i) {
+    count += TwinOf(study, study.scenario.seed + i) == TwinSource::kTrial ? 2 : 1;
+  }
+  return count * static_cast<int>(study.scenario.controllers.size());
+}
+
+StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
+  StudyOptions options = asked;
+  const Repeats repeats(study, asked.seeds);
+  if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
+  CheckRoom(study, options);
+  Schedule schedule(study, options);
+  const std::size_t threads = std::min<std::size_t>(
+      static_cast<std::size_t>(std::max(1, options.jobs)), schedule.TaskCount());
+  std::vector<std::jthread> others;
+  try {
+    while (others.size() + 1 < threads) others.emplace_back([&schedule] { schedule.Work(); });
+  } catch (const std::system_error& error) {  // those that there are take all the trials
+    if (options.remark) {
+      options.remark(fmt::format("only {} of {} threads can be started: {}", others.size() + 1,
+                                 threads, error.code().message()));
+    }
+  }
+  schedule.Work();
+  others.clear();
+  StudyResult result = schedule.Finish();
+  result.seeds_alike = repeats.alike();
+  NumberMotions(repeats, result);
+  FindDurations(study, result);
+  return result;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/study/study.h"
+
+namespace gauntlet::sim {
+
+class StudyDatabase;
+
+/// What one controller did with one seed.
+struct TrialOutcome {
+  Scores scores;  // none, all NaN, of a hand that was stopped
+  HandHealth health;
+  std::vector<std::int64_t> untrusted_samples;  // per channel
+};
+
+/// All trials of one seed: the same glove signal and the same hand for every controller.
+struct SeedOutcome {
+  int seed = 0;
+  int motion = 0;  // number of what the wearer did, from 0: the same where the true angles are
+  std::vector<TrialOutcome> controllers;  // in the order of the scenario
+};
+
+struct StudyOptions {
+  int seeds = 1;  // seed, seed + 1, ...
+  int jobs = 1;
+  /// Gets trials done (with fractions of the running ones) and trials in all, twins counted. Called
+  /// from any thread, one at a time. False stops: RunStudy throws Cancelled.
+  std::function<bool(double, int)> progress;
+  /// Gets a line for the user about what went otherwise than asked and changes no result. May be
+  /// empty.
+  std::function<void(const std::string&)> remark = {};
+  /// Keep the glove signal and the traces of the first seed.
+  bool keep_first_traces = true;
+  /// Where finished trials are kept and looked for; null: nowhere.
+  StudyDatabase* database = nullptr;
+};
+
+struct StudyResult {
+  std::vector<std::string> controller_names;
+  std::vector<std::string> row_names;  // of the scores: see ScoreRows
+  std::string reference_name;
+  std::vector<SeedOutcome> seeds;  // in the order of seeds, whatever the schedule
+  /// Nothing is drawn at random: one seed of each repetition was run, the others would be the same.
+  bool seeds_alike = false;
+  double shortest_s = 0.0;  // of the trials, as far as the wearer's motion goes
+  double longest_s = 0.0;
+  std::shared_ptr<const GloveSignal> first_glove;
+  Signal first_reference_rad;  // ticks x joints of the hand
+  std::vector<Trace> first_traces;
+  std::vector<std::optional<NoiseFreeTwin>> first_twins;  // of these trials, where they have one
+};
+
+/// Where the noise-free twin of a seed's trials comes from.
+enum class TwinSource {
+  kNone,    // not wanted, or not to be had: a recorded glove cannot be without its noise
+  kItself,  // the trial has no noise, nor faults
+  kTrial,   // a trial of its own, before the other
+};
+TwinSource TwinOf(const Study& study, int seed);
+
+/// How many trials are run for so many seeds, twins included.
+int TrialCount(const Study& study, int seeds);
+
+/// Runs every controller on every seed, `jobs` trials at a time; repetitions take turns. Where
+/// nothing is drawn at random, as with the recording of a real glove, one seed of each repetition
+/// stands for all. Before a trial its noise-free twin runs, which the scores need: see ScoreInput.
+/// The result does not depend on jobs. Errors: RunError, before the first trial, where the signals
+/// find no room: see SignalStorage.
+StudyResult RunStudy(const Study& study, const StudyOptions& options);
+
+}  // namespace gauntlet::sim

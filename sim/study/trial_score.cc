@@ -1,0 +1,100 @@
+#include "sim/study/trial_score.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace gauntlet::sim {
+namespace {
+
+/// Of each measured cable what its motor pulls with at stall [N].
+std::vector<double> StallTensions(const Study& study) {
+  std::vector<double> tensions;
+  for (const int motor : study.measured_motors) {
+    const Drive& drive = study.hand->drives()[static_cast<std::size_t>(motor)];
+    tensions.insert(tensions.end(), drive.cables.size(),
+                    drive.servo.stall_torque_nm / drive.drum_radius_m);
+  }
+  return tensions;
+}
+
+/// Per measured joint the places among the measured motors of those that turn it.
+std::vector<std::vector<int>> MotorsOfJoints(const Study& study) {
+  const controller::TendonTransmission& hand = study.hand->transmission();
+  std::vector<std::vector<int>> motors_of_joints;
+  for (const int joint : study.measured_joints) {
+    std::vector<int>& motors = motors_of_joints.emplace_back();
+    for (std::size_t i = 0; i < study.measured_motors.size(); ++i) {
+      const int motor = study.measured_motors[i];
+      if (hand.coupling[motor * study.joint_count + joint] != 0.0) {
+        motors.push_back(static_cast<int>(i));
+      }
+    }
+  }
+  return motors_of_joints;
+}
+
+/// Per measured motor the share of ticks in which it gives all that it has.
+std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_limit) {
+  std::vector<double> shares;
+  const auto ticks = static_cast<double>(std::max<Eigen::Index>(at_limit.rows(), 1));
+  for (const int motor : study.measured_motors) {
+    shares.push_back(static_cast<double>(at_limit.col(motor).cast<std::int64_t>().sum()) / ticks);
+  }
+  return shares;
+}
+
+/// The columns of measured parts of a twin, or nothing.
+struct MeasuredTwin {
+  MeasuredTwin(const Study& study, const NoiseFreeTwin& twin)
+      : hand(twin.hand_angle_rad, study.measured_joints),
+        speed(twin.spool_speed_rad_s, study.measured_motors),
+        at_limit(twin.motor_at_limit(Eigen::all, study.measured_motors).cast<int>()) {}
+
+  Columns<Signal> hand;
+  Columns<Signal> speed;
+  IntegerSignal at_limit;
+};
+
+}  // namespace
+
+Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
+                  const Trace& trace, const std::optional<NoiseFreeTwin>& twin) {
+  const Columns reference(reference_rad, study.measured_joints);
+  const Columns hand(trace.hand_angle_rad, study.measured_joints);
+  const Columns command(trace.command_counts, study.measured_motors);
+  const Columns speed(trace.spool_speed_rad_s, study.measured_motors);
+  const Columns tension(trace.tension_n, study.measured_cables);
+  const std::vector<double> stall_tension_n = StallTensions(study);
+  const std::vector<double> saturation_share = SaturationShares(study, trace.motor_at_limit);
+  const std::vector<std::vector<int>> motors_of_joint = MotorsOfJoints(study);
+  std::optional<MeasuredTwin> measured_twin;
+  if (twin) measured_twin.emplace(study, *twin);
+  ScoreInput input;
+  input.rate_hz = glove.tick_rate_hz;
+  input.reference_angle_rad = &*reference;
+  input.hand_angle_rad = &*hand;
+  input.command_counts = &*command;
+  input.motor_speed_rad_s = &*speed;
+  input.tension_n = &*tension;
+  if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
+  input.saturation_share = saturation_share;
+  input.segments = glove.segments;
+  input.frame_ms = std::max(study.scenario.event.period_ms, study.scenario.hand.servo.frame_ms);
+  input.jitter_above_hz = study.scenario.score.jitter_above_hz;
+  input.stall_tension_n = stall_tension_n;
+  input.motors_of_joint = motors_of_joint;
+  if (measured_twin) {
+    input.noise_free_hand_angle_rad = &*measured_twin->hand;
+    input.noise_free_motor_speed_rad_s = &*measured_twin->speed;
+    input.noise_free_motor_at_limit = &measured_twin->at_limit;
+  }
+  Scores scores = ComputeScores(input, study.rows);
+  // No score is -0.0, which SQLite keeps as 0.0.
+  for (double& score : scores.summary) score += 0.0;
+  for (std::vector<double>& channel : scores.channels) {
+    for (double& score : channel) score += 0.0;
+  }
+  return scores;
+}
+
+}  // namespace gauntlet::sim
