@@ -152,12 +152,12 @@ TEST(ComparisonVideo, AProcessThatDiesIsOneErrorAndLeavesNothing) {
     EXPECT_THAT(MessageOf([&] {
                   WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4",
                                        [&](int done, int) {
-                                         if (done == 3) kill(Children()[which], SIGSEGV);
+                                         if (done == 3) kill(Children()[which], SIGSYS);
                                          return true;
                                        });
                 }),
                 StartsWith(std::string("RunError: video: the process that ") +
-                           (which == 0 ? "encodes" : "draws") + " was ended by signal 11"));
+                           (which == 0 ? "encodes" : "draws") + " was ended by signal 31"));
     EXPECT_TRUE(folder.IsEmpty());
     EXPECT_TRUE(Children().empty());
   }

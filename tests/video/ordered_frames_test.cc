@@ -163,8 +163,8 @@ TEST(OrderedFrames, PassesOnWhatGoesWrongWhereverItDoes) {
                          throw RunError("full");
                        }),
             "full");
-  EXPECT_EQ(message_of([](Frames&) { raise(SIGSEGV); }, TakeAll),
-            "video: the process that draws was ended by signal 11 (Segmentation fault)");
+  EXPECT_EQ(message_of([](Frames&) { raise(SIGSYS); }, TakeAll),
+            "video: the process that draws was ended by signal 31 (Bad system call)");
   EXPECT_EQ(message_of(DrawNumbers,
                        [](Frames& frames) {
                          while (frames.Next()) raise(SIGKILL);

@@ -54,8 +54,8 @@ TEST(WorkerProcess, HandsOnErrorsAndHowItsProcessEnded) {
   EXPECT_EQ(EndOf([](Tasks&) { throw RunError("c"); }), "RunError: c");
   EXPECT_EQ(EndOf([](Tasks&) { throw std::bad_alloc(); }),
             "RunError: video: not enough memory for the process that is tested");
-  EXPECT_EQ(EndOf([](Tasks&) { raise(SIGBUS); }),
-            "RunError: video: the process that is tested was ended by signal 7 (Bus error)");
+  EXPECT_EQ(EndOf([](Tasks&) { raise(SIGSYS); }),
+            "RunError: video: the process that is tested was ended by signal 31 (Bad system call)");
   EXPECT_EQ(EndOf([](Tasks&) { _exit(3); }),
             "RunError: video: the process that is tested ended with exit code 3");
 }
