@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/hand/cable_span.h"
 #include "sim/hand/engine_types.h"
 #include "sim/hand/follower.h"
 #include "sim/hand/hand_config.h"
@@ -32,6 +33,9 @@ struct Cable {
   double natural_length_m = 0.0;  // beyond the drum, with the spool at 0
   double bend_rad = 0.0;          // the whole of it at the reference
   std::vector<Crossing> crossings;
+  // Length beyond the drum = fixed length + sum of spans; none if the engine has to measure it.
+  double fixed_length_m = 0.0;
+  std::vector<CableSpan> spans;
 };
 
 /// A motor: servo, spool and its cables, a flexor and, unless springs pull back, an extensor.

@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/hand/cable.h"
+#include "sim/hand/cable_geometry.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/posture.h"
 
@@ -18,8 +19,9 @@ namespace {
 
 /// What one cable does at one moment.
 struct CableState {
-  double friction = 0.0;   // see AdvanceFriction
-  double tension_n = 0.0;  // at the drum
+  double friction = 0.0;      // see AdvanceFriction
+  double tension_n = 0.0;     // at the drum
+  std::vector<double> arm_m;  // moment arm of each crossing
 };
 
 /// How much longer a cable's way is than the cable, with the spool at 0.
@@ -42,7 +44,7 @@ struct Hand::State {
   void Advance();
   void PullCables() noexcept;
   void DriveSpools() noexcept;
-  CableWay Way(const Cable& cable) const noexcept;
+  CableWay Way(const Cable& cable, CableState& state) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   double DrumRatio(const Cable& cable, const CableState& state) const noexcept;
   DrumMotion TurnDrum(const Drive& drive, std::span<const CableState> states,
@@ -65,14 +67,17 @@ struct Hand::State {
 
 Hand::State::State(std::shared_ptr<const HandModel> hand_model)
     : hand(std::move(hand_model)),
-      data(mj_makeData(&hand->model()), &mj_deleteData),
+      data(mj_makeData(&hand->physics()), &mj_deleteData),
       frame_clock(std::max(1.0, hand->timing().controller.TicksOf(hand->config().servo.frame_ms))) {
   if (data == nullptr) throw RunError("not enough memory for a hand");
   const std::size_t motors = hand->drives().size();
   target_rad.resize(motors);
   counts.resize(motors);
   saturated.resize(motors);
-  cables.resize(hand->cable_names().size());
+  for (const Drive& drive : hand->drives()) {
+    for (const Cable& cable : drive.cables)
+      cables.push_back({.arm_m = std::vector<double>(cable.crossings.size())});
+  }
 }
 
 /// The servo's own clock starts with the first command, so that frames and commands of the same
@@ -86,9 +91,18 @@ void Hand::State::TakeFrame() noexcept {
   new_counts = false;
 }
 
-CableWay Hand::State::Way(const Cable& cable) const noexcept {
-  CableWay way{data->ten_length[cable.tendon] - cable.natural_length_m,
-               data->ten_velocity[cable.tendon]};
+/// Measures the cable; its moment arms are in `state` then.
+CableWay Hand::State::Way(const Cable& cable, CableState& state) const noexcept {
+  CableWay way;
+  if (hand->engine_measures_cables()) {
+    way = {data->ten_length[cable.tendon], data->ten_velocity[cable.tendon]};
+    for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
+      state.arm_m[i] = MomentArm(hand->physics(), *data, cable.tendon, cable.crossings[i].dof);
+    }
+  } else {
+    way.excess_m = MeasureCable(cable, data->qpos, data->qvel, state.arm_m, way.rate_m_s);
+  }
+  way.excess_m -= cable.natural_length_m;
   if (hand->config().cable.interference) return way;
   for (const Crossing& crossing : cable.crossings) {
     if (crossing.own) continue;
@@ -120,14 +134,14 @@ double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state
   const double mu = config.capstan_friction;
   state.tension_n = tension_n * DrumRatio(cable, state);
   double turned = 0.0;
-  for (const Crossing& crossing : cable.crossings) {
+  for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
+    const Crossing& crossing = cable.crossings[i];
     turned += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
     if (!config.interference && !crossing.own) continue;
     const double here =
         mu == 0.0 ? tension_n
                   : state.tension_n / CapstanRatio(mu, crossing.bend_rad + turned, state.friction);
-    data->qfrc_applied[crossing.dof] -=
-        here * MomentArm(hand->model(), *data, cable.tendon, crossing.dof);
+    data->qfrc_applied[crossing.dof] -= here * state.arm_m[i];
   }
   return state.tension_n;
 }
@@ -157,7 +171,7 @@ DrumMotion Hand::State::TurnDrum(const Drive& drive, std::span<const CableState>
 }
 
 void Hand::State::PullCables() noexcept {
-  mju_zero(data->qfrc_applied, hand->model().nv);
+  mju_zero(data->qfrc_applied, hand->physics().nv);
   std::span<CableState> left = cables;
   for (const Drive& drive : hand->drives()) {
     PullCables(drive, left.first(drive.cables.size()));
@@ -170,11 +184,11 @@ void Hand::State::PullCables(const Drive& drive, std::span<CableState> states) n
   constexpr std::size_t kMostCables = 2;  // a flexor and an extensor
   CableWay way_of_cable[kMostCables];
   const std::span<CableWay> ways(way_of_cable, states.size());
-  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i]);
+  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i], states[i]);
   const DrumMotion drum = TurnDrum(drive, states, ways);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
-  const double step_s = hand->model().opt.timestep;
+  const double step_s = hand->physics().opt.timestep;
   double at_drum = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Cable& cable = drive.cables[i];
@@ -217,7 +231,7 @@ void Hand::State::ReadWarnings(double time_s) {
 }
 
 void Hand::State::Advance() {
-  const mjModel& model = hand->model();
+  const mjModel& model = hand->physics();
   for (int step = 0; step < hand->timing().steps_per_tick && health.ok; ++step) {
     const double time_s = data->time;
     mj_step1(&model, data.get());
@@ -244,13 +258,14 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   }
   std::vector<double> spool(map.motor_names.size());
   controller::TendonMap(map, true).ToSpoolAngles(angle, spool);
-  mj_resetData(&hand.model(), state.data.get());
-  SetPosture(hand, angle, spool, *state.data);
+  mj_resetData(&hand.physics(), state.data.get());
+  SetPositions(hand, angle, spool, *state.data);
+  mj_kinematics(&hand.physics(), state.data.get());
   if (hand.grasp().exists()) PlaceObject(hand.grasp(), *state.data);
-  mj_fwdPosition(&hand.model(), state.data.get());
-  mj_fwdVelocity(&hand.model(), state.data.get());
+  mj_fwdPosition(&hand.physics(), state.data.get());
+  mj_fwdVelocity(&hand.physics(), state.data.get());
 
-  std::fill(state.cables.begin(), state.cables.end(), CableState{});
+  for (CableState& cable : state.cables) cable.friction = 0.0;
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
     state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
@@ -315,9 +330,9 @@ void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
 GripReading Hand::ReadGrip() const noexcept {
   const GraspParts& grasp = hand_model().grasp();
   if (!grasp.exists()) return {};
-  return {.force_n = GripForce(hand_model().model(), grasp, data()),
+  return {.force_n = GripForce(hand_model().physics(), grasp, data()),
           .height_mm = 1e3 * ObjectHeight(grasp, data()),
-          .slip_mm_s = 1e3 * SlipSpeed(hand_model().model(), grasp, data())};
+          .slip_mm_s = 1e3 * SlipSpeed(hand_model().physics(), grasp, data())};
 }
 
 void Hand::ReadObjectPose(std::span<double> pose) const noexcept {

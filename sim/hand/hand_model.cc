@@ -14,6 +14,7 @@
 #include "sim/base/helper_process.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/hand/cable_geometry.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/stability.h"
 
@@ -235,6 +236,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     drives_ = FindDrives(*model_, config);
     const auto all = FindJoints(*model_, followers_, SpoolPositions(drives_));
     FindCables(*model_, config, all, followers_, drives_);
+    engine_measures_cables_ = !FindCableSpans(*model_, all, followers_, drives_);
     joints_ = MovedJoints(all, drives_, followers_);
     for (const HandJoint& joint : joints_) CheckName("joint", joint.name);
     for (const Drive& drive : drives_) {
@@ -254,6 +256,8 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       model_->tendon_damping[cable.tendon] = 0.0;
     }
   }
+  physics_.emplace(*model_, drives_, engine_measures_cables_);
+  if (grasp_.exists()) grasp_.skin_geom = physics_->GeomOf(grasp_.skin_geom);
 }
 
 std::vector<std::string> HandModel::CameraNames() const {

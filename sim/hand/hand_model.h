@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "sim/hand/drive.h"
 #include "sim/hand/grasp.h"
 #include "sim/hand/hand_config.h"
+#include "sim/hand/physics_model.h"
 
 namespace gauntlet::sim {
 
@@ -28,7 +30,12 @@ class HandModel {
   HandModel(const HandModel&) = delete;
   HandModel& operator=(const HandModel&) = delete;
 
+  /// All that there is; for pictures.
   const mjModel_& model() const { return *model_; }
+  /// What a Hand steps: the same bodies and joints, with the same positions and speeds.
+  const mjModel_& physics() const { return physics_->model(); }
+  /// Some cable is no sum of functions of one joint angle each: slower.
+  bool engine_measures_cables() const { return engine_measures_cables_; }
   const HandConfig& config() const { return config_; }
   const LoopTiming& timing() const { return timing_; }
   /// What a controller must know of this hand: joints, motors, coupling, ranges, counts.
@@ -55,6 +62,8 @@ class HandModel {
   HandConfig config_;
   LoopTiming timing_;
   std::unique_ptr<mjModel_, void (*)(mjModel_*)> model_;
+  std::optional<PhysicsModel> physics_;
+  bool engine_measures_cables_ = false;
   std::vector<HandJoint> joints_;
   std::vector<Follower> followers_;
   std::vector<Drive> drives_;

@@ -42,7 +42,7 @@ struct RecordedForces {
 };
 
 RecordedForces RecordForces(const Study& study, const Trace& trace, const GloveSignal& glove) {
-  const mjModel& model = study.hand->model();
+  const mjModel& model = study.hand->physics();
   const Eigen::Index steps = trace.command_counts.rows();
   RecordedForces forces;
   forces.joint.resize(static_cast<std::size_t>(steps * model.nv));
@@ -70,7 +70,7 @@ RecordedForces RecordForces(const Study& study, const Trace& trace, const GloveS
 
 void BareLoop(const Study& study, const GloveSignal& glove, const RecordedForces& forces,
               Eigen::Index steps) {
-  const mjModel& model = study.hand->model();
+  const mjModel& model = study.hand->physics();
   Hand start(study.hand);
   const Eigen::VectorXd posture = glove.true_angle_rad.row(0);
   start.Reset({posture.data(), static_cast<std::size_t>(posture.size())});
