@@ -9,7 +9,7 @@ namespace gauntlet::sim {
 struct GraspParts {
   int object_body = -1;
   int palm_body = -1;
-  int skin_geom = -1;  // the surface that the hand touches, in the physics model
+  int skin_geom = -1;  // the surface that the hand touches
   int support_mocap = -1;
   int qpos = -1;  // of the object: position and quaternion
   double radius_m = 0.0;

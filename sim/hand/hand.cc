@@ -12,7 +12,6 @@
 #include "sim/hand/cable.h"
 #include "sim/hand/cable_geometry.h"
 #include "sim/hand/mujoco_messages.h"
-#include "sim/hand/posture.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -44,7 +43,6 @@ struct Hand::State {
   void Advance();
   void PullCables() noexcept;
   void TurnSpools() noexcept;
-  void ShowSpools() noexcept;
   CableWay Way(const Cable& cable, CableState& state) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   double DrumRatio(const Cable& cable, const CableState& state) const noexcept;
@@ -58,6 +56,7 @@ struct Hand::State {
 
   std::shared_ptr<const HandModel> hand;
   std::unique_ptr<mjData, void (*)(mjData*)> data;
+  std::vector<int> joint_qpos;            // per joint
   std::vector<double> target_rad;         // per motor, what the servos hold
   std::vector<std::int32_t> counts;       // per motor, what was last commanded
   std::vector<std::uint8_t> saturated;    // per motor
@@ -72,7 +71,7 @@ struct Hand::State {
 
 Hand::State::State(std::shared_ptr<const HandModel> hand_model)
     : hand(std::move(hand_model)),
-      data(mj_makeData(&hand->physics()), &mj_deleteData),
+      data(mj_makeData(&hand->physics().model()), &mj_deleteData),
       frame_clock(std::max(1.0, hand->timing().controller.TicksOf(hand->config().servo.frame_ms))) {
   if (data == nullptr) throw RunError("not enough memory for a hand");
   const std::size_t motors = hand->drives().size();
@@ -81,6 +80,9 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
   saturated.resize(motors);
   spools.resize(motors);
   load_nm.resize(motors);
+  for (const HandJoint& joint : hand->joints()) {
+    joint_qpos.push_back(hand->physics().QposOf(joint.qpos));
+  }
   for (const Drive& drive : hand->drives()) {
     for (const Cable& cable : drive.cables) {
       cables.push_back({.arm_m = std::vector<double>(cable.crossings.size())});
@@ -105,7 +107,8 @@ CableWay Hand::State::Way(const Cable& cable, CableState& state) const noexcept 
   if (hand->engine_measures_cables()) {
     way = {data->ten_length[cable.tendon], data->ten_velocity[cable.tendon]};
     for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
-      state.arm_m[i] = MomentArm(hand->physics(), *data, cable.tendon, cable.crossings[i].dof);
+      state.arm_m[i] =
+          MomentArm(hand->physics().model(), *data, cable.tendon, cable.crossings[i].dof);
     }
   } else {
     way.excess_m = MeasureCable(cable, data->qpos, data->qvel, state.arm_m, way.rate_m_s);
@@ -180,7 +183,7 @@ DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
 }
 
 void Hand::State::PullCables() noexcept {
-  mju_zero(data->qfrc_applied, hand->physics().nv);
+  mju_zero(data->qfrc_applied, hand->physics().model().nv);
   std::span<CableState> left = cables;
   for (std::size_t motor = 0; motor < spools.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
@@ -200,7 +203,7 @@ double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
   const DrumMotion drum = TurnDrum(drive, spool, states, ways);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
-  const double step_s = hand->physics().opt.timestep;
+  const double step_s = hand->physics().model().opt.timestep;
   double at_drum = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Cable& cable = drive.cables[i];
@@ -223,15 +226,8 @@ void Hand::State::TurnSpools() noexcept {
     const ServoTorque torque =
         ComputeServoTorque(drive.servo, target_rad[motor], spool.angle_rad, spool.speed_rad_s);
     saturated[motor] = torque.saturated;
-    TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], hand->physics().opt.timestep, spool);
-  }
-}
-
-/// The engine's spools stand where the hand's own are.
-void Hand::State::ShowSpools() noexcept {
-  for (std::size_t motor = 0; motor < spools.size(); ++motor) {
-    data->qpos[hand->drives()[motor].spool_qpos] = spools[motor].angle_rad;
-    data->qvel[hand->drives()[motor].spool_dof] = spools[motor].speed_rad_s;
+    TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], hand->physics().model().opt.timestep,
+              spool);
   }
 }
 
@@ -252,14 +248,13 @@ void Hand::State::ReadWarnings(double time_s) {
 }
 
 void Hand::State::Advance() {
-  const mjModel& model = hand->physics();
+  const mjModel& model = hand->physics().model();
   for (int step = 0; step < hand->timing().steps_per_tick && health.ok; ++step) {
     const double time_s = data->time;
     mj_step1(&model, data.get());
     PullCables();
     TurnSpools();
     mj_step2(&model, data.get());
-    ShowSpools();
     ReadWarnings(time_s);
   }
 }
@@ -280,12 +275,13 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   }
   std::vector<double> spool(map.motor_names.size());
   controller::TendonMap(map, true).ToSpoolAngles(angle, spool);
-  mj_resetData(&hand.physics(), state.data.get());
-  SetPositions(hand, angle, spool, *state.data);
-  mj_kinematics(&hand.physics(), state.data.get());
-  if (hand.grasp().exists()) PlaceObject(hand.grasp(), *state.data);
-  mj_fwdPosition(&hand.physics(), state.data.get());
-  mj_fwdVelocity(&hand.physics(), state.data.get());
+  mj_resetData(&hand.physics().model(), state.data.get());
+  hand.physics().CopyPositions(
+      PostureOf(hand.model(), hand.joints(), angle, hand.followers()).data(), state.data->qpos);
+  mj_kinematics(&hand.physics().model(), state.data.get());
+  if (hand.grasp().exists()) PlaceObject(hand.grasp_in_physics(), *state.data);
+  mj_fwdPosition(&hand.physics().model(), state.data.get());
+  mj_fwdVelocity(&hand.physics().model(), state.data.get());
 
   for (CableState& cable : state.cables) cable.friction = 0.0;
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
@@ -326,8 +322,8 @@ void Hand::Step() noexcept {
 }
 
 void Hand::ReadJointAngles(std::span<double> joint_angle_rad) const noexcept {
-  const std::vector<HandJoint>& joints = hand_model().joints();
-  for (std::size_t i = 0; i < joints.size(); ++i) joint_angle_rad[i] = data().qpos[joints[i].qpos];
+  const std::vector<int>& qpos = state_->joint_qpos;
+  for (std::size_t i = 0; i < qpos.size(); ++i) joint_angle_rad[i] = data().qpos[qpos[i]];
 }
 
 void Hand::ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept {
@@ -349,15 +345,15 @@ void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
 }
 
 GripReading Hand::ReadGrip() const noexcept {
-  const GraspParts& grasp = hand_model().grasp();
+  const GraspParts& grasp = hand_model().grasp_in_physics();
   if (!grasp.exists()) return {};
-  return {.force_n = GripForce(hand_model().physics(), grasp, data()),
+  return {.force_n = GripForce(hand_model().physics().model(), grasp, data()),
           .height_mm = 1e3 * ObjectHeight(grasp, data()),
-          .slip_mm_s = 1e3 * SlipSpeed(hand_model().physics(), grasp, data())};
+          .slip_mm_s = 1e3 * SlipSpeed(hand_model().physics().model(), grasp, data())};
 }
 
 void Hand::ReadObjectPose(std::span<double> pose) const noexcept {
-  const GraspParts& grasp = hand_model().grasp();
+  const GraspParts& grasp = hand_model().grasp_in_physics();
   if (grasp.exists()) std::copy_n(data().qpos + grasp.qpos, 7, pose.begin());
 }
 

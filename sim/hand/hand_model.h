@@ -32,8 +32,8 @@ class HandModel {
 
   /// All that there is; for pictures.
   const mjModel_& model() const { return *model_; }
-  /// What a Hand steps: the same bodies and joints, with the same positions and speeds.
-  const mjModel_& physics() const { return physics_->model(); }
+  /// What a Hand steps.
+  const PhysicsModel& physics() const { return *physics_; }
   /// Some cable is no sum of functions of one joint angle each: slower.
   bool engine_measures_cables() const { return engine_measures_cables_; }
   const HandConfig& config() const { return config_; }
@@ -45,10 +45,13 @@ class HandModel {
   /// Of all motors in their order: first the flexor, then the extensor if there is one.
   const std::vector<std::string>& cable_names() const { return cable_names_; }
 
+  // Positions and degrees of freedom are numbered as in the whole model; those of cables, as in the
+  // physics model.
   const std::vector<HandJoint>& joints() const { return joints_; }
   const std::vector<Follower>& followers() const { return followers_; }
   const std::vector<Drive>& drives() const { return drives_; }
   const GraspParts& grasp() const { return grasp_; }
+  const GraspParts& grasp_in_physics() const { return grasp_in_physics_; }
 
   /// For pictures of the hand, in the model's order.
   std::vector<std::string> CameraNames() const;
@@ -68,6 +71,7 @@ class HandModel {
   std::vector<Follower> followers_;
   std::vector<Drive> drives_;
   GraspParts grasp_;
+  GraspParts grasp_in_physics_;
   std::vector<std::string> cable_names_;
   controller::TendonTransmission transmission_;
 };

@@ -6,8 +6,8 @@
 
 namespace gauntlet::sim {
 
-void SetPositions(const HandModel& model, std::span<const double> joint_angle_rad,
-                  std::span<const double> spool_angle_rad, mjData& data) {
+void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
+                std::span<const double> spool_angle_rad, mjData& data) {
   for (std::size_t i = 0; i < model.joints().size(); ++i) {
     data.qpos[model.joints()[i].qpos] = joint_angle_rad[i];
   }
@@ -17,11 +17,6 @@ void SetPositions(const HandModel& model, std::span<const double> joint_angle_ra
   for (const Follower& follower : model.followers()) {
     data.qpos[follower.qpos] = follower.Angle(data.qpos[follower.leader_qpos]);
   }
-}
-
-void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
-                std::span<const double> spool_angle_rad, mjData& data) {
-  SetPositions(model, joint_angle_rad, spool_angle_rad, data);
   // All that drawing needs: bodies, lights and cameras, cables.
   mj_kinematics(&model.model(), &data);
   mj_comPos(&model.model(), &data);

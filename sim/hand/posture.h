@@ -6,13 +6,10 @@
 
 namespace gauntlet::sim {
 
-/// Fills the positions of `data` from joint angles [rad, per joint] and spool angles [rad, per
-/// motor]; what follows by a linkage follows.
-void SetPositions(const HandModel& model, std::span<const double> joint_angle_rad,
-                  std::span<const double> spool_angle_rad, mjData_& data);
-
-/// For drawing a recorded posture: the positions, and where everything is. `data` is of the whole
-/// model.
+/// Joint positions for drawing a recorded posture: fills the qpos of `data`, which is of the whole
+/// model, from the joint
+/// angles [rad, per joint] and spool angles [rad, per motor] (what follows by a linkage follows)
+/// and computes where everything is.
 void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
                 std::span<const double> spool_angle_rad, mjData_& data);
 

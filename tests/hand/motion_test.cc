@@ -63,10 +63,10 @@ TEST(Motion, SameCommandsGiveTheSameBits) {
     one.Step(first, sample);
     two.Step(second, sample);
   }
-  EXPECT_EQ(
-      0, std::memcmp(first.data().qpos, second.data().qpos, sizeof(double) * model->physics().nq));
-  EXPECT_EQ(
-      0, std::memcmp(first.data().qvel, second.data().qvel, sizeof(double) * model->physics().nv));
+  EXPECT_EQ(0, std::memcmp(first.data().qpos, second.data().qpos,
+                           sizeof(double) * model->physics().model().nq));
+  EXPECT_EQ(0, std::memcmp(first.data().qvel, second.data().qvel,
+                           sizeof(double) * model->physics().model().nv));
 }
 
 TEST(Motion, TheSameModelHasTheSameHashAndAnotherSettingAnotherHash) {
@@ -144,7 +144,7 @@ TEST(Motion, FollowsASineWithTheDelayOfFrameAndServo) {
 /// Energy that cables, gravity and motion hold together [J].
 double Energy(const Hand& hand) {
   const HandModel& model = hand.hand_model();
-  const mjModel& physics = model.physics();
+  const mjModel& physics = model.physics().model();
   std::unique_ptr<mjData, void (*)(mjData*)> copy(mj_copyData(nullptr, &physics, &hand.data()),
                                                   &mj_deleteData);
   mj_fwdPosition(&physics, copy.get());
@@ -155,8 +155,14 @@ double Energy(const Hand& hand) {
   for (int body = 1; body < physics.nbody; ++body) {
     energy -= physics.body_mass[body] * mju_dot3(physics.opt.gravity, copy->xipos + 3 * body);
   }
-  for (const Drive& drive : model.drives()) {
-    const double wound = drive.drum_radius_m * copy->qpos[drive.spool_qpos];
+  std::vector<double> spool_rad(model.drives().size());
+  std::vector<double> spool_rad_s(model.drives().size());
+  hand.ReadSpoolAngles(spool_rad);
+  hand.ReadSpoolSpeeds(spool_rad_s);
+  for (std::size_t motor = 0; motor < spool_rad.size(); ++motor) {
+    const Drive& drive = model.drives()[motor];
+    energy += 0.5 * drive.spool.inertia_kg_m2 * spool_rad_s[motor] * spool_rad_s[motor];
+    const double wound = drive.drum_radius_m * spool_rad[motor];
     for (const Cable* cable : {&drive.cables[0], &drive.cables[1]}) {
       const double sign = cable == &drive.cables[0] ? 1.0 : -1.0;
       std::vector<double> arm(cable->crossings.size());
@@ -191,7 +197,7 @@ TEST(SmallHandMotion, AFreeFallLosesTheEnergyThatDampingTakes) {
   while (angle() < 0.9) {
     ASSERT_LT(++steps, 1000) << "the lever does not fall";
     hand.Step();
-    const double speed = hand.data().qvel[1];
+    const double speed = hand.data().qvel[0];
     lost += damping * 0.5 * (before * before + speed * speed) * 1e-3;
     before = speed;
   }

@@ -10,8 +10,7 @@
 namespace gauntlet::sim::testing {
 namespace {
 
-constexpr Spool kSpool{
-    .inertia_kg_m2 = 3e-4, .damping_nm_s_rad = 1e-3, .dry_friction_nm = 8e-3};
+constexpr Spool kSpool{.inertia_kg_m2 = 3e-4, .damping_nm_s_rad = 1e-3, .dry_friction_nm = 8e-3};
 constexpr double kStep_s = 1e-3;
 
 TEST(Spool, StandsExactlyStillUntilDriveAndLoadDifferByMoreThanItsFriction) {
