@@ -3,11 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "sim/hand/cable_span.h"
 #include "sim/hand/engine_types.h"
 #include "sim/hand/follower.h"
 #include "sim/hand/hand_config.h"
 #include "sim/hand/hand_joint.h"
 #include "sim/hand/servo.h"
+#include "sim/hand/spool.h"
 
 namespace gauntlet::sim {
 
@@ -32,6 +34,9 @@ struct Cable {
   double natural_length_m = 0.0;  // beyond the drum, with the spool at 0
   double bend_rad = 0.0;          // the whole of it at the reference
   std::vector<Crossing> crossings;
+  // Length beyond the drum = fixed length + sum of spans; none if the engine has to measure it.
+  double fixed_length_m = 0.0;
+  std::vector<CableSpan> spans;
 };
 
 /// A motor: servo, spool and its cables, a flexor and, unless springs pull back, an extensor.
@@ -42,6 +47,7 @@ struct Drive {
   int spool_dof = 0;
   double drum_radius_m = 0.0;
   Servo servo;
+  Spool spool;
   std::vector<Cable> cables;
 };
 

@@ -10,16 +10,17 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/hand/cable.h"
+#include "sim/hand/cable_geometry.h"
 #include "sim/hand/mujoco_messages.h"
-#include "sim/hand/posture.h"
 
 namespace gauntlet::sim {
 namespace {
 
 /// What one cable does at one moment.
 struct CableState {
-  double friction = 0.0;   // see AdvanceFriction
-  double tension_n = 0.0;  // at the drum
+  double friction = 0.0;      // see AdvanceFriction
+  double tension_n = 0.0;     // at the drum
+  std::vector<double> arm_m;  // moment arm of each crossing
 };
 
 /// How much longer a cable's way is than the cable, with the spool at 0.
@@ -41,21 +42,26 @@ struct Hand::State {
   void TakeFrame() noexcept;
   void Advance();
   void PullCables() noexcept;
-  void DriveSpools() noexcept;
-  CableWay Way(const Cable& cable) const noexcept;
+  void TurnSpools() noexcept;
+  CableWay Way(const Cable& cable, CableState& state) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   double DrumRatio(const Cable& cable, const CableState& state) const noexcept;
-  DrumMotion TurnDrum(const Drive& drive, std::span<const CableState> states,
+  DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
+                      std::span<const CableState> states,
                       std::span<const CableWay> ways) const noexcept;
-  void PullCables(const Drive& drive, std::span<CableState> states) noexcept;
+  double PullCables(const Drive& drive, const SpoolState& spool,
+                    std::span<CableState> states) noexcept;
   double Pull(const Cable& cable, double tension_n, CableState& state) noexcept;
   void ReadWarnings(double time_s);
 
   std::shared_ptr<const HandModel> hand;
   std::unique_ptr<mjData, void (*)(mjData*)> data;
+  std::vector<int> joint_qpos;            // per joint
   std::vector<double> target_rad;         // per motor, what the servos hold
   std::vector<std::int32_t> counts;       // per motor, what was last commanded
   std::vector<std::uint8_t> saturated;    // per motor
+  std::vector<SpoolState> spools;         // per motor
+  std::vector<double> load_nm;            // per motor, what its cables turn the spool back with
   std::vector<CableState> cables;         // in the order of HandModel::cable_names()
   controller::PeriodicClock frame_clock;  // in ticks since the first command
   bool commanded = false;                 // there was a first command
@@ -65,14 +71,23 @@ struct Hand::State {
 
 Hand::State::State(std::shared_ptr<const HandModel> hand_model)
     : hand(std::move(hand_model)),
-      data(mj_makeData(&hand->model()), &mj_deleteData),
+      data(mj_makeData(&hand->physics().model()), &mj_deleteData),
       frame_clock(std::max(1.0, hand->timing().controller.TicksOf(hand->config().servo.frame_ms))) {
   if (data == nullptr) throw RunError("not enough memory for a hand");
   const std::size_t motors = hand->drives().size();
   target_rad.resize(motors);
   counts.resize(motors);
   saturated.resize(motors);
-  cables.resize(hand->cable_names().size());
+  spools.resize(motors);
+  load_nm.resize(motors);
+  for (const HandJoint& joint : hand->joints()) {
+    joint_qpos.push_back(hand->physics().QposOf(joint.qpos));
+  }
+  for (const Drive& drive : hand->drives()) {
+    for (const Cable& cable : drive.cables) {
+      cables.push_back({.arm_m = std::vector<double>(cable.crossings.size())});
+    }
+  }
 }
 
 /// The servo's own clock starts with the first command, so that frames and commands of the same
@@ -86,9 +101,19 @@ void Hand::State::TakeFrame() noexcept {
   new_counts = false;
 }
 
-CableWay Hand::State::Way(const Cable& cable) const noexcept {
-  CableWay way{data->ten_length[cable.tendon] - cable.natural_length_m,
-               data->ten_velocity[cable.tendon]};
+/// Measures the cable; its moment arms are in `state` then.
+CableWay Hand::State::Way(const Cable& cable, CableState& state) const noexcept {
+  CableWay way;
+  if (hand->engine_measures_cables()) {
+    way = {data->ten_length[cable.tendon], data->ten_velocity[cable.tendon]};
+    for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
+      state.arm_m[i] =
+          MomentArm(hand->physics().model(), *data, cable.tendon, cable.crossings[i].dof);
+    }
+  } else {
+    way.excess_m = MeasureCable(cable, data->qpos, data->qvel, state.arm_m, way.rate_m_s);
+  }
+  way.excess_m -= cable.natural_length_m;
   if (hand->config().cable.interference) return way;
   for (const Crossing& crossing : cable.crossings) {
     if (crossing.own) continue;
@@ -120,24 +145,25 @@ double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state
   const double mu = config.capstan_friction;
   state.tension_n = tension_n * DrumRatio(cable, state);
   double turned = 0.0;
-  for (const Crossing& crossing : cable.crossings) {
+  for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
+    const Crossing& crossing = cable.crossings[i];
     turned += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
     if (!config.interference && !crossing.own) continue;
     const double here =
         mu == 0.0 ? tension_n
                   : state.tension_n / CapstanRatio(mu, crossing.bend_rad + turned, state.friction);
-    data->qfrc_applied[crossing.dof] -=
-        here * MomentArm(hand->model(), *data, cable.tendon, crossing.dof);
+    data->qfrc_applied[crossing.dof] -= here * state.arm_m[i];
   }
   return state.tension_n;
 }
 
 /// Where the drum is and how fast it turns. Without play it is the shaft; with play it has no mass
 /// and turns, as far as it can, to where all its cables together do not turn it.
-DrumMotion Hand::State::TurnDrum(const Drive& drive, std::span<const CableState> states,
+DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
+                                 std::span<const CableState> states,
                                  std::span<const CableWay> ways) const noexcept {
-  const double shaft = data->qpos[drive.spool_qpos];
-  const double speed = data->qvel[drive.spool_dof];
+  const double shaft = spool.angle_rad;
+  const double speed = spool.speed_rad_s;
   const double play = hand->config().cable.backlash_deg * kRadPerDeg;
   if (play == 0.0) return {shaft, speed};
   double weights = 0.0;
@@ -157,24 +183,27 @@ DrumMotion Hand::State::TurnDrum(const Drive& drive, std::span<const CableState>
 }
 
 void Hand::State::PullCables() noexcept {
-  mju_zero(data->qfrc_applied, hand->model().nv);
+  mju_zero(data->qfrc_applied, hand->physics().model().nv);
   std::span<CableState> left = cables;
-  for (const Drive& drive : hand->drives()) {
-    PullCables(drive, left.first(drive.cables.size()));
+  for (std::size_t motor = 0; motor < spools.size(); ++motor) {
+    const Drive& drive = hand->drives()[motor];
+    load_nm[motor] = PullCables(drive, spools[motor], left.first(drive.cables.size()));
     left = left.subspan(drive.cables.size());
   }
 }
 
-/// All cables of one motor: what they do to the joints that they pass, and to the spool.
-void Hand::State::PullCables(const Drive& drive, std::span<CableState> states) noexcept {
+/// All cables of one motor: what they do to the joints that they pass; gives the torque with which
+/// they turn the spool back.
+double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
+                               std::span<CableState> states) noexcept {
   constexpr std::size_t kMostCables = 2;  // a flexor and an extensor
   CableWay way_of_cable[kMostCables];
   const std::span<CableWay> ways(way_of_cable, states.size());
-  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i]);
-  const DrumMotion drum = TurnDrum(drive, states, ways);
+  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i], states[i]);
+  const DrumMotion drum = TurnDrum(drive, spool, states, ways);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
-  const double step_s = hand->model().opt.timestep;
+  const double step_s = hand->physics().model().opt.timestep;
   double at_drum = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Cable& cable = drive.cables[i];
@@ -187,16 +216,18 @@ void Hand::State::PullCables(const Drive& drive, std::span<CableState> states) n
                                         ways[i].rate_m_s + cable.sense * wound_rate);
     at_drum += cable.sense * Pull(cable, tension, state);
   }
-  data->qfrc_applied[drive.spool_dof] -= drive.drum_radius_m * at_drum;
+  return drive.drum_radius_m * at_drum;
 }
 
-void Hand::State::DriveSpools() noexcept {
-  for (std::size_t motor = 0; motor < target_rad.size(); ++motor) {
+void Hand::State::TurnSpools() noexcept {
+  for (std::size_t motor = 0; motor < spools.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
-    const ServoTorque torque = ComputeServoTorque(
-        drive.servo, target_rad[motor], data->qpos[drive.spool_qpos], data->qvel[drive.spool_dof]);
-    data->ctrl[drive.actuator] = torque.torque_nm;
+    SpoolState& spool = spools[motor];
+    const ServoTorque torque =
+        ComputeServoTorque(drive.servo, target_rad[motor], spool.angle_rad, spool.speed_rad_s);
     saturated[motor] = torque.saturated;
+    TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], hand->physics().model().opt.timestep,
+              spool);
   }
 }
 
@@ -217,12 +248,12 @@ void Hand::State::ReadWarnings(double time_s) {
 }
 
 void Hand::State::Advance() {
-  const mjModel& model = hand->model();
+  const mjModel& model = hand->physics().model();
   for (int step = 0; step < hand->timing().steps_per_tick && health.ok; ++step) {
     const double time_s = data->time;
     mj_step1(&model, data.get());
     PullCables();
-    DriveSpools();
+    TurnSpools();
     mj_step2(&model, data.get());
     ReadWarnings(time_s);
   }
@@ -244,17 +275,20 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   }
   std::vector<double> spool(map.motor_names.size());
   controller::TendonMap(map, true).ToSpoolAngles(angle, spool);
-  mj_resetData(&hand.model(), state.data.get());
-  SetPosture(hand, angle, spool, *state.data);
-  if (hand.grasp().exists()) PlaceObject(hand.grasp(), *state.data);
-  mj_fwdPosition(&hand.model(), state.data.get());
-  mj_fwdVelocity(&hand.model(), state.data.get());
+  mj_resetData(&hand.physics().model(), state.data.get());
+  hand.physics().CopyPositions(
+      PostureOf(hand.model(), hand.joints(), angle, hand.followers()).data(), state.data->qpos);
+  mj_kinematics(&hand.physics().model(), state.data.get());
+  if (hand.grasp().exists()) PlaceObject(hand.grasp_in_physics(), *state.data);
+  mj_fwdPosition(&hand.physics().model(), state.data.get());
+  mj_fwdVelocity(&hand.physics().model(), state.data.get());
 
-  std::fill(state.cables.begin(), state.cables.end(), CableState{});
+  for (CableState& cable : state.cables) cable.friction = 0.0;
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
     state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
     state.target_rad[motor] = map.ToSpoolAngle(motor, state.counts[motor]);
+    state.spools[motor] = {.angle_rad = spool[motor]};
   }
   state.frame_clock.Reset();
   state.commanded = false;
@@ -288,21 +322,19 @@ void Hand::Step() noexcept {
 }
 
 void Hand::ReadJointAngles(std::span<double> joint_angle_rad) const noexcept {
-  const std::vector<HandJoint>& joints = hand_model().joints();
-  for (std::size_t i = 0; i < joints.size(); ++i) joint_angle_rad[i] = data().qpos[joints[i].qpos];
+  const std::vector<int>& qpos = state_->joint_qpos;
+  for (std::size_t i = 0; i < qpos.size(); ++i) joint_angle_rad[i] = data().qpos[qpos[i]];
 }
 
 void Hand::ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept {
-  const std::vector<Drive>& drives = hand_model().drives();
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    spool_angle_rad[i] = data().qpos[drives[i].spool_qpos];
+  for (std::size_t i = 0; i < state_->spools.size(); ++i) {
+    spool_angle_rad[i] = state_->spools[i].angle_rad;
   }
 }
 
 void Hand::ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept {
-  const std::vector<Drive>& drives = hand_model().drives();
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    spool_speed_rad_s[i] = data().qvel[drives[i].spool_dof];
+  for (std::size_t i = 0; i < state_->spools.size(); ++i) {
+    spool_speed_rad_s[i] = state_->spools[i].speed_rad_s;
   }
 }
 
@@ -313,15 +345,15 @@ void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
 }
 
 GripReading Hand::ReadGrip() const noexcept {
-  const GraspParts& grasp = hand_model().grasp();
+  const GraspParts& grasp = hand_model().grasp_in_physics();
   if (!grasp.exists()) return {};
-  return {.force_n = GripForce(hand_model().model(), grasp, data()),
+  return {.force_n = GripForce(hand_model().physics().model(), grasp, data()),
           .height_mm = 1e3 * ObjectHeight(grasp, data()),
-          .slip_mm_s = 1e3 * SlipSpeed(hand_model().model(), grasp, data())};
+          .slip_mm_s = 1e3 * SlipSpeed(hand_model().physics().model(), grasp, data())};
 }
 
 void Hand::ReadObjectPose(std::span<double> pose) const noexcept {
-  const GraspParts& grasp = hand_model().grasp();
+  const GraspParts& grasp = hand_model().grasp_in_physics();
   if (grasp.exists()) std::copy_n(data().qpos + grasp.qpos, 7, pose.begin());
 }
 

@@ -54,7 +54,7 @@ class Hand {
   const HandHealth& health() const noexcept;
 
   const HandModel& hand_model() const noexcept;
-  /// For drawing only.
+  /// What the engine knows, of the physics model.
   const mjData_& data() const noexcept;
 
  private:

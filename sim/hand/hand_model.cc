@@ -14,6 +14,7 @@
 #include "sim/base/helper_process.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/hand/cable_geometry.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/stability.h"
 
@@ -214,6 +215,25 @@ TendonTransmission MakeTransmission(const HandConfig& config, const std::vector<
   return transmission;
 }
 
+void NumberAsIn(const PhysicsModel& physics, Cable& cable) {
+  for (Crossing& crossing : cable.crossings) {
+    crossing.dof = physics.DofOf(crossing.dof);
+    crossing.qpos = physics.QposOf(crossing.qpos);
+  }
+  for (CableSpan& span : cable.spans) {
+    span.dof = physics.DofOf(span.dof);
+    span.qpos = physics.QposOf(span.qpos);
+  }
+}
+
+GraspParts NumberedAsIn(const PhysicsModel& physics, GraspParts grasp) {
+  grasp.object_body = physics.BodyOf(grasp.object_body);
+  grasp.palm_body = physics.BodyOf(grasp.palm_body);
+  grasp.skin_geom = physics.GeomOf(grasp.skin_geom);
+  grasp.qpos = physics.QposOf(grasp.qpos);
+  return grasp;
+}
+
 }  // namespace
 
 HandModel::HandModel(const HandConfig& config)
@@ -235,6 +255,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     drives_ = FindDrives(*model_, config);
     const auto all = FindJoints(*model_, followers_, SpoolPositions(drives_));
     FindCables(*model_, config, all, followers_, drives_);
+    engine_measures_cables_ = !FindCableSpans(*model_, all, followers_, drives_);
     joints_ = MovedJoints(all, drives_, followers_);
     for (const HandJoint& joint : joints_) CheckName("joint", joint.name);
     for (const Drive& drive : drives_) {
@@ -254,6 +275,11 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       model_->tendon_damping[cable.tendon] = 0.0;
     }
   }
+  InModelFile(path, [&] { physics_.emplace(*model_, drives_, engine_measures_cables_); });
+  for (Drive& drive : drives_) {
+    for (Cable& cable : drive.cables) NumberAsIn(*physics_, cable);
+  }
+  if (grasp_.exists()) grasp_in_physics_ = NumberedAsIn(*physics_, grasp_);
 }
 
 std::vector<std::string> HandModel::CameraNames() const {
@@ -272,9 +298,10 @@ std::string HandModel::Hash() const {
   sim::Hash hash;
   hash.Add(bytes);
   for (const Drive& drive : drives_) {
-    const double numbers[] = {drive.drum_radius_m,          drive.servo.gain_nm_rad,
-                              drive.servo.damping_nm_s_rad, drive.servo.dead_band_rad,
-                              drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s};
+    const double numbers[] = {
+        drive.drum_radius_m,       drive.servo.gain_nm_rad,      drive.servo.damping_nm_s_rad,
+        drive.servo.dead_band_rad, drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s,
+        drive.spool.inertia_kg_m2, drive.spool.damping_nm_s_rad, drive.spool.dry_friction_nm};
     hash.Add(std::span<const double>(numbers));
     for (const Cable& cable : drive.cables) {
       const double of_cable[] = {cable.stiffness_n_m, cable.damping_n_s_m, cable.natural_length_m};

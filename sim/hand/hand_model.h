@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "sim/hand/drive.h"
 #include "sim/hand/grasp.h"
 #include "sim/hand/hand_config.h"
+#include "sim/hand/physics_model.h"
 
 namespace gauntlet::sim {
 
@@ -28,7 +30,12 @@ class HandModel {
   HandModel(const HandModel&) = delete;
   HandModel& operator=(const HandModel&) = delete;
 
+  /// All that there is; for pictures.
   const mjModel_& model() const { return *model_; }
+  /// What a Hand steps.
+  const PhysicsModel& physics() const { return *physics_; }
+  /// Some cable is no sum of functions of one joint angle each: slower.
+  bool engine_measures_cables() const { return engine_measures_cables_; }
   const HandConfig& config() const { return config_; }
   const LoopTiming& timing() const { return timing_; }
   /// What a controller must know of this hand: joints, motors, coupling, ranges, counts.
@@ -38,10 +45,13 @@ class HandModel {
   /// Of all motors in their order: first the flexor, then the extensor if there is one.
   const std::vector<std::string>& cable_names() const { return cable_names_; }
 
+  // Positions and degrees of freedom are numbered as in the whole model; those of cables, as in the
+  // physics model.
   const std::vector<HandJoint>& joints() const { return joints_; }
   const std::vector<Follower>& followers() const { return followers_; }
   const std::vector<Drive>& drives() const { return drives_; }
   const GraspParts& grasp() const { return grasp_; }
+  const GraspParts& grasp_in_physics() const { return grasp_in_physics_; }
 
   /// For pictures of the hand, in the model's order.
   std::vector<std::string> CameraNames() const;
@@ -55,10 +65,13 @@ class HandModel {
   HandConfig config_;
   LoopTiming timing_;
   std::unique_ptr<mjModel_, void (*)(mjModel_*)> model_;
+  std::optional<PhysicsModel> physics_;
+  bool engine_measures_cables_ = false;
   std::vector<HandJoint> joints_;
   std::vector<Follower> followers_;
   std::vector<Drive> drives_;
   GraspParts grasp_;
+  GraspParts grasp_in_physics_;
   std::vector<std::string> cable_names_;
   controller::TendonTransmission transmission_;
 };

@@ -6,7 +6,8 @@
 
 namespace gauntlet::sim {
 
-/// Joint positions for drawing a recorded posture: fills the full qpos of `data` from the joint
+/// Joint positions for drawing a recorded posture: fills the qpos of `data`, which is of the whole
+/// model, from the joint
 /// angles [rad, per joint] and spool angles [rad, per motor] (what follows by a linkage follows)
 /// and computes where everything is.
 void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,

@@ -35,18 +35,16 @@ double Median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Forces of every step, as the cables and servos of a trial gave them.
+/// Forces of every step, as the cables of a trial gave them.
 struct RecordedForces {
-  std::vector<mjtNum> joint;    // steps x nv
-  std::vector<mjtNum> control;  // steps x nu
+  std::vector<mjtNum> joint;  // steps x nv
 };
 
 RecordedForces RecordForces(const Study& study, const Trace& trace, const GloveSignal& glove) {
-  const mjModel& model = study.hand->model();
+  const mjModel& model = study.hand->physics().model();
   const Eigen::Index steps = trace.command_counts.rows();
   RecordedForces forces;
   forces.joint.resize(static_cast<std::size_t>(steps * model.nv));
-  forces.control.resize(static_cast<std::size_t>(steps * model.nu));
   Hand hand(study.hand);
   const Eigen::VectorXd start = glove.true_angle_rad.row(0);
   hand.Reset({start.data(), static_cast<std::size_t>(start.size())});
@@ -62,15 +60,13 @@ RecordedForces RecordForces(const Study& study, const Trace& trace, const GloveS
     hand.Step();
     std::memcpy(&forces.joint[static_cast<std::size_t>(k * model.nv)], hand.data().qfrc_applied,
                 sizeof(mjtNum) * static_cast<std::size_t>(model.nv));
-    std::memcpy(&forces.control[static_cast<std::size_t>(k * model.nu)], hand.data().ctrl,
-                sizeof(mjtNum) * static_cast<std::size_t>(model.nu));
   }
   return forces;
 }
 
 void BareLoop(const Study& study, const GloveSignal& glove, const RecordedForces& forces,
               Eigen::Index steps) {
-  const mjModel& model = study.hand->model();
+  const mjModel& model = study.hand->physics().model();
   Hand start(study.hand);
   const Eigen::VectorXd posture = glove.true_angle_rad.row(0);
   start.Reset({posture.data(), static_cast<std::size_t>(posture.size())});
@@ -78,7 +74,6 @@ void BareLoop(const Study& study, const GloveSignal& glove, const RecordedForces
   mju_copy(data->qpos, start.data().qpos, model.nq);
   for (Eigen::Index k = 0; k < steps; ++k) {
     mju_copy(data->qfrc_applied, &forces.joint[static_cast<std::size_t>(k * model.nv)], model.nv);
-    mju_copy(data->ctrl, &forces.control[static_cast<std::size_t>(k * model.nu)], model.nu);
     mj_step(&model, data);
   }
   mj_deleteData(data);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "sim/hand/cable_geometry.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/sine_delay.h"
 #include "tests/hand/small_hand.h"
@@ -62,10 +63,10 @@ TEST(Motion, SameCommandsGiveTheSameBits) {
     one.Step(first, sample);
     two.Step(second, sample);
   }
-  EXPECT_EQ(0,
-            std::memcmp(first.data().qpos, second.data().qpos, sizeof(double) * model->model().nq));
-  EXPECT_EQ(0,
-            std::memcmp(first.data().qvel, second.data().qvel, sizeof(double) * model->model().nv));
+  EXPECT_EQ(0, std::memcmp(first.data().qpos, second.data().qpos,
+                           sizeof(double) * model->physics().model().nq));
+  EXPECT_EQ(0, std::memcmp(first.data().qvel, second.data().qvel,
+                           sizeof(double) * model->physics().model().nv));
 }
 
 TEST(Motion, TheSameModelHasTheSameHashAndAnotherSettingAnotherHash) {
@@ -143,23 +144,31 @@ TEST(Motion, FollowsASineWithTheDelayOfFrameAndServo) {
 /// Energy that cables, gravity and motion hold together [J].
 double Energy(const Hand& hand) {
   const HandModel& model = hand.hand_model();
-  std::unique_ptr<mjData, void (*)(mjData*)> copy(
-      mj_copyData(nullptr, &model.model(), &hand.data()), &mj_deleteData);
-  mj_fwdPosition(&model.model(), copy.get());
-  mj_fwdVelocity(&model.model(), copy.get());
-  std::vector<double> momentum(model.model().nv);
-  mj_mulM(&model.model(), copy.get(), momentum.data(), copy->qvel);
-  double energy = 0.5 * mju_dot(momentum.data(), copy->qvel, model.model().nv);
-  for (int body = 1; body < model.model().nbody; ++body) {
-    energy -=
-        model.model().body_mass[body] * mju_dot3(model.model().opt.gravity, copy->xipos + 3 * body);
+  const mjModel& physics = model.physics().model();
+  std::unique_ptr<mjData, void (*)(mjData*)> copy(mj_copyData(nullptr, &physics, &hand.data()),
+                                                  &mj_deleteData);
+  mj_fwdPosition(&physics, copy.get());
+  mj_fwdVelocity(&physics, copy.get());
+  std::vector<double> momentum(physics.nv);
+  mj_mulM(&physics, copy.get(), momentum.data(), copy->qvel);
+  double energy = 0.5 * mju_dot(momentum.data(), copy->qvel, physics.nv);
+  for (int body = 1; body < physics.nbody; ++body) {
+    energy -= physics.body_mass[body] * mju_dot3(physics.opt.gravity, copy->xipos + 3 * body);
   }
-  for (const Drive& drive : model.drives()) {
-    const double wound = drive.drum_radius_m * copy->qpos[drive.spool_qpos];
+  std::vector<double> spool_rad(model.drives().size());
+  std::vector<double> spool_rad_s(model.drives().size());
+  hand.ReadSpoolAngles(spool_rad);
+  hand.ReadSpoolSpeeds(spool_rad_s);
+  for (std::size_t motor = 0; motor < spool_rad.size(); ++motor) {
+    const Drive& drive = model.drives()[motor];
+    energy += 0.5 * drive.spool.inertia_kg_m2 * spool_rad_s[motor] * spool_rad_s[motor];
+    const double wound = drive.drum_radius_m * spool_rad[motor];
     for (const Cable* cable : {&drive.cables[0], &drive.cables[1]}) {
       const double sign = cable == &drive.cables[0] ? 1.0 : -1.0;
-      const double stretch =
-          std::max(0.0, copy->ten_length[cable->tendon] - cable->natural_length_m + sign * wound);
+      std::vector<double> arm(cable->crossings.size());
+      double rate = 0.0;
+      const double length = MeasureCable(*cable, copy->qpos, copy->qvel, arm, rate);
+      const double stretch = std::max(0.0, length - cable->natural_length_m + sign * wound);
       energy += 0.5 * cable->stiffness_n_m * stretch * stretch;
     }
   }
@@ -188,7 +197,7 @@ TEST(SmallHandMotion, AFreeFallLosesTheEnergyThatDampingTakes) {
   while (angle() < 0.9) {
     ASSERT_LT(++steps, 1000) << "the lever does not fall";
     hand.Step();
-    const double speed = hand.data().qvel[1];
+    const double speed = hand.data().qvel[0];
     lost += damping * 0.5 * (before * before + speed * speed) * 1e-3;
     before = speed;
   }
