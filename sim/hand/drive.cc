@@ -57,6 +57,12 @@ Servo MakeServo(const ServoConfig& config, double stall_torque_nm) {
   return servo;
 }
 
+Spool MakeSpool(const mjModel& model, int dof) {
+  return {.inertia_kg_m2 = model.dof_M0[dof],
+          .damping_nm_s_rad = model.dof_damping[dof],
+          .dry_friction_nm = model.dof_frictionloss[dof]};
+}
+
 double Positive(double value, const std::string& what, const std::string& name) {
   if (value > 0.0) return value;
   throw UserError(fmt::format("{} '{}' of the model is {}: must be above 0", what, name, value));
@@ -113,6 +119,7 @@ std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config) {
     drive.drum_radius_m = Positive(model.geom_size[3 * drum], "radius of geom", drum_name);
     drive.servo = MakeServo(config.servo, Positive(model.actuator_ctrlrange[2 * actuator + 1],
                                                    "ctrlrange of motor", drive.name));
+    drive.spool = MakeSpool(model, drive.spool_dof);
     drives.push_back(std::move(drive));
   }
   if (drives.empty()) throw UserError("the model has no motor");

@@ -8,6 +8,7 @@
 #include "sim/hand/hand_config.h"
 #include "sim/hand/hand_joint.h"
 #include "sim/hand/servo.h"
+#include "sim/hand/spool.h"
 
 namespace gauntlet::sim {
 
@@ -42,6 +43,7 @@ struct Drive {
   int spool_dof = 0;
   double drum_radius_m = 0.0;
   Servo servo;
+  Spool spool;
   std::vector<Cable> cables;
 };
 

@@ -41,13 +41,16 @@ struct Hand::State {
   void TakeFrame() noexcept;
   void Advance();
   void PullCables() noexcept;
-  void DriveSpools() noexcept;
+  void TurnSpools() noexcept;
+  void ShowSpools() noexcept;
   CableWay Way(const Cable& cable) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   double DrumRatio(const Cable& cable, const CableState& state) const noexcept;
-  DrumMotion TurnDrum(const Drive& drive, std::span<const CableState> states,
+  DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
+                      std::span<const CableState> states,
                       std::span<const CableWay> ways) const noexcept;
-  void PullCables(const Drive& drive, std::span<CableState> states) noexcept;
+  double PullCables(const Drive& drive, const SpoolState& spool,
+                    std::span<CableState> states) noexcept;
   double Pull(const Cable& cable, double tension_n, CableState& state) noexcept;
   void ReadWarnings(double time_s);
 
@@ -56,6 +59,8 @@ struct Hand::State {
   std::vector<double> target_rad;         // per motor, what the servos hold
   std::vector<std::int32_t> counts;       // per motor, what was last commanded
   std::vector<std::uint8_t> saturated;    // per motor
+  std::vector<SpoolState> spools;         // per motor
+  std::vector<double> load_nm;            // per motor, what its cables turn the spool back with
   std::vector<CableState> cables;         // in the order of HandModel::cable_names()
   controller::PeriodicClock frame_clock;  // in ticks since the first command
   bool commanded = false;                 // there was a first command
@@ -72,6 +77,8 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
   target_rad.resize(motors);
   counts.resize(motors);
   saturated.resize(motors);
+  spools.resize(motors);
+  load_nm.resize(motors);
   cables.resize(hand->cable_names().size());
 }
 
@@ -134,10 +141,11 @@ double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state
 
 /// Where the drum is and how fast it turns. Without play it is the shaft; with play it has no mass
 /// and turns, as far as it can, to where all its cables together do not turn it.
-DrumMotion Hand::State::TurnDrum(const Drive& drive, std::span<const CableState> states,
+DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
+                                 std::span<const CableState> states,
                                  std::span<const CableWay> ways) const noexcept {
-  const double shaft = data->qpos[drive.spool_qpos];
-  const double speed = data->qvel[drive.spool_dof];
+  const double shaft = spool.angle_rad;
+  const double speed = spool.speed_rad_s;
   const double play = hand->config().cable.backlash_deg * kRadPerDeg;
   if (play == 0.0) return {shaft, speed};
   double weights = 0.0;
@@ -159,19 +167,22 @@ DrumMotion Hand::State::TurnDrum(const Drive& drive, std::span<const CableState>
 void Hand::State::PullCables() noexcept {
   mju_zero(data->qfrc_applied, hand->model().nv);
   std::span<CableState> left = cables;
-  for (const Drive& drive : hand->drives()) {
-    PullCables(drive, left.first(drive.cables.size()));
+  for (std::size_t motor = 0; motor < spools.size(); ++motor) {
+    const Drive& drive = hand->drives()[motor];
+    load_nm[motor] = PullCables(drive, spools[motor], left.first(drive.cables.size()));
     left = left.subspan(drive.cables.size());
   }
 }
 
-/// All cables of one motor: what they do to the joints that they pass, and to the spool.
-void Hand::State::PullCables(const Drive& drive, std::span<CableState> states) noexcept {
+/// All cables of one motor: what they do to the joints that they pass; gives the torque with which
+/// they turn the spool back.
+double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
+                               std::span<CableState> states) noexcept {
   constexpr std::size_t kMostCables = 2;  // a flexor and an extensor
   CableWay way_of_cable[kMostCables];
   const std::span<CableWay> ways(way_of_cable, states.size());
   for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i]);
-  const DrumMotion drum = TurnDrum(drive, states, ways);
+  const DrumMotion drum = TurnDrum(drive, spool, states, ways);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
   const double step_s = hand->model().opt.timestep;
@@ -187,16 +198,25 @@ void Hand::State::PullCables(const Drive& drive, std::span<CableState> states) n
                                         ways[i].rate_m_s + cable.sense * wound_rate);
     at_drum += cable.sense * Pull(cable, tension, state);
   }
-  data->qfrc_applied[drive.spool_dof] -= drive.drum_radius_m * at_drum;
+  return drive.drum_radius_m * at_drum;
 }
 
-void Hand::State::DriveSpools() noexcept {
-  for (std::size_t motor = 0; motor < target_rad.size(); ++motor) {
+void Hand::State::TurnSpools() noexcept {
+  for (std::size_t motor = 0; motor < spools.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
-    const ServoTorque torque = ComputeServoTorque(
-        drive.servo, target_rad[motor], data->qpos[drive.spool_qpos], data->qvel[drive.spool_dof]);
-    data->ctrl[drive.actuator] = torque.torque_nm;
+    SpoolState& spool = spools[motor];
+    const ServoTorque torque =
+        ComputeServoTorque(drive.servo, target_rad[motor], spool.angle_rad, spool.speed_rad_s);
     saturated[motor] = torque.saturated;
+    TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], hand->model().opt.timestep, spool);
+  }
+}
+
+/// The engine's spools stand where the hand's own are.
+void Hand::State::ShowSpools() noexcept {
+  for (std::size_t motor = 0; motor < spools.size(); ++motor) {
+    data->qpos[hand->drives()[motor].spool_qpos] = spools[motor].angle_rad;
+    data->qvel[hand->drives()[motor].spool_dof] = spools[motor].speed_rad_s;
   }
 }
 
@@ -222,8 +242,9 @@ void Hand::State::Advance() {
     const double time_s = data->time;
     mj_step1(&model, data.get());
     PullCables();
-    DriveSpools();
+    TurnSpools();
     mj_step2(&model, data.get());
+    ShowSpools();
     ReadWarnings(time_s);
   }
 }
@@ -255,6 +276,7 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
     state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
     state.target_rad[motor] = map.ToSpoolAngle(motor, state.counts[motor]);
+    state.spools[motor] = {.angle_rad = spool[motor]};
   }
   state.frame_clock.Reset();
   state.commanded = false;
@@ -293,16 +315,14 @@ void Hand::ReadJointAngles(std::span<double> joint_angle_rad) const noexcept {
 }
 
 void Hand::ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept {
-  const std::vector<Drive>& drives = hand_model().drives();
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    spool_angle_rad[i] = data().qpos[drives[i].spool_qpos];
+  for (std::size_t i = 0; i < state_->spools.size(); ++i) {
+    spool_angle_rad[i] = state_->spools[i].angle_rad;
   }
 }
 
 void Hand::ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept {
-  const std::vector<Drive>& drives = hand_model().drives();
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    spool_speed_rad_s[i] = data().qvel[drives[i].spool_dof];
+  for (std::size_t i = 0; i < state_->spools.size(); ++i) {
+    spool_speed_rad_s[i] = state_->spools[i].speed_rad_s;
   }
 }
 

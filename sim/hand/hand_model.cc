@@ -247,6 +247,9 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
     CheckTravel(transmission_, motor, config.servo.travel_deg);
+    // TurnSpool() takes over.
+    model_->dof_damping[drives_[motor].spool_dof] = 0.0;
+    model_->dof_frictionloss[drives_[motor].spool_dof] = 0.0;
     for (const Cable& cable : drives_[motor].cables) {
       cable_names_.push_back(cable.name);
       // CableTension() takes over: a spring of the engine would push when slack.
@@ -274,7 +277,9 @@ std::string HandModel::Hash() const {
   for (const Drive& drive : drives_) {
     const double numbers[] = {drive.drum_radius_m,          drive.servo.gain_nm_rad,
                               drive.servo.damping_nm_s_rad, drive.servo.dead_band_rad,
-                              drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s};
+                              drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s,
+                              drive.spool.inertia_kg_m2,    drive.spool.damping_nm_s_rad,
+                              drive.spool.dry_friction_nm};
     hash.Add(std::span<const double>(numbers));
     for (const Cable& cable : drive.cables) {
       const double of_cable[] = {cable.stiffness_n_m, cable.damping_n_s_m, cable.natural_length_m};

@@ -40,7 +40,7 @@ void CheckStability(const mjModel& model, const std::vector<Drive>& drives) {
         joints[crossing.dof].Add(cable, crossing.moment_arm_m);
       }
     }
-    if (!spool.Stable(model.dof_invweight0[drive.spool_dof], step_s)) {
+    if (!spool.Stable(1.0 / drive.spool.inertia_kg_m2, step_s)) {
       throw UserError(fmt::format(
           "hand.servo: the servo of {} is too stiff for hand.step_ms {}: lower torque_scale or "
           "damping_ms, or raise full_torque_error_deg or no_load_speed_deg_s",

@@ -1,0 +1,18 @@
+#include "sim/hand/spool.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gauntlet::sim {
+
+void TurnSpool(const Spool& spool, double drive_nm, double load_nm, double step_s,
+               SpoolState& state) noexcept {
+  const double inertia = spool.inertia_kg_m2 + step_s * spool.damping_nm_s_rad;
+  const double without_friction =
+      spool.inertia_kg_m2 * state.speed_rad_s + step_s * (drive_nm - load_nm);
+  const double left = std::max(0.0, std::abs(without_friction) - step_s * spool.dry_friction_nm);
+  state.speed_rad_s = std::copysign(left, without_friction) / inertia;
+  state.angle_rad += step_s * state.speed_rad_s;
+}
+
+}  // namespace gauntlet::sim
