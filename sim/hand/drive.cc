@@ -83,11 +83,12 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, const std::stri
   const double factor = StiffnessFactor(config);
   const double stiffness =
       Positive(model.tendon_stiffness[cable.tendon], "stiffness of tendon", name);
-  cable.stiffness_n_m = factor * stiffness;
-  cable.damping_n_s_m = model.tendon_damping[cable.tendon];
-  if (cable.damping_n_s_m < 0.0) {
+  cable.cord = {.stiffness_n_m = factor * stiffness,
+                .damping_n_s_m = model.tendon_damping[cable.tendon],
+                .friction_coefficient = config.capstan_friction};
+  if (cable.cord.damping_n_s_m < 0.0) {
     throw UserError(fmt::format("damping of tendon '{}' of the model is {}: must not be below 0",
-                                name, cable.damping_n_s_m));
+                                name, cable.cord.damping_n_s_m));
   }
   return cable;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "controller/tendon_map.h"
 #include "sim/base/error.h"
@@ -16,12 +17,6 @@
 namespace gauntlet::sim {
 namespace {
 
-/// What one cable does at one moment.
-struct CableState {
-  double friction = 0.0;   // see AdvanceFriction
-  double tension_n = 0.0;  // at the drum
-};
-
 /// How much longer a cable's way is than the cable, with the spool at 0.
 struct CableWay {
   double excess_m = 0.0;
@@ -31,6 +26,7 @@ struct CableWay {
 struct DrumMotion {
   double angle_rad = 0.0;
   double speed_rad_s = 0.0;
+  bool free = false;  // within its play, where it does not touch the shaft
 };
 
 }  // namespace
@@ -45,13 +41,13 @@ struct Hand::State {
   void ShowSpools() noexcept;
   CableWay Way(const Cable& cable) const noexcept;
   double Bend(const Cable& cable) const noexcept;
-  double DrumRatio(const Cable& cable, const CableState& state) const noexcept;
   DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
-                      std::span<const CableState> states,
-                      std::span<const CableWay> ways) const noexcept;
-  double PullCables(const Drive& drive, const SpoolState& spool,
-                    std::span<CableState> states) noexcept;
-  double Pull(const Cable& cable, double tension_n, CableState& state) noexcept;
+                      std::span<const CableState> states, std::span<const CableWay> ways,
+                      double& angle_rad) const noexcept;
+  double PullCables(const Drive& drive, const SpoolState& spool, std::span<CableState> states,
+                    double& drum_angle_rad) noexcept;
+  void Pull(const Cable& cable, double stretch_m, double wound_rate_m_s,
+            CableState& state) noexcept;
   void ReadWarnings(double time_s);
 
   std::shared_ptr<const HandModel> hand;
@@ -60,8 +56,11 @@ struct Hand::State {
   std::vector<std::int32_t> counts;       // per motor, what was last commanded
   std::vector<std::uint8_t> saturated;    // per motor
   std::vector<SpoolState> spools;         // per motor
+  std::vector<double> drum_rad;           // per motor; the spool's angle but for play
   std::vector<double> load_nm;            // per motor, what its cables turn the spool back with
   std::vector<CableState> cables;         // in the order of HandModel::cable_names()
+  std::vector<CablePlace> places;         // of one cable: its drum and what it passes
+  std::vector<double> arms;               // moment arms of what it passes
   controller::PeriodicClock frame_clock;  // in ticks since the first command
   bool commanded = false;                 // there was a first command
   bool new_counts = false;
@@ -78,6 +77,7 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
   counts.resize(motors);
   saturated.resize(motors);
   spools.resize(motors);
+  drum_rad.resize(motors);
   load_nm.resize(motors);
   cables.resize(hand->cable_names().size());
 }
@@ -115,53 +115,49 @@ double Hand::State::Bend(const Cable& cable) const noexcept {
   return bend;
 }
 
-/// Tension at the drum over the tension in the middle of all bends, which the elastic law gives.
-double Hand::State::DrumRatio(const Cable& cable, const CableState& state) const noexcept {
-  const double mu = hand->config().cable.capstan_friction;
-  return mu == 0.0 ? 1.0 : CapstanRatio(mu, 0.5 * Bend(cable), state.friction);
-}
-
-/// The cable's pull on the joints that it passes; gives the tension at the drum.
-double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state) noexcept {
-  const CableConfig& config = hand->config().cable;
-  const double mu = config.capstan_friction;
-  state.tension_n = tension_n * DrumRatio(cable, state);
+/// The cable's pull on the joints that it passes, while its drum winds it up at `wound_rate_m_s`.
+void Hand::State::Pull(const Cable& cable, double stretch_m, double wound_rate_m_s,
+                       CableState& state) noexcept {
+  const double bend = Bend(cable);
+  places.resize(cable.crossings.size() + 1);
+  arms.resize(cable.crossings.size());
+  places[0] = {.speed_m_s = wound_rate_m_s};
   double turned = 0.0;
-  for (const Crossing& crossing : cable.crossings) {
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    const Crossing& crossing = cable.crossings[i];
     turned += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
-    if (!config.interference && !crossing.own) continue;
-    const double here =
-        mu == 0.0 ? tension_n
-                  : state.tension_n / CapstanRatio(mu, crossing.bend_rad + turned, state.friction);
-    data->qfrc_applied[crossing.dof] -=
-        here * MomentArm(hand->model(), *data, cable.tendon, crossing.dof);
+    const bool moves = hand->config().cable.interference || crossing.own;
+    arms[i] = moves ? MomentArm(hand->model(), *data, cable.tendon, crossing.dof) : 0.0;
+    const double share = bend > 0.0 ? (crossing.bend_rad + turned) / bend : 0.0;
+    places[i + 1] = {.bend_share = std::clamp(share, 0.0, 1.0),
+                     .speed_m_s = arms[i] * data->qvel[crossing.dof]};
   }
-  return state.tension_n;
+  PullCable(cable.cord, bend, stretch_m, hand->model().opt.timestep, places, state);
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    data->qfrc_applied[cable.crossings[i].dof] -= places[i + 1].pull_n * arms[i];
+  }
 }
 
 /// Where the drum is and how fast it turns. Without play it is the shaft; with play it has no mass
 /// and turns, as far as it can, to where all its cables together do not turn it.
 DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
-                                 std::span<const CableState> states,
-                                 std::span<const CableWay> ways) const noexcept {
-  const double shaft = spool.angle_rad;
-  const double speed = spool.speed_rad_s;
-  const double play = hand->config().cable.backlash_deg * kRadPerDeg;
-  if (play == 0.0) return {shaft, speed};
-  double weights = 0.0;
-  double excess = 0.0;  // sum of sense x weight x excess length
-  double rate = 0.0;
+                                 std::span<const CableState> states, std::span<const CableWay> ways,
+                                 double& angle_rad) const noexcept {
+  const CableConfig& config = hand->config().cable;
+  const double before = std::exchange(angle_rad, spool.angle_rad);
+  if (config.backlash_deg == 0.0) return {spool.angle_rad, spool.speed_rad_s};
+  double pull = 0.0;
+  double stiffness = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Cable& cable = drive.cables[i];
-    const double weight = cable.stiffness_n_m * DrumRatio(cable, states[i]);
-    weights += weight;
-    excess += cable.sense * weight * ways[i].excess_m;
-    rate += cable.sense * weight * ways[i].rate_m_s;
+    const double stretch = ways[i].excess_m + cable.sense * drive.drum_radius_m * before;
+    stiffness += cable.cord.EndFactor() * cable.cord.stiffness_n_m;
+    if (!(stretch > 0.0)) continue;
+    pull += cable.sense * (cable.cord.stiffness_n_m * stretch + 0.5 * states[i].difference_n);
   }
-  const double lever = drive.drum_radius_m * weights;
-  const double balance = -excess / lever;
-  const double angle = DrumAngle(shaft, balance, play);
-  return {angle, angle != balance ? speed : -rate / lever};
+  const double balance = before - pull / (drive.drum_radius_m * stiffness);
+  angle_rad = DrumAngle(spool.angle_rad, balance, config.backlash_deg * kRadPerDeg);
+  return {angle_rad, (angle_rad - before) / hand->model().opt.timestep, angle_rad == balance};
 }
 
 void Hand::State::PullCables() noexcept {
@@ -169,7 +165,8 @@ void Hand::State::PullCables() noexcept {
   std::span<CableState> left = cables;
   for (std::size_t motor = 0; motor < spools.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
-    load_nm[motor] = PullCables(drive, spools[motor], left.first(drive.cables.size()));
+    load_nm[motor] =
+        PullCables(drive, spools[motor], left.first(drive.cables.size()), drum_rad[motor]);
     left = left.subspan(drive.cables.size());
   }
 }
@@ -177,28 +174,21 @@ void Hand::State::PullCables() noexcept {
 /// All cables of one motor: what they do to the joints that they pass; gives the torque with which
 /// they turn the spool back.
 double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
-                               std::span<CableState> states) noexcept {
+                               std::span<CableState> states, double& drum_angle_rad) noexcept {
   constexpr std::size_t kMostCables = 2;  // a flexor and an extensor
   CableWay way_of_cable[kMostCables];
   const std::span<CableWay> ways(way_of_cable, states.size());
   for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i]);
-  const DrumMotion drum = TurnDrum(drive, spool, states, ways);
+  const DrumMotion drum = TurnDrum(drive, spool, states, ways, drum_angle_rad);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
-  const double step_s = hand->model().opt.timestep;
   double at_drum = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Cable& cable = drive.cables[i];
-    CableState& state = states[i];
-    // Half of the way in is the drum's, half the joints'.
-    const double travel = 0.5 * (cable.sense * wound_rate - ways[i].rate_m_s) * step_s;
-    state.friction = AdvanceFriction(state.friction, travel);
-    const double tension = CableTension(cable.stiffness_n_m, cable.damping_n_s_m,
-                                        ways[i].excess_m + cable.sense * wound,
-                                        ways[i].rate_m_s + cable.sense * wound_rate);
-    at_drum += cable.sense * Pull(cable, tension, state);
+    Pull(cable, ways[i].excess_m + cable.sense * wound, cable.sense * wound_rate, states[i]);
+    at_drum += cable.sense * states[i].tension_n;
   }
-  return drive.drum_radius_m * at_drum;
+  return drum.free ? 0.0 : drive.drum_radius_m * at_drum;
 }
 
 void Hand::State::TurnSpools() noexcept {
@@ -277,6 +267,7 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
     state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
     state.target_rad[motor] = map.ToSpoolAngle(motor, state.counts[motor]);
     state.spools[motor] = {.angle_rad = spool[motor]};
+    state.drum_rad[motor] = spool[motor];
   }
   state.frame_clock.Reset();
   state.commanded = false;
@@ -330,6 +321,12 @@ void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
   for (std::size_t i = 0; i < state_->cables.size(); ++i) {
     tension_n[i] = state_->cables[i].tension_n;
   }
+}
+
+double Hand::CableEnergy() const noexcept {
+  double energy_j = 0.0;
+  for (const CableState& cable : state_->cables) energy_j += cable.energy_j;
+  return energy_j;
 }
 
 GripReading Hand::ReadGrip() const noexcept {

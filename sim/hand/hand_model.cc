@@ -275,14 +275,14 @@ std::string HandModel::Hash() const {
   sim::Hash hash;
   hash.Add(bytes);
   for (const Drive& drive : drives_) {
-    const double numbers[] = {drive.drum_radius_m,          drive.servo.gain_nm_rad,
-                              drive.servo.damping_nm_s_rad, drive.servo.dead_band_rad,
-                              drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s,
-                              drive.spool.inertia_kg_m2,    drive.spool.damping_nm_s_rad,
-                              drive.spool.dry_friction_nm};
+    const double numbers[] = {
+        drive.drum_radius_m,       drive.servo.gain_nm_rad,      drive.servo.damping_nm_s_rad,
+        drive.servo.dead_band_rad, drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s,
+        drive.spool.inertia_kg_m2, drive.spool.damping_nm_s_rad, drive.spool.dry_friction_nm};
     hash.Add(std::span<const double>(numbers));
     for (const Cable& cable : drive.cables) {
-      const double of_cable[] = {cable.stiffness_n_m, cable.damping_n_s_m, cable.natural_length_m};
+      const double of_cable[] = {cable.cord.stiffness_n_m, cable.cord.damping_n_s_m,
+                                 cable.natural_length_m};
       hash.Add(std::span<const double>(of_cable));
     }
   }
