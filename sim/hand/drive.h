@@ -42,6 +42,8 @@ struct Drive {
   int spool_qpos = 0;
   int spool_dof = 0;
   double drum_radius_m = 0.0;
+  double play_rad = 0.0;  // between the spool's shaft and the drum, end to end
+  ServoNumbers numbers;
   Servo servo;
   Spool spool;
   std::vector<Cable> cables;

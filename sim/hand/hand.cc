@@ -13,6 +13,7 @@
 #include "sim/hand/cable.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/posture.h"
+#include "sim/hand/servo_input.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -34,7 +35,7 @@ struct DrumMotion {
 struct Hand::State {
   explicit State(std::shared_ptr<const HandModel> hand_model);
 
-  void TakeFrame() noexcept;
+  void ReadInputs() noexcept;
   void Advance();
   void PullCables() noexcept;
   void TurnSpools() noexcept;
@@ -52,28 +53,31 @@ struct Hand::State {
 
   std::shared_ptr<const HandModel> hand;
   std::unique_ptr<mjData, void (*)(mjData*)> data;
-  std::vector<double> target_rad;         // per motor, what the servos hold
-  std::vector<std::int32_t> counts;       // per motor, what was last commanded
-  std::vector<std::uint8_t> saturated;    // per motor
-  std::vector<SpoolState> spools;         // per motor
-  std::vector<double> drum_rad;           // per motor; the spool's angle but for play
-  std::vector<double> load_nm;            // per motor, what its cables turn the spool back with
-  std::vector<CableState> cables;         // in the order of HandModel::cable_names()
-  std::vector<CablePlace> places;         // of one cable: its drum and what it passes
-  std::vector<double> arms;               // moment arms of what it passes
-  controller::PeriodicClock frame_clock;  // in ticks since the first command
-  bool commanded = false;                 // there was a first command
-  bool new_counts = false;
+  std::vector<ServoInput> inputs;        // per motor
+  std::vector<double> target_rad;        // per motor, what the servos hold
+  std::vector<double> sensor_error_rad;  // per motor, now
+  std::vector<std::int32_t> counts;      // per motor, what was last commanded
+  std::vector<std::uint8_t> saturated;   // per motor
+  std::vector<SpoolState> spools;        // per motor
+  std::vector<double> drum_rad;          // per motor; the spool's angle but for play
+  std::vector<double> load_nm;           // per motor, what its cables turn the spool back with
+  std::vector<CableState> cables;        // in the order of HandModel::cable_names()
+  std::vector<CablePlace> places;        // of one cable: its drum and what it passes
+  std::vector<double> arms;              // moment arms of what it passes
+  bool commanded = false;                // since the Reset()
   HandHealth health;
 };
 
 Hand::State::State(std::shared_ptr<const HandModel> hand_model)
-    : hand(std::move(hand_model)),
-      data(mj_makeData(&hand->model()), &mj_deleteData),
-      frame_clock(std::max(1.0, hand->timing().controller.TicksOf(hand->config().servo.frame_ms))) {
+    : hand(std::move(hand_model)), data(mj_makeData(&hand->model()), &mj_deleteData) {
   if (data == nullptr) throw RunError("not enough memory for a hand");
   const std::size_t motors = hand->drives().size();
+  for (std::size_t motor = 0; motor < motors; ++motor) {
+    inputs.emplace_back(hand->drives()[motor].numbers, hand->timing().controller,
+                        static_cast<int>(motor));
+  }
   target_rad.resize(motors);
+  sensor_error_rad.resize(motors);
   counts.resize(motors);
   saturated.resize(motors);
   spools.resize(motors);
@@ -82,15 +86,13 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
   cables.resize(hand->cable_names().size());
 }
 
-/// The servo's own clock starts with the first command, so that frames and commands of the same
-/// period are in step.
-void Hand::State::TakeFrame() noexcept {
-  if (!commanded || !frame_clock.Tick() || !new_counts) return;
+/// What every servo knows during this tick.
+void Hand::State::ReadInputs() noexcept {
   const controller::TendonTransmission& map = hand->transmission();
-  for (std::size_t motor = 0; motor < counts.size(); ++motor) {
-    target_rad[motor] = map.ToSpoolAngle(motor, counts[motor]);
+  for (std::size_t motor = 0; motor < inputs.size(); ++motor) {
+    target_rad[motor] = inputs[motor].Take(map.ToSpoolAngle(motor, counts[motor]), commanded);
+    sensor_error_rad[motor] = inputs[motor].SensorError(spools[motor].angle_rad);
   }
-  new_counts = false;
 }
 
 CableWay Hand::State::Way(const Cable& cable) const noexcept {
@@ -143,9 +145,8 @@ void Hand::State::Pull(const Cable& cable, double stretch_m, double wound_rate_m
 DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
                                  std::span<const CableState> states, std::span<const CableWay> ways,
                                  double& angle_rad) const noexcept {
-  const CableConfig& config = hand->config().cable;
   const double before = std::exchange(angle_rad, spool.angle_rad);
-  if (config.backlash_deg == 0.0) return {spool.angle_rad, spool.speed_rad_s};
+  if (drive.play_rad == 0.0) return {spool.angle_rad, spool.speed_rad_s};
   double pull = 0.0;
   double stiffness = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -156,7 +157,7 @@ DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
     pull += cable.sense * (cable.cord.stiffness_n_m * stretch + 0.5 * states[i].difference_n);
   }
   const double balance = before - pull / (drive.drum_radius_m * stiffness);
-  angle_rad = DrumAngle(spool.angle_rad, balance, config.backlash_deg * kRadPerDeg);
+  angle_rad = DrumAngle(spool.angle_rad, balance, drive.play_rad);
   return {angle_rad, (angle_rad - before) / hand->model().opt.timestep, angle_rad == balance};
 }
 
@@ -196,7 +197,8 @@ void Hand::State::TurnSpools() noexcept {
     const Drive& drive = hand->drives()[motor];
     SpoolState& spool = spools[motor];
     const ServoTorque torque =
-        ComputeServoTorque(drive.servo, target_rad[motor], spool.angle_rad, spool.speed_rad_s);
+        ComputeServoTorque(drive.servo, target_rad[motor],
+                           spool.angle_rad + sensor_error_rad[motor], spool.speed_rad_s);
     saturated[motor] = torque.saturated;
     TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], hand->model().opt.timestep, spool);
   }
@@ -265,13 +267,11 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
     state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
-    state.target_rad[motor] = map.ToSpoolAngle(motor, state.counts[motor]);
+    state.inputs[motor].Reset(map.ToSpoolAngle(motor, state.counts[motor]));
     state.spools[motor] = {.angle_rad = spool[motor]};
     state.drum_rad[motor] = spool[motor];
   }
-  state.frame_clock.Reset();
   state.commanded = false;
-  state.new_counts = false;
   state.health = {};
   TakeMujocoWarning();
   state.PullCables();
@@ -283,7 +283,6 @@ void Hand::SetCommand(std::span<const std::int32_t> motor_counts) noexcept {
     state_->counts[motor] =
         std::clamp(motor_counts[motor], map.min_counts[motor], map.max_counts[motor]);
   }
-  state_->new_counts = true;
   state_->commanded = true;
 }
 
@@ -291,7 +290,7 @@ std::span<const std::int32_t> Hand::command() const noexcept { return state_->co
 
 void Hand::Step() noexcept {
   if (!state_->health.ok) return;
-  state_->TakeFrame();
+  state_->ReadInputs();
   try {
     state_->Advance();
   } catch (const std::exception& error) {

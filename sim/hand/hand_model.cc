@@ -189,12 +189,13 @@ TendonTransmission MakeTransmission(const HandConfig& config, const std::vector<
                                     const std::vector<Drive>& drives) {
   TendonTransmission transmission;
   AddJoints(joints, drives, transmission);
-  const int counts = 1 << config.servo.resolution_bits;
-  transmission.counts_per_rad.assign(drives.size(),
-                                     (counts - 1) / (config.servo.travel_deg * kRadPerDeg));
-  transmission.center_counts.assign(drives.size(), counts / 2);
-  transmission.min_counts.assign(drives.size(), 0);
-  transmission.max_counts.assign(drives.size(), counts - 1);
+  for (const Drive& drive : drives) {
+    const int counts = 1 << drive.numbers.resolution_bits;
+    transmission.counts_per_rad.push_back((counts - 1) / (drive.numbers.travel_deg * kRadPerDeg));
+    transmission.center_counts.push_back(counts / 2);
+    transmission.min_counts.push_back(0);
+    transmission.max_counts.push_back(counts - 1);
+  }
   transmission.coupling.assign(drives.size() * joints.size(), 0.0);
   for (std::size_t motor = 0; motor < drives.size(); ++motor) {
     const Drive& drive = drives[motor];
@@ -246,7 +247,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   transmission_ =
       InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
-    CheckTravel(transmission_, motor, config.servo.travel_deg);
+    CheckTravel(transmission_, motor, drives_[motor].numbers.travel_deg);
     // TurnSpool() takes over.
     model_->dof_damping[drives_[motor].spool_dof] = 0.0;
     model_->dof_frictionloss[drives_[motor].spool_dof] = 0.0;
@@ -275,14 +276,27 @@ std::string HandModel::Hash() const {
   sim::Hash hash;
   hash.Add(bytes);
   for (const Drive& drive : drives_) {
-    const double numbers[] = {
-        drive.drum_radius_m,       drive.servo.gain_nm_rad,      drive.servo.damping_nm_s_rad,
-        drive.servo.dead_band_rad, drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s,
-        drive.spool.inertia_kg_m2, drive.spool.damping_nm_s_rad, drive.spool.dry_friction_nm};
+    const ServoNumbers& servo = drive.numbers;
+    const double numbers[] = {drive.drum_radius_m,
+                              drive.play_rad,
+                              drive.servo.gain_nm_rad,
+                              drive.servo.damping_nm_s_rad,
+                              drive.servo.dead_band_rad,
+                              drive.servo.stall_torque_nm,
+                              drive.servo.no_load_speed_rad_s,
+                              drive.spool.inertia_kg_m2,
+                              drive.spool.damping_nm_s_rad,
+                              drive.spool.dry_friction_nm,
+                              drive.spool.load_friction,
+                              servo.frame_ms,
+                              servo.free_running ? 1.0 : 0.0,
+                              servo.dead_time_ms,
+                              static_cast<double>(servo.sensor_bits),
+                              servo.sensor_noise_deg};
     hash.Add(std::span<const double>(numbers));
     for (const Cable& cable : drive.cables) {
       const double of_cable[] = {cable.cord.stiffness_n_m, cable.cord.damping_n_s_m,
-                                 cable.natural_length_m};
+                                 cable.cord.friction_coefficient, cable.natural_length_m};
       hash.Add(std::span<const double>(of_cable));
     }
   }

@@ -10,8 +10,8 @@ namespace {
 
 SmallHand Fine() {
   SmallHand small;
-  small.config.servo.resolution_bits = 18;
-  small.config.servo.dead_band_deg = 0.0;
+  small.config.servo.numbers().resolution_bits = 18;
+  small.config.servo.numbers().dead_band_deg = 0.0;
   small.config.cable.capstan_friction = 0.0;
   small.config.cable.pretension_mm = 0.0;
   return small;

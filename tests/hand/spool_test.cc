@@ -78,7 +78,7 @@ TEST(Spool, KeepsTheBookOfItsEnergy) {
 // Cables that pull the drum either way by less than its friction do not creep it.
 TEST(SpoolInTheHand, DryFrictionHoldsItAgainstTheCablesForEver) {
   SmallHand small;
-  small.config.servo.torque_scale = 1e-9;
+  small.config.servo.numbers().torque_scale = 1e-9;
   std::string xml = small.Xml();
   const std::string armature = "armature=\"3e-4\"";
   // The weight turns the drum with 0.1 N m.
