@@ -135,9 +135,8 @@ void FindCables(const mjModel& model, const HandConfig& config,
                 const std::vector<HandJoint>& joints, const std::vector<Follower>& followers,
                 std::vector<Drive>& drives) {
   const CablePaths paths(model, joints, followers);
-  // The force of pretension stays what it is when stretch is switched off.
-  const double pretension_m =
-      1e-3 * config.cable.pretension_mm / (config.cable.stretch ? 1.0 : kInextensible);
+  // The force of pretension stays what it is with another stiffness.
+  const double pretension_m = 1e-3 * config.cable.pretension_mm / StiffnessFactor(config.cable);
   for (Drive& drive : drives) {
     // A joint with a motor of its own name is that motor's alone.
     const auto meant = [&](int dof) {
@@ -152,6 +151,7 @@ void FindCables(const mjModel& model, const HandConfig& config,
     }
     for (Cable& cable : drive.cables) {
       paths.Trace(cable, meant);
+      cable.pretension_n = cable.cord.stiffness_n_m * pretension_m;
       cable.natural_length_m += 1e-3 * config.cable.slack_mm - pretension_m;
     }
   }

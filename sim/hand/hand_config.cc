@@ -11,12 +11,12 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
   visitor.Flag({.key = "stretch", .help = "cables stretch; off: 8 times as stiff"}, stretch);
   visitor.Number({.key = "stiffness_scale",
                   .help = "factor on the stiffness of the model's cables",
-                  .min = 0,
-                  .max = 10,
-                  .open_range = true},
+                  .min = 1e-6,
+                  .max = 10},
                  stiffness_scale);
   visitor.Number({.key = "pretension_mm",
-                  .help = "stretch of both cables of a motor at rest",
+                  .help = "stretch of both cables of a motor at rest, with the model's stiffness: "
+                          "the force stays when stiffness_scale or stretch changes it",
                   .min = 0,
                   .max = 5},
                  pretension_mm);

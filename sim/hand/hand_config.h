@@ -10,10 +10,10 @@ namespace gauntlet::sim {
 /// What the two cables of every motor are like. Stiffness and damping of each cable stand in the
 /// model file; here stands what is common, and what can be switched off to see what it does.
 struct CableConfig {
-  bool stretch = true;             // off: 8 times as stiff, about what the time step can bear
-  double stiffness_scale = 1.0;    // on the stiffness of the model
-  double pretension_mm = 0.4;      // both cables of a motor are this much too short
-  double slack_mm = 0.0;           // and this much too long
+  bool stretch = true;           // off: 8 times as stiff, about what the time step can bear
+  double stiffness_scale = 1.0;  // on the stiffness of the model
+  double pretension_mm = 0.4;    // both cables are this much too short, if as stiff as the model's
+  double slack_mm = 0.0;         // and this much too long
   double capstan_friction = 0.03;  // coefficient of friction on pulleys and guides; 0 is off
   double backlash_deg = 0.0;       // play of the drum on the motor's shaft, end to end
   bool interference = true;        // off: cables cross other joints without moving them

@@ -172,6 +172,23 @@ void CheckTravel(const TendonTransmission& transmission, std::size_t motor, doub
                               travel_deg, transmission.motor_names[motor], needed_deg)});
 }
 
+/// Throws if a motor of the model, whatever its scale, could not hold one of its cables at rest.
+void CheckPretension(const Drive& drive, const CableConfig& config) {
+  const double stall_n =
+      drive.servo.stall_torque_nm / drive.numbers.torque_scale / drive.drum_radius_m;
+  for (const Cable& cable : drive.cables) {
+    if (cable.pretension_n <= stall_n) continue;
+    throw UserError(
+        {.key = "hand.cable.pretension_mm",
+         .problem = fmt::format(
+             "is {}, must be at most {:.2f} here: the cable {} would pull with "
+             "{:.0f} N, its motor with {:.0f} N at stall",
+             config.pretension_mm,
+             std::floor(100.0 * config.pretension_mm * stall_n / cable.pretension_n) / 100.0,
+             cable.name, cable.pretension_n, stall_n)});
+  }
+}
+
 void AddJoints(const std::vector<HandJoint>& joints, const std::vector<Drive>& drives,
                TendonTransmission& transmission) {
   for (const HandJoint& joint : joints) {
@@ -248,6 +265,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
     CheckTravel(transmission_, motor, drives_[motor].numbers.travel_deg);
+    CheckPretension(drives_[motor], config.cable);
     // TurnSpool() takes over.
     model_->dof_damping[drives_[motor].spool_dof] = 0.0;
     model_->dof_frictionloss[drives_[motor].spool_dof] = 0.0;

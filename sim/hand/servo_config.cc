@@ -61,9 +61,8 @@ void ServoNumbers::Visit(SettingsVisitor& visitor) {
                  no_load_speed_deg_s);
   visitor.Number({.key = "torque_scale",
                   .help = "factor on the stall torques of the model",
-                  .min = 0,
-                  .max = 10,
-                  .open_range = true},
+                  .min = 1e-9,
+                  .max = 10},
                  torque_scale);
   visitor.Number({.key = "inertia_scale",
                   .help = "factor on the inertia of the model's spools, rotors behind their gears",
