@@ -150,6 +150,7 @@ const std::vector<Topic>& Topics() {
        [] { return EntriesOf(controller::PredictionKinds()); }},
       {"motions", "what the wearer can do", [] { return EntriesOf(MotionKinds()); }},
       {"faults", "what can go wrong in the glove", [] { return EntriesOf(FaultKinds()); }},
+      {"servos", "what can turn the hand's spools", [] { return EntriesOf(ServoKinds()); }},
       {"metrics", "what is measured", Scores},
       {"channels", "joints of wearer and hand, and how cables couple them", Channels},
       {"scenarios", "ready questions", Scenarios},
@@ -222,7 +223,7 @@ void List(const std::string& name, bool as_json) {
 void AddListCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("list",
                                          "List what there is: filters, predictions, motions, "
-                                         "faults, metrics, channels, scenarios, keys");
+                                         "faults, servos, metrics, channels, scenarios, keys");
   const auto name = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
   command->add_option("what", *name, "one of the lists; all are named if left out");

@@ -4,6 +4,16 @@
 #include <cmath>
 
 namespace gauntlet::sim {
+namespace {
+
+/// How much of the difference between drum and far end is lost before a place: w of PullCable().
+double DropShare(double bend_share, double log_ratio) noexcept {
+  constexpr double kSmall = 1e-6;  // below it tension falls in proportion to the bend
+  if (std::abs(log_ratio) < kSmall) return bend_share;
+  return std::expm1(bend_share * log_ratio) / std::expm1(log_ratio);
+}
+
+}  // namespace
 
 double CableTension(double stiffness_n_m, double damping_n_s_m, double stretch_m,
                     double stretch_rate_m_s) noexcept {
@@ -12,13 +22,31 @@ double CableTension(double stiffness_n_m, double damping_n_s_m, double stretch_m
   return elastic + std::clamp(damping_n_s_m * stretch_rate_m_s, -elastic, elastic);
 }
 
-double AdvanceFriction(double state, double travel_m) noexcept {
-  const double end = std::copysign(1.0, travel_m);
-  return end + (state - end) * std::exp(-std::abs(travel_m) / kPreslidingTravelM);
-}
-
-double CapstanRatio(double friction_coefficient, double angle_rad, double state) noexcept {
-  return std::exp(friction_coefficient * angle_rad * state);
+void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_s,
+               std::span<CablePlace> places, CableState& state) noexcept {
+  double rate = 0.0;
+  double speed = 0.0;  // towards the drum
+  for (CablePlace& place : places) {
+    const double lost = DropShare(place.bend_share, state.log_ratio);
+    rate += place.speed_m_s;
+    speed += (0.5 - lost) * place.speed_m_s;
+    place.pull_n = lost;
+  }
+  const double mean = CableTension(cord.stiffness_n_m, cord.damping_n_s_m, stretch_m, rate);
+  const double turn = 0.5 * cord.friction_coefficient * std::max(0.0, bend_rad);
+  const double most = 2.0 * mean * std::tanh(turn);
+  state.difference_n =
+      std::clamp(state.difference_n + 4.0 * cord.stiffness_n_m * speed * step_s, -most, most);
+  const double difference =
+      std::clamp(state.difference_n + 4.0 * cord.damping_n_s_m * speed, -most, most);
+  const double at_drum = mean + 0.5 * difference;
+  for (CablePlace& place : places) place.pull_n = at_drum - place.pull_n * difference;
+  state.tension_n = at_drum;
+  const double stretched_m = std::max(0.0, stretch_m);
+  state.energy_j = 0.5 * cord.stiffness_n_m * stretched_m * stretched_m +
+                   state.difference_n * state.difference_n / (8.0 * cord.stiffness_n_m);
+  const double far = mean - 0.5 * difference;
+  state.log_ratio = far > 0.0 ? std::log(far / at_drum) : 0.0;
 }
 
 double DrumAngle(double shaft_rad, double balance_rad, double play_rad) noexcept {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <span>
+
 namespace gauntlet::sim {
 
-/// The pull of an elastic cable: no push, and no jump where it becomes taut.
+/// The tension of an elastic cable: no push, and no jump where it becomes taut. Where it rubs, the
+/// mean of its ends.
 ///
 ///     tension = k s + clamp(d ds/dt, -k s, k s)    for a stretch s > 0, else 0
 ///
@@ -11,26 +14,48 @@ namespace gauntlet::sim {
 double CableTension(double stiffness_n_m, double damping_n_s_m, double stretch_m,
                     double stretch_rate_m_s) noexcept;
 
-/// Travel over which friction builds up when a cable reverses [m]. An assumption: about one strand
-/// of a 0.6 mm cord.
-inline constexpr double kPreslidingTravelM = 2e-4;
+/// What a cable is like from end to end.
+struct Cord {
+  double stiffness_n_m = 0.0;  // EA/L
+  double damping_n_s_m = 0.0;
+  double friction_coefficient = 0.0;  // where it bends
 
-/// State of dry friction in [-1, 1] after the cable has moved by `travel_m` towards its drum:
-/// 1 while it is pulled in, -1 while it is pulled out, and in between it holds. The exact solution
-/// for one step of constant speed of
-///
-///     dz/dt = v / presliding_travel (1 - z sign(v))
-///
-/// Source: Dahl (1968), A solid friction model; with the exponent 1.
-double AdvanceFriction(double state, double travel_m) noexcept;
+  /// How many times stiffer than the whole an end is while friction holds the cable.
+  double EndFactor() const { return friction_coefficient > 0.0 ? 2.0 : 1.0; }
+};
 
-/// How many times larger the tension is on the side of the drum, after the cable has bent by
-/// `angle_rad` in all.
+/// A place where a cable pulls: its drum, or a joint that it passes.
+struct CablePlace {
+  double bend_share = 0.0;  // of the cable's whole bend, between the drum and here
+  double speed_m_s = 0.0;   // with which the cable becomes longer here
+  double pull_n = 0.0;      // the answer of PullCable()
+};
+
+struct CableState {
+  double difference_n = 0.0;  // D, while the cable does not move
+  double log_ratio = 0.0;     // of the tensions at its far end and at its drum
+  double tension_n = 0.0;     // at its drum
+  double energy_j = 0.0;      // what it can give back
+};
+
+/// A cable over one time step: dry friction where it bends, as if all of it stood between the two
+/// halves of the cable. While it holds, each end stretches its own half, which is twice as stiff as
+/// the whole:
 ///
-///     T_drum / T_far = exp(mu angle z)
+///     T_drum = T + D / 2,   T_far = T - D / 2        T: CableTension() of the whole stretch
+///     dD/dt = 4 k v         while |D| < 2 T tanh(mu angle / 2), which is T_drum / T_far =
+///                           exp(mu angle), the capstan (Euler-Eytelwein) equation; else it slides
 ///
-/// Source: the capstan (Euler-Eytelwein) equation, with the friction state z instead of a sign.
-double CapstanRatio(double friction_coefficient, double angle_rad, double state) noexcept;
+/// In between tension falls exponentially with the bend: a place has lost the share
+///
+///     w = (1 - q^bend_share) / (1 - q) of D,  q = T_far / T_drum
+///
+/// and moves the cable towards its drum by v = sum over places of (1/2 - w) speed. So the energy
+/// k s^2 / 2 + D^2 / (8 k) takes up all the work of all places but that of sliding, |D| times the
+/// way, which is never negative: no motion and no setting gets energy out of it. Damping adds
+/// 4 d v to D, within the same bounds. No place pulls with more than 2 T.
+void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_s,
+               std::span<CablePlace> places, CableState& state) noexcept;
 
 /// Where a drum with play stands on its shaft [rad]. It has no mass: where the play allows, it
 /// turns to where both cables pull alike, `balance_rad`; else the shaft takes it along.

@@ -47,20 +47,21 @@ const char* KindName(int type) {
   }
 }
 
-Servo MakeServo(const ServoConfig& config, double stall_torque_nm) {
+Servo MakeServo(const ServoNumbers& numbers, double stall_torque_nm) {
   Servo servo;
-  servo.stall_torque_nm = config.torque_scale * stall_torque_nm;
-  servo.gain_nm_rad = servo.stall_torque_nm / (config.full_torque_error_deg * kRadPerDeg);
-  servo.damping_nm_s_rad = servo.gain_nm_rad * config.damping_ms * 1e-3;
-  servo.dead_band_rad = config.dead_band_deg * kRadPerDeg;
-  servo.no_load_speed_rad_s = config.no_load_speed_deg_s * kRadPerDeg;
+  servo.stall_torque_nm = numbers.torque_scale * stall_torque_nm;
+  servo.gain_nm_rad = servo.stall_torque_nm / (numbers.full_torque_error_deg * kRadPerDeg);
+  servo.damping_nm_s_rad = servo.gain_nm_rad * numbers.damping_ms * 1e-3;
+  servo.dead_band_rad = numbers.dead_band_deg * kRadPerDeg;
+  servo.no_load_speed_rad_s = numbers.no_load_speed_deg_s * kRadPerDeg;
   return servo;
 }
 
-Spool MakeSpool(const mjModel& model, int dof) {
-  return {.inertia_kg_m2 = model.dof_M0[dof],
+Spool MakeSpool(const ServoNumbers& numbers, const mjModel& model, int dof) {
+  return {.inertia_kg_m2 = numbers.inertia_scale * model.dof_M0[dof],
           .damping_nm_s_rad = model.dof_damping[dof],
-          .dry_friction_nm = model.dof_frictionloss[dof]};
+          .dry_friction_nm = numbers.friction_scale * model.dof_frictionloss[dof],
+          .load_friction = numbers.load_friction};
 }
 
 double Positive(double value, const std::string& what, const std::string& name) {
@@ -83,11 +84,12 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, const std::stri
   const double factor = StiffnessFactor(config);
   const double stiffness =
       Positive(model.tendon_stiffness[cable.tendon], "stiffness of tendon", name);
-  cable.stiffness_n_m = factor * stiffness;
-  cable.damping_n_s_m = model.tendon_damping[cable.tendon];
-  if (cable.damping_n_s_m < 0.0) {
+  cable.cord = {.stiffness_n_m = factor * stiffness,
+                .damping_n_s_m = model.tendon_damping[cable.tendon],
+                .friction_coefficient = config.capstan_friction};
+  if (cable.cord.damping_n_s_m < 0.0) {
     throw UserError(fmt::format("damping of tendon '{}' of the model is {}: must not be below 0",
-                                name, cable.damping_n_s_m));
+                                name, cable.cord.damping_n_s_m));
   }
   return cable;
 }
@@ -117,9 +119,12 @@ std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config) {
     const std::string drum_name = drive.name + "_drum";
     const int drum = FindInModel(model, mjOBJ_GEOM, drum_name);
     drive.drum_radius_m = Positive(model.geom_size[3 * drum], "radius of geom", drum_name);
-    drive.servo = MakeServo(config.servo, Positive(model.actuator_ctrlrange[2 * actuator + 1],
-                                                   "ctrlrange of motor", drive.name));
-    drive.spool = MakeSpool(model, drive.spool_dof);
+    const double stall_torque_nm =
+        Positive(model.actuator_ctrlrange[2 * actuator + 1], "ctrlrange of motor", drive.name);
+    drive.numbers = NumbersFor(config.servo, stall_torque_nm);
+    drive.play_rad = (config.cable.backlash_deg + drive.numbers.play_deg) * kRadPerDeg;
+    drive.servo = MakeServo(drive.numbers, stall_torque_nm);
+    drive.spool = MakeSpool(drive.numbers, model, drive.spool_dof);
     drives.push_back(std::move(drive));
   }
   if (drives.empty()) throw UserError("the model has no motor");
@@ -130,9 +135,8 @@ void FindCables(const mjModel& model, const HandConfig& config,
                 const std::vector<HandJoint>& joints, const std::vector<Follower>& followers,
                 std::vector<Drive>& drives) {
   const CablePaths paths(model, joints, followers);
-  // The force of pretension stays what it is when stretch is switched off.
-  const double pretension_m =
-      1e-3 * config.cable.pretension_mm / (config.cable.stretch ? 1.0 : kInextensible);
+  // The force of pretension stays what it is with another stiffness.
+  const double pretension_m = 1e-3 * config.cable.pretension_mm / StiffnessFactor(config.cable);
   for (Drive& drive : drives) {
     // A joint with a motor of its own name is that motor's alone.
     const auto meant = [&](int dof) {
@@ -147,6 +151,7 @@ void FindCables(const mjModel& model, const HandConfig& config,
     }
     for (Cable& cable : drive.cables) {
       paths.Trace(cable, meant);
+      cable.pretension_n = cable.cord.stiffness_n_m * pretension_m;
       cable.natural_length_m += 1e-3 * config.cable.slack_mm - pretension_m;
     }
   }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/hand/cable.h"
 #include "sim/hand/cable_span.h"
 #include "sim/hand/engine_types.h"
 #include "sim/hand/follower.h"
@@ -29,8 +30,8 @@ struct Cable {
   std::string name;
   double sense = 1.0;  // 1: a flexor, wound up by a positive spool angle; -1: an extensor, paid out
   int tendon = 0;
-  double stiffness_n_m = 0.0;
-  double damping_n_s_m = 0.0;
+  Cord cord;
+  double pretension_n = 0.0;
   double natural_length_m = 0.0;  // beyond the drum, with the spool at 0
   double bend_rad = 0.0;          // the whole of it at the reference
   std::vector<Crossing> crossings;
@@ -46,6 +47,8 @@ struct Drive {
   int spool_qpos = 0;
   int spool_dof = 0;
   double drum_radius_m = 0.0;
+  double play_rad = 0.0;  // between the spool's shaft and the drum, end to end
+  ServoNumbers numbers;
   Servo servo;
   Spool spool;
   std::vector<Cable> cables;

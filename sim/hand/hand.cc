@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "controller/tendon_map.h"
 #include "sim/base/error.h"
@@ -12,15 +13,15 @@
 #include "sim/hand/cable.h"
 #include "sim/hand/cable_geometry.h"
 #include "sim/hand/mujoco_messages.h"
+#include "sim/hand/servo_input.h"
 
 namespace gauntlet::sim {
 namespace {
 
-/// What one cable does at one moment.
-struct CableState {
-  double friction = 0.0;      // see AdvanceFriction
-  double tension_n = 0.0;     // at the drum
-  std::vector<double> arm_m;  // moment arm of each crossing
+/// A cable and, of each joint that it passes, by how much its length grows with the angle [m/rad].
+struct MovingCable {
+  CableState state;
+  std::vector<double> arm_m;
 };
 
 /// How much longer a cable's way is than the cable, with the spool at 0.
@@ -32,6 +33,7 @@ struct CableWay {
 struct DrumMotion {
   double angle_rad = 0.0;
   double speed_rad_s = 0.0;
+  bool free = false;  // within its play, where it does not touch the shaft
 };
 
 }  // namespace
@@ -39,87 +41,93 @@ struct DrumMotion {
 struct Hand::State {
   explicit State(std::shared_ptr<const HandModel> hand_model);
 
-  void TakeFrame() noexcept;
+  double StepS() const noexcept { return hand->physics().model().opt.timestep; }
+  void ReadInputs() noexcept;
   void Advance();
   void PullCables() noexcept;
   void TurnSpools() noexcept;
-  CableWay Way(const Cable& cable, CableState& state) const noexcept;
+  CableWay Way(const Cable& cable, std::span<double> arm_m) const noexcept;
   double Bend(const Cable& cable) const noexcept;
-  double DrumRatio(const Cable& cable, const CableState& state) const noexcept;
   DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
-                      std::span<const CableState> states,
-                      std::span<const CableWay> ways) const noexcept;
-  double PullCables(const Drive& drive, const SpoolState& spool,
-                    std::span<CableState> states) noexcept;
-  double Pull(const Cable& cable, double tension_n, CableState& state) noexcept;
+                      std::span<const MovingCable> moving, std::span<const CableWay> ways,
+                      double& angle_rad) const noexcept;
+  double PullCables(const Drive& drive, const SpoolState& spool, std::span<MovingCable> moving,
+                    double& drum_angle_rad) noexcept;
+  void Pull(const Cable& cable, double stretch_m, double wound_rate_m_s,
+            MovingCable& moving) noexcept;
   void ReadWarnings(double time_s);
 
   std::shared_ptr<const HandModel> hand;
   std::unique_ptr<mjData, void (*)(mjData*)> data;
-  std::vector<int> joint_qpos;            // per joint
-  std::vector<double> target_rad;         // per motor, what the servos hold
-  std::vector<std::int32_t> counts;       // per motor, what was last commanded
-  std::vector<std::uint8_t> saturated;    // per motor
-  std::vector<SpoolState> spools;         // per motor
-  std::vector<double> load_nm;            // per motor, what its cables turn the spool back with
-  std::vector<CableState> cables;         // in the order of HandModel::cable_names()
-  controller::PeriodicClock frame_clock;  // in ticks since the first command
-  bool commanded = false;                 // there was a first command
-  bool new_counts = false;
+  std::vector<int> joint_qpos;           // per joint
+  std::vector<ServoInput> inputs;        // per motor
+  std::vector<double> target_rad;        // per motor, what the servos hold
+  std::vector<double> sensor_error_rad;  // per motor, now
+  std::vector<std::int32_t> counts;      // per motor, what was last commanded
+  std::vector<std::uint8_t> saturated;   // per motor
+  std::vector<SpoolState> spools;        // per motor
+  std::vector<double> drum_rad;          // per motor; the spool's angle but for play
+  std::vector<double> load_nm;           // per motor, what its cables turn the spool back with
+  std::vector<MovingCable> cables;       // in the order of HandModel::cable_names()
+  std::vector<CablePlace> places;        // of one cable: its drum and what it passes
+  bool commanded = false;                // since the Reset()
   HandHealth health;
 };
 
 Hand::State::State(std::shared_ptr<const HandModel> hand_model)
-    : hand(std::move(hand_model)),
-      data(mj_makeData(&hand->physics().model()), &mj_deleteData),
-      frame_clock(std::max(1.0, hand->timing().controller.TicksOf(hand->config().servo.frame_ms))) {
+    : hand(std::move(hand_model)), data(mj_makeData(&hand->physics().model()), &mj_deleteData) {
   if (data == nullptr) throw RunError("not enough memory for a hand");
   const std::size_t motors = hand->drives().size();
+  for (std::size_t motor = 0; motor < motors; ++motor) {
+    inputs.emplace_back(hand->drives()[motor].numbers, hand->timing().controller,
+                        static_cast<int>(motor));
+  }
   target_rad.resize(motors);
+  sensor_error_rad.resize(motors);
   counts.resize(motors);
   saturated.resize(motors);
   spools.resize(motors);
+  drum_rad.resize(motors);
   load_nm.resize(motors);
   for (const HandJoint& joint : hand->joints()) {
     joint_qpos.push_back(hand->physics().QposOf(joint.qpos));
   }
   for (const Drive& drive : hand->drives()) {
     for (const Cable& cable : drive.cables) {
-      cables.push_back({.arm_m = std::vector<double>(cable.crossings.size())});
+      cables.push_back({.state = {}, .arm_m = std::vector<double>(cable.crossings.size())});
     }
   }
 }
 
-/// The servo's own clock starts with the first command, so that frames and commands of the same
-/// period are in step.
-void Hand::State::TakeFrame() noexcept {
-  if (!commanded || !frame_clock.Tick() || !new_counts) return;
+/// What every servo knows during this tick.
+void Hand::State::ReadInputs() noexcept {
   const controller::TendonTransmission& map = hand->transmission();
-  for (std::size_t motor = 0; motor < counts.size(); ++motor) {
-    target_rad[motor] = map.ToSpoolAngle(motor, counts[motor]);
+  for (std::size_t motor = 0; motor < inputs.size(); ++motor) {
+    target_rad[motor] = inputs[motor].Take(map.ToSpoolAngle(motor, counts[motor]), commanded);
+    sensor_error_rad[motor] = inputs[motor].SensorError(spools[motor].angle_rad);
   }
-  new_counts = false;
 }
 
-/// Measures the cable; its moment arms are in `state` then.
-CableWay Hand::State::Way(const Cable& cable, CableState& state) const noexcept {
+/// Measures the cable and its moment arms. Those of joints that it shall not move are 0.
+CableWay Hand::State::Way(const Cable& cable, std::span<double> arm_m) const noexcept {
   CableWay way;
   if (hand->engine_measures_cables()) {
     way = {data->ten_length[cable.tendon], data->ten_velocity[cable.tendon]};
-    for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
-      state.arm_m[i] =
-          MomentArm(hand->physics().model(), *data, cable.tendon, cable.crossings[i].dof);
+    for (std::size_t i = 0; i < arm_m.size(); ++i) {
+      arm_m[i] = MomentArm(hand->physics().model(), *data, cable.tendon, cable.crossings[i].dof);
     }
   } else {
-    way.excess_m = MeasureCable(cable, data->qpos, data->qvel, state.arm_m, way.rate_m_s);
+    way.excess_m = MeasureCable(cable, data->qpos, data->qvel, arm_m, way.rate_m_s);
   }
   way.excess_m -= cable.natural_length_m;
   if (hand->config().cable.interference) return way;
-  for (const Crossing& crossing : cable.crossings) {
+  for (std::size_t i = 0; i < arm_m.size(); ++i) {
+    const Crossing& crossing = cable.crossings[i];
     if (crossing.own) continue;
     const double turned = data->qpos[crossing.qpos] - crossing.reference_rad;
     way.excess_m -= crossing.moment_arm_m * turned;
     way.rate_m_s -= crossing.moment_arm_m * data->qvel[crossing.dof];
+    arm_m[i] = 0.0;
   }
   return way;
 }
@@ -133,53 +141,45 @@ double Hand::State::Bend(const Cable& cable) const noexcept {
   return bend;
 }
 
-/// Tension at the drum over the tension in the middle of all bends, which the elastic law gives.
-double Hand::State::DrumRatio(const Cable& cable, const CableState& state) const noexcept {
-  const double mu = hand->config().cable.capstan_friction;
-  return mu == 0.0 ? 1.0 : CapstanRatio(mu, 0.5 * Bend(cable), state.friction);
-}
-
-/// The cable's pull on the joints that it passes; gives the tension at the drum.
-double Hand::State::Pull(const Cable& cable, double tension_n, CableState& state) noexcept {
-  const CableConfig& config = hand->config().cable;
-  const double mu = config.capstan_friction;
-  state.tension_n = tension_n * DrumRatio(cable, state);
+/// The cable's pull on the joints that it passes, while its drum winds it up at `wound_rate_m_s`.
+void Hand::State::Pull(const Cable& cable, double stretch_m, double wound_rate_m_s,
+                       MovingCable& moving) noexcept {
+  const double bend = Bend(cable);
+  places.resize(cable.crossings.size() + 1);
+  places[0] = {.speed_m_s = wound_rate_m_s};
   double turned = 0.0;
   for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
     const Crossing& crossing = cable.crossings[i];
     turned += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
-    if (!config.interference && !crossing.own) continue;
-    const double here =
-        mu == 0.0 ? tension_n
-                  : state.tension_n / CapstanRatio(mu, crossing.bend_rad + turned, state.friction);
-    data->qfrc_applied[crossing.dof] -= here * state.arm_m[i];
+    const double share = bend > 0.0 ? (crossing.bend_rad + turned) / bend : 0.0;
+    places[i + 1] = {.bend_share = std::clamp(share, 0.0, 1.0),
+                     .speed_m_s = moving.arm_m[i] * data->qvel[crossing.dof]};
   }
-  return state.tension_n;
+  PullCable(cable.cord, bend, stretch_m, StepS(), places, moving.state);
+  for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
+    data->qfrc_applied[cable.crossings[i].dof] -= places[i + 1].pull_n * moving.arm_m[i];
+  }
 }
 
 /// Where the drum is and how fast it turns. Without play it is the shaft; with play it has no mass
 /// and turns, as far as it can, to where all its cables together do not turn it.
 DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
-                                 std::span<const CableState> states,
-                                 std::span<const CableWay> ways) const noexcept {
-  const double shaft = spool.angle_rad;
-  const double speed = spool.speed_rad_s;
-  const double play = hand->config().cable.backlash_deg * kRadPerDeg;
-  if (play == 0.0) return {shaft, speed};
-  double weights = 0.0;
-  double excess = 0.0;  // sum of sense x weight x excess length
-  double rate = 0.0;
+                                 std::span<const MovingCable> moving, std::span<const CableWay> ways,
+                                 double& angle_rad) const noexcept {
+  const double before = std::exchange(angle_rad, spool.angle_rad);
+  if (drive.play_rad == 0.0) return {spool.angle_rad, spool.speed_rad_s};
+  double pull = 0.0;
+  double stiffness = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Cable& cable = drive.cables[i];
-    const double weight = cable.stiffness_n_m * DrumRatio(cable, states[i]);
-    weights += weight;
-    excess += cable.sense * weight * ways[i].excess_m;
-    rate += cable.sense * weight * ways[i].rate_m_s;
+    const double stretch = ways[i].excess_m + cable.sense * drive.drum_radius_m * before;
+    stiffness += cable.cord.EndFactor() * cable.cord.stiffness_n_m;
+    if (!(stretch > 0.0)) continue;
+    pull += cable.sense * (cable.cord.stiffness_n_m * stretch + 0.5 * moving[i].state.difference_n);
   }
-  const double lever = drive.drum_radius_m * weights;
-  const double balance = -excess / lever;
-  const double angle = DrumAngle(shaft, balance, play);
-  return {angle, angle != balance ? speed : -rate / lever};
+  const double balance = before - pull / (drive.drum_radius_m * stiffness);
+  angle_rad = DrumAngle(spool.angle_rad, balance, drive.play_rad);
+  return {angle_rad, (angle_rad - before) / StepS(), angle_rad == balance};
 }
 
 void Hand::State::PullCables() noexcept {
@@ -187,7 +187,8 @@ void Hand::State::PullCables() noexcept {
   std::span<CableState> left = cables;
   for (std::size_t motor = 0; motor < spools.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
-    load_nm[motor] = PullCables(drive, spools[motor], left.first(drive.cables.size()));
+    load_nm[motor] =
+        PullCables(drive, spools[motor], left.first(drive.cables.size()), drum_rad[motor]);
     left = left.subspan(drive.cables.size());
   }
 }
@@ -195,28 +196,21 @@ void Hand::State::PullCables() noexcept {
 /// All cables of one motor: what they do to the joints that they pass; gives the torque with which
 /// they turn the spool back.
 double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
-                               std::span<CableState> states) noexcept {
+                               std::span<MovingCable> moving, double& drum_angle_rad) noexcept {
   constexpr std::size_t kMostCables = 2;  // a flexor and an extensor
   CableWay way_of_cable[kMostCables];
-  const std::span<CableWay> ways(way_of_cable, states.size());
-  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i], states[i]);
-  const DrumMotion drum = TurnDrum(drive, spool, states, ways);
+  const std::span<CableWay> ways(way_of_cable, moving.size());
+  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i], moving[i].arm_m);
+  const DrumMotion drum = TurnDrum(drive, spool, moving, ways, drum_angle_rad);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
-  const double step_s = hand->physics().model().opt.timestep;
   double at_drum = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Cable& cable = drive.cables[i];
-    CableState& state = states[i];
-    // Half of the way in is the drum's, half the joints'.
-    const double travel = 0.5 * (cable.sense * wound_rate - ways[i].rate_m_s) * step_s;
-    state.friction = AdvanceFriction(state.friction, travel);
-    const double tension = CableTension(cable.stiffness_n_m, cable.damping_n_s_m,
-                                        ways[i].excess_m + cable.sense * wound,
-                                        ways[i].rate_m_s + cable.sense * wound_rate);
-    at_drum += cable.sense * Pull(cable, tension, state);
+    Pull(cable, ways[i].excess_m + cable.sense * wound, cable.sense * wound_rate, moving[i]);
+    at_drum += cable.sense * moving[i].state.tension_n;
   }
-  return drive.drum_radius_m * at_drum;
+  return drum.free ? 0.0 : drive.drum_radius_m * at_drum;
 }
 
 void Hand::State::TurnSpools() noexcept {
@@ -224,10 +218,10 @@ void Hand::State::TurnSpools() noexcept {
     const Drive& drive = hand->drives()[motor];
     SpoolState& spool = spools[motor];
     const ServoTorque torque =
-        ComputeServoTorque(drive.servo, target_rad[motor], spool.angle_rad, spool.speed_rad_s);
+        ComputeServoTorque(drive.servo, target_rad[motor],
+                           spool.angle_rad + sensor_error_rad[motor], spool.speed_rad_s);
     saturated[motor] = torque.saturated;
-    TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], hand->physics().model().opt.timestep,
-              spool);
+    TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], StepS(), spool);
   }
 }
 
@@ -283,16 +277,15 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   mj_fwdPosition(&hand.physics().model(), state.data.get());
   mj_fwdVelocity(&hand.physics().model(), state.data.get());
 
-  for (CableState& cable : state.cables) cable.friction = 0.0;
+  for (MovingCable& cable : state.cables) cable.state = {};
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
     state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
-    state.target_rad[motor] = map.ToSpoolAngle(motor, state.counts[motor]);
+    state.inputs[motor].Reset(map.ToSpoolAngle(motor, state.counts[motor]));
     state.spools[motor] = {.angle_rad = spool[motor]};
+    state.drum_rad[motor] = spool[motor];
   }
-  state.frame_clock.Reset();
   state.commanded = false;
-  state.new_counts = false;
   state.health = {};
   TakeMujocoWarning();
   state.PullCables();
@@ -304,7 +297,6 @@ void Hand::SetCommand(std::span<const std::int32_t> motor_counts) noexcept {
     state_->counts[motor] =
         std::clamp(motor_counts[motor], map.min_counts[motor], map.max_counts[motor]);
   }
-  state_->new_counts = true;
   state_->commanded = true;
 }
 
@@ -312,7 +304,7 @@ std::span<const std::int32_t> Hand::command() const noexcept { return state_->co
 
 void Hand::Step() noexcept {
   if (!state_->health.ok) return;
-  state_->TakeFrame();
+  state_->ReadInputs();
   try {
     state_->Advance();
   } catch (const std::exception& error) {
@@ -340,8 +332,14 @@ void Hand::ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept {
 
 void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
   for (std::size_t i = 0; i < state_->cables.size(); ++i) {
-    tension_n[i] = state_->cables[i].tension_n;
+    tension_n[i] = state_->cables[i].state.tension_n;
   }
+}
+
+double Hand::CableEnergy() const noexcept {
+  double energy_j = 0.0;
+  for (const MovingCable& cable : state_->cables) energy_j += cable.state.energy_j;
+  return energy_j;
 }
 
 GripReading Hand::ReadGrip() const noexcept {

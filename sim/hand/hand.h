@@ -45,6 +45,8 @@ class Hand {
   void ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept;
   void ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept;
   void ReadCableTensions(std::span<double> tension_n) const noexcept;
+  /// What all cables can give back, when the last step began [J].
+  double CableEnergy() const noexcept;
   GripReading ReadGrip() const noexcept;
   /// Position [m] and attitude (quaternion) of the object in the world, 7 values; without an object
   /// nothing is written.

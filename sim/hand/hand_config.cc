@@ -7,60 +7,16 @@ namespace gauntlet::sim {
 
 using controller::SettingsVisitor;
 
-void ServoConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Integer({.key = "resolution_bits",
-                   .help = "position commands have 2^bits counts over the travel",
-                   .min = 6,
-                   .max = 20},
-                  resolution_bits);
-  visitor.Number(
-      {.key = "travel_deg", .help = "how far a spool turns, end to end", .min = 30, .max = 3600},
-      travel_deg);
-  visitor.Number(
-      {.key = "frame_ms",
-       .help = "the servo takes a new command only at its own frames, which begin with the first "
-               "command; 0: at once",
-       .min = 0,
-       .max = 1000},
-      frame_ms);
-  visitor.Number({.key = "dead_band_deg",
-                  .help = "spool errors up to this, to either side, cause no torque",
-                  .min = 0,
-                  .max = 30},
-                 dead_band_deg);
-  visitor.Number({.key = "full_torque_error_deg",
-                  .help = "spool error beyond the dead band that calls for the stall torque",
-                  .min = 0.5,
-                  .max = 90},
-                 full_torque_error_deg);
-  visitor.Number({.key = "damping_ms",
-                  .help = "velocity gain over position gain of the servo",
-                  .min = 0,
-                  .max = 100},
-                 damping_ms);
-  visitor.Number({.key = "no_load_speed_deg_s",
-                  .help = "spool speed at which back-EMF leaves no torque",
-                  .min = 1,
-                  .max = 10000},
-                 no_load_speed_deg_s);
-  visitor.Number({.key = "torque_scale",
-                  .help = "factor on the stall torques of the model",
-                  .min = 0,
-                  .max = 10,
-                  .open_range = true},
-                 torque_scale);
-}
-
 void CableConfig::Visit(SettingsVisitor& visitor) {
   visitor.Flag({.key = "stretch", .help = "cables stretch; off: 8 times as stiff"}, stretch);
   visitor.Number({.key = "stiffness_scale",
                   .help = "factor on the stiffness of the model's cables",
-                  .min = 0,
-                  .max = 10,
-                  .open_range = true},
+                  .min = 1e-6,
+                  .max = 10},
                  stiffness_scale);
   visitor.Number({.key = "pretension_mm",
-                  .help = "stretch of both cables of a motor at rest",
+                  .help = "stretch of both cables of a motor at rest, with the model's stiffness: "
+                          "the force stays when stiffness_scale or stretch changes it",
                   .min = 0,
                   .max = 5},
                  pretension_mm);

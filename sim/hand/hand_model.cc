@@ -173,6 +173,23 @@ void CheckTravel(const TendonTransmission& transmission, std::size_t motor, doub
                               travel_deg, transmission.motor_names[motor], needed_deg)});
 }
 
+/// Throws if a motor of the model, whatever its scale, could not hold one of its cables at rest.
+void CheckPretension(const Drive& drive, const CableConfig& config) {
+  const double stall_n =
+      drive.servo.stall_torque_nm / drive.numbers.torque_scale / drive.drum_radius_m;
+  for (const Cable& cable : drive.cables) {
+    if (cable.pretension_n <= stall_n) continue;
+    throw UserError(
+        {.key = "hand.cable.pretension_mm",
+         .problem = fmt::format(
+             "is {}, must be at most {:.2f} here: the cable {} would pull with "
+             "{:.0f} N, its motor with {:.0f} N at stall",
+             config.pretension_mm,
+             std::floor(100.0 * config.pretension_mm * stall_n / cable.pretension_n) / 100.0,
+             cable.name, cable.pretension_n, stall_n)});
+  }
+}
+
 void AddJoints(const std::vector<HandJoint>& joints, const std::vector<Drive>& drives,
                TendonTransmission& transmission) {
   for (const HandJoint& joint : joints) {
@@ -190,12 +207,13 @@ TendonTransmission MakeTransmission(const HandConfig& config, const std::vector<
                                     const std::vector<Drive>& drives) {
   TendonTransmission transmission;
   AddJoints(joints, drives, transmission);
-  const int counts = 1 << config.servo.resolution_bits;
-  transmission.counts_per_rad.assign(drives.size(),
-                                     (counts - 1) / (config.servo.travel_deg * kRadPerDeg));
-  transmission.center_counts.assign(drives.size(), counts / 2);
-  transmission.min_counts.assign(drives.size(), 0);
-  transmission.max_counts.assign(drives.size(), counts - 1);
+  for (const Drive& drive : drives) {
+    const int counts = 1 << drive.numbers.resolution_bits;
+    transmission.counts_per_rad.push_back((counts - 1) / (drive.numbers.travel_deg * kRadPerDeg));
+    transmission.center_counts.push_back(counts / 2);
+    transmission.min_counts.push_back(0);
+    transmission.max_counts.push_back(counts - 1);
+  }
   transmission.coupling.assign(drives.size() * joints.size(), 0.0);
   for (std::size_t motor = 0; motor < drives.size(); ++motor) {
     const Drive& drive = drives[motor];
@@ -267,7 +285,8 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   transmission_ =
       InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
-    CheckTravel(transmission_, motor, config.servo.travel_deg);
+    CheckTravel(transmission_, motor, drives_[motor].numbers.travel_deg);
+    CheckPretension(drives_[motor], config.cable);
     for (const Cable& cable : drives_[motor].cables) {
       cable_names_.push_back(cable.name);
       // CableTension() takes over: a spring of the engine would push when slack.
@@ -298,13 +317,27 @@ std::string HandModel::Hash() const {
   sim::Hash hash;
   hash.Add(bytes);
   for (const Drive& drive : drives_) {
-    const double numbers[] = {
-        drive.drum_radius_m,       drive.servo.gain_nm_rad,      drive.servo.damping_nm_s_rad,
-        drive.servo.dead_band_rad, drive.servo.stall_torque_nm,  drive.servo.no_load_speed_rad_s,
-        drive.spool.inertia_kg_m2, drive.spool.damping_nm_s_rad, drive.spool.dry_friction_nm};
+    const ServoNumbers& servo = drive.numbers;
+    const double numbers[] = {drive.drum_radius_m,
+                              drive.play_rad,
+                              drive.servo.gain_nm_rad,
+                              drive.servo.damping_nm_s_rad,
+                              drive.servo.dead_band_rad,
+                              drive.servo.stall_torque_nm,
+                              drive.servo.no_load_speed_rad_s,
+                              drive.spool.inertia_kg_m2,
+                              drive.spool.damping_nm_s_rad,
+                              drive.spool.dry_friction_nm,
+                              drive.spool.load_friction,
+                              servo.frame_ms,
+                              servo.free_running ? 1.0 : 0.0,
+                              servo.dead_time_ms,
+                              static_cast<double>(servo.sensor_bits),
+                              servo.sensor_noise_deg};
     hash.Add(std::span<const double>(numbers));
     for (const Cable& cable : drive.cables) {
-      const double of_cable[] = {cable.stiffness_n_m, cable.damping_n_s_m, cable.natural_length_m};
+      const double of_cable[] = {cable.cord.stiffness_n_m, cable.cord.damping_n_s_m,
+                                 cable.cord.friction_coefficient, cable.natural_length_m};
       hash.Add(std::span<const double>(of_cable));
     }
   }

@@ -7,6 +7,7 @@ struct Spool {
   double inertia_kg_m2 = 1.0;
   double damping_nm_s_rad = 0.0;
   double dry_friction_nm = 0.0;
+  double load_friction = 0.0;  // share of the load that the gear adds to its dry friction
 };
 
 struct SpoolState {
@@ -16,10 +17,13 @@ struct SpoolState {
 
 /// One time step of a spool that its servo drives and its cables load, a torque against its angle:
 ///
-///     inertia dw/dt = drive - load - damping w - friction,  friction = dry_friction sign(w)
+///     inertia dw/dt = drive - load - damping w - friction,  friction = f sign(w)
+///     f = dry_friction + load_friction |load|
 ///
+/// Source of f: model M3 of Duclusaud, Passault, Padois, Ly, Extended Friction Models for the
+/// Physics Simulation of Servo Actuators, arXiv:2410.08650 (2024).
 /// Damping and friction are those of the step's end. So a spool that rests stands exactly still
-/// until drive and load differ by more than its dry friction, and friction never turns it back.
+/// until drive and load differ by more than f, and friction never turns it back.
 void TurnSpool(const Spool& spool, double drive_nm, double load_nm, double step_s,
                SpoolState& state) noexcept;
 

@@ -15,9 +15,9 @@ struct Oscillator {
   double stiffness_nm_rad = 0.0;
   double damping_nm_s_rad = 0.0;
 
-  void Add(const Cable& cable, double arm_m) {
-    stiffness_nm_rad += cable.stiffness_n_m * arm_m * arm_m;
-    damping_nm_s_rad += cable.damping_n_s_m * arm_m * arm_m;
+  void Add(const Cord& cord, double arm_m) {
+    stiffness_nm_rad += cord.EndFactor() * cord.stiffness_n_m * arm_m * arm_m;
+    damping_nm_s_rad += cord.EndFactor() * cord.damping_n_s_m * arm_m * arm_m;
   }
   bool Stable(double inverse_inertia, double step_s) const {
     return (2.0 * damping_nm_s_rad + stiffness_nm_rad * step_s) * step_s * inverse_inertia < 4.0;
@@ -35,9 +35,9 @@ void CheckStability(const mjModel& model, const std::vector<Drive>& drives) {
         servo.gain_nm_rad,
         std::max(servo.damping_nm_s_rad, servo.stall_torque_nm / servo.no_load_speed_rad_s)};
     for (const Cable& cable : drive.cables) {
-      spool.Add(cable, drive.drum_radius_m);
+      spool.Add(cable.cord, drive.drum_radius_m);
       for (const Crossing& crossing : cable.crossings) {
-        joints[crossing.dof].Add(cable, crossing.moment_arm_m);
+        joints[crossing.dof].Add(cable.cord, crossing.moment_arm_m);
       }
     }
     if (!spool.Stable(1.0 / drive.spool.inertia_kg_m2, step_s)) {

@@ -12,8 +12,9 @@ namespace gauntlet::sim {
 ///
 ///     2 c h / I + k h^2 / I < 4
 ///
-/// Checked for every spool and for every joint, cables as taut as they can be, the rest of the hand
-/// free to give way (inverse inertia at the model's zero posture).
+/// Checked for every spool and for every joint, cables as taut as they can be and, with friction,
+/// held fast where they bend, which leaves each end half of the cable; the rest of the hand free to
+/// give way (inverse inertia at the model's zero posture).
 /// Errors: UserError with the key to change.
 void CheckStability(const mjModel_& model, const std::vector<Drive>& drives);
 

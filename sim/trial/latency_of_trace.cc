@@ -24,9 +24,12 @@ std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand, const Signal&
   input.command_angle_rad = &way.command;
   input.hand_angle_rad = &hand_angle_rad;
   input.ticks_per_event = timing.controller.TicksOf(timing.controller.event_period_ms);
-  input.ticks_per_servo_frame = timing.controller.TicksOf(hand.config().servo.frame_ms);
-  // The servo's clock starts with the first command that arrives.
-  input.first_servo_frame = timing.event_delay_ticks;
+  const ServoNumbers& servo = hand.config().servo.numbers();
+  input.ticks_per_servo_frame = timing.controller.TicksOf(servo.frame_ms);
+  // The servo's clock starts with the first command that arrives. Of those that run free, each motor
+  // has its own phase: half a frame stands for all.
+  const double late = servo.free_running ? 0.5 * input.ticks_per_servo_frame : 0.0;
+  input.first_servo_frame = timing.event_delay_ticks + static_cast<int>(late);
   LatencyBudget budget = MeasureLatency(input);
   if (!std::isfinite(budget.total_ms)) return std::nullopt;
   return budget;

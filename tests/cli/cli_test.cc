@@ -339,7 +339,7 @@ TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
 }
 
 TEST_F(CliTest, EveryListPrints) {
-  for (const char* list : {"filters", "predictions", "motions", "faults", "metrics", "channels",
+  for (const char* list : {"filters", "predictions", "motions", "faults", "servos", "metrics", "channels",
                            "scenarios", "keys"}) {
     const ProgramResult result = Gauntlet({"list", list});
     EXPECT_EQ(result.exit_code, 0) << result.standard_error;

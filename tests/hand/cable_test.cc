@@ -10,8 +10,8 @@ namespace {
 
 SmallHand Fine() {
   SmallHand small;
-  small.config.servo.resolution_bits = 18;
-  small.config.servo.dead_band_deg = 0.0;
+  small.config.servo.numbers().resolution_bits = 18;
+  small.config.servo.numbers().dead_band_deg = 0.0;
   small.config.cable.capstan_friction = 0.0;
   small.config.cable.pretension_mm = 0.0;
   return small;
@@ -26,21 +26,118 @@ TEST(Cable, PullsInProportionToStretchAndNeverPushes) {
   EXPECT_DOUBLE_EQ(CableTension(1e4, 10.0, 1e-3, -0.1), 9.0);
 }
 
-TEST(Cable, FrictionBuildsUpWithTravelAndHoldsAtRest) {
-  double state = AdvanceFriction(0.0, 20.0 * kPreslidingTravelM);
-  EXPECT_NEAR(state, 1.0, 1e-8);
-  EXPECT_EQ(AdvanceFriction(state, 0.0), state);
-  // Steps do not matter, only the travel: the law knows no time.
-  double in_steps = state;
-  for (int i = 0; i < 10; ++i) in_steps = AdvanceFriction(in_steps, -0.1 * kPreslidingTravelM);
-  EXPECT_NEAR(in_steps, AdvanceFriction(state, -kPreslidingTravelM), 1e-12);
-  EXPECT_NEAR(AdvanceFriction(state, -20.0 * kPreslidingTravelM), -1.0, 1e-8);
-}
+/// A cable of two ends, or of more places, that is moved and never let alone.
+struct MovedCable {
+  Cord cord = {.stiffness_n_m = 2e4, .damping_n_s_m = 0.0, .friction_coefficient = 0.1};
+  double bend_rad = M_PI;
+  double stretch_m = 1e-3;
+  std::vector<CablePlace> places = {{}, {.bend_share = 1.0}};
+  CableState state = {};
+
+  /// Every place moves by so much, away from the cable.
+  void Move(const std::vector<double>& way_m, double step_s = 1e-3) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      places[i].speed_m_s = way_m[i] / step_s;
+      stretch_m += way_m[i];
+    }
+    PullCable(cord, bend_rad, stretch_m, step_s, places, state);
+  }
+  double drum_n() const { return places.front().pull_n; }
+  double far_n() const { return places.back().pull_n; }
+  /// What the cable can give back [J].
+  double Energy() const {
+    const double stretch = std::max(0.0, stretch_m);
+    return 0.5 * cord.stiffness_n_m * stretch * stretch +
+           state.difference_n * state.difference_n / (8.0 * cord.stiffness_n_m);
+  }
+};
 
 // The known value: 180 deg around a fixed rod at mu = 0.1 hold 1.37 times the load.
-TEST(Cable, CapstanRatioOfHalfATurn) {
-  EXPECT_NEAR(CapstanRatio(0.1, M_PI, 1.0), 1.369, 5e-4);
-  EXPECT_DOUBLE_EQ(CapstanRatio(0.1, M_PI, -1.0), 1.0 / CapstanRatio(0.1, M_PI, 1.0));
+TEST(Cable, SlidesOverHalfATurnWithTheCapstanRatio) {
+  MovedCable cable;
+  for (int i = 0; i < 100; ++i) cable.Move({1e-4, -1e-4});
+  EXPECT_NEAR(cable.drum_n() / cable.far_n(), 1.369, 5e-4);
+  EXPECT_NEAR(0.5 * (cable.drum_n() + cable.far_n()), 20.0, 1e-9);
+  for (int i = 0; i < 100; ++i) cable.Move({-1e-4, 1e-4});
+  EXPECT_NEAR(cable.far_n() / cable.drum_n(), 1.369, 5e-4);
+}
+
+TEST(Cable, HoldsAtRestWhateverTheTime) {
+  MovedCable cable;
+  cable.Move({2e-5, 0.0});
+  const double drum_n = cable.drum_n();
+  EXPECT_GT(drum_n, cable.far_n() + 0.1);
+  for (int i = 0; i < 1000; ++i) cable.Move({0.0, 0.0});
+  EXPECT_EQ(cable.drum_n(), drum_n);
+}
+
+// While friction holds, the far end does not feel the drum, which stretches its half alone.
+TEST(Cable, AnEndThatMovesALittlePullsItsOwnHalfOnly) {
+  MovedCable cable;
+  cable.Move({0.0, 0.0});
+  const double far_n = cable.far_n();
+  cable.Move({1e-5, 0.0});
+  EXPECT_NEAR(cable.far_n(), far_n, 1e-9);
+  EXPECT_NEAR(cable.drum_n() - far_n, 2.0 * cable.cord.stiffness_n_m * 1e-5, 1e-9);
+}
+
+TEST(Cable, TensionFallsExponentiallyWithTheBendOnItsWay) {
+  MovedCable cable;
+  cable.bend_rad = 12.0;
+  cable.places = {{}, {.bend_share = 0.25}, {.bend_share = 0.5}, {.bend_share = 1.0}};
+  for (int i = 0; i < 200; ++i) cable.Move({1e-5, 0.0, 0.0, -1e-5});
+  for (const CablePlace& place : cable.places) {
+    EXPECT_NEAR(place.pull_n / cable.drum_n(), std::exp(-0.1 * 12.0 * place.bend_share), 1e-3);
+  }
+}
+
+// The law of energy, for every state and setting: what was put in, less what it still holds, is
+// what friction and damping have taken, and that never becomes less. The mean of two moments' pulls
+// makes the work of a spring exact.
+TEST(Cable, NoMotionGetsEnergyOutOfIt) {
+  RandomStream random(7, "cables");
+  for (int trial = 0; trial < 100; ++trial) {
+    MovedCable cable;
+    cable.cord.stiffness_n_m = std::exp(random.Uniform(std::log(5e3), std::log(8e5)));
+    cable.cord.friction_coefficient = random.Uniform(0.0, 0.5);
+    cable.cord.damping_n_s_m = trial % 2 == 0 ? 0.0 : 1e-3 * cable.cord.stiffness_n_m;
+    cable.bend_rad = random.Uniform(0.1, 14.0);
+    cable.stretch_m = random.Uniform(0.0, 60.0) / cable.cord.stiffness_n_m;
+    cable.places = {{}, {.bend_share = random.Uniform()}, {.bend_share = 1.0}};
+    const double amplitude_m = random.Uniform(0.1, 3.0) * cable.stretch_m;
+    double frequency[3], phase[3];
+    for (int i = 0; i < 3; ++i) {
+      frequency[i] = 1.0 + static_cast<double>(random.Index(3));
+      phase[i] = random.Uniform(0.0, 2.0 * M_PI);
+    }
+    constexpr int kSteps = 10000;
+    cable.Move({0.0, 0.0, 0.0});
+    const double first = cable.Energy();
+    double work = 0.0;
+    double most = first;
+    double taken = 0.0;
+    for (int step = 0; step < 3 * kSteps; ++step) {
+      std::vector<double> way_m(3);
+      for (int i = 0; i < 3; ++i) {
+        const double turn = 2.0 * M_PI * frequency[i] / kSteps;
+        way_m[i] = amplitude_m *
+                   (std::sin(turn * (step + 1) + phase[i]) - std::sin(turn * step + phase[i]));
+      }
+      const std::vector<CablePlace> before = cable.places;
+      cable.Move(way_m);
+      for (int i = 0; i < 3; ++i) {
+        work += 0.5 * (before[i].pull_n + cable.places[i].pull_n) * way_m[i];
+      }
+      most = std::max(most, cable.Energy());
+      const double now = work - (cable.Energy() - first);
+      ASSERT_GT(now, taken - 1e-3 * most) << "trial " << trial << ", step " << step;
+      taken = std::max(taken, now);
+      ASSERT_GE(std::min(cable.drum_n(), cable.far_n()), 0.0);
+    }
+    if (cable.cord.friction_coefficient > 0.05) {
+      EXPECT_GT(taken, 1e-3 * most);
+    }
+  }
 }
 
 // The weight pulls the extensor, which bears it alone: stretch = tension / k.
@@ -80,13 +177,13 @@ double RatioAfterCreepingFrom(double from_rad, double mu) {
   return at.extensor_n / (small.WeightTorque(at.joint_rad) / SmallHand::kPulleyM);
 }
 
-// Within what the small steps of the servo shake: 3 %. Lifting needs exp(mu theta) times what the
+// Within what the small steps of the servo shake: 4 %. Lifting needs exp(mu theta) times what the
 // weight needs, letting down 1 / exp(mu theta).
 TEST(SmallHandCable, CapstanFrictionIsExponentialInTheBend) {
   for (double mu : {0.05, 0.1, 0.2}) {
     const double ratio = std::exp(mu * SmallHand::BendAtZero());
-    EXPECT_NEAR(RatioAfterCreepingFrom(0.5, mu), ratio, 0.03 * ratio);
-    EXPECT_NEAR(RatioAfterCreepingFrom(-0.5, mu), 1.0 / ratio, 0.03 / ratio);
+    EXPECT_NEAR(RatioAfterCreepingFrom(0.5, mu), ratio, 0.04 * ratio);
+    EXPECT_NEAR(RatioAfterCreepingFrom(-0.5, mu), 1.0 / ratio, 0.04 / ratio);
   }
   EXPECT_NEAR(RatioAfterCreepingFrom(0.5, 0.0), 1.0, 2e-3);
 }

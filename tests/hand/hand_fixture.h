@@ -21,8 +21,8 @@ namespace gauntlet::sim::testing {
 inline HandConfig FrictionFree() {
   HandConfig config;
   config.cable.capstan_friction = 0.0;
-  config.servo.dead_band_deg = 0.0;
-  config.servo.resolution_bits = 16;
+  config.servo.numbers().dead_band_deg = 0.0;
+  config.servo.numbers().resolution_bits = 16;
   return config;
 }
 

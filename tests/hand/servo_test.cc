@@ -44,7 +44,7 @@ SmallHand Weightless() {
 TEST(ServoInTheHand, SpoolsNeverTurnFasterThanTheirNoLoadSpeed) {
   for (double limit_deg_s : {100.0, 250.0}) {
     SmallHand small = Weightless();
-    small.config.servo.no_load_speed_deg_s = limit_deg_s;
+    small.config.servo.numbers().no_load_speed_deg_s = limit_deg_s;
     const auto model = small.Make();
     Hand hand(model);
     hand.Reset(std::vector<double>{-0.9});
@@ -64,7 +64,7 @@ TEST(ServoInTheHand, SpoolsNeverTurnFasterThanTheirNoLoadSpeed) {
 
 TEST(ServoInTheHand, CommandsWaitForTheNextFrame) {
   SmallHand small = Weightless();
-  small.config.servo.frame_ms = 20.0;
+  small.config.servo.numbers().frame_ms = 20.0;
   const auto model = small.Make();
   Hand hand(model);
   const std::int32_t rest = JointCommand(*model, 0.0);
@@ -78,8 +78,8 @@ TEST(ServoInTheHand, CommandsWaitForTheNextFrame) {
 
 TEST(ServoInTheHand, ErrorsWithinTheDeadBandAreLeft) {
   SmallHand small = Weightless();
-  small.config.servo.resolution_bits = 16;
-  small.config.servo.dead_band_deg = 1.0;
+  small.config.servo.numbers().resolution_bits = 16;
+  small.config.servo.numbers().dead_band_deg = 1.0;
   const auto model = small.Make();
   Hand hand(model);
   Hold(hand, JointCommand(*model, 0.9 * kRadPerDeg), 500);
@@ -94,8 +94,8 @@ TEST(ServoInTheHand, ErrorsWithinTheDeadBandAreLeft) {
 TEST(ServoInTheHand, ResolutionIsTheTravelOverTheCounts) {
   for (int bits : {8, 10, 12}) {
     SmallHand small = Weightless();
-    small.config.servo.resolution_bits = bits;
-    small.config.servo.dead_band_deg = 0.0;
+    small.config.servo.numbers().resolution_bits = bits;
+    small.config.servo.numbers().dead_band_deg = 0.0;
     const auto model = small.Make();
     Hand hand(model);
     const std::int32_t center = model->transmission().center_counts[0];

@@ -35,14 +35,14 @@ TEST(HandSettings, NumbersOutOfRangeAreRefusedByName) {
               HasSubstr("cable.stiffness_scale"));
   EXPECT_THAT(Refusal([](HandConfig& c) { c.cable.pretension_mm = -0.1; }),
               HasSubstr("cable.pretension_mm"));
-  EXPECT_THAT(Refusal([](HandConfig& c) { c.servo.no_load_speed_deg_s = 0; }),
+  EXPECT_THAT(Refusal([](HandConfig& c) { c.servo.numbers().no_load_speed_deg_s = 0; }),
               HasSubstr("servo.no_load_speed_deg_s"));
-  EXPECT_THAT(Refusal([](HandConfig& c) { c.servo.resolution_bits = 3; }),
+  EXPECT_THAT(Refusal([](HandConfig& c) { c.servo.numbers().resolution_bits = 3; }),
               HasSubstr("servo.resolution_bits"));
 }
 
 TEST(HandSettings, ATravelThatTheSpoolCannotWindIsRefused) {
-  const std::string message = Refusal([](HandConfig& c) { c.servo.travel_deg = 200; });
+  const std::string message = Refusal([](HandConfig& c) { c.servo.numbers().travel_deg = 200; });
   EXPECT_THAT(message, HasSubstr("hand.servo.travel_deg"));
   EXPECT_THAT(message, HasSubstr("must wind"));
 }
@@ -56,7 +56,8 @@ TEST(HandSettings, StepsAreShortenedUntilWholeOnesMakeUpATick) {
 }
 
 TEST(HandSettings, WhatTheTimeStepCannotBearIsRefused) {
-  EXPECT_THAT(Refusal([](HandConfig& c) { c.servo.damping_ms = 100; }), HasSubstr("hand.servo"));
+  EXPECT_THAT(Refusal([](HandConfig& c) { c.servo.numbers().damping_ms = 100; }),
+              HasSubstr("hand.servo"));
   const auto far_too_stiff = [](HandConfig& c) {
     c.cable.stretch = false;
     c.cable.stiffness_scale = 9.9;

@@ -32,6 +32,7 @@ struct DriveDelay {
 inline HandConfig ServosAlone() {
   HandConfig config;
   config.cable.stiffness_scale = 1e-6;
+  config.cable.pretension_mm = 0.0;
   config.cable.capstan_friction = 0.0;
   return config;
 }

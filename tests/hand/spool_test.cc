@@ -70,7 +70,7 @@ TEST(Spool, KeepsTheBookOfItsEnergy) {
              kSpool.damping_nm_s_rad * state.speed_rad_s * turn;
   }
   const double motion = 0.5 * kSpool.inertia_kg_m2 * state.speed_rad_s * state.speed_rad_s;
-  EXPECT_GT(taken, 0.1);
+  EXPECT_GT(taken, 0.01);
   EXPECT_LE(motion, work - taken);
   EXPECT_NEAR(motion, work - taken, 2e-3 * taken);
 }
@@ -78,7 +78,7 @@ TEST(Spool, KeepsTheBookOfItsEnergy) {
 // Cables that pull the drum either way by less than its friction do not creep it.
 TEST(SpoolInTheHand, DryFrictionHoldsItAgainstTheCablesForEver) {
   SmallHand small;
-  small.config.servo.torque_scale = 1e-9;
+  small.config.servo.numbers().torque_scale = 1e-9;
   std::string xml = small.Xml();
   const std::string armature = "armature=\"3e-4\"";
   // The weight turns the drum with 0.1 N m.

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
       {"steps", PrintSteps},
       {"closing", PrintClosing},
       {"delays", PrintDelays},
+      {"servos", PrintServos},
       {"warnings", PrintWarnings},
       {"speed", PrintSpeed},
       {"hysteresis", [&] { WriteHysteresis(folder); }},

@@ -11,6 +11,7 @@ void PrintReach();
 void PrintSteps();
 void PrintClosing();
 void PrintDelays();
+void PrintServos();
 void PrintWarnings();
 void PrintSpeed();
 

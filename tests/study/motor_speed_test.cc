@@ -27,7 +27,7 @@ double LargestSpeedShare(const Study& study) {
                                                      joints.cols());
     largest_rad = std::max(largest_rad, (moved.matrix() * coupling).cwiseAbs().maxCoeff());
   }
-  const double no_load_rad_s = study.scenario.hand.servo.no_load_speed_deg_s * kRadPerDeg;
+  const double no_load_rad_s = study.scenario.hand.servo.numbers().no_load_speed_deg_s * kRadPerDeg;
   return largest_rad / frame_s / no_load_rad_s;
 }
 

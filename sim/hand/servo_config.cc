@@ -1,0 +1,191 @@
+#include "sim/hand/servo_config.h"
+
+namespace gauntlet::sim {
+
+using controller::SettingsVisitor;
+
+void ServoNumbers::Visit(SettingsVisitor& visitor) {
+  visitor.Integer({.key = "resolution_bits",
+                   .help = "position commands have 2^bits counts over the travel",
+                   .min = 6,
+                   .max = 20},
+                  resolution_bits);
+  visitor.Number(
+      {.key = "travel_deg", .help = "how far a spool turns, end to end", .min = 30, .max = 3600},
+      travel_deg);
+  visitor.Number(
+      {.key = "frame_ms",
+       .help = "the servo takes a new command only at its own frames, which begin with the first "
+               "command unless they run free; 0: at once",
+       .min = 0,
+       .max = 1000},
+      frame_ms);
+  visitor.Flag({.key = "free_running",
+                .help = "each motor's frames are out of step with commands and with other motors, "
+                        "by a part of a frame that is the same in every run"},
+               free_running);
+  visitor.Number({.key = "dead_time_ms",
+                  .help = "from the frame that takes a command until the motor knows of it",
+                  .min = 0,
+                  .max = 500},
+                 dead_time_ms);
+  visitor.Integer({.key = "sensor_bits",
+                   .help = "the servo reads its spool in 2^bits steps over the travel; 0: exactly",
+                   .min = 0,
+                   .max = 20},
+                  sensor_bits);
+  visitor.Number({.key = "sensor_noise_deg",
+                  .help = "standard deviation of each reading of the spool, every 1 ms",
+                  .min = 0,
+                  .max = 5},
+                 sensor_noise_deg);
+  visitor.Number({.key = "dead_band_deg",
+                  .help = "spool errors up to this, to either side, cause no torque",
+                  .min = 0,
+                  .max = 30},
+                 dead_band_deg);
+  visitor.Number({.key = "full_torque_error_deg",
+                  .help = "spool error beyond the dead band that calls for the stall torque",
+                  .min = 0.5,
+                  .max = 90},
+                 full_torque_error_deg);
+  visitor.Number({.key = "damping_ms",
+                  .help = "velocity gain over position gain of the servo",
+                  .min = 0,
+                  .max = 100},
+                 damping_ms);
+  visitor.Number({.key = "no_load_speed_deg_s",
+                  .help = "spool speed at which back-EMF leaves no torque",
+                  .min = 1,
+                  .max = 10000},
+                 no_load_speed_deg_s);
+  visitor.Number({.key = "torque_scale",
+                  .help = "factor on the stall torques of the model",
+                  .min = 1e-9,
+                  .max = 10},
+                 torque_scale);
+  visitor.Number({.key = "inertia_scale",
+                  .help = "factor on the inertia of the model's spools, rotors behind their gears",
+                  .min = 0.1,
+                  .max = 100},
+                 inertia_scale);
+  visitor.Number({.key = "friction_scale",
+                  .help = "factor on the dry friction of the model's spools",
+                  .min = 0,
+                  .max = 100},
+                 friction_scale);
+  visitor.Number({.key = "load_friction",
+                  .help = "friction of the gear that grows with its load: share of the torque of "
+                          "the cables",
+                  .min = 0,
+                  .max = 0.9},
+                 load_friction);
+  visitor.Number({.key = "play_deg",
+                  .help = "play of the gear, end to end; adds to hand.cable.backlash_deg",
+                  .min = 0,
+                  .max = 30},
+                 play_deg);
+}
+
+// A number that is not said to come from somewhere is an assumption. Back-EMF of a motor that is
+// driven by a voltage brakes by full_torque_error / no_load_speed of damping, which is in damping_ms.
+
+IdealServo::IdealServo() {
+  resolution_bits = 16;
+  frame_ms = 0.0;
+  dead_band_deg = 0.0;
+  damping_ms = 9.0;               // critical for the model's finger motors
+  no_load_speed_deg_s = 10000.0;  // the largest that is allowed
+  friction_scale = 0.0;
+}
+
+// Fitted: dead time and motor to steps of 10 to 135 deg of an SG-90,
+// JasperGrant/SG-90-Servo-Characterization (log.txt). Pulses come every 20 ms there.
+RcAnalogServo::RcAnalogServo() {
+  free_running = true;
+  dead_time_ms = 24.0;           // fitted
+  dead_band_deg = 0.5;           // half of the 10 us that sellers give, at 2 ms for 180 deg
+  full_torque_error_deg = 15.0;  // fitted
+  damping_ms = 35.0;             // fitted
+  no_load_speed_deg_s = 690.0;   // fitted; sellers give 0.1 s for 60 deg
+  inertia_scale = 7.0;           // fitted: a mechanical time constant of 56 ms for a finger
+  play_deg = 0.5;                // plastic gears
+}
+
+RcDigitalServo::RcDigitalServo() {
+  free_running = true;
+  resolution_bits = 11;  // pulses to 1 us of 2 ms
+  dead_time_ms = 3.0;    // the pulse, and one turn of its loop
+  sensor_bits = 12;      // a converter on a potentiometer
+  sensor_noise_deg = 0.05;
+  dead_band_deg = 0.1;  // half of 2 us
+  full_torque_error_deg = 5.0;
+  damping_ms = 25.0;
+  no_load_speed_deg_s = 500.0;  // 0.12 s for 60 deg
+  inertia_scale = 6.0;          // time constant of 35 ms for a finger
+  play_deg = 0.3;               // metal gears
+}
+
+// Motor and friction: Rhoban/bam, feetech_sts3215_7_4V, model M3: kt 1.26 V s, R 2.45 ohm, 0.0235
+// kg m2, friction 0.056 N m and 0.21 of the load, 3.8 N m at stall; the finger motor is smaller by
+// its stall torque. Travel and resolution: 4096 steps a turn.
+BusServo::BusServo() {
+  resolution_bits = 12;
+  travel_deg = 360.0;
+  frame_ms = 5.0;  // a bus of 17 servos takes 4.5 to 12 ms a turn: orcahand/orca_core, docs
+  free_running = true;
+  dead_time_ms = 27.0;  // fitted: 100 ms behind a sine, giacomoran/so101-data-collection
+  sensor_bits = 12;
+  dead_band_deg = 0.1;           // one step
+  full_torque_error_deg = 18.0;  // bam: gain of 16, as teleoperation sets it
+  damping_ms = 54.0;             // back-EMF
+  no_load_speed_deg_s = 335.0;   // bam: 7.4 V / kt
+  inertia_scale = 9.2;           // bam: a time constant of 36 ms
+  friction_scale = 0.8;          // bam
+  load_friction = 0.21;          // bam
+  play_deg = 0.3;
+}
+
+// Motor and friction: Rhoban/bam, XL330: 2.0e-3 kg m2, 0.013 N m and 0.27 of the load, a mechanical
+// time constant of 43 to 51 ms; ROBOTIS e-manual of XL330-M288: 4096 steps a turn, 103 rev/min, and
+// its gain P of 400 as it is delivered.
+DynamixelServo::DynamixelServo() {
+  resolution_bits = 12;
+  travel_deg = 360.0;
+  frame_ms = 5.0;  // as above
+  free_running = true;
+  dead_time_ms = 2.0;  // its loop of 1 ms, and the bus
+  sensor_bits = 12;
+  dead_band_deg = 0.0;
+  full_torque_error_deg = 25.0;  // e-manual: P of 400 reaches the largest PWM at 283 steps
+  damping_ms = 40.0;             // back-EMF
+  no_load_speed_deg_s = 618.0;   // e-manual
+  inertia_scale = 6.5;           // bam: 47 ms, which is 2.0e-3 kg m2 for a finger
+  friction_scale = 1.6;          // bam
+  load_friction = 0.27;          // bam
+  play_deg = 0.25;
+}
+
+const ServoNumbers& ServoConfig::numbers() const {
+  return std::visit([](const ServoNumbers& numbers) -> const ServoNumbers& { return numbers; },
+                    settings);
+}
+
+ServoNumbers& ServoConfig::numbers() {
+  return std::visit([](ServoNumbers& numbers) -> ServoNumbers& { return numbers; }, settings);
+}
+
+void ServoConfig::Visit(SettingsVisitor& visitor) {
+  controller::VisitKind(visitor, {.key = "kind", .help = "which servo the motors have"}, settings);
+}
+
+const ServoNumbers& NumbersFor(const ServoConfig& config, double stall_torque_nm) {
+  constexpr double kLargestServoNm = 5.0;
+  static const ServoNumbers kStandard;
+  const bool standard = std::holds_alternative<StandardServo>(config.settings);
+  return standard || stall_torque_nm <= kLargestServoNm ? config.numbers() : kStandard;
+}
+
+std::span<const ServoKind> ServoKinds() { return controller::AllKinds<ServoConfig>(); }
+
+}  // namespace gauntlet::sim
