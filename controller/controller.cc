@@ -14,57 +14,88 @@ Controller::Controller(const ControllerConfig& config, const GloveCalibration& g
                              .hand = hand,
                              .joint_map = joint_map,
                              .timing = timing}) {}
-Controller::Controller(const RobotConfig& robot) : state_(std::make_unique<State>(robot)) {}
+Controller::Controller(const RobotConfig& robot)
+    : Controller(std::make_shared<const RobotConfig>(robot), robot.controller) {}
+Controller::Controller(std::shared_ptr<const RobotConfig> robot, const ControllerConfig& config)
+    : robot_(std::move(robot)), state_(std::make_unique<State>(*robot_, config)) {}
 Controller::~Controller() = default;
 Controller::Controller(Controller&&) noexcept = default;
 Controller& Controller::operator=(Controller&&) noexcept = default;
 
 Command Controller::Step(const GloveSample& sample) noexcept {
+  if (!state_) return {};
   state_->TakeSample(sample);
   return state_->StepEvent();
 }
 
-Command Controller::Step() noexcept { return state_->StepEvent(); }
+Command Controller::Step() noexcept { return state_ ? state_->StepEvent() : Command{}; }
 
-void Controller::Reset() noexcept { state_->Reset(); }
+void Controller::Reset() noexcept {
+  if (state_) state_->Reset();
+}
+
+void Controller::Reset(std::span<const std::int32_t> motor_counts) noexcept {
+  if (motor_counts.size() != static_cast<std::size_t>(motor_count())) return Reset();
+  if (state_) state_->Reset(motor_counts);
+}
+
+Controller Controller::Prepare(const ControllerConfig& config) const {
+  if (!robot_) throw SettingError("controller", "was moved from, must be one that can step");
+  return {robot_, config};
+}
+
+bool Controller::Swap(Controller& next) noexcept {
+  const bool prepared = state_ && next.state_ && next.robot_ == robot_ && &next != this;
+  if (!prepared) return false;
+  next.state_->TakeOver(*state_);
+  state_.swap(next.state_);
+  return true;
+}
 
 void Controller::Load(const ControllerConfig& config) {
-  RobotConfig robot = state_->robot;
-  robot.controller = config;
-  auto next = std::make_unique<State>(robot);
-  next->TakeOver(*state_);
-  state_ = std::move(next);
+  Controller next = Prepare(config);
+  Swap(next);
 }
 
 void Controller::SetChannelActive(int channel, bool active) noexcept {
-  State& state = *state_;
-  const auto index = static_cast<std::size_t>(channel);
-  if (active == (state.active[index] == 1)) return;
-  state.active[index] = active ? 1 : 0;
-  state.inactive_count += active ? -1 : 1;
-  state.held_rad[index] = state.predicted_rad[index];
-  if (active) state.StartChannel(channel);
+  if (channel >= 0 && channel < channel_count()) state_->SetChannelActive(channel, active);
 }
 
 bool Controller::channel_active(int channel) const noexcept {
-  return state_->active[static_cast<std::size_t>(channel)] == 1;
+  const bool exists = channel >= 0 && channel < channel_count();
+  return exists && state_->active[static_cast<std::size_t>(channel)] == 1;
 }
 
-int Controller::channel_count() const noexcept { return state_->linearisation->channel_count(); }
-int Controller::joint_count() const noexcept { return state_->joint_map.joint_count(); }
-int Controller::motor_count() const noexcept { return state_->tendon_map.motor_count(); }
+int Controller::channel_count() const noexcept {
+  return state_ ? state_->linearisation->channel_count() : 0;
+}
+int Controller::joint_count() const noexcept {
+  return state_ ? state_->joint_map.joint_count() : 0;
+}
+int Controller::motor_count() const noexcept {
+  return state_ ? state_->tendon_map.motor_count() : 0;
+}
 
 std::span<const double> Controller::linearised_angle_rad() const noexcept {
+  if (!state_) return {};
   return state_->linearised_rad;
 }
 std::span<const double> Controller::filtered_angle_rad() const noexcept {
+  if (!state_) return {};
   return state_->filtered_rad;
 }
-std::span<const double> Controller::target_angle_rad() const noexcept { return state_->target_rad; }
+std::span<const double> Controller::target_angle_rad() const noexcept {
+  if (!state_) return {};
+  return state_->target_rad;
+}
 std::span<const std::int64_t> Controller::untrusted_samples() const noexcept {
+  if (!state_) return {};
   return state_->guard.untrusted_samples();
 }
 std::span<const std::int64_t> Controller::untrusted_samples(Untrusted kind) const noexcept {
+  const auto index = static_cast<int>(kind);
+  const bool exists = index >= 0 && index < kUntrustedKinds;
+  if (!state_ || !exists) return {};
   return state_->guard.untrusted_samples(kind);
 }
 

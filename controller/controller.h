@@ -10,7 +10,8 @@
 
 namespace gauntlet::controller {
 
-/// What the motors are told. Valid until the next Step() of the controller that gave it.
+/// What the motors are told. The memory is the controller's: there as long as it is, also over
+/// Swap() and Load(); the next Step() or Reset() may write other counts into it.
 ///
 /// Shapes: one value per motor. Units: motor counts, always within the motor's range.
 struct Command {
@@ -33,6 +34,12 @@ struct Command {
 /// the event; before the first good value the joint that it moves holds its reference angle.
 /// Prediction steps when the filter does.
 ///
+/// The first command leads on from where the motors are: at their centers, or where Reset() says.
+/// From there on no two commands differ by more than the speed limit and the rounding.
+///
+/// One thread at a time may use a controller; Prepare() alone may be called from any other thread
+/// meanwhile. A controller that was moved from has no channels and gives empty commands.
+///
 /// Errors: the constructor throws SettingError, which names the key and the allowed range.
 class Controller {
  public:
@@ -49,16 +56,33 @@ class Controller {
   Command Step(const GloveSample& sample) noexcept;
   /// A tick without one.
   Command Step() noexcept;
+  /// Forgets the glove: filters, counters of untrusted samples and clocks begin anew. The hand
+  /// stays where it is, which is where the last command has sent it; channels that are switched off
+  /// stay off and hold their joint there.
   void Reset() noexcept;
+  /// The same with the motors at these counts, as the robot reads them: to be called before the
+  /// first Step() where the hand is not in its reference posture. With other than one value per
+  /// motor it is Reset().
+  void Reset(std::span<const std::int32_t> motor_counts) noexcept;
 
-  /// Other settings from the next sample on. Filters of the same kind and memory go on where they
-  /// were, so that channels whose settings stay the same keep every bit; others start at the next
-  /// sample, and the motors' speed limit keeps the change smooth.
-  /// Allocates: not for the thread that calls Step(). Errors: SettingError, and nothing is changed.
+  /// Other settings, in two parts, so that the control loop neither waits nor allocates.
+  ///
+  /// Prepare() makes a controller of other settings for the same glove, hand and timing; any thread
+  /// may call it at any time. Allocates. Errors: SettingError.
+  ///
+  /// Swap() takes its settings over, in the thread that calls Step(), between two of its calls:
+  /// from the next sample on. `next` has the old settings then, to be destroyed in any other thread
+  /// or to be swapped in again. Filters of the same kind, unit and step go on where they were, so
+  /// that channels whose settings stay the same keep every bit; others start where the joint is.
+  /// False, and nothing is changed, if `next` was not prepared by this controller.
+  Controller Prepare(const ControllerConfig& config) const;
+  bool Swap(Controller& next) noexcept;
+  /// Both at once, where nothing waits for Step().
   void Load(const ControllerConfig& config);
 
   /// A channel that is switched off holds its joint where it is; switched on again its filters
-  /// start at the next sample. The other channels do not notice.
+  /// start at the next sample. The other channels do not notice. A channel that there is not is
+  /// switched off and stays so.
   void SetChannelActive(int channel, bool active) noexcept;
   bool channel_active(int channel) const noexcept;
 
@@ -67,7 +91,8 @@ class Controller {
   int motor_count() const noexcept;
 
   /// Angles as they are after the last Step() [rad]: per channel before the filter and behind it,
-  /// and per joint behind prediction and joint map, which is what the motors are to do.
+  /// and per joint behind prediction and joint map, which is what the motors are to do. The memory
+  /// of these spans is there as long as that of a Command.
   std::span<const double> linearised_angle_rad() const noexcept;
   std::span<const double> filtered_angle_rad() const noexcept;
   std::span<const double> target_angle_rad() const noexcept;
@@ -77,6 +102,9 @@ class Controller {
 
  private:
   struct State;
+  Controller(std::shared_ptr<const RobotConfig> robot, const ControllerConfig& config);
+
+  std::shared_ptr<const RobotConfig> robot_;  // what it is connected to: never changes
   std::unique_ptr<State> state_;
 };
 

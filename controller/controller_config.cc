@@ -83,6 +83,12 @@ void GloveCalibration::Visit(SettingsVisitor& visitor) {
                   .max = kMostCounts,
                   .open_range = true},
                  full_scale_counts);
+  visitor.Integer({.key = "frame_number_bits",
+                   .help = "width of the frames' numbers, which begin anew behind it; 64 if they "
+                           "never do",
+                   .min = kLeastFrameNumberBits,
+                   .max = kMostFrameNumberBits},
+                  frame_number_bits);
   struct Column {
     std::string_view key, help;
     std::vector<double>* values;

@@ -14,12 +14,17 @@
 
 namespace gauntlet::controller {
 
+/// Fewer cannot tell a late frame from the next one.
+inline constexpr int kLeastFrameNumberBits = 2;
+inline constexpr int kMostFrameNumberBits = 64;
+
 /// What is known of the glove: its channels, two known poses of each, and the converter's range.
 ///
 ///     angle_rad = low_angle_rad + (counts - low_counts) (high_angle_rad - low_angle_rad)
 ///                                                      / (high_counts - low_counts)
 ///
-/// Shapes: one value per channel. Errors: equal counts of both poses.
+/// Shapes: one value per channel. Errors: names that appear twice, poses outside the converter's
+/// range or too near each other.
 struct GloveCalibration {
   std::vector<std::string> channel_names;
   std::vector<double> low_counts;
@@ -27,6 +32,8 @@ struct GloveCalibration {
   std::vector<double> low_angle_rad;
   std::vector<double> high_angle_rad;
   double full_scale_counts = 1023.0;
+  /// Width of the frames' numbers: behind 2^bits - 1 comes 0. 64 if they never begin anew.
+  int frame_number_bits = kMostFrameNumberBits;
 
   void Visit(SettingsVisitor& visitor);
 };

@@ -3,20 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 namespace {
 
+const ControllerConfig& Checked(const ControllerConfig& config) {
+  CheckSettings(config);
+  return config;
+}
+
 /// Throws for what does not fit together, before anything is built from it.
 const RobotConfig& Checked(const RobotConfig& robot) {
-  CheckSettings(robot.controller);
   WithinSetting("timing", [&] { CheckSettings(robot.timing); });
   const GloveCalibration& glove = robot.glove;
   if (!(glove.full_scale_counts > 0.0) || !std::isfinite(glove.full_scale_counts)) {
     throw SettingError("calibration.full_scale_counts", "must be finite and above 0");
   }
+  if (glove.frame_number_bits < kLeastFrameNumberBits ||
+      glove.frame_number_bits > kMostFrameNumberBits) {
+    throw SettingError("calibration.frame_number_bits",
+                       "is " + std::to_string(glove.frame_number_bits) + ", must be from " +
+                           std::to_string(kLeastFrameNumberBits) + " to " +
+                           std::to_string(kMostFrameNumberBits));
+  }
+  CheckNames("calibration.channel_names", glove.channel_names);
   if (glove.low_counts.size() != glove.channel_names.size()) {
     throw SettingError("calibration", "has " + std::to_string(glove.channel_names.size()) +
                                           " names of channels and " +
@@ -35,17 +48,6 @@ std::vector<double> MiddleOf(const GloveCalibration& glove) {
   return middle_rad;
 }
 
-/// What each channel holds before its first good value: the hand's reference posture.
-std::vector<double> StartCounts(const Linearisation& linearisation, const JointMap& joint_map,
-                                const RobotConfig& robot) {
-  const std::vector<double> angle_rad =
-      joint_map.ChannelsAt(robot.hand.reference_angle_rad, MiddleOf(robot.glove));
-  std::vector<double> counts(angle_rad.size());
-  linearisation.ToCounts(angle_rad, counts);
-  for (double& value : counts) value = std::clamp(value, 0.0, robot.glove.full_scale_counts);
-  return counts;
-}
-
 /// The paper's R is in counts; a filter of angles that is not given another one would be far off.
 void CheckUnitOfR(const FilterConfig& filter, FilterOn filter_on) {
   if (filter_on == FilterOn::kCounts) return;
@@ -57,21 +59,29 @@ void CheckUnitOfR(const FilterConfig& filter, FilterOn filter_on) {
                      "counts^2");
 }
 
+/// How often filters step.
+double StepRate(const ControllerConfig& config, const Timing& timing) {
+  return config.filter_at == FilterAt::kSample ? timing.sample_rate_hz() : timing.event_rate_hz();
+}
+
 }  // namespace
 
-Controller::State::State(const RobotConfig& robot_in)
-    : robot(Checked(robot_in)),
-      linearisation(MakeLinearisation(robot.controller.linearisation, robot.glove,
-                                      robot.glove.channel_names)),
+Controller::State::State(const RobotConfig& robot, const ControllerConfig& config)
+    : filter_on(Checked(config).filter_on),
+      filter_at(config.filter_at),
+      step_rate_hz(StepRate(config, Checked(robot).timing)),
+      linearisation(
+          MakeLinearisation(config.linearisation, robot.glove, robot.glove.channel_names)),
       joint_map(WithinSetting(
           "joint_map",
           [&] { return JointMap(robot.joint_map, robot.glove.channel_names, robot.hand); })),
-      guard(robot.controller.untrusted, StartCounts(*linearisation, joint_map, robot),
-            robot.glove.full_scale_counts, robot.timing.sample_rate_hz()),
-      tendon_map(robot.hand, robot.controller.coupling_compensation),
-      rounding(robot.controller.motor, robot.hand, robot.timing.event_rate_hz()),
+      guard(config.untrusted, robot.glove.low_counts, robot.glove.full_scale_counts,
+            robot.timing.sample_rate_hz(), robot.glove.frame_number_bits),
+      tendon_map(robot.hand, config.coupling_compensation),
+      rounding(config.motor, robot.hand, robot.timing.event_rate_hz()),
       event_clock(robot.timing.TicksOf(robot.timing.event_period_ms)),
       active(robot.glove.channel_names.size(), 1),
+      middle_rad(MiddleOf(robot.glove)),
       linearised_rad(active.size()),
       filtered_counts(active.size()),
       filtered_rad(active.size()),
@@ -80,10 +90,7 @@ Controller::State::State(const RobotConfig& robot_in)
       target_rad(robot.hand.reference_angle_rad),
       exact_motor_counts(robot.hand.counts_per_rad.size()),
       motor_counts(robot.hand.center_counts.begin(), robot.hand.center_counts.end()) {
-  const ControllerConfig& config = robot.controller;
   const int channels = linearisation->channel_count();
-  const double step_rate_hz = config.filter_at == FilterAt::kSample ? robot.timing.sample_rate_hz()
-                                                                    : robot.timing.event_rate_hz();
   for (std::size_t i = 0; i < config.filters.size(); ++i) {
     chain.push_back(WithinSetting("filter[" + std::to_string(i) + "]", [&] {
       CheckUnitOfR(config.filters[i], config.filter_on);
@@ -92,20 +99,22 @@ Controller::State::State(const RobotConfig& robot_in)
   }
   predictor = WithinSetting(
       "prediction", [&] { return MakePredictor(config.prediction, channels, step_rate_hz); });
-  Reset();
+  Reset(motor_counts);
 }
 
 void Controller::State::TakeSample(const GloveSample& sample) noexcept {
   guard.Take(sample, [this](int channel) { StartChannel(channel); });
   linearisation->ToAngles(guard.trusted_counts(), linearised_rad);
-  if (robot.controller.filter_at == FilterAt::kSample) StepFilters();
+  if (filter_at == FilterAt::kSample) StepFilters();
 }
 
 Command Controller::State::StepEvent() noexcept {
   const bool event = event_clock.Tick();
   if (event) {
-    if (robot.controller.filter_at == FilterAt::kEvent) StepFilters();
-    StepMotors();
+    if (filter_at == FilterAt::kEvent) StepFilters();
+    joint_map.ToJoints(predicted_rad, target_rad);
+    tendon_map.ToExactMotorCounts(target_rad, exact_motor_counts);
+    rounding.Step(exact_motor_counts, motor_counts);
   }
   return {.motor_counts = motor_counts, .event = event};
 }
@@ -116,7 +125,7 @@ void Controller::State::StartChannel(int channel) noexcept {
 }
 
 void Controller::State::StepFilters() noexcept {
-  if (robot.controller.filter_on == FilterOn::kCounts) {
+  if (filter_on == FilterOn::kCounts) {
     const auto counts = guard.trusted_counts();
     std::copy(counts.begin(), counts.end(), filtered_counts.begin());
     for (const auto& filter : chain) filter->Step(filtered_counts, filtered_counts);
@@ -139,44 +148,69 @@ void Controller::State::HoldInactiveChannels() noexcept {
   }
 }
 
-void Controller::State::StepMotors() noexcept {
-  joint_map.ToJoints(predicted_rad, target_rad);
-  tendon_map.ToExactMotorCounts(target_rad, exact_motor_counts);
-  rounding.Step(exact_motor_counts, motor_counts);
+void Controller::State::SetChannelActive(int channel, bool on) noexcept {
+  const auto index = static_cast<std::size_t>(channel);
+  if (on == (active[index] == 1)) return;
+  active[index] = on ? 1 : 0;
+  inactive_count += on ? -1 : 1;
+  held_rad[index] = predicted_rad[index];
+  if (on) StartChannel(channel);
+}
+
+void Controller::State::Reset(std::span<const std::int32_t> at_counts) noexcept {
+  std::copy(at_counts.begin(), at_counts.end(), motor_counts.begin());
+  rounding.Reset(motor_counts);
+  tendon_map.ToJointAngles(motor_counts, target_rad);
+  const std::span<const double> reference_rad = tendon_map.reference_angle_rad();
+  for (std::size_t i = 0; i < target_rad.size(); ++i) {
+    if (std::isnan(target_rad[i])) target_rad[i] = reference_rad[i];  // springs decide it
+  }
+  std::copy(middle_rad.begin(), middle_rad.end(), predicted_rad.begin());
+  joint_map.ToChannels(target_rad, predicted_rad);
+  std::copy(predicted_rad.begin(), predicted_rad.end(), held_rad.begin());
+  Reset();
 }
 
 void Controller::State::Reset() noexcept {
-  guard.Reset();
+  linearisation->ToCounts(predicted_rad, filtered_counts);
+  guard.Reset(filtered_counts);
   for (const auto& filter : chain) filter->Reset();
   if (predictor) predictor->Reset();
+  rounding.Reset();
   event_clock.Reset();
   linearisation->ToAngles(guard.trusted_counts(), linearised_rad);
   std::copy(linearised_rad.begin(), linearised_rad.end(), filtered_rad.begin());
   std::copy(linearised_rad.begin(), linearised_rad.end(), predicted_rad.begin());
-  std::fill(active.begin(), active.end(), 1);
-  inactive_count = 0;
-  StepMotors();
-  rounding.Reset();
+  HoldInactiveChannels();
+  joint_map.ToJoints(predicted_rad, target_rad);
 }
 
-void Controller::State::TakeOver(const State& before) noexcept {
-  for (int channel = 0; channel < linearisation->channel_count(); ++channel) {
-    for (std::size_t i = 0; i < std::min(chain.size(), before.chain.size()); ++i) {
-      chain[i]->CopyChannel(*before.chain[i], channel);
-    }
-    if (predictor && before.predictor) predictor->CopyChannel(*before.predictor, channel);
+void Controller::State::TakeOver(State& before) noexcept {
+  const bool same_step = step_rate_hz == before.step_rate_hz;
+  const bool same_unit = filter_on == before.filter_on;
+  linearisation->ToCounts(before.filtered_rad, filtered_counts);
+  const std::span<const double> here =
+      filter_on == FilterOn::kCounts ? filtered_counts : before.filtered_rad;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    const bool goes_on =
+        same_step && same_unit && i < before.chain.size() && chain[i]->TakeMemory(*before.chain[i]);
+    if (!goes_on) chain[i]->StartAt(here);
   }
-  guard.CopyState(before.guard);
-  rounding.CopyState(before.rounding);
-  event_clock = before.event_clock;
-  active = before.active;
-  inactive_count = before.inactive_count;
-  linearised_rad = before.linearised_rad;
-  filtered_rad = before.filtered_rad;
-  predicted_rad = before.predicted_rad;
-  target_rad = before.target_rad;
-  held_rad = before.held_rad;
-  motor_counts = before.motor_counts;
+  if (predictor) {
+    const bool goes_on = same_step && before.predictor && predictor->TakeMemory(*before.predictor);
+    if (!goes_on) predictor->StartAt(before.filtered_rad);
+  }
+  guard.TakeMemory(before.guard, filtered_counts);
+  rounding.TakeMemory(before.rounding);
+  std::swap(event_clock, before.event_clock);
+  std::swap(active, before.active);
+  std::swap(inactive_count, before.inactive_count);
+  for (std::vector<double> State::*flow :
+       {&State::linearised_rad, &State::filtered_rad, &State::predicted_rad, &State::held_rad,
+        &State::target_rad}) {
+    (this->*flow).swap(before.*flow);
+  }
+  motor_counts.swap(before.motor_counts);
 }
 
 }  // namespace gauntlet::controller

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "controller/controller.h"
@@ -14,19 +15,25 @@ namespace gauntlet::controller {
 
 /// The stages of a controller and what flows between them.
 struct Controller::State {
-  explicit State(const RobotConfig& robot_in);
+  /// What `robot` is connected to, controlled as `config` says.
+  State(const RobotConfig& robot, const ControllerConfig& config);
 
   void TakeSample(const GloveSample& sample) noexcept;
   Command StepEvent() noexcept;
   void StartChannel(int channel) noexcept;
   void StepFilters() noexcept;
   void HoldInactiveChannels() noexcept;
-  void StepMotors() noexcept;
+  void SetChannelActive(int channel, bool active) noexcept;
   void Reset() noexcept;
-  /// Goes on where `before`, a controller of the same glove and hand, stands.
-  void TakeOver(const State& before) noexcept;
+  void Reset(std::span<const std::int32_t> at_counts) noexcept;
+  /// Goes on where `before`, a controller of the same glove and hand, stands. The memory of what
+  /// can be read from outside comes along.
+  void TakeOver(State& before) noexcept;
 
-  RobotConfig robot;
+  // What was chosen.
+  FilterOn filter_on;
+  FilterAt filter_at;
+  double step_rate_hz;  // of filters and prediction
   std::unique_ptr<Linearisation> linearisation;
   JointMap joint_map;
   SampleGuard guard;
@@ -35,9 +42,11 @@ struct Controller::State {
   TendonMap tendon_map;
   MotorRounding rounding;
 
+  // What flows.
   PeriodicClock event_clock;
   std::vector<std::uint8_t> active;  // per channel
   int inactive_count = 0;
+  std::vector<double> middle_rad;  // per channel, between its two known poses
   std::vector<double> linearised_rad;
   std::vector<double> filtered_counts;
   std::vector<double> filtered_rad;

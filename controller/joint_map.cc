@@ -61,12 +61,15 @@ JointMap::JointMap(const JointMapConfig& config, const std::vector<std::string>&
       joint.offset_rad = hand.reference_angle_rad[i];
     }
   }
+  std::vector<std::string> named;
   for (const JointSource& source : config.joints) {
     const int index = IndexOf(hand.joint_names, source.joint);
     if (index < 0) {
       throw SettingError(source.joint,
                          "is not a joint of the hand, which has " + Joined(hand.joint_names));
     }
+    if (IndexOf(named, source.joint) >= 0) throw SettingError(source.joint, "appears twice");
+    named.push_back(source.joint);
     if (source.weights.size() != 1 && source.weights.size() != source.channels.size()) {
       throw SettingError(source.joint + ".weights",
                          "has " + std::to_string(source.weights.size()) +
@@ -103,16 +106,14 @@ void JointMap::ToJoints(std::span<const double> channel_angle_rad,
   }
 }
 
-std::vector<double> JointMap::ChannelsAt(std::span<const double> joint_angle_rad,
-                                         std::vector<double> otherwise_rad) const {
-  std::vector<double> channel_rad = std::move(otherwise_rad);
+void JointMap::ToChannels(std::span<const double> joint_angle_rad,
+                          std::span<double> channel_angle_rad) const noexcept {
   for (std::size_t i = joints_.size(); i-- > 0;) {  // the first joint that a channel moves decides
     const Joint& joint = joints_[i];
     if (joint.terms.size() != 1 || joint.terms[0].weight == 0.0) continue;
-    channel_rad[Place(joint.terms[0].channel)] =
+    channel_angle_rad[Place(joint.terms[0].channel)] =
         (joint_angle_rad[i] - joint.offset_rad) / joint.terms[0].weight;
   }
-  return channel_rad;
 }
 
 }  // namespace gauntlet::controller

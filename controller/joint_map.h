@@ -60,10 +60,10 @@ class JointMap {
   std::span<const Term> terms(int joint) const noexcept { return joints_[Place(joint)].terms; }
   /// Whether any channel moves this joint; else it holds one posture.
   bool measured(int joint) const noexcept { return !joints_[Place(joint)].terms.empty(); }
-  /// A posture of the glove that lets each joint rest at `joint_angle_rad` as far as one channel
-  /// decides it; a channel that decides none is at `otherwise_rad`.
-  std::vector<double> ChannelsAt(std::span<const double> joint_angle_rad,
-                                 std::vector<double> otherwise_rad) const;
+  /// The posture of the glove that lets each joint rest at `joint_angle_rad` as far as one channel
+  /// decides it; a channel that decides none keeps its value.
+  void ToChannels(std::span<const double> joint_angle_rad,
+                  std::span<double> channel_angle_rad) const noexcept;
 
  private:
   struct Joint {

@@ -40,13 +40,15 @@ MotorRounding::MotorRounding(const MotorRoundingConfig& config, const TendonTran
   for (const double counts_per_rad : hand.counts_per_rad) {
     limit_counts_.push_back(std::abs(counts_per_rad) * limit_rad);
   }
+  for (std::size_t i = 0; i < motors_.size(); ++i) motors_[i].command = hand.center_counts[i];
+  Reset();
 }
 
 std::int32_t MotorRounding::Round(Motor& motor) const noexcept {
   switch (config_.rounding) {
     case Rounding::kHysteresis: {
       const double off = std::abs(motor.limited - motor.command);
-      if (started_ && off <= 0.5 + config_.hysteresis_counts) return motor.command;
+      if (off <= 0.5 + config_.hysteresis_counts) return motor.command;
       break;
     }
     case Rounding::kNoiseShaping: {
@@ -65,18 +67,20 @@ void MotorRounding::Step(std::span<const double> exact_counts,
                          std::span<std::int32_t> motor_counts) noexcept {
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     Motor& motor = motors_[i];
-    if (!started_) motor = {.limited = exact_counts[i]};
     const double limit = limit_counts_[i];
     motor.limited += std::clamp(exact_counts[i] - motor.limited, -limit, limit);
     motor.command = std::clamp(Round(motor), min_counts_[i], max_counts_[i]);
     motor_counts[i] = motor.command;
   }
-  started_ = true;
 }
 
-void MotorRounding::CopyState(const MotorRounding& from) noexcept {
-  motors_ = from.motors_;
-  started_ = from.started_;
+void MotorRounding::Reset() noexcept {
+  for (Motor& motor : motors_) motor = {.limited = 1.0 * motor.command, .command = motor.command};
+}
+
+void MotorRounding::Reset(std::span<const std::int32_t> motor_counts) noexcept {
+  for (std::size_t i = 0; i < motors_.size(); ++i) motors_[i].command = motor_counts[i];
+  Reset();
 }
 
 }  // namespace gauntlet::controller

@@ -17,16 +17,20 @@ namespace gauntlet::controller {
 ///                    is taken away this time, so that the mean over frames is exact
 ///
 /// L is `speed_limit_rad_s` per event; two commands differ by at most L and the rounding.
-/// The first command after Reset() is not limited: there is nothing before it.
+/// The first command is limited, too: from where the motors are.
 /// Units: motor counts. Shapes: one value per motor.
 class MotorRounding {
  public:
+  /// The motors are at their centers.
   MotorRounding(const MotorRoundingConfig& config, const TendonTransmission& hand,
                 double events_per_s);
 
   void Step(std::span<const double> exact_counts, std::span<std::int32_t> motor_counts) noexcept;
-  void Reset() noexcept { started_ = false; }
-  void CopyState(const MotorRounding& from) noexcept;
+  /// As new, with the motors where the last command has sent them, or at these counts.
+  void Reset() noexcept;
+  void Reset(std::span<const std::int32_t> motor_counts) noexcept;
+  /// Takes the motors of another one for the same hand, which goes on with these; the settings stay.
+  void TakeMemory(MotorRounding& from) noexcept { motors_.swap(from.motors_); }
 
  private:
   struct Motor {
@@ -41,7 +45,6 @@ class MotorRounding {
   std::vector<std::int32_t> min_counts_;
   std::vector<std::int32_t> max_counts_;
   std::vector<Motor> motors_;
-  bool started_ = false;
 };
 
 }  // namespace gauntlet::controller

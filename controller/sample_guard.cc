@@ -1,17 +1,67 @@
 #include "controller/sample_guard.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
+
+#include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
 namespace {
 
-int SamplesOf(double duration_ms, double rate_hz) {
+constexpr double kNever = std::numeric_limits<double>::infinity();
+/// So many stale frames that rise among themselves are right, and the number before was wrong.
+constexpr int kRisingFrames = 5;
+
+double SamplesOf(double duration_ms, double rate_hz) {
   // A glove slower than the duration still has to say it once more.
-  const double samples = std::ceil(duration_ms * 1e-3 * rate_hz - 1e-6);
-  return static_cast<int>(std::min(samples, 1e9));
+  return std::ceil(duration_ms * 1e-3 * rate_hz - 1e-6);
+}
+
+/// Where the values of all channels lie, and between what they are trusted without more ado.
+struct Channels {
+  double *trusted, *raw, *same, *confirmed;
+  const double* seen;
+  double* good;
+};
+struct Limits {
+  double full_scale, jump, stuck;
+};
+
+/// Takes in what is inside the converter's range, near the last good value and not stuck: those are
+/// good, 1 or 0. Whether all are.
+GAUNTLET_VECTORISED bool TakeGood(const double* counts, const Channels& channels,
+                                  const Limits& limits, int channel_count) {
+  const auto [trusted, raw, same, confirmed, seen, good] = channels;
+  const auto [full_scale, jump, stuck] = limits;
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double z = counts[i];
+    const double last = trusted[i];
+    const double before = raw[i];
+    const double repeats = same[i];
+    const double waits = confirmed[i];
+    const double known = seen[i];
+    // One choice per line, among what has been read: the compiler gives up vectors for others.
+    const double again = z == before ? 1.0 : 0.0;
+    const double samples = again * (repeats + 1.0);
+    const double above = z > 0.0 ? known : 0.0;
+    const double inside = z < full_scale ? above : 0.0;
+    const double near = std::abs(z - last) <= jump ? inside : 0.0;
+    const double yes = samples < stuck ? near : 0.0;
+    trusted[i] = yes == 1.0 ? z : last;
+    raw[i] = yes == 1.0 ? z : before;
+    same[i] = yes == 1.0 ? samples : repeats;
+    confirmed[i] = yes == 1.0 ? 0.0 : waits;
+    good[i] = yes;
+  }
+  constexpr auto kYes = std::bit_cast<std::uint64_t>(1.0);
+  std::uint64_t all = kYes;
+  for (int i = 0; i < channel_count; ++i) all &= std::bit_cast<std::uint64_t>(good[i]);
+  return all == kYes;
 }
 
 }  // namespace
@@ -39,80 +89,124 @@ void SampleGuardConfig::Visit(SettingsVisitor& visitor) {
                  jump_confirm_ms);
 }
 
-SampleGuard::SampleGuard(const SampleGuardConfig& config, std::vector<double> start_counts,
-                         double full_scale_counts, double rate_hz)
+SampleGuard::SampleGuard(const SampleGuardConfig& config, std::span<const double> start_counts,
+                         double full_scale_counts, double rate_hz, int frame_number_bits)
     : refuse_full_scale_(config.full_scale),
-      stuck_samples_(SamplesOf(config.stuck_after_ms, rate_hz)),
-      jump_counts_(config.jump_share > 0.0 ? config.jump_share * full_scale_counts
-                                           : std::numeric_limits<double>::infinity()),
+      stuck_samples_(config.stuck_after_ms > 0.0 ? SamplesOf(config.stuck_after_ms, rate_hz)
+                                                 : kNever),
+      jump_counts_(config.jump_share > 0.0 ? config.jump_share * full_scale_counts : kNever),
       confirm_samples_(SamplesOf(config.jump_confirm_ms, rate_hz)),
       full_scale_counts_(full_scale_counts),
-      start_counts_(std::move(start_counts)),
-      trusted_counts_(start_counts_),
-      channels_(start_counts_.size()),
-      untrusted_samples_(start_counts_.size(), 0) {
-  for (auto& counts : untrusted_by_kind_) counts.assign(start_counts_.size(), 0);
+      frame_number_bits_(frame_number_bits),
+      values_(kValues, static_cast<int>(start_counts.size())),
+      untrusted_samples_(start_counts.size()) {
+  for (auto& counts : untrusted_by_kind_) counts.resize(start_counts.size());
+  Reset(start_counts);
+}
+
+bool SampleGuard::IsAhead(std::int64_t number, std::int64_t of) const noexcept {
+  const std::uint64_t difference =
+      static_cast<std::uint64_t>(number) - static_cast<std::uint64_t>(of);
+  return static_cast<std::int64_t>(difference << (64 - frame_number_bits_)) > 0;
 }
 
 bool SampleGuard::IsStale(const GloveSample& sample) noexcept {
-  if (sample.number == 0) return false;
-  if (sample.number <= last_number_) return true;
+  if (!sample.number) return false;
+  if (last_number_ && !IsAhead(*sample.number, *last_number_)) {
+    if (stale_frames_ == 0 || IsAhead(*sample.number, stale_number_)) {
+      ++stale_frames_;
+    } else if (*sample.number != stale_number_) {  // a repeated one says nothing
+      stale_frames_ = 1;
+    }
+    stale_number_ = *sample.number;
+    if (stale_frames_ < kRisingFrames) return true;
+  }
   last_number_ = sample.number;
+  stale_frames_ = 0;
   return false;
 }
 
-void SampleGuard::Refuse(std::size_t channel, Untrusted kind) noexcept {
-  ++untrusted_samples_[channel];
-  ++untrusted_by_kind_[static_cast<std::size_t>(kind)][channel];
+bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
+  const int channels_there = values_.channel_count();
+  const auto given =
+      static_cast<int>(stale ? 0 : std::min(sample.counts.size(), untrusted_samples_.size()));
+  std::fill(values_[kGood] + given, values_[kGood] + channels_there, 0.0);
+  const Channels channels = {.trusted = values_[kTrusted],
+                             .raw = values_[kRaw],
+                             .same = values_[kSame],
+                             .confirmed = values_[kConfirmed],
+                             .seen = values_[kSeen],
+                             .good = values_[kGood]};
+  const Limits limits = {
+      .full_scale = full_scale_counts_, .jump = jump_counts_, .stuck = stuck_samples_};
+  return TakeGood(sample.counts.data(), channels, limits, given) && given == channels_there;
 }
 
-bool SampleGuard::IsJump(Channel& channel, double counts, double trusted) noexcept {
-  if (!channel.seen || !(std::abs(counts - trusted) > jump_counts_)) {
-    channel.confirmed = 0;
+void SampleGuard::Refuse(int channel, Untrusted kind) noexcept {
+  const auto index = static_cast<std::size_t>(channel);
+  ++untrusted_samples_[index];
+  ++untrusted_by_kind_[static_cast<std::size_t>(kind)][index];
+}
+
+bool SampleGuard::IsJump(int channel, double counts) noexcept {
+  double& confirmed = values_[kConfirmed][channel];
+  double& candidate = values_[kCandidate][channel];
+  if (std::abs(counts - values_[kTrusted][channel]) <= jump_counts_) {
+    confirmed = 0.0;
     return false;
   }
-  const bool stays = channel.confirmed > 0 && std::abs(counts - channel.candidate) <= jump_counts_;
-  channel.candidate = counts;
-  channel.confirmed = stays ? channel.confirmed + 1 : 1;
-  return channel.confirmed <= confirm_samples_;
+  const bool stays = confirmed > 0.0 && std::abs(counts - candidate) <= jump_counts_;
+  candidate = counts;
+  confirmed = stays ? confirmed + 1.0 : 1.0;
+  return confirmed <= confirm_samples_;
 }
 
-void SampleGuard::TakeChannel(std::size_t index, const GloveSample& sample, bool stale) noexcept {
-  Channel& channel = channels_[index];
+void SampleGuard::TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept {
+  const auto index = static_cast<std::size_t>(channel);
   const double counts = index < sample.counts.size() ? sample.counts[index]
                                                      : std::numeric_limits<double>::quiet_NaN();
-  if (std::isnan(counts)) return Refuse(index, Untrusted::kMissing);
-  if (stale) return Refuse(index, Untrusted::kStale);
-  if (std::isinf(counts)) return Refuse(index, Untrusted::kInfinite);
-  if (counts < 0.0 || counts > full_scale_counts_) return Refuse(index, Untrusted::kOutOfRange);
+  if (std::isnan(counts)) return Refuse(channel, Untrusted::kMissing);
+  if (stale) return Refuse(channel, Untrusted::kStale);
+  if (std::isinf(counts)) return Refuse(channel, Untrusted::kInfinite);
+  if (counts < 0.0 || counts > full_scale_counts_) return Refuse(channel, Untrusted::kOutOfRange);
   if (refuse_full_scale_ && (counts == 0.0 || counts == full_scale_counts_)) {
-    return Refuse(index, Untrusted::kFullScale);
+    return Refuse(channel, Untrusted::kFullScale);
   }
-  if (IsJump(channel, counts, trusted_counts_[index])) return Refuse(index, Untrusted::kJumped);
-  channel.same = counts == channel.raw && channel.seen ? channel.same + 1 : 0;
-  channel.raw = counts;
-  if (stuck_samples_ > 0 && channel.same >= stuck_samples_) {
-    channel.same = stuck_samples_;  // so that it cannot overflow
-    return Refuse(index, Untrusted::kStuck);
-  }
-  channel.seen = true;
-  trusted_counts_[index] = counts;
+  if (IsJump(channel, counts)) return Refuse(channel, Untrusted::kJumped);
+  double& same = values_[kSame][channel];
+  same = counts == values_[kRaw][channel] ? std::min(same + 1.0, stuck_samples_) : 0.0;
+  values_[kRaw][channel] = counts;
+  if (same >= stuck_samples_) return Refuse(channel, Untrusted::kStuck);
+  values_[kSeen][channel] = 1.0;
+  values_[kTrusted][channel] = counts;
 }
 
-void SampleGuard::Reset() noexcept {
-  std::copy(start_counts_.begin(), start_counts_.end(), trusted_counts_.begin());
-  std::fill(channels_.begin(), channels_.end(), Channel{});
-  last_number_ = 0;
+double SampleGuard::StartAt(double counts) const noexcept {
+  return std::clamp(counts, 0.0, full_scale_counts_);
+}
+
+void SampleGuard::Reset(std::span<const double> start_counts) noexcept {
+  values_.SetZero();
+  for (std::size_t i = 0; i < untrusted_samples_.size(); ++i) {
+    values_[kTrusted][i] = StartAt(start_counts[i]);
+    values_[kRaw][i] = std::numeric_limits<double>::quiet_NaN();  // the same as no value
+  }
+  last_number_.reset();
+  stale_frames_ = 0;
   std::fill(untrusted_samples_.begin(), untrusted_samples_.end(), 0);
   for (auto& counts : untrusted_by_kind_) std::fill(counts.begin(), counts.end(), 0);
 }
 
-void SampleGuard::CopyState(const SampleGuard& from) noexcept {
-  trusted_counts_ = from.trusted_counts_;
-  channels_ = from.channels_;
-  last_number_ = from.last_number_;
-  untrusted_samples_ = from.untrusted_samples_;
-  untrusted_by_kind_ = from.untrusted_by_kind_;
+void SampleGuard::TakeMemory(SampleGuard& from, std::span<const double> start_counts) noexcept {
+  std::swap(values_, from.values_);
+  std::swap(last_number_, from.last_number_);
+  std::swap(stale_number_, from.stale_number_);
+  std::swap(stale_frames_, from.stale_frames_);
+  std::swap(untrusted_samples_, from.untrusted_samples_);
+  std::swap(untrusted_by_kind_, from.untrusted_by_kind_);
+  for (std::size_t i = 0; i < untrusted_samples_.size(); ++i) {
+    if (values_[kSeen][i] == 0.0) values_[kTrusted][i] = StartAt(start_counts[i]);
+  }
 }
 
 }  // namespace gauntlet::controller

@@ -1,5 +1,6 @@
 #include "controller/settings.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -102,6 +103,13 @@ std::string RangeProblem(const Setting& setting, double value) {
 std::string CountProblem(const Setting& setting, std::size_t count) {
   if (setting.count == 0 || setting.count == count) return "";
   return "has " + std::to_string(count) + " values, must have " + std::to_string(setting.count);
+}
+
+void CheckNames(const std::string& key, const std::vector<std::string>& names) {
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    if (std::find(names.begin(), name, *name) == name) continue;
+    throw SettingError(key, *name + " appears twice");
+  }
 }
 
 void CheckSettings(const std::function<void(SettingsVisitor&)>& visit) {

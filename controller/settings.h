@@ -93,6 +93,9 @@ auto WithinSetting(const std::string& key, const Work& work) {
 /// A number as errors show it: whole numbers exactly, others with six digits.
 std::string NumberText(double value);
 
+/// Throws SettingError for a name that appears twice.
+void CheckNames(const std::string& key, const std::vector<std::string>& names);
+
 /// The sentence for a number outside its range or not finite; empty if the number is allowed.
 std::string RangeProblem(const Setting& setting, double value);
 /// The sentence for a list that is too short or too long; empty if its length is allowed.

@@ -45,6 +45,8 @@ void CheckShapes(const TendonTransmission& hand) {
 }
 
 void CheckValues(const TendonTransmission& hand) {
+  CheckNames("transmission.joint_names", hand.joint_names);
+  CheckNames("transmission.motor_names", hand.motor_names);
   for (std::size_t i = 0; i < hand.joint_names.size(); ++i) {
     const bool finite = std::isfinite(hand.reference_angle_rad[i]) &&
                         std::isfinite(hand.joint_min_rad[i]) &&
@@ -53,6 +55,15 @@ void CheckValues(const TendonTransmission& hand) {
       throw SettingError(
           "transmission.joint_min_rad",
           "joint " + hand.joint_names[i] + ": must be finite and at most joint_max_rad");
+    }
+    constexpr double kRounding = 1e-9;  // of degrees to radians and back
+    if (hand.reference_angle_rad[i] < hand.joint_min_rad[i] - kRounding ||
+        hand.reference_angle_rad[i] > hand.joint_max_rad[i] + kRounding) {
+      throw SettingError(
+          "transmission.reference_angle_rad",
+          "joint " + hand.joint_names[i] + ": is " + NumberText(hand.reference_angle_rad[i]) +
+              ", must be within the joint's range, " + NumberText(hand.joint_min_rad[i]) + " to " +
+              NumberText(hand.joint_max_rad[i]));
     }
   }
   for (std::size_t i = 0; i < hand.motor_names.size(); ++i) {

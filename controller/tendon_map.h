@@ -20,7 +20,8 @@ namespace gauntlet::controller {
 ///     d = C^+ spool                   (C^+: pseudo-inverse; NaN for a joint that springs decide)
 ///
 /// Shapes: C is motors x joints. Units: rad and motor counts.
-/// Errors: SettingError for shapes that do not fit, an empty range, or a motor that moves nothing.
+/// Errors: SettingError for shapes that do not fit, names that appear twice, an empty range, a
+/// reference outside it, or a motor that moves nothing.
 class TendonMap {
  public:
   TendonMap(const TendonTransmission& hand, bool coupling_compensation);

@@ -1,5 +1,6 @@
 #include "controller/filters/alpha_beta_filter.h"
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/constant_gain_filter.h"
 
 namespace gauntlet::controller {
@@ -26,8 +27,9 @@ void AlphaBetaGammaConfig::Visit(SettingsVisitor& visitor) {
             8, gamma);
 }
 
-std::unique_ptr<Filter> MakeFilter(const AlphaBetaConfig& config, int channel_count, double) {
-  CheckSettings(config);
+std::unique_ptr<Filter> MakeFilter(const AlphaBetaConfig& config, int channel_count,
+                                   double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   if (!(2.0 * config.alpha + config.beta < 4.0)) {
     throw SettingError("beta", "must be below 4 - 2 alpha, or the filter is not stable");
   }
@@ -37,8 +39,9 @@ std::unique_ptr<Filter> MakeFilter(const AlphaBetaConfig& config, int channel_co
   return MakeConstantGainFilter(gains, Start::kFirst);
 }
 
-std::unique_ptr<Filter> MakeFilter(const AlphaBetaGammaConfig& config, int channel_count, double) {
-  CheckSettings(config);
+std::unique_ptr<Filter> MakeFilter(const AlphaBetaGammaConfig& config, int channel_count,
+                                   double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   if (!(2.0 * config.alpha + config.beta < 4.0)) {
     throw SettingError("beta", "must be below 4 - 2 alpha, or the filter is not stable");
   }

@@ -4,7 +4,9 @@
 #include <numbers>
 #include <vector>
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/recursive_filter.h"
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -15,9 +17,9 @@ GAUNTLET_VECTORISED void StepFirstOrder(double* s, double gain, const double* in
                                         int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double v = gain * (input[i] - s[i]);
+    const double v = gain * (WithoutSubnormal(input[i]) - s[i]);
     const double y = s[i] + v;
-    s[i] = y + v;
+    s[i] = WithoutSubnormal(y + v);
     output[i] = y;
   }
 }
@@ -36,11 +38,11 @@ GAUNTLET_VECTORISED void StepSecondOrder(double* band, double* low, Section f, c
                                          double* output, int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double difference = input[i] - low[i];
+    const double difference = WithoutSubnormal(input[i]) - low[i];
     const double v1 = f.a1 * band[i] + f.a2 * difference;
     const double y = low[i] + f.a2 * band[i] + f.a3 * difference;
-    band[i] = 2.0 * v1 - band[i];
-    low[i] = 2.0 * y - low[i];
+    band[i] = WithoutSubnormal(2.0 * v1 - band[i]);
+    low[i] = WithoutSubnormal(2.0 * y - low[i]);
     output[i] = y;
   }
 }
@@ -100,7 +102,7 @@ void ButterworthConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<Filter> MakeFilter(const ButterworthConfig& config, int channel_count,
                                    double rate_hz) {
-  CheckSettings(config);
+  CheckFilter(config, channel_count, rate_hz);
   if (!(config.cutoff_hz < 0.5 * rate_hz)) {
     throw SettingError("cutoff_hz", "is " + NumberText(config.cutoff_hz) +
                                         ", must be below half the rate, " +

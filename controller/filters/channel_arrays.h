@@ -23,10 +23,9 @@ class ChannelArrays {
   int array_count() const noexcept { return size_ / stride_; }
 
   void SetZero() noexcept { std::fill_n(values_.get(), size_, 0.0); }
-  void CopyChannel(const ChannelArrays& from, int channel) noexcept {
-    for (int array = 0; array < array_count(); ++array) {
-      (*this)[array][channel] = from[array][channel];
-    }
+  /// Arrays `first` to `last` - 1 from others of the same shape.
+  void Copy(const ChannelArrays& from, int first, int last) noexcept {
+    std::copy(from[first], from[last], (*this)[first]);
   }
 
  private:

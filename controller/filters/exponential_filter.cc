@@ -1,6 +1,8 @@
 #include "controller/filters/exponential_filter.h"
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/recursive_filter.h"
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -10,7 +12,7 @@ GAUNTLET_VECTORISED void Smooth(double* y, double alpha, const double* z, double
                                 int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double smoothed = y[i] + alpha * (z[i] - y[i]);
+    const double smoothed = WithoutSubnormal(y[i] + alpha * (WithoutSubnormal(z[i]) - y[i]));
     y[i] = smoothed;
     output[i] = smoothed;
   }
@@ -32,8 +34,9 @@ class ExponentialFilter final : public RecursiveFilter {
 
 }  // namespace
 
-std::unique_ptr<Filter> MakeFilter(const ExponentialConfig& config, int channel_count, double) {
-  CheckSettings(config);
+std::unique_ptr<Filter> MakeFilter(const ExponentialConfig& config, int channel_count,
+                                   double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<ExponentialFilter>(config, channel_count);
 }
 

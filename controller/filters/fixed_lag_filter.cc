@@ -1,11 +1,14 @@
 #include "controller/filters/fixed_lag_filter.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "controller/filters/channel_arrays.h"
+#include "controller/filters/check_filter.h"
 #include "controller/filters/kalman_kernels.h"
 #include "controller/filters/state_filter.h"
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -35,7 +38,7 @@ GAUNTLET_VECTORISED void ComputeGains(const double* prediction, const double* p1
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double s = p11_prior[i] + r[i];
-    scaled_innovation[i] = (z[i] - prediction[i]) / s;
+    scaled_innovation[i] = (WithoutSubnormal(z[i]) - prediction[i]) / s;
     k1[i] = p11_prior[i] / s;
     k2[i] = p12_prior[i] / s;
   }
@@ -50,8 +53,8 @@ GAUNTLET_VECTORISED void UpdateSlot(double* estimate, double* c1, double* c2,
     const double c2_posterior = c2[i] - k2[i] * c1[i];
     const double c1_posterior = c1[i] - k1[i] * c1[i];
     estimate[i] = updated;
-    c1[i] = c1_posterior + c2_posterior;
-    c2[i] = c2_posterior;
+    c1[i] = WithoutSubnormal(c1_posterior + c2_posterior);
+    c2[i] = c2_posterior;  // stays as it is once c1 is 0
   }
 }
 
@@ -72,38 +75,36 @@ class FixedLagFilter final : public StateFilter<Filter> {
     Reset();
   }
 
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
-    StateFilter::Step(input, output);
-    Deliver(output);
-  }
-
   void Reset() noexcept override {
     newest_ = 0;
     StateFilter::Reset();
   }
-  void ResetChannel(int channel) noexcept override {
-    StateFilter::ResetChannel(channel);
-    counts_[channel] = 0;
-  }
-  bool CopyChannel(const Filter& from, int channel) noexcept override {
-    const auto* other = dynamic_cast<const FixedLagFilter*>(&from);
-    if (other == nullptr || other->slots_ != slots_) return false;
-    for (int array = 0; array < kR; ++array) {
-      filter_[array][channel] = other->filter_[array][channel];
-    }
-    for (int age = 0; age < slots_; ++age) {
-      for (int part = 0; part < 3; ++part) {
-        history_[3 * SlotOf(age) + part][channel] =
-            other->history_[3 * other->SlotOf(age) + part][channel];
-      }
-    }
-    counts_[channel] = other->counts_[channel];
-    CopyFresh(*other, channel);
-    return true;
-  }
 
  private:
-  enum Gain { kInnovation, kK1, kK2 };
+  enum Gain { kInnovation, kSlotK1, kSlotK2 };
+
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
+    StateFilter::StepChecked(input, output);
+    Deliver(output);
+  }
+  void ResetChecked(int channel) noexcept override {
+    StateFilter::ResetChecked(channel);
+    counts_[channel] = 0;
+  }
+  void StartChecked(std::span<const double> values) noexcept override {
+    StateFilter::StartChecked(values);
+    std::fill(counts_.begin(), counts_.end(), 1);
+  }
+  bool TakeChecked(Filter& from) noexcept override {
+    auto* other = dynamic_cast<FixedLagFilter*>(&from);
+    if (other == nullptr || other->slots_ != slots_) return false;
+    filter_.Copy(other->filter_, 0, kR);
+    std::swap(history_, other->history_);
+    std::swap(newest_, other->newest_);
+    std::swap(counts_, other->counts_);
+    TakeFresh(*other);
+    return true;
+  }
 
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
     const int n = channel_count();
@@ -111,10 +112,10 @@ class FixedLagFilter final : public StateFilter<Filter> {
     OpenSlot(filter_[kX], filter_[kW], filter_[kP11], filter_[kP12], filter_[kP22], filter_[kQ],
              factors_, Estimate(newest_), C1(newest_), C2(newest_), n);
     ComputeGains(Estimate(newest_), C1(newest_), C2(newest_), filter_[kR], input.data(),
-                 gains_[kInnovation], gains_[kK1], gains_[kK2], n);
+                 gains_[kInnovation], gains_[kSlotK1], gains_[kSlotK2], n);
     for (int slot = 0; slot < slots_; ++slot) {
-      UpdateSlot(Estimate(slot), C1(slot), C2(slot), gains_[kInnovation], gains_[kK1], gains_[kK2],
-                 n);
+      UpdateSlot(Estimate(slot), C1(slot), C2(slot), gains_[kInnovation], gains_[kSlotK1],
+                 gains_[kSlotK2], n);
     }
     StepKalman2(filter_, factors_, input.data(), output.data());
   }
@@ -166,7 +167,7 @@ void FixedLagConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<Filter> MakeFilter(const FixedLagConfig& config, int channel_count,
                                    double rate_hz) {
-  CheckSettings(config);
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<FixedLagFilter>(config, channel_count, rate_hz);
 }
 

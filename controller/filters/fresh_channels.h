@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,7 +13,6 @@ class FreshChannels {
  public:
   explicit FreshChannels(int channel_count) : fresh_(channel_count, 0) {}
 
-  int channel_count() const noexcept { return fresh_.size(); }
   bool any() const noexcept { return count_ > 0; }
 
   void Add(int channel) noexcept {
@@ -20,18 +20,9 @@ class FreshChannels {
     count_ += fresh == 0;
     fresh = 1;
   }
-  void Remove(int channel) noexcept {
-    std::uint8_t& fresh = fresh_[channel];
-    count_ -= fresh == 1;
-    fresh = 0;
-  }
-  bool contains(int channel) const noexcept { return fresh_[channel] == 1; }
-  void CopyFrom(const FreshChannels& other, int channel) noexcept {
-    if (other.contains(channel)) {
-      Add(channel);
-    } else {
-      Remove(channel);
-    }
+  void AddAll() noexcept {
+    std::fill(fresh_.begin(), fresh_.end(), 1);
+    count_ = fresh_.size();
   }
 
   /// Calls start(channel, first sample) for each of them; afterwards none is left.

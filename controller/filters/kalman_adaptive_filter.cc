@@ -4,8 +4,10 @@
 #include <vector>
 
 #include "controller/filters/channel_arrays.h"
+#include "controller/filters/check_filter.h"
 #include "controller/filters/kalman_kernels.h"
 #include "controller/filters/state_filter.h"
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -56,9 +58,9 @@ GAUNTLET_VECTORISED void Learn(double* r, double* q, double* before, double* c0,
     const double scale = 1.0 + rates.scale * (size - 1.0);
     const double r_new = r[i] * scale * (1.0 - rates.r * correlation);
     const double q_new = q[i] * scale * (1.0 + rates.q * correlation);
-    before[i] = e;
+    before[i] = WithoutSubnormal(e);
     c0[i] = c0_new;
-    c1[i] = c1_new;
+    c1[i] = WithoutSubnormal(c1_new);
     // One choice per line: the compiler gives up vectors for nested ones.
     const double r_low = r_new < r_min[i] ? r_min[i] : r_new;
     const double q_low = q_new < q_min[i] ? q_min[i] : q_new;
@@ -102,21 +104,18 @@ class LearningKalmanFilter final : public StateFilter<KalmanAdaptiveFilter> {
   double r(int channel) const noexcept override { return arrays_[kR][channel]; }
   double q(int channel) const noexcept override { return arrays_[kQ][channel]; }
 
-  bool CopyChannel(const Filter& from, int channel) noexcept override {
-    const auto* other = dynamic_cast<const LearningKalmanFilter*>(&from);
+ private:
+  bool TakeChecked(Filter& from) noexcept override {
+    auto* other = dynamic_cast<LearningKalmanFilter*>(&from);
     if (other == nullptr) return false;
-    for (int array = 0; array < kRMin; ++array) {
-      arrays_[array][channel] = other->arrays_[array][channel];
+    arrays_.Copy(other->arrays_, 0, kRMin);
+    for (int i = 0; i < channel_count(); ++i) {
+      arrays_[kR][i] = std::clamp(arrays_[kR][i], arrays_[kRMin][i], arrays_[kRMax][i]);
+      arrays_[kQ][i] = std::clamp(arrays_[kQ][i], arrays_[kQMin][i], arrays_[kQMax][i]);
     }
-    arrays_[kR][channel] =
-        std::clamp(arrays_[kR][channel], arrays_[kRMin][channel], arrays_[kRMax][channel]);
-    arrays_[kQ][channel] =
-        std::clamp(arrays_[kQ][channel], arrays_[kQMin][channel], arrays_[kQMax][channel]);
-    CopyFresh(*other, channel);
+    TakeFresh(*other);
     return true;
   }
-
- private:
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
     for (int i = 0; i < channel_count(); ++i) {
       innovation_[i] = input[i] - (arrays_[kX][i] + arrays_[kW][i]);
@@ -163,7 +162,7 @@ void KalmanAdaptiveConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<KalmanAdaptiveFilter> MakeKalmanAdaptiveFilter(const KalmanAdaptiveConfig& config,
                                                                int channel_count, double rate_hz) {
-  CheckSettings(config);
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<LearningKalmanFilter>(config, channel_count, rate_hz);
 }
 

@@ -44,6 +44,9 @@ class KalmanAdaptiveFilter : public Filter {
  public:
   virtual double r(int channel) const noexcept = 0;
   virtual double q(int channel) const noexcept = 0;
+
+ protected:
+  using Filter::Filter;
 };
 
 std::unique_ptr<KalmanAdaptiveFilter> MakeKalmanAdaptiveFilter(const KalmanAdaptiveConfig& config,

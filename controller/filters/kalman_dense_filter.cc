@@ -4,8 +4,11 @@
 #include <Eigen/Eigenvalues>
 #include <iterator>
 #include <string>
+#include <utility>
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/state_filter.h"
+#include "controller/filters/subnormal.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -79,26 +82,25 @@ class KalmanDenseFilter final : public StateFilter<Filter> {
     Reset();
   }
 
-  bool CopyChannel(const Filter& from, int channel) noexcept override {
-    const auto* other = dynamic_cast<const KalmanDenseFilter*>(&from);
-    if (other == nullptr || other->x_.size() != x_.size()) return false;
-    x_[channel] = other->x_[channel];
-    w_[channel] = other->w_[channel];
-    // Its covariance with every channel: with those not yet copied, too, as they will follow.
-    for (MatrixXd KalmanDenseFilter::*block :
-         {&KalmanDenseFilter::p11_, &KalmanDenseFilter::p12_, &KalmanDenseFilter::p22_}) {
-      (this->*block).row(channel) = (other->*block).row(channel);
-      (this->*block).col(channel) = (other->*block).col(channel);
-    }
-    CopyFresh(*other, channel);
+ private:
+  bool TakeChecked(Filter& from) noexcept override {
+    auto* other = dynamic_cast<KalmanDenseFilter*>(&from);
+    if (other == nullptr) return false;
+    x_.swap(other->x_);
+    w_.swap(other->w_);
+    p11_.swap(other->p11_);
+    p12_.swap(other->p12_);
+    p22_.swap(other->p22_);
+    TakeFresh(*other);
     return true;
   }
-
- private:
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
     Predict();
-    Update(Eigen::Map<const VectorXd>(input.data(), x_.size()));
-    Eigen::Map<VectorXd>(output.data(), x_.size()) = x_;
+    CopyWithoutSubnormals(input.data(), innovation_.data(), channel_count());
+    Update();
+    CopyWithoutSubnormals(x_.data(), x_.data(), channel_count());
+    CopyWithoutSubnormals(w_.data(), w_.data(), channel_count());
+    std::copy(x_.begin(), x_.end(), output.begin());
   }
 
   void Predict() noexcept {
@@ -111,14 +113,15 @@ class KalmanDenseFilter final : public StateFilter<Filter> {
     p22_ += q22_;
   }
 
-  void Update(const Eigen::Map<const VectorXd>& measured) noexcept {
+  /// With what was measured in `innovation_`.
+  void Update() noexcept {
     product_ = p11_ + r_;
     cholesky_.compute(product_);
     gain1_ = p11_;  // transposed gains: S^-1 H P^-
     cholesky_.solveInPlace(gain1_);
     gain2_ = p12_;
     cholesky_.solveInPlace(gain2_);
-    innovation_ = measured - x_;
+    innovation_ -= x_;
     x_.noalias() += gain1_.transpose() * innovation_;
     w_.noalias() += gain2_.transpose() * innovation_;
     product_.noalias() = gain2_.transpose() * p12_;
@@ -173,8 +176,9 @@ void KalmanDenseConfig::Visit(SettingsVisitor& visitor) {
                   q);
 }
 
-std::unique_ptr<Filter> MakeFilter(const KalmanDenseConfig& config, int channel_count, double) {
-  CheckSettings(config);
+std::unique_ptr<Filter> MakeFilter(const KalmanDenseConfig& config, int channel_count,
+                                   double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   if (channel_count > kMostChannels) {
     throw SettingError("kind", "kalman_dense takes at most " + std::to_string(kMostChannels) +
                                    " channels, there are " + std::to_string(channel_count));

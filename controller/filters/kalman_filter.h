@@ -10,7 +10,8 @@
 
 namespace gauntlet::controller {
 
-/// The paper's Kalman filter, one per channel, with the covariance computed at every step.
+/// The paper's Kalman filter, one per channel, with the covariance computed at every step until it
+/// has settled to the rounding of its last digits.
 ///
 ///     x = [q w]',  A = [1 1; 0 1],  B = [0.5; 1],  H = [1 0],  unit step
 ///     x_j^- = A x_{j-1} + B u_j            P_j^- = A P_{j-1} A' + Q
@@ -44,11 +45,22 @@ class KalmanFilter : public Filter {
  public:
   /// As Step(), with the acceleration of every channel since the last sample
   /// [unit of the input / step^2].
-  virtual void StepWithAcceleration(std::span<const double> input,
-                                    std::span<const double> acceleration,
-                                    std::span<double> output) noexcept = 0;
+  void StepWithAcceleration(std::span<const double> input, std::span<const double> acceleration,
+                            std::span<double> output) noexcept {
+    if (Fits(input.size()) && Fits(acceleration.size()) && Fits(output.size())) {
+      StepWithAccelerationChecked(input, acceleration, output);
+    }
+  }
   /// The state behind the last sample: the velocity [unit / step] of one channel.
   virtual double velocity(int channel) const noexcept = 0;
+
+ protected:
+  using Filter::Filter;
+
+ private:
+  virtual void StepWithAccelerationChecked(std::span<const double> input,
+                                           std::span<const double> acceleration,
+                                           std::span<double> output) noexcept = 0;
 };
 
 std::unique_ptr<KalmanFilter> MakeKalmanFilter(const KalmanConfig& config, int channel_count,

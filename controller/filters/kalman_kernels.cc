@@ -1,5 +1,6 @@
 #include "controller/filters/kalman_kernels.h"
 
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
 // The equations of KalmanConfig written out per element, in the paper's symbols: x the state, P its
@@ -12,53 +13,47 @@
 namespace gauntlet::controller {
 namespace {
 
-/// Where the state of all channels lies: one value per channel at each pointer.
-struct State2 {
-  double *x, *w;            // position, velocity
+/// Where the covariances of all channels lie: one value per channel at each pointer.
+struct Covariance2 {
   double *p11, *p12, *p22;  // P, upper triangle
+  double *k1, *k2;
   const double *r, *q;
 };
-struct State3 {
-  double *x, *w, *a;  // position, velocity, acceleration
+struct Covariance3 {
   double *p11, *p12, *p13, *p22, *p23, *p33;
+  double *k1, *k2, *k3;
   const double *r, *q;
 };
 
-GAUNTLET_VECTORISED void Step2(const State2& state, const ProcessNoiseFactors& f, const double* z,
-                               double* output, int channel_count) {
-  const auto [x, w, p11, p12, p22, r, q] = state;
+GAUNTLET_VECTORISED void Covariances2(const Covariance2& covariance, const ProcessNoiseFactors& f,
+                                      int channel_count) {
+  const auto [p11, p12, p22, k1, k2, r, q] = covariance;
   const double f11 = f.q11, f12 = f.q12, f22 = f.q22;
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double x_prior = x[i] + w[i];                    // x⁻ = A x
-    const double m11 = p11[i] + p12[i];                    // M = A P
-    const double m12 = p12[i] + p22[i];                    // M₂₂ = P₂₂
-    const double p11_prior = m11 + m12 + f11 * q[i];       // P⁻ = M Aᵀ + Q
-    const double p12_prior = m12 + f12 * q[i];             // P⁻₁₂ = M₁₂ + Q₁₂
-    const double p22_prior = p22[i] + f22 * q[i];          // P⁻₂₂ = M₂₂ + Q₂₂
-    const double s = p11_prior + r[i];                     // S = H P⁻ Hᵀ + R
-    const double k1 = p11_prior / s;                       // K₁ = P⁻₁₁ / S
-    const double k2 = p12_prior / s;                       // K₂ = P⁻₁₂ / S
-    const double innovation = z[i] - x_prior;              // z − H x⁻
-    const double x_posterior = x_prior + k1 * innovation;  // x = x⁻ + K (z − H x⁻)
-    w[i] = w[i] + k2 * innovation;                         // w = w⁻ + K₂ (z − H x⁻)
-    p11[i] = k1 * r[i];                                    // P = (I − K H) P⁻
-    p12[i] = k2 * r[i];                   // P₁₂ = (1 − K₁) P⁻₁₂ = K₂ R
-    p22[i] = p22_prior - k2 * p12_prior;  // P₂₂ = P⁻₂₂ − K₂ P⁻₁₂
-    x[i] = x_posterior;
-    output[i] = x_posterior;
+    const double m11 = p11[i] + p12[i];               // M = A P
+    const double m12 = p12[i] + p22[i];               // M₂₂ = P₂₂
+    const double p11_prior = m11 + m12 + f11 * q[i];  // P⁻ = M Aᵀ + Q
+    const double p12_prior = m12 + f12 * q[i];        // P⁻₁₂ = M₁₂ + Q₁₂
+    const double p22_prior = p22[i] + f22 * q[i];     // P⁻₂₂ = M₂₂ + Q₂₂
+    const double s = p11_prior + r[i];                // S = H P⁻ Hᵀ + R
+    const double k1_new = p11_prior / s;              // K₁ = P⁻₁₁ / S
+    const double k2_new = p12_prior / s;              // K₂ = P⁻₁₂ / S
+    p11[i] = k1_new * r[i];                           // P = (I − K H) P⁻
+    p12[i] = k2_new * r[i];                           // P₁₂ = (1 − K₁) P⁻₁₂ = K₂ R
+    p22[i] = p22_prior - k2_new * p12_prior;          // P₂₂ = P⁻₂₂ − K₂ P⁻₁₂
+    k1[i] = k1_new;
+    k2[i] = k2_new;
   }
 }
 
-GAUNTLET_VECTORISED void Step3(const State3& state, const ProcessNoiseFactors& f, const double* z,
-                               double* output, int channel_count) {
-  const auto [x, w, a, p11, p12, p13, p22, p23, p33, r, q] = state;
+GAUNTLET_VECTORISED void Covariances3(const Covariance3& covariance, const ProcessNoiseFactors& f,
+                                      int channel_count) {
+  const auto [p11, p12, p13, p22, p23, p33, k1, k2, k3, r, q] = covariance;
   const double f11 = f.q11, f12 = f.q12, f13 = f.q13;
   const double f22 = f.q22, f23 = f.q23, f33 = f.q33;
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double x_prior = x[i] + w[i] + 0.5 * a[i];    // x⁻ = A x
-    const double w_prior = w[i] + a[i];                 // w⁻ = w + a,  a⁻ = a
     const double m11 = p11[i] + p12[i] + 0.5 * p13[i];  // M = A P
     const double m12 = p12[i] + p22[i] + 0.5 * p23[i];  // M₁₂ = P₁₂ + P₂₂ + ½ P₃₂
     const double m13 = p13[i] + p23[i] + 0.5 * p33[i];  // M₁₃ = P₁₃ + P₂₃ + ½ P₃₃
@@ -71,19 +66,47 @@ GAUNTLET_VECTORISED void Step3(const State3& state, const ProcessNoiseFactors& f
     const double p23_prior = m23 + f23 * q[i];        // P⁻₂₃ = M₂₃ + Q₂₃
     const double p33_prior = p33[i] + f33 * q[i];     // P⁻₃₃ = M₃₃ + Q₃₃
     const double s = p11_prior + r[i];                // S = H P⁻ Hᵀ + R
-    const double k1 = p11_prior / s;                  // K₁ = P⁻₁₁ / S
-    const double k2 = p12_prior / s;                  // K₂ = P⁻₁₂ / S
-    const double k3 = p13_prior / s;                  // K₃ = P⁻₁₃ / S
-    const double innovation = z[i] - x_prior;         // z − H x⁻
-    const double x_posterior = x_prior + k1 * innovation;  // x = x⁻ + K (z − H x⁻)
-    w[i] = w_prior + k2 * innovation;                      // w = w⁻ + K₂ (z − H x⁻)
-    a[i] = a[i] + k3 * innovation;                         // a = a⁻ + K₃ (z − H x⁻)
-    p11[i] = k1 * r[i];                                    // P = (I − K H) P⁻
-    p12[i] = k2 * r[i];                   // P₁₂ = (1 − K₁) P⁻₁₂ = K₂ R
-    p13[i] = k3 * r[i];                   // P₁₃ = (1 − K₁) P⁻₁₃ = K₃ R
-    p22[i] = p22_prior - k2 * p12_prior;  // P₂₂ = P⁻₂₂ − K₂ P⁻₁₂
-    p23[i] = p23_prior - k2 * p13_prior;  // P₂₃ = P⁻₂₃ − K₂ P⁻₁₃
-    p33[i] = p33_prior - k3 * p13_prior;  // P₃₃ = P⁻₃₃ − K₃ P⁻₁₃
+    const double k1_new = p11_prior / s;              // K₁ = P⁻₁₁ / S
+    const double k2_new = p12_prior / s;              // K₂ = P⁻₁₂ / S
+    const double k3_new = p13_prior / s;              // K₃ = P⁻₁₃ / S
+    p11[i] = k1_new * r[i];                           // P = (I − K H) P⁻
+    p12[i] = k2_new * r[i];                           // P₁₂ = (1 − K₁) P⁻₁₂ = K₂ R
+    p13[i] = k3_new * r[i];                           // P₁₃ = (1 − K₁) P⁻₁₃ = K₃ R
+    p22[i] = p22_prior - k2_new * p12_prior;          // P₂₂ = P⁻₂₂ − K₂ P⁻₁₂
+    p23[i] = p23_prior - k2_new * p13_prior;          // P₂₃ = P⁻₂₃ − K₂ P⁻₁₃
+    p33[i] = p33_prior - k3_new * p13_prior;          // P₃₃ = P⁻₃₃ − K₃ P⁻₁₃
+    k1[i] = k1_new;
+    k2[i] = k2_new;
+    k3[i] = k3_new;
+  }
+}
+
+GAUNTLET_VECTORISED void States2(double* x, double* w, const double* k1, const double* k2,
+                                 const double* z, double* output, int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double x_prior = x[i] + w[i];                          // x⁻ = A x
+    const double innovation = WithoutSubnormal(z[i]) - x_prior;  // z − H x⁻
+    // x = x⁻ + K (z − H x⁻),  w = w⁻ + K₂ (z − H x⁻)
+    const double x_posterior = WithoutSubnormal(x_prior + k1[i] * innovation);
+    w[i] = WithoutSubnormal(w[i] + k2[i] * innovation);
+    x[i] = x_posterior;
+    output[i] = x_posterior;
+  }
+}
+
+GAUNTLET_VECTORISED void States3(double* x, double* w, double* a, const double* k1,
+                                 const double* k2, const double* k3, const double* z,
+                                 double* output, int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double x_prior = x[i] + w[i] + 0.5 * a[i];             // x⁻ = A x
+    const double w_prior = w[i] + a[i];                          // w⁻ = w + a,  a⁻ = a
+    const double innovation = WithoutSubnormal(z[i]) - x_prior;  // z − H x⁻
+    // x = x⁻ + K (z − H x⁻),  w = w⁻ + K₂ (z − H x⁻),  a = a⁻ + K₃ (z − H x⁻)
+    const double x_posterior = WithoutSubnormal(x_prior + k1[i] * innovation);
+    w[i] = WithoutSubnormal(w_prior + k2[i] * innovation);
+    a[i] = WithoutSubnormal(a[i] + k3[i] * innovation);
     x[i] = x_posterior;
     output[i] = x_posterior;
   }
@@ -91,32 +114,47 @@ GAUNTLET_VECTORISED void Step3(const State3& state, const ProcessNoiseFactors& f
 
 }  // namespace
 
-void StepKalman2(ChannelArrays& arrays, const ProcessNoiseFactors& q, const double* measured,
-                 double* output) {
-  const State2 state = {.x = arrays[kX],
-                        .w = arrays[kW],
-                        .p11 = arrays[kP11],
-                        .p12 = arrays[kP12],
-                        .p22 = arrays[kP22],
-                        .r = arrays[kR],
-                        .q = arrays[kQ]};
-  Step2(state, q, measured, output, arrays.channel_count());
+void StepCovariance2(ChannelArrays& arrays, const ProcessNoiseFactors& q) {
+  const Covariance2 covariance = {.p11 = arrays[kP11],
+                                  .p12 = arrays[kP12],
+                                  .p22 = arrays[kP22],
+                                  .k1 = arrays[kK1],
+                                  .k2 = arrays[kK2],
+                                  .r = arrays[kR],
+                                  .q = arrays[kQ]};
+  Covariances2(covariance, q, arrays.channel_count());
 }
 
-void StepKalman3(ChannelArrays& arrays, const ProcessNoiseFactors& q, const double* measured,
+void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& q) {
+  const Covariance3 covariance = {.p11 = arrays[kP11Of3],
+                                  .p12 = arrays[kP12Of3],
+                                  .p13 = arrays[kP13Of3],
+                                  .p22 = arrays[kP22Of3],
+                                  .p23 = arrays[kP23Of3],
+                                  .p33 = arrays[kP33Of3],
+                                  .k1 = arrays[kK1Of3],
+                                  .k2 = arrays[kK2Of3],
+                                  .k3 = arrays[kK3Of3],
+                                  .r = arrays[kROf3],
+                                  .q = arrays[kQOf3]};
+  Covariances3(covariance, q, arrays.channel_count());
+}
+
+void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
+                 double* output, int channel_count) {
+  States2(x, w, k1, k2, measured, output, channel_count);
+}
+
+void StepStates3(double* x, double* w, double* a, const double* k1, const double* k2,
+                 const double* k3, const double* measured, double* output, int channel_count) {
+  States3(x, w, a, k1, k2, k3, measured, output, channel_count);
+}
+
+void StepKalman2(ChannelArrays& arrays, const ProcessNoiseFactors& q, const double* measured,
                  double* output) {
-  const State3 state = {.x = arrays[kX],
-                        .w = arrays[kW],
-                        .a = arrays[kAcceleration3],
-                        .p11 = arrays[kP11Of3],
-                        .p12 = arrays[kP12Of3],
-                        .p13 = arrays[kP13Of3],
-                        .p22 = arrays[kP22Of3],
-                        .p23 = arrays[kP23Of3],
-                        .p33 = arrays[kP33Of3],
-                        .r = arrays[kROf3],
-                        .q = arrays[kQOf3]};
-  Step3(state, q, measured, output, arrays.channel_count());
+  StepCovariance2(arrays, q);
+  StepStates2(arrays[kX], arrays[kW], arrays[kK1], arrays[kK2], measured, output,
+              arrays.channel_count());
 }
 
 }  // namespace gauntlet::controller

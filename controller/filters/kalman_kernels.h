@@ -6,8 +6,8 @@
 namespace gauntlet::controller {
 
 /// Arrays of a Kalman filter with position and velocity per step: state, covariance (upper
-/// triangle), measurement variance, q.
-enum KalmanArray2 { kX, kW, kP11, kP12, kP22, kR, kQ, kKalmanArrays2 };
+/// triangle), gain, measurement variance, q.
+enum KalmanArray2 { kX, kW, kP11, kP12, kP22, kK1, kK2, kR, kQ, kKalmanArrays2 };
 
 /// The same with the acceleration per step squared as a third state. Begins like KalmanArray2 with
 /// position and velocity.
@@ -19,16 +19,27 @@ enum KalmanArray3 {
   kP22Of3,
   kP23Of3,
   kP33Of3,
+  kK1Of3,
+  kK2Of3,
+  kK3Of3,
   kROf3,
   kQOf3,
   kKalmanArrays3
 };
 
-/// One step of every channel: predict, update, output the a-posteriori position.
-/// `measured` and `output` may be the same memory.
+/// The half of a step that does not depend on the data: covariance and gain of every channel.
+void StepCovariance2(ChannelArrays& arrays, const ProcessNoiseFactors& q);
+void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& q);
+
+/// The other half: predict the states, correct them by the gains `k`, output the a-posteriori
+/// position. `measured` and `output` may be the same memory.
+void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
+                 double* output, int channel_count);
+void StepStates3(double* x, double* w, double* a, const double* k1, const double* k2,
+                 const double* k3, const double* measured, double* output, int channel_count);
+
+/// Both halves of every channel.
 void StepKalman2(ChannelArrays& arrays, const ProcessNoiseFactors& q, const double* measured,
-                 double* output);
-void StepKalman3(ChannelArrays& arrays, const ProcessNoiseFactors& q, const double* measured,
                  double* output);
 
 }  // namespace gauntlet::controller

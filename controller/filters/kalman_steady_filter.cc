@@ -1,5 +1,6 @@
 #include "controller/filters/kalman_steady_filter.h"
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/constant_gain_filter.h"
 #include "controller/filters/riccati.h"
 
@@ -28,6 +29,7 @@ void KalmanSteadyConfig::Visit(SettingsVisitor& visitor) {
 }
 
 Eigen::ArrayXXd SteadyGains(const KalmanSteadyConfig& config, int channel_count, double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
   const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
   if (!(q.minCoeff() > 0.0)) throw SettingError("q", "is 0, must be above 0 for a settled gain");
@@ -45,7 +47,6 @@ Eigen::ArrayXXd SteadyGains(const KalmanSteadyConfig& config, int channel_count,
 
 std::unique_ptr<Filter> MakeFilter(const KalmanSteadyConfig& config, int channel_count,
                                    double rate_hz) {
-  CheckSettings(config);
   return MakeConstantGainFilter(SteadyGains(config, channel_count, rate_hz), config.start);
 }
 

@@ -1,8 +1,10 @@
 #include "controller/filters/median_filter.h"
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/sorted_window.h"
 #include "controller/filters/vectorise.h"
 
@@ -12,20 +14,23 @@ namespace {
 /// What both filters share: the window.
 class SortedWindowFilter : public Filter {
  public:
-  int channel_count() const noexcept final { return window_.channel_count(); }
   void Reset() noexcept final { window_.Reset(); }
-  void ResetChannel(int channel) noexcept final { window_.ResetChannel(channel); }
-  bool CopyChannel(const Filter& from, int channel) noexcept final {
-    // A median and an outlier filter remember the same, so either may follow the other.
-    const auto* other = dynamic_cast<const SortedWindowFilter*>(&from);
-    if (other == nullptr || other->window_.length() != window_.length()) return false;
-    window_.CopyChannel(other->window_, channel);
-    return true;
-  }
 
  protected:
-  SortedWindowFilter(int length, int channel_count) : window_(length, channel_count) {}
+  SortedWindowFilter(int length, int channel_count)
+      : Filter(channel_count), window_(length, channel_count) {}
   SortedWindow window_;
+
+ private:
+  void ResetChecked(int channel) noexcept final { window_.ResetChannel(channel); }
+  void StartChecked(std::span<const double> values) noexcept final { window_.StartAt(values); }
+  bool TakeChecked(Filter& from) noexcept final {
+    // A median and an outlier filter remember the same, so either may follow the other.
+    auto* other = dynamic_cast<SortedWindowFilter*>(&from);
+    if (other == nullptr || other->window_.length() != window_.length()) return false;
+    std::swap(window_, other->window_);
+    return true;
+  }
 };
 
 class MedianFilter final : public SortedWindowFilter {
@@ -33,7 +38,8 @@ class MedianFilter final : public SortedWindowFilter {
   MedianFilter(const MedianConfig& config, int channel_count)
       : SortedWindowFilter(config.window, channel_count) {}
 
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+ private:
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     window_.Push(input);
     Medians(window_, output.data());
   }
@@ -57,7 +63,8 @@ class HampelFilter final : public SortedWindowFilter {
         median_(channel_count),
         deviation_(channel_count) {}
 
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+ private:
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     window_.Push(input);
     Medians(window_, median_.data());
     MedianDeviations(window_, median_.data(), deviation_.data());
@@ -65,7 +72,6 @@ class HampelFilter final : public SortedWindowFilter {
                     channel_count());
   }
 
- private:
   static constexpr double kSigmaPerDeviation = 1.4826;  // 1 / (normal quantile at 3/4)
 
   double threshold_;
@@ -75,13 +81,13 @@ class HampelFilter final : public SortedWindowFilter {
 
 }  // namespace
 
-std::unique_ptr<Filter> MakeFilter(const MedianConfig& config, int channel_count, double) {
-  CheckSettings(config);
+std::unique_ptr<Filter> MakeFilter(const MedianConfig& config, int channel_count, double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<MedianFilter>(config, channel_count);
 }
 
-std::unique_ptr<Filter> MakeFilter(const HampelConfig& config, int channel_count, double) {
-  CheckSettings(config);
+std::unique_ptr<Filter> MakeFilter(const HampelConfig& config, int channel_count, double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<HampelFilter>(config, channel_count);
 }
 

@@ -1,7 +1,11 @@
 #include "controller/filters/moving_average_filter.h"
 
+#include <utility>
+
 #include "controller/filters/channel_arrays.h"
+#include "controller/filters/check_filter.h"
 #include "controller/filters/sample_window.h"
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -13,9 +17,10 @@ GAUNTLET_VECTORISED void AddTo(double* sum, double* correction, const double* en
                                const double* leaving, int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double with = sum[i] + entering[i];
+    const double added = WithoutSubnormal(entering[i]);
+    const double with = sum[i] + added;
     const double part = with - sum[i];
-    const double lost = (sum[i] - (with - part)) + (entering[i] - part);
+    const double lost = (sum[i] - (with - part)) + (added - part);
     const double without = with - leaving[i];
     const double part_out = without - with;
     const double lost_out = (with - (without - part_out)) - (leaving[i] + part_out);
@@ -33,37 +38,40 @@ GAUNTLET_VECTORISED void Divide(const double* sum, const double* correction, dou
 class MovingAverageFilter final : public Filter {
  public:
   MovingAverageFilter(const MovingAverageConfig& config, int channel_count)
-      : window_(config.window, channel_count), sums_(2, channel_count) {}
+      : Filter(channel_count), window_(config.window, channel_count), sums_(2, channel_count) {}
 
-  int channel_count() const noexcept override { return window_.channel_count(); }
+  void Reset() noexcept override {
+    window_.Reset();
+    sums_.SetZero();
+  }
 
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+ private:
+  enum Array { kSum, kCorrection };
+
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     const int n = channel_count();
     AddTo(sums_[kSum], sums_[kCorrection], input.data(), window_.Leaving(), n);
     window_.Push(input);
     Divide(sums_[kSum], sums_[kCorrection], window_.length(), output.data(), n);
     if (!window_.all_full()) DivideByCount(output);
   }
-
-  void Reset() noexcept override {
-    window_.Reset();
-    sums_.SetZero();
-  }
-  void ResetChannel(int channel) noexcept override {
+  void ResetChecked(int channel) noexcept override {
     window_.ResetChannel(channel);
     sums_[kSum][channel] = 0.0;
     sums_[kCorrection][channel] = 0.0;
   }
-  bool CopyChannel(const Filter& from, int channel) noexcept override {
-    const auto* other = dynamic_cast<const MovingAverageFilter*>(&from);
+  void StartChecked(std::span<const double> values) noexcept override {
+    window_.StartAt(values);
+    sums_.SetZero();
+    CopyWithoutSubnormals(values.data(), sums_[kSum], channel_count());
+  }
+  bool TakeChecked(Filter& from) noexcept override {
+    auto* other = dynamic_cast<MovingAverageFilter*>(&from);
     if (other == nullptr || other->window_.length() != window_.length()) return false;
-    window_.CopyChannel(other->window_, channel);
-    sums_.CopyChannel(other->sums_, channel);
+    std::swap(window_, other->window_);
+    std::swap(sums_, other->sums_);
     return true;
   }
-
- private:
-  enum Array { kSum, kCorrection };
 
   void DivideByCount(std::span<double> output) noexcept {
     for (int i = 0; i < channel_count(); ++i) {
@@ -77,8 +85,9 @@ class MovingAverageFilter final : public Filter {
 
 }  // namespace
 
-std::unique_ptr<Filter> MakeFilter(const MovingAverageConfig& config, int channel_count, double) {
-  CheckSettings(config);
+std::unique_ptr<Filter> MakeFilter(const MovingAverageConfig& config, int channel_count,
+                                   double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<MovingAverageFilter>(config, channel_count);
 }
 

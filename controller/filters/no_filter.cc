@@ -2,30 +2,32 @@
 
 #include <algorithm>
 
+#include "controller/filters/check_filter.h"
+
 namespace gauntlet::controller {
 namespace {
 
 class NoFilter final : public Filter {
  public:
-  explicit NoFilter(int channel_count) : channel_count_(channel_count) {}
-
-  int channel_count() const noexcept override { return channel_count_; }
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
-    if (input.data() != output.data()) std::copy(input.begin(), input.end(), output.begin());
-  }
+  explicit NoFilter(int channel_count) : Filter(channel_count) {}
   void Reset() noexcept override {}
-  void ResetChannel(int) noexcept override {}
-  bool CopyChannel(const Filter& from, int) noexcept override {
-    return dynamic_cast<const NoFilter*>(&from) != nullptr;
-  }
 
  private:
-  int channel_count_;
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
+    if (input.data() != output.data()) std::copy(input.begin(), input.end(), output.begin());
+  }
+  void ResetChecked(int) noexcept override {}
+  void StartChecked(std::span<const double>) noexcept override {}
+  bool TakeChecked(Filter& from) noexcept override {
+    return dynamic_cast<NoFilter*>(&from) != nullptr;
+  }
 };
 
 }  // namespace
 
-std::unique_ptr<Filter> MakeFilter(const NoFilterConfig&, int channel_count, double) {
+std::unique_ptr<Filter> MakeFilter(const NoFilterConfig& config, int channel_count,
+                                   double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<NoFilter>(channel_count);
 }
 

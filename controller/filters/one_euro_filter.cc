@@ -3,7 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/recursive_filter.h"
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -26,10 +28,12 @@ GAUNTLET_VECTORISED void Smooth(double* y, double* d, Parameters p, const double
   const double rate_per_turn = p.rate_hz / (2.0 * std::numbers::pi);
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double step = z[i] - y[i];
-    const double derivative = d[i] + p.derivative_weight * (step * p.rate_hz - d[i]);
+    const double step = WithoutSubnormal(z[i]) - y[i];
+    const double derivative =
+        WithoutSubnormal(d[i] + p.derivative_weight * (step * p.rate_hz - d[i]));
     const double cutoff_hz = p.min_cutoff_hz + p.beta * std::abs(derivative);
-    const double smoothed = y[i] + step * (cutoff_hz / (cutoff_hz + rate_per_turn));
+    const double smoothed =
+        WithoutSubnormal(y[i] + step * (cutoff_hz / (cutoff_hz + rate_per_turn)));
     d[i] = derivative;
     y[i] = smoothed;
     output[i] = smoothed;
@@ -77,7 +81,7 @@ void OneEuroConfig::Visit(SettingsVisitor& visitor) {
 }
 
 std::unique_ptr<Filter> MakeFilter(const OneEuroConfig& config, int channel_count, double rate_hz) {
-  CheckSettings(config);
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<OneEuroFilter>(config, channel_count, rate_hz);
 }
 

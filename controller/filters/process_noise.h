@@ -19,6 +19,7 @@ enum class ProcessNoise { kIdentity, kWhite };
 /// acceleration x step^2. Only the upper triangle.
 struct ProcessNoiseFactors {
   double q11, q12, q13, q22, q23, q33;
+  bool operator==(const ProcessNoiseFactors&) const = default;
 };
 
 /// With step T: white acceleration is q T^3 [1/3 1/2; 1/2 1], white jerk is

@@ -1,10 +1,12 @@
 #include "controller/filters/recursive_filter.h"
 
 #include <typeinfo>
+#include <utility>
 
 namespace gauntlet::controller {
 
-void RecursiveFilter::Step(std::span<const double> input, std::span<double> output) noexcept {
+void RecursiveFilter::StepChecked(std::span<const double> input,
+                                  std::span<double> output) noexcept {
   if (fresh_.any()) {
     fresh_.StartAll(input, [this](int channel, double value) { SettleAt(channel, value); });
   }
@@ -12,20 +14,27 @@ void RecursiveFilter::Step(std::span<const double> input, std::span<double> outp
 }
 
 void RecursiveFilter::Reset() noexcept {
-  for (int channel = 0; channel < channel_count(); ++channel) ResetChannel(channel);
+  for (int channel = 0; channel < channel_count(); ++channel)
+    RecursiveFilter::ResetChecked(channel);
 }
 
-void RecursiveFilter::ResetChannel(int channel) noexcept {
+void RecursiveFilter::ResetChecked(int channel) noexcept {
   for (int index = 0; index < arrays_.array_count(); ++index) arrays_[index][channel] = 0.0;
   if (start_ == Start::kFirst) fresh_.Add(channel);
 }
 
-bool RecursiveFilter::CopyChannel(const Filter& from, int channel) noexcept {
+void RecursiveFilter::StartChecked(std::span<const double> values) noexcept {
+  arrays_.SetZero();
+  fresh_.AddAll();
+  fresh_.StartAll(values, [this](int channel, double value) { SettleAt(channel, value); });
+}
+
+bool RecursiveFilter::TakeChecked(Filter& from) noexcept {
   if (typeid(from) != typeid(*this)) return false;
-  const auto& other = static_cast<const RecursiveFilter&>(from);
+  auto& other = static_cast<RecursiveFilter&>(from);
   if (other.arrays_.array_count() != arrays_.array_count()) return false;
-  arrays_.CopyChannel(other.arrays_, channel);
-  fresh_.CopyFrom(other.fresh_, channel);
+  std::swap(arrays_, other.arrays_);
+  std::swap(fresh_, other.fresh_);
   return true;
 }
 

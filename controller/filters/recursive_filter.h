@@ -11,15 +11,14 @@ namespace gauntlet::controller {
 /// itself, at its first sample or at zero.
 class RecursiveFilter : public Filter {
  public:
-  int channel_count() const noexcept final { return arrays_.channel_count(); }
-  void Step(std::span<const double> input, std::span<double> output) noexcept final;
   void Reset() noexcept final;
-  void ResetChannel(int channel) noexcept final;
-  bool CopyChannel(const Filter& from, int channel) noexcept final;
 
  protected:
   RecursiveFilter(int state_count, int channel_count, Start start = Start::kFirst)
-      : arrays_(state_count, channel_count), fresh_(channel_count), start_(start) {
+      : Filter(channel_count),
+        arrays_(state_count, channel_count),
+        fresh_(channel_count),
+        start_(start) {
     Reset();
   }
 
@@ -31,6 +30,11 @@ class RecursiveFilter : public Filter {
   double* state(int index) noexcept { return arrays_[index]; }
 
  private:
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept final;
+  void ResetChecked(int channel) noexcept final;
+  void StartChecked(std::span<const double> values) noexcept final;
+  bool TakeChecked(Filter& from) noexcept final;
+
   ChannelArrays arrays_;
   FreshChannels fresh_;
   Start start_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "controller/filters/subnormal.h"
+
 namespace gauntlet::controller {
 
 SampleWindow::SampleWindow(int length, int channel_count, double empty)
@@ -11,7 +13,7 @@ SampleWindow::SampleWindow(int length, int channel_count, double empty)
       filling_(channel_count) {}
 
 void SampleWindow::Push(std::span<const double> sample) noexcept {
-  std::copy(sample.begin(), sample.end(), rows_.row(next_).data());
+  CopyWithoutSubnormals(sample.data(), rows_.row(next_).data(), channel_count());
   next_ = next_ + 1 == length() ? 0 : next_ + 1;
   if (filling_ == 0) return;
   for (int channel = 0; channel < channel_count(); ++channel) {
@@ -35,14 +37,6 @@ void SampleWindow::Reset() noexcept {
 void SampleWindow::ResetChannel(int channel) noexcept {
   rows_.col(channel).setConstant(empty_);
   SetCount(channel, 0);
-}
-
-void SampleWindow::CopyChannel(const SampleWindow& from, int channel) noexcept {
-  for (int age = 0; age < length(); ++age) {
-    const int row = next_ - 1 - age;
-    rows_(row < 0 ? row + length() : row, channel) = from.Row(age)[channel];
-  }
-  SetCount(channel, from.count(channel));
 }
 
 }  // namespace gauntlet::controller

@@ -34,8 +34,11 @@ class SampleWindow {
 
   void Reset() noexcept;
   void ResetChannel(int channel) noexcept;
-  /// Takes over what another window of the same length knows of a channel.
-  void CopyChannel(const SampleWindow& from, int channel) noexcept;
+  /// Empty but for one sample.
+  void StartAt(std::span<const double> sample) noexcept {
+    Reset();
+    Push(sample);
+  }
 
  private:
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/end_point_fit.h"
 #include "controller/filters/sample_window.h"
 
@@ -13,29 +15,28 @@ namespace {
 class SavitzkyGolayFilter final : public Filter {
  public:
   SavitzkyGolayFilter(const SavitzkyGolayConfig& config, int channel_count)
-      : weights_(EndPointWeights(config.window, config.order)),
+      : Filter(channel_count),
+        weights_(EndPointWeights(config.window, config.order)),
         window_(config.window, channel_count),
         sum_(channel_count) {}
 
-  int channel_count() const noexcept override { return window_.channel_count(); }
+  void Reset() noexcept override { window_.Reset(); }
 
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+ private:
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     window_.Push(input);
     WeightedSum(window_, weights_, sum_.data());
     if (!window_.all_full()) PassUnfilledChannels();
     std::copy(sum_.begin(), sum_.end(), output.begin());
   }
-
-  void Reset() noexcept override { window_.Reset(); }
-  void ResetChannel(int channel) noexcept override { window_.ResetChannel(channel); }
-  bool CopyChannel(const Filter& from, int channel) noexcept override {
-    const auto* other = dynamic_cast<const SavitzkyGolayFilter*>(&from);
+  void ResetChecked(int channel) noexcept override { window_.ResetChannel(channel); }
+  void StartChecked(std::span<const double> values) noexcept override { window_.StartAt(values); }
+  bool TakeChecked(Filter& from) noexcept override {
+    auto* other = dynamic_cast<SavitzkyGolayFilter*>(&from);
     if (other == nullptr || other->window_.length() != window_.length()) return false;
-    window_.CopyChannel(other->window_, channel);
+    std::swap(window_, other->window_);
     return true;
   }
-
- private:
   void PassUnfilledChannels() noexcept {
     const double* newest = window_.Row(0);
     for (int i = 0; i < channel_count(); ++i) {
@@ -57,8 +58,9 @@ void SavitzkyGolayConfig::Visit(SettingsVisitor& visitor) {
       order);
 }
 
-std::unique_ptr<Filter> MakeFilter(const SavitzkyGolayConfig& config, int channel_count, double) {
-  CheckSettings(config);
+std::unique_ptr<Filter> MakeFilter(const SavitzkyGolayConfig& config, int channel_count,
+                                   double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   if (config.order >= config.window) {
     throw SettingError("order", "is " + std::to_string(config.order) +
                                     ", must be below window, which is " +

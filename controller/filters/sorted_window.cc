@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -94,7 +95,7 @@ SortedWindow::SortedWindow(int length, int channel_count)
 }
 
 void SortedWindow::Push(std::span<const double> sample) noexcept {
-  std::copy(sample.begin(), sample.end(), carried_.begin());
+  CopyWithoutSubnormals(sample.data(), carried_.data(), channel_count());
   std::fill(removed_.begin(), removed_.end(), 0.0);
   Replace(sorted_.data(), length(), window_.Leaving(), carried_.data(), removed_.data(),
           channel_count());
@@ -109,11 +110,6 @@ void SortedWindow::Reset() noexcept {
 void SortedWindow::ResetChannel(int channel) noexcept {
   window_.ResetChannel(channel);
   sorted_.col(channel).setConstant(kEmpty);
-}
-
-void SortedWindow::CopyChannel(const SortedWindow& from, int channel) noexcept {
-  window_.CopyChannel(from.window_, channel);
-  sorted_.col(channel) = from.sorted_.col(channel);
 }
 
 void Medians(const SortedWindow& window, double* median) noexcept {

@@ -31,7 +31,11 @@ class SortedWindow {
 
   void Reset() noexcept;
   void ResetChannel(int channel) noexcept;
-  void CopyChannel(const SortedWindow& from, int channel) noexcept;
+  /// Empty but for one sample.
+  void StartAt(std::span<const double> sample) noexcept {
+    Reset();
+    Push(sample);
+  }
 
  private:
   static constexpr double kEmpty = std::numeric_limits<double>::infinity();

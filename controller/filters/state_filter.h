@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "controller/filters/filter.h"
@@ -17,9 +18,16 @@ namespace gauntlet::controller {
 template <class Interface>
 class StateFilter : public Interface {
  public:
-  int channel_count() const noexcept final { return fresh_.channel_count(); }
+  void Reset() noexcept override {
+    for (int channel = 0; channel < this->channel_count(); ++channel) this->ResetChannel(channel);
+  }
 
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+ protected:
+  /// The constructor of the filter itself calls Reset().
+  StateFilter(Start start, int channel_count)
+      : Interface(channel_count), start_(start), first_(channel_count), fresh_(channel_count) {}
+
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     if (!fresh_.any()) {
       StepAll(input, output);
       return;
@@ -31,28 +39,22 @@ class StateFilter : public Interface {
       output[channel] = value;
     });
   }
-  void Reset() noexcept override {
-    for (int channel = 0; channel < channel_count(); ++channel) this->ResetChannel(channel);
-  }
-  void ResetChannel(int channel) noexcept override {
+  void ResetChecked(int channel) noexcept override {
     SetState(channel, 0.0);
     if (start_ == Start::kFirst) fresh_.Add(channel);
   }
-
- protected:
-  /// The constructor of the filter itself calls Reset().
-  StateFilter(Start start, int channel_count)
-      : start_(start), first_(channel_count), fresh_(channel_count) {}
+  void StartChecked(std::span<const double> values) noexcept override {
+    fresh_.AddAll();
+    fresh_.StartAll(values, [this](int channel, double value) { SetState(channel, value); });
+  }
 
   /// One step of all channels; `input` and `output` may be the same memory.
   virtual void StepAll(std::span<const double> input, std::span<double> output) noexcept = 0;
   /// At rest at a position, P = I.
   virtual void SetState(int channel, double position) noexcept = 0;
 
-  /// Whether a channel still waits for its first sample, from the filter that it is copied from.
-  void CopyFresh(const StateFilter& from, int channel) noexcept {
-    fresh_.CopyFrom(from.fresh_, channel);
-  }
+  /// Which channels still wait for their first sample, from the filter whose memory is taken.
+  void TakeFresh(StateFilter& from) noexcept { std::swap(fresh_, from.fresh_); }
 
  private:
   Start start_;

@@ -1,6 +1,7 @@
 #include "controller/linearisation/two_point_linearisation.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -19,6 +20,28 @@ GAUNTLET_VECTORISED void MapLine(const double* from, const double* source_origin
   }
 }
 
+/// Why the two poses of a channel make no line; empty if they do.
+std::string ProblemOfPoses(const GloveCalibration& glove, std::size_t channel) {
+  const double low = glove.low_counts[channel];
+  const double high = glove.high_counts[channel];
+  const double turn_rad = glove.high_angle_rad[channel] - glove.low_angle_rad[channel];
+  if (!std::isfinite(turn_rad) || turn_rad == 0.0 || !std::isfinite(1.0 / turn_rad)) {
+    return "the two poses must differ in angle, and be finite";
+  }
+  for (const double counts : {low, high}) {
+    if (counts >= 0.0 && counts <= glove.full_scale_counts) continue;
+    return "a pose is at " + NumberText(counts) +
+           " counts, must be within the converter's range, " + "0 to " +
+           NumberText(glove.full_scale_counts);
+  }
+  // Each pose is known to half a count: that is an error of a tenth in all angles.
+  const double least = std::min(10.0, 0.01 * glove.full_scale_counts);
+  if (std::abs(high - low) >= least) return "";
+  return "the two poses are " + NumberText(std::abs(high - low)) +
+         " counts apart, must be at least " + NumberText(least) +
+         ", or rounding to whole counts decides the angles";
+}
+
 class TwoPointLinearisation final : public Linearisation {
  public:
   explicit TwoPointLinearisation(const GloveCalibration& calibration)
@@ -29,13 +52,13 @@ class TwoPointLinearisation final : public Linearisation {
     rad_per_count_ = span_rad / span_counts;
     counts_per_rad_ = span_counts / span_rad;
     for (Eigen::Index i = 0; i < low_counts_.size(); ++i) {
-      if (std::isfinite(rad_per_count_[i]) && std::isfinite(counts_per_rad_[i])) continue;
       const auto channel = static_cast<std::size_t>(i);
+      const std::string problem = ProblemOfPoses(calibration, channel);
+      if (problem.empty()) continue;
       const auto& names = calibration.channel_names;
-      throw SettingError("calibration",
-                         "channel " +
-                             (channel < names.size() ? names[channel] : std::to_string(i)) +
-                             ": the two poses must differ in counts and in angle, and be finite");
+      const bool named = channel < names.size();
+      throw SettingError("calibration", "channel " + (named ? names[channel] : std::to_string(i)) +
+                                            ": " + problem);
     }
   }
 

@@ -1,7 +1,9 @@
 #include "controller/prediction/kalman_prediction.h"
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/kalman_steady_filter.h"
 #include "controller/filters/recursive_filter.h"
+#include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 #include "controller/prediction/horizon.h"
 
@@ -18,9 +20,9 @@ GAUNTLET_VECTORISED void LookAhead(double* x, double* v, Parameters p, const dou
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double prior = x[i] + v[i];
-    const double innovation = z[i] - prior;
-    const double position = prior + p.k1 * innovation;
-    const double velocity = v[i] + p.k2 * innovation;
+    const double innovation = WithoutSubnormal(z[i]) - prior;
+    const double position = WithoutSubnormal(prior + p.k1 * innovation);
+    const double velocity = WithoutSubnormal(v[i] + p.k2 * innovation);
     x[i] = position;
     v[i] = velocity;
     output[i] = position + p.horizon_steps * velocity;
@@ -61,7 +63,7 @@ void KalmanPredictionConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<Filter> MakePredictor(const KalmanPredictionConfig& config, int channel_count,
                                       double rate_hz) {
-  CheckSettings(config);
+  CheckFilter(config, channel_count, rate_hz);
   // Only the ratio of q to r matters, so degrees may stay.
   const KalmanSteadyConfig model = {.noise = {.r = {config.r_deg2},
                                               .q = {config.q_deg2_per_s3},

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "controller/filters/check_filter.h"
 #include "controller/filters/end_point_fit.h"
 #include "controller/filters/sample_window.h"
 #include "controller/prediction/horizon.h"
@@ -15,14 +17,17 @@ namespace {
 class LinearPredictor final : public Filter {
  public:
   LinearPredictor(int window, double horizon_steps, int channel_count)
-      : weights_(horizon_steps * EndPointWeights(window, 1, 1)),
+      : Filter(channel_count),
+        weights_(horizon_steps * EndPointWeights(window, 1, 1)),
         window_(window, channel_count),
         ahead_(static_cast<std::size_t>(channel_count)) {
     weights_[0] += 1.0;
   }
 
-  int channel_count() const noexcept override { return window_.channel_count(); }
-  void Step(std::span<const double> input, std::span<double> output) noexcept override {
+  void Reset() noexcept override { window_.Reset(); }
+
+ private:
+  void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     window_.Push(input);
     WeightedSum(window_, weights_, ahead_.data());
     if (!window_.all_full()) {
@@ -33,16 +38,15 @@ class LinearPredictor final : public Filter {
     }
     std::copy(ahead_.begin(), ahead_.end(), output.begin());
   }
-  void Reset() noexcept override { window_.Reset(); }
-  void ResetChannel(int channel) noexcept override { window_.ResetChannel(channel); }
-  bool CopyChannel(const Filter& from, int channel) noexcept override {
-    const auto* other = dynamic_cast<const LinearPredictor*>(&from);
+  void ResetChecked(int channel) noexcept override { window_.ResetChannel(channel); }
+  void StartChecked(std::span<const double> values) noexcept override { window_.StartAt(values); }
+  bool TakeChecked(Filter& from) noexcept override {
+    auto* other = dynamic_cast<LinearPredictor*>(&from);
     if (other == nullptr || other->window_.length() != window_.length()) return false;
-    window_.CopyChannel(other->window_, channel);
+    std::swap(window_, other->window_);
     return true;
   }
 
- private:
   Eigen::ArrayXd weights_;
   SampleWindow window_;
   std::vector<double> ahead_;
@@ -59,7 +63,7 @@ void LinearPredictionConfig::Visit(SettingsVisitor& visitor) {
 
 std::unique_ptr<Filter> MakePredictor(const LinearPredictionConfig& config, int channel_count,
                                       double rate_hz) {
-  CheckSettings(config);
+  CheckFilter(config, channel_count, rate_hz);
   const int window = static_cast<int>(std::lround(config.window_ms * 1e-3 * rate_hz));
   if (window < 2) {
     throw SettingError("window_ms", "must hold at least two steps of the filter, " +

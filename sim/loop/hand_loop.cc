@@ -15,9 +15,9 @@ HandLoop::HandLoop(const controller::ControllerConfig& config,
       hand_(std::move(hand)) {}
 
 void HandLoop::Reset(std::span<const double> joint_angle_rad) {
-  controller_.Reset();
   link_.Reset();
   hand_.Reset(joint_angle_rad);
+  controller_.Reset(hand_.command());
   tick_ = 0;
 }
 

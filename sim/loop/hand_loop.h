@@ -20,7 +20,8 @@ class HandLoop {
   HandLoop(const controller::ControllerConfig& config, const controller::GloveCalibration& glove,
            const controller::JointMapConfig& joint_map, std::shared_ptr<const HandModel> hand);
 
-  /// Controller as new, nothing on its way, the hand at rest in this posture [rad, per joint].
+  /// Controller as new and told where the motors are, nothing on its way, the hand at rest in this
+  /// posture [rad, per joint].
   void Reset(std::span<const double> joint_angle_rad);
 
   /// One tick, with a new sample of the glove or without one. Neither throws nor allocates. Once

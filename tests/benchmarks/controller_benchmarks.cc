@@ -88,6 +88,26 @@ void FilterBenchmark(benchmark::State& state, const FilterConfig& config) {
   CountSamples(state, samples);
 }
 
+/// Long after the last motion, on zeros: states that only decay would be subnormal numbers.
+void RestBenchmark(benchmark::State& state, const FilterConfig& config) {
+  constexpr int n = 18;
+  const auto filter = MakeFilter(WithOneR(config), n, kRateHz);
+  const TestSignal input = GloveCounts(200, n);
+  std::vector<double> output(n);
+  for (int k = 0; k < 200; ++k) filter->Step(RowOf(input, k), output);
+  const std::vector<double> zeros(n, 0.0);
+  for (int k = 0; k < 150000; ++k) filter->Step(zeros, output);  // as the test of subnormals
+  constexpr int kSamples = 1000;
+  for (auto _ : state) {
+    for (int k = 0; k < kSamples; ++k) {
+      filter->Step(zeros, output);
+      benchmark::DoNotOptimize(output.data());
+      benchmark::ClobberMemory();
+    }
+  }
+  CountSamples(state, kSamples);
+}
+
 /// How one writes it with Eigen: a struct with Matrix2d, the equations as in the paper.
 struct PlainKalman {
   Eigen::Matrix2d a = (Eigen::Matrix2d() << 1, 1, 0, 1).finished();
@@ -196,6 +216,10 @@ void Register() {
   config.prediction = {KalmanPredictionConfig{}};
   benchmark::RegisterBenchmark("controller_everything", ControllerBenchmark, config, 1.0);
 
+  for (const FilterKind& kind : FilterKinds()) {
+    benchmark::RegisterBenchmark(("rest/" + std::string(kind.name)).c_str(), RestBenchmark,
+                                 kind.defaults);
+  }
   for (const FilterKind& kind : FilterKinds()) {
     if (kind.name == "kalman_dense") continue;  // its cost is cubic in the channels
     auto* scaling = benchmark::RegisterBenchmark(("channels/" + std::string(kind.name)).c_str(),

@@ -2,7 +2,8 @@
 
 namespace gauntlet::controller {
 
-/// How often this program has asked for memory by new, malloc or their relatives so far.
+/// How often this program has asked for memory by new, malloc or their relatives so far, and given
+/// some back.
 long AllocationCount();
 
 }  // namespace gauntlet::controller

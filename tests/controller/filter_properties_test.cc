@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
 
 #include "tests/controller/allocation_counter.h"
 #include "tests/controller/filter_cases.h"
@@ -76,15 +80,112 @@ TEST_P(FilterProperties, ResetsOneChannelAndLeavesTheOthers) {
   EXPECT_EQ(output, expected);
 }
 
-TEST_P(FilterProperties, CopiesChannelsWithoutAChangedBit) {
+TEST_P(FilterProperties, TakesMemoryWithoutAChangedBit) {
   const TestSignal before = GloveCounts(333, kChannels, 1);
   const TestSignal after = GloveCounts(300, kChannels, 2);
   const auto filter = Make();
+  const auto untouched = Make();
   Filtered(*filter, before);
+  Filtered(*untouched, before);
   const auto successor = Make();
   Filtered(*successor, GloveCounts(7, kChannels, 3));  // so that its clock stands elsewhere
-  for (int i = 0; i < kChannels; ++i) ASSERT_TRUE(successor->CopyChannel(*filter, i));
-  EXPECT_EQ(Filtered(*successor, after), Filtered(*filter, after));
+  ASSERT_TRUE(successor->TakeMemory(*filter));
+  EXPECT_EQ(Filtered(*successor, after), Filtered(*untouched, after));
+  EXPECT_FALSE(successor->TakeMemory(*successor));
+  const auto narrow = MakeFilter(ForOneChannel(GetParam().config, 0, kChannels), 1, kRateHz);
+  EXPECT_FALSE(narrow->TakeMemory(*successor));
+}
+
+TEST_P(FilterProperties, StartsWhereItIsTold) {
+  TestSignal still(400, kChannels);
+  for (int i = 0; i < kChannels; ++i) still.col(i).setConstant(100.0 + 37.3 * i);
+  const auto used = Make();
+  Filtered(*used, GloveCounts(300, kChannels));
+  used->StartAt(RowOf(still, 0));
+  const TestSignal output = Filtered(*used, still);
+  EXPECT_LE(((output - still).array() / still.array()).abs().maxCoeff(), 1e-11);
+  // As if that had been the first sample.
+  const TestSignal input = GloveCounts(300, kChannels, 2);
+  used->StartAt(RowOf(still, 0));
+  const auto fresh = Make();
+  Filtered(*fresh, still.topRows(1));
+  EXPECT_EQ(Filtered(*used, input), Filtered(*fresh, input));
+}
+
+/// Whether the processor has met a subnormal number, or made one, since ForgetSubnormals(). Always
+/// false where it cannot be asked.
+#if defined(__SSE2__)
+void ForgetSubnormals() { _mm_setcsr(_mm_getcsr() & ~(_MM_EXCEPT_DENORM | _MM_EXCEPT_UNDERFLOW)); }
+bool MetSubnormals() { return (_mm_getcsr() & (_MM_EXCEPT_DENORM | _MM_EXCEPT_UNDERFLOW)) != 0; }
+#else
+void ForgetSubnormals() {}
+bool MetSubnormals() { return false; }
+#endif
+
+TEST_P(FilterProperties, MeetsNoSubnormalNumberOnLongZeros) {
+  const auto filter = Make();
+  Filtered(*filter, GloveCounts(200, kChannels));
+  const std::vector<double> zeros(kChannels, 0.0);
+  std::vector<double> output(kChannels, 0.0);
+  ForgetSubnormals();
+  // The slowest, a low pass of 1 Hz, needs 100 s for 300 decades.
+  for (int k = 0; k < 150000; ++k) {
+    filter->Step(zeros, output);
+    ASSERT_FALSE(std::fpclassify(output[3]) == FP_SUBNORMAL) << k;
+  }
+  EXPECT_FALSE(MetSubnormals());
+}
+
+TEST_P(FilterProperties, MakesNoSubnormalNumberOfADecayingInput) {
+  const auto filter = Make();
+  std::vector<double> input(kChannels, 500.0);
+  std::vector<double> output(kChannels, 0.0);
+  for (int k = 0; k < 20000; ++k) {
+    for (double& value : input) value *= 0.99;  // subnormal itself in the end
+    filter->Step(input, output);
+    if (GetParam().config.kind() == "none") continue;
+    ASSERT_FALSE(std::fpclassify(output[3]) == FP_SUBNORMAL) << k;
+  }
+}
+
+TEST_P(FilterProperties, DoesNothingWithSpansThatDoNotFit) {
+  const auto filter = Make();
+  const TestSignal input = GloveCounts(100, kChannels);
+  Filtered(*filter, input);
+  std::vector<double> longer(kChannels + 1, 7.0);
+  const std::span<double> fits(longer.data(), kChannels);
+#if defined(NDEBUG)
+  filter->Step(longer, fits);
+  filter->Step(fits, longer);
+  filter->Step(fits.first(3), fits);
+  filter->StartAt(longer);
+  filter->ResetChannel(-1);
+  filter->ResetChannel(9999);
+  EXPECT_THAT(longer, testing::Each(7.0));
+  const auto untouched = Make();
+  Filtered(*untouched, input);
+  EXPECT_EQ(Filtered(*filter, input), Filtered(*untouched, input));
+#else
+  EXPECT_DEATH(filter->Step(longer, fits), "fits");
+  EXPECT_DEATH(filter->ResetChannel(9999), "exists");
+#endif
+}
+
+TEST_P(FilterProperties, RefusesNoChannelsAndRatesThatAreNone) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  // Both of the registry and of each kind by itself.
+  const auto refuses = [&](int channels, double rate_hz) {
+    EXPECT_THROW(MakeFilter(GetParam().config, channels, rate_hz), SettingError);
+    std::visit(
+        [&](const auto& settings) {
+          EXPECT_THROW(MakeFilter(settings, channels, rate_hz), SettingError);
+        },
+        GetParam().config.settings);
+  };
+  for (const int channels : {0, -1, std::numeric_limits<int>::min()}) refuses(channels, kRateHz);
+  for (const double rate_hz : {0.0, -1.0, kInfinity, -kInfinity, std::nan("")}) {
+    refuses(kChannels, rate_hz);
+  }
 }
 
 TEST_P(FilterProperties, MayWriteOverItsInput) {
@@ -118,7 +219,8 @@ TEST_P(FilterProperties, DoesNotAllocateInStepNorReset) {
   const long before = AllocationCount();
   for (Eigen::Index k = 0; k < input.rows(); ++k) filter->Step(RowOf(input, k), RowOf(output, k));
   filter->ResetChannel(3);
-  filter->CopyChannel(*other, 3);
+  filter->TakeMemory(*other);
+  filter->StartAt(RowOf(input, 0));
   filter->Reset();
   EXPECT_EQ(AllocationCount(), before);
 }

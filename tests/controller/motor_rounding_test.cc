@@ -78,11 +78,23 @@ TEST(MotorRounding, HoldsWithinItsHysteresis) {
   EXPECT_EQ(commands, std::vector<std::int32_t>({500, 500, 500, 501, 501, 501}));
 }
 
-TEST(MotorRounding, LimitsTheSpeedAfterTheFirstCommand) {
+TEST(MotorRounding, LimitsTheSpeedFromTheCenterOn) {
   // 100 counts per rad, 50 events per second, 5 rad/s: 10 counts per event.
   const auto commands =
-      Commands({.speed_limit_rad_s = 5.0}, {700.0, 745.0, 745.0, 745.0, 745.0, 745.0, 600.0});
-  EXPECT_EQ(commands, std::vector<std::int32_t>({700, 710, 720, 730, 740, 745, 735}));
+      Commands({.speed_limit_rad_s = 5.0}, {545.0, 545.0, 545.0, 545.0, 545.0, 400.0});
+  EXPECT_EQ(commands, std::vector<std::int32_t>({522, 532, 542, 545, 545, 535}));
+}
+
+TEST(MotorRounding, LimitsTheSpeedFromWhereTheMotorsAre) {
+  MotorRounding rounding({.speed_limit_rad_s = 5.0}, CoupledHand(1), kEventsPerSecond);
+  const double exact = 745.0;
+  std::int32_t command = 700;
+  rounding.Reset({&command, 1});
+  rounding.Step({&exact, 1}, {&command, 1});
+  EXPECT_EQ(command, 710);
+  rounding.Reset();  // the motor is where it was sent
+  rounding.Step({&exact, 1}, {&command, 1});
+  EXPECT_EQ(command, 720);
 }
 
 TEST(MotorRounding, StaysInTheMotorsRangeInEveryMode) {
@@ -90,7 +102,8 @@ TEST(MotorRounding, StaysInTheMotorsRangeInEveryMode) {
        {Rounding::kNearest, Rounding::kHysteresis, Rounding::kNoiseShaping}) {
     for (const double end : {0.0, 1023.0}) {
       const std::vector<double> exact(100, end);
-      for (const std::int32_t command : Commands({.rounding = rounding}, exact)) {
+      for (const std::int32_t command :
+           Commands({.rounding = rounding, .speed_limit_rad_s = 0.0}, exact)) {
         EXPECT_EQ(command, end);
       }
     }

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
+#include <optional>
+#include <vector>
 
 namespace gauntlet::controller {
 namespace {
@@ -10,13 +13,13 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// One channel of a 10-bit converter at 1 kHz, starting at 100 counts.
+/// One channel of a 10-bit converter at 1 kHz, starting at 400 counts.
 class OneChannel {
  public:
-  explicit OneChannel(const SampleGuardConfig& config = {})
-      : guard_(config, {100.0}, 1023.0, 1000.0) {}
+  explicit OneChannel(const SampleGuardConfig& config = {}, int frame_number_bits = 64)
+      : guard_(config, kStart, 1023.0, 1000.0, frame_number_bits) {}
 
-  double Take(double counts, std::int64_t number = 0) {
+  double Take(double counts, std::optional<std::int64_t> number = {}) {
     guard_.Take({.counts = {&counts, 1}, .number = number}, [](int) {});
     return guard_.trusted_counts()[0];
   }
@@ -24,12 +27,24 @@ class OneChannel {
   std::int64_t total() const { return guard_.untrusted_samples()[0]; }
 
  private:
+  static constexpr double kStart[] = {400.0};
   SampleGuard guard_;
 };
 
+/// Of frames with these numbers and a moving value, how many were not trusted.
+std::int64_t StaleOf(const std::vector<std::int64_t>& numbers, int bits = 64) {
+  OneChannel channel({}, bits);
+  std::int64_t k = 0;
+  for (const std::int64_t number : numbers) {
+    channel.Take(400.0 + static_cast<double>(k++ % 7), number);
+  }
+  EXPECT_EQ(channel.Count(Untrusted::kStale), channel.total());
+  return channel.total();
+}
+
 TEST(SampleGuard, HoldsTheLastGoodValueAndNamesTheReason) {
   OneChannel channel;
-  EXPECT_EQ(channel.Take(kNan), 100.0);
+  EXPECT_EQ(channel.Take(kNan), 400.0);
   EXPECT_EQ(channel.Take(500.0), 500.0);
   EXPECT_EQ(channel.Take(kNan), 500.0);
   EXPECT_EQ(channel.Take(-kInfinity), 500.0);
@@ -85,8 +100,55 @@ TEST(SampleGuard, RefusesLateAndRepeatedFrames) {
   EXPECT_EQ(channel.Count(Untrusted::kStale), 2);
 }
 
+TEST(SampleGuard, RecoversFromOneWrongNumber) {
+  // Every bit of a counter that has run for 1000 frames; then for 200,000.
+  for (int bit = 0; bit < 63; ++bit) {
+    std::vector<std::int64_t> numbers;
+    for (std::int64_t k = 1; k <= 2000; ++k) numbers.push_back(k);
+    numbers[1000] ^= std::int64_t{1} << bit;
+    EXPECT_LE(StaleOf(numbers), 5) << bit;
+  }
+  std::vector<std::int64_t> numbers;
+  for (std::int64_t k = 1; k <= 200000; ++k) numbers.push_back(k);
+  numbers[1000] += std::int64_t{1} << 40;
+  EXPECT_EQ(StaleOf(numbers), 4);
+}
+
+TEST(SampleGuard, CountsFramesOnACircleOfTheStatedWidth) {
+  for (const int bits : {2, 8, 16, 32, 63, 64}) {
+    std::vector<std::int64_t> numbers;
+    const std::uint64_t last = ~std::uint64_t{0} >> (64 - bits);
+    for (std::uint64_t k = last - 300; numbers.size() < 140000; ++k) {
+      numbers.push_back(static_cast<std::int64_t>(k & last));
+    }
+    EXPECT_EQ(StaleOf(numbers, bits), 0) << bits;
+  }
+  // Late and repeated over the seam, and a lost frame.
+  EXPECT_EQ(StaleOf({254, 255, 0, 255, 0, 1, 3}, 8), 2);
+}
+
+TEST(SampleGuard, LosesFewFramesOfACounterWhoseWidthNobodyStated) {
+  std::vector<std::int64_t> numbers;
+  for (std::int64_t k = 0; k < 10 * 256; ++k) numbers.push_back(k % 256);
+  EXPECT_EQ(StaleOf(numbers), 9 * 4);
+}
+
+TEST(SampleGuard, FollowsAGloveThatCountsAnewAlsoIfItRepeatsEachFrame) {
+  std::vector<std::int64_t> numbers = {5000, 5001, 5002};
+  for (std::int64_t k = 1; k <= 100; ++k) numbers.insert(numbers.end(), {k, k});
+  EXPECT_EQ(StaleOf(numbers), 4 * 2 + 96);  // of each of the first four both, then the repeated
+}
+
+TEST(SampleGuard, HoldsTheFirstValueAgainstWhereTheHandIs) {
+  OneChannel channel;
+  EXPECT_EQ(channel.Take(900.0), 400.0);  // a glitch
+  EXPECT_EQ(channel.Take(410.0), 410.0);
+  EXPECT_EQ(channel.Count(Untrusted::kJumped), 1);
+}
+
 TEST(SampleGuard, TellsWhichChannelsBecomeGood) {
-  SampleGuard guard({}, {100.0, 100.0}, 1023.0, 1000.0);
+  const double start[] = {100.0, 100.0};
+  SampleGuard guard({}, start, 1023.0, 1000.0);
   std::vector<int> started;
   const auto note = [&started](int channel) { started.push_back(channel); };
   const double first[] = {200.0, kNan};

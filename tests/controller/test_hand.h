@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "controller/controller_config.h"
 
@@ -38,6 +40,13 @@ inline TendonTransmission CoupledHand(int channels) {
   hand.min_counts.assign(n, 0);
   hand.max_counts.assign(n, 1023);
   return hand;
+}
+
+/// The motors of CoupledHand() when all joints are at 0.75 rad, which PlainGlove() gives 500 counts.
+inline std::vector<std::int32_t> HalfClosed(int channels) {
+  std::vector<std::int32_t> counts(static_cast<std::size_t>(channels), 617);
+  counts[0] = 587;
+  return counts;
 }
 
 }  // namespace gauntlet::controller

@@ -56,6 +56,9 @@ TEST_F(TrialTest, AFrameIsWhatTheControllerSaidOneDelayAgo) {
   const Trace trace = Run(30.0);
   controller::Controller alone(controller_, NominalCalibration(glove_config_),
                                hand_->transmission());
+  std::vector<std::int32_t> start(18);  // where the motors are until the first frame arrives
+  for (int m = 0; m < 18; ++m) start[m] = static_cast<std::int32_t>(trace.command_counts(0, m));
+  alone.Reset(start);
   std::vector<double> counts(18);
   for (int k = 0; k + 30 < glove_.counts.rows(); ++k) {
     for (int c = 0; c < 18; ++c) counts[c] = glove_.counts(k, c);

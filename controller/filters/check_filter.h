@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// What every function that makes a filter refuses: settings out of their range, no channels, and a
+/// rate that is no rate. Errors: SettingError.
+template <class Config>
+void CheckFilter(const Config& config, int channel_count, double rate_hz) {
+  CheckSettings(config);
+  if (channel_count < 1) {
+    throw SettingError("channels", "is " + std::to_string(channel_count) + ", must be at least 1");
+  }
+  if (!(rate_hz > 0.0) || !std::isfinite(rate_hz)) {
+    throw SettingError("rate_hz", "is " + NumberText(rate_hz) + ", must be finite and above 0");
+  }
+}
+
+}  // namespace gauntlet::controller
