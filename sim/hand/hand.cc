@@ -184,7 +184,7 @@ DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
 
 void Hand::State::PullCables() noexcept {
   mju_zero(data->qfrc_applied, hand->physics().model().nv);
-  std::span<CableState> left = cables;
+  std::span<MovingCable> left = cables;
   for (std::size_t motor = 0; motor < spools.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
     load_nm[motor] =
