@@ -282,6 +282,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     }
   });
   CheckStability(*model_, drives_);
+  GiveLightJointsInertia(*model_, drives_);
   transmission_ =
       InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
