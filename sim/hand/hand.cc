@@ -18,12 +18,6 @@
 namespace gauntlet::sim {
 namespace {
 
-/// A cable and, of each joint that it passes, by how much its length grows with the angle [m/rad].
-struct MovingCable {
-  CableState state;
-  std::vector<double> arm_m;
-};
-
 /// How much longer a cable's way is than the cable, with the spool at 0.
 struct CableWay {
   double excess_m = 0.0;
@@ -41,43 +35,51 @@ struct DrumMotion {
 struct Hand::State {
   explicit State(std::shared_ptr<const HandModel> hand_model);
 
-  double StepS() const noexcept { return hand->physics().model().opt.timestep; }
   void ReadInputs() noexcept;
   void Advance();
   void PullCables() noexcept;
   void TurnSpools() noexcept;
-  CableWay Way(const Cable& cable, std::span<double> arm_m) const noexcept;
+  CableWay Way(const Cable& cable, std::vector<double>& arm_m) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
-                      std::span<const MovingCable> moving, std::span<const CableWay> ways,
+                      std::span<const CableState> states, std::span<const CableWay> ways,
                       double& angle_rad) const noexcept;
-  double PullCables(const Drive& drive, const SpoolState& spool, std::span<MovingCable> moving,
+  double PullCables(const Drive& drive, const SpoolState& spool, std::span<CableState> states,
                     double& drum_angle_rad) noexcept;
   void Pull(const Cable& cable, double stretch_m, double wound_rate_m_s,
-            MovingCable& moving) noexcept;
+            std::span<const double> arm_m, CableState& state) noexcept;
   void ReadWarnings(double time_s);
 
+  static constexpr std::size_t kMostCables = 2;  // of one motor: a flexor and an extensor
+
   std::shared_ptr<const HandModel> hand;
+  const mjModel& physics;
   std::unique_ptr<mjData, void (*)(mjData*)> data;
-  std::vector<int> joint_qpos;           // per joint
-  std::vector<ServoInput> inputs;        // per motor
-  std::vector<double> target_rad;        // per motor, what the servos hold
-  std::vector<double> sensor_error_rad;  // per motor, now
-  std::vector<std::int32_t> counts;      // per motor, what was last commanded
-  std::vector<std::uint8_t> saturated;   // per motor
-  std::vector<SpoolState> spools;        // per motor
-  std::vector<double> drum_rad;          // per motor; the spool's angle but for play
-  std::vector<double> load_nm;           // per motor, what its cables turn the spool back with
-  std::vector<MovingCable> cables;       // in the order of HandModel::cable_names()
-  std::vector<CablePlace> places;        // of one cable: its drum and what it passes
-  bool commanded = false;                // since the Reset()
+  std::vector<int> joint_qpos;            // per joint
+  std::vector<ServoInput> inputs;         // per motor
+  std::vector<double> target_rad;         // per motor, what the servos hold
+  std::vector<double> sensor_error_rad;   // per motor, now
+  std::vector<std::int32_t> counts;       // per motor, what was last commanded
+  std::vector<std::uint8_t> saturated;    // per motor
+  std::vector<SpoolState> spools;         // per motor
+  std::vector<double> drum_rad;           // per motor; the spool's angle but for play
+  std::vector<double> load_nm;            // per motor, what its cables turn the spool back with
+  std::vector<CableState> cables;         // in the order of HandModel::cable_names()
+  std::vector<CablePlace> places;         // of one cable: its drum and what it passes
+  std::vector<double> arms[kMostCables];  // per cable of one motor: moment arms of what it passes
+  bool commanded = false;                 // since the Reset()
   HandHealth health;
 };
 
 Hand::State::State(std::shared_ptr<const HandModel> hand_model)
-    : hand(std::move(hand_model)), data(mj_makeData(&hand->physics().model()), &mj_deleteData) {
+    : hand(std::move(hand_model)),
+      physics(hand->physics().model()),
+      data(mj_makeData(&physics), &mj_deleteData) {
   if (data == nullptr) throw RunError("not enough memory for a hand");
   const std::size_t motors = hand->drives().size();
+  for (const HandJoint& joint : hand->joints()) {
+    joint_qpos.push_back(hand->physics().QposOf(joint.qpos));
+  }
   for (std::size_t motor = 0; motor < motors; ++motor) {
     inputs.emplace_back(hand->drives()[motor].numbers, hand->timing().controller,
                         static_cast<int>(motor));
@@ -89,14 +91,7 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
   spools.resize(motors);
   drum_rad.resize(motors);
   load_nm.resize(motors);
-  for (const HandJoint& joint : hand->joints()) {
-    joint_qpos.push_back(hand->physics().QposOf(joint.qpos));
-  }
-  for (const Drive& drive : hand->drives()) {
-    for (const Cable& cable : drive.cables) {
-      cables.push_back({.state = {}, .arm_m = std::vector<double>(cable.crossings.size())});
-    }
-  }
+  cables.resize(hand->cable_names().size());
 }
 
 /// What every servo knows during this tick.
@@ -108,13 +103,14 @@ void Hand::State::ReadInputs() noexcept {
   }
 }
 
-/// Measures the cable and its moment arms. Those of joints that it shall not move are 0.
-CableWay Hand::State::Way(const Cable& cable, std::span<double> arm_m) const noexcept {
+/// Measures the cable, and its moment arm at each joint that it passes.
+CableWay Hand::State::Way(const Cable& cable, std::vector<double>& arm_m) const noexcept {
+  arm_m.resize(cable.crossings.size());
   CableWay way;
   if (hand->engine_measures_cables()) {
     way = {data->ten_length[cable.tendon], data->ten_velocity[cable.tendon]};
     for (std::size_t i = 0; i < arm_m.size(); ++i) {
-      arm_m[i] = MomentArm(hand->physics().model(), *data, cable.tendon, cable.crossings[i].dof);
+      arm_m[i] = MomentArm(physics, *data, cable.tendon, cable.crossings[i].dof);
     }
   } else {
     way.excess_m = MeasureCable(cable, data->qpos, data->qvel, arm_m, way.rate_m_s);
@@ -124,10 +120,10 @@ CableWay Hand::State::Way(const Cable& cable, std::span<double> arm_m) const noe
   for (std::size_t i = 0; i < arm_m.size(); ++i) {
     const Crossing& crossing = cable.crossings[i];
     if (crossing.own) continue;
+    arm_m[i] = 0.0;
     const double turned = data->qpos[crossing.qpos] - crossing.reference_rad;
     way.excess_m -= crossing.moment_arm_m * turned;
     way.rate_m_s -= crossing.moment_arm_m * data->qvel[crossing.dof];
-    arm_m[i] = 0.0;
   }
   return way;
 }
@@ -143,28 +139,28 @@ double Hand::State::Bend(const Cable& cable) const noexcept {
 
 /// The cable's pull on the joints that it passes, while its drum winds it up at `wound_rate_m_s`.
 void Hand::State::Pull(const Cable& cable, double stretch_m, double wound_rate_m_s,
-                       MovingCable& moving) noexcept {
+                       std::span<const double> arm_m, CableState& state) noexcept {
   const double bend = Bend(cable);
   places.resize(cable.crossings.size() + 1);
   places[0] = {.speed_m_s = wound_rate_m_s};
   double turned = 0.0;
-  for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
+  for (std::size_t i = 0; i < arm_m.size(); ++i) {
     const Crossing& crossing = cable.crossings[i];
     turned += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
     const double share = bend > 0.0 ? (crossing.bend_rad + turned) / bend : 0.0;
     places[i + 1] = {.bend_share = std::clamp(share, 0.0, 1.0),
-                     .speed_m_s = moving.arm_m[i] * data->qvel[crossing.dof]};
+                     .speed_m_s = arm_m[i] * data->qvel[crossing.dof]};
   }
-  PullCable(cable.cord, bend, stretch_m, StepS(), places, moving.state);
-  for (std::size_t i = 0; i < cable.crossings.size(); ++i) {
-    data->qfrc_applied[cable.crossings[i].dof] -= places[i + 1].pull_n * moving.arm_m[i];
+  PullCable(cable.cord, bend, stretch_m, physics.opt.timestep, places, state);
+  for (std::size_t i = 0; i < arm_m.size(); ++i) {
+    data->qfrc_applied[cable.crossings[i].dof] -= places[i + 1].pull_n * arm_m[i];
   }
 }
 
 /// Where the drum is and how fast it turns. Without play it is the shaft; with play it has no mass
 /// and turns, as far as it can, to where all its cables together do not turn it.
 DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
-                                 std::span<const MovingCable> moving, std::span<const CableWay> ways,
+                                 std::span<const CableState> states, std::span<const CableWay> ways,
                                  double& angle_rad) const noexcept {
   const double before = std::exchange(angle_rad, spool.angle_rad);
   if (drive.play_rad == 0.0) return {spool.angle_rad, spool.speed_rad_s};
@@ -175,16 +171,16 @@ DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
     const double stretch = ways[i].excess_m + cable.sense * drive.drum_radius_m * before;
     stiffness += cable.cord.EndFactor() * cable.cord.stiffness_n_m;
     if (!(stretch > 0.0)) continue;
-    pull += cable.sense * (cable.cord.stiffness_n_m * stretch + 0.5 * moving[i].state.difference_n);
+    pull += cable.sense * (cable.cord.stiffness_n_m * stretch + 0.5 * states[i].difference_n);
   }
   const double balance = before - pull / (drive.drum_radius_m * stiffness);
   angle_rad = DrumAngle(spool.angle_rad, balance, drive.play_rad);
-  return {angle_rad, (angle_rad - before) / StepS(), angle_rad == balance};
+  return {angle_rad, (angle_rad - before) / physics.opt.timestep, angle_rad == balance};
 }
 
 void Hand::State::PullCables() noexcept {
-  mju_zero(data->qfrc_applied, hand->physics().model().nv);
-  std::span<MovingCable> left = cables;
+  mju_zero(data->qfrc_applied, physics.nv);
+  std::span<CableState> left = cables;
   for (std::size_t motor = 0; motor < spools.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
     load_nm[motor] =
@@ -196,19 +192,19 @@ void Hand::State::PullCables() noexcept {
 /// All cables of one motor: what they do to the joints that they pass; gives the torque with which
 /// they turn the spool back.
 double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
-                               std::span<MovingCable> moving, double& drum_angle_rad) noexcept {
-  constexpr std::size_t kMostCables = 2;  // a flexor and an extensor
+                               std::span<CableState> states, double& drum_angle_rad) noexcept {
   CableWay way_of_cable[kMostCables];
-  const std::span<CableWay> ways(way_of_cable, moving.size());
-  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i], moving[i].arm_m);
-  const DrumMotion drum = TurnDrum(drive, spool, moving, ways, drum_angle_rad);
+  const std::span<CableWay> ways(way_of_cable, states.size());
+  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i], arms[i]);
+  const DrumMotion drum = TurnDrum(drive, spool, states, ways, drum_angle_rad);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
   double at_drum = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Cable& cable = drive.cables[i];
-    Pull(cable, ways[i].excess_m + cable.sense * wound, cable.sense * wound_rate, moving[i]);
-    at_drum += cable.sense * moving[i].state.tension_n;
+    Pull(cable, ways[i].excess_m + cable.sense * wound, cable.sense * wound_rate, arms[i],
+         states[i]);
+    at_drum += cable.sense * states[i].tension_n;
   }
   return drum.free ? 0.0 : drive.drum_radius_m * at_drum;
 }
@@ -221,7 +217,7 @@ void Hand::State::TurnSpools() noexcept {
         ComputeServoTorque(drive.servo, target_rad[motor],
                            spool.angle_rad + sensor_error_rad[motor], spool.speed_rad_s);
     saturated[motor] = torque.saturated;
-    TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], StepS(), spool);
+    TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], physics.opt.timestep, spool);
   }
 }
 
@@ -242,13 +238,12 @@ void Hand::State::ReadWarnings(double time_s) {
 }
 
 void Hand::State::Advance() {
-  const mjModel& model = hand->physics().model();
   for (int step = 0; step < hand->timing().steps_per_tick && health.ok; ++step) {
     const double time_s = data->time;
-    mj_step1(&model, data.get());
+    mj_step1(&physics, data.get());
     PullCables();
     TurnSpools();
-    mj_step2(&model, data.get());
+    mj_step2(&physics, data.get());
     ReadWarnings(time_s);
   }
 }
@@ -269,15 +264,15 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   }
   std::vector<double> spool(map.motor_names.size());
   controller::TendonMap(map, true).ToSpoolAngles(angle, spool);
-  mj_resetData(&hand.physics().model(), state.data.get());
+  mj_resetData(&state.physics, state.data.get());
   hand.physics().CopyPositions(
       PostureOf(hand.model(), hand.joints(), angle, hand.followers()).data(), state.data->qpos);
-  mj_kinematics(&hand.physics().model(), state.data.get());
+  mj_kinematics(&state.physics, state.data.get());
   if (hand.grasp().exists()) PlaceObject(hand.grasp_in_physics(), *state.data);
-  mj_fwdPosition(&hand.physics().model(), state.data.get());
-  mj_fwdVelocity(&hand.physics().model(), state.data.get());
+  mj_fwdPosition(&state.physics, state.data.get());
+  mj_fwdVelocity(&state.physics, state.data.get());
 
-  for (MovingCable& cable : state.cables) cable.state = {};
+  std::fill(state.cables.begin(), state.cables.end(), CableState{});
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
     state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
@@ -332,22 +327,22 @@ void Hand::ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept {
 
 void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
   for (std::size_t i = 0; i < state_->cables.size(); ++i) {
-    tension_n[i] = state_->cables[i].state.tension_n;
+    tension_n[i] = state_->cables[i].tension_n;
   }
 }
 
 double Hand::CableEnergy() const noexcept {
   double energy_j = 0.0;
-  for (const MovingCable& cable : state_->cables) energy_j += cable.state.energy_j;
+  for (const CableState& cable : state_->cables) energy_j += cable.energy_j;
   return energy_j;
 }
 
 GripReading Hand::ReadGrip() const noexcept {
   const GraspParts& grasp = hand_model().grasp_in_physics();
   if (!grasp.exists()) return {};
-  return {.force_n = GripForce(hand_model().physics().model(), grasp, data()),
+  return {.force_n = GripForce(state_->physics, grasp, data()),
           .height_mm = 1e3 * ObjectHeight(grasp, data()),
-          .slip_mm_s = 1e3 * SlipSpeed(hand_model().physics().model(), grasp, data())};
+          .slip_mm_s = 1e3 * SlipSpeed(state_->physics, grasp, data())};
 }
 
 void Hand::ReadObjectPose(std::span<double> pose) const noexcept {

@@ -88,7 +88,7 @@ void ServoNumbers::Visit(SettingsVisitor& visitor) {
 }
 
 // A number that is not said to come from somewhere is an assumption. Back-EMF of a motor that is
-// driven by a voltage brakes by full_torque_error / no_load_speed of damping, which is in damping_ms.
+// driven by a voltage damps by full_torque_error / no_load_speed, which is in damping_ms.
 
 IdealServo::IdealServo() {
   resolution_bits = 16;

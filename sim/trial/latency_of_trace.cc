@@ -26,8 +26,8 @@ std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand, const Signal&
   input.ticks_per_event = timing.controller.TicksOf(timing.controller.event_period_ms);
   const ServoNumbers& servo = hand.config().servo.numbers();
   input.ticks_per_servo_frame = timing.controller.TicksOf(servo.frame_ms);
-  // The servo's clock starts with the first command that arrives. Of those that run free, each motor
-  // has its own phase: half a frame stands for all.
+  // The servo's clock starts with the first command that arrives. Of those that run free, each has
+  // its own phase: half a frame stands for all.
   const double late = servo.free_running ? 0.5 * input.ticks_per_servo_frame : 0.0;
   input.first_servo_frame = timing.event_delay_ticks + static_cast<int>(late);
   LatencyBudget budget = MeasureLatency(input);

@@ -339,8 +339,8 @@ TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
 }
 
 TEST_F(CliTest, EveryListPrints) {
-  for (const char* list : {"filters", "predictions", "motions", "faults", "servos", "metrics", "channels",
-                           "scenarios", "keys"}) {
+  for (const char* list : {"filters", "predictions", "motions", "faults", "servos", "metrics",
+                           "channels", "scenarios", "keys"}) {
     const ProgramResult result = Gauntlet({"list", list});
     EXPECT_EQ(result.exit_code, 0) << result.standard_error;
     EXPECT_GT(result.standard_output.size(), 100u) << list;

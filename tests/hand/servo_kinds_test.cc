@@ -163,7 +163,7 @@ std::vector<double> AnglesAfterWaiting(const HandConfig& config, int ticks) {
   return JointAngles(hand);
 }
 
-// In step with the link it does not matter when the first command comes; free frames make it matter.
+// In step with the link it does not matter when the first command comes; with free frames it does.
 TEST(ServoKinds, FreeFramesAreNotInStepWithTheLink) {
   HandConfig free;
   free.servo.numbers().free_running = true;

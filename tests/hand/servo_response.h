@@ -85,7 +85,8 @@ inline StepResponse MeasureStep(const ServoConfig& servo, double step_deg) {
   return mean;
 }
 
-/// Behind a sine of 1 Hz and 30 deg of the spool, sent in frames of 20 ms; mean of all finger motors.
+/// Behind a sine of 1 Hz and 30 deg of the spool, sent in frames of 20 ms; mean of all finger
+/// motors.
 inline double MeasureSineDelay(const ServoConfig& servo) {
   Hand hand = ServosOfKind(servo);
   const controller::TendonTransmission& map = hand.hand_model().transmission();
