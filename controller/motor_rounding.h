@@ -29,7 +29,7 @@ class MotorRounding {
   /// As new, with the motors where the last command has sent them, or at these counts.
   void Reset() noexcept;
   void Reset(std::span<const std::int32_t> motor_counts) noexcept;
-  /// Takes the motors of another one for the same hand, which goes on with these; the settings stay.
+  /// Takes the motors of another one for the same hand, which goes on with these. Settings stay.
   void TakeMemory(MotorRounding& from) noexcept { motors_.swap(from.motors_); }
 
  private:

@@ -19,8 +19,8 @@ namespace {
 constexpr int kChannels = 18;
 constexpr Timing kEventPerSample = {.event_period_ms = 1.0};
 
-/// Every kind of filter, with a variance that suits counts and angles alike, and with the start from
-/// zero where it has one.
+/// Every kind of filter, with a variance that suits counts and angles alike, and with the start
+/// from zero where it has one.
 std::vector<ControllerConfig> AllKindsOfSettings() {
   std::vector<ControllerConfig> all;
   for (const FilterKind& kind : FilterKinds()) {

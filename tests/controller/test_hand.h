@@ -42,7 +42,7 @@ inline TendonTransmission CoupledHand(int channels) {
   return hand;
 }
 
-/// The motors of CoupledHand() when all joints are at 0.75 rad, which PlainGlove() gives 500 counts.
+/// The motors of CoupledHand() with all joints at 0.75 rad, which PlainGlove() gives 500 counts.
 inline std::vector<std::int32_t> HalfClosed(int channels) {
   std::vector<std::int32_t> counts(static_cast<std::size_t>(channels), 617);
   counts[0] = 587;
