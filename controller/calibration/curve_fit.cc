@@ -8,7 +8,9 @@
 #include <map>
 #include <numbers>
 
+#include "controller/calibration/noise_correlation.h"
 #include "controller/calibration/noise_estimate.h"
+#include "controller/calibration/rounded_noise.h"
 #include "controller/linearisation/polynomial_linearisation.h"
 #include "controller/linearisation/table_linearisation.h"
 
@@ -50,27 +52,79 @@ double StudentQuantile(double degrees_of_freedom) {
          (5.0 * std::pow(z, 5) + 16.0 * z * z * z + 3.0 * z) / (96.0 * f * f);
 }
 
+/// The samples of one pose, of all times that it was taken.
 struct Pose {
-  double sum = 0.0;
-  double square_sum = 0.0;
-  int samples = 0;
+  std::vector<VectorXd> runs;
+
+  double Samples() const {
+    double samples = 0.0;
+    for (const VectorXd& run : runs) samples += static_cast<double>(run.size());
+    return samples;
+  }
+  double Mean() const {
+    double sum = 0.0;
+    for (const VectorXd& run : runs) sum += run.sum();
+    return sum / Samples();
+  }
+
+  /// Half width of the 95 % interval of its mean; NaN where there is too little to tell. `noise` is
+  /// that of the channel and tells how samples depend on those before; how large it is, the pose
+  /// itself shows, with what differs between its runs.
+  double HalfWidth95(const ChannelNoise& noise) const {
+    const double samples = Samples();
+    const double mean = Mean();
+    double square_sum = 0.0;
+    double dependent = 0.0;  // variances that the sum of all samples has
+    for (const VectorXd& run : runs) {
+      square_sum += (run.array() - mean).square().sum();
+      const auto length = static_cast<double>(run.size());
+      dependent += length * noise.MeanFactor(length);
+    }
+    const double freedom = (samples - 1.0) / noise.VarianceFactor();
+    const double taken = dependent / samples;
+    if (freedom < 1.0 || taken >= samples) return kNan;
+    const double variance = square_sum / (samples - taken);
+    return StudentQuantile(freedom) * std::sqrt(variance * dependent) / samples;
+  }
 };
+
+/// By angle. Samples that follow each other and have the same angle are a run.
+std::map<double, Pose> PosesOf(const VectorXd& counts, const VectorXd& angle_deg) {
+  std::map<double, Pose> poses;
+  Index begin = 0;
+  for (Index k = 1; k <= counts.size(); ++k) {
+    if (k < counts.size() && angle_deg[k] == angle_deg[begin]) continue;
+    poses[angle_deg[begin]].runs.emplace_back(counts.segment(begin, k - begin));
+    begin = k;
+  }
+  return poses;
+}
+
+std::vector<VectorXd> RunsOf(const std::map<double, Pose>& poses) {
+  std::vector<VectorXd> runs;
+  for (const auto& [angle, pose] : poses) {
+    runs.insert(runs.end(), pose.runs.begin(), pose.runs.end());
+  }
+  return runs;
+}
+
+/// How far rounding to steps moves a mean of normal noise at most; by the least noise that the runs
+/// bear, for they may look noisier than they are.
+double RoundingOfMean(const std::vector<VectorXd>& runs, const ChannelNoise& noise, double step) {
+  constexpr double kSureFrom = 0.5;  // steps^2: from there on it is below 1e-4 steps
+  const double step2 = step * step;
+  if (noise.variance - step2 / 12.0 >= kSureFrom * step2) return 0.0;
+  const double least =
+      EstimateRoundedNoise(runs, step, 1.0 / noise.VarianceFactor(), 0.95).variance_low;
+  return 0.5 * step * std::exp(-2.0 * std::numbers::pi * std::numbers::pi * least / step2);
+}
 
 }  // namespace
 
-CurveFit FitTable(const VectorXd& counts, const VectorXd& angle_deg) {
+CurveFit FitTable(const VectorXd& counts, const VectorXd& angle_deg, double resolution_counts) {
   CheckData(counts, angle_deg);
-  std::map<double, Pose> poses;  // by angle
-  for (Index k = 0; k < counts.size(); ++k) {
-    Pose& pose = poses[angle_deg[k]];
-    pose.sum += counts[k];
-    ++pose.samples;
-  }
-  for (Index k = 0; k < counts.size(); ++k) {
-    Pose& pose = poses[angle_deg[k]];
-    const double off = counts[k] - pose.sum / pose.samples;
-    pose.square_sum += off * off;
-  }
+  const std::map<double, Pose> poses =
+      counts.size() > 0 ? PosesOf(counts, angle_deg) : std::map<double, Pose>();
   if (poses.size() < 2) {
     throw SettingError("recording", "has " + std::to_string(poses.size()) +
                                         " poses of known angle, must have at least 2");
@@ -79,11 +133,12 @@ CurveFit FitTable(const VectorXd& counts, const VectorXd& angle_deg) {
     double counts, angle_deg, half_width_counts;
   };
   std::vector<Corner> corners;
+  const std::vector<VectorXd> runs = RunsOf(poses);
+  const ChannelNoise noise = DescribeNoise(runs, resolution_counts * resolution_counts / 12.0);
+  const double rounding =
+      resolution_counts > 0.0 ? RoundingOfMean(runs, noise, resolution_counts) : 0.0;
   for (const auto& [angle, pose] : poses) {
-    const double freedom = pose.samples - 1.0;
-    const double deviation = std::sqrt(pose.square_sum / freedom / pose.samples);
-    corners.push_back({pose.sum / pose.samples, angle,
-                       freedom >= 1.0 ? StudentQuantile(freedom) * deviation : kNan});
+    corners.push_back({pose.Mean(), angle, pose.HalfWidth95(noise) + rounding});
   }
   if (corners.back().counts < corners.front().counts) {
     std::reverse(corners.begin(), corners.end());
@@ -107,7 +162,7 @@ CurveFit FitTable(const VectorXd& counts, const VectorXd& angle_deg) {
   return fit;
 }
 
-CurveFit FitTwoPoint(const VectorXd& counts, const VectorXd& angle_deg) {
+CurveFit FitTwoPoint(const VectorXd& counts, const VectorXd& angle_deg, double resolution_counts) {
   CheckData(counts, angle_deg);
   if (counts.size() == 0) throw SettingError("recording", "has no pose of known angle");
   const double lowest = angle_deg.minCoeff();
@@ -116,7 +171,7 @@ CurveFit FitTwoPoint(const VectorXd& counts, const VectorXd& angle_deg) {
   for (Index k = 0; k < counts.size(); ++k) {
     if (angle_deg[k] == lowest || angle_deg[k] == highest) ends.push_back(k);
   }
-  CurveFit fit = FitTable(counts(ends), angle_deg(ends));
+  CurveFit fit = FitTable(counts(ends), angle_deg(ends), resolution_counts);
   Judge(*MakeTableLinearisation({fit.curve}), counts, angle_deg, fit);
   return fit;
 }

@@ -13,19 +13,25 @@ struct CurveFit {
   double rms_error_deg = 0.0;
   double largest_error_deg = 0.0;
   /// Half widths of the 95 % confidence interval: of each angle of a table, or of each coefficient
-  /// of a polynomial. NaN where there are no more data than unknowns.
+  /// of a polynomial. NaN where there are no more data than unknowns. Those of a table hold for
+  /// noise that is correlated, too (see ChannelNoise); those of a polynomial are for white noise.
   std::vector<double> half_width_95_deg;
 };
 
 /// A table from samples of known poses: one corner per different angle, at the mean of its counts.
 ///
-/// Shapes: one value per sample. Units: counts and deg.
+/// Counts that were rounded to steps of `resolution_counts` have means that may be off by half a
+/// step, times exp(-2 pi^2 variance / step^2): the half widths have it on top.
+/// Source: Widrow, Kollar (2008), Quantization Noise.
+/// Shapes: one value per sample, in the order of time. Units: counts and deg.
 /// Errors: SettingError for fewer than two poses, or counts that do not follow the angle one way.
-CurveFit FitTable(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg);
+CurveFit FitTable(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg,
+                  double resolution_counts = 0.0);
 
 /// The straight line through the poses with the smallest and the largest angle, as a table of two
 /// corners. The errors are those over all samples. Errors: as FitTable().
-CurveFit FitTwoPoint(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg);
+CurveFit FitTwoPoint(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg,
+                     double resolution_counts = 0.0);
 
 /// A polynomial by least squares (QR), in u = (counts - center) / scale with u from -1 to 1 over
 /// the data.

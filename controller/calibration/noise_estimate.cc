@@ -5,6 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "controller/calibration/noise_correlation.h"
+#include "controller/calibration/robust_statistics.h"
+#include "controller/calibration/rounded_noise.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -12,46 +15,81 @@ namespace {
 
 using Eigen::Index;
 
-/// Standard deviation of the noise per channel, from the median of |z(k) - z(k-1)|.
-Eigen::RowVectorXd NoiseFromDifferences(const Eigen::MatrixXd& counts) {
-  Eigen::RowVectorXd noise(counts.cols());
-  std::vector<double> steps(counts.rows() - 1);
-  for (Index i = 0; i < counts.cols(); ++i) {
-    for (Index k = 1; k < counts.rows(); ++k) {
-      steps[k - 1] = std::abs(counts(k, i) - counts(k - 1, i));
-    }
-    const auto middle = steps.begin() + steps.size() / 2;
-    std::nth_element(steps.begin(), middle, steps.end());
-    // 0.6745 is the normal quantile at 3/4; a difference has twice the variance. Rounding to counts
-    // alone can make the median 0, so half a count is the least.
-    noise[i] = std::max(*middle / (0.6745 * std::numbers::sqrt2), 0.5);
-  }
-  return noise;
-}
+constexpr double kLeftOut = std::numeric_limits<double>::quiet_NaN();
 
-struct Sums {
-  Eigen::MatrixXd products;  // of deviations from the stretch's mean
-  Eigen::VectorXd lagged;    // the same between neighbouring samples, per channel
-  double degrees_of_freedom = 0.0;
+/// One channel in each stretch, with NaN in place of spikes.
+struct StillChannel {
+  std::vector<Eigen::VectorXd> stretches;
+  Index spikes = 0;
 };
 
-Sums SumUp(const Eigen::MatrixXd& counts, const std::vector<StillStretch>& stretches) {
-  const Index n = counts.cols();
-  Sums sums{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+/// The scale is the median distance from the medians of the stretches, which a few spikes do not
+/// move; rounding can make it 0, so half a step is the least.
+StillChannel WithoutSpikes(const Eigen::Ref<const Eigen::VectorXd>& counts,
+                           const std::vector<StillStretch>& stretches, double resolution) {
+  constexpr double kSigmas = 5.0;
+  StillChannel channel;
+  std::vector<double> distances;
   for (const StillStretch& stretch : stretches) {
-    const Index length = stretch.end - stretch.begin;
-    if (length < 2) continue;
-    const Eigen::MatrixXd block = counts.middleRows(stretch.begin, length);
-    const Eigen::MatrixXd deviation = block.rowwise() - block.colwise().mean();
-    sums.products += deviation.transpose() * deviation;
-    sums.lagged += deviation.topRows(length - 1)
-                       .cwiseProduct(deviation.bottomRows(length - 1))
-                       .colwise()
-                       .sum()
-                       .transpose();
-    sums.degrees_of_freedom += length - 1;
+    if (stretch.end <= stretch.begin) continue;
+    Eigen::VectorXd& values =
+        channel.stretches.emplace_back(counts.segment(stretch.begin, stretch.end - stretch.begin));
+    values.array() -= MedianOf({values.begin(), values.end()});
+    for (const double value : values) distances.push_back(std::abs(value));
   }
-  return sums;
+  const double limit = kSigmas * std::max(DeviationFromDistances(distances), 0.5 * resolution);
+  for (Eigen::VectorXd& values : channel.stretches) {
+    for (double& value : values) {
+      if (limit == 0.0 || std::abs(value) <= limit) continue;
+      value = kLeftOut;
+      ++channel.spikes;
+    }
+  }
+  return channel;
+}
+
+/// All stretches, one after another, around their means; 0 in place of spikes.
+Eigen::VectorXd Deviations(const StillChannel& channel) {
+  std::vector<double> deviations;
+  for (const Eigen::VectorXd& values : channel.stretches) {
+    double sum = 0.0;
+    double samples = 0.0;
+    for (const double value : values) {
+      if (std::isnan(value)) continue;
+      sum += value;
+      ++samples;
+    }
+    for (const double value : values) {
+      deviations.push_back(std::isnan(value) ? 0.0 : value - sum / samples);
+    }
+  }
+  return Eigen::Map<const Eigen::VectorXd>(deviations.data(), std::ssize(deviations));
+}
+
+/// Variance and interval of channel `i`; what is known of its noise without rounding.
+void SetVariance(Index i, const StillChannel& channel, const ChannelNoise& noise,
+                 const NoiseEstimateOptions& options, NoiseEstimate& estimate) {
+  constexpr double kSureFrom = 0.5;  // steps^2: a deviation of 0.7 steps
+  const double step2 = options.resolution_counts * options.resolution_counts;
+  estimate.variance[i] = std::max(noise.variance - step2 / 12.0, 0.0);
+  estimate.correlation[i] = noise.correlation.empty() ? 0.0 : noise.correlation.front();
+  if (estimate.variance[i] < kSureFrom * step2) {
+    const RoundedNoise rounded =
+        EstimateRoundedNoise(channel.stretches, options.resolution_counts,
+                             1.0 / noise.VarianceFactor(), options.confidence);
+    estimate.rounded[static_cast<std::size_t>(i)] = true;
+    estimate.variance[i] = rounded.variance;
+    estimate.variance_low[i] = rounded.variance_low;
+    estimate.variance_high[i] = rounded.variance_high;
+    return;
+  }
+  const double tail = 0.5 * (1.0 - options.confidence);
+  const double freedom = std::max(noise.degrees_of_freedom, 1.0);
+  const auto at = [&](double probability) {
+    return noise.variance / ChiSquaredQuantileRatio(probability, freedom) - step2 / 12.0;
+  };
+  estimate.variance_low[i] = std::max(at(1.0 - tail), 0.0);
+  estimate.variance_high[i] = at(tail);
 }
 
 }  // namespace
@@ -76,79 +114,43 @@ double ChiSquaredQuantileRatio(double probability, double degrees_of_freedom) {
   return root > 0.0 ? root * root * root : 0.0;
 }
 
-std::vector<StillStretch> FindStillStretches(const Eigen::MatrixXd& counts, double rate_hz,
-                                             double min_duration_s) {
-  constexpr double kBlockS = 0.05;
-  constexpr double kSigmas = 5.0;
-  const Index block = std::max<Index>(2, std::lround(kBlockS * rate_hz));
-  std::vector<StillStretch> stretches;
-  if (counts.rows() < 2 * block) return stretches;
-  // Two means of still noise differ by less than this; what is slower than white adds to it, so the
-  // noise itself is allowed on top.
-  const Eigen::RowVectorXd noise = NoiseFromDifferences(counts);
-  const Eigen::RowVectorXd allowed = noise * (kSigmas * std::sqrt(2.0 / block) + 0.25);
-  const auto mean_of = [&](Index first) -> Eigen::RowVectorXd {
-    return counts.middleRows(first, block).colwise().mean();
-  };
-  const auto is_near = [&](const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
-    return ((a - b).cwiseAbs().array() <= allowed.array()).all();
-  };
-  const auto keep = [&](Index begin, Index end) {
-    // The block beside a motion may hold its slow beginning or end.
-    if (begin > 0) begin += block;
-    if (end + block <= counts.rows()) end -= block;
-    if (end - begin >= min_duration_s * rate_hz) {
-      stretches.push_back({begin, end});
-    }
-  };
-  Index begin = 0;
-  Eigen::RowVectorXd first = mean_of(0);
-  Eigen::RowVectorXd last = first;
-  Index at = block;
-  for (; at + block <= counts.rows(); at += block) {
-    const Eigen::RowVectorXd mean = mean_of(at);
-    if (!is_near(mean, first) || !is_near(mean, last)) {
-      keep(begin, at);
-      begin = at;
-      first = mean;
-    }
-    last = mean;
-  }
-  keep(begin, at);
-  return stretches;
-}
-
 NoiseEstimate EstimateNoise(const Eigen::MatrixXd& counts,
                             const std::vector<StillStretch>& stretches,
                             const NoiseEstimateOptions& options) {
   if (!counts.allFinite()) throw SettingError("recording", "has values that are not finite");
-  const Sums sums = SumUp(counts, stretches);
-  if (sums.degrees_of_freedom < 1.0) {
+  NoiseEstimate estimate;
+  for (const StillStretch& stretch : stretches) {
+    estimate.degrees_of_freedom +=
+        static_cast<double>(std::max<Index>(stretch.end - stretch.begin - 1, 0));
+  }
+  if (estimate.degrees_of_freedom < 1.0) {
     throw SettingError("recording", "has no stretch of two samples in which the hand holds still");
   }
   const Index n = counts.cols();
-  NoiseEstimate estimate;
-  estimate.degrees_of_freedom = sums.degrees_of_freedom;
-  estimate.correlation = sums.lagged.cwiseQuotient(
-      sums.products.diagonal().cwiseMax(std::numeric_limits<double>::min()));
-  estimate.covariance = sums.products / sums.degrees_of_freedom;
-  const double rounding = options.resolution_counts * options.resolution_counts / 12.0;
-  estimate.covariance.diagonal().array() =
-      (estimate.covariance.diagonal().array() - rounding).max(0.0);
-  estimate.variance = estimate.covariance.diagonal();
-
-  const Eigen::ArrayXd squared = estimate.correlation.array().square();
-  const Eigen::ArrayXd freedom =
-      (sums.degrees_of_freedom * (1.0 - squared) / (1.0 + squared)).max(1.0);
-  const double tail = 0.5 * (1.0 - options.confidence);
-  const double sigmas = NormalQuantile(1.0 - tail);
-  estimate.variance_low.resize(n);
-  estimate.variance_high.resize(n);
-  for (Index i = 0; i < n; ++i) {
-    estimate.variance_low[i] =
-        estimate.variance[i] / ChiSquaredQuantileRatio(1.0 - tail, freedom[i]);
-    estimate.variance_high[i] = estimate.variance[i] / ChiSquaredQuantileRatio(tail, freedom[i]);
+  for (Eigen::VectorXd* values : {&estimate.variance, &estimate.variance_low,
+                                  &estimate.variance_high, &estimate.correlation}) {
+    values->resize(n);
   }
+  estimate.rounded.assign(static_cast<std::size_t>(n), false);
+  const double rounding = options.resolution_counts * options.resolution_counts / 12.0;
+  Eigen::MatrixXd deviations;
+  Eigen::ArrayXd freedom(n);
+  for (Index i = 0; i < n; ++i) {
+    const StillChannel channel = WithoutSpikes(counts.col(i), stretches, options.resolution_counts);
+    const ChannelNoise noise = DescribeNoise(channel.stretches, rounding);
+    SetVariance(i, channel, noise, options, estimate);
+    estimate.spikes.push_back(channel.spikes);
+    freedom[i] = std::max(noise.degrees_of_freedom, 1.0);
+    // Scaled so that the product of two channels is their covariance.
+    Eigen::VectorXd own = Deviations(channel);
+    if (noise.variance > 0.0) own /= own.norm() / std::sqrt(noise.variance);
+    if (deviations.size() == 0) deviations.resize(own.size(), n);
+    deviations.col(i) = own;
+  }
+  estimate.covariance = deviations.transpose() * deviations;
+  estimate.covariance.diagonal() = estimate.variance;
+
+  const double sigmas = NormalQuantile(0.5 + 0.5 * options.confidence);
   const Eigen::MatrixXd scale = freedom.sqrt().matrix() * freedom.sqrt().matrix().transpose();
   const Eigen::MatrixXd spread =
       sigmas *

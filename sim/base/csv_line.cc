@@ -1,11 +1,26 @@
 #include "sim/base/csv_line.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <limits>
+#include <string>
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+/// How programs write that there is no value, in small letters.
+constexpr std::array<std::string_view, 6> kMissing = {"", "nan", "na", "n/a", "null", "none"};
+
+bool IsMissing(std::string_view cell) {
+  return std::ranges::any_of(kMissing, [cell](std::string_view missing) {
+    return std::ranges::equal(cell, missing, {}, [](unsigned char c) { return std::tolower(c); });
+  });
+}
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -28,6 +43,19 @@ std::string_view Unquoted(std::string_view text) {
     text = text.substr(1, text.size() - 2);
   }
   return text;
+}
+
+std::optional<double> NumberOrMissing(std::string_view cell) {
+  cell = Unquoted(cell);
+  if (IsMissing(cell)) return std::numeric_limits<double>::quiet_NaN();
+  if (cell.starts_with('+')) cell.remove_prefix(1);
+  double value = 0.0;
+  const auto [rest, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (rest != cell.data() + cell.size()) return std::nullopt;
+  if (error == std::errc()) return value;
+  if (error != std::errc::result_out_of_range) return std::nullopt;
+  // from_chars() does not say on which side; strtod() gives 0 or infinity, with the sign.
+  return std::strtod(std::string(cell).c_str(), nullptr);
 }
 
 std::string_view TakeCell(std::string_view& rest, char separator) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,11 @@ std::string_view Trimmed(std::string_view text);
 
 /// Trimmed, then without the quotes around it, single or double.
 std::string_view Unquoted(std::string_view text);
+
+/// The number in a cell, infinite beyond the range of a double and 0 below it; NaN where the value
+/// is missing: an empty cell, `nan`, `NA`, `N/A`, `null` or `none` in any case of the letters.
+/// Nothing for any other text.
+std::optional<double> NumberOrMissing(std::string_view cell);
 
 /// Takes the first cell off `rest`, which then begins behind the separator. The separator ' '
 /// stands for any number of blanks.

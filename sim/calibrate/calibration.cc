@@ -7,10 +7,12 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <set>
+#include <numeric>
+#include <vector>
 
 #include "controller/calibration/curve_fit.h"
 #include "controller/calibration/noise_estimate.h"
+#include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {
@@ -29,26 +31,64 @@ bool IsClipped(const PoseRecording& recording, Index sample, Index channel) {
   return counts == 0.0 || counts == recording.full_scale_counts;
 }
 
-/// The settled samples of one channel, of poses that never reach an end of the scale.
+/// Samples of one channel that has one level in all of them.
+struct LevelSamples {
+  std::vector<Index> without_spikes;
+  bool clipped = false;  // reaches an end of the scale, not only by spikes
+};
+
+/// A spike is more than 5 standard deviations from the median, by the median distance to it. Where
+/// an end of the scale cuts noise, more than 1 % of the samples are there.
+LevelSamples SamplesOfLevel(const PoseRecording& recording, Index channel,
+                            const std::vector<Index>& samples) {
+  constexpr double kSigmas = 5.0;
+  constexpr double kLeastDeviation = 0.5;  // counts
+  constexpr double kMostAtAnEnd = 0.01;
+  std::vector<double> values;
+  for (const Index k : samples) values.push_back(recording.counts(k, channel));
+  const double median = controller::MedianOf(values);
+  for (double& value : values) value = std::abs(value - median);
+  const double limit =
+      kSigmas * std::max(controller::DeviationFromDistances(values), kLeastDeviation);
+  LevelSamples level;
+  Index at_an_end = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (values[i] > limit) continue;
+    level.without_spikes.push_back(samples[i]);
+    at_an_end += IsClipped(recording, samples[i], channel);
+  }
+  level.clipped = static_cast<double>(at_an_end) > kMostAtAnEnd * std::ssize(samples);
+  return level;
+}
+
+/// The settled samples of one channel, without spikes, of poses that do not reach an end of the
+/// scale.
 struct Poses {
   VectorXd counts;
   VectorXd angle_deg;
+  double resolution_counts = 0.0;
   std::size_t clipped = 0;  // poses that do reach one
 };
 
 Poses PosesOf(const PoseRecording& recording, Index channel) {
-  std::set<double> clipped;
+  std::map<double, std::vector<Index>> samples_of;  // by angle
   for (Index k = 0; k < recording.counts.rows(); ++k) {
     const double angle = recording.angle_deg(k, channel);
-    if (std::isfinite(angle) && IsClipped(recording, k, channel)) clipped.insert(angle);
+    if (std::isfinite(angle)) samples_of[angle].push_back(k);
   }
+  Poses poses;
+  poses.resolution_counts = recording.resolution_counts;
   std::vector<Index> settled;
-  for (Index k = 0; k < recording.counts.rows(); ++k) {
-    const double angle = recording.angle_deg(k, channel);
-    if (std::isfinite(angle) && !clipped.contains(angle)) settled.push_back(k);
+  for (const auto& [angle, samples] : samples_of) {
+    const LevelSamples level = SamplesOfLevel(recording, channel, samples);
+    poses.clipped += level.clipped;
+    if (level.clipped) continue;
+    settled.insert(settled.end(), level.without_spikes.begin(), level.without_spikes.end());
   }
-  return {recording.counts.col(channel)(settled), recording.angle_deg.col(channel)(settled),
-          clipped.size()};
+  std::ranges::sort(settled);
+  poses.counts = recording.counts.col(channel)(settled);
+  poses.angle_deg = recording.angle_deg.col(channel)(settled);
+  return poses;
 }
 
 /// Mean counts of each pose, by its angle.
@@ -91,8 +131,10 @@ std::string ProblemOf(const PoseRecording& recording, const std::string& channel
 }
 
 CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
-  if (kind == CurveKind::kTable) return controller::FitTable(poses.counts, poses.angle_deg);
-  if (kind == CurveKind::kTwoPoint) return controller::FitTwoPoint(poses.counts, poses.angle_deg);
+  if (kind == CurveKind::kTable)
+    return controller::FitTable(poses.counts, poses.angle_deg, poses.resolution_counts);
+  if (kind == CurveKind::kTwoPoint)
+    return controller::FitTwoPoint(poses.counts, poses.angle_deg, poses.resolution_counts);
   // Noise makes all counts different, so that the fit itself cannot see that poses are too few.
   const int angles = MeanCounts(poses).size();
   if (degree >= angles) {
@@ -171,12 +213,12 @@ std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& reco
   }
   Index at_the_end = 0;  // a channel that spoils stretches
   std::erase_if(stretches, [&](const controller::StillStretch& stretch) {
+    std::vector<Index> samples(static_cast<std::size_t>(stretch.end - stretch.begin));
+    std::iota(samples.begin(), samples.end(), stretch.begin);
     for (Index c = 0; c < recording.counts.cols(); ++c) {
-      for (Index k = stretch.begin; k < stretch.end; ++k) {
-        if (!IsClipped(recording, k, c)) continue;
-        at_the_end = c;
-        return true;
-      }
+      if (!SamplesOfLevel(recording, c, samples).clipped) continue;
+      at_the_end = c;
+      return true;
     }
     return false;
   });
@@ -201,6 +243,8 @@ void EstimateR(const PoseRecording& recording, Calibration& calibration) {
     channel.variance_counts2 = Short(noise.variance[row]);
     channel.variance_low_counts2 = Short(noise.variance_low[row]);
     channel.variance_high_counts2 = Short(noise.variance_high[row]);
+    channel.hidden_by_rounding = noise.rounded[i];
+    channel.spikes = static_cast<int>(noise.spikes[i]);
     channel.neighbour_correlation = Short(noise.correlation[row]);
     channel.covariance_counts2 = RowOf(noise.covariance, row);
     channel.covariance_low_counts2 = RowOf(noise.covariance_low, row);
@@ -273,6 +317,10 @@ void ChannelCalibration::Visit(controller::SettingsVisitor& visitor) {
                  variance_low_counts2);
   visitor.Number({.key = "variance_high_counts2", .help = "upper end of its confidence interval"},
                  variance_high_counts2);
+  visitor.Flag({.key = "hidden_by_rounding",
+                .help = "noise below 0.7 counts: R is the most likely one, its interval wide"},
+               hidden_by_rounding);
+  visitor.Integer({.key = "spikes", .help = "samples left out of R", .min = 0}, spikes);
   visitor.Number({.key = "neighbour_correlation",
                   .help = "of samples that follow each other; 0 is white noise"},
                  neighbour_correlation);

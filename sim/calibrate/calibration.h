@@ -19,6 +19,8 @@ struct ChannelCalibration {
   double variance_counts2 = 0.0;
   double variance_low_counts2 = 0.0;
   double variance_high_counts2 = 0.0;
+  bool hidden_by_rounding = false;         // see controller::NoiseEstimate::rounded
+  int spikes = 0;                          // left out, in the still stretches
   double neighbour_correlation = 0.0;      // of samples that follow each other; 0 is white noise
   std::vector<double> covariance_counts2;  // with every channel
   std::vector<double> covariance_low_counts2;

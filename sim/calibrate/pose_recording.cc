@@ -7,7 +7,6 @@
 #include <optional>
 #include <string_view>
 
-#include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
@@ -56,7 +55,8 @@ bool AddChannel(const std::string& name, std::size_t column, PoseColumns& column
     }
     const std::string channel = name.substr(
         pattern.before.size(), name.size() - pattern.before.size() - pattern.after.size());
-    if (channel.find('.') != std::string::npos) continue;
+    // `target_angle_rad.NAME` and its like are other signals of a trace.
+    if (pattern.after.empty() && channel.find('.') != std::string::npos) continue;
     (pattern.is_angle ? columns.angles : columns.counts)
         .push_back({column, channel, pattern.scale});
     return true;
@@ -70,19 +70,6 @@ bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) 
   columns.time = column;
   columns.time_scale_s = *scale_s;
   return true;
-}
-
-void RejectUnknownChannels(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
-  const std::vector<std::string> known = KnownChannelNames();
-  for (const ChannelColumn& column : columns) {
-    if (std::ranges::find(known, column.channel) != known.end()) continue;
-    const std::string nearest = NearestName(column.channel, known);
-    csv.Fail(column.column + 1,
-             fmt::format("unknown channel {}{}; gauntlet list channels names all {}",
-                         Quoted(column.channel),
-                         nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest),
-                         known.size()));
-  }
 }
 
 void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
@@ -125,22 +112,28 @@ PoseColumns FindColumns(const CsvReader& csv) {
     const std::string& name = csv.header()[column];
     if (AddTime(name, column, columns) || AddChannel(name, column, columns)) continue;
     if (name.find('.') == std::string::npos) {
-      csv.Fail(
-          column + 1,
-          fmt::format("unknown column {}, must be t_s, time, time_s, time_ms, time_us, k, or a "
-                      "channel's name with _counts, _deg or _rad behind it",
-                      Quoted(name)));
+      csv.Fail(column + 1,
+               fmt::format("unknown column {}, must be a time (as t_s or time_ms), k, or a "
+                           "channel's name with _counts, _deg or _rad behind it",
+                           Quoted(name)));
     }
     ++columns.left_out;
   }
   if (columns.counts.empty()) csv.Fail(1, "there is no column of counts (as index_mcp_counts)");
-  RejectUnknownChannels(csv, columns.counts);
-  RejectUnknownChannels(csv, columns.angles);
   RejectRepeats(csv, columns.counts);
   RejectRepeats(csv, columns.angles);
   PairUp(csv, columns);
   return columns;
 }
+
+/// Values that no converter of this scale gives: glitches of its line, or it has another scale.
+struct BeyondScale {
+  std::size_t rows = 0;
+  // The first of them.
+  std::size_t row = 0;
+  std::size_t column = 0;
+  double counts = 0.0;
+};
 
 /// The rows of the file, and the times of the first and the last.
 struct Rows {
@@ -150,6 +143,7 @@ struct Rows {
   double last_s = kMissing;
   std::size_t count = 0;
   std::vector<std::size_t> distances;  // from each row with counts to the next, in rows of the file
+  BeyondScale beyond_scale;
 };
 
 /// Every how many rows of the file there are counts: a trace of a slow glove has rows in between.
@@ -172,6 +166,34 @@ void TakeTime(const CsvReader& csv, const PoseColumns& columns, const std::vecto
   }
   if (std::isnan(rows.first_s)) rows.first_s = time_s;
   rows.last_s = time_s;
+}
+
+bool IsBeyondScale(const CsvReader& csv, const PoseColumns& columns,
+                   const std::vector<double>& values, double full_scale_counts, Rows& rows) {
+  for (const ChannelColumn& c : columns.counts) {
+    const double counts = values[c.column];
+    if (counts >= 0.0 && counts <= full_scale_counts) continue;
+    if (rows.beyond_scale.rows++ == 0) {
+      rows.beyond_scale = {.rows = 1, .row = csv.row(), .column = c.column, .counts = counts};
+    }
+    return true;
+  }
+  return false;
+}
+
+/// A few such values are glitches.
+void RejectAnotherScale(const CsvReader& csv, const Rows& rows, double full_scale_counts) {
+  constexpr double kMostShare = 0.05;
+  const BeyondScale& beyond = rows.beyond_scale;
+  if (static_cast<double>(beyond.rows) <=
+      kMostShare * static_cast<double>(beyond.rows + rows.count)) {
+    return;
+  }
+  csv.FailInRow(
+      beyond.row, beyond.column + 1,
+      fmt::format("is {} counts, must be from 0 to the converter's full scale of {} "
+                  "(--full-scale); {} of {} rows have such values",
+                  beyond.counts, full_scale_counts, beyond.rows, beyond.rows + rows.count));
 }
 
 }  // namespace
@@ -213,16 +235,11 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
     TakeTime(csv, columns, values, rows);
     const bool whole = std::ranges::none_of(
         columns.counts, [&](const ChannelColumn& c) { return std::isnan(values[c.column]); });
-    if (!whole) continue;
+    if (!whole || IsBeyondScale(csv, columns, values, format.full_scale_counts, rows)) continue;
     if (rows.count++ > 0) rows.distances.push_back(row - last_whole);
     last_whole = row;
     for (const ChannelColumn& c : columns.counts) {
       const double counts = values[c.column];
-      if (counts < 0.0 || counts > format.full_scale_counts) {
-        csv.Fail(c.column + 1, fmt::format("is {} counts, must be from 0 to the converter's full "
-                                           "scale of {} (--full-scale)",
-                                           counts, format.full_scale_counts));
-      }
       rows.counts.push_back(counts);
       if (counts != std::round(counts)) recording.resolution_counts = 0.0;
     }
@@ -230,6 +247,7 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
       rows.angle_deg.push_back(values[c.column] * c.scale);
     }
   }
+  RejectAnotherScale(csv, rows, format.full_scale_counts);
   if (rows.count < kFewestRows) {
     csv.Fail(1,
              fmt::format("the recording has {} rows without missing counts, must have at least {}",
@@ -238,6 +256,8 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   const std::size_t rows_per_sample = columns.time ? RowsPerSample(rows.distances) : 1;
   const std::size_t samples_expected = (row - 1) / rows_per_sample + 1;
   recording.rows_left_out = std::max(samples_expected, rows.count) - rows.count;
+  recording.rows_beyond_scale = rows.beyond_scale.rows;
+  recording.rows_left_out -= std::min(recording.rows_left_out, recording.rows_beyond_scale);
   recording.full_scale_counts = format.full_scale_counts;
   recording.settle_ms = format.settle_ms;
   recording.rate_hz = format.rate_hz;

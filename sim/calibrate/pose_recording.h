@@ -18,12 +18,13 @@ struct PoseRecording {
   std::vector<std::string> channel_names;
   double rate_hz = 1000.0;  // of samples; a trace of a slow glove has rows in between
   double full_scale_counts = 1023.0;
-  double settle_ms = 200.0;          // see PoseRecordingFormat
-  Signal counts;                     // finite
-  Signal angle_deg;                  // NaN where the pose is not known or not yet settled
-  std::size_t rows_left_out = 0;     // a count was missing
-  double resolution_counts = 0.0;    // 1 if all counts are whole numbers
-  std::size_t columns_left_out = 0;  // other signals of a trace
+  double settle_ms = 200.0;           // see PoseRecordingFormat
+  Signal counts;                      // finite
+  Signal angle_deg;                   // NaN where the pose is not known or not yet settled
+  std::size_t rows_left_out = 0;      // a count was missing
+  std::size_t rows_beyond_scale = 0;  // left out, too: a count was below 0 or above full scale
+  double resolution_counts = 0.0;     // 1 if all counts are whole numbers
+  std::size_t columns_left_out = 0;   // other signals of a trace
 };
 
 struct PoseRecordingFormat {
@@ -40,8 +41,10 @@ void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> a
 /// Reads a table with a header. Per channel `NAME_counts`, and `NAME_deg` or `NAME_rad` for its
 /// known angle, empty where it is not known; all channels or none have known angles. Time is a
 /// column of time (see TimeScaleS), or not there (`k` is passed over). The CSV of a trace is such a
-/// table, too: `counts.NAME`, `true_angle_rad.NAME`; its other signals are left out. NAME is one of
-/// KnownChannels(): no controller asks for another. Errors: UserError `file:row:column: ...`.
+/// table, too: `counts.NAME`, `true_angle_rad.NAME`; its other signals are left out. NAME is any
+/// name.
+/// Errors: UserError `file:row:column: ...`; a few counts beyond the scale are none, but more than
+/// 5 % of the rows with such are.
 PoseRecording LoadPoseRecording(const std::filesystem::path& file,
                                 const PoseRecordingFormat& format);
 

@@ -8,7 +8,10 @@
 #include <string>
 
 #include "sim/base/atomic_file.h"
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
 #include "sim/calibrate/calibration.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
@@ -62,8 +65,10 @@ void PrintTable(const Calibration& calibration, const CurveErrors& errors, Curve
               kind == chosen ? '*' : ' ');
       }
     }
-    Print("  {:>8.3f}   {:.3f} to {:.3f}\n", channel.variance_counts2, channel.variance_low_counts2,
-          channel.variance_high_counts2);
+    Print("  {:>8.3f}   {:.3f} to {:.3f}{}{}\n", channel.variance_counts2,
+          channel.variance_low_counts2, channel.variance_high_counts2,
+          channel.hidden_by_rounding ? ", rounding hides it" : "",
+          channel.spikes > 0 ? fmt::format(", {} spikes left out", channel.spikes) : "");
   }
   if (has_curves) Print("* in the file; the noise of the sensor is part of each error\n");
 }
@@ -81,6 +86,8 @@ void PrintJson(const Calibration& calibration, const CurveErrors& errors) {
     row["variance_counts2"] = channel.variance_counts2;
     row["variance_low_counts2"] = channel.variance_low_counts2;
     row["variance_high_counts2"] = channel.variance_high_counts2;
+    row["hidden_by_rounding"] = channel.hidden_by_rounding;
+    row["spikes"] = channel.spikes;
     row["covariance_counts2"] = channel.covariance_counts2;
     channels.push_back(std::move(row));
   }
@@ -102,11 +109,21 @@ void Remark(const PoseRecording& recording, const Calibration& calibration) {
     Say("gauntlet: {}: no known angles (columns as index_mcp_deg), so no linearisation\n",
         recording.name);
   }
+  if (recording.rows_beyond_scale > 0) {
+    Say("gauntlet: {}: {} rows with a count below 0 or above {:g} left out\n", recording.name,
+        recording.rows_beyond_scale, recording.full_scale_counts);
+  }
+  const std::vector<std::string> known = KnownChannelNames();
   for (const ChannelCalibration& channel : calibration.channels) {
-    if (channel.variance_counts2 > 0.0) continue;
-    Say("gauntlet: warning: {}: {} has no noise beyond its rounding while the hand is still: "
-        "is the sensor connected?\n",
-        recording.name, channel.channel);
+    const std::string nearest = NearestName(channel.channel, known);
+    if (!nearest.empty() && nearest != channel.channel) {
+      Say("gauntlet: warning: {}: {} is not a channel of the simulated glove (did you mean {}?)\n",
+          recording.name, Shown(channel.channel), nearest);
+    }
+    if (!channel.hidden_by_rounding || channel.variance_low_counts2 > 0.0) continue;
+    Say("gauntlet: warning: {}: {}: rounding hides the noise, R is at most {:.3g}; is the sensor "
+        "connected?\n",
+        recording.name, Shown(channel.channel), channel.variance_high_counts2);
   }
 }
 
@@ -149,10 +166,9 @@ void AddCalibrateCommand(CLI::App& app) {
       "calibrate", "Linearisation and measurement covariance R of a glove, from a recording");
   const auto options = std::make_shared<CalibrateOptions>();
   command
-      ->add_option(
-          "recording", options->recording,
-          "CSV with NAME_counts and NAME_deg per channel (see gauntlet list channels), or a "
-          "trace of run --csv")
+      ->add_option("recording", options->recording,
+                   "CSV with NAME_counts and NAME_deg per channel, or a "
+                   "trace of run --csv")
       ->required();
   AddOutOption(*command, options->out, "file to write [out/<recording>.calibration.yaml]",
                "FILE.yaml");
@@ -189,7 +205,8 @@ void AddCalibrateCommand(CLI::App& app) {
   command->footer(
       "\nKnown angles are empty where they are not known. Stretches in which no sensor moves for "
       "half\n"
-      "a second or more give R.\n"
+      "a second or more give R; spikes and values beyond the scale are left out and counted. A\n"
+      "scenario takes channels by the names of gauntlet list channels.\n"
       "\nExample:\n  gauntlet run scenarios/known_poses.yaml --csv\n"
       "  gauntlet calibrate out/known_poses/trace.raw.csv --out out/my_glove.yaml\n"
       "  gauntlet run scenarios/calibrated_glove.yaml --set "

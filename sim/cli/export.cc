@@ -14,6 +14,7 @@
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
 #include "sim/settings/robot_file.h"
+#include "sim/settings/robot_header.h"
 #include "sim/study/manifest.h"
 #include "sim/study/study.h"
 
@@ -23,7 +24,8 @@ namespace {
 struct ExportOptions {
   std::string folder;
   std::string controller;
-  std::string out;  // empty: NAME.robot.yaml in the folder
+  std::string out;  // empty: NAME.robot.yaml (or .h) in the folder
+  bool header = false;
 };
 
 const NamedController& Find(const Scenario& scenario, const std::string& name) {
@@ -37,7 +39,8 @@ const NamedController& Find(const Scenario& scenario, const std::string& name) {
 
 std::filesystem::path TargetOf(const ExportOptions& options) {
   const std::filesystem::path folder = options.folder;
-  if (options.out.empty()) return folder / (options.controller + ".robot.yaml");
+  if (options.out.empty())
+    return folder / (options.controller + (options.header ? ".robot.h" : ".robot.yaml"));
   std::error_code none;
   if (std::filesystem::equivalent(options.out, folder / "scenario.resolved.yaml", none)) {
     throw UserError({.place = "--out " + options.out, .problem = "is the scenario itself"});
@@ -54,11 +57,13 @@ void RunExport(const ExportOptions& options) {
   WarnIfMadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");
   const std::filesystem::path target = TargetOf(options);
   if (target.has_parent_path()) MakeDirectory(target.parent_path());
-  WriteFileAtomically(target, RobotToYaml(RobotOf(scenario, hand, named.config),
-                                          {.gauntlet_version = GAUNTLET_VERSION,
-                                           .scenario = scenario.name,
-                                           .controller = named.name,
-                                           .model_hash = hand.Hash()}));
+  const controller::RobotConfig robot = RobotOf(scenario, hand, named.config);
+  const RobotOrigin origin{.gauntlet_version = GAUNTLET_VERSION,
+                           .scenario = scenario.name,
+                           .controller = named.name,
+                           .model_hash = hand.Hash()};
+  WriteFileAtomically(target,
+                      options.header ? RobotToHeader(robot, origin) : RobotToYaml(robot, origin));
   Say("wrote {}\n", target.string());
 }
 
@@ -72,8 +77,10 @@ void AddExportCommand(CLI::App& app) {
   command->add_option("--controller", options->controller, "which controller of the scenario")
       ->type_name("NAME")
       ->required();
-  AddOutOption(*command, options->out, "file to write [NAME.robot.yaml in the folder]",
-               "FILE.yaml");
+  AddOutOption(*command, options->out, "file to write [NAME.robot.yaml in the folder]", "FILE");
+  command->add_flag(
+      "--header", options->header,
+      "write a C++ header of constants [NAME.robot.h], for a robot that reads no files");
   command->footer(
       "\nThe file holds the controller's settings, the calibration of the glove that its trials "
       "used, the\n"

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
@@ -25,12 +26,8 @@ constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 /// True for all that may stand where a number is expected, a missing value included.
 bool LooksLikeNumber(std::string_view cell, bool decimal_comma) {
   std::string text(Unquoted(cell));
-  if (text.empty()) return true;
   if (decimal_comma) std::ranges::replace(text, ',', '.');
-  double value;
-  const char* begin = text.data() + (text[0] == '+' ? 1 : 0);
-  const auto result = std::from_chars(begin, text.data() + text.size(), value);
-  return result.ec != std::errc::invalid_argument && result.ptr == text.data() + text.size();
+  return NumberOrMissing(text).has_value();
 }
 
 char FindSeparator(std::string_view line) {
@@ -229,25 +226,22 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
     }
     return kMissing;
   }
-  const char* const begin = text.data() + (text[0] == '+' ? 1 : 0);
-  const char* const end = text.data() + text.size();
-  double value = kMissing;
-  const auto number = std::from_chars(begin, end, value);
-  if (number.ec == std::errc::invalid_argument || number.ptr != end) {
+  const std::optional<double> value = NumberOrMissing(text);
+  if (!value) {
     Problem("not a number", column, Quoted(cell) + " is not a number");
     return kMissing;
   }
-  if (number.ec == std::errc() && std::isnan(value)) {
+  if (std::isnan(*value)) {
     if (handling_ != ProblemHandling::kAllowMissing) {
-      Problem("missing value", column, "the value is missing (nan)");
+      Problem("missing value", column, fmt::format("the value is missing ({})", text));
     }
     return kMissing;
   }
-  if (number.ec == std::errc::result_out_of_range || std::isinf(value)) {
+  if (std::isinf(*value)) {
     Problem("not finite", column, Quoted(cell) + " is not a finite number");
     return kMissing;
   }
-  return value;
+  return *value;
 }
 
 CsvReader::Source FileSource(const std::filesystem::path& path) {

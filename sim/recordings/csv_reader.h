@@ -15,7 +15,7 @@ namespace gauntlet::sim {
 enum class ProblemHandling {
   kStrict,        // stops with a UserError at the first one
   kRepair,        // gives NaN for the value and reports
-  kAllowMissing,  // strict, but an empty cell or `nan` is NaN and no problem
+  kAllowMissing,  // strict, but a missing value is NaN and no problem
 };
 /// As settings name the first two.
 inline constexpr std::array<std::string_view, 2> kProblemHandlingNames = {"strict", "repair"};
@@ -26,9 +26,9 @@ inline constexpr std::array<std::string_view, 2> kProblemHandlingNames = {"stric
 /// Takes comma, semicolon, tab or spaces between cells (found from the first line), LF or CRLF, a
 /// byte order mark, blank lines, lines that start with '#', quoted names, and a decimal comma if
 /// the separator is another character. A first line with a cell that is not a number is the header.
-/// An empty cell or `nan` is a missing value. A header one name short lacks the first column's
-/// name, or the last one's if it starts with the time. Errors: UserError `file:row:column: ...`;
-/// row is the line of the file, column the cell, from 1.
+/// An empty cell, `nan` or `NA` is a missing value (see NumberOrMissing). A header one name short
+/// lacks the first column's name, or the last one's if it starts with the time. Errors: UserError
+/// `file:row:column: ...`; row is the line of the file, column the cell, from 1.
 class CsvReader {
  public:
   /// Fills a buffer and says how many bytes it gave; 0 is the end.

@@ -5,11 +5,18 @@
 
 namespace gauntlet::sim {
 
-/// Seconds per unit of a column of time: `t_s` (of a trace), `time`, `time_s`, `time_ms`,
-/// `time_us`, in any case of the letters. Nothing for any other name.
+/// Seconds per unit of a column of time: `t`, `time`, `timestamp`, `elapsed` or `elapsed_time`,
+/// alone (in s) or with a unit behind it, `s`, `sec`, `ms`, `us`, `ns` and their longer forms; or
+/// the longer form of a unit alone. Case, blanks, brackets and punctuation do not matter: `t_s`,
+/// `Time (ms)`, `timestampUs`, `seconds`. Nothing for any other name.
 std::optional<double> TimeScaleS(std::string_view name);
 
-/// True for `k`, the number of the sample in the CSV of a trace.
+/// True for the number of a sample or frame: `k` (in the CSV of a trace), `frame`, `sample`, `row`,
+/// `seq`, as in `frame_number`.
 bool IsSampleNumber(std::string_view name);
+
+/// True for a name that may be a time or a number of samples, but may be a sensor's, too: `index`,
+/// `date`, `clock_ticks`.
+bool MayBeTime(std::string_view name);
 
 }  // namespace gauntlet::sim

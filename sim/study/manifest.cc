@@ -96,7 +96,7 @@ void RemoveLeftovers(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     const bool table = name.starts_with("trace.") && name.ends_with(".csv");
-    const bool robot = name.ends_with(".robot.yaml");
+    const bool robot = name.ends_with(".robot.yaml") || name.ends_with(".robot.h");
     if (table || robot || name == "comparison.mp4") fs::remove(entry.path(), ignored);
   }
 }

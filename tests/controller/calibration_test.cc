@@ -93,6 +93,116 @@ TEST(EstimateNoise, IsLessSureOfNoiseThatIsNotWhite) {
   EXPECT_GT(width[1], 2.5 * width[0]);
 }
 
+/// Still samples around `level` with first-order noise, rounded to counts.
+Eigen::VectorXd StillChannel(int samples, double level, double deviation, double correlation,
+                             TestNoise& noise) {
+  Eigen::VectorXd counts(samples);
+  double state = noise.Normal();
+  for (int k = 0; k < samples; ++k) {
+    state = correlation * state + std::sqrt(1.0 - correlation * correlation) * noise.Normal();
+    counts[k] = std::round(level + deviation * state);
+  }
+  return counts;
+}
+
+TEST(EstimateNoise, LeavesSpikesOutAndCountsThem) {
+  TestNoise noise(11);
+  Eigen::MatrixXd counts = StillChannel(10000, 400.3, 3.0, 0.0, noise);
+  for (int k = 50; k < 10000; k += 100) counts(k, 0) += k % 200 == 50 ? 124.0 : -124.0;
+  const NoiseEstimate estimate = EstimateNoise(counts, {{0, 5000}, {5000, 10000}});
+  EXPECT_EQ(estimate.spikes[0], 100);
+  EXPECT_NEAR(estimate.variance[0], 9.0, 0.5);
+  EXPECT_LE(estimate.variance_low[0], 9.0);
+  EXPECT_GE(estimate.variance_high[0], 9.0);
+}
+
+/// Of 100 repeats, in how many the interval holds the truth.
+int Held(double deviation, double correlation, int stretch_count) {
+  TestNoise noise(12);
+  int held = 0;
+  for (int repeat = 0; repeat < 100; ++repeat) {
+    constexpr int kSamples = 1000;
+    Eigen::MatrixXd counts(kSamples * stretch_count, 1);
+    std::vector<StillStretch> stretches;
+    for (int i = 0; i < stretch_count; ++i) {
+      counts.middleRows(i * kSamples, kSamples) =
+          StillChannel(kSamples, 300.0 + 7.0 * i + noise.Uniform(), deviation, correlation, noise);
+      stretches.push_back({i * kSamples, (i + 1) * kSamples});
+    }
+    const NoiseEstimate estimate = EstimateNoise(counts, stretches);
+    const double truth = deviation * deviation;
+    held += estimate.variance_low[0] <= truth && truth <= estimate.variance_high[0];
+  }
+  return held;
+}
+
+// 95 expected, standard deviation 2.2.
+TEST(EstimateNoise, IsUnsureEnoughOfNoiseThatRoundingHides) {
+  for (const double deviation : {0.1, 0.2, 0.3, 0.4, 0.5}) {
+    EXPECT_GE(Held(deviation, 0.0, 5), 88) << deviation;
+  }
+  EXPECT_LE(Held(0.5, 0.0, 5), 99) << "where rounding hides little, the interval is not too wide";
+}
+
+TEST(EstimateNoise, IsUnsureEnoughOfSlowNoise) {
+  for (const double correlation : {-0.5, 0.5, 0.8, 0.9, 0.95}) {
+    EXPECT_GE(Held(4.0, correlation, 5), 88) << correlation;
+  }
+}
+
+TEST(EstimateNoise, SaysWhatRoundingHides) {
+  TestNoise noise(13);
+  Eigen::MatrixXd counts(4000, 3);
+  counts.col(0) = StillChannel(4000, 400.5, 0.3, 0.0, noise);
+  counts.col(1) = StillChannel(4000, 400.5, 2.0, 0.0, noise);
+  counts.col(2).setConstant(400.0);
+  const NoiseEstimate estimate = EstimateNoise(counts, {{0, 4000}});
+  EXPECT_EQ(estimate.rounded, (std::vector<bool>{true, false, true}));
+  EXPECT_EQ(estimate.variance_low[2], 0.0);
+  EXPECT_GT(estimate.variance_high[2], 0.01) << "0.1 counts in the middle of a step cannot be seen";
+  EXPECT_LT(estimate.variance_high[2], 0.25);
+}
+
+class StillHandWith : public testing::TestWithParam<double> {};
+
+TEST_P(StillHandWith, CorrelatedNoiseHoldsStill) {
+  TestNoise noise(14);
+  Eigen::MatrixXd counts(9000, 3);
+  for (int i = 0; i < 3; ++i) {
+    counts.col(i).head(4000) = StillChannel(4000, 300.0, 4.0, GetParam(), noise);
+    counts.col(i).tail(5000) = StillChannel(5000, 450.0, 4.0, GetParam(), noise);
+  }
+  const auto stretches = FindStillStretches(counts, 1000.0);
+  double samples = 0.0;
+  for (const StillStretch& stretch : stretches) {
+    samples += static_cast<double>(stretch.end - stretch.begin);
+    EXPECT_TRUE(stretch.end <= 4000 || stretch.begin >= 4000) << "both levels in one";
+  }
+  EXPECT_GT(samples, 0.8 * 9000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Correlations, StillHandWith, testing::Values(0.0, 0.5, 0.8, 0.9, 0.95));
+
+TEST(FindStillStretches, AreNotEndedBySpikes) {
+  TestNoise noise(15);
+  Eigen::MatrixXd counts = StillChannel(5000, 300.0, 3.0, 0.0, noise);
+  for (int k = 0; k < 5000; k += 25) counts(k, 0) += 124.0;
+  const auto stretches = FindStillStretches(counts, 1000.0);
+  ASSERT_EQ(stretches.size(), 1u);
+  EXPECT_EQ(stretches[0].end, 5000);
+}
+
+TEST(FindStillStretches, FindsNoneInASlowSwing) {
+  TestNoise noise(16);
+  for (const double period_s : {1.0, 2.0, 4.0}) {
+    Eigen::MatrixXd counts = StillChannel(8000, 0.0, 3.0, 0.0, noise);
+    for (int k = 0; k < 8000; ++k) {
+      counts(k, 0) += std::round(500.0 + 200.0 * std::sin(6.283185307 * k / (1000.0 * period_s)));
+    }
+    EXPECT_TRUE(FindStillStretches(counts, 1000.0).empty()) << period_s;
+  }
+}
+
 TEST(FindStillStretches, FindsTheRestsBetweenMotions) {
   Eigen::MatrixXd counts = StillHand(6000, 9);
   for (int k = 2000; k < 3500; ++k) counts(k, 4) += 150.0 * std::sin(0.004 * (k - 2000));
@@ -122,6 +232,28 @@ TEST(FitTable, GivesBackTheCornersOfItsPoses) {
     // 4 counts / sqrt(300) times 1.97, at 45 / 260 deg per count or 45 / 320.
     EXPECT_NEAR(fit.half_width_95_deg[i], 0.455 * 45.0 / (i == 2 ? 320.0 : 260.0), 0.01);
   }
+}
+
+TEST(FitTable, IsUnsureEnoughOfNoiseThatIsNotWhite) {
+  TestNoise noise(17);
+  int held = 0;
+  constexpr int kRepeats = 100;
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    Eigen::VectorXd counts(1200), angle_deg(1200);
+    for (int pose = 0; pose < 2; ++pose) {
+      counts.segment(600 * pose, 600) = StillChannel(600, 300.3 + 300.0 * pose, 4.0, 0.5, noise);
+      angle_deg.segment(600 * pose, 600).setConstant(90.0 * pose);
+    }
+    const CurveFit fit = FitTable(counts, angle_deg);
+    const double counts_per_deg = (fit.curve.counts[1] - fit.curve.counts[0]) / 90.0;
+    for (int pose = 0; pose < 2; ++pose) {
+      held += std::abs(fit.curve.counts[pose] - (300.3 + 300.0 * pose)) <=
+              counts_per_deg * fit.half_width_95_deg[pose];
+    }
+  }
+  // 190 of 200 expected, standard deviation 3.1; for white noise it would be 150.
+  EXPECT_GE(held, 180);
+  EXPECT_LE(held, 199);
 }
 
 TEST(FitTable, RefusesPosesThatAreNotInOrder) {

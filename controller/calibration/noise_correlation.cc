@@ -1,0 +1,114 @@
+#include "controller/calibration/noise_correlation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gauntlet::controller {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Deviations from the stretch's mean, 0 where a value is left out, and how many there are.
+struct Stretch {
+  VectorXd deviation;
+  VectorXd present;  // 1, or 0 where a value is left out
+  double samples = 0.0;
+};
+
+std::vector<Stretch> Centred(const std::vector<VectorXd>& stretches) {
+  std::vector<Stretch> centred;
+  for (const VectorXd& values : stretches) {
+    Stretch stretch;
+    stretch.present = values.unaryExpr([](double v) { return std::isnan(v) ? 0.0 : 1.0; });
+    stretch.samples = stretch.present.sum();
+    if (stretch.samples < 2.0) continue;
+    stretch.deviation = values.unaryExpr([](double v) { return std::isnan(v) ? 0.0 : v; });
+    const double mean = stretch.deviation.sum() / stretch.samples;
+    stretch.deviation = (stretch.deviation.array() - mean) * stretch.present.array();
+    centred.push_back(std::move(stretch));
+  }
+  return centred;
+}
+
+/// Mean product of deviations that are `lag` apart.
+double ProductAt(Index lag, const std::vector<Stretch>& stretches) {
+  double sum = 0.0;
+  double pairs = 0.0;
+  for (const Stretch& stretch : stretches) {
+    const Index overlap = stretch.deviation.size() - lag;
+    if (overlap < 1) continue;
+    sum += stretch.deviation.head(overlap).dot(stretch.deviation.tail(overlap));
+    pairs += stretch.present.head(overlap).dot(stretch.present.tail(overlap));
+  }
+  return pairs > 0.0 ? sum / pairs : 0.0;
+}
+
+/// Mean products at lags 1, 2, .. as long as they are beyond chance: at most to half of the longest
+/// stretch, for the mean is taken from it.
+std::vector<double> ProductsBeyondChance(const std::vector<Stretch>& stretches, double variance,
+                                         double samples) {
+  constexpr double kSigmas = 2.0;
+  Index longest = 0;
+  for (const Stretch& stretch : stretches) {
+    longest = std::max<Index>(longest, stretch.deviation.size());
+  }
+  std::vector<double> products;
+  for (Index lag = 1; lag <= longest / 2; ++lag) {
+    const double product = ProductAt(lag, stretches);
+    if (std::abs(product) <= kSigmas * variance / std::sqrt(samples)) break;
+    products.push_back(product);
+  }
+  return products;
+}
+
+}  // namespace
+
+double ChannelNoise::MeanFactor(double sample_count) const {
+  double factor = 1.0;
+  for (std::size_t i = 0; i < correlation.size(); ++i) {
+    const double lag = static_cast<double>(i + 1);
+    if (lag < sample_count) factor += 2.0 * (1.0 - lag / sample_count) * correlation[i];
+  }
+  return std::clamp(factor, 0.0, sample_count);
+}
+
+double ChannelNoise::VarianceFactor() const {
+  double factor = 1.0;
+  for (const double c : correlation) factor += 2.0 * c * c;
+  return factor;
+}
+
+ChannelNoise DescribeNoise(const std::vector<VectorXd>& values, double rounding_variance) {
+  const std::vector<Stretch> stretches = Centred(values);
+  ChannelNoise noise;
+  double square_sum = 0.0;
+  for (const Stretch& stretch : stretches) {
+    noise.samples += stretch.samples;
+    square_sum += stretch.deviation.squaredNorm();
+  }
+  const double own_means = static_cast<double>(stretches.size());
+  if (noise.samples <= own_means) return noise;
+  noise.variance = square_sum / (noise.samples - own_means);
+  const std::vector<double> products =
+      ProductsBeyondChance(stretches, noise.variance, noise.samples);
+  // What the means take away depends on the correlation, which they make too small: a few rounds
+  // settle both.
+  constexpr int kRounds = 20;
+  for (int round = 0; round < kRounds && !products.empty(); ++round) {
+    double taken = 0.0;
+    for (const Stretch& stretch : stretches) taken += noise.MeanFactor(stretch.samples);
+    taken = std::min(taken, 0.5 * noise.samples);
+    noise.variance = square_sum / (noise.samples - taken);
+    const double sensor = std::max(noise.variance - rounding_variance, 0.01 * noise.variance);
+    noise.correlation.clear();
+    for (const double product : products) {
+      const double whole = product + noise.variance * taken / noise.samples;
+      noise.correlation.push_back(std::clamp(whole / sensor, -1.0, 1.0));
+    }
+  }
+  noise.degrees_of_freedom = (noise.samples - own_means) / noise.VarianceFactor();
+  return noise;
+}
+
+}  // namespace gauntlet::controller

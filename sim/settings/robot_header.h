@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "controller/controller_config.h"
+#include "sim/settings/robot_file.h"
+
+namespace gauntlet::sim {
+
+/// The settings of RobotToYaml() as a C++ header of constants, for a robot that reads no files: it
+/// needs gauntlet::controller only. `robot::Settings()` gives them back, bit for bit.
+std::string RobotToHeader(const controller::RobotConfig& robot, const RobotOrigin& origin);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,182 @@
+// How often the intervals of a calibration hold the truth, on gloves as they are: coarse
+// converters, spikes, noise that is not white, values at the end of the scale. The table of
+// tests/measurements/README.md.
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "controller/calibration/curve_fit.h"
+#include "controller/calibration/noise_estimate.h"
+#include "tests/controller/test_signal.h"
+
+namespace gauntlet::controller {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kFullScale = 1023.0;
+constexpr int kRepeats = 200;
+constexpr int kChannels = 3;
+constexpr int kPoses = 6;
+constexpr Index kHoldSamples = 1500;
+constexpr Index kMoveSamples = 300;
+
+struct Case {
+  std::string name;
+  double deviation_counts = 3.0;
+  double correlation = 0.0;  // of neighbouring samples, first-order
+  double spike_share = 0.0;  // of 124 counts
+  double clipped_share = 0.0;
+};
+
+/// A wearer who takes poses and holds each, at 1 kHz; what the glove says is rounded.
+struct Recording {
+  Eigen::MatrixXd counts;
+  Eigen::MatrixXd settled_deg;  // NaN while moving
+  Eigen::MatrixXd pose_counts;  // the true level of each pose
+};
+
+class Glove {
+ public:
+  Glove(const Case& glove, std::uint64_t seed) : case_(glove), random_(seed) {}
+
+  Recording Record() {
+    const Index rows = kPoses * (kHoldSamples + kMoveSamples);
+    Recording recording{Eigen::MatrixXd(rows, kChannels), Eigen::MatrixXd(rows, kChannels),
+                        Eigen::MatrixXd(kPoses, kChannels)};
+    for (int c = 0; c < kChannels; ++c) RecordChannel(c, recording);
+    return recording;
+  }
+
+ private:
+  double Normal() {
+    return std::sqrt(-2.0 * std::log(1.0 - random_.Uniform())) *
+           std::cos(2.0 * std::numbers::pi * random_.Uniform());
+  }
+  /// First-order noise of variance 1.
+  double Noise() {
+    const double c = case_.correlation;
+    state_ = c * state_ + std::sqrt(1.0 - c * c) * Normal();
+    return state_;
+  }
+  double Seen(double level) {
+    const double counts = std::round(level + case_.deviation_counts * Noise());
+    const double fate = random_.Uniform();
+    if (fate < case_.spike_share) return counts + (random_.Uniform() < 0.5 ? -124.0 : 124.0);
+    if (fate < case_.spike_share + case_.clipped_share) return kFullScale;
+    return counts;
+  }
+  void RecordChannel(int channel, Recording& recording) {
+    for (int k = 0; k < 500; ++k) Noise();  // forgets where it began
+    Index row = 0;
+    double before = 0.0;
+    for (int pose = 0; pose < kPoses; ++pose) {
+      const double level = 200.0 + 100.0 * pose + random_.Uniform() * 10.0;
+      recording.pose_counts(pose, channel) = level;
+      if (pose == 0) before = level;
+      for (Index k = 0; k < kMoveSamples + kHoldSamples; ++k, ++row) {
+        const double part = std::min(1.0, static_cast<double>(k) / kMoveSamples);
+        recording.counts(row, channel) = Seen(before + part * (level - before));
+        recording.settled_deg(row, channel) = k < kMoveSamples ? std::nan("") : 10.0 * pose;
+      }
+      before = level;
+    }
+  }
+
+  const Case& case_;
+  TestNoise random_;
+  double state_ = 0.0;
+};
+
+struct Coverage {
+  int held = 0;
+  int intervals = 0;
+  double sum = 0.0;  // of the estimates, in units of the truth
+
+  void Add(double low, double estimate, double high, double truth) {
+    held += low <= truth && truth <= high;
+    ++intervals;
+    sum += estimate / truth;
+  }
+  std::string Text() const {
+    return fmt::format("{:6.1f} %   {:6.3f}", 100.0 * held / std::max(intervals, 1),
+                       sum / std::max(intervals, 1));
+  }
+};
+
+/// Corners of a table, of samples without spikes.
+void AddTable(const Recording& recording, int channel, Coverage& coverage) {
+  std::vector<double> counts, angle_deg;
+  for (Index k = 0; k < recording.counts.rows(); ++k) {
+    if (std::isnan(recording.settled_deg(k, channel))) continue;
+    counts.push_back(recording.counts(k, channel));
+    angle_deg.push_back(recording.settled_deg(k, channel));
+  }
+  const auto vector = [](const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
+  };
+  const CurveFit fit = FitTable(vector(counts), vector(angle_deg), 1.0);
+  for (int pose = 0; pose < kPoses; ++pose) {
+    double slope = 0.0;  // the steeper of the two beside it, as the fit takes it
+    for (int i = std::max(pose, 1); i < std::min(pose + 2, kPoses); ++i) {
+      slope = std::max(slope, 10.0 / (fit.curve.counts[i] - fit.curve.counts[i - 1]));
+    }
+    const double half = fit.half_width_95_deg[pose] / slope;
+    const double mean = fit.curve.counts[pose];
+    const double truth = recording.pose_counts(pose, channel);
+    coverage.Add(mean - half, mean, mean + half, truth);
+  }
+}
+
+void Measure(const Case& glove) {
+  Coverage variance, table;
+  int without_rest = 0;
+  Index spikes = 0;
+  int rounded = 0;
+  const double truth = glove.deviation_counts * glove.deviation_counts;
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    const Recording recording = Glove(glove, 1000 + repeat).Record();
+    const auto stretches = FindStillStretches(recording.counts, 1000.0);
+    if (stretches.size() < kPoses / 2) {
+      ++without_rest;
+      continue;
+    }
+    const NoiseEstimate estimate = EstimateNoise(recording.counts, stretches);
+    for (int c = 0; c < kChannels; ++c) {
+      variance.Add(estimate.variance_low[c], estimate.variance[c], estimate.variance_high[c],
+                   truth);
+      spikes += estimate.spikes[static_cast<std::size_t>(c)];
+      rounded += estimate.rounded[static_cast<std::size_t>(c)];
+      if (glove.spike_share + glove.clipped_share == 0.0) AddTable(recording, c, table);
+    }
+  }
+  fmt::print("{:<28} {}   {}   {:>6.1f}   {:>4}   {:>4}\n", glove.name, variance.Text(),
+             table.intervals > 0 ? table.Text() : std::string(17, '-'),
+             static_cast<double>(spikes) / kRepeats / kChannels, rounded, without_rest);
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace gauntlet::controller
+
+int main() {
+  using gauntlet::controller::Case;
+  fmt::print("{:<28} {:>9}  {:>7}   {:>9} {:>7}   {:>6}   {:>4}   {:>4}\n", "noise", "R covers",
+             "R/truth", "table", "mean", "spikes", "rnd", "lost");
+  for (const double deviation : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 3.0}) {
+    gauntlet::controller::Measure(
+        {.name = fmt::format("white, {} counts", deviation), .deviation_counts = deviation});
+  }
+  for (const double correlation : {-0.5, 0.3, 0.5, 0.8, 0.9, 0.95, 0.98}) {
+    gauntlet::controller::Measure(
+        {.name = fmt::format("correlation {}", correlation), .correlation = correlation});
+  }
+  gauntlet::controller::Measure({.name = "spikes, 1 %", .spike_share = 0.01});
+  gauntlet::controller::Measure({.name = "spikes, 5 %", .spike_share = 0.05});
+  gauntlet::controller::Measure({.name = "at full scale, 0.5 %", .clipped_share = 0.005});
+}
