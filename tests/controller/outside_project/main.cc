@@ -1,6 +1,10 @@
 #include <cstdio>
 
+#include "controller/calibration/curve_fit.h"
+#include "controller/calibration/noise_estimate.h"
+#include "controller/constant_settings.h"
 #include "controller/controller.h"
+#include "controller/filters/filter_registry.h"
 
 int main() {
   namespace gc = gauntlet::controller;
