@@ -35,6 +35,7 @@ void SampleWindow::Reset() noexcept {
 }
 
 void SampleWindow::ResetChannel(int channel) noexcept {
+  if (count(channel) == 0) return;  // is empty: a first sample must not wait for a long window
   rows_.col(channel).setConstant(empty_);
   SetCount(channel, 0);
 }

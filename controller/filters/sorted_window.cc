@@ -108,6 +108,7 @@ void SortedWindow::Reset() noexcept {
 }
 
 void SortedWindow::ResetChannel(int channel) noexcept {
+  if (count(channel) == 0) return;
   window_.ResetChannel(channel);
   sorted_.col(channel).setConstant(kEmpty);
 }
