@@ -28,6 +28,8 @@ int main() {
   config.filters = {{gc::HampelConfig{}}, {gc::KalmanConfig{.noise = {.r = {10}, .q = {1e-2}}}}};
   gc::Controller controller(config, glove, hand, {.event_period_ms = 1.0});
 
+  controller.Reset(std::vector<int>{446});  // where the motor is: a first sample far from it is bad
+
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<double> samples = {500, 501, nan, 502, 1023, 503, 35512.6, 504, 900, 505, 506};
   for (const double counts : samples) {

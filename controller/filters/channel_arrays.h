@@ -13,14 +13,15 @@ class ChannelArrays {
  public:
   ChannelArrays(int array_count, int channel_count)
       : channel_count_(channel_count),
-        stride_((channel_count + kLineValues - 1) / kLineValues * kLineValues),
-        size_(stride_ * array_count),
+        stride_((static_cast<std::size_t>(channel_count) + kLineValues - 1) / kLineValues *
+                kLineValues),
+        size_(stride_ * static_cast<std::size_t>(array_count)),
         values_(new (kLine) double[size_]()) {}
 
-  double* operator[](int array) noexcept { return values_.get() + stride_ * array; }
-  const double* operator[](int array) const noexcept { return values_.get() + stride_ * array; }
+  double* operator[](int array) noexcept { return values_.get() + Begin(array); }
+  const double* operator[](int array) const noexcept { return values_.get() + Begin(array); }
   int channel_count() const noexcept { return channel_count_; }
-  int array_count() const noexcept { return size_ / stride_; }
+  int array_count() const noexcept { return static_cast<int>(size_ / stride_); }
 
   void SetZero() noexcept { std::fill_n(values_.get(), size_, 0.0); }
   /// Arrays `first` to `last` - 1 from others of the same shape.
@@ -34,6 +35,8 @@ class ChannelArrays {
   struct Free {
     void operator()(double* values) const { operator delete[](values, kLine); }
   };
+
+  std::size_t Begin(int array) const noexcept { return stride_ * static_cast<std::size_t>(array); }
 
   int channel_count_;
   std::size_t stride_;

@@ -87,7 +87,10 @@ TEST_F(ExportedTrial, GivesTheCommandsOfTheTraceAsAFileAndAsAHeader) {
                 .count(),
             1000)
       << "the motors move";
-  std::string samples;
+  std::string samples;  // behind where the motors are before the first frame arrives
+  for (const int counts : file.traces.front().command_counts.row(0)) {
+    fmt::format_to(std::back_inserter(samples), "{} ", counts);
+  }
   for (const auto row : file.counts.rowwise()) {
     for (const double counts : row) fmt::format_to(std::back_inserter(samples), "{} ", counts);
   }

@@ -1,5 +1,5 @@
-// What somebody else's robot does with what gauntlet export wrote: reads samples of the glove, one
-// a line, and prints the command of every event. It knows Gauntlet only as a library.
+// What somebody else's robot does with what gauntlet export wrote: reads where its motors are, then
+// samples of the glove, one a line, and prints the command of every event. It knows Gauntlet only as a library.
 #include <cstdio>
 #include <iostream>
 #include <vector>
@@ -22,6 +22,9 @@ int main(int, char** arguments) {
   gauntlet::controller::Controller controller(settings);
   std::vector<double> counts(settings.glove.channel_names.size());
   std::ios::sync_with_stdio(false);
+  std::vector<int> motors(settings.hand.motor_names.size());
+  for (int& motor : motors) std::cin >> motor;
+  controller.Reset(motors);
   for (long tick = 0;; ++tick) {
     const bool fresh = tick % settings.timing.ticks_per_sample == 0;
     for (std::size_t i = 0; fresh && i < counts.size(); ++i) std::cin >> counts[i];

@@ -1,4 +1,6 @@
+#include <cstdint>
 #include <cstdio>
+#include <vector>
 
 #include "controller/calibration/curve_fit.h"
 #include "controller/calibration/noise_estimate.h"
@@ -26,6 +28,7 @@ int main() {
   gc::ControllerConfig config;
   config.filters = {{gc::KalmanConfig{.noise = {.r = {10.0}}}}};
   gc::Controller controller(config, glove, hand);
+  controller.Reset(std::vector<std::int32_t>{555, 620});  // where the motors are
   const double counts[] = {400.0, 600.0};
   const gc::Command command = controller.Step({.counts = counts});
   // 0.5 and 1.0 rad: 512 + 100 * 0.5, and 512 + 100 (0.5 * 0.5 + 1.0).
