@@ -74,8 +74,8 @@ constexpr double kLowest = 0.02;
 constexpr double kHighest = 2.0;
 constexpr int kGrid = 60;
 
-/// Likelihood of a standard deviation, given by its place on a grid with equal ratios, which may lie
-/// between two of it.
+/// Likelihood of a standard deviation, given by its place on a grid with equal ratios, which may
+/// lie between two of it.
 class Profile {
  public:
   Profile(std::vector<Histogram> histograms, double weight)

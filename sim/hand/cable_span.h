@@ -16,7 +16,8 @@ struct SpanLength {
 ///     straight        length^2 = square - 2 (along cos x + across sin x)
 ///
 /// Both and their slopes are the same where the arc is 0.
-/// Source: the geodesic on a cylinder is straight when the cylinder is unrolled; the law of cosines.
+/// Source: the geodesic on a cylinder is straight when the cylinder is unrolled; the law of
+/// cosines.
 struct CableSpan {
   int qpos = 0;
   int dof = 0;

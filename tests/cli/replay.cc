@@ -1,5 +1,6 @@
 // What somebody else's robot does with what gauntlet export wrote: reads where its motors are, then
-// samples of the glove, one a line, and prints the command of every event. It knows Gauntlet only as a library.
+// samples of the glove, one a line, and prints the command of every event. It knows Gauntlet only
+// as a library.
 #include <cstdio>
 #include <iostream>
 #include <vector>

@@ -162,8 +162,9 @@ TEST_F(RobotFileTest, WhatDoesNotFitTogetherIsNamedAsInTheFile) {
               HasSubstr(": hand.joints: joint mcp: must be finite and at most joint_max_rad"));
   EXPECT_THAT(Complaint("center_counts: -7", "center_counts: -7000"),
               HasSubstr(": hand.motors: motor m: one: must be from min_counts to max_counts"));
-  EXPECT_THAT(Complaint("high_counts: 920.7", "high_counts: 102.30000000000001"),
-              HasSubstr(": glove: channel a: the two poses are 0 counts apart, must be at least 10"));
+  EXPECT_THAT(
+      Complaint("high_counts: 920.7", "high_counts: 102.30000000000001"),
+      HasSubstr(": glove: channel a: the two poses are 0 counts apart, must be at least 10"));
   EXPECT_THAT(Complaint("channels: [a, b]", "channels: [a, z]"),
               HasSubstr(": joint_map.mcp.channels: z is not a channel of the glove"));
   const std::string r = Complaint("r: [0.3333333333333333, 21.18]", "r: [1, 2, 3]");

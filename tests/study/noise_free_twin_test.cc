@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "sim/scenario/scenario.h"
-#include "sim/study/study_run.h"
 #include "sim/study/study_database.h"
+#include "sim/study/study_run.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {
