@@ -18,26 +18,26 @@ struct TimeUnit {
   double scale_s;
   bool alone;
 };
-constexpr std::array<TimeUnit, 20> kUnits = {{{"s", 1.0, false},
-                                              {"sec", 1.0, true},
-                                              {"secs", 1.0, true},
-                                              {"second", 1.0, true},
-                                              {"seconds", 1.0, true},
-                                              {"ms", 1e-3, true},
-                                              {"msec", 1e-3, true},
-                                              {"millis", 1e-3, true},
-                                              {"millisec", 1e-3, true},
-                                              {"milliseconds", 1e-3, true},
-                                              {"us", 1e-6, true},
-                                              {"usec", 1e-6, true},
-                                              {"micros", 1e-6, true},
-                                              {"microsec", 1e-6, true},
-                                              {"microseconds", 1e-6, true},
-                                              {"ns", 1e-9, true},
-                                              {"nsec", 1e-9, true},
-                                              {"nanos", 1e-9, true},
-                                              {"nanosec", 1e-9, true},
-                                              {"nanoseconds", 1e-9, true}}};
+constexpr std::array<TimeUnit, 20> kKnownTimeUnits = {{{"s", 1.0, false},
+                                                       {"sec", 1.0, true},
+                                                       {"secs", 1.0, true},
+                                                       {"second", 1.0, true},
+                                                       {"seconds", 1.0, true},
+                                                       {"ms", 1e-3, true},
+                                                       {"msec", 1e-3, true},
+                                                       {"millis", 1e-3, true},
+                                                       {"millisec", 1e-3, true},
+                                                       {"milliseconds", 1e-3, true},
+                                                       {"us", 1e-6, true},
+                                                       {"usec", 1e-6, true},
+                                                       {"micros", 1e-6, true},
+                                                       {"microsec", 1e-6, true},
+                                                       {"microseconds", 1e-6, true},
+                                                       {"ns", 1e-9, true},
+                                                       {"nsec", 1e-9, true},
+                                                       {"nanos", 1e-9, true},
+                                                       {"nanosec", 1e-9, true},
+                                                       {"nanoseconds", 1e-9, true}}};
 
 constexpr std::array<std::string_view, 5> kNumbered = {"k", "frame", "sample", "row", "seq"};
 constexpr std::array<std::string_view, 6> kNumbers = {"", "number", "num", "no", "nr", "index"};
@@ -68,7 +68,7 @@ bool IsOneOf(std::string_view bare, const Names& names, const Ends& ends) {
 std::optional<double> TimeScaleS(std::string_view name) {
   const std::string bare = Bare(name);
   if (std::ranges::find(kTimes, bare) != kTimes.end()) return 1.0;
-  for (const TimeUnit& unit : kUnits) {
+  for (const TimeUnit& unit : kKnownTimeUnits) {
     if ((unit.alone && bare == unit.name) || IsOneOf(bare, kTimes, std::array{unit.name})) {
       return unit.scale_s;
     }
