@@ -6,12 +6,8 @@
 namespace gauntlet::sim {
 namespace {
 
-/// How much of the difference between drum and far end is lost before a place: w of PullCable().
-double DropShare(double bend_share, double log_ratio) noexcept {
-  constexpr double kSmall = 1e-6;  // below it tension falls in proportion to the bend
-  if (std::abs(log_ratio) < kSmall) return bend_share;
-  return std::expm1(bend_share * log_ratio) / std::expm1(log_ratio);
-}
+/// Below it tension falls in proportion to the bend.
+constexpr double kSmallLogRatio = 1e-6;
 
 }  // namespace
 
@@ -24,10 +20,13 @@ double CableTension(double stiffness_n_m, double damping_n_s_m, double stretch_m
 
 void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_s,
                std::span<CablePlace> places, CableState& state) noexcept {
+  const bool linear = std::abs(state.log_ratio) < kSmallLogRatio;
+  const double whole = linear ? 1.0 : std::expm1(state.log_ratio);
   double rate = 0.0;
   double speed = 0.0;  // towards the drum
   for (CablePlace& place : places) {
-    const double lost = DropShare(place.bend_share, state.log_ratio);
+    const double lost =
+        linear ? place.bend_share : std::expm1(place.bend_share * state.log_ratio) / whole;  // w
     rate += place.speed_m_s;
     speed += (0.5 - lost) * place.speed_m_s;
     place.pull_n = lost;
@@ -42,11 +41,14 @@ void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_
   const double at_drum = mean + 0.5 * difference;
   for (CablePlace& place : places) place.pull_n = at_drum - place.pull_n * difference;
   state.tension_n = at_drum;
-  const double stretched_m = std::max(0.0, stretch_m);
-  state.energy_j = 0.5 * cord.stiffness_n_m * stretched_m * stretched_m +
-                   state.difference_n * state.difference_n / (8.0 * cord.stiffness_n_m);
+  state.stretch_m = std::max(0.0, stretch_m);
   const double far = mean - 0.5 * difference;
   state.log_ratio = far > 0.0 ? std::log(far / at_drum) : 0.0;
+}
+
+double CableEnergy(const Cord& cord, const CableState& state) noexcept {
+  return 0.5 * cord.stiffness_n_m * state.stretch_m * state.stretch_m +
+         state.difference_n * state.difference_n / (8.0 * cord.stiffness_n_m);
 }
 
 double DrumAngle(double shaft_rad, double balance_rad, double play_rad) noexcept {

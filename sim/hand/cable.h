@@ -35,7 +35,7 @@ struct CableState {
   double difference_n = 0.0;  // D, while the cable does not move
   double log_ratio = 0.0;     // of the tensions at its far end and at its drum
   double tension_n = 0.0;     // at its drum
-  double energy_j = 0.0;      // what it can give back
+  double stretch_m = 0.0;     // none while it is slack
 };
 
 /// A cable over one time step: dry friction where it bends, as if all of it stood between the two
@@ -56,6 +56,9 @@ struct CableState {
 /// 4 d v to D, within the same bounds. No place pulls with more than 2 T.
 void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_s,
                std::span<CablePlace> places, CableState& state) noexcept;
+
+/// What a cable can give back [J].
+double CableEnergy(const Cord& cord, const CableState& state) noexcept;
 
 /// Where a drum with play stands on its shaft [rad]. It has no mass: where the play allows, it
 /// turns to where both cables pull alike, `balance_rad`; else the shaft takes it along.

@@ -112,7 +112,6 @@ std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config) {
     }
     Drive drive;
     drive.name = name;
-    drive.actuator = actuator;
     const int spool = FindInModel(model, mjOBJ_JOINT, drive.name + "_spool");
     drive.spool_qpos = model.jnt_qposadr[spool];
     drive.spool_dof = model.jnt_dofadr[spool];

@@ -43,7 +43,6 @@ struct Cable {
 /// A motor: servo, spool and its cables, a flexor and, unless springs pull back, an extensor.
 struct Drive {
   std::string name;
-  int actuator = 0;
   int spool_qpos = 0;
   int spool_dof = 0;
   double drum_radius_m = 0.0;

@@ -333,7 +333,10 @@ void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
 
 double Hand::CableEnergy() const noexcept {
   double energy_j = 0.0;
-  for (const CableState& cable : state_->cables) energy_j += cable.energy_j;
+  const CableState* state = state_->cables.data();
+  for (const Drive& drive : hand_model().drives()) {
+    for (const Cable& cable : drive.cables) energy_j += sim::CableEnergy(cable.cord, *state++);
+  }
   return energy_j;
 }
 

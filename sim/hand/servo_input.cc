@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/normal_pair.h"
 #include "sim/base/signal.h"
-#include "sim/glove/noise/box_muller.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -2,13 +2,7 @@
 # CMake, and with what pkg-config says of the last of them.
 # Called with -DBUILD_DIR, -DCOMPONENTS, -DOUTSIDE_DIR, -DWORK_DIR, -DCXX, -DCXX_FLAGS, and
 # -DARGUMENT for the project's program if it takes one.
-function(run)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    list(JOIN ARGV " " command)
-    message(FATAL_ERROR "${command}\n${output}")
-  endif()
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 file(REMOVE_RECURSE ${WORK_DIR})
 foreach(component IN LISTS COMPONENTS)

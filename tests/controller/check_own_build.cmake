@@ -1,13 +1,7 @@
 # Builds controller/ by itself, static and shared, with Eigen alone, installs it, and builds a program of
 # somebody else against it: by all compilers that there are, in C++20 and 23, with warnings as errors.
 # Called with -DSOURCE_DIR, -DWORK_DIR, -DCXX, -DLAUNCHER (may be empty).
-function(run)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    list(JOIN ARGV " " command)
-    message(FATAL_ERROR "${command}\n${output}")
-  endif()
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 set(strict -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror)
 set(main ${SOURCE_DIR}/tests/controller/outside_project/main.cc)

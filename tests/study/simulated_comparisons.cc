@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
-#include "sim/glove/noise/box_muller.h"
 #include "sim/study/summary.h"
 
 namespace gauntlet::sim::test {

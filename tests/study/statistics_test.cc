@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
-#include "sim/glove/noise/box_muller.h"
 
 namespace gauntlet::sim {
 namespace {

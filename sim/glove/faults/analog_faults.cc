@@ -1,6 +1,6 @@
 #include "sim/glove/faults/analog_faults.h"
 
-#include "sim/glove/noise/box_muller.h"
+#include "sim/base/normal_pair.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/glove/noise/box_muller.h"
+#include "sim/base/normal_pair.h"
 
 namespace gauntlet::sim {
 

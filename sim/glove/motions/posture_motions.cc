@@ -5,11 +5,11 @@
 #include <string>
 
 #include "sim/base/channels.h"
+#include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
 #include "sim/glove/motions/minimum_jerk.h"
 #include "sim/glove/motions/postures.h"
 #include "sim/glove/motions/settings_of_motions.h"
-#include "sim/glove/noise/box_muller.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -4,7 +4,7 @@
 #include <complex>
 #include <vector>
 
-#include "sim/glove/noise/box_muller.h"
+#include "sim/base/normal_pair.h"
 
 namespace gauntlet::sim {
 namespace {

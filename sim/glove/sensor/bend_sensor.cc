@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "sim/base/channels.h"
+#include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
-#include "sim/glove/noise/box_muller.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cmath>
+
+#include "sim/base/random.h"
+
+namespace gauntlet::sim {
+
+/// Two independent standard normal numbers.
+struct NormalPair {
+  double first;
+  double second;
+};
+
+/// The next two of a stream, by the basic form of the Box-Muller transform.
+///
+///     Z0 = sqrt(-2 ln U1) cos(2 pi U2)        U1 in (0, 1], U2 in [0, 1) independent
+///     Z1 = sqrt(-2 ln U1) sin(2 pi U2)
+///
+/// The largest value is 8.57, because U1 has 53 bits. Source: Box and Muller 1958.
+inline NormalPair BoxMuller(RandomStream& random) {
+  constexpr double kTwoPi = 6.28318530717958647692;
+  const double radius = std::sqrt(-2.0 * std::log(random.UniformAboveZero()));
+  const double angle = kTwoPi * random.Uniform();
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+}  // namespace gauntlet::sim
