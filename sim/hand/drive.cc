@@ -120,7 +120,9 @@ std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config) {
     drive.drum_radius_m = Positive(model.geom_size[3 * drum], "radius of geom", drum_name);
     const double stall_torque_nm =
         Positive(model.actuator_ctrlrange[2 * actuator + 1], "ctrlrange of motor", drive.name);
-    drive.numbers = NumbersFor(config.servo, stall_torque_nm);
+    const auto [key, numbers] = config.ServoOf(stall_torque_nm);
+    drive.servo_key = key;
+    drive.numbers = numbers;
     drive.play_rad = (config.cable.backlash_deg + drive.numbers.play_deg) * kRadPerDeg;
     drive.servo = MakeServo(drive.numbers, stall_torque_nm);
     drive.spool = MakeSpool(drive.numbers, model, drive.spool_dof);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/hand/cable.h"
@@ -46,7 +47,8 @@ struct Drive {
   int spool_qpos = 0;
   int spool_dof = 0;
   double drum_radius_m = 0.0;
-  double play_rad = 0.0;  // between the spool's shaft and the drum, end to end
+  double play_rad = 0.0;       // between the spool's shaft and the drum, end to end
+  std::string_view servo_key;  // of its settings in a scenario
   ServoNumbers numbers;
   Servo servo;
   Spool spool;

@@ -48,6 +48,12 @@ void ObjectConfig::Visit(SettingsVisitor& visitor) {
                  friction);
 }
 
+HandConfig::KeyedServo HandConfig::ServoOf(double stall_torque_nm) const {
+  constexpr double kStrongest_nm = 5.0;
+  if (stall_torque_nm > kStrongest_nm) return {"hand.arm_servo", arm_servo.numbers()};
+  return {"hand.servo", servo.numbers()};
+}
+
 void HandConfig::Visit(SettingsVisitor& visitor) {
   visitor.Path({.key = "model_path", .help = "MJCF file; empty: the project's hand_arm.xml"},
                model_path);
@@ -57,8 +63,11 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
                   .min = 0.01,
                   .max = 1},
                  step_ms);
-  controller::VisitGroup(visitor, {.key = "servo", .help = "the position servos on the spools"},
-                         servo);
+  controller::VisitGroup(
+      visitor, {.key = "servo", .help = "the position servos of motors of at most 5 N m"}, servo);
+  controller::VisitGroup(
+      visitor, {.key = "arm_servo", .help = "those of stronger motors: elbow and shoulder"},
+      arm_servo);
   controller::VisitGroup(visitor, {.key = "cable", .help = "the cables between spools and joints"},
                          cable);
   static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "controller/settings.h"
 #include "sim/hand/servo_config.h"
@@ -42,10 +43,18 @@ struct HandConfig {
   std::string model_path;  // an MJCF file; empty: models/hand_arm.xml of the project
   double step_ms = 1.0;    // of the physics engine, at most; see LoopTiming
   ServoConfig servo;
+  ServoConfig arm_servo{.settings = StandardServo{}};  // no servo for fingers turns an elbow
   CableConfig cable;
   Contact contact = Contact::kNone;
   ObjectConfig object;
 
+  /// A servo and the key of its settings.
+  struct KeyedServo {
+    std::string_view key;
+    const ServoNumbers& numbers;
+  };
+  /// That of a motor with this stall torque in the model's file: beyond 5 N m it is `arm_servo`.
+  KeyedServo ServoOf(double stall_torque_nm) const;
   void Visit(controller::SettingsVisitor& visitor);
 };
 

@@ -158,7 +158,7 @@ void CheckName(std::string_view what, const std::string& name) {
 }
 
 /// Throws if the spool of a motor cannot turn as far as some posture asks for.
-void CheckTravel(const TendonTransmission& transmission, std::size_t motor, double travel_deg) {
+void CheckTravel(const TendonTransmission& transmission, std::size_t motor, const Drive& drive) {
   const std::size_t joints = transmission.joint_names.size();
   double needed_rad = 0.0;
   for (std::size_t joint = 0; joint < joints; ++joint) {
@@ -166,11 +166,12 @@ void CheckTravel(const TendonTransmission& transmission, std::size_t motor, doub
                   (transmission.joint_max_rad[joint] - transmission.joint_min_rad[joint]);
   }
   const double needed_deg = needed_rad * kDegPerRad;
+  const double travel_deg = drive.numbers.travel_deg;
   if (needed_deg <= travel_deg) return;
   throw UserError(
-      {.key = "hand.servo.travel_deg",
+      {.key = fmt::format("{}.travel_deg", drive.servo_key),
        .problem = fmt::format("{} is too little for the spool of {}, which must wind {:.1f} deg",
-                              travel_deg, transmission.motor_names[motor], needed_deg)});
+                              travel_deg, drive.name, needed_deg)});
 }
 
 /// Throws if a motor of the model, whatever its scale, could not hold one of its cables at rest.
@@ -286,7 +287,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   transmission_ =
       InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
-    CheckTravel(transmission_, motor, drives_[motor].numbers.travel_deg);
+    CheckTravel(transmission_, motor, drives_[motor]);
     CheckPretension(drives_[motor], config.cable);
     for (const Cable& cable : drives_[motor].cables) {
       cable_names_.push_back(cable.name);

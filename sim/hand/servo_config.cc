@@ -147,8 +147,8 @@ BusServo::BusServo() {
 }
 
 // Motor and friction: Rhoban/bam, XL330: 2.0e-3 kg m2, 0.013 N m and 0.27 of the load, a mechanical
-// time constant of 43 to 51 ms; ROBOTIS e-manual of XL330-M288: 4096 steps a turn, 103 rev/min, and
-// its gain P of 400 as it is delivered.
+// time constant of 43 to 51 ms; ROBOTIS e-manual of XL330-M288: 4096 steps a turn, 103 rev/min;
+// its gains P of 600 and D of 200 as the LEAP Hand sets them (leap-hand/LEAP_Hand_API, main.py).
 DynamixelServo::DynamixelServo() {
   resolution_bits = 12;
   travel_deg = 360.0;
@@ -157,8 +157,8 @@ DynamixelServo::DynamixelServo() {
   dead_time_ms = 2.0;  // its loop of 1 ms, and the bus
   sensor_bits = 12;
   dead_band_deg = 0.0;
-  full_torque_error_deg = 25.0;  // e-manual: P of 400 reaches the largest PWM at 283 steps
-  damping_ms = 40.0;             // back-EMF
+  full_torque_error_deg = 16.6;  // e-manual: P of 600 reaches the largest PWM at 189 steps
+  damping_ms = 30.0;             // back-EMF; 3 ms of them D, if it is of steps per ms
   no_load_speed_deg_s = 618.0;   // e-manual
   inertia_scale = 6.5;           // bam: 47 ms, which is 2.0e-3 kg m2 for a finger
   friction_scale = 1.6;          // bam
@@ -177,13 +177,6 @@ ServoNumbers& ServoConfig::numbers() {
 
 void ServoConfig::Visit(SettingsVisitor& visitor) {
   controller::VisitKind(visitor, {.key = "kind", .help = "which servo the motors have"}, settings);
-}
-
-const ServoNumbers& NumbersFor(const ServoConfig& config, double stall_torque_nm) {
-  constexpr double kLargestServoNm = 5.0;
-  static const ServoNumbers kStandard;
-  const bool standard = std::holds_alternative<StandardServo>(config.settings);
-  return standard || stall_torque_nm <= kLargestServoNm ? config.numbers() : kStandard;
 }
 
 std::span<const ServoKind> ServoKinds() { return controller::AllKinds<ServoConfig>(); }

@@ -89,20 +89,16 @@ struct DynamixelServo : ServoNumbers {
 using ServoSettings = std::variant<StandardServo, IdealServo, RcAnalogServo, RcDigitalServo,
                                    BusServo, DynamixelServo>;
 
-/// The position servos of all motors. A kind brings all its numbers; what is said beside `kind`
+/// Position servos of one kind. A kind brings all its numbers; what is said beside `kind`
 /// replaces one of them.
 struct ServoConfig {
-  ServoSettings settings;
+  ServoSettings settings = DynamixelServo{};  // why: models/README.md
 
   std::string_view kind() const { return controller::KindName(settings); }
   const ServoNumbers& numbers() const;
   ServoNumbers& numbers();
   void Visit(controller::SettingsVisitor& visitor);
 };
-
-/// What a motor with this stall torque in the model's file gets. No servo of the other kinds is
-/// made for an elbow or a shoulder: beyond 5 N m it is the `standard` one, whatever the kind.
-const ServoNumbers& NumbersFor(const ServoConfig& config, double stall_torque_nm);
 
 /// All kinds, in the order of every list.
 using ServoKind = controller::Kind<ServoConfig>;

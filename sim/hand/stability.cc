@@ -63,10 +63,10 @@ void CheckStability(const mjModel& model, const std::vector<Drive>& drives) {
                       "hand.step_ms {}",
                       drive.name, 1e3 * step_s));
     }
-    throw UserError(fmt::format(
-        "hand.servo: the servo of {} is too stiff for hand.step_ms {}: lower torque_scale or "
-        "damping_ms, or raise full_torque_error_deg or no_load_speed_deg_s",
-        drive.name, 1e3 * step_s));
+    throw UserError(
+        fmt::format("{}: the servo of {} is too stiff for hand.step_ms {}: lower torque_scale or "
+                    "damping_ms, or raise full_torque_error_deg or no_load_speed_deg_s",
+                    drive.servo_key, drive.name, 1e3 * step_s));
   }
 }
 

@@ -62,7 +62,7 @@ struct GeneratorTest {
 struct PaperExperiment {
   bool quick = false;
   FinishedStudy finished;
-  StudyResult precise_result;  // raw and paper_kalman with a servo as precise as can be
+  StudyResult rc_servo_result;  // raw and paper_kalman with RC servos
   StudyResult burst_result;    // tuned_kalman and prediction in fast_bursts
   std::vector<FilterFacts> filters;
   std::vector<Claim> claims;

@@ -15,6 +15,7 @@ constexpr double kAfterLimit_s = 0.25;
 constexpr double kShortestLimit_s = 0.02;
 constexpr double kLargestDelay_s = 0.5;
 constexpr double kLeastFit_s = 0.5;
+constexpr double kRounding_ticks = 1e-6;  // a delay is whole ticks up to it
 constexpr double kSearchRate_hz = 100.0;  // hands move below 10 Hz
 
 using Eigen::Index;
@@ -128,8 +129,9 @@ double FindDelay(const Joint& joint, const VectorXd& counting, Fourier& fourier)
 /// Gain and constant by least squares, where the reference of `delay_ticks` ago is known.
 Following FitAt(double delay_ticks, const Joint& joint, const VectorXd& counting) {
   const Index ticks = joint.hand.size();
-  const auto begin = static_cast<Index>(std::ceil(std::max(0.0, delay_ticks)));
-  const Index end = ticks + static_cast<Index>(std::floor(std::min(0.0, delay_ticks)));
+  const auto begin = static_cast<Index>(std::ceil(std::max(0.0, delay_ticks - kRounding_ticks)));
+  const Index end =
+      ticks + static_cast<Index>(std::floor(std::min(0.0, delay_ticks + kRounding_ticks)));
   Following following{.delay_ticks = delay_ticks};
   if (end <= begin) return following;
   const auto weights = counting.segment(begin, end - begin);

@@ -79,8 +79,9 @@ Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& re
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   input.saturation_share = saturation_share;
   input.segments = glove.segments;
-  input.frame_ms =
-      std::max(study.scenario.event.period_ms, study.scenario.hand.servo.numbers().frame_ms);
+  const HandConfig& hand_config = study.scenario.hand;
+  input.frame_ms = std::max({study.scenario.event.period_ms, hand_config.servo.numbers().frame_ms,
+                             hand_config.arm_servo.numbers().frame_ms});
   input.jitter_above_hz = study.scenario.score.jitter_above_hz;
   input.stall_tension_n = stall_tension_n;
   input.motors_of_joint = motors_of_joint;

@@ -50,11 +50,13 @@ class EndOfRange : public controller::SettingsVisitor {
   std::string text_;
 };
 
-/// Servo's settings first, then the cables'; gives what was set.
+/// Servos' settings first, those of all motors alike, then the cables'; gives what was set.
 std::string PutToEnd(HandConfig& config, int setting, bool upper) {
   EndOfRange end(setting, upper);
   config.servo.Visit(end);
   config.cable.Visit(end);
+  EndOfRange again(setting, upper);
+  config.arm_servo.Visit(again);
   return end.text();
 }
 

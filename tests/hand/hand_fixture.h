@@ -17,12 +17,22 @@
 
 namespace gauntlet::sim::testing {
 
+/// Servos whose gain leaves little of an error, in step with the commands: what is seen is cables
+/// and joints.
+inline HandConfig StiffServos() {
+  HandConfig config;
+  config.servo.settings = StandardServo{};
+  return config;
+}
+
 /// No friction, no dead band, 16-bit commands: what is left is stretch and gravity.
 inline HandConfig FrictionFree() {
-  HandConfig config;
+  HandConfig config = StiffServos();
   config.cable.capstan_friction = 0.0;
-  config.servo.numbers().dead_band_deg = 0.0;
-  config.servo.numbers().resolution_bits = 16;
+  for (ServoConfig* servo : {&config.servo, &config.arm_servo}) {
+    servo->numbers().dead_band_deg = 0.0;
+    servo->numbers().resolution_bits = 16;
+  }
   return config;
 }
 

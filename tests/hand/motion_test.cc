@@ -105,9 +105,9 @@ TEST(Motion, FingersCloseInThreeTenthsToOneSecond) {
   EXPECT_LT(last, 1000);
 }
 
-// Steps of 20 deg, every channel alone, with the default hand.
+// Steps of 20 deg, every channel alone.
 TEST(Motion, StepResponsesOvershootByLessThanATenth) {
-  Hand hand(MakeModel());
+  Hand hand(MakeModel(StiffServos()));
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   for (std::size_t channel = 0; channel < map.joint_names.size(); ++channel) {
     const std::vector<double> start = HomePosture(map);
@@ -131,7 +131,7 @@ TEST(Motion, StepResponsesOvershootByLessThanATenth) {
 // add less than 9 ms. What cables and joints add to frame and servo is less than
 // 10 ms.
 TEST(Motion, FollowsASineWithTheDelayOfFrameAndServo) {
-  Hand hand(MakeModel());
+  Hand hand(MakeModel(StiffServos()));
   for (const char* name : {"index_mcp", "middle_pip", "thumb_ip", "wrist_flexion",
                            "forearm_rotation", "elbow_flexion", "shoulder_flexion"}) {
     const DriveDelay delay = MeasureDelay(hand, ChannelIndex(name));
@@ -211,7 +211,9 @@ TEST(SmallHandMotion, AFreeFallLosesTheEnergyThatDampingTakes) {
 /// energy that it ever gains back, of what it has lost.
 double ShareOfEnergyGained(double capstan_friction) {
   HandConfig config;
-  config.servo.numbers().torque_scale = 1e-9;
+  for (ServoConfig* servo : {&config.servo, &config.arm_servo}) {
+    servo->numbers().torque_scale = 1e-9;
+  }
   config.cable.capstan_friction = capstan_friction;
   Hand hand(MakeModel(config));
   hand.Reset(HomePosture(hand.hand_model().transmission()));

@@ -43,11 +43,11 @@ TEST(Posture, EveryChannelReachesBothEndsWithinOneDegreeWithoutFriction) {
 
 // With capstan friction, dead band and 10-bit commands, the other channels' errors included.
 TEST(Posture, EveryChannelReachesBothEndsWithinTwoDegreesWithFriction) {
-  EXPECT_LT(WorstOverChannels({}), 2.0);
+  EXPECT_LT(WorstOverChannels(StiffServos()), 2.0);
 }
 
 TEST(Posture, AllChannelsTogetherReachRandomPostures) {
-  Hand hand(MakeModel());
+  Hand hand(MakeModel(StiffServos()));
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   RandomStream random(1, "postures");
   for (int i = 0; i < 12; ++i) {
@@ -57,7 +57,7 @@ TEST(Posture, AllChannelsTogetherReachRandomPostures) {
 }
 
 TEST(Posture, ResetStartsInThePostureAndKeepsIt) {
-  Hand hand(MakeModel());
+  Hand hand(MakeModel(StiffServos()));
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   const std::vector<double> start = HomePosture(map);
   hand.Reset(start);

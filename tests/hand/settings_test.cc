@@ -56,8 +56,11 @@ TEST(HandSettings, StepsAreShortenedUntilWholeOnesMakeUpATick) {
 }
 
 TEST(HandSettings, WhatTheTimeStepCannotBearIsRefused) {
-  EXPECT_THAT(Refusal([](HandConfig& c) { c.servo.numbers().damping_ms = 100; }),
-              HasSubstr("hand.servo"));
+  const auto strongly_damped = [](HandConfig& c) {
+    c.servo.settings = StandardServo{};
+    c.servo.numbers().damping_ms = 100;
+  };
+  EXPECT_THAT(Refusal(strongly_damped), HasSubstr("hand.servo: the servo of thumb_rotation"));
   const auto far_too_stiff = [](HandConfig& c) {
     c.cable.stretch = false;
     c.cable.stiffness_scale = 9.9;

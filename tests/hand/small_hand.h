@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/hand/hand.h"
+#include "tests/hand/hand_fixture.h"
 
 namespace gauntlet::sim::testing {
 
@@ -40,7 +40,7 @@ struct SmallHand {
   double drum_radius_m = 0.01;
   double mass_kg = 0.2;
   double gravity_m_s2 = 9.81;
-  HandConfig config = {};
+  HandConfig config = StiffServos();
 
   static constexpr double kPulleyM = 0.010;
   static constexpr double kLeverM = 0.05;

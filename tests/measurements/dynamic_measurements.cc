@@ -131,7 +131,8 @@ void PrintSteps() {
       most = std::max(most, share);
     }
     fmt::print("| {} | {:.0f} | {} | {:.1f} |\n", map.joint_names[channel], step * kDegPerRad,
-               high - low, std::max(0.0, 100.0 * (most - 1.0)));
+               high < 0 ? "not reached" : fmt::format("{}", high - low),
+               std::max(0.0, 100.0 * (most - 1.0)));
   }
 }
 

@@ -337,18 +337,6 @@ def reversals_per_s(counts, rate_hz):
     return np.sum(steps[1:] != steps[:-1]) * rate_hz / len(counts)
 
 
-def at_limit(counts, angle, speed, servo):
-    """1 where the servo wants more torque than it has; torques over the stall torque."""
-    target = (counts - 2 ** servo["resolution_bits"] / 2) * servo["travel_deg"] / (
-        2 ** servo["resolution_bits"] - 1)
-    angle, speed = (np.degrees(np.concatenate(([NAN], x[:-1]))) for x in (angle, speed))
-    error = target - angle  # before the tick's step of physics
-    beyond = np.sign(error) * np.maximum(0.0, np.abs(error) - servo["dead_band_deg"])
-    wanted = (beyond - servo["damping_ms"] / 1000 * speed) / servo["full_torque_error_deg"]
-    back_emf = speed / servo["no_load_speed_deg_s"]
-    return (wanted > np.clip(1 - back_emf, -1, 1)) | (wanted < np.clip(-1 - back_emf, -1, 1))
-
-
 def grip_ripple(force, edge_hz, rate_hz):
     ripple = [high_passed(force[b:e], edge_hz, rate_hz)[0] for b, e in stretches(force >= 0.1)]
     return rms(np.concatenate(ripple)) if ripple else NAN
@@ -406,7 +394,7 @@ def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz):
     counting = ~limit if np.sum(~limit) >= 0.5 * rate_hz else np.ones(len(hand), bool)
     delay = following_delay(np.radians(reference), np.radians(quiet_hand), counting, rate_hz)
     late = np.interp(n - delay, n, reference)
-    fitted = counting & (n - delay >= 0) & (n - delay <= len(n) - 1)
+    fitted = counting & (n - delay >= -1e-6) & (n - delay <= len(n) - 1 + 1e-6)
     gain = 1.0
     if np.std(late[fitted]) > 0.1:
         gain = np.cov(late[fitted], quiet_hand[fitted])[0, 1] / np.var(late[fitted], ddof=1)
@@ -485,7 +473,7 @@ def joint_scores(reference, hand, quiet_hand, limited, context):
     return scores
 
 
-def motor_scores(counts, angle, speed, quiet_speed, context):
+def motor_scores(counts, speed, at_limit, quiet_speed, context):
     noise = speed - quiet_speed if quiet_speed is not None else np.empty(0)
     return {
         "motor_noise_rms_deg_s": rms(np.degrees(noise)),
@@ -493,7 +481,7 @@ def motor_scores(counts, angle, speed, quiet_speed, context):
         "command_reversals_per_s": reversals_per_s(counts, context.rate_hz),
         "motor_speed_rms_deg_s": rms(np.degrees(speed)),
         "motor_speed_centroid_hz": centroid(speed, context.rate_hz),
-        "saturation_share": np.mean(at_limit(counts, angle, speed, context.servo)),
+        "saturation_share": np.mean(at_limit),
     }
 
 
@@ -513,16 +501,13 @@ class Context:
             text = file.read()
 
         def setting(name, default=NAN):
-            found = re.search(rf"^\s+{name}: (\S+)$", text, re.MULTILINE)
-            return float(found.group(1)) if found else default
+            found = re.findall(rf"^\s+{name}: (\S+)$", text, re.MULTILINE)
+            return max(map(float, found)) if found else default
 
         self.rate_hz = float(trace["glove/reference_angle_rad"].attrs["rate_hz"])
         self.jitter_above_hz = setting("jitter_above_hz", 10.0)
         self.card = ModelCard()
         self.shortest_limit_s = max(20.0, setting("period_ms"), setting("frame_ms")) / 1000
-        self.servo = {name: setting(name) for name in (
-            "resolution_bits", "travel_deg", "dead_band_deg", "full_torque_error_deg", "damping_ms",
-            "no_load_speed_deg_s")}
         self.segments = [(row["label"].decode(), int(row["begin_sample"]), int(row["end_sample"]))
                          for row in trace["glove/segments"][()]]
 
@@ -555,11 +540,11 @@ def rescore(trace, controller, measured_joints, context):
                                   round(0.25 * context.rate_hz))
         rows.setdefault(name, {}).update(
             joint_scores(reference[name][:count], hand[name], quiet, limited, context))
-    angle, speed = (columns_of(group, s) for s in ("spool_angle_rad", "spool_speed_rad_s"))
+    speed, at_limit = (columns_of(group, s) for s in ("spool_speed_rad_s", "motor_at_limit"))
     for name, counts in columns_of(group, "command_counts").items():
         quiet = quiet_speed[name][: len(counts)] if quiet_speed else None
         rows.setdefault(name, {}).update(
-            motor_scores(counts, angle[name], speed[name], quiet, context))
+            motor_scores(counts, speed[name], at_limit[name], quiet, context))
     for name, tension in columns_of(group, "tension_n").items():
         stall_n = context.card.stall_n[re.sub("_(flexor|extensor)$", "", name)]
         rows.setdefault(name, {}).update(cable_scores(tension, stall_n))

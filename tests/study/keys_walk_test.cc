@@ -93,23 +93,38 @@ const std::vector<Step>& Walk() {
       {"hand.step_ms=1", kKeeps},  // the default
       {"hand.step_ms=1.1", kRefused},
       {"hand.step_ms=0.3", kChanges, {}, kSlow},
-      {"hand.servo.frame_ms=0", kKeeps},  // frames of one period are in step with commands
-      {"hand.servo.frame_ms=0", kChanges, {}, kOddEvents},
+      {"hand.servo.frame_ms=0", kChanges},
+      {"hand.servo.frame_ms=5", kKeeps},  // the default
       {"hand.servo.frame_ms=7.7", kChanges},
       {"hand.servo.frame_ms=1000", kChanges},
       {"hand.servo.frame_ms=1001", kRefused},
-      {"hand.servo.frame_ms=7.7", kChanges, {}, {"hand.servo.free_running=true"}},
-      {"hand.servo.dead_time_ms=0", kKeeps},  // the default
+      {"hand.servo.frame_ms=7.7", kChanges, {}, {"hand.servo.free_running=false"}},
+      {"hand.servo.dead_time_ms=0", kChanges},
+      {"hand.servo.dead_time_ms=2", kKeeps},  // the default
       {"hand.servo.dead_time_ms=12.7", kChanges},
       {"hand.servo.dead_time_ms=12.7", kChanges, {}, kSlow},
       {"hand.servo.dead_time_ms=500", kChanges},
       {"hand.servo.dead_time_ms=501", kRefused},
       {"hand.servo={kind: bus}", kChanges},
-      {"hand.servo={kind: dynamixel}", kChanges, {}, kFiveSlow},
+      {"hand.servo={kind: rc_digital}", kChanges, {}, kFiveSlow},
       {"hand.servo.damping_ms=0", kChanges},
-      {"hand.servo.damping_ms=100", kRefused, "hand.servo: the servo of thumb_rotation"},
+      {"hand.servo.damping_ms=100", kChanges},
+      {"hand.servo.damping_ms=101", kRefused},
       {"hand.servo.no_load_speed_deg_s=1", kRefused, "hand.servo: the servo of thumb_rotation"},
       {"hand.servo.no_load_speed_deg_s=10000", kChanges},
+      {"hand.arm_servo.frame_ms=0", kKeeps},  // frames of one period are in step with commands
+      {"hand.arm_servo.frame_ms=0", kChanges, {}, kOddEvents},
+      {"hand.arm_servo.frame_ms=1000", kChanges},
+      {"hand.arm_servo.frame_ms=1001", kRefused},
+      {"hand.arm_servo.dead_time_ms=0", kKeeps},  // the default
+      {"hand.arm_servo.dead_time_ms=500", kChanges},
+      {"hand.arm_servo.dead_time_ms=501", kRefused},
+      {"hand.arm_servo={kind: bus}", kChanges},
+      {"hand.arm_servo.damping_ms=0", kChanges},
+      {"hand.arm_servo.damping_ms=100", kRefused, "hand.arm_servo: the servo of "},
+      {"hand.arm_servo.damping_ms=101", kRefused},
+      {"hand.arm_servo.no_load_speed_deg_s=1", kRefused, "hand.arm_servo: the servo of "},
+      {"hand.arm_servo.no_load_speed_deg_s=10000", kChanges},
       // Scores.
       {"score.noise_free_twin=false", kChanges},
       {"score.noise_free_twin=true", kKeeps},

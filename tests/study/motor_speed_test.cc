@@ -21,14 +21,15 @@ double LargestSpeedShare(const Study& study) {
   const auto frame = static_cast<Eigen::Index>(study.first_glove->tick_rate_hz * frame_s);
   const Eigen::Index rows = joints.rows() - frame;
   const Signal moved = joints.bottomRows(rows) - joints.topRows(rows);
-  double largest_rad = 0.0;
+  double largest_share = 0.0;
   for (const int motor : study.measured_motors) {
     const Eigen::Map<const Eigen::VectorXd> coupling(&hand.coupling[motor * joints.cols()],
                                                      joints.cols());
-    largest_rad = std::max(largest_rad, (moved.matrix() * coupling).cwiseAbs().maxCoeff());
+    const double fastest_rad = (moved.matrix() * coupling).cwiseAbs().maxCoeff();
+    const Servo& servo = study.hand->drives()[static_cast<std::size_t>(motor)].servo;
+    largest_share = std::max(largest_share, fastest_rad / frame_s / servo.no_load_speed_rad_s);
   }
-  const double no_load_rad_s = study.scenario.hand.servo.numbers().no_load_speed_deg_s * kRadPerDeg;
-  return largest_rad / frame_s / no_load_rad_s;
+  return largest_share;
 }
 
 // Where a motor gives all it has no filter makes a difference. The scenarios that ask for more say

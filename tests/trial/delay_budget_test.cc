@@ -38,13 +38,15 @@ double DelayMs(const Column& signal, double time_of_row_0_s) {
 
 // A frame leaves every 20 ms and is held until the next one: 10 ms on average, less half a sample.
 TEST(DelayBudget, IsEventAndFrameAndServoAndLessThanTenMillisecondsOfCables) {
+  HandConfig in_step;
+  in_step.servo.settings = StandardServo{};
   for (const std::string name : {"index_mcp", "little_pip", "wrist_flexion", "elbow_flexion"}) {
     const GloveConfig config = Swing(name);
     const GloveSignal glove = SynthesiseGlove(config, 1);
     const int channel = ChannelIndex(name);
     for (double event_ms : {0.0, 45.0}) {
-      const auto hand = std::make_shared<const HandModel>(
-          HandConfig{}, MakeLoopTiming({.event_delay_ms = event_ms}));
+      const auto hand =
+          std::make_shared<const HandModel>(in_step, MakeLoopTiming({.event_delay_ms = event_ms}));
       const Trace trace = RunTrial({.controller_name = "raw",
                                     .controller = {},
                                     .calibration = NominalCalibration(config),
