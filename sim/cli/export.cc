@@ -13,8 +13,8 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
+#include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
-#include "sim/settings/robot_header.h"
 #include "sim/study/manifest.h"
 #include "sim/study/study.h"
 
@@ -24,8 +24,9 @@ namespace {
 struct ExportOptions {
   std::string folder;
   std::string controller;
-  std::string out;  // empty: NAME.robot.yaml (or .h) in the folder
+  std::string out;  // empty: NAME.robot.yaml (or .h, .txt) in the folder
   bool header = false;
+  bool text = false;
 };
 
 const NamedController& Find(const Scenario& scenario, const std::string& name) {
@@ -39,13 +40,22 @@ const NamedController& Find(const Scenario& scenario, const std::string& name) {
 
 std::filesystem::path TargetOf(const ExportOptions& options) {
   const std::filesystem::path folder = options.folder;
-  if (options.out.empty())
-    return folder / (options.controller + (options.header ? ".robot.h" : ".robot.yaml"));
+  if (options.out.empty()) {
+    const char* ending = options.header ? ".h" : options.text ? ".txt" : ".yaml";
+    return folder / (options.controller + ".robot" + ending);
+  }
   std::error_code none;
   if (std::filesystem::equivalent(options.out, folder / "scenario.resolved.yaml", none)) {
     throw UserError({.place = "--out " + options.out, .problem = "is the scenario itself"});
   }
   return options.out;
+}
+
+std::string ContentOf(const ExportOptions& options, const controller::RobotConfig& robot,
+                      const RobotOrigin& origin) {
+  if (options.header) return RobotToHeader(robot, origin);
+  if (options.text) return RobotToText(robot, origin);
+  return RobotToYaml(robot, origin);
 }
 
 void RunExport(const ExportOptions& options) {
@@ -62,8 +72,7 @@ void RunExport(const ExportOptions& options) {
                            .scenario = scenario.name,
                            .controller = named.name,
                            .model_hash = hand.Hash()};
-  WriteFileAtomically(target,
-                      options.header ? RobotToHeader(robot, origin) : RobotToYaml(robot, origin));
+  WriteFileAtomically(target, ContentOf(options, robot, origin));
   Say("wrote {}\n", target.string());
 }
 
@@ -78,9 +87,13 @@ void AddExportCommand(CLI::App& app) {
       ->type_name("NAME")
       ->required();
   AddOutOption(*command, options->out, "file to write [NAME.robot.yaml in the folder]", "FILE");
-  command->add_flag(
+  CLI::Option* header = command->add_flag(
       "--header", options->header,
       "write a C++ header of constants [NAME.robot.h], for a robot that reads no files");
+  command
+      ->add_flag("--text", options->text,
+                 "write plain text [NAME.robot.txt], for C, Python, MATLAB and others")
+      ->excludes(header);
   command->footer(
       "\nThe file holds the controller's settings, the calibration of the glove that its trials "
       "used, the\n"

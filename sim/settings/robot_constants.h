@@ -11,4 +11,7 @@ namespace gauntlet::sim {
 /// needs gauntlet::controller only. `robot::Settings()` gives them back, bit for bit.
 std::string RobotToHeader(const controller::RobotConfig& robot, const RobotOrigin& origin);
 
+/// The same as text, which controller::RobotFromText() and gauntlet_controller_create() read.
+std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin);
+
 }  // namespace gauntlet::sim
