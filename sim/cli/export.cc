@@ -24,9 +24,10 @@ namespace {
 struct ExportOptions {
   std::string folder;
   std::string controller;
-  std::string out;  // empty: NAME.robot.yaml (or .h, .txt) in the folder
+  std::string out;  // empty: NAME.robot.yaml (or another ending) in the folder
   bool header = false;
   bool text = false;
+  bool embedded = false;
 };
 
 const NamedController& Find(const Scenario& scenario, const std::string& name) {
@@ -41,8 +42,11 @@ const NamedController& Find(const Scenario& scenario, const std::string& name) {
 std::filesystem::path TargetOf(const ExportOptions& options) {
   const std::filesystem::path folder = options.folder;
   if (options.out.empty()) {
-    const char* ending = options.header ? ".h" : options.text ? ".txt" : ".yaml";
-    return folder / (options.controller + ".robot" + ending);
+    const char* ending = options.header     ? ".robot.h"
+                         : options.text     ? ".robot.txt"
+                         : options.embedded ? ".embedded.robot.h"
+                                            : ".robot.yaml";
+    return folder / (options.controller + ending);
   }
   std::error_code none;
   if (std::filesystem::equivalent(options.out, folder / "scenario.resolved.yaml", none)) {
@@ -55,6 +59,15 @@ std::string ContentOf(const ExportOptions& options, const controller::RobotConfi
                       const RobotOrigin& origin) {
   if (options.header) return RobotToHeader(robot, origin);
   if (options.text) return RobotToText(robot, origin);
+  if (options.embedded) {
+    try {
+      return RobotToEmbeddedHeader(robot, origin);
+    } catch (const controller::SettingError& error) {
+      throw UserError({.place = "--controller " + options.controller,
+                       .key = error.key(),
+                       .problem = error.problem()});
+    }
+  }
   return RobotToYaml(robot, origin);
 }
 
@@ -90,10 +103,16 @@ void AddExportCommand(CLI::App& app) {
   CLI::Option* header = command->add_flag(
       "--header", options->header,
       "write a C++ header of constants [NAME.robot.h], for a robot that reads no files");
+  CLI::Option* text =
+      command
+          ->add_flag("--text", options->text,
+                     "write plain text [NAME.robot.txt], for C, Python, MATLAB and others")
+          ->excludes(header);
   command
-      ->add_flag("--text", options->text,
-                 "write plain text [NAME.robot.txt], for C, Python, MATLAB and others")
-      ->excludes(header);
+      ->add_flag("--embedded", options->embedded,
+                 "write a C++ header for a microcontroller, in float [NAME.embedded.robot.h]")
+      ->excludes(header)
+      ->excludes(text);
   command->footer(
       "\nThe file holds the controller's settings, the calibration of the glove that its trials "
       "used, the\n"

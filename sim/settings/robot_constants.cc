@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstddef>
 #include <string_view>
 #include <vector>
 
+#include "controller/embedded/embedded_settings.h"
 #include "sim/base/text.h"
 
 namespace gauntlet::sim {
@@ -144,6 +146,47 @@ std::string AsText(const std::vector<Row>& rows) {
   return text + "\n";
 }
 
+std::string EmbeddedLiteral(controller::EmbeddedValue::Type type, double value) {
+  using controller::EmbeddedValue;
+  if (type == EmbeddedValue::kFlag) return value != 0.0 ? "true" : "false";
+  if (type == EmbeddedValue::kInteger) return fmt::format("{:.0f}", value);
+  const std::string digits = fmt::format("{}", static_cast<float>(value));
+  return digits + (digits.find_first_of(".e") == std::string::npos ? ".0F" : "F");
+}
+
+/// Values in braces, wrapped.
+std::string EmbeddedRow(const controller::EmbeddedValue& member, std::size_t begin,
+                        std::size_t end) {
+  constexpr std::size_t kWidth = 90;
+  std::string text = "{";
+  std::size_t line = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i > begin) {
+      const bool wraps = text.size() - line > kWidth;
+      text += wraps ? ",\n         " : ", ";
+      if (wraps) line = text.size();
+    }
+    text += EmbeddedLiteral(member.type, member.values[i]);
+  }
+  return text + "}";
+}
+
+std::string EmbeddedMember(const controller::EmbeddedValue& member) {
+  std::string text = fmt::format("    .{} = ", member.name);
+  const std::size_t count = member.values.size();
+  if (!member.is_list) {
+    text += EmbeddedLiteral(member.type, member.values[0]);
+  } else if (member.columns == 0) {
+    text += "{\n        " + EmbeddedRow(member, 0, count).substr(1);
+  } else {
+    for (std::size_t i = 0; i < count; i += member.columns) {
+      text += (i == 0 ? "{\n        " : ",\n        ") + EmbeddedRow(member, i, i + member.columns);
+    }
+    text += "}";
+  }
+  return text + ",\n";
+}
+
 }  // namespace
 
 std::string RobotToHeader(const controller::RobotConfig& robot, const RobotOrigin& origin) {
@@ -194,6 +237,43 @@ std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin&
              OneLine(origin.controller), OneLine(origin.scenario), origin.model_hash,
              origin.gauntlet_version, robot.timing.tick_rate_hz, robot.timing.ticks_per_sample) +
          AsText(RowsOf(robot));
+}
+
+std::string RobotToEmbeddedHeader(const controller::RobotConfig& robot, const RobotOrigin& origin) {
+  const controller::EmbeddedSettings settings = controller::EmbeddedSettingsOf(robot);
+  std::string members;
+  for (const controller::EmbeddedValue& member : settings.values) members += EmbeddedMember(member);
+  return fmt::format(
+      R"(// Controller {controller} of scenario {scenario} (hand model {hash}), written by
+// gauntlet {version} export, for a microcontroller: C++20, no library.
+//
+//   static robot::Controller controller(robot::kSettings);
+//
+// and Step() {rate:.6g} times per second, with a new sample of the glove every {every} times.
+#pragma once
+
+#include "controller/embedded/embedded_controller.h"
+
+namespace robot {{
+
+inline constexpr int kChannelCount = {channels};
+inline constexpr int kMotorCount = {motors};
+inline constexpr int kTicksPerSample = {every};
+inline constexpr gauntlet::embedded::Settings<{channels}, {joints}, {motors}, {corners}> kSettings = {{
+{members}}};
+
+using Controller = gauntlet::embedded::Controller<{channels}, {joints}, {motors}, {corners}>;
+
+}}  // namespace robot
+)",
+      fmt::arg("controller", OneLine(origin.controller)),
+      fmt::arg("scenario", OneLine(origin.scenario)), fmt::arg("hash", origin.model_hash),
+      fmt::arg("version", origin.gauntlet_version), fmt::arg("rate", robot.timing.tick_rate_hz),
+      fmt::arg("every", robot.timing.ticks_per_sample),
+      fmt::arg("channels", robot.glove.channel_names.size()),
+      fmt::arg("joints", robot.hand.joint_names.size()),
+      fmt::arg("motors", robot.hand.motor_names.size()), fmt::arg("corners", settings.corner_count),
+      fmt::arg("members", members));
 }
 
 }  // namespace gauntlet::sim

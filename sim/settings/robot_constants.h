@@ -14,4 +14,8 @@ std::string RobotToHeader(const controller::RobotConfig& robot, const RobotOrigi
 /// The same as text, which controller::RobotFromText() and gauntlet_controller_create() read.
 std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin);
 
+/// What embedded::Controller runs, as a C++ header of constants in `float`: `robot::Controller` is
+/// made of `robot::kSettings`. Errors: SettingError for what the embedded form does not hold.
+std::string RobotToEmbeddedHeader(const controller::RobotConfig& robot, const RobotOrigin& origin);
+
 }  // namespace gauntlet::sim

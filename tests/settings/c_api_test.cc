@@ -21,7 +21,9 @@ constexpr int kChannels = 18;
 constexpr int kSamples = 94'096;
 
 RobotConfig Robot() {
-  RobotConfig robot{.glove = PlainGlove(kChannels), .hand = CoupledHand(kChannels)};
+  RobotConfig robot;
+  robot.glove = PlainGlove(kChannels);
+  robot.hand = CoupledHand(kChannels);
   robot.controller.filters = {{HampelConfig{}}, {KalmanConfig{.noise = {.r = {15.0}}}}};
   robot.controller.motor.rounding = Rounding::kHysteresis;
   robot.timing = {.tick_rate_hz = 1000.0, .ticks_per_sample = 2, .event_period_ms = 3.0};
