@@ -1,6 +1,7 @@
 #include "controller/filters/fixed_lag_filter.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -44,17 +45,23 @@ GAUNTLET_VECTORISED void ComputeGains(const double* prediction, const double* p1
   }
 }
 
-GAUNTLET_VECTORISED void UpdateSlot(double* estimate, double* c1, double* c2,
-                                    const double* scaled_innovation, const double* k1,
-                                    const double* k2, int channel_count) {
-  GAUNTLET_CHANNEL_LOOP
-  for (int i = 0; i < channel_count; ++i) {
-    const double updated = estimate[i] + c1[i] * scaled_innovation[i];
-    const double c2_posterior = c2[i] - k2[i] * c1[i];
-    const double c1_posterior = c1[i] - k1[i] * c1[i];
-    estimate[i] = updated;
-    c1[i] = WithoutSubnormal(c1_posterior + c2_posterior);
-    c2[i] = c2_posterior;  // stays as it is once c1 is 0
+/// All slots: estimate, c_1 and c_2 of one after those of another, `stride` values apart.
+GAUNTLET_VECTORISED void UpdateSlots(double* history, std::ptrdiff_t stride, int slots,
+                                     const double* scaled_innovation, const double* k1,
+                                     const double* k2, int channel_count) {
+  for (int slot = 0; slot < slots; ++slot, history += 3 * stride) {
+    double* estimate = history;
+    double* c1 = history + stride;
+    double* c2 = history + 2 * stride;
+    GAUNTLET_CHANNEL_LOOP
+    for (int i = 0; i < channel_count; ++i) {
+      const double updated = estimate[i] + c1[i] * scaled_innovation[i];
+      const double c2_posterior = c2[i] - k2[i] * c1[i];
+      const double c1_posterior = c1[i] - k1[i] * c1[i];
+      estimate[i] = updated;
+      c1[i] = WithoutSubnormal(c1_posterior + c2_posterior);
+      c2[i] = c2_posterior;  // stays as it is once c1 is 0
+    }
   }
 }
 
@@ -113,10 +120,8 @@ class FixedLagFilter final : public StateFilter<Filter> {
              factors_, Estimate(newest_), C1(newest_), C2(newest_), n);
     ComputeGains(Estimate(newest_), C1(newest_), C2(newest_), filter_[kR], input.data(),
                  gains_[kInnovation], gains_[kSlotK1], gains_[kSlotK2], n);
-    for (int slot = 0; slot < slots_; ++slot) {
-      UpdateSlot(Estimate(slot), C1(slot), C2(slot), gains_[kInnovation], gains_[kSlotK1],
-                 gains_[kSlotK2], n);
-    }
+    UpdateSlots(history_[0], history_[1] - history_[0], slots_, gains_[kInnovation],
+                gains_[kSlotK1], gains_[kSlotK2], n);
     StepKalman2(filter_, factors_, input.data(), output.data());
   }
 
