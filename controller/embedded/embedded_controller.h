@@ -55,10 +55,10 @@ struct Settings {
 ///     filter   x^- = x + w + a/2,  w^- = w + a,  e = z - x^-
 ///              x = x^- + k1 e,  w = w^- + k2 e,  a = a + k3 e
 ///
-/// Its commands are at most one count beside those of controller::Controller, which has the same
-/// equations in `double` and says where they come from (tests/settings/embedded_test.cc). Two
-/// differences: until its first good sample a channel holds the reference posture, wherever Reset()
-/// says the motors are; and frames have no numbers.
+/// Its commands are at most one count (with a wider hysteresis, that much) beside those of
+/// controller::Controller, which has the same equations in `double` and says where they come from
+/// (tests/settings/embedded_test.cc). Two differences: until its first good sample a channel holds
+/// the reference posture, wherever Reset() says the motors are; and frames have no numbers.
 template <std::size_t Channels, std::size_t Joints, std::size_t Motors, std::size_t Corners>
 class Controller {
  public:
