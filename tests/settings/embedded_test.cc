@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <ostream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -136,10 +137,16 @@ int DifferencePerTenThousand(const Commands& commands, const Commands& expected)
   return static_cast<int>(10'000 * differences / std::max(all, 1L));
 }
 
-class EmbeddedController : public testing::TestWithParam<RobotConfig (*)()> {};
+struct NamedRobot {
+  const char* name;
+  RobotConfig (*make)();
+};
+void PrintTo(const NamedRobot& robot, std::ostream* out) { *out << robot.name; }
+
+class EmbeddedController : public testing::TestWithParam<NamedRobot> {};
 
 TEST_P(EmbeddedController, InFloatIsWithinOneCountOfTheOneInDouble) {
-  const RobotConfig robot = GetParam()();
+  const RobotConfig robot = GetParam().make();
   const test::ProgramResult result = Firmware(robot).Run(GAUNTLET_CXX, "", kTicks);
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   const Commands expected = CommandsOf(robot, kTicks);
@@ -159,7 +166,7 @@ TEST_P(EmbeddedController, OnACortexM4GivesTheSameCommands) {
                     "libstdc++-arm-none-eabi-dev and qemu-system-arm";
   }
   constexpr int kArmTicks = 6000;
-  Firmware firmware(GetParam()());
+  Firmware firmware(GetParam().make());
   const test::ProgramResult here = firmware.Run(GAUNTLET_CXX, "", kArmTicks);
   const test::ProgramResult board = firmware.Run(
       "arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 "
@@ -180,7 +187,9 @@ TEST_P(EmbeddedController, OnACortexM4GivesTheSameCommands) {
   EXPECT_LT(bytes, 4096);
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, EmbeddedController, testing::Values(SettledKalman, Unusual));
+INSTANTIATE_TEST_SUITE_P(Robots, EmbeddedController,
+                         testing::Values(NamedRobot{"SettledKalman", SettledKalman},
+                                         NamedRobot{"Unusual", Unusual}));
 
 TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
   const auto complaint = [](const auto& change) {
