@@ -49,6 +49,8 @@ class TendonMap {
   void ToSpoolAngles(std::span<const double> joint_angle_rad,
                      std::span<double> spool_angle_rad) noexcept;
 
+  /// Turn of each spool that is commanded per turn of each joint, motors x joints.
+  const Eigen::MatrixXd& spool_per_joint() const noexcept { return forward_; }
   std::span<const double> joint_min_rad() const noexcept { return AsSpan(joint_min_rad_); }
   std::span<const double> joint_max_rad() const noexcept { return AsSpan(joint_max_rad_); }
   std::span<const double> reference_angle_rad() const noexcept { return AsSpan(reference_rad_); }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
 
 namespace gauntlet::controller {
 namespace {
@@ -45,19 +47,31 @@ double ProductAt(Index lag, const std::vector<Stretch>& stretches) {
 }
 
 /// Mean products at lags 1, 2, .. as long as they are beyond chance: at most to half of the longest
-/// stretch, for the mean is taken from it.
+/// stretch, for the mean is taken from it. Of a small correlation that falls slowly one product
+/// says little, so that the longer the lag, the more of its neighbours are judged with it. `taken`
+/// is what the means have taken away of each product.
 std::vector<double> ProductsBeyondChance(const std::vector<Stretch>& stretches, double variance,
-                                         double samples) {
+                                         double samples, double taken) {
   constexpr double kSigmas = 2.0;
-  Index longest = 0;
+  constexpr std::size_t kNeighbours = 4;  // one for each so many lags
+  std::size_t longest = 0;
   for (const Stretch& stretch : stretches) {
-    longest = std::max<Index>(longest, stretch.deviation.size());
+    longest = std::max(longest, static_cast<std::size_t>(stretch.deviation.size()));
   }
   std::vector<double> products;
-  for (Index lag = 1; lag <= longest / 2; ++lag) {
-    const double product = ProductAt(lag, stretches);
-    if (std::abs(product) <= kSigmas * variance / std::sqrt(samples)) break;
-    products.push_back(product);
+  for (std::size_t kept = 0; kept < longest / 2; ++kept) {
+    const std::size_t together = 1 + kept / kNeighbours;
+    while (products.size() < kept + together) {
+      products.push_back(ProductAt(static_cast<Index>(products.size() + 1), stretches));
+    }
+    const auto first = products.begin() + static_cast<std::ptrdiff_t>(kept);
+    const double sum =
+        std::accumulate(first, products.end(), taken * static_cast<double>(together));
+    const double chance = variance * std::sqrt(static_cast<double>(together) / samples);
+    if (std::abs(sum) <= kSigmas * chance) {
+      products.resize(kept);
+      break;
+    }
   }
   return products;
 }
@@ -90,21 +104,24 @@ ChannelNoise DescribeNoise(const std::vector<VectorXd>& values, double rounding_
   const double own_means = static_cast<double>(stretches.size());
   if (noise.samples <= own_means) return noise;
   noise.variance = square_sum / (noise.samples - own_means);
-  const std::vector<double> products =
-      ProductsBeyondChance(stretches, noise.variance, noise.samples);
+  std::vector<double> products =
+      ProductsBeyondChance(stretches, noise.variance, noise.samples, 0.0);
   // What the means take away depends on the correlation, which they make too small: a few rounds
-  // settle both.
+  // settle both. Then it is known which products are beyond chance without it.
   constexpr int kRounds = 20;
   for (int round = 0; round < kRounds && !products.empty(); ++round) {
     double taken = 0.0;
     for (const Stretch& stretch : stretches) taken += noise.MeanFactor(stretch.samples);
     taken = std::min(taken, 0.5 * noise.samples);
     noise.variance = square_sum / (noise.samples - taken);
+    const double of_product = noise.variance * taken / noise.samples;
+    if (round == kRounds / 2) {
+      products = ProductsBeyondChance(stretches, noise.variance, noise.samples, of_product);
+    }
     const double sensor = std::max(noise.variance - rounding_variance, 0.01 * noise.variance);
     noise.correlation.clear();
     for (const double product : products) {
-      const double whole = product + noise.variance * taken / noise.samples;
-      noise.correlation.push_back(std::clamp(whole / sensor, -1.0, 1.0));
+      noise.correlation.push_back(std::clamp((product + of_product) / sensor, -1.0, 1.0));
     }
   }
   noise.degrees_of_freedom = (noise.samples - own_means) / noise.VarianceFactor();

@@ -84,30 +84,43 @@ std::array<double, 4> SquaresWhereQuiet(const Eigen::Ref<const Eigen::VectorXd>&
   return squares;
 }
 
-/// For noise with correlation c(l) the mean square at distance l is 2 variance (1 - c(l)). Of noise
-/// that falls as c(lag)^n at n lags, the squares at one and two lags give c(lag) and the variance;
-/// the one at distance 1 gives c(1), and c is taken to be linear between 1 and `lag`. Squares of
+/// For noise with correlation c(l) the mean square at distance l is D(l) = 2 variance (1 - c(l)).
+/// Of noise that falls as c = s p^n at n lags, with white noise on top (a share of 1 - s),
+///
+///     (D(4 lags) - D(2 lags)) / (D(2 lags) - D(lag)) = p (1 + p)
+///     D(2 lags) - D(lag) = 2 variance s p (1 - p)
+///
+/// The square at distance 1 gives c(1), and c is taken to be linear between 1 and `lag`. Squares of
 /// noise grow ever more slowly with the distance; where they do not, it is a motion, and the
 /// shortest distance alone tells the noise.
 Noise NoiseOf(const Eigen::Ref<const Eigen::VectorXd>& z, Index block, double rate_hz) {
   constexpr double kLagS = 0.008;
-  constexpr double kChance = 0.1;  // a smaller correlation is none
+  constexpr double kChance = 0.05;  // a smaller rise is none
   constexpr double kMost = 0.97;
   const Index lag = std::max<Index>(1, std::lround(kLagS * rate_hz));
   if (z.size() < 8 * lag) return {};
   const auto [at_one, at_lag, at_two_lags, at_four_lags] = SquaresWhereQuiet(z, block, lag);
   constexpr double kSlack = 1.1;
   const bool moves = at_four_lags * at_lag > kSlack * at_two_lags * at_two_lags;
-  const auto beyond_chance = [](double c) { return c < kChance ? 0.0 : c < kMost ? c : kMost; };
-  const double far = moves ? 0.0 : beyond_chance(at_two_lags / std::max(at_lag, 1e-12) - 1.0);
-  const double variance = moves ? 0.5 * at_one : at_lag / (2.0 * (1.0 - far));
-  const double near = std::max(beyond_chance(1.0 - at_one / std::max(2.0 * variance, 1e-12)), far);
+  double variance = 0.5 * (moves ? at_one : at_four_lags);
+  double fall = 0.0;  // p
+  double far = 0.0;   // s p
+  if (!moves && at_four_lags - at_lag > kChance * at_lag) {
+    const double rise = std::max(at_two_lags - at_lag, 1e-12);
+    const double ratio = std::max(at_four_lags - at_two_lags, 0.0) / rise;
+    fall = std::clamp(0.5 * (std::sqrt(1.0 + 4.0 * ratio) - 1.0), 0.05, kMost);
+    const double correlated = 0.5 * rise / (1.0 - fall);  // of the variance, times p
+    variance = 0.5 * at_lag + correlated;
+    far = std::min(correlated / variance, kMost);
+  }
+  const double near = std::clamp(1.0 - 0.5 * at_one / std::max(variance, 1e-12), far, 1.0);
   double factor = 1.0;  // of the variance of a block's mean, in that of a sample over `block`
   for (Index l = 1; l < block; ++l) {
     const double part = static_cast<double>(l) / static_cast<double>(block);
-    const double c = l < lag ? near + (far - near) * static_cast<double>(l - 1) /
-                                          static_cast<double>(std::max<Index>(lag - 1, 1))
-                             : std::pow(far, static_cast<double>(l) / static_cast<double>(lag));
+    const double c =
+        l < lag ? near + (far - near) * static_cast<double>(l - 1) /
+                             static_cast<double>(std::max<Index>(lag - 1, 1))
+                : far * std::pow(fall, static_cast<double>(l - lag) / static_cast<double>(lag));
     factor += 2.0 * (1.0 - part) * c;
   }
   Noise noise;

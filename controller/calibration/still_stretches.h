@@ -15,7 +15,7 @@ struct StillStretch {
 /// the stretch began and where the last one was, within what the noise of each channel allows. The
 /// 50 ms beside a motion are left out. A level is the mean without spikes.
 ///
-/// The noise is judged from differences of samples at most 16 ms apart, which motion hardly
+/// The noise is judged from differences of samples at most 32 ms apart, which motion hardly
 /// touches, in the quietest quarter of the recording. Noise that is correlated over longer than
 /// that cannot be told from slow motion.
 /// Shapes: `counts` is samples x channels, finite. Errors: none; no stretch is an empty list.

@@ -1,6 +1,7 @@
 #include "controller/filters/fixed_lag_filter.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -30,31 +31,34 @@ GAUNTLET_VECTORISED void OpenSlot(const double* x, const double* w, const double
   }
 }
 
-/// The gains and the innovation of this moment from the slot just opened.
-GAUNTLET_VECTORISED void ComputeGains(const double* prediction, const double* p11_prior,
-                                      const double* p12_prior, const double* r, const double* z,
-                                      double* scaled_innovation, double* k1, double* k2,
-                                      int channel_count) {
+/// The innovation of this moment in units of S = P⁻₁₁ + R, from the slot just opened.
+GAUNTLET_VECTORISED void ScaleInnovation(const double* prediction, const double* p11_prior,
+                                         const double* r, const double* z,
+                                         double* scaled_innovation, int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double s = p11_prior[i] + r[i];
     scaled_innovation[i] = (WithoutSubnormal(z[i]) - prediction[i]) / s;
-    k1[i] = p11_prior[i] / s;
-    k2[i] = p12_prior[i] / s;
   }
 }
 
-GAUNTLET_VECTORISED void UpdateSlot(double* estimate, double* c1, double* c2,
-                                    const double* scaled_innovation, const double* k1,
-                                    const double* k2, int channel_count) {
-  GAUNTLET_CHANNEL_LOOP
-  for (int i = 0; i < channel_count; ++i) {
-    const double updated = estimate[i] + c1[i] * scaled_innovation[i];
-    const double c2_posterior = c2[i] - k2[i] * c1[i];
-    const double c1_posterior = c1[i] - k1[i] * c1[i];
-    estimate[i] = updated;
-    c1[i] = WithoutSubnormal(c1_posterior + c2_posterior);
-    c2[i] = c2_posterior;  // stays as it is once c1 is 0
+/// All slots: estimate, c_1 and c_2 of one after those of another, `stride` values apart.
+GAUNTLET_VECTORISED void UpdateSlots(double* history, std::ptrdiff_t stride, int slots,
+                                     const double* scaled_innovation, const double* k1,
+                                     const double* k2, int channel_count) {
+  for (int slot = 0; slot < slots; ++slot, history += 3 * stride) {
+    double* estimate = history;
+    double* c1 = history + stride;
+    double* c2 = history + 2 * stride;
+    GAUNTLET_CHANNEL_LOOP
+    for (int i = 0; i < channel_count; ++i) {
+      const double updated = estimate[i] + c1[i] * scaled_innovation[i];
+      const double c2_posterior = c2[i] - k2[i] * c1[i];
+      const double c1_posterior = c1[i] - k1[i] * c1[i];
+      estimate[i] = updated;
+      c1[i] = WithoutSubnormal(c1_posterior + c2_posterior);
+      c2[i] = c2_posterior;  // stays as it is once c1 is 0
+    }
   }
 }
 
@@ -66,7 +70,7 @@ class FixedLagFilter final : public StateFilter<Filter> {
         factors_(FactorsOf(config.noise.process_noise, 2, 1.0 / rate_hz)),
         filter_(kKalmanArrays2, channel_count),
         history_(3 * slots_, channel_count),
-        gains_(3, channel_count),
+        innovation_(1, channel_count),
         counts_(channel_count, 0) {
     const Eigen::ArrayXd r = MeasurementVariance(config.noise, channel_count);
     const Eigen::ArrayXd q = ProcessVariance(config.noise, channel_count);
@@ -81,8 +85,6 @@ class FixedLagFilter final : public StateFilter<Filter> {
   }
 
  private:
-  enum Gain { kInnovation, kSlotK1, kSlotK2 };
-
   void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     StateFilter::StepChecked(input, output);
     Deliver(output);
@@ -90,10 +92,12 @@ class FixedLagFilter final : public StateFilter<Filter> {
   void ResetChecked(int channel) noexcept override {
     StateFilter::ResetChecked(channel);
     counts_[channel] = 0;
+    filling_ = slots_;
   }
   void StartChecked(std::span<const double> values) noexcept override {
     StateFilter::StartChecked(values);
     std::fill(counts_.begin(), counts_.end(), 1);
+    filling_ = slots_;
   }
   bool TakeChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<FixedLagFilter*>(&from);
@@ -102,6 +106,7 @@ class FixedLagFilter final : public StateFilter<Filter> {
     std::swap(history_, other->history_);
     std::swap(newest_, other->newest_);
     std::swap(counts_, other->counts_);
+    std::swap(filling_, other->filling_);
     TakeFresh(*other);
     return true;
   }
@@ -111,13 +116,12 @@ class FixedLagFilter final : public StateFilter<Filter> {
     newest_ = newest_ + 1 == slots_ ? 0 : newest_ + 1;
     OpenSlot(filter_[kX], filter_[kW], filter_[kP11], filter_[kP12], filter_[kP22], filter_[kQ],
              factors_, Estimate(newest_), C1(newest_), C2(newest_), n);
-    ComputeGains(Estimate(newest_), C1(newest_), C2(newest_), filter_[kR], input.data(),
-                 gains_[kInnovation], gains_[kSlotK1], gains_[kSlotK2], n);
-    for (int slot = 0; slot < slots_; ++slot) {
-      UpdateSlot(Estimate(slot), C1(slot), C2(slot), gains_[kInnovation], gains_[kSlotK1],
-                 gains_[kSlotK2], n);
-    }
-    StepKalman2(filter_, factors_, input.data(), output.data());
+    ScaleInnovation(Estimate(newest_), C1(newest_), filter_[kR], input.data(), innovation_[0], n);
+    StepCovariance2(filter_, factors_);
+    UpdateSlots(history_[0], history_[1] - history_[0], slots_, innovation_[0], filter_[kK1],
+                filter_[kK2], n);
+    StepStates2(filter_[kX], filter_[kW], filter_[kK1], filter_[kK2], input.data(), output.data(),
+                n);
   }
 
   double* Estimate(int slot) noexcept { return history_[3 * slot]; }
@@ -140,6 +144,11 @@ class FixedLagFilter final : public StateFilter<Filter> {
   }
 
   void Deliver(std::span<double> output) noexcept {
+    if (filling_ == 0) {
+      std::copy_n(Estimate(SlotOf(slots_ - 1)), channel_count(), output.begin());
+      return;
+    }
+    --filling_;
     for (int i = 0; i < channel_count(); ++i) {
       int& count = counts_[i];
       if (count < slots_) ++count;
@@ -151,8 +160,9 @@ class FixedLagFilter final : public StateFilter<Filter> {
   ProcessNoiseFactors factors_;
   ChannelArrays filter_;
   ChannelArrays history_;  // per slot: estimate, c_1, c_2; the oldest slot is opened again
-  ChannelArrays gains_;
+  ChannelArrays innovation_;
   std::vector<int> counts_;  // samples of each channel in the history
+  int filling_ = 0;          // steps until all of them have a full one
   int newest_ = 0;
 };
 

@@ -33,6 +33,10 @@ struct Rates {
   double mean;   // of c_0 and c_1
   double scale;  // of both R and q, towards the innovations' size
   double r, q;   // of one of them, by the innovations' correlation
+  // Limits of one sample. Not constants: with those the compiler computes on in branches, and gives
+  // up vectors.
+  double most_weight = 1.0;
+  double most_size = 2.0;
 };
 
 /// A sample at m standard deviations, m > 5, counts as one at 25 / m.
@@ -45,27 +49,35 @@ GAUNTLET_VECTORISED void Learn(double* r, double* q, double* before, double* c0,
                                const double* innovation, int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
+    const double r_old = r[i];
+    const double q_old = q[i];
+    const double r_least = r_min[i];
+    const double r_most = r_max[i];
+    const double q_least = q_min[i];
+    const double q_most = q_max[i];
+    const double innovated = innovation[i];
     // P_11 = K_1 R and 1 - K_1 = R / S give S back.
-    const double s = r[i] * r[i] / (r[i] - p11[i]);
-    const double ratio = kMostTimes * s / (innovation[i] * innovation[i]);
-    const double e = (ratio < 1.0 ? ratio : 1.0) * innovation[i];
+    const double s = r_old * r_old / (r_old - p11[i]);
+    const double ratio = kMostTimes * s / (innovated * innovated);
+    const double weight = ratio < rates.most_weight ? ratio : rates.most_weight;
+    const double e = weight * innovated;
     const double mean = c0[i] + rates.mean * (e * e - c0[i]);
-    const double c0_new = mean > r_min[i] ? mean : r_min[i];  // never 0 at absolute rest
+    const double c0_new = mean > r_least ? mean : r_least;  // never 0 at absolute rest
     const double c1_new = c1[i] + rates.mean * (e * before[i] - c1[i]);
     const double correlation = c1_new / c0_new;
     const double size_seen = c0_new / s;
-    const double size = size_seen < 2.0 ? size_seen : 2.0;
+    const double size = size_seen < rates.most_size ? size_seen : rates.most_size;
     const double scale = 1.0 + rates.scale * (size - 1.0);
-    const double r_new = r[i] * scale * (1.0 - rates.r * correlation);
-    const double q_new = q[i] * scale * (1.0 + rates.q * correlation);
+    const double r_new = r_old * scale * (1.0 - rates.r * correlation);
+    const double q_new = q_old * scale * (1.0 + rates.q * correlation);
+    // One choice per line, among what has been read: the compiler gives up vectors for others.
+    const double r_low = r_new < r_least ? r_least : r_new;
+    const double q_low = q_new < q_least ? q_least : q_new;
     before[i] = WithoutSubnormal(e);
     c0[i] = c0_new;
     c1[i] = WithoutSubnormal(c1_new);
-    // One choice per line: the compiler gives up vectors for nested ones.
-    const double r_low = r_new < r_min[i] ? r_min[i] : r_new;
-    const double q_low = q_new < q_min[i] ? q_min[i] : q_new;
-    r[i] = r_low > r_max[i] ? r_max[i] : r_low;
-    q[i] = q_low > q_max[i] ? q_max[i] : q_low;
+    r[i] = r_low > r_most ? r_most : r_low;
+    q[i] = q_low > q_most ? q_most : q_low;
   }
 }
 

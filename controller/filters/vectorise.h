@@ -13,10 +13,18 @@
 #define GAUNTLET_VECTORISED
 #endif
 
+// Under these sanitizers clang cannot vectorise, and warns of every loop that it is asked to.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || \
+    __has_feature(undefined_behavior_sanitizer)
+#define GAUNTLET_CLANG_SANITIZER
+#endif
+#endif
+
 /// Before a loop over channels: the arrays are either the same memory or apart from each other.
 #if defined(__GNUC__) && !defined(__clang__)
 #define GAUNTLET_CHANNEL_LOOP _Pragma("GCC ivdep")
-#elif defined(__clang__)
+#elif defined(__clang__) && !defined(GAUNTLET_CLANG_SANITIZER)
 #define GAUNTLET_CHANNEL_LOOP _Pragma("clang loop vectorize(assume_safety)")
 #else
 #define GAUNTLET_CHANNEL_LOOP

@@ -13,8 +13,8 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
+#include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
-#include "sim/settings/robot_header.h"
 #include "sim/study/manifest.h"
 #include "sim/study/study.h"
 
@@ -24,8 +24,10 @@ namespace {
 struct ExportOptions {
   std::string folder;
   std::string controller;
-  std::string out;  // empty: NAME.robot.yaml (or .h) in the folder
+  std::string out;  // empty: NAME.robot.yaml (or another ending) in the folder
   bool header = false;
+  bool text = false;
+  bool embedded = false;
 };
 
 const NamedController& Find(const Scenario& scenario, const std::string& name) {
@@ -39,13 +41,34 @@ const NamedController& Find(const Scenario& scenario, const std::string& name) {
 
 std::filesystem::path TargetOf(const ExportOptions& options) {
   const std::filesystem::path folder = options.folder;
-  if (options.out.empty())
-    return folder / (options.controller + (options.header ? ".robot.h" : ".robot.yaml"));
+  if (options.out.empty()) {
+    const char* ending = options.header     ? ".robot.h"
+                         : options.text     ? ".robot.txt"
+                         : options.embedded ? ".embedded.robot.h"
+                                            : ".robot.yaml";
+    return folder / (options.controller + ending);
+  }
   std::error_code none;
   if (std::filesystem::equivalent(options.out, folder / "scenario.resolved.yaml", none)) {
     throw UserError({.place = "--out " + options.out, .problem = "is the scenario itself"});
   }
   return options.out;
+}
+
+std::string ContentOf(const ExportOptions& options, const controller::RobotConfig& robot,
+                      const RobotOrigin& origin) {
+  if (options.header) return RobotToHeader(robot, origin);
+  if (options.text) return RobotToText(robot, origin);
+  if (options.embedded) {
+    try {
+      return RobotToEmbeddedHeader(robot, origin);
+    } catch (const controller::SettingError& error) {
+      throw UserError({.place = "--controller " + options.controller,
+                       .key = error.key(),
+                       .problem = error.problem()});
+    }
+  }
+  return RobotToYaml(robot, origin);
 }
 
 void RunExport(const ExportOptions& options) {
@@ -62,8 +85,7 @@ void RunExport(const ExportOptions& options) {
                            .scenario = scenario.name,
                            .controller = named.name,
                            .model_hash = hand.Hash()};
-  WriteFileAtomically(target,
-                      options.header ? RobotToHeader(robot, origin) : RobotToYaml(robot, origin));
+  WriteFileAtomically(target, ContentOf(options, robot, origin));
   Say("wrote {}\n", target.string());
 }
 
@@ -78,9 +100,19 @@ void AddExportCommand(CLI::App& app) {
       ->type_name("NAME")
       ->required();
   AddOutOption(*command, options->out, "file to write [NAME.robot.yaml in the folder]", "FILE");
-  command->add_flag(
+  CLI::Option* header = command->add_flag(
       "--header", options->header,
       "write a C++ header of constants [NAME.robot.h], for a robot that reads no files");
+  CLI::Option* text =
+      command
+          ->add_flag("--text", options->text,
+                     "write plain text [NAME.robot.txt], for C, Python, MATLAB and others")
+          ->excludes(header);
+  command
+      ->add_flag("--embedded", options->embedded,
+                 "write a C++ header for a microcontroller, in float [NAME.embedded.robot.h]")
+      ->excludes(header)
+      ->excludes(text);
   command->footer(
       "\nThe file holds the controller's settings, the calibration of the glove that its trials "
       "used, the\n"

@@ -96,7 +96,8 @@ void RemoveLeftovers(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     const bool table = name.starts_with("trace.") && name.ends_with(".csv");
-    const bool robot = name.ends_with(".robot.yaml") || name.ends_with(".robot.h");
+    const bool robot =
+        name.ends_with(".robot.yaml") || name.ends_with(".robot.h") || name.ends_with(".robot.txt");
     if (table || robot || name == "comparison.mp4") fs::remove(entry.path(), ignored);
   }
 }

@@ -177,12 +177,16 @@ void CachedKalmanBenchmark(benchmark::State& state, Step step) {
 }
 
 void RegisterCachedKalman() {
-  benchmark::RegisterBenchmark("kalman_in_cache", [](benchmark::State& state) {
-    const auto filter = MakeFilter(WithOneR({KalmanConfig{}}), HandKalman::kChannels, kRateHz);
-    CachedKalmanBenchmark(state, [&](std::span<const double> input, std::span<double> output) {
-      filter->Step(input, output);
+  for (const FilterConfig& config :
+       {FilterConfig{KalmanConfig{}}, {KalmanAdaptiveConfig{}}, {FixedLagConfig{}}}) {
+    const std::string name = std::string(KindName(config.settings)) + "_in_cache";
+    benchmark::RegisterBenchmark(name.c_str(), [config](benchmark::State& state) {
+      const auto filter = MakeFilter(WithOneR(config), HandKalman::kChannels, kRateHz);
+      CachedKalmanBenchmark(state, [&](std::span<const double> input, std::span<double> output) {
+        filter->Step(input, output);
+      });
     });
-  });
+  }
   benchmark::RegisterBenchmark("kalman_by_hand_in_cache", [](benchmark::State& state) {
     HandKalman filter;
     CachedKalmanBenchmark(state, [&](std::span<const double> input, std::span<double> output) {

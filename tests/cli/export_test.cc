@@ -135,6 +135,31 @@ TEST_F(ExportTest, TheCalibrationOfTheTrialsIsInTheFile) {
   ExpectSameCommands(study, named);
 }
 
+TEST_F(ExportTest, WritesTextAndWhatAMicrocontrollerHolds) {
+  Run("question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\ncontrollers:\n"
+      "  settled: {filter: kalman_steady}\n  learns: {filter: kalman_adaptive}\n");
+  for (const char* form : {"--text", "--embedded", "--header"}) {
+    const ProgramResult result = Gauntlet({"export", "out", "--controller", "settled", form});
+    EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  }
+  for (const char* name : {"settled.robot.txt", "settled.embedded.robot.h", "settled.robot.h"}) {
+    EXPECT_TRUE(fs::exists(In("out") / name)) << name;
+  }
+  const ProgramResult refused = Gauntlet({"export", "out", "--controller", "learns", "--embedded"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.standard_error,
+              HasSubstr("--controller learns: controller.filter[0]: is kalman_adaptive, must be "
+                        "none, exponential, alpha_beta, alpha_beta_gamma or kalman_steady in the "
+                        "embedded form"));
+  EXPECT_FALSE(fs::exists(In("out/learns.embedded.robot.h")));
+  EXPECT_EQ(
+      Gauntlet({"export", "out", "--controller", "settled", "--text", "--embedded"}).exit_code, 2);
+  // Another run into the folder is of another scenario.
+  Run(kFiveChannelsAt60Hz);
+  EXPECT_FALSE(fs::exists(In("out/settled.robot.txt")));
+  EXPECT_FALSE(fs::exists(In("out/settled.embedded.robot.h")));
+}
+
 TEST_F(ExportTest, WritesWhereItIsToldAndSaysWhereTheFileComesFrom) {
   Run("name: \"two: # words\"\n" + std::string(kFiveChannelsAt60Hz));
   const ProgramResult result =

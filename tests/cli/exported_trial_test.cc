@@ -75,11 +75,12 @@ void ExpectCommandsOf(const sim::Trace& trace, const std::string& printed) {
   EXPECT_EQ(events, (kSamples - kDelayTicks + 19) / 20);
 }
 
-TEST_F(ExportedTrial, GivesTheCommandsOfTheTraceAsAFileAndAsAHeader) {
+TEST_F(ExportedTrial, GivesTheCommandsOfTheTraceAsAFileAHeaderAndText) {
   std::ofstream(In("s.yaml")) << fmt::format(kScenario, 1e-3 * kSamples, kDelayTicks);
   Expect(Run({GAUNTLET_PROGRAM, "run", "s.yaml", "--out", "out"}));
   Expect(Run({GAUNTLET_PROGRAM, "export", "out", "--controller", "tuned"}));
   Expect(Run({GAUNTLET_PROGRAM, "export", "out", "--controller", "tuned", "--header"}));
+  Expect(Run({GAUNTLET_PROGRAM, "export", "out", "--controller", "tuned", "--text"}));
   const sim::TraceFile file = sim::ReadTraceFile(In("out/trace.h5"));
   ASSERT_EQ(file.counts.rows(), kSamples);
   ASSERT_GT((file.traces.front().command_counts.array().bottomRows(kSamples - 1) !=
@@ -108,6 +109,10 @@ TEST_F(ExportedTrial, GivesTheCommandsOfTheTraceAsAFileAndAsAHeader) {
   const ProgramResult of_header = Run({In("replay_header").string()}, samples);
   Expect(of_header);
   EXPECT_TRUE(of_header.standard_output == of_file.standard_output);
+
+  const ProgramResult of_text = Run({GAUNTLET_FROM_C, "out/tuned.robot.txt"}, samples);
+  Expect(of_text);
+  EXPECT_TRUE(of_text.standard_output == of_file.standard_output);
 }
 
 }  // namespace

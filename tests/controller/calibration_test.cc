@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "controller/calibration/curve_fit.h"
+#include "controller/calibration/noise_correlation.h"
 #include "controller/calibration/noise_estimate.h"
 #include "controller/filters/paper_noise.h"
 #include "tests/controller/test_signal.h"
@@ -182,6 +183,59 @@ TEST_P(StillHandWith, CorrelatedNoiseHoldsStill) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Correlations, StillHandWith, testing::Values(0.0, 0.5, 0.8, 0.9, 0.95));
+
+/// Still samples of which a share of the variance is white, on top of slow noise.
+Eigen::VectorXd SlowUnderWhite(int samples, double white_share, TestNoise& noise) {
+  constexpr double kCorrelation = 0.98;
+  Eigen::VectorXd counts(samples);
+  double slow = noise.Normal();
+  for (int k = 0; k < samples; ++k) {
+    slow = kCorrelation * slow + std::sqrt(1.0 - kCorrelation * kCorrelation) * noise.Normal();
+    const double sum =
+        std::sqrt(1.0 - white_share) * slow + std::sqrt(white_share) * noise.Normal();
+    counts[k] = std::round(400.0 + 3.0 * sum);
+  }
+  return counts;
+}
+
+TEST(FindStillStretches, AreNotEndedBySlowNoiseUnderWhiteNoise) {
+  for (const double white_share : {0.2, 0.5, 0.8}) {
+    TestNoise noise(17);
+    constexpr int kRepeats = 20;
+    constexpr int kSamples = 9000;
+    double samples = 0.0;
+    for (int repeat = 0; repeat < kRepeats; ++repeat) {
+      Eigen::MatrixXd counts(kSamples, 3);
+      for (int i = 0; i < 3; ++i) counts.col(i) = SlowUnderWhite(kSamples, white_share, noise);
+      for (const StillStretch& stretch : FindStillStretches(counts, 1000.0)) {
+        samples += static_cast<double>(stretch.end - stretch.begin);
+      }
+    }
+    EXPECT_GT(samples, 0.8 * kRepeats * kSamples) << white_share;
+  }
+}
+
+// Its small correlation falls slowly: cut off too early, 90 % of the means would be within 1.96
+// standard deviations of theirs.
+TEST(DescribeNoise, KnowsHowFarMeansAreOffUnderSlowNoise) {
+  constexpr int kRepeats = 400;
+  constexpr int kStretches = 6;
+  constexpr int kSamples = 1500;
+  TestNoise noise(18);
+  int held = 0;
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    std::vector<Eigen::VectorXd> stretches;
+    for (int i = 0; i < kStretches; ++i) stretches.push_back(SlowUnderWhite(kSamples, 0.8, noise));
+    const ChannelNoise described = DescribeNoise(stretches, 1.0 / 12.0);
+    const double deviation =
+        std::sqrt(described.MeanFactor(kSamples) * described.variance / kSamples);
+    for (const Eigen::VectorXd& stretch : stretches) {
+      held += std::abs(stretch.mean() - 400.0) < 1.96 * deviation;
+    }
+  }
+  EXPECT_GE(held, 0.93 * kRepeats * kStretches);
+  EXPECT_LE(held, 0.97 * kRepeats * kStretches);
+}
 
 TEST(FindStillStretches, AreNotEndedBySpikes) {
   TestNoise noise(15);

@@ -1,6 +1,7 @@
 # Builds controller/ by itself, static and shared, with Eigen alone, installs it, and builds a program of
 # somebody else against it: by all compilers that there are, in C++20 and 23, with warnings as errors.
-# Called with -DSOURCE_DIR, -DWORK_DIR, -DCXX, -DLAUNCHER (may be empty).
+# So do the examples in C and Python. Called with -DSOURCE_DIR, -DWORK_DIR, -DCXX, and -DLAUNCHER and
+# -DPYTHON, which may be empty.
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 set(strict -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror)
@@ -27,6 +28,25 @@ foreach(line "cmake -S controller -B build/controller" "cmake --build build/cont
     message(FATAL_ERROR "controller/examples/README.md does not say \"${line}\"")
   endif()
 endforeach()
+
+# What the examples in C and Python read: where the motors are, and samples of two sensors.
+set(examples ${SOURCE_DIR}/controller/examples)
+string(REPEAT "512 " 18 samples)
+foreach(k RANGE 300)
+  math(EXPR counts "400 + ${k} / 3")
+  string(APPEND samples "\n${counts} ${counts}")
+endforeach()
+file(WRITE ${WORK_DIR}/samples.txt "${samples}\n")
+find_program(c_compiler NAMES gcc cc REQUIRED)
+# commands(<variable> <command>...): what an example prints.
+function(commands variable)
+  execute_process(COMMAND ${ARGN} INPUT_FILE ${WORK_DIR}/samples.txt OUTPUT_VARIABLE output
+                  COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT output MATCHES "\n300( [0-9]+)+\n$")
+    message(FATAL_ERROR "${ARGN}: no command at the last event:\n${output}")
+  endif()
+  set(${variable} "${output}" PARENT_SCOPE)
+endfunction()
 
 foreach(shared OFF ON)
   set(build ${WORK_DIR}/build_${shared})
@@ -64,7 +84,41 @@ foreach(shared OFF ON)
       run(${WORK_DIR}/outside)
     endforeach()
   endforeach()
+  # From C, which does not know that the library is C++: a static one needs its libraries, too.
+  execute_process(COMMAND pkg-config --static --libs gauntlet-controller OUTPUT_VARIABLE libraries
+                  COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(libraries UNIX_COMMAND "${libraries}")
+  run(${c_compiler} -std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror ${flags}
+      ${examples}/07_from_c.c -o ${WORK_DIR}/from_c_${shared} ${libraries} -Wl,-rpath,${prefix}/lib)
+  commands(from_c_${shared} ${WORK_DIR}/from_c_${shared} ${examples}/robot.txt)
 endforeach()
+if(NOT from_c_OFF STREQUAL from_c_ON)
+  message(FATAL_ERROR "static and shared give other commands")
+endif()
+
+# The shared library has exactly the functions of the C header, beside those of C++.
+set(library ${WORK_DIR}/prefix_ON/lib/libgauntlet_controller.so)
+execute_process(COMMAND nm -D --defined-only --format=just-symbols ${library}
+                OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "[^\n]+" symbols "${symbols}")
+list(FILTER symbols EXCLUDE REGEX "^_Z")
+file(READ ${SOURCE_DIR}/controller/c_api/gauntlet_controller.h header)
+string(REGEX MATCHALL "\n[a-z0-9_]+[* ]+gauntlet_controller_[a-z_]+\\(" functions "${header}")
+list(TRANSFORM functions REPLACE ".*[* ](gauntlet_controller_[a-z_]+).*" "\\1")
+list(SORT symbols)
+list(SORT functions)
+if(NOT symbols STREQUAL functions)
+  message(FATAL_ERROR "the header declares\n${functions}\nand the library has\n${symbols}")
+endif()
+
+if(PYTHON)
+  commands(from_python ${PYTHON} ${examples}/08_from_python.py ${library} ${examples}/robot.txt)
+  if(NOT from_python STREQUAL from_c_ON)
+    message(FATAL_ERROR "other commands from Python:\n${from_python}\nthan from C:\n${from_c_ON}")
+  endif()
+else()
+  message("not tried: there is no python3")
+endif()
 
 # The static library can be part of somebody's shared object: a plug-in, a ROS node.
 run(${CXX} -shared -o ${WORK_DIR}/plugin.so -Wl,--whole-archive

@@ -30,6 +30,7 @@ struct Case {
   std::string name;
   double deviation_counts = 3.0;
   double correlation = 0.0;  // of neighbouring samples, first-order
+  double white_share = 0.0;  // of the variance: white noise on top of it
   double spike_share = 0.0;  // of 124 counts
   double clipped_share = 0.0;
 };
@@ -58,11 +59,13 @@ class Glove {
     return std::sqrt(-2.0 * std::log(1.0 - random_.Uniform())) *
            std::cos(2.0 * std::numbers::pi * random_.Uniform());
   }
-  /// First-order noise of variance 1.
+  /// First-order noise and white noise, of variance 1 together.
   double Noise() {
     const double c = case_.correlation;
+    const double white = case_.white_share;
     state_ = c * state_ + std::sqrt(1.0 - c * c) * Normal();
-    return state_;
+    if (white == 0.0) return state_;
+    return std::sqrt(1.0 - white) * state_ + std::sqrt(white) * Normal();
   }
   double Seen(double level) {
     const double counts = std::round(level + case_.deviation_counts * Noise());
@@ -133,7 +136,11 @@ void AddTable(const Recording& recording, int channel, Coverage& coverage) {
   }
 }
 
+/// Cases whose names hold this are measured.
+std::string wanted;
+
 void Measure(const Case& glove) {
+  if (glove.name.find(wanted) == std::string::npos) return;
   Coverage variance, table;
   int without_rest = 0;
   Index spikes = 0;
@@ -164,8 +171,8 @@ void Measure(const Case& glove) {
 }  // namespace
 }  // namespace gauntlet::controller
 
-int main() {
-  using gauntlet::controller::Case;
+int main(int count, char** arguments) {
+  if (count > 1) gauntlet::controller::wanted = arguments[1];
   fmt::print("{:<28} {:>9}  {:>7}   {:>9} {:>7}   {:>6}   {:>4}   {:>4}\n", "noise", "R covers",
              "R/truth", "table", "mean", "spikes", "rnd", "lost");
   for (const double deviation : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 3.0}) {
@@ -175,6 +182,14 @@ int main() {
   for (const double correlation : {-0.5, 0.3, 0.5, 0.8, 0.9, 0.95, 0.98}) {
     gauntlet::controller::Measure(
         {.name = fmt::format("correlation {}", correlation), .correlation = correlation});
+  }
+  for (const double white_share : {0.2, 0.5, 0.8}) {
+    for (const double correlation : {0.9, 0.98}) {
+      gauntlet::controller::Measure(
+          {.name = fmt::format("correlation {}, {:.0f} % white", correlation, 100 * white_share),
+           .correlation = correlation,
+           .white_share = white_share});
+    }
   }
   gauntlet::controller::Measure({.name = "spikes, 1 %", .spike_share = 0.01});
   gauntlet::controller::Measure({.name = "spikes, 5 %", .spike_share = 0.05});

@@ -10,8 +10,10 @@
 #include <fstream>
 #include <string>
 
+#include "controller/constant_settings.h"
 #include "controller/controller.h"
 #include "sim/base/error.h"
+#include "sim/settings/robot_constants.h"
 #include "sim/settings/yaml_writer.h"
 #include "tests/support/program.h"
 
@@ -175,6 +177,88 @@ TEST_F(RobotFileTest, WhatDoesNotFitTogetherIsNamedAsInTheFile) {
 TEST_F(RobotFileTest, AFileThatIsNotThereOrHoldsAScenarioIsRefused) {
   EXPECT_THROW(LoadRobot(folder_.path() / "none.yaml"), UserError);
   EXPECT_THROW(Read("question: q\ncontrollers: {raw: {}}\n"), UserError);
+}
+
+std::string ToText(const RobotConfig& robot) {
+  return RobotToText(robot, {.gauntlet_version = "0.1.0",
+                             .scenario = "two\nlines",
+                             .controller = "tuned",
+                             .model_hash = "1234"});
+}
+
+/// What controller::RobotFromText() says of it.
+std::string ComplaintOfText(const std::string& text) {
+  try {
+    controller::RobotFromText(text);
+  } catch (const controller::SettingError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+TEST(RobotText, GivesBackEveryValueOfEveryKind) {
+  for (const controller::FilterKind& kind : controller::FilterKinds()) {
+    RobotConfig robot = Finger();
+    robot.controller.filters.push_back(kind.defaults);
+    EXPECT_EQ(Values(controller::RobotFromText(ToText(robot))), Values(robot)) << kind.name;
+  }
+  RobotConfig robot = Finger();
+  robot.glove.channel_names = {"=#\"\\ \t\n7", "\303\244 9\r"};
+  robot.joint_map.joints.clear();
+  EXPECT_EQ(Values(controller::RobotFromText(ToText(robot))), Values(robot));
+}
+
+TEST(RobotText, MayHaveBlanksCommentsAndEndsOfLinesOfWindows) {
+  std::string text;
+  for (const char c : "# one more\n\n" + ToText(Finger())) {
+    if (c == '\n') text += " \r";
+    text += c;
+  }
+  EXPECT_EQ(Values(controller::RobotFromText(text)), Values(Finger()));
+}
+
+TEST(RobotText, NamesThePlaceOfEveryMistake) {
+  const auto complaint = [](const std::string& from, const std::string& to) {
+    std::string text = ToText(Finger());
+    const std::size_t place = text.find(from);
+    EXPECT_NE(place, std::string::npos) << from << " is not in\n" << text;
+    return ComplaintOfText(text.replace(place, from.size(), to));
+  };
+  EXPECT_EQ(complaint("\ncontroller =\n", "\ncontroller\n"),
+            "line 5: must be a key, \"=\" and its values");
+  EXPECT_EQ(complaint("\ncontroller =\n", "\ncontroller = 0x\n"),
+            "line 5: must have numbers or texts in quotes behind \"=\"");
+  EXPECT_EQ(complaint("\"kalman\"", "\"kalman"), "line 7: has a quote that does not end");
+  EXPECT_EQ(complaint("\"kalman\"", "7"), "controller.filter[0].kind: must be a text");
+  EXPECT_THAT(complaint("\"kalman\"", "\"calman\""),
+              HasSubstr("controller.filter[0].kind: has no choice calman in this version"));
+  EXPECT_EQ(complaint("ticks_per_sample = 17", "ticks_per_sample = 17.5"),
+            "timing.ticks_per_sample: must be a whole number");
+  EXPECT_EQ(complaint("ticks_per_sample = 17", "ticks_per_sample = 1e99"),
+            "timing.ticks_per_sample: must be a whole number");
+  EXPECT_EQ(complaint("ticks_per_sample = 17", "ticks_per_sample = \"17\""),
+            "timing.ticks_per_sample: must be a number");
+  EXPECT_THAT(complaint("ticks_per_sample", "ticks"),
+              HasSubstr("timing.ticks_per_sample: stands where the constants have ticks in this"));
+  EXPECT_EQ(complaint("channel_names = 2", "channel_names = 1e9"),
+            "glove.channel_names: has another length than 1000000000");
+  EXPECT_EQ(complaint("channel_names = 2", "channel_names = -1"),
+            "glove.channel_names: has another length than -1");
+  EXPECT_EQ(complaint("channel_names = 2", "channel_names = nan"),
+            "glove.channel_names: has another length than nan");
+  EXPECT_THAT(complaint("channel_names = 2", "channel_names = 1"),
+              HasSubstr("glove.full_scale_counts: stands where the constants have another item"));
+  EXPECT_THAT(ComplaintOfText(""), HasSubstr("controller: is missing in this version"));
+  EXPECT_THAT(ComplaintOfText(ToText(Finger()) + "more = 1\n"),
+              HasSubstr("more: is one setting too many"));
+}
+
+TEST(RobotText, OfWhichAPartIsMissingIsRefused) {
+  const std::string text = ToText(Finger());
+  const std::size_t last_line = text.rfind('\n', text.size() - 2);
+  for (std::size_t length = 0; length < last_line; ++length) {
+    EXPECT_NE(ComplaintOfText(text.substr(0, length)), "no complaint") << length;
+  }
 }
 
 }  // namespace

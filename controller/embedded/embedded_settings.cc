@@ -1,0 +1,234 @@
+#include "controller/embedded/embedded_settings.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <variant>
+
+#include "controller/controller.h"
+#include "controller/filters/kalman_steady_filter.h"
+#include "controller/joint_map.h"
+#include "controller/linearisation/linearisation.h"
+#include "controller/tendon_map.h"
+
+namespace gauntlet::controller {
+namespace {
+
+[[noreturn]] void Refuse(const std::string& key, const std::string& problem) {
+  throw SettingError("controller." + key, problem + " in the embedded form");
+}
+
+/// Gains on position, velocity and acceleration, 3 x channels.
+Eigen::ArrayXXd GainsOf(const ControllerConfig& config, int channels, double rate_hz) {
+  Eigen::ArrayXXd gains = Eigen::ArrayXXd::Zero(3, channels);
+  gains.row(0) = 1.0;  // passes its input on
+  if (config.filters.empty()) return gains;
+  if (config.filters.size() > 1) Refuse("filter", "has several filters, must be one at most");
+  const auto& settings = config.filters[0].settings;
+  if (std::holds_alternative<NoFilterConfig>(settings)) return gains;
+  if (const auto* exponential = std::get_if<ExponentialConfig>(&settings)) {
+    gains.row(0) = exponential->alpha;
+  } else if (const auto* alpha_beta = std::get_if<AlphaBetaConfig>(&settings)) {
+    gains.row(0) = alpha_beta->alpha;
+    gains.row(1) = alpha_beta->beta;
+  } else if (const auto* with_gamma = std::get_if<AlphaBetaGammaConfig>(&settings)) {
+    gains.row(0) = with_gamma->alpha;
+    gains.row(1) = with_gamma->beta;
+    gains.row(2) = 2.0 * with_gamma->gamma;
+  } else if (const auto* kalman = std::get_if<KalmanSteadyConfig>(&settings)) {
+    if (kalman->start != Start::kFirst) Refuse("filter[0].start", "is zero, must be first");
+    gains.topRows(kalman->states) = SteadyGains(*kalman, channels, rate_hz).transpose();
+  } else if (std::holds_alternative<KalmanConfig>(settings)) {
+    Refuse("filter[0]", "is kalman, must be kalman_steady, to which it settles,");
+  } else {
+    Refuse("filter[0]", "is " + std::string(KindName(settings)) +
+                            ", must be none, exponential, alpha_beta, alpha_beta_gamma or "
+                            "kalman_steady");
+  }
+  return gains;
+}
+
+/// Corners of each channel's broken line, counts growing; as many for each.
+std::vector<std::vector<double>> CornersOf(const RobotConfig& robot) {
+  const LinearisationConfig& config = robot.controller.linearisation;
+  const auto& names = robot.glove.channel_names;
+  std::vector<std::vector<double>> corners(names.size());
+  if (config.kind == LinearisationKind::kPolynomial) {
+    Refuse("linearisation.kind", "is polynomial, must be glove or table");
+  }
+  std::size_t most = 2;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (config.kind == LinearisationKind::kGlove) {
+      corners[i] = {robot.glove.low_counts[i], robot.glove.high_counts[i]};
+      std::ranges::sort(corners[i]);
+    } else {
+      const auto named = std::ranges::find(config.channels, names[i], &ChannelCurve::channel);
+      corners[i] = named != config.channels.end() ? named->counts : config.channels[i].counts;
+    }
+    most = std::max(most, corners[i].size());
+  }
+  for (auto& list : corners) {  // the last piece goes on
+    while (list.size() < most) list.push_back(list.back() + 1.0);
+  }
+  return corners;
+}
+
+class Builder {
+ public:
+  explicit Builder(const RobotConfig& robot)
+      : robot_(robot),
+        config_(robot.controller),
+        channels_(robot.glove.channel_names.size()),
+        checked_(robot) {}
+
+  EmbeddedSettings Build() {
+    AddGuard();
+    AddLinearisation();
+    AddFilter();
+    AddJoints();
+    AddMotors();
+    return std::move(settings_);
+  }
+
+ private:
+  static constexpr double kNever = std::numeric_limits<std::uint32_t>::max();
+  static constexpr double kNoLimit = 1e30;
+
+  void Add(std::string_view name, double value, EmbeddedValue::Type type) {
+    settings_.values.push_back({.name = name, .type = type, .values = {value}});
+  }
+  void AddList(std::string_view name, std::vector<double> values,
+               EmbeddedValue::Type type = EmbeddedValue::kFloat, std::size_t columns = 0) {
+    settings_.values.push_back({.name = name,
+                                .type = type,
+                                .values = std::move(values),
+                                .columns = columns,
+                                .is_list = true});
+  }
+  void AddCounts(std::string_view name, const std::vector<int>& counts) {
+    AddList(name, {counts.begin(), counts.end()}, EmbeddedValue::kInteger);
+  }
+  double SamplesOf(double duration_ms) const {  // as SampleGuard
+    return std::ceil(duration_ms * 1e-3 * robot_.timing.sample_rate_hz() - 1e-6);
+  }
+
+  void AddGuard() {
+    const SampleGuardConfig& guard = config_.untrusted;
+    const double full_scale = robot_.glove.full_scale_counts;
+    Add("full_scale_counts", full_scale, EmbeddedValue::kFloat);
+    Add("trust_full_scale", guard.full_scale ? 0.0 : 1.0, EmbeddedValue::kFlag);
+    Add("jump_counts", guard.jump_share > 0.0 ? guard.jump_share * full_scale : kNoLimit,
+        EmbeddedValue::kFloat);
+    Add("jump_confirm_samples", SamplesOf(guard.jump_confirm_ms), EmbeddedValue::kInteger);
+    Add("stuck_samples", guard.stuck_after_ms > 0.0 ? SamplesOf(guard.stuck_after_ms) : kNever,
+        EmbeddedValue::kInteger);
+  }
+  void AddLinearisation() {
+    const auto line =
+        MakeLinearisation(config_.linearisation, robot_.glove, robot_.glove.channel_names);
+    const std::span<const double> start_rad = checked_.linearised_angle_rad();
+    std::vector<double> start_counts(channels_);
+    line->ToCounts(start_rad, start_counts);
+    for (double& counts : start_counts) {
+      counts = std::clamp(counts, 0.0, robot_.glove.full_scale_counts);
+    }
+    AddList("start_counts", start_counts);
+
+    const auto corners = CornersOf(robot_);
+    const std::size_t count = settings_.corner_count = corners[0].size();
+    std::vector<double> counts, angles_rad, slopes, at(channels_), angle_rad(channels_);
+    angles_rad.resize(channels_ * count);
+    for (std::size_t k = 0; k < count; ++k) {
+      for (std::size_t i = 0; i < channels_; ++i) at[i] = corners[i][k];
+      line->ToAngles(at, angle_rad);
+      for (std::size_t i = 0; i < channels_; ++i) angles_rad[i * count + k] = angle_rad[i];
+    }
+    for (std::size_t i = 0; i < channels_; ++i) {
+      counts.insert(counts.end(), corners[i].begin(), corners[i].end());
+      for (std::size_t k = 0; k + 1 < count; ++k) {
+        const double* angle = &angles_rad[i * count + k];
+        slopes.push_back((angle[1] - angle[0]) / (corners[i][k + 1] - corners[i][k]));
+      }
+    }
+    AddList("corner_counts", counts, EmbeddedValue::kFloat, count);
+    AddList("corner_rad", angles_rad, EmbeddedValue::kFloat, count);
+    AddList("rad_per_count", slopes, EmbeddedValue::kFloat, count - 1);
+  }
+  void AddFilter() {
+    if (!std::holds_alternative<NoPredictionConfig>(config_.prediction.settings)) {
+      Refuse("prediction",
+             "is " + std::string(KindName(config_.prediction.settings)) + ", must be none");
+    }
+    const bool at_event = config_.filter_at == FilterAt::kEvent;
+    Add("filter_angles", config_.filter_on == FilterOn::kAngle ? 1.0 : 0.0, EmbeddedValue::kFlag);
+    Add("filter_at_event", at_event ? 1.0 : 0.0, EmbeddedValue::kFlag);
+    const Timing& timing = robot_.timing;
+    const Eigen::Array<double, 3, Eigen::Dynamic, Eigen::RowMajor> gains =
+        GainsOf(config_, static_cast<int>(channels_),
+                at_event ? timing.event_rate_hz() : timing.sample_rate_hz());
+    AddList("gain", {gains.data(), gains.data() + gains.size()}, EmbeddedValue::kFloat, channels_);
+  }
+  void AddJoints() {
+    const JointMap map(robot_.joint_map, robot_.glove.channel_names, robot_.hand);
+    const auto joints = static_cast<std::size_t>(map.joint_count());
+    std::vector<double> offset, weight(joints * channels_);
+    for (std::size_t j = 0; j < joints; ++j) {
+      offset.push_back(map.offset_rad(static_cast<int>(j)));
+      for (const JointMap::Term& term : map.terms(static_cast<int>(j))) {
+        weight[j * channels_ + static_cast<std::size_t>(term.channel)] += term.weight;
+      }
+    }
+    AddList("joint_offset_rad", offset);
+    AddList("joint_weight", weight, EmbeddedValue::kFloat, channels_);
+    AddList("joint_min_rad", robot_.hand.joint_min_rad);
+    AddList("joint_max_rad", robot_.hand.joint_max_rad);
+    AddList("joint_reference_rad", robot_.hand.reference_angle_rad);
+  }
+  void AddMotors() {
+    const TendonTransmission& hand = robot_.hand;
+    const std::size_t joints = hand.joint_names.size();
+    const TendonMap map(hand, config_.coupling_compensation);
+    std::vector<double> counts_per_rad, limit;
+    const double per_event = config_.motor.speed_limit_rad_s > 0.0
+                                 ? config_.motor.speed_limit_rad_s / robot_.timing.event_rate_hz()
+                                 : kNoLimit;
+    for (std::size_t m = 0; m < hand.motor_names.size(); ++m) {
+      const auto row = map.spool_per_joint().row(static_cast<Eigen::Index>(m));
+      for (const double turn : row) counts_per_rad.push_back(hand.counts_per_rad[m] * turn);
+      limit.push_back(std::min(std::abs(hand.counts_per_rad[m]) * per_event, kNoLimit));
+    }
+    AddList("motor_counts_per_rad", counts_per_rad, EmbeddedValue::kFloat, joints);
+    AddCounts("motor_center_counts", hand.center_counts);
+    AddCounts("motor_min_counts", hand.min_counts);
+    AddCounts("motor_max_counts", hand.max_counts);
+    AddList("motor_limit_counts", limit);
+    if (config_.motor.rounding == Rounding::kNoiseShaping) {
+      Refuse("motor.rounding", "is noise_shaping, must be nearest or hysteresis");
+    }
+    const bool stays = config_.motor.rounding == Rounding::kHysteresis;
+    Add("motor_stay_counts", stays ? 0.5 + config_.motor.hysteresis_counts : 0.0,
+        EmbeddedValue::kFloat);
+    const double ticks = robot_.timing.TicksOf(robot_.timing.event_period_ms);
+    if (ticks != std::round(ticks) || ticks < 1.0) {
+      throw SettingError("timing.event_period_ms", "is " + NumberText(ticks) +
+                                                       " ticks, must be a whole number in the "
+                                                       "embedded form");
+    }
+    Add("ticks_per_event", ticks, EmbeddedValue::kInteger);
+  }
+
+  const RobotConfig& robot_;
+  const ControllerConfig& config_;
+  std::size_t channels_;
+  Controller checked_;  // throws for what no controller can be made of
+  EmbeddedSettings settings_;
+};
+
+}  // namespace
+
+EmbeddedSettings EmbeddedSettingsOf(const RobotConfig& robot) { return Builder(robot).Build(); }
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "controller/controller_config.h"
+
+namespace gauntlet::controller {
+
+/// One member of embedded::Settings: a value, a list, or a matrix in row-major order.
+struct EmbeddedValue {
+  enum Type { kFloat, kInteger, kFlag };
+  std::string_view name;
+  Type type = kFloat;
+  std::vector<double> values;
+  std::size_t columns = 0;  // of a matrix
+  bool is_list = false;
+};
+
+/// The settings of embedded::Controller, in the order of embedded::Settings.
+struct EmbeddedSettings {
+  std::size_t corner_count = 0;  // of the linearisation
+  std::vector<EmbeddedValue> values;
+};
+
+/// The robot as embedded::Controller runs it.
+///
+/// Errors: SettingError for what a Controller cannot be made of, and for what the embedded form
+/// does not hold, with what does: several filters or one without constant gains, a start from zero,
+/// a polynomial, prediction, noise shaping, an event period that is no whole number of ticks.
+EmbeddedSettings EmbeddedSettingsOf(const RobotConfig& robot);
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,151 @@
+// The controller as programs in C see it, from the text that gauntlet export writes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "controller/c_api/gauntlet_controller.h"
+#include "controller/controller.h"
+#include "sim/settings/robot_constants.h"
+#include "tests/controller/allocation_counter.h"
+#include "tests/controller/test_hand.h"
+#include "tests/controller/test_signal.h"
+
+namespace gauntlet::controller {
+namespace {
+
+constexpr int kChannels = 18;
+constexpr int kSamples = 94'096;
+
+RobotConfig Robot() {
+  RobotConfig robot;
+  robot.glove = PlainGlove(kChannels);
+  robot.hand = CoupledHand(kChannels);
+  robot.controller.filters = {{HampelConfig{}}, {KalmanConfig{.noise = {.r = {15.0}}}}};
+  robot.controller.motor.rounding = Rounding::kHysteresis;
+  robot.timing = {.tick_rate_hz = 1000.0, .ticks_per_sample = 2, .event_period_ms = 3.0};
+  return robot;
+}
+
+using Handle = std::unique_ptr<gauntlet_controller, decltype(&gauntlet_controller_destroy)>;
+
+Handle Create(const RobotConfig& robot) {
+  const std::string text = sim::RobotToText(robot, {});
+  std::array<char, 200> error = {'x'};
+  Handle handle(gauntlet_controller_create(text.data(), text.size(), error.data(), error.size()),
+                gauntlet_controller_destroy);
+  EXPECT_TRUE(handle) << error.data();
+  EXPECT_STREQ(error.data(), "");
+  return handle;
+}
+
+TEST(CApi, GivesTheCommandsOfTheControllerCountForCount) {
+  const Handle handle = Create(Robot());
+  Controller controller(Robot());
+  const std::vector<std::int32_t> start = HalfClosed(kChannels);
+  controller.Reset(start);
+  ASSERT_EQ(gauntlet_controller_reset(handle.get(), start.data(), start.size()), GAUNTLET_OK);
+  EXPECT_EQ(gauntlet_controller_channel_count(handle.get()), kChannels);
+  EXPECT_EQ(gauntlet_controller_motor_count(handle.get()), kChannels);
+  EXPECT_EQ(gauntlet_controller_tick_rate_hz(handle.get()), 1000.0);
+  EXPECT_EQ(gauntlet_controller_ticks_per_sample(handle.get()), 2);
+
+  const TestSignal signal = GloveCounts(kSamples, kChannels);
+  std::vector<std::int32_t> motors(kChannels, -1);
+  long events = 0;
+  long allocations = 0;
+  for (int k = 0; k < kSamples; ++k) {
+    const bool fresh = k % 2 == 0;
+    const bool numbered = k > kSamples / 2;
+    GloveSample sample{.counts = RowOf(signal, k)};
+    if (numbered) sample.number = k - k % 7;  // some are late
+    const Command expected = fresh ? controller.Step(sample) : controller.Step();
+    const double* counts = fresh ? sample.counts.data() : nullptr;
+    const std::size_t size = fresh ? sample.counts.size() : 0;
+    const long before = AllocationCount();
+    const gauntlet_result result =
+        fresh && numbered
+            ? gauntlet_controller_step_frame(handle.get(), *sample.number, counts, size,
+                                             motors.data(), motors.size())
+            : gauntlet_controller_step(handle.get(), counts, size, motors.data(), motors.size());
+    allocations += AllocationCount() - before;
+    ASSERT_EQ(result, expected.event ? GAUNTLET_EVENT : GAUNTLET_OK) << k;
+    ASSERT_THAT(motors, testing::ElementsAreArray(expected.motor_counts)) << k;
+    events += result == GAUNTLET_EVENT;
+  }
+  EXPECT_EQ(events, (kSamples + 2) / 3);
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST(CApi, WrongArgumentsAreRefusedAndChangeNothing) {
+  const Handle handle = Create(Robot());
+  const Handle other = Create(Robot());
+  const std::vector<double> counts(kChannels, 400.0);
+  std::vector<std::int32_t> motors(kChannels, 512);
+  std::vector<std::int32_t> expected(kChannels, 512);
+  const auto step = [&](const double* from, std::size_t size, std::int32_t* to, std::size_t room) {
+    return gauntlet_controller_step(handle.get(), from, size, to, room);
+  };
+  for (int k = 0; k < 200; ++k) {
+    EXPECT_EQ(step(counts.data(), kChannels - 1, motors.data(), kChannels), GAUNTLET_WRONG_LENGTH);
+    EXPECT_EQ(step(counts.data(), 0, motors.data(), kChannels), GAUNTLET_WRONG_LENGTH);
+    EXPECT_EQ(step(counts.data(), kChannels, motors.data(), kChannels + 1), GAUNTLET_WRONG_LENGTH);
+    EXPECT_EQ(step(nullptr, 0, motors.data(), 0), GAUNTLET_WRONG_LENGTH);
+    EXPECT_EQ(step(nullptr, kChannels, motors.data(), kChannels), GAUNTLET_NULL_POINTER);
+    EXPECT_EQ(step(counts.data(), kChannels, nullptr, kChannels), GAUNTLET_NULL_POINTER);
+    EXPECT_EQ(gauntlet_controller_reset(handle.get(), motors.data(), 3), GAUNTLET_WRONG_LENGTH);
+    EXPECT_EQ(gauntlet_controller_reset(handle.get(), nullptr, 3), GAUNTLET_NULL_POINTER);
+    const gauntlet_result result = step(counts.data(), kChannels, motors.data(), kChannels);
+    EXPECT_EQ(
+        gauntlet_controller_step(other.get(), counts.data(), kChannels, expected.data(), kChannels),
+        result);
+    ASSERT_EQ(motors, expected);
+  }
+  EXPECT_EQ(gauntlet_controller_reset(handle.get(), nullptr, 0), GAUNTLET_OK);
+}
+
+TEST(CApi, NoControllerIsHarmless) {
+  std::int32_t motor = 7;
+  EXPECT_EQ(gauntlet_controller_step(nullptr, nullptr, 0, &motor, 1), GAUNTLET_NULL_POINTER);
+  EXPECT_EQ(gauntlet_controller_step_frame(nullptr, 1, nullptr, 0, &motor, 1),
+            GAUNTLET_NULL_POINTER);
+  EXPECT_EQ(gauntlet_controller_reset(nullptr, &motor, 1), GAUNTLET_NULL_POINTER);
+  EXPECT_EQ(gauntlet_controller_channel_count(nullptr), 0U);
+  EXPECT_EQ(gauntlet_controller_motor_count(nullptr), 0U);
+  EXPECT_EQ(gauntlet_controller_tick_rate_hz(nullptr), 0.0);
+  EXPECT_EQ(gauntlet_controller_ticks_per_sample(nullptr), 0);
+  gauntlet_controller_destroy(nullptr);
+  EXPECT_EQ(motor, 7);
+}
+
+TEST(CApi, BadSettingsGiveNoControllerAndOneLine) {
+  const auto complaint = [](const char* text, std::size_t length) {
+    std::array<char, 200> error = {'x'};
+    EXPECT_EQ(gauntlet_controller_create(text, length, error.data(), error.size()), nullptr);
+    return std::string(error.data());
+  };
+  const auto of = [&](const std::string& text) { return complaint(text.data(), text.size()); };
+  EXPECT_EQ(complaint(nullptr, 9), "settings: are missing");
+  EXPECT_THAT(of(""), testing::StartsWith("controller: is missing"));
+  EXPECT_EQ(of("controller"), "line 1: must be a key, \"=\" and its values");
+  RobotConfig robot = Robot();
+  robot.glove.high_counts[3] = 201.0;
+  EXPECT_THAT(of(sim::RobotToText(robot, {})),
+              testing::HasSubstr("channel joint_3: the two poses"));
+  robot = Robot();
+  robot.glove.channel_names[3] = robot.glove.channel_names[4] = "two\nlines";
+  EXPECT_THAT(of(sim::RobotToText(robot, {})), testing::HasSubstr("two lines appears twice"));
+
+  std::array<char, 8> error = {};
+  EXPECT_EQ(gauntlet_controller_create("controller", 10, error.data(), 7), nullptr);
+  EXPECT_EQ(std::string(error.data()), "line 1");
+  EXPECT_EQ(error[7], '\0');
+  EXPECT_EQ(gauntlet_controller_create("controller", 10, error.data(), 0), nullptr);
+  EXPECT_EQ(gauntlet_controller_create("controller", 10, nullptr, 99), nullptr);
+}
+
+}  // namespace
+}  // namespace gauntlet::controller

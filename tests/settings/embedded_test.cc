@@ -1,0 +1,239 @@
+// The controller of a microcontroller, built as firmware is, beside the one in double.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "controller/controller.h"
+#include "controller/embedded/embedded_settings.h"
+#include "sim/settings/robot_constants.h"
+#include "tests/controller/test_hand.h"
+#include "tests/settings/embedded_glove.h"
+#include "tests/support/program.h"
+#include "tests/support/source_dir.h"
+
+namespace gauntlet::controller {
+namespace {
+
+constexpr int kChannels = 18;
+constexpr int kTicks = 94'096;
+
+/// Firmware does without exceptions and run-time types, and warns of every double.
+constexpr const char* kFlags =
+    "-std=c++20 -O2 -fno-exceptions -fno-rtti -ffp-contract=off -Wall -Wextra -Wconversion "
+    "-Wsign-conversion -Wshadow -Wdouble-promotion -Wfloat-conversion -Werror";
+
+RobotConfig SettledKalman() {
+  RobotConfig robot;
+  robot.glove = PlainGlove(kChannels);
+  robot.hand = CoupledHand(kChannels);
+  robot.controller.filters = {{KalmanSteadyConfig{.noise = {.r = {15.0}, .q = {1e-4}}}}};
+  return robot;
+}
+
+/// Everything else that the embedded form holds.
+RobotConfig Unusual() {
+  RobotConfig robot;
+  robot.glove = PlainGlove(kChannels);
+  robot.hand = CoupledHand(kChannels);
+  ControllerConfig& config = robot.controller;
+  config.filters = {{AlphaBetaGammaConfig{.alpha = 0.3, .beta = 0.02, .gamma = 1e-4}}};
+  config.filter_on = FilterOn::kAngle;
+  config.filter_at = FilterAt::kEvent;
+  config.coupling_compensation = false;
+  config.motor = {.rounding = Rounding::kHysteresis, .speed_limit_rad_s = 1.5};
+  config.untrusted = {.full_scale = false, .stuck_after_ms = 12.0, .jump_confirm_ms = 3.0};
+  config.linearisation.kind = LinearisationKind::kTable;
+  for (int i = kChannels - 1; i >= 0; --i) {  // named, in another order
+    ChannelCurve& curve = config.linearisation.channels.emplace_back();
+    curve.channel = robot.glove.channel_names[static_cast<std::size_t>(i)];
+    curve.counts = {150.0, 333.0, 900.0};
+    curve.angle_deg = {90.0, 50.0, 0.0};
+    if (i % 2 == 0) curve.counts = {150.0, 900.0};
+    if (i % 2 == 0) curve.angle_deg = {0.0, 90.0};
+  }
+  robot.joint_map.joints = {
+      {.joint = "joint_3", .channels = {"joint_1", "joint_2"}, .weights = {0.4, 0.7}},
+      {.joint = "joint_5", .channels = {}, .offset_deg = 20.0}};
+  robot.timing = {.tick_rate_hz = 1000.0, .ticks_per_sample = 2, .event_period_ms = 6.0};
+  return robot;
+}
+
+using Commands = std::vector<std::vector<int>>;
+
+Commands CommandsOf(const RobotConfig& robot, int ticks) {
+  Controller controller(robot);
+  test::EmbeddedGlove glove;
+  std::vector<double> counts(kChannels);
+  Commands commands;
+  for (int tick = 0; tick < ticks; ++tick) {
+    const bool fresh = tick % robot.timing.ticks_per_sample == 0;
+    if (fresh) glove.Next(counts.data(), kChannels);
+    const Command command = fresh ? controller.Step({.counts = counts}) : controller.Step();
+    if (!command.event) continue;
+    std::vector<int>& row = commands.emplace_back(std::vector<int>{tick});
+    row.insert(row.end(), command.motor_counts.begin(), command.motor_counts.end());
+  }
+  return commands;
+}
+
+/// Firmware of a robot's settings, in a folder of its own.
+class Firmware {
+ public:
+  explicit Firmware(const RobotConfig& robot) {
+    std::ofstream(folder_.path() / "robot.h") << sim::RobotToEmbeddedHeader(robot, {});
+  }
+  /// What the program prints that `compiler` makes of it, and what it says as an error.
+  test::ProgramResult Run(const std::string& compiler, const std::string& sources, int ticks,
+                          const std::string& runner = "") {
+    const std::string program = (folder_.path() / "firmware").string();
+    const std::string command = fmt::format(
+        "cd '{}' && {} {} -I. '-DROBOT_HEADER=\"{}/robot.h\"' -DTICKS={} "
+        "tests/settings/embedded_program.cc {} -o {} && {} {}",
+        SourceDir(), compiler, kFlags, folder_.path().string(), ticks, sources, program, runner,
+        program);
+    return test::RunProgram({"/bin/sh", "-c", command}, {});
+  }
+
+ private:
+  test::TemporaryDirectory folder_;
+};
+
+Commands Parse(const std::string& text) {
+  Commands commands;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    commands.emplace_back(std::istream_iterator<int>(words), std::istream_iterator<int>());
+  }
+  return commands;
+}
+
+/// Commands at most one count apart, and how many of 10,000 are.
+int DifferencePerTenThousand(const Commands& commands, const Commands& expected) {
+  EXPECT_EQ(commands.size(), expected.size());
+  long differences = 0;
+  long all = 0;
+  int most = 0;
+  for (std::size_t k = 0; k < std::min(commands.size(), expected.size()); ++k) {
+    EXPECT_EQ(commands[k].size(), expected[k].size());
+    EXPECT_EQ(commands[k][0], expected[k][0]) << "the tick";
+    for (std::size_t m = 1; m < expected[k].size(); ++m, ++all) {
+      const int difference = std::abs(commands[k][m] - expected[k][m]);
+      most = std::max(most, difference);
+      differences += difference != 0;
+    }
+  }
+  EXPECT_LE(most, 1);
+  return static_cast<int>(10'000 * differences / std::max(all, 1L));
+}
+
+struct NamedRobot {
+  const char* name;
+  RobotConfig (*make)();
+};
+void PrintTo(const NamedRobot& robot, std::ostream* out) { *out << robot.name; }
+
+class EmbeddedController : public testing::TestWithParam<NamedRobot> {};
+
+TEST_P(EmbeddedController, InFloatIsWithinOneCountOfTheOneInDouble) {
+  const RobotConfig robot = GetParam().make();
+  const test::ProgramResult result = Firmware(robot).Run(GAUNTLET_CXX, "", kTicks);
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  const Commands expected = CommandsOf(robot, kTicks);
+  const auto moved = [&](const auto& row) { return row[4] != expected[0][4]; };
+  EXPECT_GT(std::ranges::count_if(expected, moved), 1000) << "the motors move";
+  const int per_ten_thousand = DifferencePerTenThousand(Parse(result.standard_output), expected);
+  std::cout << per_ten_thousand << " of 10,000 commands are one count apart\n";
+  EXPECT_LE(per_ten_thousand, 30);
+}
+
+TEST_P(EmbeddedController, OnACortexM4GivesTheSameCommands) {
+  const bool there = std::system(
+                         "echo '#include <cstdio>' | arm-none-eabi-gcc -x c++ -fsyntax-only - "
+                         "2> /dev/null && command -v qemu-system-arm > /dev/null") == 0;
+  if (!there) {
+    GTEST_SKIP() << "not tried: it takes gcc-arm-none-eabi, libnewlib-arm-none-eabi, "
+                    "libstdc++-arm-none-eabi-dev and qemu-system-arm";
+  }
+  constexpr int kArmTicks = 6000;
+  Firmware firmware(GetParam().make());
+  const test::ProgramResult here = firmware.Run(GAUNTLET_CXX, "", kArmTicks);
+  const test::ProgramResult board = firmware.Run(
+      "arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 "
+      "-ffunction-sections -fdata-sections -Wl,--gc-sections --specs=rdimon.specs "
+      "-T tests/settings/cortex_m4.ld",
+      "tests/settings/cortex_m4.cc", kArmTicks,
+      "timeout 60 qemu-system-arm -M mps2-an386 -nographic -semihosting -icount shift=0 -kernel");
+  ASSERT_EQ(board.exit_code, 0) << board.standard_error;
+  EXPECT_EQ(board.standard_output, here.standard_output);
+  // An instruction is a nanosecond with -icount shift=0, and the board's clock has 25 MHz.
+  std::istringstream numbers(board.standard_error);
+  long all = 0, most = 0, bytes = 0, settings_bytes = 0;
+  numbers >> all >> most >> bytes >> settings_bytes;
+  std::cout << fmt::format("{} instructions per step, {} at most; {} bytes, {} of constants\n",
+                           40 * all / kArmTicks, 40 * most, bytes, settings_bytes);
+  EXPECT_GT(all, 0);
+  EXPECT_LT(40 * most, 20'000) << "a millisecond has 100,000 at 100 MHz";
+  EXPECT_LT(bytes, 4096);
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, EmbeddedController,
+                         testing::Values(NamedRobot{"SettledKalman", SettledKalman},
+                                         NamedRobot{"Unusual", Unusual}));
+
+TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
+  const auto complaint = [](const auto& change) {
+    RobotConfig robot = SettledKalman();
+    change(robot);
+    try {
+      EmbeddedSettingsOf(robot);
+    } catch (const SettingError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no complaint");
+  };
+  using Robot = RobotConfig&;
+  EXPECT_EQ(complaint([](Robot) {}), "no complaint");
+  EXPECT_EQ(complaint([](Robot r) { r.controller.filters = {{KalmanConfig{}}}; }),
+            "controller.filter[0]: is kalman, must be kalman_steady, to which it settles, in the "
+            "embedded form");
+  EXPECT_EQ(complaint([](Robot r) { r.controller.filters = {{MedianConfig{}}}; }),
+            "controller.filter[0]: is median, must be none, exponential, alpha_beta, "
+            "alpha_beta_gamma or kalman_steady in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) { r.controller.filters.push_back({NoFilterConfig{}}); }),
+            "controller.filter: has several filters, must be one at most in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) {
+              r.controller.filters = {{KalmanSteadyConfig{.start = Start::kZero}}};
+            }),
+            "controller.filter[0].start: is zero, must be first in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) { r.controller.prediction.settings = LinearPredictionConfig{}; }),
+            "controller.prediction: is linear, must be none in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) { r.controller.motor.rounding = Rounding::kNoiseShaping; }),
+            "controller.motor.rounding: is noise_shaping, must be nearest or hysteresis in the "
+            "embedded form");
+  EXPECT_EQ(complaint([](Robot r) { r.timing.event_period_ms = 2.5; }),
+            "timing.event_period_ms: is 2.5 ticks, must be a whole number in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) {
+              r.controller.linearisation.kind = LinearisationKind::kPolynomial;
+              for (int i = 0; i < kChannels; ++i) {
+                r.controller.linearisation.channels.emplace_back().coefficients_deg = {45.0, 45.0};
+              }
+            }),
+            "controller.linearisation.kind: is polynomial, must be glove or table in the embedded "
+            "form");
+  EXPECT_THAT(complaint([](Robot r) { r.glove.high_counts[2] = 201.0; }),
+              testing::HasSubstr("channel joint_2: the two poses"));
+}
+
+}  // namespace
+}  // namespace gauntlet::controller
