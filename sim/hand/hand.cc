@@ -18,6 +18,9 @@
 namespace gauntlet::sim {
 namespace {
 
+/// Digits that pass through each other take longer.
+constexpr double kDigitLookMs = 10.0;
+
 /// How much longer a cable's way is than the cable, with the spool at 0.
 struct CableWay {
   double excess_m = 0.0;
@@ -37,6 +40,7 @@ struct Hand::State {
 
   void ReadInputs() noexcept;
   void Advance();
+  void LookAtDigits() noexcept;
   void PullCables() noexcept;
   void TurnSpools() noexcept;
   CableWay Way(const Cable& cable, std::vector<double>& arm_m) const noexcept;
@@ -67,7 +71,10 @@ struct Hand::State {
   std::vector<CableState> cables;         // in the order of HandModel::cable_names()
   std::vector<CablePlace> places;         // of one cable: its drum and what it passes
   std::vector<double> arms[kMostCables];  // per cable of one motor: moment arms of what it passes
-  bool commanded = false;                 // since the Reset()
+  int ticks_per_digit_look = 10;
+  int ticks_to_digit_look = 0;
+  double digit_overlap_m = 0.0;  // when last looked
+  bool commanded = false;        // since the Reset()
   HandHealth health;
 };
 
@@ -84,6 +91,8 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
     inputs.emplace_back(hand->drives()[motor].numbers, hand->timing().controller,
                         static_cast<int>(motor));
   }
+  ticks_per_digit_look =
+      std::max(1, static_cast<int>(hand->timing().controller.TicksOf(kDigitLookMs)));
   target_rad.resize(motors);
   sensor_error_rad.resize(motors);
   counts.resize(motors);
@@ -101,6 +110,12 @@ void Hand::State::ReadInputs() noexcept {
     target_rad[motor] = inputs[motor].Take(map.ToSpoolAngle(motor, counts[motor]), commanded);
     sensor_error_rad[motor] = inputs[motor].SensorError(spools[motor].angle_rad);
   }
+}
+
+void Hand::State::LookAtDigits() noexcept {
+  if (--ticks_to_digit_look > 0) return;
+  ticks_to_digit_look = ticks_per_digit_look;
+  digit_overlap_m = hand->digits().Overlap(*data);
 }
 
 /// Measures the cable, and its moment arm at each joint that it passes.
@@ -284,6 +299,8 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   state.health = {};
   TakeMujocoWarning();
   state.PullCables();
+  state.ticks_to_digit_look = 0;
+  state.LookAtDigits();
 }
 
 void Hand::SetCommand(std::span<const std::int32_t> motor_counts) noexcept {
@@ -302,6 +319,7 @@ void Hand::Step() noexcept {
   state_->ReadInputs();
   try {
     state_->Advance();
+    state_->LookAtDigits();
   } catch (const std::exception& error) {
     state_->health = {.ok = false,
                       .problem = fmt::format("at {:.3f} s: {}", state_->data->time, error.what())};
@@ -330,6 +348,8 @@ void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
     tension_n[i] = state_->cables[i].tension_n;
   }
 }
+
+double Hand::DigitOverlap() const noexcept { return state_->digit_overlap_m; }
 
 double Hand::CableEnergy() const noexcept {
   double energy_j = 0.0;

@@ -64,7 +64,9 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
   static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};
   controller::VisitEnum(
       visitor,
-      {.key = "contact", .help = "what touches: nothing, the hand itself, or also an object"},
+      {.key = "contact",
+       .help = "what touches: nothing, the hand itself (palm, thumb and each finger), or also an "
+               "object"},
       kContacts, contact);
   controller::VisitGroup(
       visitor, {.key = "object", .help = "the cylinder to grasp, if there is one"}, object);

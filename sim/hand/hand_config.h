@@ -24,7 +24,7 @@ struct CableConfig {
 /// What touches what. Contacts cost time, so they are off where they are not needed.
 enum class Contact {
   kNone,    // bodies pass through each other
-  kHand,    // thumb and palm touch fingers and each other; fingers do not touch fingers
+  kHand,    // palm, thumb and fingers touch each other
   kObject,  // and a cylinder that stands on a support in front of the palm
 };
 

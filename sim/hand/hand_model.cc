@@ -300,6 +300,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     for (Cable& cable : drive.cables) NumberAsIn(*physics_, cable);
   }
   if (grasp_.exists()) grasp_in_physics_ = NumberedAsIn(*physics_, grasp_);
+  digits_ = Digits(*model_, *physics_);
 }
 
 std::vector<std::string> HandModel::CameraNames() const {

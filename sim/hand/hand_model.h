@@ -7,6 +7,7 @@
 
 #include "controller/controller_config.h"
 #include "sim/base/timing.h"
+#include "sim/hand/digits.h"
 #include "sim/hand/drive.h"
 #include "sim/hand/grasp.h"
 #include "sim/hand/hand_config.h"
@@ -52,6 +53,7 @@ class HandModel {
   const std::vector<Drive>& drives() const { return drives_; }
   const GraspParts& grasp() const { return grasp_; }
   const GraspParts& grasp_in_physics() const { return grasp_in_physics_; }
+  const Digits& digits() const { return digits_; }
 
   /// For pictures of the hand, in the model's order.
   std::vector<std::string> CameraNames() const;
@@ -72,6 +74,7 @@ class HandModel {
   std::vector<Drive> drives_;
   GraspParts grasp_;
   GraspParts grasp_in_physics_;
+  Digits digits_;
   std::vector<std::string> cable_names_;
   controller::TendonTransmission transmission_;
 };
