@@ -96,6 +96,12 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, const std::stri
 
 }  // namespace
 
+Leading LeadingOf(const Crossing& crossing, const std::vector<Follower>& followers) {
+  const auto found = std::ranges::find(followers, crossing.qpos, &Follower::qpos);
+  if (found == followers.end()) return {crossing.qpos, 1.0};
+  return {found->leader_qpos, found->Slope(found->leader_zero_rad)};
+}
+
 int FindInModel(const mjModel& model, int type, const std::string& name) {
   const int index = mj_name2id(&model, type, name.c_str());
   if (index >= 0) return index;

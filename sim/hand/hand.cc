@@ -131,14 +131,13 @@ CableWay Hand::State::Way(const Cable& cable, std::vector<double>& arm_m) const 
     way.excess_m = MeasureCable(cable, data->qpos, data->qvel, arm_m, way.rate_m_s);
   }
   way.excess_m -= cable.natural_length_m;
-  if (hand->config().cable.interference) return way;
   for (std::size_t i = 0; i < arm_m.size(); ++i) {
     const Crossing& crossing = cable.crossings[i];
-    if (crossing.own) continue;
-    arm_m[i] = 0.0;
-    const double turned = data->qpos[crossing.qpos] - crossing.reference_rad;
-    way.excess_m -= crossing.moment_arm_m * turned;
-    way.rate_m_s -= crossing.moment_arm_m * data->qvel[crossing.dof];
+    const bool crosses_freely = !hand->config().cable.interference && !crossing.own;
+    const double more_m = crosses_freely ? -crossing.moment_arm_m : crossing.arm_error_m;
+    arm_m[i] = crosses_freely ? 0.0 : arm_m[i] + crossing.arm_error_m;
+    way.excess_m += more_m * (data->qpos[crossing.qpos] - crossing.reference_rad);
+    way.rate_m_s += more_m * data->qvel[crossing.dof];
   }
   return way;
 }
@@ -272,13 +271,17 @@ Hand::~Hand() = default;
 void Hand::Reset(std::span<const double> joint_angle_rad) {
   State& state = *state_;
   const HandModel& hand = *state.hand;
-  const controller::TendonTransmission& map = hand.transmission();
+  const controller::TendonTransmission& map = hand.as_built();
   std::vector<double> angle(joint_angle_rad.begin(), joint_angle_rad.end());
   for (std::size_t joint = 0; joint < angle.size(); ++joint) {
     angle[joint] = std::clamp(angle[joint], map.joint_min_rad[joint], map.joint_max_rad[joint]);
   }
   std::vector<double> spool(map.motor_names.size());
-  controller::TendonMap(map, true).ToSpoolAngles(angle, spool);
+  std::vector<double> from_center(angle);
+  for (std::size_t joint = 0; joint < angle.size(); ++joint) {
+    from_center[joint] -= hand.center_error_rad()[joint];
+  }
+  controller::TendonMap(map, true).ToSpoolAngles(from_center, spool);
   mj_resetData(&state.physics, state.data.get());
   hand.physics().CopyPositions(
       PostureOf(hand.model(), hand.joints(), angle, hand.followers()).data(), state.data->qpos);
@@ -290,7 +293,9 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   std::fill(state.cables.begin(), state.cables.end(), CableState{});
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
-    state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
+    state.counts[motor] =
+        std::clamp(static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor]))),
+                   map.min_counts[motor], map.max_counts[motor]);
     state.inputs[motor].Reset(map.ToSpoolAngle(motor, state.counts[motor]));
     state.spools[motor] = {.angle_rad = spool[motor]};
     state.drum_rad[motor] = spool[motor];

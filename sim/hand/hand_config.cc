@@ -37,6 +37,30 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
                interference);
 }
 
+void AssemblyErrorConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Integer({.key = "seed", .help = "which hand of those that could be built", .min = 0},
+                  seed);
+  // No normal error that the generator gives is as large as 10 standard deviations.
+  visitor.Number({.key = "drum_radius_percent",
+                  .help = "standard deviation of each drum's radius, which the controller does not "
+                          "know",
+                  .min = 0,
+                  .max = 10},
+                 drum_radius_percent);
+  visitor.Number(
+      {.key = "moment_arm_percent",
+       .help = "standard deviation of the moment arm of each motor's cables at each joint",
+       .min = 0,
+       .max = 10},
+      moment_arm_percent);
+  visitor.Number({.key = "centre_deg",
+                  .help = "standard deviation of where each joint stands when the controller takes "
+                          "it to be in the middle of its range",
+                  .min = 0,
+                  .max = 10},
+                 centre_deg);
+}
+
 void ObjectConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number({.key = "mass_kg", .help = "mass of the cylinder to grasp", .min = 0.01, .max = 5},
                  mass_kg);
@@ -61,6 +85,10 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
                          servo);
   controller::VisitGroup(visitor, {.key = "cable", .help = "the cables between spools and joints"},
                          cable);
+  controller::VisitGroup(
+      visitor,
+      {.key = "assembly_error", .help = "how far the built hand is off what the controller knows"},
+      assembly_error);
   static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};
   controller::VisitEnum(
       visitor,

@@ -21,6 +21,17 @@ struct CableConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
+/// How far the hand as it was built is off its model, which is what the controller knows: standard
+/// deviations of normal errors. It is one hand: its seed is not that of the noise.
+struct AssemblyErrorConfig {
+  int seed = 1;
+  double drum_radius_percent = 0.0;
+  double moment_arm_percent = 0.0;
+  double centre_deg = 0.0;
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
 /// What touches what. Contacts cost time, so they are off where they are not needed.
 enum class Contact {
   kNone,    // bodies pass through each other
@@ -43,6 +54,7 @@ struct HandConfig {
   double step_ms = 1.0;    // of the physics engine, at most; see LoopTiming
   ServoConfig servo;
   CableConfig cable;
+  AssemblyErrorConfig assembly_error;
   Contact contact = Contact::kNone;
   ObjectConfig object;
 

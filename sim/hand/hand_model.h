@@ -41,6 +41,11 @@ class HandModel {
   const LoopTiming& timing() const { return timing_; }
   /// What a controller must know of this hand: joints, motors, coupling, ranges, counts.
   const controller::TendonTransmission& transmission() const { return transmission_; }
+  /// The coupling of the hand as it was built; another one where it has errors of assembly.
+  const controller::TendonTransmission& as_built() const { return as_built_; }
+  /// Per joint: where it stands when the controller takes it to be in the middle of its range, less
+  /// that middle [rad].
+  const std::vector<double>& center_error_rad() const { return center_error_rad_; }
   const std::vector<std::string>& joint_names() const { return transmission_.joint_names; }
   const std::vector<std::string>& motor_names() const { return transmission_.motor_names; }
   /// Of all motors in their order: first the flexor, then the extensor if there is one.
@@ -77,6 +82,8 @@ class HandModel {
   Digits digits_;
   std::vector<std::string> cable_names_;
   controller::TendonTransmission transmission_;
+  controller::TendonTransmission as_built_;
+  std::vector<double> center_error_rad_;
 };
 
 }  // namespace gauntlet::sim
