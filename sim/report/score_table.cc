@@ -302,7 +302,7 @@ std::string DigitsInEachOther(const Summary& summary) {
   return fmt::format(
       "Digits of the hand were in each other for {} % of the time "
       "(digit_overlap_share).",
-      shortest == longest ? longest : shortest + " to " + longest);
+      shortest == longest ? longest : fmt::format("{} to {}", shortest, longest));
 }
 
 /// What a table of several seeds says of chance.
@@ -428,7 +428,9 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
   for (const std::string& failure : Failures(summary, result.seeds.size())) out += failure + "\n";
   AppendMissingSeeds(result, summary, out);
   for (const std::string& note : Notes(finished)) out += Wrapped(note) + "\n";
-  if (const std::string split = ErrorSplitTable(summary); !split.empty()) out += "\n" + split;
+  if (const std::string split = ErrorSplitTable(summary); !split.empty()) {
+    out.append("\n").append(split);
+  }
   const std::string verdict = Verdict(summary);
   if (!verdict.empty()) out += "\n" + Wrapped(verdict) + "\n";
   return out;
