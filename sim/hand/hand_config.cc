@@ -61,6 +61,30 @@ void AssemblyErrorConfig::Visit(SettingsVisitor& visitor) {
                  centre_deg);
 }
 
+void SnapConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Text({.key = "cable", .help = "name of the cable that snaps; empty: none"}, cable);
+  visitor.Number({.key = "at_s",
+                  .help = "simulated time from which on it pulls no more",
+                  .min = 0,
+                  .max = 3600},
+                 at_s);
+}
+
+void WearConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Number({.key = "slack_mm_per_hour",
+                  .help = "every cable becomes longer by this in an hour of simulated time; first "
+                          "it loses its pretension",
+                  .min = 0,
+                  .max = 36000},
+                 slack_mm_per_hour);
+  visitor.Number({.key = "slack_mm_per_km",
+                  .help = "and by this for each km that its drum winds, to and fro",
+                  .min = 0,
+                  .max = 100000},
+                 slack_mm_per_km);
+  controller::VisitGroup(visitor, {.key = "snap", .help = "a cable that snaps"}, snap);
+}
+
 void ObjectConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number({.key = "mass_kg", .help = "mass of the cylinder to grasp", .min = 0.01, .max = 5},
                  mass_kg);
@@ -89,6 +113,9 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
       visitor,
       {.key = "assembly_error", .help = "how far the built hand is off what the controller knows"},
       assembly_error);
+  controller::VisitGroup(
+      visitor, {.key = "wear", .help = "what time and use do to cables that are new at first"},
+      wear);
   static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};
   controller::VisitEnum(
       visitor,

@@ -32,6 +32,24 @@ struct AssemblyErrorConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
+/// A cable that snaps, and never pulls again.
+struct SnapConfig {
+  std::string cable;  // its name; empty: none snaps
+  double at_s = 0.0;  // of simulated time
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
+/// What time and use do to all cables during a trial, each of which begins with new ones. A cable
+/// that becomes longer first loses its pretension, then it is slack.
+struct WearConfig {
+  double slack_mm_per_hour = 0.0;
+  double slack_mm_per_km = 0.0;  // of what its drum winds, to and fro
+  SnapConfig snap;
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
 /// What touches what. Contacts cost time, so they are off where they are not needed.
 enum class Contact {
   kNone,    // bodies pass through each other
@@ -55,6 +73,7 @@ struct HandConfig {
   ServoConfig servo;
   CableConfig cable;
   AssemblyErrorConfig assembly_error;
+  WearConfig wear;
   Contact contact = Contact::kNone;
   ObjectConfig object;
 

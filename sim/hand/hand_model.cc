@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/helper_process.h"
+#include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/hand/assembly_error.h"
@@ -179,6 +180,14 @@ void CheckPretension(const Drive& drive, const CableConfig& config) {
   }
 }
 
+/// Throws if the cable that shall snap is none.
+void CheckSnap(const SnapConfig& snap, const std::vector<std::string>& cable_names) {
+  if (snap.cable.empty() || std::ranges::count(cable_names, snap.cable) > 0) return;
+  throw UserError({.key = "hand.wear.snap.cable",
+                   .problem = fmt::format("the hand has no cable '{}'{}", Shown(snap.cable),
+                                          Suggestion(snap.cable, cable_names))});
+}
+
 void AddJoints(const std::vector<HandJoint>& joints, const std::vector<Drive>& drives,
                TendonTransmission& transmission) {
   for (const HandJoint& joint : joints) {
@@ -287,6 +296,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       model_->tendon_damping[cable.tendon] = 0.0;
     }
   }
+  CheckSnap(config.wear.snap, cable_names_);
   InModelFile(path, [&] { physics_.emplace(*model_, drives_, engine_measures_cables_); });
   for (Drive& drive : drives_) {
     for (Cable& cable : drive.cables) NumberAsIn(*physics_, cable);
