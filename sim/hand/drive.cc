@@ -94,7 +94,20 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, const std::stri
   return cable;
 }
 
+CableWear MakeWear(const WearConfig& config, const std::string& cable) {
+  CableWear wear{.longer_m_per_s = 1e-3 * config.slack_mm_per_hour / 3600.0,
+                 .longer_per_travel = 1e-6 * config.slack_mm_per_km};
+  if (config.snap.cable == cable) wear.snaps_at_s = config.snap.at_s;
+  return wear;
+}
+
 }  // namespace
+
+Leading LeadingOf(const Crossing& crossing, const std::vector<Follower>& followers) {
+  const auto found = std::ranges::find(followers, crossing.qpos, &Follower::qpos);
+  if (found == followers.end()) return {crossing.qpos, 1.0};
+  return {found->leader_qpos, found->Slope(found->leader_zero_rad)};
+}
 
 int FindInModel(const mjModel& model, int type, const std::string& name) {
   const int index = mj_name2id(&model, type, name.c_str());
@@ -152,6 +165,7 @@ void FindCables(const mjModel& model, const HandConfig& config,
     }
     for (Cable& cable : drive.cables) {
       paths.Trace(cable, meant);
+      cable.wear = MakeWear(config.wear, cable.name);
       cable.pretension_n = cable.cord.stiffness_n_m * pretension_m;
       cable.natural_length_m += 1e-3 * config.cable.slack_mm - pretension_m;
     }

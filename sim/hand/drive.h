@@ -22,9 +22,17 @@ struct Crossing {
   bool own = false;            // the cable is meant to move this joint, or one that it follows
   double reference_rad = 0.0;  // joint angle for which the next three hold
   double moment_arm_m = 0.0;   // how the cable's length grows with the joint's angle
+  double arm_error_m = 0.0;    // in it, and not in the model
   double bend_rad = 0.0;       // how far the cable has bent from the drum to behind this joint
   double bend_per_rad = 0.0;   // how that grows with this joint's angle: +1 or -1
 };
+
+/// Position in qpos of what a crossing turns with: the joint itself, or the one that leads it.
+struct Leading {
+  int qpos = 0;
+  double slope = 1.0;  // d crossed joint / d leading joint
+};
+Leading LeadingOf(const Crossing& crossing, const std::vector<Follower>& followers);
 
 /// A cable from its drum to the joints that it moves.
 struct Cable {
@@ -32,6 +40,7 @@ struct Cable {
   double sense = 1.0;  // 1: a flexor, wound up by a positive spool angle; -1: an extensor, paid out
   int tendon = 0;
   Cord cord;
+  CableWear wear;
   double pretension_n = 0.0;
   double natural_length_m = 0.0;  // beyond the drum, with the spool at 0
   double bend_rad = 0.0;          // the whole of it at the reference

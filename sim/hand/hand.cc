@@ -18,6 +18,9 @@
 namespace gauntlet::sim {
 namespace {
 
+/// Digits that pass through each other take longer.
+constexpr double kDigitLookMs = 10.0;
+
 /// How much longer a cable's way is than the cable, with the spool at 0.
 struct CableWay {
   double excess_m = 0.0;
@@ -37,8 +40,10 @@ struct Hand::State {
 
   void ReadInputs() noexcept;
   void Advance();
+  void LookAtDigits() noexcept;
   void PullCables() noexcept;
   void TurnSpools() noexcept;
+  void WearCables(double time_s) noexcept;
   CableWay Way(const Cable& cable, std::vector<double>& arm_m) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
@@ -67,7 +72,10 @@ struct Hand::State {
   std::vector<CableState> cables;         // in the order of HandModel::cable_names()
   std::vector<CablePlace> places;         // of one cable: its drum and what it passes
   std::vector<double> arms[kMostCables];  // per cable of one motor: moment arms of what it passes
-  bool commanded = false;                 // since the Reset()
+  int ticks_per_digit_look = 10;
+  int ticks_to_digit_look = 0;
+  double digit_overlap_m = 0.0;  // when last looked
+  bool commanded = false;        // since the Reset()
   HandHealth health;
 };
 
@@ -84,6 +92,8 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
     inputs.emplace_back(hand->drives()[motor].numbers, hand->timing().controller,
                         static_cast<int>(motor));
   }
+  ticks_per_digit_look =
+      std::max(1, static_cast<int>(hand->timing().controller.TicksOf(kDigitLookMs)));
   target_rad.resize(motors);
   sensor_error_rad.resize(motors);
   counts.resize(motors);
@@ -103,6 +113,12 @@ void Hand::State::ReadInputs() noexcept {
   }
 }
 
+void Hand::State::LookAtDigits() noexcept {
+  if (--ticks_to_digit_look > 0) return;
+  ticks_to_digit_look = ticks_per_digit_look;
+  digit_overlap_m = hand->digits().Overlap(*data);
+}
+
 /// Measures the cable, and its moment arm at each joint that it passes.
 CableWay Hand::State::Way(const Cable& cable, std::vector<double>& arm_m) const noexcept {
   arm_m.resize(cable.crossings.size());
@@ -116,14 +132,13 @@ CableWay Hand::State::Way(const Cable& cable, std::vector<double>& arm_m) const 
     way.excess_m = MeasureCable(cable, data->qpos, data->qvel, arm_m, way.rate_m_s);
   }
   way.excess_m -= cable.natural_length_m;
-  if (hand->config().cable.interference) return way;
   for (std::size_t i = 0; i < arm_m.size(); ++i) {
     const Crossing& crossing = cable.crossings[i];
-    if (crossing.own) continue;
-    arm_m[i] = 0.0;
-    const double turned = data->qpos[crossing.qpos] - crossing.reference_rad;
-    way.excess_m -= crossing.moment_arm_m * turned;
-    way.rate_m_s -= crossing.moment_arm_m * data->qvel[crossing.dof];
+    const bool crosses_freely = !hand->config().cable.interference && !crossing.own;
+    const double more_m = crosses_freely ? -crossing.moment_arm_m : crossing.arm_error_m;
+    arm_m[i] = crosses_freely ? 0.0 : arm_m[i] + crossing.arm_error_m;
+    way.excess_m += more_m * (data->qpos[crossing.qpos] - crossing.reference_rad);
+    way.rate_m_s += more_m * data->qvel[crossing.dof];
   }
   return way;
 }
@@ -195,7 +210,10 @@ double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
                                std::span<CableState> states, double& drum_angle_rad) noexcept {
   CableWay way_of_cable[kMostCables];
   const std::span<CableWay> ways(way_of_cable, states.size());
-  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i], arms[i]);
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    ways[i] = Way(drive.cables[i], arms[i]);
+    ways[i].excess_m -= states[i].worn_m;
+  }
   const DrumMotion drum = TurnDrum(drive, spool, states, ways, drum_angle_rad);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
@@ -221,6 +239,18 @@ void Hand::State::TurnSpools() noexcept {
   }
 }
 
+/// `time_s` is when the step began.
+void Hand::State::WearCables(double time_s) noexcept {
+  CableState* state = cables.data();
+  for (std::size_t motor = 0; motor < spools.size(); ++motor) {
+    const Drive& drive = hand->drives()[motor];
+    const double travel_m = drive.drum_radius_m * spools[motor].speed_rad_s * physics.opt.timestep;
+    for (const Cable& cable : drive.cables) {
+      WearCable(cable.wear, time_s, physics.opt.timestep, travel_m, *state++);
+    }
+  }
+}
+
 /// `time_s` is when the step began: where the engine gives up, it sets its own clock to 0.
 void Hand::State::ReadWarnings(double time_s) {
   for (int kind = 0; kind < mjNWARNING; ++kind) {
@@ -241,6 +271,7 @@ void Hand::State::Advance() {
   for (int step = 0; step < hand->timing().steps_per_tick && health.ok; ++step) {
     const double time_s = data->time;
     mj_step1(&physics, data.get());
+    WearCables(time_s);
     PullCables();
     TurnSpools();
     mj_step2(&physics, data.get());
@@ -257,13 +288,17 @@ Hand::~Hand() = default;
 void Hand::Reset(std::span<const double> joint_angle_rad) {
   State& state = *state_;
   const HandModel& hand = *state.hand;
-  const controller::TendonTransmission& map = hand.transmission();
+  const controller::TendonTransmission& map = hand.as_built();
   std::vector<double> angle(joint_angle_rad.begin(), joint_angle_rad.end());
   for (std::size_t joint = 0; joint < angle.size(); ++joint) {
     angle[joint] = std::clamp(angle[joint], map.joint_min_rad[joint], map.joint_max_rad[joint]);
   }
   std::vector<double> spool(map.motor_names.size());
-  controller::TendonMap(map, true).ToSpoolAngles(angle, spool);
+  std::vector<double> from_center(angle);
+  for (std::size_t joint = 0; joint < angle.size(); ++joint) {
+    from_center[joint] -= hand.center_error_rad()[joint];
+  }
+  controller::TendonMap(map, true).ToSpoolAngles(from_center, spool);
   mj_resetData(&state.physics, state.data.get());
   hand.physics().CopyPositions(
       PostureOf(hand.model(), hand.joints(), angle, hand.followers()).data(), state.data->qpos);
@@ -275,7 +310,9 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   std::fill(state.cables.begin(), state.cables.end(), CableState{});
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
-    state.counts[motor] = static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor])));
+    state.counts[motor] =
+        std::clamp(static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor]))),
+                   map.min_counts[motor], map.max_counts[motor]);
     state.inputs[motor].Reset(map.ToSpoolAngle(motor, state.counts[motor]));
     state.spools[motor] = {.angle_rad = spool[motor]};
     state.drum_rad[motor] = spool[motor];
@@ -284,6 +321,8 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   state.health = {};
   TakeMujocoWarning();
   state.PullCables();
+  state.ticks_to_digit_look = 0;
+  state.LookAtDigits();
 }
 
 void Hand::SetCommand(std::span<const std::int32_t> motor_counts) noexcept {
@@ -302,6 +341,7 @@ void Hand::Step() noexcept {
   state_->ReadInputs();
   try {
     state_->Advance();
+    state_->LookAtDigits();
   } catch (const std::exception& error) {
     state_->health = {.ok = false,
                       .problem = fmt::format("at {:.3f} s: {}", state_->data->time, error.what())};
@@ -330,6 +370,8 @@ void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
     tension_n[i] = state_->cables[i].tension_n;
   }
 }
+
+double Hand::DigitOverlap() const noexcept { return state_->digit_overlap_m; }
 
 double Hand::CableEnergy() const noexcept {
   double energy_j = 0.0;

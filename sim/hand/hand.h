@@ -48,6 +48,8 @@ class Hand {
   /// What all cables can give back, when the last step began [J].
   double CableEnergy() const noexcept;
   GripReading ReadGrip() const noexcept;
+  /// The deepest that two digits are in each other [m], looked at every 10 ms; 0 without digits.
+  double DigitOverlap() const noexcept;
   /// Position [m] and attitude (quaternion) of the object in the world, 7 values; without an object
   /// nothing is written.
   void ReadObjectPose(std::span<double> pose) const noexcept;

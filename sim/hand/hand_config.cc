@@ -37,6 +37,54 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
                interference);
 }
 
+void AssemblyErrorConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Integer({.key = "seed", .help = "which hand of those that could be built", .min = 0},
+                  seed);
+  // No normal error that the generator gives is as large as 10 standard deviations.
+  visitor.Number({.key = "drum_radius_percent",
+                  .help = "standard deviation of each drum's radius, which the controller does not "
+                          "know",
+                  .min = 0,
+                  .max = 10},
+                 drum_radius_percent);
+  visitor.Number(
+      {.key = "moment_arm_percent",
+       .help = "standard deviation of the moment arm of each motor's cables at each joint",
+       .min = 0,
+       .max = 10},
+      moment_arm_percent);
+  visitor.Number({.key = "centre_deg",
+                  .help = "standard deviation of where each joint stands when the controller takes "
+                          "it to be in the middle of its range",
+                  .min = 0,
+                  .max = 10},
+                 centre_deg);
+}
+
+void SnapConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Text({.key = "cable", .help = "name of the cable that snaps; empty: none"}, cable);
+  visitor.Number({.key = "at_s",
+                  .help = "simulated time from which on it pulls no more",
+                  .min = 0,
+                  .max = 3600},
+                 at_s);
+}
+
+void WearConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Number({.key = "slack_mm_per_hour",
+                  .help = "every cable becomes longer by this in an hour of simulated time; first "
+                          "it loses its pretension",
+                  .min = 0,
+                  .max = 36000},
+                 slack_mm_per_hour);
+  visitor.Number({.key = "slack_mm_per_km",
+                  .help = "and by this for each km that its drum winds, to and fro",
+                  .min = 0,
+                  .max = 100000},
+                 slack_mm_per_km);
+  controller::VisitGroup(visitor, {.key = "snap", .help = "a cable that snaps"}, snap);
+}
+
 void ObjectConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number({.key = "mass_kg", .help = "mass of the cylinder to grasp", .min = 0.01, .max = 5},
                  mass_kg);
@@ -70,10 +118,19 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
       arm_servo);
   controller::VisitGroup(visitor, {.key = "cable", .help = "the cables between spools and joints"},
                          cable);
+  controller::VisitGroup(
+      visitor,
+      {.key = "assembly_error", .help = "how far the built hand is off what the controller knows"},
+      assembly_error);
+  controller::VisitGroup(
+      visitor, {.key = "wear", .help = "what time and use do to cables that are new at first"},
+      wear);
   static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};
   controller::VisitEnum(
       visitor,
-      {.key = "contact", .help = "what touches: nothing, the hand itself, or also an object"},
+      {.key = "contact",
+       .help = "what touches: nothing, the hand itself (palm, thumb and each finger), or also an "
+               "object"},
       kContacts, contact);
   controller::VisitGroup(
       visitor, {.key = "object", .help = "the cylinder to grasp, if there is one"}, object);

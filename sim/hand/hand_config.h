@@ -22,10 +22,39 @@ struct CableConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
+/// How far the hand as it was built is off its model, which is what the controller knows: standard
+/// deviations of normal errors. It is one hand: its seed is not that of the noise.
+struct AssemblyErrorConfig {
+  int seed = 1;
+  double drum_radius_percent = 0.0;
+  double moment_arm_percent = 0.0;
+  double centre_deg = 0.0;
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
+/// A cable that snaps, and never pulls again.
+struct SnapConfig {
+  std::string cable;  // its name; empty: none snaps
+  double at_s = 0.0;  // of simulated time
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
+/// What time and use do to all cables during a trial, each of which begins with new ones. A cable
+/// that becomes longer first loses its pretension, then it is slack.
+struct WearConfig {
+  double slack_mm_per_hour = 0.0;
+  double slack_mm_per_km = 0.0;  // of what its drum winds, to and fro
+  SnapConfig snap;
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
 /// What touches what. Contacts cost time, so they are off where they are not needed.
 enum class Contact {
   kNone,    // bodies pass through each other
-  kHand,    // thumb and palm touch fingers and each other; fingers do not touch fingers
+  kHand,    // palm, thumb and fingers touch each other
   kObject,  // and a cylinder that stands on a support in front of the palm
 };
 
@@ -45,6 +74,8 @@ struct HandConfig {
   ServoConfig servo;
   ServoConfig arm_servo{.settings = StandardServo{}};  // no servo for fingers turns an elbow
   CableConfig cable;
+  AssemblyErrorConfig assembly_error;
+  WearConfig wear;
   Contact contact = Contact::kNone;
   ObjectConfig object;
 

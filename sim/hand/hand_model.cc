@@ -12,8 +12,10 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/helper_process.h"
+#include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/hand/assembly_error.h"
 #include "sim/hand/cable_geometry.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/stability.h"
@@ -85,18 +87,6 @@ std::vector<int> SpoolPositions(const std::vector<Drive>& drives) {
   std::vector<int> qpos;
   for (const Drive& drive : drives) qpos.push_back(drive.spool_qpos);
   return qpos;
-}
-
-/// Position in qpos of what a crossing turns with: the joint itself, or the one that leads it.
-struct Leading {
-  int qpos = 0;
-  double slope = 1.0;  // d crossed joint / d leading joint
-};
-
-Leading LeadingOf(const Crossing& crossing, const std::vector<Follower>& followers) {
-  const auto found = std::ranges::find(followers, crossing.qpos, &Follower::qpos);
-  if (found == followers.end()) return {crossing.qpos, 1.0};
-  return {found->leader_qpos, found->Slope(found->leader_zero_rad)};
 }
 
 /// Those that some cable moves; first those with a motor of their own name.
@@ -191,6 +181,14 @@ void CheckPretension(const Drive& drive, const CableConfig& config) {
   }
 }
 
+/// Throws if the cable that shall snap is none.
+void CheckSnap(const SnapConfig& snap, const std::vector<std::string>& cable_names) {
+  if (snap.cable.empty() || std::ranges::count(cable_names, snap.cable) > 0) return;
+  throw UserError({.key = "hand.wear.snap.cable",
+                   .problem = fmt::format("the hand has no cable '{}'{}", Shown(snap.cable),
+                                          Suggestion(snap.cable, cable_names))});
+}
+
 void AddJoints(const std::vector<HandJoint>& joints, const std::vector<Drive>& drives,
                TendonTransmission& transmission) {
   for (const HandJoint& joint : joints) {
@@ -282,10 +280,13 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       for (const Cable& cable : drive.cables) CheckName("cable", cable.name);
     }
   });
-  CheckStability(*model_, drives_);
-  GiveLightJointsInertia(*model_, drives_);
   transmission_ =
       InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
+  center_error_rad_ = AssembleWithErrors(config.assembly_error, config.cable.interference, joints_,
+                                         followers_, drives_);
+  as_built_ = MakeTransmission(config, joints_, followers_, drives_);
+  CheckStability(*model_, drives_);
+  GiveLightJointsInertia(*model_, drives_);
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
     CheckTravel(transmission_, motor, drives_[motor]);
     CheckPretension(drives_[motor], config.cable);
@@ -296,11 +297,13 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       model_->tendon_damping[cable.tendon] = 0.0;
     }
   }
+  CheckSnap(config.wear.snap, cable_names_);
   InModelFile(path, [&] { physics_.emplace(*model_, drives_, engine_measures_cables_); });
   for (Drive& drive : drives_) {
     for (Cable& cable : drive.cables) NumberAsIn(*physics_, cable);
   }
   if (grasp_.exists()) grasp_in_physics_ = NumberedAsIn(*physics_, grasp_);
+  digits_ = Digits(*model_, *physics_);
 }
 
 std::vector<std::string> HandModel::CameraNames() const {
@@ -318,6 +321,7 @@ std::string HandModel::Hash() const {
   mj_saveModel(model_.get(), nullptr, bytes.data(), static_cast<int>(bytes.size()));
   sim::Hash hash;
   hash.Add(bytes);
+  hash.Add(std::span<const double>(as_built_.coupling));
   for (const Drive& drive : drives_) {
     const ServoNumbers& servo = drive.numbers;
     const double numbers[] = {drive.drum_radius_m,

@@ -7,6 +7,7 @@
 
 #include "controller/controller_config.h"
 #include "sim/base/timing.h"
+#include "sim/hand/digits.h"
 #include "sim/hand/drive.h"
 #include "sim/hand/grasp.h"
 #include "sim/hand/hand_config.h"
@@ -40,6 +41,11 @@ class HandModel {
   const LoopTiming& timing() const { return timing_; }
   /// What a controller must know of this hand: joints, motors, coupling, ranges, counts.
   const controller::TendonTransmission& transmission() const { return transmission_; }
+  /// The coupling of the hand as it was built; another one where it has errors of assembly.
+  const controller::TendonTransmission& as_built() const { return as_built_; }
+  /// Per joint: where it stands when the controller takes it to be in the middle of its range, less
+  /// that middle [rad].
+  const std::vector<double>& center_error_rad() const { return center_error_rad_; }
   const std::vector<std::string>& joint_names() const { return transmission_.joint_names; }
   const std::vector<std::string>& motor_names() const { return transmission_.motor_names; }
   /// Of all motors in their order: first the flexor, then the extensor if there is one.
@@ -52,6 +58,7 @@ class HandModel {
   const std::vector<Drive>& drives() const { return drives_; }
   const GraspParts& grasp() const { return grasp_; }
   const GraspParts& grasp_in_physics() const { return grasp_in_physics_; }
+  const Digits& digits() const { return digits_; }
 
   /// For pictures of the hand, in the model's order.
   std::vector<std::string> CameraNames() const;
@@ -72,8 +79,11 @@ class HandModel {
   std::vector<Drive> drives_;
   GraspParts grasp_;
   GraspParts grasp_in_physics_;
+  Digits digits_;
   std::vector<std::string> cable_names_;
   controller::TendonTransmission transmission_;
+  controller::TendonTransmission as_built_;
+  std::vector<double> center_error_rad_;
 };
 
 }  // namespace gauntlet::sim

@@ -285,11 +285,28 @@ std::string Costs(const Summary& summary, const ControllerSummary& controller) {
                      summary.controllers[*summary.baseline].name, worse);
 }
 
-}  // namespace
+/// Of all controllers' hands; empty where digits stayed apart.
+std::string DigitsInEachOther(const Summary& summary) {
+  const std::size_t metric = MetricIndex("digit_overlap_share");
+  double least = 1.0;
+  double most = 0.0;
+  for (const ControllerSummary& controller : summary.controllers) {
+    const double share = controller.summary[metric].mean;
+    if (std::isnan(share)) continue;
+    least = std::min(least, share);
+    most = std::max(most, share);
+  }
+  if (most == 0.0) return "";
+  const std::string shortest = fmt::format("{:.1f}", 100.0 * least);
+  const std::string longest = fmt::format("{:.1f}", 100.0 * most);
+  return fmt::format(
+      "Digits of the hand were in each other for {} % of the time "
+      "(digit_overlap_share).",
+      shortest == longest ? longest : fmt::format("{} to {}", shortest, longest));
+}
 
-std::vector<std::string> Notes(const FinishedStudy& finished) {
-  const Summary& summary = finished.summary;
-  if (summary.one_run) return {ReasonForNoChance(finished.result)};
+/// What a table of several seeds says of chance.
+std::vector<std::string> NotesOnChance(const Summary& summary) {
   std::vector<std::string> notes;
   if (summary.controllers.size() == 1) {
     notes.emplace_back("± half of the 95 % interval of the mean.");
@@ -307,6 +324,18 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
                                     "motions of their kind.",
                                     summary.motions));
   if (const std::string whose = WhoseScatter(summary); !whose.empty()) notes.push_back(whose);
+  return notes;
+}
+
+}  // namespace
+
+std::vector<std::string> Notes(const FinishedStudy& finished) {
+  const Summary& summary = finished.summary;
+  std::vector<std::string> notes =
+      summary.one_run ? std::vector{ReasonForNoChance(finished.result)} : NotesOnChance(summary);
+  if (std::string overlap = DigitsInEachOther(summary); !overlap.empty()) {
+    notes.push_back(std::move(overlap));
+  }
   return notes;
 }
 
@@ -399,7 +428,9 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
   for (const std::string& failure : Failures(summary, result.seeds.size())) out += failure + "\n";
   AppendMissingSeeds(result, summary, out);
   for (const std::string& note : Notes(finished)) out += Wrapped(note) + "\n";
-  if (const std::string split = ErrorSplitTable(summary); !split.empty()) out += "\n" + split;
+  if (const std::string split = ErrorSplitTable(summary); !split.empty()) {
+    out.append("\n").append(split);
+  }
   const std::string verdict = Verdict(summary);
   if (!verdict.empty()) out += "\n" + Wrapped(verdict) + "\n";
   return out;

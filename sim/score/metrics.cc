@@ -47,6 +47,12 @@ double PeakTension(const ScoredCable& cable) {
   return cable.tension_n.empty() ? kNoScore : *std::ranges::max_element(cable.tension_n);
 }
 
+double OverlapShare(std::span<const double> overlap_m) {
+  constexpr double kDeepM = 2e-3;
+  const auto deep = std::ranges::count_if(overlap_m, [](double m) { return m > kDeepM; });
+  return static_cast<double>(deep) / static_cast<double>(overlap_m.size());
+}
+
 double Degrees2(double radians2) { return kDegPerRad * kDegPerRad * radians2; }
 
 // The smallest differences that matter, each with its source or reason.
@@ -315,6 +321,15 @@ constexpr MetricRow kRows[] = {
        return h.grip_force_n.empty()
                   ? kNoScore
                   : GripForceRipple(h.grip_force_n, h.rate_hz, h.jitter_above_hz, h.fourier);
+     }},
+    {{.key = "digit_overlap_share",
+      .help = "how often digits of the hand are in each other, as none ever are",
+      .definition =
+          "share of samples in which two digits overlap by more than 2 mm, looked at every "
+          "10 ms; of the whole hand",
+      .relevant_difference = kShareOfTime},
+     [](const ScoredHand& h) {
+       return h.digit_overlap_m.empty() ? kNoScore : OverlapShare(h.digit_overlap_m);
      }},
     {{.key = "error_delay_deg2",
       .help = "error because the hand is late (or early), mean square",

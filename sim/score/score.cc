@@ -60,6 +60,8 @@ void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   Check(fits(input.tension_n, table.cables.size()),
         "the tensions have other cables than the rows, or are shorter than the hand's angles");
   Check(fits(input.grip_force_n, 1), "the grip force is no column as long as the hand's angles");
+  Check(fits(input.digit_overlap_m, 1),
+        "the overlap of digits is no column as long as the hand's angles");
   Check(input.stall_tension_n.empty() || input.stall_tension_n.size() == table.cables.size(),
         "a stall tension is needed per cable");
   Check(input.jitter_above_hz > 0.0, "jitter begins above 0 Hz");
@@ -167,6 +169,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   Score(ScoredHand{.rate_hz = input.rate_hz,
                    .jitter_above_hz = input.jitter_above_hz,
                    .grip_force_n = ColumnOrNothing(input.grip_force_n, 0, rows),
+                   .digit_overlap_m = ColumnOrNothing(input.digit_overlap_m, 0, rows),
                    .fourier = fourier},
         scores.summary);
   return scores;

@@ -40,6 +40,7 @@ struct ScoreInput {
   const Signal* motor_speed_rad_s = nullptr;      // ticks x motors
   const Signal* tension_n = nullptr;              // ticks x cables
   const Signal* grip_force_n = nullptr;           // ticks x 1: of the hand on an object
+  const Signal* digit_overlap_m = nullptr;        // ticks x 1: of the digits that are deepest
   std::span<const double> saturation_share = {};  // per motor
   std::span<const Segment> segments = {};         // win over the split by the wearer's speed
 

@@ -64,11 +64,12 @@ struct ScoredCable {
   std::optional<double> stall_tension_n;
 };
 
-/// What belongs to the hand as a whole; empty where it holds nothing.
+/// What belongs to the hand as a whole; empty where it holds nothing, or has no digits.
 struct ScoredHand {
   double rate_hz;
   double jitter_above_hz;
   std::span<const double> grip_force_n;
+  std::span<const double> digit_overlap_m;
   Fourier& fourier;
 };
 

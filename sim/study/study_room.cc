@@ -32,13 +32,13 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const auto cables = static_cast<double>(study.hand->cable_names().size());
   const auto controllers = static_cast<double>(study.scenario.controllers.size());
   const double others = options.seeds > 1 ? options.jobs : 0;  // trials beside the first seed's
-  constexpr double kGripAndPose = 8.0;
+  constexpr double kGripPoseAndDigits = 9.0;
   const bool twins = study.scenario.score.noise_free_twin;
   // Columns of numbers with a row per tick.
   const double glove = (twins ? 6.0 : 3.0) * channels + joints;
   const double twin = twins ? joints + 1.125 * motors : 0.0;
   const double trace =
-      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kGripAndPose + twin;
+      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kGripPoseAndDigits + twin;
   const double in_passing =
       9.0 * joints + 0.5 * motors;  // what the scores or the page make and forget
   const double kept = glove + controllers * trace;

@@ -77,6 +77,7 @@ Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& re
   input.motor_speed_rad_s = &*speed;
   input.tension_n = &*tension;
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
+  if (trace.digit_overlap_m.cols() > 0) input.digit_overlap_m = &trace.digit_overlap_m;
   input.saturation_share = saturation_share;
   input.segments = glove.segments;
   const HandConfig& hand_config = study.scenario.hand;

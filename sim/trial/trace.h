@@ -33,6 +33,7 @@ struct Trace {
   Signal hand_angle_rad;         // ticks x joints
   Signal tension_n;              // ticks x cables
   Signal grip_force_n;           // ticks x 1; no columns without an object
+  Signal digit_overlap_m;        // ticks x 1; no columns without digits
   Signal object_pose;            // ticks x 7: position [m] and quaternion; as above
   std::vector<std::int64_t> untrusted_samples;  // per channel
   HandHealth health;  // not ok: the signals end at the moment of the problem

@@ -199,6 +199,7 @@ void CheckTrace(const TraceFile& file, const Trace& trace) {
       case TraceColumns::kCables:
         break;
       case TraceColumns::kGrip:
+      case TraceColumns::kDigits:
         expect(1, true);
         break;
       case TraceColumns::kPose:

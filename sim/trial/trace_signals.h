@@ -12,23 +12,24 @@
 namespace gauntlet::sim {
 
 /// What the columns of a signal are.
-enum class TraceColumns { kChannels, kJoints, kMotors, kCables, kGrip, kPose };
+enum class TraceColumns { kChannels, kJoints, kMotors, kCables, kGrip, kPose, kDigits };
 
 /// Names of the columns of all signals of one glove and hand.
 class TraceColumnNames {
  public:
   TraceColumnNames(std::vector<std::string> channels, const HandModel& hand)
       : names_{std::move(channels), hand.joint_names(), hand.motor_names(), hand.cable_names()} {
+    if (hand.digits().exist()) names_[Place(TraceColumns::kDigits)] = {"deepest"};
     if (!hand.grasp().exists()) return;
     names_[Place(TraceColumns::kGrip)] = {"object"};
     names_[Place(TraceColumns::kPose)] = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
   }
-  /// Without an object nothing for the last two.
+  /// Nothing for what the hand does not have: an object, digits.
   const std::vector<std::string>& Of(TraceColumns columns) const { return names_[Place(columns)]; }
 
  private:
   static std::size_t Place(TraceColumns columns) { return static_cast<std::size_t>(columns); }
-  std::vector<std::string> names_[6];
+  std::vector<std::string> names_[7];
 };
 
 /// One signal of a trace: what it is, and how its values of this tick are read from the loop.
@@ -42,7 +43,8 @@ struct TraceSignal {
 
 /// Shows every signal of a trace once: `visit(TraceSignal, matrix)`. The one list that the
 /// recorder, the writers and the reader of trace files share: a signal is a field of Trace and a
-/// row here. Those of an object have no columns, and no place in a file, unless there is one.
+/// row here. Those of an object or of digits have no columns, and no place in a file, unless there
+/// are any.
 template <class TraceType, class Visit>
 void ForEachSignal(TraceType& trace, Visit&& visit) {
   using Loop = const HandLoop&;
@@ -85,6 +87,8 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
          [](Loop loop, Row row) { row[0] = loop.hand().ReadGrip().force_n; });
   number("object_pose", "m, quaternion", TraceColumns::kPose, trace.object_pose,
          [](Loop loop, Row row) { loop.hand().ReadObjectPose(row); });
+  number("digit_overlap_m", "m", TraceColumns::kDigits, trace.digit_overlap_m,
+         [](Loop loop, Row row) { row[0] = loop.hand().DigitOverlap(); });
 }
 
 }  // namespace gauntlet::sim

@@ -35,7 +35,8 @@ std::string Whole() {
     sender.Text(name);
     const Trace none;
     ForEachSignal(none, [&]<class Scalar>(const TraceSignal<Scalar>& signal, const auto&) {
-      if (signal.columns == TraceColumns::kGrip || signal.columns == TraceColumns::kPose) {
+      if (signal.columns == TraceColumns::kGrip || signal.columns == TraceColumns::kPose ||
+          signal.columns == TraceColumns::kDigits) {
         sender.Size(0, 0);
       } else if constexpr (std::is_same_v<Scalar, double>) {
         send(std::span(values));

@@ -34,11 +34,13 @@ std::vector<double> ClosedHand() {
 struct Grasp {
   GripReading last;
   double ripple_n = 0.0;  // RMS of the grip force's change per command frame while holding
+  double sunk_mm = 0.0;   // in the last second
 };
 
-/// Closes within 0.8 s, lifts by 20 deg at the elbow within 1 s, holds for 1 s; commands tremble by
-/// `noise_counts`.
-Grasp CloseLiftHold(const HandConfig& config, int noise_counts, std::uint64_t seed) {
+/// Closes within 0.8 s, lifts by 20 deg at the elbow within 1 s, holds for some; commands tremble
+/// by `noise_counts`.
+Grasp CloseLiftHold(const HandConfig& config, int noise_counts, std::uint64_t seed,
+                    int hold_frames = 50) {
   Hand hand(MakeModel(config));
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   RandomStream random(seed, "tremble");
@@ -46,7 +48,7 @@ Grasp CloseLiftHold(const HandConfig& config, int noise_counts, std::uint64_t se
   Grasp grasp;
   double force = 0.0;
   double sum = 0.0;
-  for (int frame = 0; frame < 160; ++frame) {
+  for (int frame = 0; frame < 110 + hold_frames; ++frame) {
     const double closed = std::clamp(frame / 40.0, 0.0, 1.0);
     const double lifted = std::clamp((frame - 60) / 50.0, 0.0, 1.0);
     std::vector<double> angle = OpenHand();
@@ -60,11 +62,13 @@ Grasp CloseLiftHold(const HandConfig& config, int noise_counts, std::uint64_t se
     hand.SetCommand(counts);
     StepTimes(hand, 20);
     grasp.last = hand.ReadGrip();
+    if (frame == 59 + hold_frames) grasp.sunk_mm = grasp.last.height_mm;
     if (frame >= 120) sum += std::pow(grasp.last.force_n - force, 2);
     force = grasp.last.force_n;
   }
   EXPECT_TRUE(hand.health().ok) << hand.health().problem;
   grasp.ripple_n = std::sqrt(sum / 40.0);
+  grasp.sunk_mm -= grasp.last.height_mm;
   return grasp;
 }
 
@@ -79,6 +83,17 @@ TEST(Grasp, LiftsABottleAndHoldsIt) {
   EXPECT_GT(grasp.last.height_mm, 60.0);
   EXPECT_GT(grasp.last.force_n, 10.0);
   EXPECT_LT(grasp.last.slip_mm_s, 3.0);
+}
+
+// Contacts that creep let it sink by 0.3 mm/s.
+TEST(Grasp, AHeldBottleDoesNotSink) {
+  for (const double mass_kg : {0.3, 1.0}) {
+    HandConfig config = WithObject();
+    config.object.mass_kg = mass_kg;
+    const Grasp grasp = CloseLiftHold(config, 0, 1, 200);
+    EXPECT_GT(grasp.last.height_mm, 60.0) << mass_kg;
+    EXPECT_NEAR(grasp.sunk_mm, 0.0, 0.05) << mass_kg;
+  }
 }
 
 TEST(Grasp, ASlipperyHeavyObjectStaysBehind) {

@@ -47,6 +47,27 @@ TEST(Motion, CablesNeverPushAndNothingWarnsInRandomMotion) {
   }
 }
 
+// Thrown from one posture to another, fingers reach their stops at full speed.
+TEST(Motion, NoJointPassesItsStopsByADegree) {
+  const auto model = MakeModel();
+  const controller::TendonTransmission& map = model->transmission();
+  Hand hand(model);
+  RandomStream random(3, "stops");
+  for (int posture = 0; posture < 60; ++posture) {
+    hand.SetCommand(CountsFor(map, RandomPosture(map, random)));
+    for (int i = 0; i < 150; ++i) {
+      hand.Step();
+      const std::vector<double> angle = JointAngles(hand);
+      for (std::size_t joint = 0; joint < angle.size(); ++joint) {
+        ASSERT_GT(angle[joint], map.joint_min_rad[joint] - 1.0 * kRadPerDeg)
+            << map.joint_names[joint];
+        ASSERT_LT(angle[joint], map.joint_max_rad[joint] + 1.0 * kRadPerDeg)
+            << map.joint_names[joint];
+      }
+    }
+  }
+}
+
 TEST(Motion, SameCommandsGiveTheSameBits) {
   const auto model = MakeModel();
   Hand first(model);

@@ -550,7 +550,9 @@ def rescore(trace, controller, measured_joints, context):
         rows.setdefault(name, {}).update(cable_scores(tension, stall_n))
     force = columns_of(group, "grip_force_n")
     ripple = [grip_ripple(x, context.jitter_above_hz, context.rate_hz) for x in force.values()]
-    return rows, {"grip_force_ripple_n": ripple[0] if ripple else NAN}
+    overlap = [np.mean(x > 2e-3) for x in columns_of(group, "digit_overlap_m").values()]
+    return rows, {"grip_force_ripple_n": ripple[0] if ripple else NAN,
+                  "digit_overlap_share": overlap[0] if overlap else NAN}
 
 
 def difference(metric, theirs, ours):

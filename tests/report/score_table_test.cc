@@ -29,6 +29,24 @@ TEST(ScoreTable, ShowsTheGripOnlyWhereSomethingWasHeld) {
   EXPECT_THAT(table(), HasSubstr("tracking_rmse_deg"));
 }
 
+TEST(ScoreTable, SaysOnceHowLongDigitsWereInEachOther) {
+  test::MadeUpStudy made = test::MakeUpStudy({.seeds = 1});
+  const std::size_t overlap = MetricIndex("digit_overlap_share");
+  const auto table_with = [&](std::vector<double> shares) {
+    for (std::size_t c = 0; c < shares.size(); ++c) {
+      made.summary.controllers[c].summary[overlap].mean = shares[c];
+    }
+    return ScoreTable(made, false);
+  };
+  EXPECT_THAT(table_with({0.123, 0.1, 0.25}),
+              HasSubstr("Digits of the hand were in each other for 10.0 to 25.0 % of the time "
+                        "(digit_overlap_share)."));
+  EXPECT_THAT(table_with({0.123, 0.123, 0.123}), HasSubstr("for 12.3 % of"));
+  EXPECT_THAT(table_with({0.0, 0.0, 0.0}), Not(HasSubstr("Digits")));
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(table_with({none, none, none}), Not(HasSubstr("Digits")));
+}
+
 TEST(ScoreTable, OfOneSeedClaimsNoIntervalAndNoChance) {
   const test::MadeUpStudy one = test::MakeUpStudy({.seeds = 1});
   const std::string table = ScoreTable(one, false);

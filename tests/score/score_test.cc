@@ -151,6 +151,7 @@ struct FullExample {
   Signal speed = Signal::Zero(kSamples, 2);
   Signal tension = Signal::Zero(kSamples, 3);
   Signal grip = Signal::Zero(kSamples, 1);
+  Signal overlap = Signal::Zero(kSamples, 1);
   std::vector<double> saturation{0.25, 0.75};
   std::vector<double> stall_tension_n{12.0, 4.0, 10.0};
   Signal noise_free_hand = Signal::Zero(kSamples, 2);
@@ -173,6 +174,7 @@ struct FullExample {
             noise_free_speed(n, c) + 0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 40.0 * n / 1000.0);
       }
       grip(n, 0) = 9.0 + std::sqrt(2.0) * std::sin(2.0 * kPi * 25.0 * n / 1000.0);
+      overlap(n, 0) = n < kSamples / 10 ? 2.1e-3 : n < kSamples / 2 ? 1.9e-3 : 0.0;
       tension(n, 0) = n < kSamples / 10 ? 0.0 : 3.0;
       tension(n, 1) = 1.0;
       tension(n, 2) = n == 77 ? 8.0 : 2.0;
@@ -191,6 +193,7 @@ struct FullExample {
             .motor_speed_rad_s = &speed,
             .tension_n = &tension,
             .grip_force_n = &grip,
+            .digit_overlap_m = &overlap,
             .saturation_share = saturation,
             .noise_free_hand_angle_rad = &noise_free_hand,
             .noise_free_motor_speed_rad_s = &noise_free_speed,
@@ -248,6 +251,7 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
   EXPECT_DOUBLE_EQ(scores.channels[kFullRows.motors[1]][IndexOf("saturation_share")], 0.75);
   EXPECT_DOUBLE_EQ(scores.summary[IndexOf("saturation_share")], 0.5);
   EXPECT_NEAR(scores.summary[IndexOf("grip_force_ripple_n")], 1.0, 1e-3);
+  EXPECT_DOUBLE_EQ(scores.summary[IndexOf("digit_overlap_share")], 0.1);
 }
 
 TEST(Scores, PartsOfTheErrorSumToTheSquareOfTheTrackingError) {
@@ -363,6 +367,9 @@ TEST(Scores, RefuseSignalsThatDoNotFit) {
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input = example.Input();
   input.grip_force_n = &narrow;
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
+  input = example.Input();
+  input.digit_overlap_m = &narrow;
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input = example.Input();
   const double one_share[] = {0.5};
