@@ -61,6 +61,8 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
                          servo);
   controller::VisitGroup(visitor, {.key = "cable", .help = "the cables between spools and joints"},
                          cable);
+  controller::VisitGroup(
+      visitor, {.key = "joint_sensors", .help = "what measures the hand's joints"}, joint_sensors);
   static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};
   controller::VisitEnum(
       visitor,

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "controller/settings.h"
+#include "sim/hand/joint_sensors_config.h"
 #include "sim/hand/servo_config.h"
 
 namespace gauntlet::sim {
@@ -43,6 +44,7 @@ struct HandConfig {
   double step_ms = 1.0;    // of the physics engine, at most; see LoopTiming
   ServoConfig servo;
   CableConfig cable;
+  JointSensorsConfig joint_sensors;
   Contact contact = Contact::kNone;
   ObjectConfig object;
 

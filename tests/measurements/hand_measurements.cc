@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
       {"closing", PrintClosing},
       {"delays", PrintDelays},
       {"servos", PrintServos},
+      {"joint_loop", PrintJointLoop},
       {"warnings", PrintWarnings},
       {"speed", PrintSpeed},
       {"hysteresis", [&] { WriteHysteresis(folder); }},

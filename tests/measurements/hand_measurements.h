@@ -12,6 +12,7 @@ void PrintSteps();
 void PrintClosing();
 void PrintDelays();
 void PrintServos();
+void PrintJointLoop();
 void PrintWarnings();
 void PrintSpeed();
 
