@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
       {"delays", PrintDelays},
       {"servos", PrintServos},
       {"joint_loop", PrintJointLoop},
+      {"slack", PrintSlack},
       {"warnings", PrintWarnings},
       {"speed", PrintSpeed},
       {"hysteresis", [&] { WriteHysteresis(folder); }},

@@ -13,6 +13,7 @@ void PrintClosing();
 void PrintDelays();
 void PrintServos();
 void PrintJointLoop();
+void PrintSlack();
 void PrintWarnings();
 void PrintSpeed();
 
