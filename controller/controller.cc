@@ -30,6 +30,10 @@ Command Controller::Step(const GloveSample& sample) noexcept {
 
 Command Controller::Step() noexcept { return state_ ? state_->StepEvent() : Command{}; }
 
+void Controller::TakeJointAngles(std::span<const double> measured_rad) noexcept {
+  if (state_) state_->joint_loop.Take(measured_rad);
+}
+
 void Controller::Reset() noexcept {
   if (state_) state_->Reset();
 }

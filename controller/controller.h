@@ -24,6 +24,7 @@ struct Command {
 ///
 ///     counts -> [filter] -> linearisation -> [filter] -> [prediction]     per channel
 ///            -> joint map                                                 per joint
+///            -> [joint loop, with measured joint angles]                  per joint
 ///            -> tendon map -> whole counts                                per motor
 ///
 /// Call Step() once per tick (1 ms by default, see Timing): with the glove's sample where it has
@@ -56,6 +57,10 @@ class Controller {
   Command Step(const GloveSample& sample) noexcept;
   /// A tick without one.
   Command Step() noexcept;
+  /// The joint angles that the hand has measured [rad, per joint; NaN where there is none], as soon
+  /// as they are there: the next event uses them. Only a joint loop does; it takes nothing of
+  /// another number of values.
+  void TakeJointAngles(std::span<const double> measured_rad) noexcept;
   /// Forgets the glove: filters, counters of untrusted samples and clocks begin anew. The hand
   /// stays where it is, which is where the last command has sent it; channels that are switched off
   /// stay off and hold their joint there.
@@ -91,7 +96,7 @@ class Controller {
   int motor_count() const noexcept;
 
   /// Angles as they are after the last Step() [rad]: per channel before the filter and behind it,
-  /// and per joint behind prediction and joint map, which is what the motors are to do. The memory
+  /// and per joint behind prediction and joint map, which is what the hand is to do. The memory
   /// of these spans is there as long as that of a Command.
   std::span<const double> linearised_angle_rad() const noexcept;
   std::span<const double> filtered_angle_rad() const noexcept;

@@ -129,6 +129,8 @@ void TendonTransmission::Visit(SettingsVisitor& visitor) {
             [this](std::size_t i, SettingsVisitor& row) { VisitMotor(row, *this, i); });
   coupling.resize(motors * joints);
   VisitCoupling(visitor, *this);
+  visitor.Flag({.key = "joint_sensors", .help = "the angles of its joints are measured"},
+               joint_sensors);
 }
 
 void RobotConfig::Visit(SettingsVisitor& visitor) {
@@ -167,6 +169,8 @@ void ControllerConfig::Visit(SettingsVisitor& visitor) {
              linearisation);
   VisitGroup(visitor, {.key = "prediction", .help = "look ahead to make up for the delay"},
              prediction);
+  VisitGroup(visitor, {.key = "joint_loop", .help = "what it does with measured joint angles"},
+             joint_loop);
   VisitGroup(visitor, {.key = "motor", .help = "how commands become whole motor counts"}, motor);
   VisitGroup(visitor, {.key = "untrusted", .help = "which samples are not trusted"}, untrusted);
 }

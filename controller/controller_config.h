@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "controller/filters/filter_registry.h"
+#include "controller/joint_loop_config.h"
 #include "controller/joint_map.h"
 #include "controller/linearisation/linearisation_config.h"
 #include "controller/motor_rounding_config.h"
@@ -59,6 +60,7 @@ struct TendonTransmission {
   std::vector<int> center_counts;           // per motor
   std::vector<int> min_counts;              // per motor
   std::vector<int> max_counts;              // per motor
+  bool joint_sensors = false;               // it measures its joints, see JointLoop
 
   /// The two directions of the second equation, for one motor; counts are not rounded here.
   double ToSpoolAngle(std::size_t motor, double motor_counts) const {
@@ -85,6 +87,7 @@ struct ControllerConfig {
   bool coupling_compensation = true;
   LinearisationConfig linearisation;
   PredictionConfig prediction;
+  JointLoopConfig joint_loop;
   MotorRoundingConfig motor;
   SampleGuardConfig untrusted;
 

@@ -78,6 +78,9 @@ Controller::State::State(const RobotConfig& robot, const ControllerConfig& confi
       guard(config.untrusted, robot.glove.low_counts, robot.glove.full_scale_counts,
             robot.timing.sample_rate_hz(), robot.glove.frame_number_bits),
       tendon_map(robot.hand, config.coupling_compensation),
+      joint_loop(WithinSetting(
+          "joint_loop",
+          [&] { return JointLoop(config.joint_loop, robot.hand, robot.timing.event_rate_hz()); })),
       rounding(config.motor, robot.hand, robot.timing.event_rate_hz()),
       event_clock(robot.timing.TicksOf(robot.timing.event_period_ms)),
       active(robot.glove.channel_names.size(), 1),
@@ -88,6 +91,7 @@ Controller::State::State(const RobotConfig& robot, const ControllerConfig& confi
       predicted_rad(active.size()),
       held_rad(active.size()),
       target_rad(robot.hand.reference_angle_rad),
+      corrected_rad(target_rad),
       exact_motor_counts(robot.hand.counts_per_rad.size()),
       motor_counts(robot.hand.center_counts.begin(), robot.hand.center_counts.end()) {
   const int channels = linearisation->channel_count();
@@ -113,7 +117,8 @@ Command Controller::State::StepEvent() noexcept {
   if (event) {
     if (filter_at == FilterAt::kEvent) StepFilters();
     joint_map.ToJoints(predicted_rad, target_rad);
-    tendon_map.ToExactMotorCounts(target_rad, exact_motor_counts);
+    if (joint_loop.on()) joint_loop.Step(target_rad, corrected_rad);
+    tendon_map.ToExactMotorCounts(joint_loop.on() ? corrected_rad : target_rad, exact_motor_counts);
     rounding.Step(exact_motor_counts, motor_counts);
   }
   return {.motor_counts = motor_counts, .event = event};
@@ -183,6 +188,7 @@ void Controller::State::Reset() noexcept {
   std::copy(linearised_rad.begin(), linearised_rad.end(), predicted_rad.begin());
   HoldInactiveChannels();
   joint_map.ToJoints(predicted_rad, target_rad);
+  joint_loop.Reset(target_rad);
 }
 
 void Controller::State::TakeOver(State& before) noexcept {
@@ -201,6 +207,7 @@ void Controller::State::TakeOver(State& before) noexcept {
     if (!goes_on) predictor->StartAt(before.filtered_rad);
   }
   guard.TakeMemory(before.guard, filtered_counts);
+  joint_loop.TakeMemory(before.joint_loop, before.target_rad);
   rounding.TakeMemory(before.rounding);
   std::swap(event_clock, before.event_clock);
   std::swap(active, before.active);

@@ -7,6 +7,7 @@
 
 #include "controller/controller.h"
 #include "controller/filters/filter.h"
+#include "controller/joint_loop.h"
 #include "controller/linearisation/linearisation.h"
 #include "controller/motor_rounding.h"
 #include "controller/tendon_map.h"
@@ -40,6 +41,7 @@ struct Controller::State {
   std::vector<std::unique_ptr<Filter>> chain;
   std::unique_ptr<Filter> predictor;  // may be null
   TendonMap tendon_map;
+  JointLoop joint_loop;
   MotorRounding rounding;
 
   // What flows.
@@ -53,6 +55,7 @@ struct Controller::State {
   std::vector<double> predicted_rad;
   std::vector<double> held_rad;    // in place of what is predicted for inactive channels
   std::vector<double> target_rad;  // per joint
+  std::vector<double> corrected_rad;
   std::vector<double> exact_motor_counts;
   std::vector<std::int32_t> motor_counts;
 };

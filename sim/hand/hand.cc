@@ -68,6 +68,7 @@ struct Hand::State {
   std::vector<std::uint8_t> saturated;    // per motor
   std::vector<SpoolState> spools;         // per motor
   std::vector<double> drum_rad;           // per motor; the spool's angle but for play
+  std::vector<double> torque_nm;          // per motor, of the servo
   std::vector<double> load_nm;            // per motor, what its cables turn the spool back with
   std::vector<CableState> cables;         // in the order of HandModel::cable_names()
   std::vector<CablePlace> places;         // of one cable: its drum and what it passes
@@ -100,6 +101,7 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
   saturated.resize(motors);
   spools.resize(motors);
   drum_rad.resize(motors);
+  torque_nm.resize(motors);
   load_nm.resize(motors);
   cables.resize(hand->cable_names().size());
 }
@@ -235,6 +237,7 @@ void Hand::State::TurnSpools() noexcept {
         ComputeServoTorque(drive.servo, target_rad[motor],
                            spool.angle_rad + sensor_error_rad[motor], spool.speed_rad_s);
     saturated[motor] = torque.saturated;
+    torque_nm[motor] = torque.torque_nm;
     TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], physics.opt.timestep, spool);
   }
 }
@@ -309,6 +312,7 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
 
   std::fill(state.cables.begin(), state.cables.end(), CableState{});
   std::fill(state.saturated.begin(), state.saturated.end(), 0);
+  std::fill(state.torque_nm.begin(), state.torque_nm.end(), 0.0);
   for (std::size_t motor = 0; motor < spool.size(); ++motor) {
     state.counts[motor] =
         std::clamp(static_cast<std::int32_t>(std::round(map.ToCounts(motor, spool[motor]))),
@@ -363,6 +367,10 @@ void Hand::ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept {
   for (std::size_t i = 0; i < state_->spools.size(); ++i) {
     spool_speed_rad_s[i] = state_->spools[i].speed_rad_s;
   }
+}
+
+void Hand::ReadServoTorques(std::span<double> torque_nm) const noexcept {
+  std::copy(state_->torque_nm.begin(), state_->torque_nm.end(), torque_nm.begin());
 }
 
 void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {

@@ -44,6 +44,8 @@ class Hand {
   void ReadJointAngles(std::span<double> joint_angle_rad) const noexcept;
   void ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept;
   void ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept;
+  /// What each servo turned its spool with [N m], of which the gear's friction took its part.
+  void ReadServoTorques(std::span<double> torque_nm) const noexcept;
   void ReadCableTensions(std::span<double> tension_n) const noexcept;
   /// What all cables can give back, when the last step began [J].
   double CableEnergy() const noexcept;

@@ -125,6 +125,8 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
   controller::VisitGroup(
       visitor, {.key = "wear", .help = "what time and use do to cables that are new at first"},
       wear);
+  controller::VisitGroup(
+      visitor, {.key = "joint_sensors", .help = "what measures the hand's joints"}, joint_sensors);
   static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};
   controller::VisitEnum(
       visitor,

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "controller/settings.h"
+#include "sim/hand/joint_sensors_config.h"
 #include "sim/hand/servo_config.h"
 
 namespace gauntlet::sim {
@@ -76,6 +77,7 @@ struct HandConfig {
   CableConfig cable;
   AssemblyErrorConfig assembly_error;
   WearConfig wear;
+  JointSensorsConfig joint_sensors;
   Contact contact = Contact::kNone;
   ObjectConfig object;
 

@@ -206,6 +206,7 @@ TendonTransmission MakeTransmission(const HandConfig& config, const std::vector<
                                     const std::vector<Drive>& drives) {
   TendonTransmission transmission;
   AddJoints(joints, drives, transmission);
+  transmission.joint_sensors = config.joint_sensors.kind != JointSensorsKind::kNone;
   for (const Drive& drive : drives) {
     const int counts = 1 << drive.numbers.resolution_bits;
     transmission.counts_per_rad.push_back((counts - 1) / (drive.numbers.travel_deg * kRadPerDeg));

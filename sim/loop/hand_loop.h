@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "controller/controller.h"
 #include "sim/hand/hand.h"
+#include "sim/hand/joint_sensors.h"
 #include "sim/loop/event_link.h"
 
 namespace gauntlet::sim {
@@ -14,6 +16,7 @@ namespace gauntlet::sim {
 /// trials and live; who calls Step() owns the time.
 ///
 ///     sample -> controller -> (event) -> link -> (delay) -> servos, cables, joints
+///                   ^---------- (delay) <- joint sensors, if there are any <----|
 class HandLoop {
  public:
   /// The clocks are those of `hand`. Errors: SettingError of the controller.
@@ -33,11 +36,14 @@ class HandLoop {
   const Hand& hand() const noexcept { return hand_; }
 
  private:
+  void ReadSensors() noexcept;
   void Advance(const controller::Command& command) noexcept;
 
   controller::Controller controller_;
   EventLink link_;
   Hand hand_;
+  JointSensors sensors_;
+  std::vector<double> joint_angle_rad_;
   std::int64_t tick_ = 0;
 };
 

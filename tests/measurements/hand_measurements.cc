@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
       {"closing", PrintClosing},
       {"delays", PrintDelays},
       {"servos", PrintServos},
+      {"joint_loop", PrintJointLoop},
+      {"slack", PrintSlack},
       {"warnings", PrintWarnings},
       {"speed", PrintSpeed},
       {"hysteresis", [&] { WriteHysteresis(folder); }},

@@ -12,6 +12,8 @@ void PrintSteps();
 void PrintClosing();
 void PrintDelays();
 void PrintServos();
+void PrintJointLoop();
+void PrintSlack();
 void PrintWarnings();
 void PrintSpeed();
 

@@ -56,6 +56,11 @@ const std::vector<std::string> kShort = {"glove.motion.duration_s=0.03"};
 const std::vector<std::string> kFive = {
     "glove.channels=[thumb_ip, index_pip, middle_pip, ring_pip, little_pip]"};
 const std::vector<std::string> kFiveSlow = {kFive[0], "glove.rate_hz=33.3"};
+const std::vector<std::string> kJointLoop = {"hand.joint_sensors.kind=encoder",
+                                             kOf + "joint_loop.kind=pi"};
+const std::vector<std::string> kSlowJointLoop = {kJointLoop[0], kJointLoop[1], kSlow[0]};
+const std::vector<std::string> kRareReadings = {kJointLoop[0], kJointLoop[1],
+                                                "hand.joint_sensors.rate_hz=5"};
 
 const std::vector<Step>& Walk() {
   static const std::vector<Step> kSteps = {
@@ -131,6 +136,29 @@ const std::vector<Step>& Walk() {
       {"hand.wear.snap.at_s=3601", kRefused},
       {"hand.wear.snap={cable: index_mcp_flexor, at_s: 3600}", kKeeps},
       {"hand.wear.snap.cable=index", kRefused},
+      // Joint sensors, and what uses them.
+      {"hand.joint_sensors.kind=encoder", kKeeps},  // nobody does
+      {kOf + "joint_loop.kind=pi", kRefused, "joint_loop.kind: pi needs a hand that measures"},
+      {kOf + "joint_loop.kind=pi", kChanges, {}, {"hand.joint_sensors.kind=encoder"}},
+      {"hand.joint_sensors.rate_hz=1", kChanges, {}, kJointLoop},
+      {"hand.joint_sensors.rate_hz=33.3", kChanges, {}, kSlowJointLoop},
+      {"hand.joint_sensors.rate_hz=10000", kChanges, {}, kJointLoop},
+      {"hand.joint_sensors.rate_hz=0.9", kRefused},
+      {"hand.joint_sensors.delay_ms=0", kChanges, {}, kJointLoop},
+      {"hand.joint_sensors.delay_ms=12.7", kChanges, {}, kSlowJointLoop},
+      {"hand.joint_sensors.delay_ms=1000", kChanges, {}, kJointLoop},
+      {"hand.joint_sensors.delay_ms=1001", kRefused},
+      {kOf + "joint_loop.integral_per_s=0", kChanges, {}, kJointLoop},
+      {kOf + "joint_loop.integral_per_s=50", kChanges, {}, kJointLoop},
+      {kOf + "joint_loop.integral_per_s=51", kRefused, {}, kJointLoop},
+      {kOf + "joint_loop.expected_delay_ms=0", kChanges, {}, kJointLoop},
+      {kOf + "joint_loop.expected_delay_ms=33.3", kChanges, {}, kSlowJointLoop},
+      {kOf + "joint_loop.expected_delay_ms=1000", kChanges, {}, kJointLoop},
+      {kOf + "joint_loop.expected_delay_ms=1001", kRefused, {}, kJointLoop},
+      {kOf + "joint_loop.stale_after_ms=0", kKeeps, {}, kJointLoop},  // a reading every 10 ms
+      {kOf + "joint_loop.stale_after_ms=0", kChanges, {}, kRareReadings},
+      {kOf + "joint_loop.stale_after_ms=10000", kChanges, {}, kRareReadings},
+      {kOf + "joint_loop.stale_after_ms=10001", kRefused, {}, kJointLoop},
       // Scores.
       {"score.noise_free_twin=false", kChanges},
       {"score.noise_free_twin=true", kKeeps},

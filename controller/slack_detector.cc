@@ -1,0 +1,102 @@
+#include "controller/slack_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+namespace gauntlet::controller {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+/// A motor has turned back when it is this far behind its front: more than its sensor trembles.
+constexpr double kTurnedBack_rad = 0.5 * kRadPerDeg;
+
+}  // namespace
+
+void SlackDetectorConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Numbers({.key = "healthy_friction_nm",
+                   .help = "friction of each motor with cables as they should be; one for all, or "
+                           "one for each",
+                   .min = 0,
+                   .max = 1000},
+                  healthy_friction_nm);
+  visitor.Number({.key = "alarm_share",
+                  .help = "less friction than this share of the healthy one is slack",
+                  .min = 0,
+                  .max = 1},
+                 alarm_share);
+  visitor.Number({.key = "memory_deg",
+                  .help = "turning each way over which friction is averaged",
+                  .min = 1,
+                  .max = 1e6},
+                 memory_deg);
+  visitor.Number({.key = "reversal_deg",
+                  .help = "turning that does not count after each reversal",
+                  .min = 0,
+                  .max = 90},
+                 reversal_deg);
+}
+
+SlackDetector::SlackDetector(const SlackDetectorConfig& config, int motors)
+    : alarm_share_(config.alarm_share),
+      memory_rad_(config.memory_deg * kRadPerDeg),
+      reversal_rad_(config.reversal_deg * kRadPerDeg),
+      healthy_nm_(config.healthy_friction_nm),
+      motors_(static_cast<std::size_t>(motors)),
+      friction_nm_(motors_.size()),
+      slack_(motors_.size()) {
+  CheckSettings(config);
+  if (healthy_nm_.size() == 1) healthy_nm_.resize(motors_.size(), healthy_nm_.front());
+  if (healthy_nm_.size() != motors_.size()) {
+    throw SettingError("healthy_friction_nm", "has " + std::to_string(healthy_nm_.size()) +
+                                                  " values, must have 1 or " +
+                                                  std::to_string(motors) + ", one for each motor");
+  }
+  Reset();
+}
+
+void SlackDetector::Reset() noexcept {
+  std::ranges::fill(motors_, Motor{});
+  std::ranges::fill(friction_nm_, kNaN);
+  std::ranges::fill(slack_, 0);
+}
+
+void SlackDetector::StepMotor(Motor& motor, double angle_rad, double torque_nm) const noexcept {
+  if (!motor.seen) {
+    motor.seen = true;
+    motor.front_rad = angle_rad;
+  }
+  const double ahead = motor.direction * (angle_rad - motor.front_rad);
+  if (ahead < -kTurnedBack_rad) {
+    motor.direction = -motor.direction;
+    motor.since_rad = -ahead;
+    motor.front_rad = angle_rad;
+  } else if (ahead > 0.0) {
+    motor.since_rad += ahead;
+    motor.front_rad = angle_rad;
+    if (motor.since_rad < reversal_rad_) return;
+    Turning& turning = motor.turning[motor.direction > 0 ? 1 : 0];
+    turning.turned_rad += ahead;
+    // At first the plain mean, from memory_deg on an exponential one.
+    const double memory = std::min(turning.turned_rad, memory_rad_);
+    turning.mean_nm += std::min(1.0, ahead / memory) * (torque_nm - turning.mean_nm);
+  }
+}
+
+void SlackDetector::Step(std::span<const double> angle_rad,
+                         std::span<const double> torque_nm) noexcept {
+  for (std::size_t i = 0; i < motors_.size(); ++i) {
+    if (!std::isfinite(angle_rad[i]) || !std::isfinite(torque_nm[i])) continue;
+    Motor& motor = motors_[i];
+    StepMotor(motor, angle_rad[i], torque_nm[i]);
+    const auto& [back, forward] = motor.turning;
+    if (std::min(back.turned_rad, forward.turned_rad) < memory_rad_) continue;
+    friction_nm_[i] = 0.5 * (forward.mean_nm - back.mean_nm);
+    slack_[i] = friction_nm_[i] < alarm_share_ * healthy_nm_[i] ? 1 : 0;
+  }
+}
+
+}  // namespace gauntlet::controller
