@@ -77,6 +77,10 @@ size_t gauntlet_controller_motor_count(const gauntlet_controller* controller) {
   return controller != nullptr ? static_cast<size_t>(controller->controller.motor_count()) : 0;
 }
 
+size_t gauntlet_controller_joint_count(const gauntlet_controller* controller) {
+  return controller != nullptr ? static_cast<size_t>(controller->controller.joint_count()) : 0;
+}
+
 double gauntlet_controller_tick_rate_hz(const gauntlet_controller* controller) {
   return controller != nullptr ? controller->timing.tick_rate_hz : 0.0;
 }
@@ -96,6 +100,14 @@ gauntlet_result gauntlet_controller_step_frame(gauntlet_controller* controller,
                                                size_t channel_count, int32_t* motor_counts,
                                                size_t motor_count) {
   return Step(controller, counts, channel_count, frame_number, motor_counts, motor_count);
+}
+
+gauntlet_result gauntlet_controller_take_joint_angles(gauntlet_controller* controller,
+                                                      const double* angle_rad, size_t joint_count) {
+  if (controller == nullptr || angle_rad == nullptr) return GAUNTLET_NULL_POINTER;
+  if (joint_count != gauntlet_controller_joint_count(controller)) return GAUNTLET_WRONG_LENGTH;
+  controller->controller.TakeJointAngles(std::span(angle_rad, joint_count));
+  return GAUNTLET_OK;
 }
 
 gauntlet_result gauntlet_controller_reset(gauntlet_controller* controller,

@@ -40,6 +40,7 @@ void gauntlet_controller_destroy(gauntlet_controller* controller);
  * sample of the glove at every `ticks_per_sample`-th step, beginning with the first. */
 size_t gauntlet_controller_channel_count(const gauntlet_controller* controller);
 size_t gauntlet_controller_motor_count(const gauntlet_controller* controller);
+size_t gauntlet_controller_joint_count(const gauntlet_controller* controller);
 double gauntlet_controller_tick_rate_hz(const gauntlet_controller* controller);
 int gauntlet_controller_ticks_per_sample(const gauntlet_controller* controller);
 
@@ -57,6 +58,11 @@ gauntlet_result gauntlet_controller_step_frame(gauntlet_controller* controller,
                                                int64_t frame_number, const double* counts,
                                                size_t channel_count, int32_t* motor_counts,
                                                size_t motor_count);
+
+/* What the hand's joint sensors say, one angle per joint [rad]; NaN for a joint that cannot be read.
+ * To be called when there is a reading, for settings with a joint loop; others ignore it. */
+gauntlet_result gauntlet_controller_take_joint_angles(gauntlet_controller* controller,
+                                                      const double* angle_rad, size_t joint_count);
 
 /* Forgets the glove. The motors are at `motor_counts`, one per motor, as read from them: to be
  * called before the first step where the hand is not in its reference posture. With NULL and 0 the

@@ -172,6 +172,9 @@ class Builder {
     AddList("gain", {gains.data(), gains.data() + gains.size()}, EmbeddedValue::kFloat, channels_);
   }
   void AddJoints() {
+    if (config_.joint_loop.kind != JointLoopKind::kNone) {
+      Refuse("joint_loop.kind", "is pi, must be none");
+    }
     const JointMap map(robot_.joint_map, robot_.glove.channel_names, robot_.hand);
     const auto joints = static_cast<std::size_t>(map.joint_count());
     std::vector<double> offset, weight(joints * channels_);

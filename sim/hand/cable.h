@@ -66,8 +66,8 @@ struct CableWear {
   double snaps_at_s = std::numeric_limits<double>::infinity();
 };
 
-/// A cable over one time step that begins at `time_s`, in which its drum winds `travel_m` of it. One
-/// that has snapped has no tension any more.
+/// A cable over one time step that begins at `time_s`, in which its drum winds `travel_m` of it.
+/// One that has snapped has no tension any more.
 void WearCable(const CableWear& wear, double time_s, double step_s, double travel_m,
                CableState& state) noexcept;
 

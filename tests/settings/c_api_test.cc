@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,33 @@ TEST(CApi, GivesTheCommandsOfTheControllerCountForCount) {
   }
   EXPECT_EQ(events, (kSamples + 2) / 3);
   EXPECT_EQ(allocations, 0);
+}
+
+TEST(CApi, TakesWhatJointSensorsSay) {
+  RobotConfig robot = Robot();
+  robot.hand.joint_sensors = true;
+  robot.controller.joint_loop.kind = JointLoopKind::kPi;
+  const Handle handle = Create(robot);
+  Controller controller(robot);
+  ASSERT_EQ(gauntlet_controller_joint_count(handle.get()), kChannels);
+  const TestSignal signal = GloveCounts(2'000, kChannels);
+  const std::vector<double> measured_rad(kChannels, 0.3);
+  std::vector<std::int32_t> motors(kChannels);
+  for (int k = 0; k < 2'000; ++k) {
+    if (k % 10 == 0) {
+      controller.TakeJointAngles(measured_rad);
+      ASSERT_EQ(gauntlet_controller_take_joint_angles(handle.get(), measured_rad.data(), kChannels),
+                GAUNTLET_OK);
+    }
+    const std::span<const double> counts = RowOf(signal, k);
+    const Command expected = controller.Step({.counts = counts});
+    gauntlet_controller_step(handle.get(), counts.data(), counts.size(), motors.data(), kChannels);
+    ASSERT_THAT(motors, testing::ElementsAreArray(expected.motor_counts)) << k;
+  }
+  EXPECT_EQ(gauntlet_controller_take_joint_angles(handle.get(), measured_rad.data(), 3),
+            GAUNTLET_WRONG_LENGTH);
+  EXPECT_EQ(gauntlet_controller_take_joint_angles(handle.get(), nullptr, kChannels),
+            GAUNTLET_NULL_POINTER);
 }
 
 TEST(CApi, WrongArgumentsAreRefusedAndChangeNothing) {

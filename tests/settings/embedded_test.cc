@@ -221,6 +221,11 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
   EXPECT_EQ(complaint([](Robot r) { r.controller.motor.rounding = Rounding::kNoiseShaping; }),
             "controller.motor.rounding: is noise_shaping, must be nearest or hysteresis in the "
             "embedded form");
+  EXPECT_EQ(complaint([](Robot r) {
+              r.hand.joint_sensors = true;
+              r.controller.joint_loop.kind = JointLoopKind::kPi;
+            }),
+            "controller.joint_loop.kind: is pi, must be none in the embedded form");
   EXPECT_EQ(complaint([](Robot r) { r.timing.event_period_ms = 2.5; }),
             "timing.event_period_ms: is 2.5 ticks, must be a whole number in the embedded form");
   EXPECT_EQ(complaint([](Robot r) {
