@@ -18,15 +18,17 @@ namespace gauntlet::controller {
 ///     s         = -1, 0, 1: where the target last went; it has turned when it has come back by
 ///                 friction_turn_deg
 ///
-/// and targets and what is corrected stay within the joint's range, which is a limit, too. Against the target of now, every motion would be
-/// an error, since the hand is late; against that of then, only what the hand does not do is one.
+/// and targets and what is corrected stay within the joint's range, which is a limit, too. Against
+/// the target of now, every motion would be an error, since the hand is late; against that of then,
+/// only what the hand does not do is one.
 ///
 /// friction s is the inverse of play: to turn back, a command first crosses all the width of the
 /// hysteresis loop, so friction_deg is half of it. Small noise of a target does not turn s.
 ///
 /// An integral and dry friction together hunt: the joint sticks, the integral grows, the joint
-/// jumps beyond. So errors within the dead band do nothing. It is half of what one motor count turns
-/// the joint, as less could not be reached, and dead_band_deg for what the sensor is unsure of.
+/// jumps beyond. So errors within the dead band do nothing. It is half of what one motor count
+/// turns the joint, as less could not be reached, and dead_band_deg for what the sensor is unsure
+/// of.
 ///
 /// Without a reading that is at most `stale_after_ms` old, e is 0 and the integral stays. Joints
 /// whose angle the motors alone do not decide are left as they are.

@@ -27,12 +27,13 @@ struct SlackDetectorConfig {
 /// Cables rub in proportion to their tension (the capstan law), so a pre-tensioned pair that has
 /// lost its pretension lets its motor turn more easily, long before play is seen. What pulls both
 /// ways alike (gravity, springs, what is held) is in neither; a load makes friction larger and
-/// raises no alarm. Means are taken over the angle turned, so that rests and what accelerates do not
-/// count, and begin `reversal_deg` behind each reversal, where cables have taken up their stretch.
+/// raises no alarm. Means are taken over the angle turned, so that rests and what accelerates do
+/// not count, and begin `reversal_deg` behind each reversal, where cables have taken up their
+/// stretch.
 ///
-/// Shapes: one value per motor. Units: rad, N m; torque in the direction of the angle, its mean since
-/// the last reading: servos that take commands in frames give it in kicks.
-/// Errors: SettingError.
+/// Shapes: one value per motor. Units: rad, N m; torque in the direction of the angle, its mean
+/// since the last reading: servos that take commands in frames give it in kicks. Errors:
+/// SettingError.
 class SlackDetector {
  public:
   SlackDetector(const SlackDetectorConfig& config, int motors);
