@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
+
+#include "controller/angle.h"
 
 namespace gauntlet::controller {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 /// The part of a value that is beyond +-band.
 double Beyond(double value, double band) noexcept {

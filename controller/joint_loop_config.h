@@ -15,9 +15,9 @@ struct JointLoopConfig {
   double proportional = 0.5;
   double integral_per_s = 2.0;
   double max_correction_deg = 15.0;
-  /// Delay of the hand's own: link, frames, servo and joint sensor. Here about that of the default
-  /// link and the `standard` servo.
-  double expected_delay_ms = 60.0;
+  /// Delay of the hand's own: link, frames, servo and joint sensor. Here that of the default link
+  /// and servos.
+  double expected_delay_ms = 95.0;
   double dead_band_deg = 0.1;
   std::vector<double> friction_deg = {0.0};  // one for all joints, or one for each
   double friction_turn_deg = 1.0;

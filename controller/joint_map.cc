@@ -1,14 +1,12 @@
 #include "controller/joint_map.h"
 
 #include <algorithm>
-#include <numbers>
 
+#include "controller/angle.h"
 #include "controller/controller_config.h"
 
 namespace gauntlet::controller {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 /// Place of a name in a list, or -1.
 int IndexOf(const std::vector<std::string>& names, const std::string& name) {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
+
+#include "controller/angle.h"
 
 namespace gauntlet::controller {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// A motor has turned back when it is this far behind its front: more than its sensor trembles.
 constexpr double kTurnedBack_rad = 0.5 * kRadPerDeg;

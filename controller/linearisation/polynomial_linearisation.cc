@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
+
+#include "controller/angle.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -58,7 +59,7 @@ Polynomial MakePolynomial(const ChannelCurve& curve, std::size_t channel) {
   }
   Polynomial polynomial{{}, curve.center_counts, curve.scale_counts};
   for (const double c : curve.coefficients_deg) {
-    polynomial.coefficients.push_back(c * std::numbers::pi / 180.0);
+    polynomial.coefficients.push_back(c * kRadPerDeg);
   }
   // Fine enough for the low degrees of sensors; the ends belong to it because tangents go on there.
   constexpr int kChecks = 1000;

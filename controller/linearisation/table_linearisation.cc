@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
+
+#include "controller/angle.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -36,7 +37,7 @@ Table MakeTable(const ChannelCurve& curve, std::size_t channel) {
               .angle_rad_growing = {},
               .counts_by_angle = curve.counts};
   for (const double angle : curve.angle_deg) {
-    table.angle_rad.push_back(angle * std::numbers::pi / 180.0);
+    table.angle_rad.push_back(angle * kRadPerDeg);
   }
   const bool falling = table.angle_rad[1] < table.angle_rad[0];
   for (std::size_t i = 1; i < n; ++i) {

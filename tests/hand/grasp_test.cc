@@ -85,14 +85,14 @@ TEST(Grasp, LiftsABottleAndHoldsIt) {
   EXPECT_LT(grasp.last.slip_mm_s, 3.0);
 }
 
-// Contacts that creep let it sink by 0.3 mm/s.
+// Contacts that creep let it sink by 0.3 mm/s; this is for four seconds.
 TEST(Grasp, AHeldBottleDoesNotSink) {
   for (const double mass_kg : {0.3, 1.0}) {
     HandConfig config = WithObject();
     config.object.mass_kg = mass_kg;
     const Grasp grasp = CloseLiftHold(config, 0, 1, 200);
     EXPECT_GT(grasp.last.height_mm, 60.0) << mass_kg;
-    EXPECT_NEAR(grasp.sunk_mm, 0.0, 0.05) << mass_kg;
+    EXPECT_NEAR(grasp.sunk_mm, 0.0, 0.1) << mass_kg;
   }
 }
 

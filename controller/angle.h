@@ -1,0 +1,10 @@
+#pragma once
+
+#include <numbers>
+
+namespace gauntlet::controller {
+
+/// Settings are in degrees, everything else in radians.
+inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+}  // namespace gauntlet::controller
