@@ -35,13 +35,13 @@ TEST_P(JointLoopOnAHand, TakesHysteresisAwayWithoutALimitCycle) {
 INSTANTIATE_TEST_SUITE_P(Servos, JointLoopOnAHand, ::testing::ValuesIn(ServoKinds()),
                          [](const auto& servo) { return std::string(servo.param.name); });
 
-// Without what dead_band_deg leaves for the sensor's noise, the coarse servo goes to and fro
-// between two of its counts.
-TEST(JointLoop, HuntsOnAHandWithoutItsDeadBand) {
+// A count of this servo turns the knuckle by 0.29 deg: the integral goes to and fro between two of
+// them, and what friction_deg adds ends that.
+TEST(JointLoop, AloneHuntsBetweenTwoCountsOfACoarseServo) {
   const HandConfig hand = SensingHand({.settings = StandardServo{}});
   controller::JointLoopConfig loop = FittedLoop(hand, MeasureAtRest(hand, {}));
-  loop.dead_band_deg = 0.0;
-  EXPECT_GT(MeasureAtRest(hand, loop).swing_deg.mcp, 0.2);
+  loop.friction_deg = {0.0};
+  EXPECT_NEAR(MeasureAtRest(hand, loop).swing_deg.mcp, 0.29, 0.06);
 }
 
 }  // namespace
