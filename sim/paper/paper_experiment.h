@@ -63,7 +63,7 @@ struct PaperExperiment {
   bool quick = false;
   FinishedStudy finished;
   StudyResult rc_servo_result;  // raw and paper_kalman with RC servos
-  StudyResult burst_result;    // tuned_kalman and prediction in fast_bursts
+  StudyResult burst_result;     // tuned_kalman and prediction in fast_bursts
   std::vector<FilterFacts> filters;
   std::vector<Claim> claims;
   OneChannelTest one_channel;

@@ -11,8 +11,8 @@
 namespace gauntlet::sim::testing {
 namespace {
 
-// The spool stands still while servo and cables differ by no more than its friction, of which a part
-// grows with the load.
+// The spool stands still while servo and cables differ by no more than its friction, of which a
+// part grows with the load.
 TEST(ServoTorque, HoldsTheCablesAtRestButForFriction) {
   Hand hand(MakeModel());
   const controller::TendonTransmission& map = hand.hand_model().transmission();
