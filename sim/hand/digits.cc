@@ -13,17 +13,17 @@ namespace {
 using Eigen::Vector3d;
 using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-Eigen::Map<const Vector3d> Vector(const double* numbers) {
+Eigen::Map<const Vector3d> VectorAt(const double* numbers) {
   return Eigen::Map<const Vector3d>(numbers);
 }
 
 /// Where the body puts a point, or turns a direction, of its own.
 Vector3d Placed(const mjData& data, int body, const double* point) {
-  return Vector(data.xpos + 3 * body) +
-         Eigen::Map<const Rotation>(data.xmat + 9 * body) * Vector(point);
+  return VectorAt(data.xpos + 3 * body) +
+         Eigen::Map<const Rotation>(data.xmat + 9 * body) * VectorAt(point);
 }
 Vector3d Turned(const mjData& data, int body, const double* direction) {
-  return Eigen::Map<const Rotation>(data.xmat + 9 * body) * Vector(direction);
+  return Eigen::Map<const Rotation>(data.xmat + 9 * body) * VectorAt(direction);
 }
 
 double Share(double part, double whole) {
