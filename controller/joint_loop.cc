@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "controller/angle.h"
+#include "controller/one_for_each.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -14,18 +14,6 @@ namespace {
 /// The part of a value that is beyond +-band.
 double Beyond(double value, double band) noexcept {
   return std::copysign(std::max(0.0, std::abs(value) - band), value);
-}
-
-void CheckFits(const JointLoopConfig& config, const TendonTransmission& hand) {
-  if (config.kind == JointLoopKind::kNone) return;
-  if (!hand.joint_sensors) {
-    throw SettingError("kind", "pi needs a hand that measures its joints (hand.joint_sensors)");
-  }
-  const std::size_t joints = hand.joint_names.size();
-  const std::size_t given = config.friction_deg.size();
-  if (given == 1 || given == joints) return;
-  throw SettingError("friction_deg", "has " + std::to_string(given) + " values, must have 1 or " +
-                                         std::to_string(joints) + ", one for each joint");
 }
 
 }  // namespace
@@ -93,13 +81,17 @@ JointLoop::JointLoop(const JointLoopConfig& config, const TendonTransmission& ha
       limit_rad_(config.max_correction_deg * kRadPerDeg),
       half_turn_rad_(0.5 * config.friction_turn_deg * kRadPerDeg) {
   CheckSettings(config);
-  CheckFits(config, hand);
   if (!on()) return;
+  if (!hand.joint_sensors) {
+    throw SettingError("kind", "pi needs a hand that measures its joints (hand.joint_sensors)");
+  }
+  const auto joint_count = static_cast<int>(hand.joint_names.size());
+  const Eigen::ArrayXd friction_deg =
+      OneForEach("joint", joint_count, "friction_deg", config.friction_deg);
   const Eigen::MatrixXd turn_rad = TendonMap(hand, true).AnglePerCount().cwiseAbs();
-  for (std::size_t i = 0; i < hand.joint_names.size(); ++i) {
-    const double friction_deg = config.friction_deg[config.friction_deg.size() == 1 ? 0 : i];
-    const double count_rad = turn_rad.row(static_cast<Eigen::Index>(i)).maxCoeff();
-    joints_.push_back({.friction_rad = friction_deg * kRadPerDeg,
+  for (int i = 0; i < joint_count; ++i) {
+    const double count_rad = turn_rad.row(i).maxCoeff();
+    joints_.push_back({.friction_rad = friction_deg[i] * kRadPerDeg,
                        .dead_band_rad = config.dead_band_deg * kRadPerDeg + 0.5 * count_rad,
                        .min_rad = hand.joint_min_rad[i],
                        .max_rad = hand.joint_max_rad[i],

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "controller/angle.h"
+#include "controller/one_for_each.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -44,17 +44,11 @@ SlackDetector::SlackDetector(const SlackDetectorConfig& config, int motors)
     : alarm_share_(config.alarm_share),
       memory_rad_(config.memory_deg * kRadPerDeg),
       reversal_rad_(config.reversal_deg * kRadPerDeg),
-      healthy_nm_(config.healthy_friction_nm),
+      healthy_nm_(OneForEach("motor", motors, "healthy_friction_nm", config.healthy_friction_nm)),
       motors_(static_cast<std::size_t>(motors)),
       friction_nm_(motors_.size()),
       slack_(motors_.size()) {
   CheckSettings(config);
-  if (healthy_nm_.size() == 1) healthy_nm_.resize(motors_.size(), healthy_nm_.front());
-  if (healthy_nm_.size() != motors_.size()) {
-    throw SettingError("healthy_friction_nm", "has " + std::to_string(healthy_nm_.size()) +
-                                                  " values, must have 1 or " +
-                                                  std::to_string(motors) + ", one for each motor");
-  }
   Reset();
 }
 

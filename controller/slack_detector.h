@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -65,7 +66,7 @@ class SlackDetector {
   double alarm_share_;
   double memory_rad_;
   double reversal_rad_;
-  std::vector<double> healthy_nm_;
+  Eigen::ArrayXd healthy_nm_;
   std::vector<Motor> motors_;
   std::vector<double> friction_nm_;
   std::vector<std::uint8_t> slack_;

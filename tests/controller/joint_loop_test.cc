@@ -223,7 +223,7 @@ TEST(JointLoop, RefusesAHandWithoutJointSensorsAndListsThatDoNotFit) {
             "joint_loop.kind: pi needs a hand that measures its joints (hand.joint_sensors)");
   config.friction_deg = {1.0, 2.0};
   EXPECT_EQ(problem(SensingHand(3)),
-            "joint_loop.friction_deg: has 2 values, must have 1 or 3, one for each joint");
+            "joint_loop.friction_deg: has 2 values, must have 1 for all joints or 3, one for each");
   config.kind = JointLoopKind::kNone;
   EXPECT_EQ(problem(CoupledHand(3)), "none");
 }
