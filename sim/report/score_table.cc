@@ -432,7 +432,7 @@ std::string ScoreTable(const FinishedStudy& finished, bool colour) {
     out.append("\n").append(split);
   }
   const std::string verdict = Verdict(summary);
-  if (!verdict.empty()) out += "\n" + Wrapped(verdict) + "\n";
+  if (!verdict.empty()) out.append("\n").append(Wrapped(verdict)).append("\n");
   return out;
 }
 
