@@ -23,7 +23,7 @@ if(GAUNTLET_SANITIZE)
   # Ten sources of a library as one take half as long. Then types of unnamed namespaces are in files
   # that are included, which is no mistake here.
   set(CMAKE_UNITY_BUILD_BATCH_SIZE 10)
-  target_compile_options(gauntlet_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  target_compile_options(gauntlet_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
 
 # gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...] [APART <file>...] [EITHER])
