@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include "sim/glove/motions/motion.h"
+#include "sim/glove/motions/postures.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/small_hand.h"
 
@@ -76,6 +78,31 @@ TEST(Digits, OfAFlatHandAreApart) {
   hand.Reset(FlatHand());
   EXPECT_TRUE(hand.hand_model().digits().exist());
   EXPECT_EQ(hand.DigitOverlap(), 0.0);
+}
+
+TEST(Digits, AreApartWhereverAGeneratedMotionGoes) {
+  Hand hand(MakeModel());
+  RandomStream random(3, "digits");
+  std::vector<double> angle = FlatHand();
+  for (int i = 0; i < 10'000; ++i) {
+    for (std::size_t channel = 0; channel < angle.size(); ++channel) {
+      const auto [middle_rad, half_rad] = ChannelExcursion(channel, 100.0);
+      angle[channel] = random.Uniform(middle_rad - half_rad, middle_rad + half_rad);
+    }
+    hand.Reset(angle);
+    ASSERT_EQ(hand.DigitOverlap(), 0.0) << i;
+  }
+}
+
+// What presses on the bottle then is no finger on a finger.
+TEST(Digits, OfAHandAroundABottleAreApartWithoutTheBottle) {
+  Hand hand(MakeModel());
+  for (const char* posture : {"around_bottle", "grip_bottle", "lift_bottle"}) {
+    std::vector<double> angle = PostureAngles(PostureIndex(posture));
+    angle.resize(GloveChannels().size());
+    hand.Reset(angle);
+    EXPECT_EQ(hand.DigitOverlap(), 0.0) << posture;
+  }
 }
 
 TEST(Digits, AHandWithoutAPalmHasNone) {

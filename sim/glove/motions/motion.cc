@@ -1,6 +1,7 @@
 #include "sim/glove/motions/motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -13,6 +14,14 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kLongest_s = 3600.0;
+
+/// Where the thumb, away from the palm, meets no finger wherever the other joints are: in none of
+/// 20,000 postures that are uniform over these ranges and those of all other joints.
+constexpr std::array<Channel, 3> kClearOfFingers = {{
+    {"thumb_rotation", 0, 45, ""},
+    {"thumb_abduction", 45, 60, ""},
+    {"thumb_mcp", 0, 30, ""},
+}};
 
 }  // namespace
 
@@ -58,7 +67,9 @@ std::vector<bool> SelectChannels(const std::vector<std::string>& names) {
 }
 
 Excursion ChannelExcursion(std::size_t channel, double range_percent) {
-  const Channel& joint = KnownChannels()[channel];
+  const Channel& whole = KnownChannels()[channel];
+  const auto clear = std::ranges::find(kClearOfFingers, whole.name, &Channel::name);
+  const Channel& joint = clear != kClearOfFingers.end() ? *clear : whole;
   return {0.5 * (joint.max_deg + joint.min_deg) * kRadPerDeg,
           0.005 * range_percent * (joint.max_deg - joint.min_deg) * kRadPerDeg};
 }

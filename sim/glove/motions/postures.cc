@@ -45,10 +45,10 @@ constexpr std::array<Posture, 11> kPostures = {{
      {90, 60, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 90, 0}},
     {"grip_bottle",
      "fingers and thumb pressed on that bottle",
-     {90, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, 0, 0, 90, 0}},
+     {70, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, 0, 0, 90, 0}},
     {"lift_bottle",
      "the same, the elbow bent by 20 deg more",
-     {90, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, 0, 0, 110, 0}},
+     {70, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, 0, 0, 110, 0}},
 }};
 
 constexpr auto kNames = [] {

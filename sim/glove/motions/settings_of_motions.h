@@ -19,7 +19,8 @@ inline void VisitDuration(controller::SettingsVisitor& visitor, double& duration
 
 inline void VisitRange(controller::SettingsVisitor& visitor, double& range_percent) {
   visitor.Number({.key = "range_percent",
-                  .help = "largest excursion, of each joint's range about its middle",
+                  .help = "largest excursion, of each joint's range about its middle; the thumb's "
+                          "is where it meets no finger",
                   .min = 0,
                   .max = 100},
                  range_percent);
