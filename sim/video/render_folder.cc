@@ -45,6 +45,10 @@ std::filesystem::path VideoOf(const std::filesystem::path& folder) {
   return folder / "comparison.mp4";
 }
 
+std::filesystem::path PictureOf(const std::filesystem::path& folder) {
+  return folder / "comparison.png";
+}
+
 void CheckVideo(int controllers, const std::filesystem::path& target) {
   CheckPaneCount(controllers);
   std::error_code ignored;
@@ -54,10 +58,12 @@ void CheckVideo(int controllers, const std::filesystem::path& target) {
 
 std::filesystem::path RenderFolder(const RenderOptions& options,
                                    const std::function<bool(int, int)>& keep_going) {
-  std::filesystem::path target = options.target.empty() ? VideoOf(options.folder) : options.target;
+  std::filesystem::path target = options.target;
+  if (target.empty())
+    target = options.frame_s ? PictureOf(options.folder) : VideoOf(options.folder);
   const Manifest manifest(options.folder);
   const std::filesystem::path resolved = manifest.Checked("scenario.resolved.yaml");
-  Scenario scenario = LoadScenario(resolved, {});
+  Scenario scenario = LoadScenario(resolved, options.overrides);
   CheckControllerNames(options.controllers, scenario);
   CheckVideo(options.controllers.empty() ? scenario.controllers.size() : options.controllers.size(),
              target);
@@ -110,9 +116,15 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   input.width_px = scenario.video.width_px;
   input.height_px = scenario.video.height_px;
   input.frames_per_s = scenario.video.frames_per_s;
+  input.excerpt = options.excerpt;
+  input.rate_factor = options.rate_factor;
   input.jobs = options.jobs;
 
-  WriteComparisonVideo(input, hand, target, keep_going);
+  if (options.frame_s) {
+    WriteComparisonPng(input, hand, *options.frame_s, target);
+  } else {
+    WriteComparisonVideo(input, hand, target, keep_going);
+  }
   return target;
 }
 
