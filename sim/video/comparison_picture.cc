@@ -8,6 +8,7 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/video/card.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -62,6 +63,10 @@ void CheckSignals(const VideoInput& input) {
       Fail(pane.title + ": signals differ in shape");
     }
   }
+}
+
+Rect FrameOf(const VideoInput& input) {
+  return {0.0, 0.0, static_cast<double>(input.width_px), static_cast<double>(input.height_px)};
 }
 
 FrameClock ClockOf(const VideoInput& input) {
@@ -152,9 +157,7 @@ void ComparisonPicture::DrawBackground() {
   background_ = Image(input_.width_px, input_.height_px);
   Painter painter(background_);
   const double unit = layout_.unit;
-  painter.Fill(
-      {0.0, 0.0, static_cast<double>(input_.width_px), static_cast<double>(input_.height_px)},
-      palette::kPage);
+  painter.Fill(FrameOf(input_), palette::kPage);
   DrawHeader(painter);
   const TextStyle title = {.size_px = 15.0 * unit, .bold = true};
   const TextStyle caption = {.size_px = 11.0 * unit, .color = palette::kMutedInk};
@@ -339,6 +342,16 @@ void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame,
 
 int ComparisonPicture::outline_px() const {
   return std::max(1, static_cast<int>(std::round(layout_.unit)));
+}
+
+void ComparisonPicture::DrawTitle(ImageView image) const {
+  Painter painter(image);
+  DrawTitleCard(painter, FrameOf(input_), layout_.unit, input_.title, input_.question);
+}
+
+void ComparisonPicture::DrawVerdict(ImageView image) const {
+  Painter painter(image);
+  DrawVerdictCard(painter, FrameOf(input_), layout_.unit, input_.title, input_.verdict);
 }
 
 void ComparisonPicture::Draw(int frame, const DrawnHands& hands, ImageView image) const {

@@ -39,7 +39,10 @@ class ComparisonPicture {
 
   /// Of lines around the wearer's hand.
   int outline_px() const;
-  /// The whole frame, into an image of the video's size.
+  /// Whole frames before and after the motion.
+  void DrawTitle(ImageView image) const;
+  void DrawVerdict(ImageView image) const;
+  /// The whole frame of the motion, into an image of the video's size.
   void Draw(int frame, const DrawnHands& hands, ImageView image) const;
 
  private:

@@ -18,6 +18,9 @@
 namespace gauntlet::sim {
 namespace {
 
+constexpr double kTitle_s = 1.5;
+constexpr double kVerdict_s = 2.5;
+
 /// What one process needs to draw frames: its own context, posture and pictures of hands.
 class FrameArtist {
  public:
@@ -75,7 +78,13 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
   const ComparisonPicture picture(input);
   const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
   AtomicFile file(target);
-  const int frames = picture.frame_count();
+  // Cards stand still: before and after the motion, where there is something to say.
+  const auto card = [&](bool exists, double time_s) {
+    return exists ? static_cast<int>(std::lround(time_s * input.frames_per_s)) : 0;
+  };
+  const int first = card(!input.question.empty(), kTitle_s);
+  const int end = first + picture.frame_count();
+  const int frames = end + card(!input.verdict.rows.empty(), kVerdict_s);
   const bool complete = DrawFramesInOrder(
       {.frame_count = frames,
        .width_px = input.width_px,
@@ -83,7 +92,15 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
        .jobs = input.jobs},
       [&](Frames& todo) {
         FrameArtist artist(input, hand, picture, view);
-        while (const auto frame = todo.Next()) artist.Draw(frame->number, frame->image);
+        while (const auto frame = todo.Next()) {
+          if (frame->number < first) {
+            picture.DrawTitle(frame->image);
+          } else if (frame->number >= end) {
+            picture.DrawVerdict(frame->image);
+          } else {
+            artist.Draw(frame->number - first, frame->image);
+          }
+        }
       },
       [&](Frames& drawn) {
         VideoEncoder encoder(file, {.width_px = input.width_px,

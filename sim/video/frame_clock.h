@@ -11,6 +11,9 @@ struct Excerpt {
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();  // at most to the end of the motion
   double speed = 1.0;  // 0.25 is slow motion; three decimals count
+
+  /// The whole motion, however fast.
+  bool is_all() const { return from_s == 0.0 && std::isinf(to_s); }
 };
 
 /// Which sample a frame shows. Whole numbers only: frame k never drifts, however long the video.

@@ -88,6 +88,13 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   }
   VideoInput input;
   input.title = scenario.name;
+  if (options.excerpt.is_all()) {
+    input.question = scenario.question;
+    std::vector<std::string> names;
+    for (const Trace& trace : file.traces) names.push_back(trace.controller_name);
+    const std::filesystem::path scores = manifest.Checked("scores.json");
+    if (std::filesystem::exists(scores)) input.verdict = ReadVerdict(scores, names);
+  }
   input.rate_hz = file.tick_rate_hz;
   input.true_angle_rad = &file.reference_angle_rad;
   input.raw_angle_rad = &ways.front().raw;

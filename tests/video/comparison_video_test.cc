@@ -161,6 +161,18 @@ TEST(ComparisonVideo, AStoppedTrialStandsStillToTheEnd) {
   EXPECT_EQ(picture.SampleOf(1, 14), 99);
 }
 
+TEST(ComparisonVideo, QuestionAndVerdictStandBeforeAndAfterTheMotion) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  comparison.input.question = "Which one follows?";
+  comparison.input.verdict = {
+      .columns = {"error"},
+      .rows = {{.controller = "all", .cells = {{.value = "0", .detail = ""}}}},
+      .remark = "One run."};
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
+  EXPECT_EQ(ReadVideo(folder.path() / "a.mp4").frames, 45 + 15 + 75);
+}
+
 TEST(ComparisonVideo, AnExcerptInSlowMotionHasItsFrames) {
   const TemporaryFolder folder;
   SmallComparison comparison;
