@@ -1,8 +1,14 @@
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/signal_storage.h"
@@ -17,25 +23,145 @@
 #include "sim/video/render_folder.h"
 
 namespace gauntlet::sim {
+namespace {
+
+struct Options {
+  std::string folder;
+  std::string out;
+  std::vector<std::string> controllers;
+  std::string channel;
+  std::string camera;
+  std::string size;
+  std::string frames_per_s;
+  std::string quality = "good";
+  Excerpt excerpt;
+  std::optional<double> frame_s;
+};
+
+/// An option that takes the place of a setting of the scenario.
+struct Replacement {
+  std::string option;  // as it was given: --camera arm
+  std::string setting;
+  std::string value;
+};
+
+std::vector<Replacement> ReplacementsOf(const Options& options) {
+  std::vector<Replacement> replacements;
+  const auto add = [&](const char* option, const std::string& text, const char* setting,
+                       const std::string& value) {
+    if (!text.empty()) replacements.push_back({option + (" " + text), setting, value});
+  };
+  add("--channel", options.channel, "video.channel", options.channel);
+  add("--camera", options.camera, "video.camera", options.camera);
+  add("--fps", options.frames_per_s, "video.frames_per_s", options.frames_per_s);
+  const std::size_t by = options.size.find('x');
+  if (!options.size.empty() && by == std::string::npos) {
+    throw UserError({.place = "--size " + options.size,
+                     .problem = "must be width x height in pixels, as 1280x720"});
+  }
+  add("--size", options.size, "video.width_px", options.size.substr(0, by));
+  if (by != std::string::npos) {
+    add("--size", options.size, "video.height_px", options.size.substr(by + 1));
+  }
+  return replacements;
+}
+
+/// The encoders' constant rate factor.
+int RateFactorOf(const std::string& quality) {
+  if (quality == "small") return 28;
+  if (quality == "good") return VideoFormat{}.rate_factor;
+  if (quality == "best") return 14;
+  throw UserError(
+      {.place = "--quality " + quality, .problem = "must be one of small, good and best"});
+}
+
+void CheckNumber(const char* option, double value, double low, double high, const char* allowed) {
+  if (value >= low && value <= high) return;
+  throw UserError({.place = fmt::format("{} {:g}", option, value), .problem = allowed});
+}
+
+RenderOptions CheckedOptions(const Options& options) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Excerpt& excerpt = options.excerpt;
+  CheckNumber("--speed", excerpt.speed, 0.01, 100.0, "must be from 0.01 to 100");
+  CheckNumber("--from", excerpt.from_s, 0.0, 1e6, "must be from 0 to 1000000 s");
+  CheckNumber("--to", excerpt.to_s, 0.0, kInfinity, "must be 0 s or more");
+  if (!(excerpt.from_s < excerpt.to_s)) {
+    throw UserError({.place = fmt::format("--from {:g} --to {:g}", excerpt.from_s, excerpt.to_s),
+                     .problem = "--from must come before --to"});
+  }
+  if (options.frame_s) {
+    CheckNumber("--frame", *options.frame_s, 0.0, 1e6, "must be from 0 to 1000000 s");
+  }
+  const bool picture = options.frame_s.has_value();
+  const std::string ending = std::filesystem::path(options.out).extension();
+  const bool fits = picture ? ending == ".png" : ending == ".mp4" || ending == ".webm";
+  if (!options.out.empty() && !fits) {
+    throw UserError({.place = "--out " + options.out,
+                     .problem = picture ? "must end in .png with --frame"
+                                        : "must end in .mp4 or .webm, or in .png with --frame"});
+  }
+  return {.folder = options.folder,
+          .controllers = options.controllers,
+          .overrides = {},
+          .excerpt = excerpt,
+          .rate_factor = RateFactorOf(options.quality),
+          .frame_s = options.frame_s,
+          .target = options.out,
+          .jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()))};
+}
+
+/// RenderFolder(); a mistake in a setting that an option replaced is one of the option.
+std::filesystem::path Render(const Options& given, const std::function<bool(int, int)>& go_on) {
+  RenderOptions options = CheckedOptions(given);
+  const std::vector<Replacement> replacements = ReplacementsOf(given);
+  for (const Replacement& replacement : replacements) {
+    options.overrides.push_back(replacement.setting + "=" + replacement.value);
+  }
+  try {
+    return RenderFolder(options, go_on);
+  } catch (const UserError& error) {
+    for (const Replacement& replacement : replacements) {
+      if (error.key() != replacement.setting) continue;
+      throw UserError({.place = replacement.option, .problem = error.problem()});
+    }
+    throw;
+  }
+}
+
+}  // namespace
 
 void AddRenderCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("render", "Draw the comparison video of a finished run or comparison");
-  struct Options {
-    std::string folder;
-    std::string out;
-    std::vector<std::string> controllers;
-  };
   const auto options = std::make_shared<Options>();
   command->add_option("folder", options->folder, "output folder of run or compare")->required();
   AddControllersOption(*command, options->controllers);
-  AddOutOption(*command, options->out, "video file [comparison.mp4 in the folder]", "FILE.mp4");
+  command->add_option("--channel", options->channel, "joint whose curves are drawn")
+      ->type_name("JOINT");
+  command->add_option("--camera", options->camera, "camera of the model, as hand or arm")
+      ->type_name("NAME");
+  command->add_option("--from", options->excerpt.from_s, "begin here [0]")->type_name("S");
+  command->add_option("--to", options->excerpt.to_s, "end here [the end]")->type_name("S");
+  command->add_option("--speed", options->excerpt.speed, "0.25: four times slower [1]")
+      ->type_name("FACTOR");
+  command->add_option("--size", options->size, "width and height in pixels, even")
+      ->type_name("WIDTHxHEIGHT");
+  command->add_option("--fps", options->frames_per_s, "frames per second")->type_name("N");
+  command->add_option("--quality", options->quality, "small, good or best [good]")
+      ->type_name("NAME");
+  command->add_option("--frame", options->frame_s, "no video, but the frame at this moment")
+      ->type_name("S");
+  AddOutOption(*command, options->out,
+               "file .mp4, .webm, or .png with --frame [comparison.mp4 or comparison.png in the "
+               "folder]",
+               "FILE");
   command->footer(
-      "\nExample:\n  gauntlet render out/door_opening --controllers raw,tuned_kalman\n");
+      "\nExamples:\n"
+      "  gauntlet render out/door_opening --controllers raw,tuned_kalman\n"
+      "  gauntlet render out/door_opening --from 2 --to 3 --speed 0.25 --out slow.webm\n"
+      "  gauntlet render out/door_opening --frame 2.6 --size 1920x1080 --out door.png\n");
   command->callback([options] {
-    if (!options->out.empty() && !options->out.ends_with(".mp4")) {
-      throw UserError({.place = "--out " + options->out, .problem = "must end in .mp4"});
-    }
     WarnIfUnchecked(options->folder, Manifest(options->folder).exists());
     // No run may exchange the files while they are drawn.
     std::optional<OutputFolder> locked;
@@ -43,11 +169,7 @@ void AddRenderCommand(CLI::App& app) {
     SetSignalFolder(options->folder);
     Progress progress("video");
     const auto file =
-        RenderFolder({.folder = options->folder,
-                      .controllers = options->controllers,
-                      .target = options->out,
-                      .jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()))},
-                     [&progress](int done, int total) { return progress.Update(done, total); });
+        Render(*options, [&progress](int done, int total) { return progress.Update(done, total); });
     Say("wrote {}\n", file.string());
   });
 }

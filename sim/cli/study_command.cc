@@ -198,11 +198,10 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (options.comparison) written += ", study.db";
   if (options.video) {
     Progress progress("video");
-    RenderFolder({.folder = folder.path(),
-                  .controllers = {},
-                  .target = {},
-                  .jobs = JobsOrCores(options.jobs)},
-                 [&progress](int done, int total) { return progress.Update(done, total); });
+    RenderOptions video;
+    video.folder = folder.path();
+    video.jobs = JobsOrCores(options.jobs);
+    RenderFolder(video, [&progress](int done, int total) { return progress.Update(done, total); });
     written += ", comparison.mp4";
   }
   Say("wrote {}: {}\n", folder.path().string(), written);

@@ -8,11 +8,14 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/video/card.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr double kCardRadius = 10.0;
+constexpr double kFingertipWay_s = 1.0;
+constexpr int kFadingParts = 8;
 constexpr double kRankingStarts_s = 1.0;  // before, the first samples decide, and marks would jump
 
 std::span<const double> Column(const Signal& signal, int channel) {
@@ -62,12 +65,22 @@ void CheckSignals(const VideoInput& input) {
   }
 }
 
+Rect FrameOf(const VideoInput& input) {
+  return {0.0, 0.0, static_cast<double>(input.width_px), static_cast<double>(input.height_px)};
+}
+
 FrameClock ClockOf(const VideoInput& input) {
   CheckSignals(input);
   if (input.frames_per_s < 1 || input.frames_per_s > 240) {
     throw UserError(fmt::format("video: frames_per_s {} is not in 1 .. 240", input.frames_per_s));
   }
-  return {input.rate_hz, input.frames_per_s, input.true_angle_rad->rows()};
+  const FrameClock clock(input.rate_hz, input.frames_per_s, input.true_angle_rad->rows(),
+                         input.excerpt);
+  if (clock.FrameCount() < 1) {
+    throw UserError(fmt::format("video: nothing to show from {:g} s on: the motion takes {:g} s",
+                                clock.first_s(), input.true_angle_rad->rows() / input.rate_hz));
+  }
+  return clock;
 }
 
 }  // namespace
@@ -81,12 +94,20 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
     measured_joints_.resize(static_cast<std::size_t>(input.true_angle_rad->cols()));
     std::iota(measured_joints_.begin(), measured_joints_.end(), 0);
   }
-  const AngleScale scale = ScaleOfAllPanes();
-  for (std::size_t i = 0; i < input_.panes.size(); ++i) {
+  for (const VideoPane& pane : input_.panes) {
     scores_.push_back(ComputeRunningScores(*Measured(*input_.true_angle_rad),
-                                           *Measured(*input_.panes[i].hand_angle_rad),
-                                           input_.rate_hz, input_.jitter_above_hz, clock_));
-    plots_.emplace_back(layout_.panes[i].curves, layout_.unit, scale, input_.rate_hz, clock_);
+                                           *Measured(*pane.hand_angle_rad), input_.rate_hz,
+                                           input_.jitter_above_hz, clock_));
+    errors_.emplace_back(
+        pane.hand_angle_rad->col(input_.joint) -
+        input_.true_angle_rad->col(input_.joint).head(pane.hand_angle_rad->rows()));
+  }
+  const AngleScale angles = ScaleOfAngles(), errors = ScaleOfErrors();
+  for (const PaneLayout& pane : layout_.panes) {
+    if (pane.angle.height > 0.0) {
+      angle_plots_.emplace_back(pane.angle, layout_.unit, angles, clock_, false);
+    }
+    error_plots_.emplace_back(pane.error, layout_.unit, errors, clock_);
   }
   DrawBackground();
 }
@@ -111,7 +132,7 @@ int ComparisonPicture::SampleOf(int pane, int frame) const {
   return std::min(clock_.Sample(frame), SampleCount(pane) - 1);
 }
 
-AngleScale ComparisonPicture::ScaleOfAllPanes() const {
+AngleScale ComparisonPicture::ScaleOfAngles() const {
   std::vector<std::span<const double>> whole = {Column(*input_.true_angle_rad, input_.joint)};
   std::vector<std::span<const double>> noisy = {Column(*input_.raw_angle_rad, input_.joint)};
   for (const VideoPane& pane : input_.panes) {
@@ -123,13 +144,20 @@ AngleScale ComparisonPicture::ScaleOfAllPanes() const {
   return scale;
 }
 
+AngleScale ComparisonPicture::ScaleOfErrors() const {
+  const std::vector<double> none(1, 0.0);
+  std::vector<std::span<const double>> whole = {none};
+  for (const Signal& error_rad : errors_) whole.push_back(Column(error_rad, 0));
+  const AngleScale scale = ChooseAngleScale(whole, {});
+  TrimSignals();
+  return scale;
+}
+
 void ComparisonPicture::DrawBackground() {
   background_ = Image(input_.width_px, input_.height_px);
   Painter painter(background_);
   const double unit = layout_.unit;
-  painter.Fill(
-      {0.0, 0.0, static_cast<double>(input_.width_px), static_cast<double>(input_.height_px)},
-      palette::kPage);
+  painter.Fill(FrameOf(input_), palette::kPage);
   DrawHeader(painter);
   const TextStyle title = {.size_px = 15.0 * unit, .bold = true};
   const TextStyle caption = {.size_px = 11.0 * unit, .color = palette::kMutedInk};
@@ -143,9 +171,14 @@ void ComparisonPicture::DrawBackground() {
                     kCardRadius * unit);
     painter.Text(painter.Elide(input_.panes[i].title, pane.title.width, title),
                  {pane.title.x, pane.title.y + 26.0 * unit}, title);
-    plots_[i].DrawScale(painter);
-    painter.Text(JointTitle(input_.joint_name), {pane.curves.x, pane.curves.y - 8.0 * unit},
-                 caption);
+    const std::string joint = JointTitle(input_.joint_name);
+    if (!angle_plots_.empty()) {
+      angle_plots_[i].DrawScale(painter);
+      painter.Text(joint, {pane.angle.x, pane.angle.y - 8.0 * unit}, caption);
+    }
+    error_plots_[i].DrawScale(painter);
+    painter.Text(painter.Elide(joint + ", error", pane.error.width, caption),
+                 {pane.error.x, pane.error.y - 8.0 * unit}, caption);
   }
 }
 
@@ -154,9 +187,10 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
   const Rect& header = layout_.header;
   const TextStyle title = {.size_px = 19.0 * unit, .bold = true};
   const TextStyle subtitle = {.size_px = 12.5 * unit, .color = palette::kMutedInk};
-  const std::string curves =
-      fmt::format("Numbers: mean over {} joints, up to now.  Curves: one joint, {}.",
-                  measured_joints_.size(), JointTitle(input_.joint_name));
+  const std::string curves = fmt::format(
+      "Numbers: mean over {} joints, up to now.  Lines in the pictures: way of a "
+      "fingertip, its trembling x {:g}.",
+      measured_joints_.size(), HandView::kTremblingGain);
   painter.Text(painter.Elide(input_.title, 0.8 * header.width, title),
                {header.x, header.y + 28.0 * unit}, title);
   painter.Text(painter.Elide(curves, 0.62 * header.width, subtitle),
@@ -167,7 +201,9 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
 void ComparisonPicture::DrawLegend(Painter& painter, double right, double baseline) const {
   const Signal& command_rad = *input_.panes.front().command_angle_rad;
   // Commands do not decide the angle of a joint that springs move.
-  const bool decided = command_rad.rows() == 0 || !std::isnan(command_rad(0, input_.joint));
+  const bool angles = !angle_plots_.empty();
+  const bool decided =
+      angles && (command_rad.rows() == 0 || !std::isnan(command_rad(0, input_.joint)));
   struct Entry {
     const char* name;
     Color color;
@@ -175,7 +211,7 @@ void ComparisonPicture::DrawLegend(Painter& painter, double right, double baseli
   };
   const Entry entries[] = {{"hand", palette::kHand},
                            {"command", palette::kCommand, decided},
-                           {"glove, raw", palette::kRaw},
+                           {"glove, raw", palette::kRaw, angles},
                            {"wearer, true", palette::kTrue}};
   const double unit = layout_.unit;
   const TextStyle style = {.size_px = 12.5 * unit};
@@ -194,8 +230,11 @@ void ComparisonPicture::DrawClock(Painter& painter, int frame) const {
   const double unit = layout_.unit;
   const TextStyle style = {
       .size_px = 19.0 * unit, .bold = true, .align = Align::kRight, .tabular = true};
-  painter.Text(fmt::format("{:.1f} s", clock_.Time_s(frame)),
-               {layout_.header.right(), layout_.header.y + 28.0 * unit}, style);
+  // As many decimals as change from frame to frame at most.
+  const std::string time =
+      clock_.speed() == 1.0 ? fmt::format("{:.1f} s", clock_.Time_s(frame))
+                            : fmt::format("{:.2f} s, {:g} x", clock_.Time_s(frame), clock_.speed());
+  painter.Text(time, {layout_.header.right(), layout_.header.y + 28.0 * unit}, style);
   Rect done = layout_.progress;
   done.width *= static_cast<double>(frame + 1) / frame_count();
   painter.Fill(done, palette::kHand);
@@ -243,29 +282,82 @@ void ComparisonPicture::DrawScore(Painter& painter, const Rect& rect, int pane, 
                best ? palette::kGood : palette::kBar, bar.height / 2.0);
 }
 
-void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame, const Image& view) const {
+void ComparisonPicture::DrawFingertip(Painter& painter, const Rect& view, int pane, int frame,
+                                      const FingertipWay& way, const Color& color) const {
+  if (way.points.empty()) return;
+  const double newest_s = SampleOf(pane, frame) / input_.rate_hz;
+  const auto point_at = [&](double time_s) {
+    return std::clamp<int>(static_cast<int>(time_s * way.rate_hz), 0, std::ssize(way.points) - 1);
+  };
+  const int newest = point_at(newest_s);
+  for (int part = 0; part < kFadingParts; ++part) {  // the oldest first
+    const auto start_of = [&](int which) {
+      return point_at(newest_s - kFingertipWay_s * (kFadingParts - which) / kFadingParts);
+    };
+    std::vector<Point> points;
+    for (int i = start_of(part); i <= start_of(part + 1); ++i) {
+      points.push_back({view.x + way.points[i].x, view.y + way.points[i].y});
+    }
+    Color fading = color;
+    fading.alpha = (part + 1.0) / kFadingParts;
+    painter.Polyline(points, fading, 1.6 * layout_.unit);
+  }
+  const Point& head = way.points[newest];
+  if (std::isfinite(head.x)) {
+    painter.Dot({view.x + head.x, view.y + head.y}, 4.0 * layout_.unit, color);
+  }
+}
+
+void ComparisonPicture::DrawCurves(Painter& painter, int pane, int frame) const {
+  const VideoPane& signals = input_.panes[pane];
+  if (!angle_plots_.empty()) {
+    const Curve curves[] = {
+        {Column(*input_.raw_angle_rad, input_.joint), palette::kRaw, 1.0, false},
+        {Column(*signals.command_angle_rad, input_.joint), palette::kCommand, 1.3, false},
+        {Column(*input_.true_angle_rad, input_.joint), palette::kTrue, 1.5, true},
+        {Column(*signals.hand_angle_rad, input_.joint), palette::kHand, 2.0, true}};
+    angle_plots_[pane].Draw(painter, frame, curves);
+  }
+  const Curve error[] = {{Column(errors_[pane], 0), palette::kHand, 2.0, true}};
+  error_plots_[pane].Draw(painter, frame, error);
+}
+
+void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame,
+                                 const DrawnHands& hands) const {
   const PaneLayout& place = layout_.panes[pane];
-  painter.Picture(view, static_cast<int>(place.view.x), static_cast<int>(place.view.y));
+  const int x = static_cast<int>(place.view.x), y = static_cast<int>(place.view.y);
+  painter.Picture(hands.wearer.shape(), x, y);
+  painter.Picture(hands.panes[pane], x, y);
+  painter.Picture(hands.wearer.OutlineOver(hands.panes[pane]), x, y);
+  painter.Clip(place.view);
+  DrawFingertip(painter, place.view, pane, frame, hands.view.wearers_fingertip(), palette::kTrue);
+  DrawFingertip(painter, place.view, pane, frame, hands.view.fingertip(pane), palette::kHand);
+  painter.Unclip();
   if (HasStopped(pane, frame)) DrawStop(painter, pane);
 
   DrawScore(painter, place.tracking, pane, frame, "RMSE so far", &RunningScores::tracking_rmse_deg);
   DrawScore(painter, place.jitter, pane, frame, "Jitter so far", &RunningScores::jitter_rms_deg);
-
-  const VideoPane& signals = input_.panes[pane];
-  const Curve curves[] = {
-      {Column(*input_.raw_angle_rad, input_.joint), palette::kRaw, 1.0, false},
-      {Column(*signals.command_angle_rad, input_.joint), palette::kCommand, 1.3, false},
-      {Column(*input_.true_angle_rad, input_.joint), palette::kTrue, 1.5, true},
-      {Column(*signals.hand_angle_rad, input_.joint), palette::kHand, 2.0, true}};
-  plots_[pane].Draw(painter, frame, curves);
+  DrawCurves(painter, pane, frame);
 }
 
-void ComparisonPicture::Draw(int frame, std::span<const Image> views, ImageView image) const {
+int ComparisonPicture::outline_px() const {
+  return std::max(1, static_cast<int>(std::round(layout_.unit)));
+}
+
+void ComparisonPicture::DrawTitle(ImageView image) const {
+  Painter painter(image);
+  DrawTitleCard(painter, FrameOf(input_), layout_.unit, input_.title, input_.question);
+}
+
+void ComparisonPicture::DrawVerdict(ImageView image) const {
+  Painter painter(image);
+  DrawVerdictCard(painter, FrameOf(input_), layout_.unit, input_.title, input_.verdict);
+}
+
+void ComparisonPicture::Draw(int frame, const DrawnHands& hands, ImageView image) const {
   std::ranges::copy(background_.pixels, image.pixels);
   Painter painter(image);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    DrawPane(painter, i, frame, views[i]);
-  }
+  for (std::size_t i = 0; i < hands.panes.size(); ++i) DrawPane(painter, i, frame, hands);
   DrawClock(painter, frame);
 }
 

@@ -6,11 +6,20 @@
 #include "sim/video/comparison_video.h"
 #include "sim/video/curve_plot.h"
 #include "sim/video/frame_clock.h"
+#include "sim/video/ghost.h"
+#include "sim/video/hand_view.h"
 #include "sim/video/image.h"
 #include "sim/video/running_scores.h"
 #include "sim/video/video_layout.h"
 
 namespace gauntlet::sim {
+
+/// What was drawn of a frame: the hands of all panes, the wearer's, and where fingertips go.
+struct DrawnHands {
+  std::span<const Image> panes;
+  Ghost& wearer;
+  const HandView& view;
+};
 
 /// Everything in a frame but the drawn hands: titles, running numbers, curves. Const once made, so
 /// many processes draw with one.
@@ -28,19 +37,28 @@ class ComparisonPicture {
   /// The sample that a pane shows: its last one where a trial was stopped before.
   int SampleOf(int pane, int frame) const;
 
-  /// The whole frame, into an image of the video's size. `views` has one picture per pane.
-  void Draw(int frame, std::span<const Image> views, ImageView image) const;
+  /// Of lines around the wearer's hand.
+  int outline_px() const;
+  /// Whole frames before and after the motion.
+  void DrawTitle(ImageView image) const;
+  void DrawVerdict(ImageView image) const;
+  /// The whole frame of the motion, into an image of the video's size.
+  void Draw(int frame, const DrawnHands& hands, ImageView image) const;
 
  private:
   Columns<Signal> Measured(const Signal& all_joints) const;
   int SampleCount(int pane) const;
   bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }
-  AngleScale ScaleOfAllPanes() const;
+  AngleScale ScaleOfAngles() const;
+  AngleScale ScaleOfErrors() const;
   void DrawBackground();
   void DrawHeader(Painter& painter) const;
   void DrawLegend(Painter& painter, double right, double baseline) const;
   void DrawClock(Painter& painter, int frame) const;
-  void DrawPane(Painter& painter, int pane, int frame, const Image& view) const;
+  void DrawPane(Painter& painter, int pane, int frame, const DrawnHands& hands) const;
+  void DrawFingertip(Painter& painter, const Rect& view, int pane, int frame,
+                     const FingertipWay& way, const Color& color) const;
+  void DrawCurves(Painter& painter, int pane, int frame) const;
   void DrawStop(Painter& painter, int pane) const;
   void DrawScore(Painter& painter, const Rect& rect, int pane, int frame, const char* label,
                  std::vector<double> RunningScores::*score) const;
@@ -50,7 +68,9 @@ class ComparisonPicture {
   VideoLayout layout_;
   std::vector<int> measured_joints_;  // all, where the input names none
   std::vector<RunningScores> scores_;
-  std::vector<CurvePlot> plots_;
+  std::vector<Signal> errors_;  // per pane: of the joint that is drawn, hand less wearer [rad]
+  std::vector<CurvePlot> angle_plots_;  // none where there is no room
+  std::vector<CurvePlot> error_plots_;
   Image background_;
 };
 

@@ -1,72 +1,73 @@
 #include "sim/video/comparison_video.h"
 
-#include <memory>
+#include <fmt/format.h>
+
+#include <cmath>
 #include <vector>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
-#include "sim/hand/posture.h"
 #include "sim/video/comparison_picture.h"
+#include "sim/video/ghost.h"
+#include "sim/video/hand_view.h"
 #include "sim/video/ordered_frames.h"
 #include "sim/video/osmesa_renderer.h"
+#include "sim/video/png_file.h"
 #include "sim/video/video_encoder.h"
 
 namespace gauntlet::sim {
 namespace {
 
-struct FreeData {
-  void operator()(mjData* data) const { mj_deleteData(data); }
-};
-
-std::vector<double> Row(const Signal& signal, int sample) {
-  std::vector<double> values(signal.cols());
-  for (Eigen::Index i = 0; i < signal.cols(); ++i) values[i] = signal(sample, i);
-  return values;
-}
+constexpr double kTitle_s = 1.5;
+constexpr double kVerdict_s = 2.5;
 
 /// What one process needs to draw frames: its own context, posture and pictures of hands.
 class FrameArtist {
  public:
-  FrameArtist(const VideoInput& input, const HandModel& hand, const ComparisonPicture& picture)
+  FrameArtist(const VideoInput& input, const HandModel& hand, const ComparisonPicture& picture,
+              const HandView& view)
       : input_(input),
         hand_(hand),
         picture_(picture),
+        view_(view),
         renderer_(hand.model(), {.width_px = picture.view_width_px(),
                                  .height_px = picture.view_height_px(),
                                  .camera = input.camera,
+                                 .window = view.window(),
                                  .ground = false,
                                  .plain_cables = true}),
-        data_(mj_makeData(&hand.model())),
-        views_(input.panes.size()) {
-    if (data_ == nullptr) throw RunError("video: not enough memory for a posture");
+        data_(MakeData(hand)),
+        ghost_(palette::kTrue, picture.outline_px()),
+        hands_(input.panes.size()) {
     if (!hand.grasp().exists()) return;
     // The support stands where the object stood when the trial began.
-    SetPosture(hand, Row(*input.true_angle_rad, 0),
-               std::vector<double>(hand.transmission().motor_names.size()), *data_);
+    SetWearer(input, hand, 0, *data_);
     PlaceObject(hand.grasp(), *data_);
   }
 
   void Draw(int frame, ImageView image) {
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      const VideoPane& pane = input_.panes[i];
-      const int sample = picture_.SampleOf(i, frame);
-      if (pane.object_pose != nullptr && pane.object_pose->cols() == 7) {
-        SetObjectPose(hand_, Row(*pane.object_pose, sample), *data_);
-      }
-      SetPosture(hand_, Row(*pane.hand_angle_rad, sample), Row(*pane.spool_angle_rad, sample),
-                 *data_);
-      renderer_.Draw(*data_, views_[i]);
+    SetWearer(input_, hand_, picture_.clock().Sample(frame), *data_);
+    if (!view_.bodies().empty()) {
+      renderer_.DrawBodies(*data_, view_.bodies(), drawn_);
+      ghost_.Take(drawn_);
     }
-    picture_.Draw(frame, views_, image);
+    for (std::size_t i = 0; i < input_.panes.size(); ++i) {
+      SetPane(input_.panes[i], hand_, picture_.SampleOf(i, frame), *data_);
+      renderer_.Draw(*data_, hands_[i]);
+    }
+    picture_.Draw(frame, {.panes = hands_, .wearer = ghost_, .view = view_}, image);
   }
 
  private:
   const VideoInput& input_;
   const HandModel& hand_;
   const ComparisonPicture& picture_;
+  const HandView& view_;
   OsmesaRenderer renderer_;
-  std::unique_ptr<mjData, FreeData> data_;
-  std::vector<Image> views_;
+  DataOfModel data_;
+  Image drawn_;
+  Ghost ghost_;
+  std::vector<Image> hands_;
 };
 
 }  // namespace
@@ -75,27 +76,59 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                           const std::filesystem::path& target,
                           const std::function<bool(int, int)>& progress) {
   const ComparisonPicture picture(input);
+  const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
   AtomicFile file(target);
-  const int frames = picture.frame_count();
+  // Cards stand still: before and after the motion, where there is something to say.
+  const auto card = [&](bool exists, double time_s) {
+    return exists ? static_cast<int>(std::lround(time_s * input.frames_per_s)) : 0;
+  };
+  const int first = card(!input.question.empty(), kTitle_s);
+  const int end = first + picture.frame_count();
+  const int frames = end + card(!input.verdict.rows.empty(), kVerdict_s);
   const bool complete = DrawFramesInOrder(
       {.frame_count = frames,
        .width_px = input.width_px,
        .height_px = input.height_px,
        .jobs = input.jobs},
       [&](Frames& todo) {
-        FrameArtist artist(input, hand, picture);
-        while (const auto frame = todo.Next()) artist.Draw(frame->number, frame->image);
+        FrameArtist artist(input, hand, picture, view);
+        while (const auto frame = todo.Next()) {
+          if (frame->number < first) {
+            picture.DrawTitle(frame->image);
+          } else if (frame->number >= end) {
+            picture.DrawVerdict(frame->image);
+          } else {
+            artist.Draw(frame->number - first, frame->image);
+          }
+        }
       },
       [&](Frames& drawn) {
         VideoEncoder encoder(file, {.width_px = input.width_px,
                                     .height_px = input.height_px,
-                                    .frames_per_s = input.frames_per_s});
+                                    .frames_per_s = input.frames_per_s,
+                                    .container = ContainerOf(target),
+                                    .rate_factor = input.rate_factor});
         while (const auto frame = drawn.Next()) encoder.Add(frame->image);
         encoder.Finish();
       },
       [&](int done) { return !progress || progress(done, frames); });
   if (!complete) throw Cancelled{};
   file.Commit();
+}
+
+void WriteComparisonPng(const VideoInput& input, const HandModel& hand, double time_s,
+                        const std::filesystem::path& target) {
+  const ComparisonPicture picture(input);
+  const FrameClock& clock = picture.clock();
+  const double frame = std::round((time_s - clock.first_s()) * clock.frames_per_s / clock.speed());
+  if (!(frame >= 0.0 && frame < clock.FrameCount())) {
+    throw UserError(fmt::format("--frame {:g}: must be from {:g} to {:g} s", time_s,
+                                clock.first_s(), clock.Time_s(clock.FrameCount() - 1)));
+  }
+  const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
+  Image image(input.width_px, input.height_px);
+  FrameArtist(input, hand, picture, view).Draw(static_cast<int>(frame), image);
+  WritePng(image, target);
 }
 
 }  // namespace gauntlet::sim

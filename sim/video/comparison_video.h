@@ -7,6 +7,9 @@
 
 #include "sim/base/signal.h"
 #include "sim/hand/hand.h"
+#include "sim/video/frame_clock.h"
+#include "sim/video/verdict.h"
+#include "sim/video/video_encoder.h"
 
 namespace gauntlet::sim {
 
@@ -21,6 +24,8 @@ struct VideoPane {
 
 struct VideoInput {
   std::string title;
+  std::string question;                    // on a card of its own before the motion; empty: none
+  Verdict verdict;                         // after it; no rows: none
   double rate_hz = 1000.0;                 // of ticks
   const Signal* true_angle_rad = nullptr;  // ticks x joints: what the wearer asks of the hand
   const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered
@@ -33,16 +38,23 @@ struct VideoInput {
   int width_px = 1280;
   int height_px = 720;
   int frames_per_s = 30;
+  Excerpt excerpt;
+  int rate_factor = VideoFormat{}.rate_factor;
   int jobs = 2;
 };
 
-/// Draws off-screen and encodes H.264 frame by frame, so memory does not grow with the length. Each
+/// Draws off-screen and encodes frame by frame, so memory does not grow with the length. Each
 /// library works in processes of its own (ordered_frames.h): no other thread may run meanwhile.
 /// The file appears under its name only when it is whole.
 /// Errors: RunError for a missing encoder, a full disk, too little memory, a process that crashed.
+/// A target that ends in .webm is VP9 in WebM, any other H.264 in MP4.
 /// `progress` gets frames done and frames in all; false stops and throws Cancelled.
 void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                           const std::filesystem::path& target,
                           const std::function<bool(int, int)>& progress = {});
+
+/// The frame at a moment as a picture. Errors: UserError for one outside the motion.
+void WriteComparisonPng(const VideoInput& input, const HandModel& hand, double time_s,
+                        const std::filesystem::path& target);
 
 }  // namespace gauntlet::sim

@@ -67,12 +67,12 @@ AngleScale ChooseAngleScale(std::span<const std::span<const double>> whole,
   return scale;
 }
 
-CurvePlot::CurvePlot(const Rect& area, double unit, const AngleScale& scale, double rate_hz,
-                     const FrameClock& clock)
-    : area_(area), unit_(unit), scale_(scale), rate_hz_(rate_hz), clock_(clock) {
+CurvePlot::CurvePlot(const Rect& area, double unit, const AngleScale& scale,
+                     const FrameClock& clock, bool times)
+    : area_(area), unit_(unit), scale_(scale), clock_(clock), times_(times) {
   const double frames_per_s = clock.frames_per_s;
   px_per_frame_ = std::max(1.0, std::round(area.width / (kWindow_s * frames_per_s)));
-  px_per_sample_ = px_per_frame_ * frames_per_s / rate_hz;
+  px_per_sample_ = px_per_frame_ * frames_per_s / (clock.rate_hz() * clock.speed());
 }
 
 double CurvePlot::HeightOf(double angle_deg) const {
@@ -98,18 +98,20 @@ void CurvePlot::DrawScale(Painter& painter) const {
 }
 
 void CurvePlot::DrawTimes(Painter& painter, double scrolled_px) const {
-  const double px_per_s = px_per_sample_ * rate_hz_;
-  constexpr double kSteps[] = {0.2, 0.5, 1, 2, 5, 10, 20, 30, 60};
+  const double px_per_s = px_per_sample_ * clock_.rate_hz();
+  const double before_px = clock_.first_s() * px_per_s + scrolled_px;  // left of the plot
+  constexpr double kSteps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60};
   const double step_s =
       NiceStep(std::max(kMinTimeTick_px * unit_, area_.width / kMaxTimeTicks) / px_per_s, kSteps);
   const TextStyle label = {.size_px = kLabelSize * unit_,
                            .color = palette::kMutedInk,
                            .align = Align::kCenter,
                            .tabular = true};
-  for (int tick = static_cast<int>(std::ceil(scrolled_px / (px_per_s * step_s)));; ++tick) {
-    const double x = area_.x + std::floor(tick * step_s * px_per_s - scrolled_px) + 0.5;
+  for (int tick = static_cast<int>(std::ceil(before_px / (px_per_s * step_s)));; ++tick) {
+    const double x = area_.x + std::floor(tick * step_s * px_per_s - before_px) + 0.5;
     if (x > area_.right()) return;
     painter.Line({x, area_.y}, {x, area_.bottom()}, palette::kGrid, 1.0);
+    if (!times_) continue;
     const std::string text = fmt::format("{:g} s", tick * step_s);
     if (x + 0.5 * painter.TextWidth(text, label) > area_.right() + 8.0 * unit_) continue;
     painter.Text(text, {x, area_.bottom() + 14.0 * unit_}, label);
@@ -120,11 +122,11 @@ void CurvePlot::AddPoints(const Curve& curve, double scrolled_px, int end,
                           std::vector<Point>& points) const {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   const auto add = [&](int sample) {
-    const double x = area_.x + sample * px_per_sample_ - scrolled_px;
+    const double x = area_.x + (sample - clock_.first) * px_per_sample_ - scrolled_px;
     points.push_back({x, HeightOf(kDegPerRad * curve.angle_rad[sample])});
   };
   const auto first_sample_of = [&](std::int64_t column) {
-    return static_cast<int>(std::ceil(column / px_per_sample_));
+    return static_cast<int>(clock_.first + std::ceil(column / px_per_sample_));
   };
   // One column further left, so that the line comes in from outside.
   auto column = std::max<std::int64_t>(0, static_cast<std::int64_t>(scrolled_px) - 1);
@@ -161,12 +163,12 @@ void CurvePlot::Draw(Painter& painter, int frame, std::span<const Curve> curves)
     const int end = std::min(clock_.Sample(frame) + 1, static_cast<int>(curve.angle_rad.size()));
     points.clear();
     AddPoints(curve, scrolled_px, end, points);
-    if (end > 0) {
-      const double x = area_.x + (end - 1) * px_per_sample_ - scrolled_px;
+    if (end > clock_.first) {
+      const double x = area_.x + (end - 1 - clock_.first) * px_per_sample_ - scrolled_px;
       points.push_back({x, HeightOf(kDegPerRad * curve.angle_rad[end - 1])});
     }
     painter.Polyline(points, curve.color, curve.line_width * unit_);
-    if (curve.head && end > 0) painter.Dot(points.back(), 3.2 * unit_, curve.color);
+    if (curve.head && end > clock_.first) painter.Dot(points.back(), 3.2 * unit_, curve.color);
   }
   painter.Unclip();
 }

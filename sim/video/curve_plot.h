@@ -28,18 +28,19 @@ struct Curve {
 AngleScale ChooseAngleScale(std::span<const std::span<const double>> whole,
                             std::span<const std::span<const double>> noisy);
 
-/// Curves over a window of about four seconds, which first fills and then scrolls.
+/// Curves over a window of about four seconds of the video, which first fills and then scrolls.
 ///
 /// It scrolls by a whole number of pixels per frame, and each pixel column always shows the same
 /// samples by their lowest and highest value: nothing flickers while it moves.
 class CurvePlot {
  public:
-  CurvePlot(const Rect& area, double unit, const AngleScale& scale, double rate_hz,
-            const FrameClock& clock);
+  /// `times`: with labels below it.
+  CurvePlot(const Rect& area, double unit, const AngleScale& scale, const FrameClock& clock,
+            bool times = true);
 
   /// What does not move: lines and labels of angles.
   void DrawScale(Painter& painter) const;
-  /// Curves up to `frame`, in the order given, and the labels of time.
+  /// Curves up to `frame`, in the order given, and lines of time.
   void Draw(Painter& painter, int frame, std::span<const Curve> curves) const;
 
  private:
@@ -50,8 +51,8 @@ class CurvePlot {
   Rect area_;
   double unit_;
   AngleScale scale_;
-  double rate_hz_;
   FrameClock clock_;
+  bool times_;
   double px_per_frame_;
   double px_per_sample_;
 };

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/base/nearest_name.h"
 #include "sim/video/scene_geoms.h"
 
 namespace gauntlet::sim {
@@ -33,29 +32,16 @@ mjvCamera FixedCamera(int id) {
 
 bool IsTall(const RendererConfig& config) { return config.width_px < config.height_px; }
 
-/// The number of the camera made for tall pictures; -1 if the model has none, or for wide pictures.
-int UprightCamera(const mjModel& model, const RendererConfig& config) {
-  if (!IsTall(config) || config.camera.empty()) return -1;
-  return mj_name2id(&model, mjOBJ_CAMERA, (config.camera + "_upright").c_str());
+mjvCamera CameraOf(const mjModel& model, const RendererConfig& config) {
+  if (const auto id = FindCamera(model, config.camera, IsTall(config))) return FixedCamera(*id);
+  mjvCamera camera;
+  mjv_defaultFreeCamera(&model, &camera);
+  return camera;
 }
 
-mjvCamera FindCamera(const mjModel& model, const RendererConfig& config) {
-  const std::string& name = config.camera;
-  if (name.empty()) {
-    mjvCamera camera;
-    mjv_defaultFreeCamera(&model, &camera);
-    return camera;
-  }
-  const int upright = UprightCamera(model, config);
-  if (upright >= 0) return FixedCamera(upright);
-  const int id = mj_name2id(&model, mjOBJ_CAMERA, name.c_str());
-  if (id >= 0) return FixedCamera(id);
-  std::vector<std::string> names;
-  for (int i = 0; i < model.ncam; ++i) {
-    if (const char* known = mj_id2name(&model, mjOBJ_CAMERA, i)) names.emplace_back(known);
-  }
-  throw UserError(
-      fmt::format("camera {}: the model has no such camera{}", name, Suggestion(name, names)));
+/// Whether the camera's field of view is meant for the height of the picture.
+bool IsMadeForTall(const mjModel& model, const RendererConfig& config) {
+  return FindCamera(model, config.camera, true) != FindCamera(model, config.camera, false);
 }
 
 void CheckConfig(const RendererConfig& config) {
@@ -137,7 +123,7 @@ struct OsmesaRenderer::Context {
   Context(const mjModel& given_model, const RendererConfig& given_config)
       : model(given_model),
         config(given_config),
-        camera(FindCamera(given_model, given_config)),
+        camera(CameraOf(given_model, given_config)),
         placeholder(kPlaceholderSide * kPlaceholderSide * 4) {
     mjv_defaultOption(&option);
     mjv_defaultScene(&scene);
@@ -185,15 +171,18 @@ struct OsmesaRenderer::Context {
     mjv_makeScene(&model, &scene, kMaxGeoms);
   }
 
-  void UpdateScene(mjData& data) {
+  void UpdateScene(mjData& data, const std::vector<bool>* only) {
     mjv_updateScene(&model, &data, &option, nullptr, &camera, mjCAT_ALL, &scene);
     scene.flags[mjRND_SHADOW] = config.shadows;
     scene.flags[mjRND_REFLECTION] = 0;  // draws everything twice
     scene.flags[mjRND_SKYBOX] = 0;      // the background is the caller's
     scene.flags[mjRND_HAZE] = 0;
     if (!config.ground) RemovePlanes(scene);
+    if (only != nullptr) KeepBodies(scene, model, *only);
     if (config.plain_cables) FlattenCables(scene);
-    if (IsTall(config) && UprightCamera(model, config) < 0) {
+    if (config.window) {
+      ShowWindow(scene, *config.window);
+    } else if (IsTall(config) && !IsMadeForTall(model, config)) {
       WidenView(scene, static_cast<double>(config.height_px) / config.width_px);
     }
     if (!config.shadows) RemoveOutOfSight(scene, config.width_px, config.height_px);
@@ -229,6 +218,20 @@ struct OsmesaRenderer::Context {
       }
     }
   }
+
+  void Draw(mjData& data, const std::vector<bool>* only, Image& picture) {
+    MakeCurrent();
+    UpdateScene(data, only);
+    mjr_render({0, 0, drawn_width(), drawn_height()}, &scene, &drawing);
+    drawn.resize(std::ptrdiff_t{drawn_width()} * drawn_height());
+    glReadPixels(0, 0, drawn_width(), drawn_height(), GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
+                 drawn.data());
+    RepairAlpha();
+    if (picture.width_px != config.width_px || picture.height_px != config.height_px) {
+      picture = Image(config.width_px, config.height_px);
+    }
+    Shrink(picture);
+  }
 };
 
 OsmesaRenderer::OsmesaRenderer(const mjModel& model, const RendererConfig& config) {
@@ -243,21 +246,10 @@ OsmesaRenderer::OsmesaRenderer(const mjModel& model, const RendererConfig& confi
 
 OsmesaRenderer::~OsmesaRenderer() = default;
 
-void OsmesaRenderer::Draw(mjData& data, Image& picture) {
-  Context& context = *context_;
-  context.MakeCurrent();
-  context.UpdateScene(data);
-  const mjrRect everything = {0, 0, context.drawn_width(), context.drawn_height()};
-  mjr_render(everything, &context.scene, &context.drawing);
-  context.drawn.resize(std::ptrdiff_t{everything.width} * everything.height);
-  glReadPixels(0, 0, everything.width, everything.height, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
-               context.drawn.data());
-  context.RepairAlpha();
-  if (picture.width_px != context.config.width_px ||
-      picture.height_px != context.config.height_px) {
-    picture = Image(context.config.width_px, context.config.height_px);
-  }
-  context.Shrink(picture);
+void OsmesaRenderer::Draw(mjData& data, Image& picture) { context_->Draw(data, nullptr, picture); }
+
+void OsmesaRenderer::DrawBodies(mjData& data, const std::vector<bool>& chosen, Image& picture) {
+  context_->Draw(data, &chosen, picture);
 }
 
 }  // namespace gauntlet::sim

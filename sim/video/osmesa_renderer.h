@@ -3,8 +3,11 @@
 #include <mujoco/mujoco.h>
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "sim/video/camera_window.h"
 #include "sim/video/image.h"
 
 namespace gauntlet::sim {
@@ -13,6 +16,8 @@ struct RendererConfig {
   int width_px = 640;
   int height_px = 480;
   std::string camera{};  // by name; empty: a free camera that sees the whole model
+  /// The part of what the camera sees that fills the picture; none: what the model says.
+  std::optional<CameraWindow> window{};
   /// A pixel is the mean of n x n drawn ones. On a software rasteriser twice the resolution in both
   /// directions costs half of what four samples a pixel cost, and smooths highlights, too.
   int supersampling = 2;
@@ -29,8 +34,8 @@ struct RendererConfig {
 
 /// Draws a model off-screen, without a display, on the CPU.
 ///
-/// What the model does not cover stays transparent. For a picture taller than wide the camera
-/// `<name>_upright` is taken where the model has one; where not, the camera's field of view becomes
+/// What the model does not cover stays transparent. For a picture taller than wide FindCamera()
+/// takes the upright camera where the model has one; where not, the camera's field of view becomes
 /// that in width, so that the hand is not cut off.
 /// One thread of a process may have renderers, and draw with one at a time: Mesa's rasteriser keeps
 /// the scenes of all contexts in one list, and walks through it without a lock (llvmpipe of 22.3).
@@ -45,6 +50,8 @@ class OsmesaRenderer {
 
   /// The posture in `data`, whose kinematics are computed, as a picture of the configured size.
   void Draw(mjData& data, Image& picture);
+  /// The same of some bodies only, chosen by their numbers, and without cables.
+  void DrawBodies(mjData& data, const std::vector<bool>& chosen, Image& picture);
 
  private:
   struct Context;

@@ -30,7 +30,7 @@ inline constexpr Color kWarning = Rgb(0xb42318);
 inline constexpr Color kGood = Rgb(0x0a7d55);
 inline constexpr Color kBar = Rgb(0x9aa7b5);
 
-inline constexpr Color kTrue = Rgb(0x17212b);
+inline constexpr Color kTrue = Rgb(0xb3124f);
 inline constexpr Color kRaw = Rgb(0xb3bfcb);
 inline constexpr Color kCommand = Rgb(0xd97a06);
 inline constexpr Color kHand = Rgb(0x1d6fd8);

@@ -45,6 +45,10 @@ std::filesystem::path VideoOf(const std::filesystem::path& folder) {
   return folder / "comparison.mp4";
 }
 
+std::filesystem::path PictureOf(const std::filesystem::path& folder) {
+  return folder / "comparison.png";
+}
+
 void CheckVideo(int controllers, const std::filesystem::path& target) {
   CheckPaneCount(controllers);
   std::error_code ignored;
@@ -54,10 +58,12 @@ void CheckVideo(int controllers, const std::filesystem::path& target) {
 
 std::filesystem::path RenderFolder(const RenderOptions& options,
                                    const std::function<bool(int, int)>& keep_going) {
-  std::filesystem::path target = options.target.empty() ? VideoOf(options.folder) : options.target;
+  std::filesystem::path target = options.target;
+  if (target.empty())
+    target = options.frame_s ? PictureOf(options.folder) : VideoOf(options.folder);
   const Manifest manifest(options.folder);
   const std::filesystem::path resolved = manifest.Checked("scenario.resolved.yaml");
-  Scenario scenario = LoadScenario(resolved, {});
+  Scenario scenario = LoadScenario(resolved, options.overrides);
   CheckControllerNames(options.controllers, scenario);
   CheckVideo(options.controllers.empty() ? scenario.controllers.size() : options.controllers.size(),
              target);
@@ -82,6 +88,13 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   }
   VideoInput input;
   input.title = scenario.name;
+  if (options.excerpt.is_all()) {
+    input.question = scenario.question;
+    std::vector<std::string> names;
+    for (const Trace& trace : file.traces) names.push_back(trace.controller_name);
+    const std::filesystem::path scores = manifest.Checked("scores.json");
+    if (std::filesystem::exists(scores)) input.verdict = ReadVerdict(scores, names);
+  }
   input.rate_hz = file.tick_rate_hz;
   input.true_angle_rad = &file.reference_angle_rad;
   input.raw_angle_rad = &ways.front().raw;
@@ -110,9 +123,15 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   input.width_px = scenario.video.width_px;
   input.height_px = scenario.video.height_px;
   input.frames_per_s = scenario.video.frames_per_s;
+  input.excerpt = options.excerpt;
+  input.rate_factor = options.rate_factor;
   input.jobs = options.jobs;
 
-  WriteComparisonVideo(input, hand, target, keep_going);
+  if (options.frame_s) {
+    WriteComparisonPng(input, hand, *options.frame_s, target);
+  } else {
+    WriteComparisonVideo(input, hand, target, keep_going);
+  }
   return target;
 }
 

@@ -58,6 +58,20 @@ void FlattenCables(mjvScene& scene) {
   }
 }
 
+void KeepBodies(mjvScene& scene, const mjModel& model, const std::vector<bool>& chosen) {
+  RemoveGeoms(scene, [&](const mjvGeom& geom) {
+    return geom.objtype != mjOBJ_GEOM || !chosen[model.geom_bodyid[geom.objid]];
+  });
+}
+
+void ShowWindow(mjvScene& scene, const CameraWindow& window) {
+  for (mjvGLCamera& eye : scene.camera) {
+    eye.frustum_center = static_cast<float>(0.5 * (window.left + window.right)) * eye.frustum_near;
+    eye.frustum_bottom = static_cast<float>(window.bottom) * eye.frustum_near;
+    eye.frustum_top = static_cast<float>(window.top) * eye.frustum_near;
+  }
+}
+
 void WidenView(mjvScene& scene, double factor) {
   for (mjvGLCamera& eye : scene.camera) {
     eye.frustum_top *= static_cast<float>(factor);
@@ -67,8 +81,11 @@ void WidenView(mjvScene& scene, double factor) {
 
 void RemoveOutOfSight(mjvScene& scene, int width_px, int height_px) {
   const auto& [left, right] = scene.camera;  // two eyes, a little apart
-  const double height = left.frustum_top / left.frustum_near;
-  Cone cone = {.apex = {}, .axis = {}, .slope = std::hypot(height, height * width_px / height_px)};
+  // Of the corner that is furthest from the axis.
+  const double half_height = 0.5 * (left.frustum_top - left.frustum_bottom);
+  const double up = std::max<double>(std::abs(left.frustum_top), std::abs(left.frustum_bottom));
+  const double aside = std::abs(left.frustum_center) + half_height * width_px / height_px;
+  Cone cone = {.apex = {}, .axis = {}, .slope = std::hypot(up, aside) / left.frustum_near};
   for (int i = 0; i < 3; ++i) {
     cone.apex[i] = 0.5 * (left.pos[i] + right.pos[i]);
     cone.axis[i] = left.forward[i];

@@ -2,6 +2,10 @@
 
 #include <mujoco/mujoco.h>
 
+#include <vector>
+
+#include "sim/video/camera_window.h"
+
 namespace gauntlet::sim {
 
 // What is changed in a scene between MuJoCo's mjv_updateScene() and its drawing.
@@ -11,6 +15,12 @@ void RemovePlanes(mjvScene& scene);
 
 /// Cables as bars of four sides, not as round ones.
 void FlattenCables(mjvScene& scene);
+
+/// Leaves only shapes of the bodies chosen by their numbers.
+void KeepBodies(mjvScene& scene, const mjModel& model, const std::vector<bool>& chosen);
+
+/// Both eyes show this part of what their camera sees.
+void ShowWindow(mjvScene& scene, const CameraWindow& window);
 
 /// `factor` times as much to be seen in height.
 void WidenView(mjvScene& scene, double factor);

@@ -58,7 +58,11 @@ struct VideoEncoder::State {
   std::int64_t next_frame = 0;
 
   State(const AtomicFile& given_file, const VideoFormat& format)
-      : file(given_file), settings(format) {}
+      : file(given_file), settings(format) {
+    if (settings.encoder.empty()) settings.encoder = is_webm() ? "libvpx-vp9" : "libx264";
+  }
+
+  bool is_webm() const { return settings.container == Container::kWebm; }
 
   ~State() {
     sws_freeContext(converter);
@@ -99,6 +103,11 @@ struct VideoEncoder::State {
     // Encoders without these options do without them.
     av_opt_set(codec->priv_data, "preset", settings.preset.c_str(), 0);
     av_opt_set_int(codec->priv_data, "crf", settings.rate_factor, 0);
+    if (is_webm()) {
+      av_opt_set(codec->priv_data, "deadline", "good", 0);
+      av_opt_set_int(codec->priv_data, "cpu-used", 5, 0);  // as fast as keeps text crisp
+      av_opt_set_int(codec->priv_data, "row-mt", 1, 0);
+    }
     Check(avcodec_open2(codec, encoder, nullptr), "open the encoder");
   }
 
@@ -119,12 +128,13 @@ struct VideoEncoder::State {
 
   void OpenContainer() {
     const std::string path = file.temporary_path().string();
-    // The temporary name does not end in .mp4, so the container is said.
-    Check(avformat_alloc_output_context2(&container, nullptr, "mp4", path.c_str()), "write MP4");
+    // The temporary name does not end in .mp4 or .webm, so the container is said.
+    const char* name = is_webm() ? "webm" : "mp4";
+    Check(avformat_alloc_output_context2(&container, nullptr, name, path.c_str()), "write a video");
     stream = avformat_new_stream(container, nullptr);
     stream->time_base = codec->time_base;
     stream->avg_frame_rate = codec->framerate;
-    Check(avcodec_parameters_from_context(stream->codecpar, codec), "write MP4");
+    Check(avcodec_parameters_from_context(stream->codecpar, codec), "write a video");
     Check(avio_open(&container->pb, path.c_str(), AVIO_FLAG_WRITE), "write");
     av_opt_set(container->priv_data, "movflags", "+faststart", 0);
     container->flags |= AVFMT_FLAG_BITEXACT;  // no library versions, no times in the file
@@ -149,6 +159,10 @@ struct VideoEncoder::State {
   /// The writer remembers its first failure, a full disk for example.
   void CheckWritten() const { Check(container->pb->error, "write"); }
 };
+
+Container ContainerOf(const std::filesystem::path& file) {
+  return file.extension() == ".webm" ? Container::kWebm : Container::kMp4;
+}
 
 VideoEncoder::VideoEncoder(const AtomicFile& file, const VideoFormat& format) {
   av_log_set_level(AV_LOG_QUIET);

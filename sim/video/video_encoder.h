@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -8,18 +9,23 @@
 
 namespace gauntlet::sim {
 
+enum class Container { kMp4, kWebm };
+/// By the ending of the file's name: .webm, or anything else.
+Container ContainerOf(const std::filesystem::path& file);
+
 struct VideoFormat {
   int width_px = 1280;  // even: two neighbours share their colour
   int height_px = 720;  // even
   int frames_per_s = 30;
-  std::string encoder = "libx264";  // as libav calls it
+  Container container = Container::kMp4;
+  std::string encoder{};  // as libav calls it; empty: libx264 in MP4, libvpx-vp9 in WebM
   std::string preset = "veryfast";
-  /// x264's constant rate factor: 0 is lossless, 51 the worst; 20 keeps thin curves and text crisp.
+  /// The encoder's constant rate factor: the lower, the better; 20 keeps thin curves and text crisp.
   int rate_factor = 20;
 };
 
-/// An MP4 file with H.264, yuv420p in BT.709, index in front: plays while it loads, in every
-/// browser.
+/// An MP4 file with H.264, or a WebM file with VP9; yuv420p in BT.709; the index of MP4 in front:
+/// plays while it loads, in every browser.
 ///
 /// Frame by frame, so memory does not grow with the length; frame k is shown at exactly
 /// k / frames_per_s. After Finish() the file is whole, and can be committed by its owner.

@@ -23,8 +23,9 @@ constexpr double kScoreGap = 16.0;
 constexpr double kAngleLabelWidth = 28.0;
 constexpr double kTimeLabelHeight = 18.0;
 constexpr double kPlotCaptionHeight = 22.0;
-constexpr double kPlotShare = 0.42;  // of what hand and curves have together
-constexpr double kMaxPlotHeight = 190.0;
+constexpr double kPlotShare = 0.46;  // of what hand and curves have together
+constexpr double kMaxPlotHeight = 236.0;
+constexpr double kAngleShare = 0.3;  // of both plots, without their labels
 constexpr double kViewShare = 0.45;  // of a pane's width, where the hand stands beside
 
 Rect Rounded(const Rect& rect) {
@@ -32,10 +33,15 @@ Rect Rounded(const Rect& rect) {
   return {x, y, std::round(rect.right()) - x, std::round(rect.bottom()) - y};
 }
 
-/// The plot's area between two heights; its caption is above, its labels are left and below.
-Rect PlotArea(double left, double right, double top, double bottom, double unit) {
-  const double x = left + kAngleLabelWidth * unit, y = top + kPlotCaptionHeight * unit;
-  return Rounded({x, y, right - x, bottom - kTimeLabelHeight * unit - y});
+/// The plots' areas between two heights: captions above each, labels on the left and below.
+void PlacePlots(double left, double right, double top, double bottom, bool both, double unit,
+                PaneLayout& pane) {
+  const double x = left + kAngleLabelWidth * unit, caption = kPlotCaptionHeight * unit;
+  const double height = bottom - kTimeLabelHeight * unit - top - (both ? 2.0 : 1.0) * caption;
+  const double angle = both ? kAngleShare * height : 0.0;
+  pane.angle = Rounded({x, top + caption, right - x, angle});
+  const double below = both ? pane.angle.bottom() + caption : top + caption;
+  pane.error = Rounded({x, below, right - x, height - angle});
 }
 
 Rect TitleOf(const Rect& card, double unit) {
@@ -43,7 +49,7 @@ Rect TitleOf(const Rect& card, double unit) {
   return Rounded({card.x + padding, card.y, card.width - 2.0 * padding, kTitleHeight * unit});
 }
 
-/// From the top: title, hand, the two numbers side by side, curves.
+/// From the top: title, hand, the two numbers side by side, angle, error.
 PaneLayout LayOutTallPane(const Rect& card, double unit) {
   const double padding = kPadding * unit, gap = kScoreGap * unit;
   const double left = card.x + padding, right = card.right() - padding;
@@ -54,11 +60,11 @@ PaneLayout LayOutTallPane(const Rect& card, double unit) {
   const double width = (right - left - gap) / 2.0, height = kScoreHeight * unit;
   pane.tracking = Rounded({left, pane.view.bottom(), width, height});
   pane.jitter = Rounded({right - width, pane.view.bottom(), width, height});
-  pane.curves = PlotArea(left, right, pane.jitter.bottom(), card.bottom() - padding, unit);
+  PlacePlots(left, right, pane.jitter.bottom(), card.bottom() - padding, true, unit, pane);
   return pane;
 }
 
-/// Below the title the hand on the left; on the right the two numbers and the curves.
+/// Below the title the hand on the left; on the right the two numbers and the error.
 PaneLayout LayOutLowPane(const Rect& card, double unit) {
   const double padding = kPadding * unit;
   PaneLayout pane = {.card = card, .title = TitleOf(card, unit)};
@@ -68,8 +74,8 @@ PaneLayout LayOutLowPane(const Rect& card, double unit) {
   const double height = kScoreHeight * unit;
   pane.tracking = Rounded({left, pane.title.bottom(), right - left, height});
   pane.jitter = Rounded({left, pane.tracking.bottom(), right - left, height});
-  pane.curves = PlotArea(left - 0.5 * padding, right, pane.jitter.bottom(),
-                         card.bottom() - 0.5 * padding, unit);
+  PlacePlots(left - 0.5 * padding, right, pane.jitter.bottom(), card.bottom() - 0.5 * padding,
+             false, unit, pane);
   return pane;
 }
 

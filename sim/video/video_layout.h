@@ -18,7 +18,9 @@ struct PaneLayout {
   Rect view{};      // the hand
   Rect tracking{};  // the running numbers
   Rect jitter{};
-  Rect curves{};  // the plot's area, without its labels
+  // The plots' areas, without their labels.
+  Rect angle{};  // no height where only the error has room
+  Rect error{};
 };
 
 struct VideoLayout {

@@ -222,6 +222,35 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
   EXPECT_EQ(Gauntlet({"render", "a", "--controllers", "raw,raw"}).exit_code, 2);
   EXPECT_EQ(Gauntlet({"render", "a", "--out", "video.avi"}).exit_code, 2);
   EXPECT_FALSE(fs::exists(Out("video.avi")));
+
+  ASSERT_EQ(Gauntlet({"render", "a", "--frame", "1", "--camera", "arm", "--channel", "middle_pip",
+                      "--size", "800x450", "--controllers", "raw"})
+                .exit_code,
+            0);
+  EXPECT_TRUE(fs::exists(Out("a") / "comparison.png"));
+  ASSERT_EQ(Gauntlet({"render", "a", "--from", "0.5", "--to", "0.7", "--speed", "0.5", "--quality",
+                      "small", "--fps", "25", "--controllers", "raw", "--out", "b.webm"})
+                .exit_code,
+            0);
+  EXPECT_TRUE(fs::exists(Out("b.webm")));
+  const auto refusal = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", "a"});
+    const ProgramResult refused = Gauntlet(options);
+    EXPECT_EQ(refused.exit_code, 2);
+    return refused.standard_error;
+  };
+  EXPECT_THAT(refusal({"--camera", "amr"}), HasSubstr("--camera amr: amr is not a camera"));
+  EXPECT_THAT(refusal({"--channel", "x"}), HasSubstr("--channel x: x is not"));
+  EXPECT_THAT(refusal({"--size", "100x450"}), HasSubstr("--size 100x450: is 100, must be from"));
+  EXPECT_THAT(refusal({"--size", "800"}), HasSubstr("as 1280x720"));
+  EXPECT_THAT(refusal({"--size", "801x450"}), HasSubstr("even"));
+  EXPECT_THAT(refusal({"--fps", "0"}), HasSubstr("--fps 0: is 0, must be from 1 to 120"));
+  EXPECT_THAT(refusal({"--speed", "0"}), HasSubstr("must be from 0.01 to 100"));
+  EXPECT_THAT(refusal({"--from", "2", "--to", "1"}), HasSubstr("--from must come before --to"));
+  EXPECT_THAT(refusal({"--from", "99"}), HasSubstr("nothing to show from"));
+  EXPECT_THAT(refusal({"--frame", "99"}), HasSubstr("--frame 99: must be from 0 to"));
+  EXPECT_THAT(refusal({"--quality", "x"}), HasSubstr("small, good and best"));
+  EXPECT_THAT(refusal({"--frame", "1", "--out", "x.mp4"}), HasSubstr("must end in .png"));
   EXPECT_EQ(Gauntlet({"render", "nowhere"}).exit_code, 2);
 }
 

@@ -4,18 +4,16 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
-#include <numbers>
 
-#include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/video/comparison_picture.h"
 #include "sim/video/hand_picture.h"
+#include "tests/video/small_comparison.h"
 #include "tests/video/test_files.h"
 #include "tests/video/video_reader.h"
 
@@ -25,47 +23,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-const std::vector<std::string> kChannels = GloveChannelNames();
-
-const HandModel& TheHand() {
-  static const HandModel hand{HandConfig{}};
-  return hand;
-}
-
-/// Half a second of fingers that bend, once exactly and once by half, as a video of two panes.
-class SmallComparison {
- public:
-  SmallComparison() {
-    const auto channels = static_cast<Eigen::Index>(kChannels.size());
-    true_angle_rad_ = Signal::Zero(kSamples, channels);
-    for (int i = 0; i < kSamples; ++i) {
-      const double bent = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * i / kSamples);
-      for (int channel : {4, 6, 8, 10}) true_angle_rad_(i, channel) = bent;
-    }
-    half_ = 0.5 * true_angle_rad_;
-    spool_ = Signal::Zero(kSamples, channels);
-    input.title = "A test";
-    input.true_angle_rad = &true_angle_rad_;
-    input.raw_angle_rad = &true_angle_rad_;
-    input.joint = 4;
-    input.joint_name = "index_mcp";
-    input.camera = "hand";
-    input.width_px = 480;
-    input.height_px = 270;
-    input.panes = {{"all", &true_angle_rad_, &spool_, &true_angle_rad_},
-                   {"half", &half_, &spool_, &half_}};
-  }
-
-  SmallComparison(const SmallComparison&) = delete;  // the input points into it
-  SmallComparison& operator=(const SmallComparison&) = delete;
-
-  static constexpr int kSamples = 500;
-  VideoInput input;
-
- private:
-  Signal true_angle_rad_, half_, spool_;
-};
 
 std::string Bytes(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -202,6 +159,60 @@ TEST(ComparisonVideo, AStoppedTrialStandsStillToTheEnd) {
   const ComparisonPicture picture(comparison.input);
   EXPECT_EQ(picture.SampleOf(0, 14), 466);
   EXPECT_EQ(picture.SampleOf(1, 14), 99);
+}
+
+TEST(ComparisonVideo, QuestionAndVerdictStandBeforeAndAfterTheMotion) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  comparison.input.question = "Which one follows?";
+  comparison.input.verdict = {
+      .columns = {"error"},
+      .rows = {{.controller = "all", .cells = {{.value = "0", .detail = ""}}}},
+      .remark = "One run."};
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
+  EXPECT_EQ(ReadVideo(folder.path() / "a.mp4").frames, 45 + 15 + 75);
+}
+
+TEST(ComparisonVideo, AnExcerptInSlowMotionHasItsFrames) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  comparison.input.excerpt = {.from_s = 0.1, .to_s = 0.3, .speed = 0.5};
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.webm");
+  const VideoContent content = ReadVideo(folder.path() / "a.webm");
+  EXPECT_EQ(content.codec, "vp9");
+  EXPECT_EQ(content.frames, 12);  // 0.2 s, twice as long, at 30 a second
+  comparison.input.excerpt = {.from_s = 0.5};
+  EXPECT_THAT(MessageOf([&] {
+                WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "b.mp4");
+              }),
+              StartsWith("UserError: video: nothing to show from 0.5 s on"));
+}
+
+/// How many pixels of a part of a picture are of the wearer's colour, strong or pale.
+int WearersPixels(const Image& image, int left, int right) {
+  int count = 0;
+  for (int y = 0; y < image.height_px; ++y) {
+    for (int x = left; x < right; ++x) {
+      const std::uint32_t pixel = image.Row(y)[x];
+      const int red = pixel >> 16 & 255, green = pixel >> 8 & 255, blue = pixel & 255;
+      count += red > green + 40 && blue > green + 20 && red > blue + 20;
+    }
+  }
+  return count;
+}
+
+TEST(ComparisonVideo, OnlyAHandThatDoesNotFollowHasTheWearersBehindIt) {
+  const TemporaryFolder folder;
+  const SmallComparison comparison;
+  WriteComparisonPng(comparison.input, TheHand(), 0.25, folder.path() / "a.png");
+  const Image frame = ReadPng(folder.path() / "a.png");
+  ASSERT_EQ(frame.width_px, 480);
+  EXPECT_GT(WearersPixels(frame, 240, 480), 4 * WearersPixels(frame, 0, 240));
+  EXPECT_THAT(MessageOf([&] {
+                WriteComparisonPng(comparison.input, TheHand(), 0.6, folder.path() / "b.png");
+              }),
+              StartsWith("UserError: --frame 0.6: must be from 0 to 0.4"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "b.png"));
 }
 
 TEST(HandPicture, ShowsThePostureOnTheBackgroundAskedFor) {

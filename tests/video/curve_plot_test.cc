@@ -16,14 +16,15 @@ constexpr AngleScale kScale = {.low_deg = 0.0, .high_deg = 100.0, .tick_deg = 10
 // 240 px at 30 frames/s: 2 px a frame, 60 px a second, so 4 s fill it. 1 deg is 1 px.
 constexpr Rect kArea = {10.0, 10.0, 240.0, 100.0};
 
-Image DrawCurve(const std::vector<double>& angle_deg, int frame, double rate_hz = 1000.0) {
+Image DrawCurve(const std::vector<double>& angle_deg, int frame, double rate_hz = 1000.0,
+                const Excerpt& excerpt = {}) {
   std::vector<double> angle_rad;
   for (double angle : angle_deg) angle_rad.push_back(kRadPerDeg * angle);
   Image image(260, 140);
   image.pixels.assign(image.pixels.size(), kWhite);
   Painter painter(image);
-  const FrameClock clock(rate_hz, 30, static_cast<std::int64_t>(angle_deg.size()));
-  const CurvePlot plot(kArea, 1.0, kScale, rate_hz, clock);
+  const FrameClock clock(rate_hz, 30, static_cast<std::int64_t>(angle_deg.size()), excerpt);
+  const CurvePlot plot(kArea, 1.0, kScale, clock);
   const Curve curves[] = {{angle_rad, kBlack, 1.0, false}};
   plot.Draw(painter, frame, curves);
   return image;
@@ -50,6 +51,16 @@ TEST(CurvePlot, DrawsAnglesAtTheirTimes) {
     EXPECT_NEAR(AngleAt(image, 10 + px), 20.0 + 20.0 * px / 60.0, 1.0) << px;
   }
   EXPECT_TRUE(std::isnan(AngleAt(image, 10 + 124))) << "the future is not drawn";
+}
+
+// 2 px a frame as ever, so a quarter of the speed is four times as wide.
+TEST(CurvePlot, SlowMotionBeginsAtItsOwnTime) {
+  std::vector<double> ramp;
+  for (int i = 0; i < 3000; ++i) ramp.push_back(30.0 * i / 1000.0);  // 30 deg/s
+  const Image image = DrawCurve(ramp, 100, 1000.0, {.from_s = 1.0, .to_s = 2.0, .speed = 0.25});
+  for (int px : {6, 60, 120, 190}) {
+    EXPECT_NEAR(AngleAt(image, 10 + px), 30.0 + 30.0 * px / 240.0, 1.0) << px;
+  }
 }
 
 TEST(CurvePlot, ScrollsWhenTheWindowIsFull) {

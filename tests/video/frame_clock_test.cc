@@ -27,6 +27,22 @@ TEST(FrameClock, CountsExactlyTheFramesThatHaveASample) {
   }
 }
 
+TEST(FrameClock, AnExcerptAtItsSpeed) {
+  const FrameClock slow(1000.0, 30, 10'000, {.from_s = 2.0, .to_s = 3.0, .speed = 0.25});
+  EXPECT_EQ(slow.FrameCount(), 120);  // 1 s, four times as long
+  EXPECT_EQ(slow.Sample(0), 2000);
+  EXPECT_EQ(slow.Sample(60), 2500);
+  EXPECT_DOUBLE_EQ(slow.Time_s(60), 2.5);
+  EXPECT_LT(slow.Sample(119), 3000);
+  const FrameClock fast(1000.0, 30, 10'000, {.speed = 4.0});
+  EXPECT_EQ(fast.FrameCount(), 75);
+  EXPECT_EQ(FrameClock(33.3, 30, 333, {.to_s = 99.0}).end, 333);
+  EXPECT_EQ(FrameClock(1000.0, 30, 10'000, {.from_s = 10.0}).FrameCount(), 0);
+  const FrameClock hour(1000.0, 120, 3'600'000, {.speed = 0.01});
+  EXPECT_EQ(hour.FrameCount(), 43'200'000);
+  EXPECT_EQ(hour.Sample(43'199'988), 3'599'999);
+}
+
 TEST(FrameClock, TenSecondsAreThreeHundredFrames) {
   EXPECT_EQ(FrameClock(1000.0, 30, 10'000).FrameCount(), 300);
 }

@@ -61,6 +61,23 @@ std::string Bytes(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+TEST(VideoEncoder, WritesWebM) {
+  const TemporaryFolder folder;
+  VideoFormat format = SmallFormat();
+  format.container = ContainerOf("a.webm");
+  Encode(folder.path() / "a.webm", format, [&](VideoEncoder& encoder) {
+    for (std::uint32_t i = 0; i < 20; ++i) encoder.Add(Halves(format, 40, 200));
+  });
+  const VideoContent content = ReadVideo(folder.path() / "a.webm");
+  EXPECT_EQ(content.codec, "vp9");
+  EXPECT_EQ(content.pixel_format, "yuv420p");
+  EXPECT_EQ(content.frames, 20);
+  for (const auto& [left, right] : content.brightness) {
+    EXPECT_NEAR(left, 16.0 + 219.0 * 40.0 / 255.0, 2.0);
+    EXPECT_NEAR(right, 16.0 + 219.0 * 200.0 / 255.0, 2.0);
+  }
+}
+
 TEST(VideoEncoder, WritesWhatAPlayerExpects) {
   const TemporaryFolder folder;
   VideoFormat format = SmallFormat();

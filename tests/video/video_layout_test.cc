@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <tuple>
+#include <vector>
 
 #include "sim/base/error.h"
 
@@ -32,7 +33,9 @@ TEST_P(EveryVideoLayout, PartsAreLargeEnoughAndDoNotOverlap) {
     EXPECT_TRUE(Inside(pane.card, frame));
     EXPECT_TRUE(Apart(pane.card, layout.header));
     EXPECT_TRUE(Apart(pane.card, layout.progress));
-    const Rect parts[] = {pane.title, pane.view, pane.tracking, pane.jitter, pane.curves};
+    std::vector<Rect> parts = {pane.title, pane.view, pane.tracking, pane.jitter, pane.error};
+    if (pane.angle.height > 0.0) parts.push_back(pane.angle);
+    EXPECT_EQ(pane.angle.height > 0.0, pane_count <= 4);
     for (const Rect& part : parts) {
       EXPECT_TRUE(Inside(part, pane.card));
       EXPECT_EQ(part.x, std::round(part.x));

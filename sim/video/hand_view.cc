@@ -1,0 +1,247 @@
+#include "sim/video/hand_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/base/error.h"
+#include "sim/hand/posture.h"
+#include "sim/score/jitter.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr int kPosturesLookedAt = 25;  // evenly over the motion, of each hand
+constexpr double kMoves_m = 0.003;     // less is not seen
+constexpr double kMovesShare = 0.15;   // of what moves most: less is not what the picture is about
+constexpr double kFingertipRate_hz = 250.0;  // a trembling of 10 Hz is a wave of 25 points
+
+std::vector<double> Row(const Signal& signal, int sample) {
+  std::vector<double> values(signal.cols());
+  for (Eigen::Index i = 0; i < signal.cols(); ++i) values[i] = signal(sample, i);
+  return values;
+}
+
+std::span<const mjtNum, 3> PositionOf(const mjData& data, int geom) {
+  return std::span<const mjtNum, 3>(data.geom_xpos + 3 * geom, 3);
+}
+
+/// The end of the longest chain of bodies that hangs on one.
+int EndOfChain(const mjModel& model, int body) {
+  std::vector<int> depth(model.nbody, -1);
+  depth[body] = 0;
+  int end = body;
+  for (int i = body + 1; i < model.nbody; ++i) {  // parents come first
+    if (depth[model.body_parentid[i]] < 0) continue;
+    depth[i] = depth[model.body_parentid[i]] + 1;
+    if (depth[i] > depth[end]) end = i;
+  }
+  return end;
+}
+
+/// Of the shapes of a body the one that is furthest out; -1 if it has none.
+int OutermostGeom(const mjModel& model, int body) {
+  int outermost = -1;
+  double furthest_m = -1.0;
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    if (model.geom_bodyid[geom] != body) continue;
+    const double away_m = mju_norm3(model.geom_pos + 3 * geom);
+    if (away_m > furthest_m) furthest_m = away_m, outermost = geom;
+  }
+  return outermost;
+}
+
+/// Widens `window` to a shape: a round one by its axis and radius, another by its bounding sphere.
+void Include(const mjModel& model, const mjData& data, int camera, int geom, CameraWindow& window) {
+  const bool round =
+      model.geom_type[geom] == mjGEOM_CAPSULE || model.geom_type[geom] == mjGEOM_CYLINDER;
+  const double radius_m = round ? model.geom_size[3 * geom] : model.geom_rbound[geom];
+  const double half_length_m = round ? model.geom_size[3 * geom + 1] : 0.0;
+  for (const double along_m : {-half_length_m, half_length_m}) {
+    mjtNum end_m[3];
+    for (int i = 0; i < 3; ++i) {
+      end_m[i] = data.geom_xpos[3 * geom + i] + along_m * data.geom_xmat[9 * geom + 3 * i + 2];
+    }
+    const auto seen = SeenFrom(data, camera, end_m);
+    if (!seen) continue;
+    const double radius = radius_m / seen->depth_m;
+    window.Include({seen->tangents.x - radius, seen->tangents.y - radius});
+    window.Include({seen->tangents.x + radius, seen->tangents.y + radius});
+  }
+}
+
+/// Calls `visit` with each posture that the camera's window has to show set in `data`.
+template <class Visit>
+void ForPosturesOfAll(const VideoInput& input, const HandModel& hand, mjData& data, Visit&& visit) {
+  for (int i = 0; i < kPosturesLookedAt; ++i) {
+    const auto sample_of = [&](const Signal& signal) {
+      return static_cast<int>((signal.rows() - 1) * i / (kPosturesLookedAt - 1));
+    };
+    SetWearer(input, hand, sample_of(*input.true_angle_rad), data);
+    visit();
+    for (const VideoPane& pane : input.panes) {
+      SetPane(pane, hand, sample_of(*pane.hand_angle_rad), data);
+      visit();
+    }
+  }
+}
+
+/// Which bodies of the hand hang on the one that carries a camera: on the world, all.
+std::vector<bool> BodiesBefore(const HandModel& hand, int camera) {
+  const mjModel& model = hand.model();
+  const int root = model.body_rootid[model.jnt_bodyid[hand.joints().front().joint]];
+  const int carrier = model.cam_bodyid[camera];
+  std::vector<bool> before(model.nbody, false);
+  for (int i = 1; i < model.nbody; ++i) {  // parents come first
+    const int parent = model.body_parentid[i];
+    before[i] = model.body_rootid[i] == root && (parent == carrier || before[parent]);
+  }
+  return before;
+}
+
+/// Shapes whose middle moves in the picture, and those of the palm that fingers hang on. None if
+/// nothing moves.
+std::vector<int> ShapesThatMatter(const VideoInput& input, const HandModel& hand, int camera,
+                                  const std::vector<bool>& bodies, mjData& data) {
+  const mjModel& model = hand.model();
+  std::vector<CameraWindow> reach;  // of each shape's middle
+  std::vector<double> depth_m(model.ngeom, 0.0);
+  ForPosturesOfAll(input, hand, data, [&] {
+    const bool first = reach.empty();
+    reach.resize(model.ngeom);
+    for (int geom = 0; geom < model.ngeom; ++geom) {
+      const auto seen = SeenFrom(data, camera, PositionOf(data, geom));
+      if (!seen) continue;
+      const auto [x, y] = seen->tangents;
+      if (first) reach[geom] = {x, x, y, y};
+      reach[geom].Include(seen->tangents);
+      depth_m[geom] = seen->depth_m;
+    }
+  });
+  std::vector<double> moved_m(model.ngeom, 0.0);
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    if (!bodies[model.geom_bodyid[geom]]) continue;
+    moved_m[geom] = depth_m[geom] * std::max(reach[geom].width(), reach[geom].height());
+  }
+  const double most_m = std::ranges::max(moved_m);
+  if (most_m < kMoves_m) return {};
+  const int palm = mj_name2id(&model, mjOBJ_BODY, "palm");
+  std::vector<int> shapes;
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    const bool of_palm = model.geom_bodyid[geom] == palm && bodies[palm];
+    if (of_palm || moved_m[geom] >= kMovesShare * most_m) shapes.push_back(geom);
+  }
+  return shapes;
+}
+
+/// Pixels of the tip of the finger of `joint`, for some samples of joint angles.
+class FingertipTracker {
+ public:
+  FingertipTracker(const HandModel& hand, int joint, int camera, const CameraWindow& window,
+                   int width_px, int height_px, mjData& data)
+      : hand_(hand),
+        geom_(OutermostGeom(
+            hand.model(),
+            EndOfChain(hand.model(), hand.model().jnt_bodyid[hand.joints()[joint].joint]))),
+        camera_(camera),
+        window_(window),
+        width_px_(width_px),
+        height_px_(height_px),
+        spools_(hand.motor_names().size()),
+        data_(data) {}
+
+  bool exists() const { return geom_ >= 0; }
+
+  Point At(const std::vector<double>& joint_angle_rad) {
+    SetPosture(hand_, joint_angle_rad, spools_, data_);
+    const auto seen = SeenFrom(data_, camera_, PositionOf(data_, geom_));
+    constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+    if (!seen) return {kNothing, kNothing};
+    return PixelOf(window_, seen->tangents, width_px_, height_px_);
+  }
+
+ private:
+  const HandModel& hand_;
+  int geom_;
+  int camera_;
+  const CameraWindow& window_;
+  int width_px_;
+  int height_px_;
+  std::vector<double> spools_;
+  mjData& data_;
+};
+
+/// `trembling` may have no rows.
+FingertipWay WayOfFingertip(FingertipTracker& tip, const Signal& angle_rad,
+                            const FilteredSignal& trembling, double gain, double rate_hz) {
+  const int step = std::max(1, static_cast<int>(std::round(rate_hz / kFingertipRate_hz)));
+  FingertipWay way = {.rate_hz = rate_hz / step, .points = {}};
+  for (int sample = 0; sample < angle_rad.rows(); sample += step) {
+    std::vector<double> angles = Row(angle_rad, sample);
+    const Eigen::Index row = sample - trembling.first_sample;
+    if (row >= 0 && row < trembling.values.rows()) {
+      for (std::size_t i = 0; i < angles.size(); ++i) {
+        angles[i] += (gain - 1.0) * trembling.values(row, static_cast<Eigen::Index>(i));
+      }
+    }
+    way.points.push_back(tip.At(angles));
+    TrimSignals();
+  }
+  return way;
+}
+
+}  // namespace
+
+DataOfModel MakeData(const HandModel& hand) {
+  DataOfModel data(mj_makeData(&hand.model()));
+  if (data == nullptr) throw RunError("video: not enough memory for a posture");
+  return data;
+}
+
+void SetWearer(const VideoInput& input, const HandModel& hand, int sample, mjData& data) {
+  SetPosture(hand, Row(*input.true_angle_rad, sample),
+             std::vector<double>(hand.motor_names().size()), data);
+}
+
+void SetPane(const VideoPane& pane, const HandModel& hand, int sample, mjData& data) {
+  if (pane.object_pose != nullptr && pane.object_pose->cols() == 7) {
+    SetObjectPose(hand, Row(*pane.object_pose, sample), data);
+  }
+  SetPosture(hand, Row(*pane.hand_angle_rad, sample), Row(*pane.spool_angle_rad, sample), data);
+}
+
+HandView::HandView(const VideoInput& input, const HandModel& hand, int width_px, int height_px)
+    : width_px_(width_px),
+      height_px_(height_px),
+      camera_(FindCamera(hand.model(), input.camera, width_px < height_px)) {
+  fingertips_.resize(input.panes.size());
+  const DataOfModel data = MakeData(hand);
+  if (!camera_) return;
+  bodies_ = BodiesBefore(hand, *camera_);
+  window_ = FrameWhatMoves(input, hand, *data);
+  if (!window_) return;
+  FingertipTracker tip(hand, input.joint, *camera_, *window_, width_px, height_px, *data);
+  if (!tip.exists()) return;
+  wearers_fingertip_ = WayOfFingertip(tip, *input.true_angle_rad, {}, 1.0, input.rate_hz);
+  Fourier fourier;
+  for (std::size_t i = 0; i < input.panes.size(); ++i) {
+    const Signal& angle_rad = *input.panes[i].hand_angle_rad;
+    const FilteredSignal trembling =
+        Trembling(angle_rad, input.rate_hz, input.jitter_above_hz, fourier);
+    fingertips_[i] = WayOfFingertip(tip, angle_rad, trembling, kTremblingGain, input.rate_hz);
+  }
+}
+
+std::optional<CameraWindow> HandView::FrameWhatMoves(const VideoInput& input, const HandModel& hand,
+                                                     mjData& data) const {
+  const std::vector<int> shapes = ShapesThatMatter(input, hand, *camera_, bodies_, data);
+  if (shapes.empty()) return std::nullopt;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  CameraWindow shown = {kInfinity, -kInfinity, kInfinity, -kInfinity};
+  ForPosturesOfAll(input, hand, data, [&] {
+    for (const int geom : shapes) Include(hand.model(), data, *camera_, geom, shown);
+  });
+  return WindowAround(shown, width_px_, height_px_);
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,97 @@
+#include "sim/video/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "sim/base/error.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using nlohmann::json;
+
+/// A column: a metric, and how its numbers are written.
+struct Column {
+  const char* title;
+  const char* metric;
+  int decimals;
+  const char* unit;
+};
+
+constexpr Column kColumns[] = {{"tracking error", "tracking_rmse_deg", 2, "°"},
+                               {"delay", "delay_ms", 0, " ms"},
+                               {"jitter", "jitter_rms_deg", 3, "°"}};
+
+bool Holds(const json& names, std::string_view name) {
+  return std::ranges::any_of(names, [&](const json& one) { return one == name; });
+}
+
+/// The difference to the best and half of the interval that decides, as the table shows them.
+std::string DetailOf(const json& difference, bool one_run, bool as_good, const Column& column) {
+  if (one_run) return "";
+  if (!difference.at("mean").is_number()) return "best";
+  const double half =
+      0.5 * (difference.at("high").get<double>() - difference.at("low").get<double>());
+  const std::string size = fmt::format("+{:.{}f} ± {:.{}f}", difference.at("mean").get<double>(),
+                                       column.decimals, half, column.decimals);
+  return as_good ? size + ": equal"
+                 : fmt::format("{}: {}", size, difference.at("verdict").get<std::string>());
+}
+
+VerdictCell CellOf(const json& controller, const Column& column, bool one_run) {
+  const json& mean = controller.at("summary").at(column.metric).at("mean");
+  if (!mean.is_number()) return {.value = "–", .detail = {}};
+  const bool as_good = Holds(controller.at("as_good_as_best"), column.metric);
+  const bool worse = Holds(controller.at("worse_than_baseline"), column.metric);
+  return {.value = fmt::format("{:.{}f}{}", mean.get<double>(), column.decimals, column.unit),
+          .detail = DetailOf(controller.at("difference_to_best").at(column.metric), one_run,
+                             as_good, column),
+          .tone = worse     ? VerdictCell::Tone::kWorseThanBaseline
+                  : as_good ? VerdictCell::Tone::kAsGoodAsBest
+                            : VerdictCell::Tone::kPlain};
+}
+
+std::string RemarkOf(const json& scores, bool one_run) {
+  if (one_run) return "One run: nothing is said about chance.";
+  const std::string baseline =
+      scores.at("baseline").is_string()
+          ? "  Red: worse than " + scores.at("baseline").get<std::string>() + "."
+          : "";
+  return fmt::format(
+      "Mean over {} seeds.  Green: best, or equal within what matters.{}  Differences to the best, "
+      "± "
+      "half of the interval that decides.",
+      scores.at("seeds").size(), baseline);
+}
+
+}  // namespace
+
+Verdict ReadVerdict(const std::filesystem::path& file,
+                    const std::vector<std::string>& controllers) {
+  try {
+    std::ifstream stream(file);
+    const json scores = json::parse(stream);
+    const bool one_run = !scores.contains("seeds") || scores.at("seeds").size() < 2;
+    Verdict verdict = {.columns = {}, .rows = {}, .remark = RemarkOf(scores, one_run)};
+    for (const Column& column : kColumns) verdict.columns.emplace_back(column.title);
+    for (const std::string& name : controllers) {
+      const json& all = scores.at("controllers");
+      const auto found =
+          std::ranges::find_if(all, [&](const json& one) { return one.at("name") == name; });
+      if (found == all.end())
+        throw UserError({.place = file.string(), .problem = "has no controller " + name});
+      VerdictRow row = {.controller = name, .cells = {}};
+      for (const Column& column : kColumns) row.cells.push_back(CellOf(*found, column, one_run));
+      verdict.rows.push_back(std::move(row));
+    }
+    return verdict;
+  } catch (const json::exception&) {
+    throw UserError({.place = file.string(), .problem = "is no scores.json of Gauntlet"});
+  }
+}
+
+}  // namespace gauntlet::sim

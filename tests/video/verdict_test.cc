@@ -1,0 +1,110 @@
+#include "sim/video/verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "sim/base/error.h"
+#include "sim/video/card.h"
+#include "tests/video/test_files.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kScores = R"({
+  "seeds": [1, 2, 3], "baseline": "raw",
+  "controllers": [
+    {"name": "raw",
+     "summary": {"tracking_rmse_deg": {"mean": 6.444}, "delay_ms": {"mean": 104.2},
+                 "jitter_rms_deg": {"mean": 0.2781}},
+     "difference_to_best": {"tracking_rmse_deg": {"mean": 0.012, "low": -0.008, "high": 0.032,
+                                                  "verdict": "equal"},
+                            "delay_ms": {"mean": null},
+                            "jitter_rms_deg": {"mean": 0.1776, "low": 0.1636, "high": 0.1916,
+                                               "verdict": "worse"}},
+     "as_good_as_best": ["tracking_rmse_deg", "delay_ms"], "worse_than_baseline": []},
+    {"name": "slow",
+     "summary": {"tracking_rmse_deg": {"mean": null}, "delay_ms": {"mean": 117.0},
+                 "jitter_rms_deg": {"mean": 0.1005}},
+     "difference_to_best": {"tracking_rmse_deg": {"mean": null},
+                            "delay_ms": {"mean": 12.8, "low": 9.0, "high": 16.6, "verdict": "worse"},
+                            "jitter_rms_deg": {"mean": null}},
+     "as_good_as_best": ["jitter_rms_deg"], "worse_than_baseline": ["delay_ms"]}]})";
+
+class VerdictTest : public testing::Test {
+ protected:
+  std::filesystem::path Write(const std::string& text) const {
+    std::ofstream(folder_.path() / "scores.json") << text;
+    return folder_.path() / "scores.json";
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(VerdictTest, SaysWhatTheTableSays) {
+  const Verdict verdict = ReadVerdict(Write(kScores), {"slow", "raw"});
+  ASSERT_EQ(verdict.rows.size(), 2u);
+  const VerdictRow &slow = verdict.rows[0], &raw = verdict.rows[1];
+  EXPECT_EQ(slow.controller, "slow");
+  EXPECT_EQ(raw.cells[0].value, "6.44°");
+  EXPECT_EQ(raw.cells[0].detail, "+0.01 ± 0.02: equal");
+  EXPECT_EQ(raw.cells[0].tone, VerdictCell::Tone::kAsGoodAsBest);
+  EXPECT_EQ(raw.cells[1].value, "104 ms");
+  EXPECT_EQ(raw.cells[1].detail, "best");
+  EXPECT_EQ(raw.cells[2].value, "0.278°");
+  EXPECT_EQ(raw.cells[2].detail, "+0.178 ± 0.014: worse");
+  EXPECT_EQ(raw.cells[2].tone, VerdictCell::Tone::kPlain);
+  EXPECT_EQ(slow.cells[0].value, "–");
+  EXPECT_EQ(slow.cells[1].tone, VerdictCell::Tone::kWorseThanBaseline);
+  EXPECT_THAT(verdict.remark, HasSubstr("3 seeds"));
+  EXPECT_THAT(verdict.remark, HasSubstr("worse than raw"));
+}
+
+TEST_F(VerdictTest, OneRunSaysNothingAboutChance) {
+  std::string scores = kScores;
+  scores.replace(scores.find("[1, 2, 3]"), 9, "[1]");
+  const Verdict verdict = ReadVerdict(Write(scores), {"raw"});
+  EXPECT_EQ(verdict.rows[0].cells[2].detail, "");
+  EXPECT_EQ(verdict.remark, "One run: nothing is said about chance.");
+}
+
+TEST_F(VerdictTest, WhatIsNoScoresFileIsTheUsersMistake) {
+  EXPECT_THROW(ReadVerdict(Write("{\"controllers\": 3}"), {"raw"}), UserError);
+  EXPECT_THROW(ReadVerdict(Write("[1"), {"raw"}), UserError);
+  EXPECT_THROW(ReadVerdict(folder_.path() / "none.json", {"raw"}), UserError);
+  EXPECT_THROW(ReadVerdict(Write(kScores), {"rav"}), UserError);
+}
+
+TEST_F(VerdictTest, CardsHoldTheirTextInsideTheFrame) {
+  const Verdict verdict = ReadVerdict(Write(kScores), {"slow", "raw"});
+  for (const auto& [width, height] : {std::pair(1280, 720), std::pair(480, 270)}) {
+    const Rect frame = {0.0, 0.0, double(width), double(height)};
+    const double unit = std::min(width / 1280.0, height / 720.0);
+    for (const bool title : {true, false}) {
+      Image image(width, height);
+      {
+        Painter painter(image);
+        if (title) {
+          DrawTitleCard(painter, frame, unit, "a_scenario", std::string(60, 'w') + " or not?");
+        } else {
+          DrawVerdictCard(painter, frame, unit, "a_scenario", verdict);
+        }
+      }
+      int dark = 0;
+      for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+          if ((image.Row(y)[x] >> 8 & 255) > 120) continue;
+          ++dark;
+          ASSERT_GT(x, 20 * unit);
+          ASSERT_LT(x, width - 20 * unit);
+        }
+      }
+      EXPECT_GT(dark, 100 * unit) << width << " " << title;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
