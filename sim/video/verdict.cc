@@ -31,28 +31,31 @@ bool Holds(const json& names, std::string_view name) {
 }
 
 /// The difference to the best and half of the interval that decides, as the table shows them.
-std::string DetailOf(const json& difference, bool one_run, bool as_good, const Column& column) {
-  if (one_run) return "";
+std::string DetailOf(const json& difference, bool as_good, const Column& column) {
   if (!difference.at("mean").is_number()) return "best";
   const double half =
       0.5 * (difference.at("high").get<double>() - difference.at("low").get<double>());
-  const std::string size = fmt::format("+{:.{}f} ± {:.{}f}", difference.at("mean").get<double>(),
-                                       column.decimals, half, column.decimals);
-  return as_good ? size + ": equal"
-                 : fmt::format("{}: {}", size, difference.at("verdict").get<std::string>());
+  return fmt::format("+{:.{}f} ± {:.{}f}: {}", difference.at("mean").get<double>(), column.decimals,
+                     half, column.decimals,
+                     as_good ? "equal" : difference.at("verdict").get<std::string>());
 }
 
 VerdictCell CellOf(const json& controller, const Column& column, bool one_run) {
-  const json& mean = controller.at("summary").at(column.metric).at("mean");
+  const json& score = controller.at("summary").at(column.metric);
+  const json& mean = score.is_object() ? score.at("mean") : score;  // a run has the value itself
   if (!mean.is_number()) return {.value = "–", .detail = {}};
+  VerdictCell cell = {
+      .value = fmt::format("{:.{}f}{}", mean.get<double>(), column.decimals, column.unit),
+      .detail = {}};
+  if (one_run) return cell;
   const bool as_good = Holds(controller.at("as_good_as_best"), column.metric);
-  const bool worse = Holds(controller.at("worse_than_baseline"), column.metric);
-  return {.value = fmt::format("{:.{}f}{}", mean.get<double>(), column.decimals, column.unit),
-          .detail = DetailOf(controller.at("difference_to_best").at(column.metric), one_run,
-                             as_good, column),
-          .tone = worse     ? VerdictCell::Tone::kWorseThanBaseline
-                  : as_good ? VerdictCell::Tone::kAsGoodAsBest
-                            : VerdictCell::Tone::kPlain};
+  cell.detail = DetailOf(controller.at("difference_to_best").at(column.metric), as_good, column);
+  if (Holds(controller.at("worse_than_baseline"), column.metric)) {
+    cell.tone = VerdictCell::Tone::kWorseThanBaseline;
+  } else if (as_good) {
+    cell.tone = VerdictCell::Tone::kAsGoodAsBest;
+  }
+  return cell;
 }
 
 std::string RemarkOf(const json& scores, bool one_run) {
