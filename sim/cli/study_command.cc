@@ -202,7 +202,10 @@ void RunStudyCommand(const StudyCommand& asked) {
   OutputFiles files(folder.path());
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, finished, options.csv);
-    WriteFileAtomically(place / "report.html", ReportPage(finished, options.video));
+    WriteFileAtomically(
+        place / "report.html",
+        ReportPage(finished, {.exists = options.video,
+                              .motion_starts_s = MotionStarts_s(finished.study.scenario)}));
   });
   files.Commit();
   folder.Keep();
