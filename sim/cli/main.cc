@@ -5,6 +5,7 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "controller/settings.h"
 #include "sim/base/error.h"
@@ -12,6 +13,7 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/usage_error.h"
 
 namespace {
 
@@ -19,8 +21,7 @@ namespace sim = gauntlet::sim;
 
 constexpr int kRunFailed = 1;
 constexpr int kUserMistake = 2;
-constexpr std::size_t kLongestMistake = 250;  // so that the hint behind it stays whole
-constexpr int kReaderGone = 141;              // 128 + SIGPIPE, as shells have it
+constexpr int kReaderGone = 141;  // 128 + SIGPIPE, as shells have it
 
 int Complain(const std::string& message, int exit_code) {
   sim::Say("{}\n", sim::OneLine("gauntlet: " + message));
@@ -49,18 +50,17 @@ int Run(int argc, char** argv) {
   sim::AddReproduceCommand(app);
   sim::AddListCommand(app);
   int exit_code = 0;
+  const std::vector<std::string> arguments = sim::WithoutWordsForOptions({argv + 1, argv + argc});
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& request) {  // --help, --version
+    app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
+  } catch (const CLI::Success& request) {                          // --help, --version
     std::ostringstream text;
     app.exit(request, text, text);
     sim::PrintText(text.str());
   } catch (const CLI::RuntimeError& result) {  // done, with an answer that is an exit code
     exit_code = result.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    return Complain(
-        fmt::format("{} (see gauntlet --help)", sim::OneLine(error.what(), kLongestMistake)),
-        kUserMistake);
+    return Complain(sim::ExplainUsage(app, error, arguments), kUserMistake);
   }
   sim::CheckOutput();
   return exit_code;

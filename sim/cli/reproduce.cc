@@ -11,6 +11,7 @@
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/usage_error.h"
 #include "sim/paper/paper_page.h"
 #include "sim/study/manifest.h"
 #include "sim/study/study_files.h"
@@ -71,7 +72,7 @@ void AddReproduceCommand(CLI::App& app) {
   command->add_flag("--quick", options->quick,
                     "6 s of motion instead of the paper's 94, to see how it looks");
   command->add_option("--jobs", options->jobs, "trials at a time [number of cores]")
-      ->check(CLI::Range(1, 1024));
+      ->check(WholeNumber(1, 1024));
   command->footer(
       "\nBai, Jiang, Yokoi: Multiple-Channel Real Time Filtering for a Myoelectric Prosthetic\n"
       "Hand-Arm Robot System (arXiv:2103.02750).\n"

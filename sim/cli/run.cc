@@ -1,7 +1,9 @@
+#include <limits>
 #include <memory>
 
 #include "sim/cli/commands.h"
 #include "sim/cli/study_command.h"
+#include "sim/cli/usage_error.h"
 
 namespace gauntlet::sim {
 
@@ -16,7 +18,7 @@ void AddRunCommand(CLI::App& app) {
           "--seed", *seed,
           "seed of all random numbers, and the repetition that compare gives it [as in the "
           "scenario]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(WholeNumber(0, std::numeric_limits<int>::max()));
   command->footer(
       "\nExample:\n  gauntlet run scenarios/hold_still.yaml --seed 7 --out out/still\n");
   command->callback([options, seed] {

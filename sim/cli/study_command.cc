@@ -13,6 +13,7 @@
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/mathematics.h"
+#include "sim/base/nearest_name.h"
 #include "sim/base/signal_storage.h"
 #include "sim/base/stop.h"
 #include "sim/cli/controllers_option.h"
@@ -21,6 +22,7 @@
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/usage_error.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
@@ -109,6 +111,25 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   }
 }
 
+/// The file that a user means: one that is there, or a ready scenario, also by its name alone.
+/// Errors: UserError for a name that no scenario has.
+std::string ScenarioFile(const std::string& given) {
+  namespace fs = std::filesystem;
+  std::error_code unreadable;
+  const fs::path file = OwnOrDataFile(given);
+  const bool is_name = file == fs::path(given).stem() && !given.empty();
+  if (!is_name || fs::exists(file, unreadable)) return file.string();
+  const fs::path ready = OwnOrDataFile(fs::path("scenarios") / (given + ".yaml"));
+  if (fs::exists(ready, unreadable)) return ready.string();
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(DataFolder("scenarios"))) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
+  }
+  std::ranges::sort(names);
+  throw UserError(
+      {.place = given, .problem = "no such file or scenario" + Suggestion(given, names)});
+}
+
 }  // namespace
 
 void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
@@ -132,11 +153,10 @@ void WarnIfUnchecked(const std::string& folder, bool checked) {
 
 void AddStudyOptions(CLI::App& command, StudyCommand& options) {
   command
-      .add_option(
-          "scenario", options.scenario_file,
-          "scenario file (YAML): your own, or scenarios/NAME.yaml of gauntlet list scenarios")
+      .add_option("scenario", options.scenario_file,
+                  "scenario file (YAML), or the name of a ready one (gauntlet list scenarios)")
       ->required()
-      ->transform([](const std::string& file) { return OwnOrDataFile(file).string(); });
+      ->transform(ScenarioFile);
   AddOutOption(command, options.out, "output folder [out/<scenario>]", "DIR");
   command
       .add_option("--set", options.overrides,
@@ -145,7 +165,7 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
       ->take_all();
   AddControllersOption(command, options.controllers);
   command.add_option("--jobs", options.jobs, "trials at a time [number of cores]")
-      ->check(CLI::Range(1, 1024));
+      ->check(WholeNumber(1, 1024));
   command.add_flag("--video", options.video, "also draw comparison.mp4");
   command.add_flag("--json", options.json, "print scores.json instead of the table");
   command.add_flag("--csv", options.csv, "also write the trace as CSV, one file per controller");
@@ -182,7 +202,10 @@ void RunStudyCommand(const StudyCommand& asked) {
   OutputFiles files(folder.path());
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, finished, options.csv);
-    WriteFileAtomically(place / "report.html", ReportPage(finished, options.video));
+    WriteFileAtomically(
+        place / "report.html",
+        ReportPage(finished, {.exists = options.video,
+                              .motion_starts_s = MotionStarts_s(finished.study.scenario)}));
   });
   files.Commit();
   folder.Keep();

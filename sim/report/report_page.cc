@@ -54,20 +54,22 @@ FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
 }  // namespace
 
 std::string AssemblePage(const PageParts& parts) {
-  return FillTemplate(assets::kPageHtml, {{"title", EscapeHtml(parts.title)},
-                                          {"question", EscapeHtml(parts.question)},
-                                          {"facts", EscapeHtml(parts.facts)},
-                                          {"verdict", EscapeHtml(parts.verdict)},
-                                          {"settings", EscapeHtml(parts.resolved_scenario)},
-                                          {"video", parts.video ? "drawn" : "none"},
-                                          {"data", parts.data},
-                                          {"style", std::string(assets::kStyle)},
-                                          {"plot_style", std::string(assets::kPlotStyle)},
-                                          {"plot_library", std::string(assets::kPlotLibrary)},
-                                          {"script", std::string(assets::kScript)}});
+  return FillTemplate(assets::kPageHtml,
+                      {{"title", EscapeHtml(parts.title)},
+                       {"question", EscapeHtml(parts.question)},
+                       {"facts", EscapeHtml(parts.facts)},
+                       {"verdict", EscapeHtml(parts.verdict)},
+                       {"settings", EscapeHtml(parts.resolved_scenario)},
+                       {"video", parts.video.exists ? "drawn" : "none"},
+                       {"motion_starts_s", fmt::format("{:g}", parts.video.motion_starts_s)},
+                       {"data", parts.data},
+                       {"style", std::string(assets::kStyle)},
+                       {"plot_style", std::string(assets::kPlotStyle)},
+                       {"plot_library", std::string(assets::kPlotLibrary)},
+                       {"script", std::string(assets::kScript)}});
 }
 
-std::string ReportPage(const FinishedStudy& finished, bool video) {
+std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) {
   return AssemblePage({.title = finished.study.scenario.name,
                        .question = finished.study.scenario.question,
                        .facts = Facts(finished),

@@ -6,11 +6,16 @@
 
 namespace gauntlet::sim {
 
+/// comparison.mp4 beside a page.
+struct VideoBeside {
+  bool exists = false;           // it stands, or will stand there
+  double motion_starts_s = 0.0;  // in the video
+};
+
 /// `report.html`: one page that holds all that it shows but the video, needs no network, and sends
 /// nothing anywhere. The verdict first, then scores, jitter against delay, channels, curves,
 /// settings. See sim/report/README.md for what is in it and how large it gets.
-/// `video`: comparison.mp4 stands, or will stand, beside the page.
-std::string ReportPage(const FinishedStudy& finished, bool video);
+std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video);
 
 /// The parts of a page that are made elsewhere.
 struct PageParts {
@@ -20,7 +25,7 @@ struct PageParts {
   std::string verdict;
   std::string data;               // JSON, as JsonForScript() gives it
   std::string resolved_scenario;  // YAML
-  bool video = false;
+  VideoBeside video{};
 };
 
 /// The page of these parts, all text escaped. ReportPage() without a study: for tests.

@@ -18,9 +18,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kTitle_s = 1.5;
-constexpr double kVerdict_s = 2.5;
-
 /// What one process needs to draw frames: its own context, posture and pictures of hands.
 class FrameArtist {
  public:

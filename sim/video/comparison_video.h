@@ -22,6 +22,10 @@ struct VideoPane {
   const Signal* object_pose = nullptr;        // ticks x 7: of the object, if there is one
 };
 
+/// How long the question stands before the motion, and the verdict after it.
+inline constexpr double kTitle_s = 1.5;
+inline constexpr double kVerdict_s = 2.5;
+
 struct VideoInput {
   std::string title;
   std::string question;                    // on a card of its own before the motion; empty: none

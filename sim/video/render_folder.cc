@@ -49,6 +49,10 @@ std::filesystem::path PictureOf(const std::filesystem::path& folder) {
   return folder / "comparison.png";
 }
 
+double MotionStarts_s(const Scenario& scenario) {
+  return scenario.question.empty() ? 0.0 : kTitle_s;
+}
+
 void CheckVideo(int controllers, const std::filesystem::path& target) {
   CheckPaneCount(controllers);
   std::error_code ignored;

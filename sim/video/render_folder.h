@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/scenario/scenario.h"
 #include "sim/video/frame_clock.h"
 #include "sim/video/video_encoder.h"
 
@@ -25,6 +26,9 @@ struct RenderOptions {
 /// Where `folder` has its video, and a picture of one moment of it.
 std::filesystem::path VideoOf(const std::filesystem::path& folder);
 std::filesystem::path PictureOf(const std::filesystem::path& folder);
+
+/// When the motion begins in the video of a whole scenario: after its question.
+double MotionStarts_s(const Scenario& scenario);
 
 /// What can be known of a video before the motion that it shows: more controllers than it has room
 /// for, or a folder in its place. Sizes and camera are checked with the scenario. Errors:

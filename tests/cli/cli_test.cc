@@ -583,6 +583,49 @@ TEST_F(CliTest, HelpHasAnExample) {
   }
 }
 
+TEST_F(CliTest, WordsThatMeanAnOptionDoAsItDoes) {
+  EXPECT_EQ(Gauntlet({"version"}).standard_output, Gauntlet({"--version"}).standard_output);
+  EXPECT_EQ(Gauntlet({"help"}).standard_output, Gauntlet({"--help"}).standard_output);
+  EXPECT_EQ(Gauntlet({"help", "run"}).standard_output, Gauntlet({"run", "--help"}).standard_output);
+}
+
+TEST_F(CliTest, WhatIsNotUnderstoodIsExplained) {
+  const std::string scenario = kScenarios + "hold_still.yaml";
+  const auto explained = [&](const std::vector<std::string>& arguments) {
+    const ProgramResult result = Gauntlet(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.standard_output, "");
+    EXPECT_EQ(std::ranges::count(result.standard_error, '\n'), 1);
+    return result.standard_error;
+  };
+  EXPECT_EQ(explained({"comapre", "a.yaml"}),
+            "gauntlet: comapre: no such command (did you mean compare?); see gauntlet --help\n");
+  EXPECT_THAT(explained({"xyz"}), HasSubstr("xyz: no such command (one of: run, compare"));
+  EXPECT_THAT(explained({}), HasSubstr("a command is missing (one of: run, compare"));
+  EXPECT_THAT(explained({"--sed"}), HasSubstr("--sed: gauntlet has no such option"));
+  EXPECT_EQ(explained({"compare", scenario, "--seds", "3"}),
+            "gauntlet: --seds: compare has no such option (did you mean --seeds?); see gauntlet "
+            "compare --help\n");
+  EXPECT_THAT(explained({"run", scenario, "--seeds=2"}),
+              HasSubstr("--seeds: run has no such option; compare has; see gauntlet run --help"));
+  EXPECT_THAT(explained({"run", scenario, "--seed", "abc"}),
+              HasSubstr("--seed: is 'abc', must be a whole number from 0 to 2147483647; see"));
+  EXPECT_THAT(explained({"compare", scenario, "--jobs", "0"}),
+              HasSubstr("--jobs: is '0', must be a whole number from 1 to 1024"));
+  EXPECT_THAT(explained({"render", "a", "--frame", "x"}),
+              HasSubstr("--frame: 'x' is not a number"));
+  EXPECT_THAT(explained({"run", scenario, "more"}), HasSubstr("more: more than run takes"));
+  EXPECT_THAT(explained({"run"}), HasSubstr("scenario is required; see gauntlet run --help"));
+  EXPECT_THAT(explained({"run", "hold_stil"}),
+              HasSubstr("hold_stil: no such file or scenario (did you mean hold_still?)"));
+  EXPECT_THAT(explained({"run", "hold_still.yaml"}), HasSubstr("hold_still.yaml: no such file"));
+}
+
+TEST_F(CliTest, AReadyScenarioIsFoundByItsName) {
+  EXPECT_EQ(ShortRun({"run", "hold_still", "--out", "a", "--controllers", "raw"}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(Out("a") / "scores.json"));
+}
+
 struct BadScenario {
   std::string name;
   std::string text;

@@ -186,7 +186,7 @@ TEST_F(ExportTest, MistakesAreOneLine) {
   expect({"export", "nowhere", "--controller", "ahead"}, "nowhere: is not a folder");
   expect({"export", "out", "--controller", "ahead", "--out", "out/scenario.resolved.yaml"},
          "--out out/scenario.resolved.yaml: is the scenario itself");
-  expect({"export", "out"}, "--controller is required (see gauntlet --help)");
+  expect({"export", "out"}, "--controller is required; see gauntlet export --help");
 }
 
 TEST_F(ExportTest, TellsIfTheHandIsNoLongerThatOfTheTrials) {

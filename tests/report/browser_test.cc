@@ -1,5 +1,6 @@
 // The page in a real browser. Skipped where there is no chromium: it is too large a package to ask
 // of everybody who builds.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -16,10 +17,12 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Runs first in the page: whatever goes wrong is kept.
+/// Runs first in the page: whatever goes wrong is kept. (There is no video beside it.)
 constexpr const char* kListen = R"(<script>
   window.problems = [];
-  window.addEventListener("error", (e) => problems.push(String(e.message)), true);
+  window.addEventListener("error", (e) => {
+    if (e.target.tagName !== "VIDEO") problems.push(String(e.message));
+  }, true);
   window.addEventListener("securitypolicyviolation", (e) => problems.push(e.violatedDirective));
   for (const kind of ["error", "warn"]) {
     console[kind] = (...words) => problems.push(words.join(" "));
@@ -56,6 +59,20 @@ constexpr const char* kUse = R"(<script>
     seen.readout = get("curves-readout").rows[1].cells[1].textContent;
     press("0");
     seen.whole_again = picture() === whole;
+    get("curves-view").value = "error";
+    get("curves-view").dispatchEvent(new Event("change"));
+    seen.error_of_wearer = new Set([...Array(20).keys()].map((i) => {
+      press("ArrowRight");
+      return get("curves-readout").rows[1].cells[1].textContent;
+    }));
+    seen.error_of_wearer = [...seen.error_of_wearer];
+    seen.error_axis = document.querySelector("#curves-plot .dygraph-ylabel").textContent;
+    get("curves-view").value = "angle";
+    get("curves-view").dispatchEvent(new Event("change"));
+    const video = document.querySelector("#video video");
+    Object.defineProperty(video, "currentTime", {value: 1.75, writable: true});
+    video.dispatchEvent(new Event("timeupdate"));
+    seen.at_video = get("curves-readout").rows[0].cells[0].textContent;
     document.querySelector("#heat-map tbody tr:nth-child(2) button").click();
     seen.channel_of_heat_map = get("curves-channel").value;
     const metric = get("heat-metric");
@@ -129,7 +146,8 @@ class BrowserTest : public testing::Test {
                          .facts = "facts",
                          .verdict = "verdict",
                          .data = JsonForScript(data),
-                         .resolved_scenario = "made_with:\n  gauntlet_version: \"1\"\n"});
+                         .resolved_scenario = "made_with:\n  gauntlet_version: \"1\"\n",
+                         .video = {.exists = true, .motion_starts_s = 1.5}});
   }
 
   static void ExpectItWorks(const nlohmann::json& seen) {
@@ -141,6 +159,9 @@ class BrowserTest : public testing::Test {
     EXPECT_EQ(seen["zoomed"], true);
     EXPECT_NE(seen["readout"], "");
     EXPECT_EQ(seen["whole_again"], true);
+    EXPECT_EQ(seen["error_of_wearer"], nlohmann::json::array({"0.00"}));
+    EXPECT_EQ(seen["error_axis"], "angle less the wearer's, deg");
+    EXPECT_THAT(seen["at_video"].get<std::string>(), testing::StartsWith("at 0.25"));
     EXPECT_EQ(seen["channel_of_heat_map"], "channel_1");
     EXPECT_EQ(seen["metric_switched"], true);
     EXPECT_EQ(seen["points"], 3);

@@ -52,7 +52,7 @@ std::map<std::string, std::string> FilesOf(const Scenario& scenario) {
     std::ifstream file(entry.path(), std::ios::binary);
     files[entry.path().filename()] = {std::istreambuf_iterator<char>(file), {}};
   }
-  files["report.html"] = ReportPage(finished, false);
+  files["report.html"] = ReportPage(finished, {});
   return files;
 }
 

@@ -16,8 +16,10 @@ class CurvesView {
     this.select = byId("curves-channel");
     this.shown = {true: true, raw: true, hand: true, filtered: false, command: false};
     this.controllers = data.controllers.map(() => true);
+    this.view = byId("curves-view");
     this.window = [0, this.store.duration_s];
     this.cursor = null;
+    this.onTime = null;  // of a click: a video jumps there
     data.channels.forEach((name) => this.select.append(element("option", {value: name}, name)));
     this.select.value = data.first_channel;
     if (this.select.selectedIndex < 0) this.select.selectedIndex = 0;
@@ -33,6 +35,7 @@ class CurvesView {
       this.show();
     };
     this.select.addEventListener("change", () => this.show());
+    this.view.addEventListener("change", () => this.show());
     byId("curves-previous").addEventListener("click", () => move(-1));
     byId("curves-next").addEventListener("click", () => move(1));
     byId("curves-in").addEventListener("click", () => this.zoom(0.5));
@@ -56,7 +59,14 @@ class CurvesView {
 
   moveCursor(by_s) {
     const from = this.cursor ?? (this.window[0] + this.window[1]) / 2;
-    const time = Math.min(this.window[1], Math.max(this.window[0], from + by_s));
+    this.showTime(Math.min(this.window[1], Math.max(this.window[0], from + by_s)));
+  }
+
+  // The cursor at a time; what is shown follows it.
+  showTime(time) {
+    if (time < 0 || time > this.store.duration_s) return;
+    const width = this.window[1] - this.window[0];
+    if (time < this.window[0] || time > this.window[1]) this.look(time - width / 10, time + 0.9 * width);
     let row = this.rows.findIndex((r) => r[0] >= time);
     if (row < 0) row = this.rows.length - 1;
     this.plot.setSelection(row);
@@ -82,23 +92,30 @@ class CurvesView {
     this.show();
   }
 
+  // Angles, or how far they are from the wearer's. Of a bucket, from the middle of the wearer's.
+  shownValues(values, truth) {
+    if (this.view.value !== "error") return values;
+    const pair = this.store.bucketed;
+    return values.map((value, i) => value - (pair ? (truth[i - i % 2] + truth[i - i % 2 + 1]) / 2 : truth[i]));
+  }
+
   // What is drawn: [{label, values, colour, dash, width, step}], from the back to the front.
   lines() {
     const channel = this.store.channel(this.select.selectedIndex);
     const lines = [];
     if (this.shown.raw) {
-      lines.push({label: "glove", values: channel.raw, colour: "var(--glove)", width: 1});
+      lines.push({label: "glove", values: this.shownValues(channel.raw, channel.true), colour: "var(--glove)", width: 1});
     }
     channel.controllers.forEach((c, i) => {
       if (!this.controllers[i]) return;
       for (const signal of [...SIGNALS].reverse()) {
         if (!this.shown[signal.key]) continue;
-        lines.push({...signal, label: `${i} ${signal.key}`, values: c[signal.key],
-          colour: colourName(i)});
+        lines.push({...signal, label: `${i} ${signal.key}`, colour: colourName(i),
+          values: this.shownValues(c[signal.key], channel.true)});
       }
     });
     if (this.shown.true) {
-      lines.push({label: "wearer", values: channel.true, colour: "var(--ink)", width: 1.5});
+      lines.push({label: "wearer", values: this.shownValues(channel.true, channel.true), colour: "var(--ink)", width: 1.5});
     }
     return lines;
   }
@@ -144,7 +161,7 @@ class CurvesView {
       dateWindow: this.window,
       legend: "never",
       xlabel: "time, s",
-      ylabel: "joint angle, deg",
+      ylabel: this.view.value === "error" ? "angle less the wearer's, deg" : "joint angle, deg",
       axes: {
         x: {drawGrid: false, axisLabelFormatter: (t) => String(Number(t.toFixed(3)))},
         y: {axisLabelWidth: 42, axisLabelFormatter: (v) => String(Number(v.toFixed(3))).replace("-", "−")},
@@ -163,6 +180,7 @@ class CurvesView {
       rangeSelectorBackgroundStrokeColor: colour("var(--line)"),
       rangeSelectorForegroundStrokeColor: colour("var(--muted)"),
       rangeSelectorAlpha: 0.5,
+      clickCallback: (_, time) => this.onTime?.(time),
       highlightCallback: (_, time) => this.readAt(time),
       unhighlightCallback: () => this.readAt(null),
       drawCallback: (plot, first) => this.onDraw(plot, first),
@@ -223,8 +241,9 @@ class CurvesView {
     this.time_place.textContent = none ? "deg" : `at ${time_s.toFixed(3)} s, deg`;
     const channel = this.store.channel(this.select.selectedIndex);
     const point = none ? -1 : this.store.pointAt(time_s);
+    const truth = this.view.value === "error" && !none ? channel.true[point] : 0;
     const value = (values) => (none || point >= values.length ? ""
-      : Number.isNaN(values[point]) ? "–" : values[point].toFixed(2).replace("-", "−"));
+      : Number.isNaN(values[point]) ? "–" : (values[point] - truth).toFixed(2).replace("-", "−"));
     this.cells.true.textContent = value(channel.true);
     this.cells.raw.textContent = value(channel.raw);
     this.cells.controllers.forEach((cells, i) => {

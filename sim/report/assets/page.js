@@ -12,23 +12,29 @@ function showProblems(data) {
   list.hidden = list.children.length === 0;
 }
 
-function videoElement() {
-  return element("video", {controls: true, preload: "metadata", playsinline: true,
+// Runs together with the curves, if there are any: it moves their cursor, and a click there moves it.
+function videoElement(curves) {
+  const video = element("video", {controls: true, preload: "metadata", playsinline: true,
     src: "comparison.mp4", "aria-label": "The hands of all controllers side by side"});
+  const starts_s = Number(byId("video").dataset.motionStarts);
+  video.addEventListener("timeupdate", () => curves?.showTime(video.currentTime - starts_s));
+  if (curves) curves.onTime = (time_s) => { video.currentTime = time_s + starts_s; };
+  return video;
 }
 
-function startVideo() {
+function startVideo(curves) {
   const place = byId("video-place");
   if (byId("video").dataset.video === "drawn") {
     place.append(element("p", {class: "note"},
-      "All controllers side by side, in comparison.mp4 beside this page."), videoElement());
+      "All controllers side by side, in comparison.mp4 beside this page. It moves the cursor of the " +
+      "curves; a click into them moves it."), videoElement(curves));
     return;
   }
   // Not asked for until a person does: a file that is not there would be an error.
   place.append(element("p", {class: "note"}, "None was drawn with these scores. ",
     element("code", {}, "gauntlet render"), " draws comparison.mp4 beside this page."),
     element("p", {class: "controls"}, element("button", {type: "button",
-      onclick: () => place.replaceChildren(videoElement())}, "Show comparison.mp4")));
+      onclick: () => place.replaceChildren(videoElement(curves))}, "Show comparison.mp4")));
 }
 
 // The versions stand at the end of the settings, below `made_with`.
@@ -106,7 +112,7 @@ function start() {
   } else {
     hidePart("curves");
   }
-  startVideo();
+  startVideo(curves);
   startSettings();
   followScreen(() => {
     if (data.error_split) drawErrorBars(data);

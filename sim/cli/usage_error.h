@@ -1,0 +1,22 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// What is wrong with a command line that CLI11 did not take: what was written, why it is not
+/// taken, and what was probably meant.
+std::string ExplainUsage(const CLI::App& app, const CLI::ParseError& error,
+                         const std::vector<std::string>& arguments);
+
+/// Arguments as CLI11 knows them: `help` for --help, `help run` for run --help, `version` for
+/// --version.
+std::vector<std::string> WithoutWordsForOptions(std::vector<std::string> arguments);
+
+/// A check of an option: a whole number, or any number, from `low` to `high`.
+CLI::Validator WholeNumber(long long low, long long high);
+CLI::Validator Number(double low, double high);
+
+}  // namespace gauntlet::sim
