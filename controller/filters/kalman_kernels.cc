@@ -86,10 +86,10 @@ GAUNTLET_VECTORISED void States2(double* x, double* w, const double* k1, const d
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double x_prior = x[i] + w[i];                          // x⁻ = A x
-    const double innovation = WithoutSubnormal(z[i]) - x_prior;  // z − H x⁻
+    const double innovation = WithoutSubnormal(z[i] - x_prior);  // z − H x⁻
     // x = x⁻ + K (z − H x⁻),  w = w⁻ + K₂ (z − H x⁻)
-    const double x_posterior = WithoutSubnormal(x_prior + k1[i] * innovation);
-    w[i] = WithoutSubnormal(w[i] + k2[i] * innovation);
+    const double x_posterior = x_prior + k1[i] * innovation;
+    w[i] += k2[i] * innovation;
     x[i] = x_posterior;
     output[i] = x_posterior;
   }
@@ -102,11 +102,11 @@ GAUNTLET_VECTORISED void States3(double* x, double* w, double* a, const double* 
   for (int i = 0; i < channel_count; ++i) {
     const double x_prior = x[i] + w[i] + 0.5 * a[i];             // x⁻ = A x
     const double w_prior = w[i] + a[i];                          // w⁻ = w + a,  a⁻ = a
-    const double innovation = WithoutSubnormal(z[i]) - x_prior;  // z − H x⁻
+    const double innovation = WithoutSubnormal(z[i] - x_prior);  // z − H x⁻
     // x = x⁻ + K (z − H x⁻),  w = w⁻ + K₂ (z − H x⁻),  a = a⁻ + K₃ (z − H x⁻)
-    const double x_posterior = WithoutSubnormal(x_prior + k1[i] * innovation);
-    w[i] = WithoutSubnormal(w_prior + k2[i] * innovation);
-    a[i] = WithoutSubnormal(a[i] + k3[i] * innovation);
+    const double x_posterior = x_prior + k1[i] * innovation;
+    w[i] = w_prior + k2[i] * innovation;
+    a[i] += k3[i] * innovation;
     x[i] = x_posterior;
     output[i] = x_posterior;
   }

@@ -28,12 +28,11 @@ GAUNTLET_VECTORISED void Smooth(double* y, double* d, Parameters p, const double
   const double rate_per_turn = p.rate_hz / (2.0 * std::numbers::pi);
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double step = WithoutSubnormal(z[i]) - y[i];
-    const double derivative =
-        WithoutSubnormal(d[i] + p.derivative_weight * (step * p.rate_hz - d[i]));
+    const double step = WithoutSubnormal(z[i] - y[i]);
+    // What is added keeps a long rest from subnormal numbers: no bit of any speed that counts.
+    const double derivative = d[i] + p.derivative_weight * (step * p.rate_hz - d[i]) + kLeastValue;
     const double cutoff_hz = p.min_cutoff_hz + p.beta * std::abs(derivative);
-    const double smoothed =
-        WithoutSubnormal(y[i] + step * (cutoff_hz / (cutoff_hz + rate_per_turn)));
+    const double smoothed = y[i] + step * (cutoff_hz / (cutoff_hz + rate_per_turn));
     d[i] = derivative;
     y[i] = smoothed;
     output[i] = smoothed;
