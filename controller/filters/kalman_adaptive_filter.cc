@@ -55,7 +55,7 @@ GAUNTLET_VECTORISED void Learn(double* r, double* q, double* before, double* c0,
     const double r_most = r_max[i];
     const double q_least = q_min[i];
     const double q_most = q_max[i];
-    const double innovated = innovation[i];
+    const double innovated = WithoutSubnormal(innovation[i]);
     // P_11 = K_1 R and 1 - K_1 = R / S give S back.
     const double s = r_old * r_old / (r_old - p11[i]);
     const double ratio = kMostTimes * s / (innovated * innovated);
