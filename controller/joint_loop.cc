@@ -23,7 +23,7 @@ void JointLoopConfig::Visit(SettingsVisitor& visitor) {
   VisitEnum(visitor,
             {.key = "kind",
              .help = "pi: commands are moved so that measured joints come where they shall (needs "
-                     "hand.joint_sensors); it steps with the command frames"},
+                     "hand.joint_sensors, but with gains of 0); it steps with the command frames"},
             kNames, kind);
   visitor.Number({.key = "proportional",
                   .help = "so much of a joint's error is added to its command (pi)",
@@ -82,8 +82,11 @@ JointLoop::JointLoop(const JointLoopConfig& config, const TendonTransmission& ha
       half_turn_rad_(0.5 * config.friction_turn_deg * kRadPerDeg) {
   CheckSettings(config);
   if (!on()) return;
-  if (!hand.joint_sensors) {
-    throw SettingError("kind", "pi needs a hand that measures its joints (hand.joint_sensors)");
+  const bool measures = config.proportional > 0.0 || config.integral_per_s > 0.0;
+  if (measures && !hand.joint_sensors) {
+    throw SettingError("kind",
+                       "pi needs a hand that measures its joints (hand.joint_sensors); with "
+                       "proportional and integral_per_s 0 it undoes friction without");
   }
   const auto joint_count = static_cast<int>(hand.joint_names.size());
   const Eigen::ArrayXd friction_deg =

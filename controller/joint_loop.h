@@ -35,7 +35,9 @@ namespace gauntlet::controller {
 ///
 /// Source: PI loop with conditional integration in orcahand/orca_core PR #83; inverse of play: Tao,
 /// Kokotovic, Adaptive control of systems with backlash, Automatica 29, 323-335 (1993).
-/// Units: rad. Shapes: one value per joint. Errors: SettingError for a loop of a hand that measures
+/// With both gains 0 nothing is measured: friction alone is undone, on any hand.
+///
+/// Units: rad. Shapes: one value per joint. Errors: SettingError for gains on a hand that measures
 /// no joints, or a list of other than one value or one for each joint.
 class JointLoop {
  public:

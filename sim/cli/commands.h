@@ -16,5 +16,6 @@ void AddReproduceCommand(CLI::App& app);
 void AddListCommand(CLI::App& app);
 void AddFilterCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
+void AddIdentifyCommand(CLI::App& app);
 
 }  // namespace gauntlet::sim

@@ -47,6 +47,7 @@ int Run(int argc, char** argv) {
   sim::AddDiffCommand(app);
   sim::AddFilterCommand(app);
   sim::AddCalibrateCommand(app);
+  sim::AddIdentifyCommand(app);
   sim::AddReproduceCommand(app);
   sim::AddListCommand(app);
   int exit_code = 0;

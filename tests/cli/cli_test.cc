@@ -575,8 +575,63 @@ TEST_F(CliTest, CalibrateTakesAnyGloveAndSaysWhatItLeftOut) {
                     HasSubstr("indx_mcp: rounding hides the noise, R is at most 0.")));
 }
 
+TEST_F(CliTest, IdentifyFindsADelayThatWasAddedToTheLink) {
+  const auto delay_ms = [&](const std::string& link_ms, const std::vector<std::string>& more) {
+    const ProgramResult run = Gauntlet({"run", kScenarios + "probe_chain.yaml", "--out", "b",
+                                        "--set", "score.noise_free_twin=false",
+                                        "glove.motion.duration_s=6", "event.delay_ms=" + link_ms});
+    EXPECT_EQ(run.exit_code, 0) << run.standard_error;
+    std::vector<std::string> identify = {"identify", "b", "--json", "--out", "chain.yaml"};
+    identify.insert(identify.end(), more.begin(), more.end());
+    const ProgramResult result = Gauntlet(identify);
+    EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+    EXPECT_EQ(result.standard_error, "wrote chain.yaml\n");
+    const auto json = nlohmann::json::parse(result.standard_output);
+    EXPECT_EQ(json["parts"].size(), 18u);
+    const auto& index_mcp = json["parts"][4];
+    EXPECT_EQ(index_mcp["part"], "index_mcp");
+    EXPECT_LT(index_mcp["residual_rms_deg"], index_mcp["shifted_rms_deg"]);
+    return index_mcp["delay_ms"]["value"].get<double>();
+  };
+  const double before = delay_ms("25", {});
+  EXPECT_NEAR(delay_ms("65", {}) - before, 40.0, 4.0);
+  // From the targets on there is no glove, no wait for the next frame.
+  EXPECT_LT(delay_ms("25", {"--from", "target"}), before);
+  EXPECT_THAT(ReadFile(folder_.path() / "chain.yaml"),
+              AllOf(HasSubstr("horizon_ms: ["), HasSubstr("friction_deg: ["),
+                    HasSubstr("part: \"little_pip\"")));
+}
+
+TEST_F(CliTest, IdentifyRefusesBadInputInOneLineAndWritesNothing) {
+  const auto refuse = [&](const std::string& csv, std::vector<std::string> more,
+                          const std::string& message) {
+    std::ofstream(folder_.path() / "scenario.yaml") << csv;  // a name that Leftovers() expects
+    more.insert(more.begin(), {"identify", "scenario.yaml"});
+    const ProgramResult result = Gauntlet(more);
+    EXPECT_EQ(result.exit_code, 2) << csv;
+    EXPECT_THAT(result.standard_error, HasSubstr(message));
+    EXPECT_EQ(std::count(result.standard_error.begin(), result.standard_error.end(), '\n'), 1)
+        << result.standard_error;
+    EXPECT_EQ(result.standard_output, "");
+    EXPECT_THAT(Leftovers(), testing::IsEmpty());
+  };
+  std::string still = "t_s,index_mcp_command_deg,index_mcp_deg\n";
+  for (int k = 0; k < 1000; ++k) still += fmt::format("{},10,20\n", k * 1e-2);
+  refuse(still, {}, "scenario.yaml: index_mcp: its command does not move");
+  const std::string short_log = still.substr(0, still.find("\n3,") + 1);
+  refuse(short_log, {}, "index_mcp: is 3 s long, must be at least 5 s");
+  refuse(still, {"--out", "scenario.yaml"}, "is the log itself");
+  refuse(still, {"--controller", "raw"}, "a CSV has but one");
+  refuse(still, {"--from", "motor"}, "motor");
+  refuse("t_s,index_mcp_deg\n0,1\n", {}, "scenario.yaml:1:1: there is no part with a command");
+  EXPECT_EQ(Gauntlet({"identify", "nowhere"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"identify", "nowhere.h5"}).exit_code, 2);
+  EXPECT_EQ(Gauntlet({"identify"}).exit_code, 2);
+}
+
 TEST_F(CliTest, HelpHasAnExample) {
-  for (const char* command : {"run", "compare", "render", "list", "filter", "calibrate"}) {
+  for (const char* command :
+       {"run", "compare", "render", "list", "filter", "calibrate", "identify"}) {
     const ProgramResult result = Gauntlet({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.standard_output, HasSubstr("Example")) << command;

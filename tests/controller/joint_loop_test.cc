@@ -206,8 +206,23 @@ TEST(JointLoop, LeavesJointsThatSpringsDecideAsTheyAre) {
   EXPECT_THAT(corrected, testing::ElementsAre(0.5, 0.6));
 }
 
+TEST(JointLoop, UndoesFrictionOnAHandThatMeasuresNothing) {
+  JointLoopConfig config = PlainPi();
+  config.friction_deg = {2.0};
+  JointLoop loop(config, CoupledHand(1), kEvents_hz);
+  const double start = 0.5;
+  loop.Reset({&start, 1});
+  double corrected = 0.0;
+  for (const double target : {0.6, 0.7, 0.4}) {
+    const double direction = target > 0.5 ? 1.0 : -1.0;
+    loop.Step({&target, 1}, {&corrected, 1});
+    EXPECT_NEAR(corrected, target + 2.0 * kDeg * direction, 1e-12);
+  }
+}
+
 TEST(JointLoop, RefusesAHandWithoutJointSensorsAndListsThatDoNotFit) {
   JointLoopConfig config = PlainPi();
+  config.integral_per_s = 1.0;
   const auto problem = [&](const TendonTransmission& hand) {
     ControllerConfig of;
     of.joint_loop = config;
@@ -220,7 +235,8 @@ TEST(JointLoop, RefusesAHandWithoutJointSensorsAndListsThatDoNotFit) {
   };
   EXPECT_EQ(problem(SensingHand(3)), "none");
   EXPECT_EQ(problem(CoupledHand(3)),
-            "joint_loop.kind: pi needs a hand that measures its joints (hand.joint_sensors)");
+            "joint_loop.kind: pi needs a hand that measures its joints (hand.joint_sensors); with "
+            "proportional and integral_per_s 0 it undoes friction without");
   config.friction_deg = {1.0, 2.0};
   EXPECT_EQ(problem(SensingHand(3)),
             "joint_loop.friction_deg: has 2 values, must have 1 for all joints or 3, one for each");

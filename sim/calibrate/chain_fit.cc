@@ -1,0 +1,357 @@
+#include "sim/calibrate/chain_fit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <unsupported/Eigen/MatrixFunctions>
+#include <vector>
+
+#include "sim/base/signal.h"
+#include "sim/score/delay.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kBlocks = 20;
+constexpr double kStudent95 = 2.0930;  // of kBlocks - 1 degrees of freedom
+/// The state in which the log begins is not known: so much of it is not compared.
+constexpr double kBeginning_s = 0.5;
+constexpr double kLeastDamping = 0.05;
+constexpr double kLongestDelay_s = 2.0;
+
+/// Places of the parameters of a fit; that of the delay alone has those of kShift.
+enum Parameter { kDeadTime, kGain, kOffset, kLag, kPlay, kInertia };
+constexpr Index kShiftParameters = 3;
+constexpr Index kFirstOrderParameters = 5;
+constexpr Index kAllParameters = 6;
+
+ChainModel ModelOf(const VectorXd& parameters) {
+  ChainModel model{.dead_time_s = parameters[kDeadTime],
+                   .gain = parameters[kGain],
+                   .offset_deg = parameters[kOffset]};
+  if (parameters.size() == kShiftParameters) return model;
+  model.lag_s = parameters[kLag];
+  model.inertia_s2 = parameters[kInertia];
+  model.play_deg = parameters[kPlay];
+  return model;
+}
+
+/// One log and the model's parameters with their bounds and the steps of its derivatives.
+class Problem {
+ public:
+  Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
+          Index parameters)
+      : command_deg_(command_deg),
+        rate_hz_(rate_hz),
+        first_(std::lround(kBeginning_s * rate_hz)),
+        angle_deg_(
+            Eigen::Map<const VectorXd>(angle_deg.data() + first_, std::ssize(angle_deg) - first_)),
+        simulated_deg_(command_deg.size()),
+        low_(parameters),
+        high_(parameters),
+        step_(parameters) {
+    const double period_s = 1.0 / rate_hz;
+    const auto [least, most] = std::ranges::minmax(command_deg);
+    const double travel_deg = most - least;
+    // Of a command that goes in steps, as frames do, only a wide difference is a slope.
+    constexpr double kWide_s = 0.01;
+    Bound(kDeadTime, 0.0, kLongestDelay_s, kWide_s);
+    Bound(kGain, 0.01, 100.0, 1e-4);
+    Bound(kOffset, -1e4, 1e4, 1e-3 * travel_deg);
+    if (parameters == kShiftParameters) return;
+    Bound(kLag, 0.0, kLongestDelay_s, 1e-4);
+    Bound(kPlay, 0.0, travel_deg, 1e-4 * travel_deg);
+    Bound(kInertia, std::pow(0.25 * period_s, 2), 1.0, 1e-6);
+  }
+
+  Index parameters() const { return low_.size(); }
+  Index rows() const { return angle_deg_.size(); }
+
+  VectorXd Residual(const VectorXd& parameters) {
+    SimulateChain(ModelOf(parameters), command_deg_, rate_hz_, simulated_deg_);
+    return angle_deg_ - Eigen::Map<const VectorXd>(simulated_deg_.data() + first_, rows());
+  }
+
+  /// What the model's angle does per parameter; from one side only at a bound.
+  MatrixXd Derivatives(const VectorXd& parameters) {
+    MatrixXd result(rows(), this->parameters());
+    for (Index i = 0; i < this->parameters(); ++i) {
+      VectorXd below = parameters;
+      VectorXd above = parameters;
+      below[i] = std::max(below[i] - step_[i], low_[i]);
+      above[i] = std::min(above[i] + step_[i], high_[i]);
+      result.col(i) = (Residual(below) - Residual(above)) / (above[i] - below[i]);
+    }
+    return result;
+  }
+
+  void KeepWithinBounds(VectorXd& parameters) const {
+    parameters = parameters.cwiseMax(low_).cwiseMin(high_);
+    if (this->parameters() == kShiftParameters) return;
+    const double least_lag_s = 2.0 * kLeastDamping * std::sqrt(parameters[kInertia]);
+    parameters[kLag] = std::max(parameters[kLag], least_lag_s);
+  }
+
+ private:
+  void Bound(Index parameter, double low, double high, double step) {
+    low_[parameter] = low;
+    high_[parameter] = high;
+    step_[parameter] = step;
+  }
+
+  std::span<const double> command_deg_;
+  double rate_hz_;
+  Index first_;
+  VectorXd angle_deg_;
+  std::vector<double> simulated_deg_;
+  VectorXd low_;
+  VectorXd high_;
+  VectorXd step_;
+};
+
+struct Solution {
+  VectorXd parameters;
+  VectorXd residual_deg;
+  MatrixXd derivatives;
+  double squares_deg2 = 0.0;
+};
+
+/// Levenberg and Marquardt, with the scales of Marquardt.
+Solution Minimise(Problem& problem, VectorXd start) {
+  constexpr int kMostSteps = 60;
+  constexpr double kEnough = 1e-9;  // relative gain of a step
+  problem.KeepWithinBounds(start);
+  Solution best{.parameters = start, .residual_deg = problem.Residual(start), .derivatives = {}};
+  best.squares_deg2 = best.residual_deg.squaredNorm();
+  best.derivatives = problem.Derivatives(best.parameters);
+  double damping = 1e-3;
+  int small_gains = 0;
+  for (int step = 0; step < kMostSteps && small_gains < 2 && damping < 1e10; ++step) {
+    MatrixXd normal = best.derivatives.transpose() * best.derivatives;
+    const VectorXd gradient = best.derivatives.transpose() * best.residual_deg;
+    const VectorXd scale = normal.diagonal().cwiseMax(1e-300);
+    normal.diagonal() += damping * scale;
+    VectorXd next = best.parameters + normal.ldlt().solve(gradient);
+    problem.KeepWithinBounds(next);
+    VectorXd residual_deg = problem.Residual(next);
+    const double squares_deg2 = residual_deg.squaredNorm();
+    if (!(squares_deg2 < best.squares_deg2)) {
+      damping *= 8.0;
+      continue;
+    }
+    small_gains =
+        best.squares_deg2 - squares_deg2 < kEnough * best.squares_deg2 ? small_gains + 1 : 0;
+    best.parameters = std::move(next);
+    best.residual_deg = std::move(residual_deg);
+    best.squares_deg2 = squares_deg2;
+    best.derivatives = problem.Derivatives(best.parameters);
+    damping = std::max(damping / 5.0, 1e-12);
+  }
+  return best;
+}
+
+/// The first `count` parameters as they would be without each of the blocks, the others held; none
+/// where the log does not tell them apart.
+std::optional<std::vector<VectorXd>> WithoutEachBlock(const Solution& solution, Index count) {
+  constexpr double kLeastEigenvalue = 1e-7;  // of the normal matrix with ones in its diagonal
+  const MatrixXd derivatives = solution.derivatives.leftCols(count);
+  const VectorXd norm = derivatives.colwise().norm().cwiseMax(1e-300);
+  const MatrixXd scaled = derivatives * norm.cwiseInverse().asDiagonal();
+  const MatrixXd normal = scaled.transpose() * scaled;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
+  if (!(eigen.eigenvalues()[0] > kLeastEigenvalue)) return std::nullopt;
+  std::vector<VectorXd> result;
+  for (Index block = 0; block < kBlocks; ++block) {
+    const Index begin = scaled.rows() * block / kBlocks;
+    const Index rows = scaled.rows() * (block + 1) / kBlocks - begin;
+    const auto part = scaled.middleRows(begin, rows);
+    const MatrixXd rest = normal - part.transpose() * part;
+    const VectorXd gradient = part.transpose() * solution.residual_deg.segment(begin, rows);
+    VectorXd parameters = solution.parameters;
+    parameters.head(count) -= rest.ldlt().solve(gradient).cwiseQuotient(norm);
+    result.push_back(std::move(parameters));
+  }
+  return result;
+}
+
+/// `value_of`: from parameters to the value; its interval is cut at the bounds.
+template <class ValueOf>
+ChainEstimate EstimateOf(const Solution& solution, const std::vector<VectorXd>& without,
+                         double least, const ValueOf& value_of) {
+  const double value = value_of(solution.parameters);
+  double squares = 0.0;
+  for (const VectorXd& parameters : without) {
+    squares += std::pow(value_of(parameters) - value, 2);
+  }
+  const double half_width = kStudent95 * std::sqrt(squares * (kBlocks - 1.0) / kBlocks);
+  return {value, std::max(least, value - half_width), value + half_width};
+}
+
+/// Of an estimate, through a function that only rises or only falls.
+template <class Function>
+ChainEstimate Through(const ChainEstimate& estimate, const Function& function) {
+  const auto [low, high] = std::minmax({function(estimate.low), function(estimate.high)});
+  return {function(estimate.value), low, high};
+}
+
+void TakeSplit(const Solution& solution, const std::vector<VectorXd>& without, bool second_order,
+               ChainFit& fit) {
+  const auto parameter = [&](Parameter index, double factor) {
+    return EstimateOf(solution, without, 0.0,
+                      [index, factor](const VectorXd& p) { return factor * p[index]; });
+  };
+  fit.dead_time_ms = parameter(kDeadTime, 1e3);
+  fit.lag_ms = parameter(kLag, 1e3);
+  fit.gain = parameter(kGain, 1.0);
+  fit.hysteresis_deg = parameter(kPlay, 2.0);
+  const ChainEstimate inertia_s2 = parameter(kInertia, 1.0);
+  if (!second_order || !(inertia_s2.low > 0.0)) return;
+  fit.natural_frequency_hz = Through(inertia_s2, [](double inertia) {
+    return 1.0 / (2.0 * std::numbers::pi * std::sqrt(inertia));
+  });
+  // The logarithm of the damping ratio is nearest to normal, and defined wherever both are.
+  const auto log_damping = [](const VectorXd& p) {
+    return std::log(std::max(p[kLag], 1e-9) / (2.0 * std::sqrt(std::max(p[kInertia], 1e-12))));
+  };
+  fit.damping_ratio = Through(EstimateOf(solution, without, -1e3, log_damping),
+                              [](double l) { return std::exp(l); });
+}
+
+double Rms(const VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+/// What keeps a chain from being found; empty if nothing is seen. `delay_s` gets where to begin.
+std::string ProblemOf(std::span<const double> command_deg, std::span<const double> angle_deg,
+                      double rate_hz, double& delay_s) {
+  const double duration_s = static_cast<double>(command_deg.size()) / rate_hz;
+  if (duration_s < kShortestChainLog_s) {
+    return fmt::format("is {:.3g} s long, must be at least {:g} s", duration_s,
+                       kShortestChainLog_s);
+  }
+  const auto in_rad = [](std::span<const double> signal_deg) {
+    std::vector<double> signal(signal_deg.begin(), signal_deg.end());
+    for (double& value : signal) value *= kRadPerDeg;
+    return signal;
+  };
+  const std::vector<double> command = in_rad(command_deg);
+  const std::vector<double> angle = in_rad(angle_deg);
+  const auto rms = [](const std::vector<double>& signal) {
+    const Eigen::Map<const VectorXd> values(signal.data(), std::ssize(signal));
+    return Rms(values.array() - values.mean());
+  };
+  if (rms(command) < kStillRms_rad) return "its command does not move";
+  if (rms(angle) < kStillRms_rad) return "it does not move";
+  Fourier fourier;
+  const auto delay_samples = DelaySamples(command, angle, rate_hz, fourier);
+  if (!delay_samples) return "it does not follow its command: no delay to be seen";
+  delay_s = *delay_samples / rate_hz;
+  if (delay_s < -1.0 / rate_hz) {
+    return fmt::format("it is ahead of its command by {:.1f} ms: are the columns exchanged?",
+                       -1e3 * delay_s);
+  }
+  delay_s = std::max(delay_s, 0.0);
+  return "";
+}
+
+}  // namespace
+
+void SimulateChain(const ChainModel& model, std::span<const double> command_deg, double rate_hz,
+                   std::span<double> angle_deg) {
+  const Index samples = std::ssize(command_deg);
+  const double dead_samples = model.dead_time_s * rate_hz;
+  const double whole = std::floor(dead_samples);
+  const auto dead = static_cast<Index>(whole);
+  const double fraction = dead_samples - whole;
+  const auto at = [&](Index k) { return command_deg[std::max<Index>(k, 0)]; };
+  const auto delayed = [&](Index k) {
+    return model.gain * (at(k - dead) + fraction * (at(k - dead - 1) - at(k - dead)));
+  };
+  // One step of inertia z'' + lag z' + z = q, exact where q goes from `now` to `next` in a line.
+  // Of z, its change per step, q, and the change of q.
+  Eigen::Matrix4d step = Eigen::Matrix4d::Identity();
+  const bool at_once = model.inertia_s2 <= 0.0 && model.lag_s <= 0.0;
+  if (!at_once) {
+    constexpr double kLeastInertia = 1e-4;  // a hundredth of a step; stands for a first order
+    const double inertia = std::max(model.inertia_s2 * rate_hz * rate_hz, kLeastInertia);
+    const double stiffness = 1.0 / inertia;
+    const double friction = model.lag_s * rate_hz / inertia;
+    Eigen::Matrix4d rate = Eigen::Matrix4d::Zero();
+    rate(0, 1) = 1.0;
+    rate.row(1) << -stiffness, -friction, stiffness, 0.0;
+    rate(2, 3) = 1.0;
+    step = rate.exp();
+  }
+  double played = delayed(0);
+  double angle = played;
+  double change = 0.0;
+  for (Index k = 0; k < samples; ++k) {
+    const double wanted = delayed(k);
+    const double next = std::clamp(played, wanted - model.play_deg, wanted + model.play_deg);
+    if (at_once) {
+      angle = next;
+    } else {
+      const Eigen::Vector4d state = step * Eigen::Vector4d(angle, change, played, next - played);
+      angle = state[0];
+      change = state[1];
+    }
+    played = next;
+    angle_deg[k] = angle + model.offset_deg;
+  }
+}
+
+ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
+                  double rate_hz) {
+  ChainFit fit;
+  double delay_s = 0.0;
+  fit.problem = ProblemOf(command_deg, angle_deg, rate_hz, delay_s);
+  if (!fit.problem.empty()) return fit;
+
+  Problem shift(command_deg, angle_deg, rate_hz, kShiftParameters);
+  const Solution shifted = Minimise(shift, Eigen::Vector3d(delay_s, 1.0, 0.0));
+  fit.shifted_rms_deg = Rms(shifted.residual_deg);
+  if (const auto without = WithoutEachBlock(shifted, kShiftParameters)) {
+    fit.delay_ms =
+        EstimateOf(shifted, *without, 0.0, [](const VectorXd& p) { return 1e3 * p[kDeadTime]; });
+  }
+
+  Problem split(command_deg, angle_deg, rate_hz, kAllParameters);
+  std::optional<Solution> best;
+  for (const double share : {0.25, 0.5, 0.75}) {  // of the delay that is dead time
+    constexpr double kDamping = 0.8;
+    const double lag_s = (1.0 - share) * shifted.parameters[kDeadTime];
+    VectorXd start(kAllParameters);
+    start << shifted.parameters, lag_s, 0.2 * fit.shifted_rms_deg,
+        std::pow(lag_s / (2.0 * kDamping), 2);
+    start[kDeadTime] *= share;
+    Solution solution = Minimise(split, start);
+    if (!best || solution.squares_deg2 < best->squares_deg2) best = std::move(solution);
+  }
+  bool second_order = true;
+  auto without = WithoutEachBlock(*best, kAllParameters);
+  if (!without) {
+    second_order = false;
+    without = WithoutEachBlock(*best, kFirstOrderParameters);
+  }
+  if (!without) {
+    fit.split_problem =
+        "this motion does not tell dead time, lag and hysteresis apart: one of more speeds may";
+    return fit;
+  }
+  fit.model = ModelOf(best->parameters);
+  fit.residual_rms_deg = Rms(best->residual_deg);
+  TakeSplit(*best, *without, second_order, fit);
+  return fit;
+}
+
+}  // namespace gauntlet::sim

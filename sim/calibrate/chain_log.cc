@@ -1,0 +1,249 @@
+#include "sim/calibrate/chain_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
+#include "sim/recordings/csv_reader.h"
+#include "sim/recordings/time_columns.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Which column is what of a part; `scale` brings it to degrees.
+struct PartColumn {
+  std::size_t column = 0;
+  std::string part;
+  double scale = 1.0;
+};
+
+struct ChainColumns {
+  std::optional<std::size_t> time;
+  double time_scale_s = 1.0;
+  std::vector<PartColumn> commands;
+  std::vector<PartColumn> angles;  // in the order of `commands` once paired
+};
+
+struct ChainPattern {
+  std::string_view before;
+  std::string_view after;
+  bool is_command;
+  double scale;
+};
+/// The first that fits counts.
+constexpr ChainPattern kChainPatterns[] = {{"true_angle_rad.", "", true, kDegPerRad},
+                                           {"hand_angle_rad.", "", false, kDegPerRad},
+                                           {"", "_command_deg", true, 1.0},
+                                           {"", "_command_rad", true, kDegPerRad},
+                                           {"", "_deg", false, 1.0},
+                                           {"", "_rad", false, kDegPerRad}};
+
+bool AddPart(const std::string& name, std::size_t column, ChainColumns& columns) {
+  for (const ChainPattern& pattern : kChainPatterns) {
+    const std::size_t around = pattern.before.size() + pattern.after.size();
+    if (!name.starts_with(pattern.before) || !name.ends_with(pattern.after)) continue;
+    if (name.size() <= around) continue;
+    (pattern.is_command ? columns.commands : columns.angles)
+        .push_back(
+            {column, name.substr(pattern.before.size(), name.size() - around), pattern.scale});
+    return true;
+  }
+  return name.find('.') != std::string::npos;  // another signal of a trace
+}
+
+const PartColumn* FindPart(const std::vector<PartColumn>& columns, const std::string& part) {
+  const auto found = std::ranges::find(columns, part, &PartColumn::part);
+  return found == columns.end() ? nullptr : &*found;
+}
+
+void RejectRepeatedParts(const CsvReader& csv, const std::vector<PartColumn>& columns) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (FindPart(columns, columns[i].part) == &columns[i]) continue;
+    csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", Quoted(columns[i].part)));
+  }
+}
+
+/// Puts the angles in the order of the commands. In a trace only joints without a channel of their
+/// name, and the other way round, have no partner.
+void PairParts(const CsvReader& csv, ChainColumns& columns) {
+  RejectRepeatedParts(csv, columns.commands);
+  RejectRepeatedParts(csv, columns.angles);
+  std::vector<PartColumn> commands;
+  std::vector<PartColumn> angles;
+  std::vector<std::string> names;
+  for (const PartColumn& angle : columns.angles) names.push_back(angle.part);
+  for (const PartColumn& command : columns.commands) {
+    const PartColumn* angle = FindPart(columns.angles, command.part);
+    if (angle != nullptr) {
+      commands.push_back(command);
+      angles.push_back(*angle);
+    } else if (!csv.header()[command.column].starts_with(kChainPatterns[0].before)) {
+      csv.Fail(
+          command.column + 1,
+          fmt::format("{} has a command but no angle, add a column {}_deg{}", Quoted(command.part),
+                      OneLine(command.part, 60), Suggestion(command.part, names)));
+    }
+  }
+  if (commands.empty()) {
+    csv.Fail(1,
+             "there is no part with a command and an angle (columns as index_mcp_command_deg and "
+             "index_mcp_deg)");
+  }
+  columns.commands = std::move(commands);
+  columns.angles = std::move(angles);
+}
+
+ChainColumns FindChainColumns(const CsvReader& csv) {
+  if (csv.header().empty()) csv.Fail(1, "the first line must name the columns");
+  ChainColumns columns;
+  for (std::size_t column = 0; column < csv.column_count(); ++column) {
+    const std::string& name = csv.header()[column];
+    if (const auto scale_s = TimeScaleS(name)) {
+      columns.time = column;
+      columns.time_scale_s = *scale_s;
+    } else if (!IsSampleNumber(name) && !AddPart(name, column, columns)) {
+      csv.Fail(column + 1, fmt::format("unknown column {}, must be a time (as t_s or time_ms), or "
+                                       "a part's name with _command_deg, _command_rad, _deg or "
+                                       "_rad behind it",
+                                       Quoted(name)));
+    }
+  }
+  if (!columns.time) csv.Fail(1, "there is no column of time (as t_s or time_ms)");
+  PairParts(csv, columns);
+  return columns;
+}
+
+/// Good values of one column at their times.
+struct Series {
+  std::vector<double> time_s;
+  std::vector<double> value;
+};
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// On straight lines, from start_s on; constant beyond the ends.
+void InterpolateLine(const Series& series, double start_s, double rate_hz,
+                     Eigen::Ref<Eigen::VectorXd> result) {
+  std::size_t next = 0;
+  for (Eigen::Index k = 0; k < result.size(); ++k) {
+    const double time_s = start_s + static_cast<double>(k) / rate_hz;
+    while (next < series.time_s.size() && series.time_s[next] < time_s) ++next;
+    if (next == 0 || next == series.time_s.size()) {
+      result[k] = next == 0 ? series.value.front() : series.value.back();
+      continue;
+    }
+    const double before_s = series.time_s[next - 1];
+    const double share = (time_s - before_s) / (series.time_s[next] - before_s);
+    result[k] = series.value[next - 1] + share * (series.value[next] - series.value[next - 1]);
+  }
+}
+
+void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& series,
+               double longest_gap_s) {
+  for (std::size_t i = 1; i < series.time_s.size(); ++i) {
+    const double gap_s = series.time_s[i] - series.time_s[i - 1];
+    if (gap_s <= longest_gap_s) continue;
+    csv.FailInRow(1, column.column + 1,
+                  fmt::format("{} has no value for {:.3g} s from {:.6g} s on, must have one every "
+                              "{:.3g} s; cut the log there",
+                              Quoted(column.part), gap_s, series.time_s[i - 1], longest_gap_s));
+  }
+}
+
+}  // namespace
+
+ChainLog LoadChainLog(const std::filesystem::path& file) {
+  CsvReader csv(file.string(), FileSource(file), ProblemHandling::kAllowMissing);
+  const ChainColumns columns = FindChainColumns(csv);
+  std::vector<PartColumn> all = columns.commands;
+  all.insert(all.end(), columns.angles.begin(), columns.angles.end());
+  std::vector<bool> used(csv.column_count(), false);
+  used[*columns.time] = true;
+  for (const PartColumn& column : all) used[column.column] = true;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) csv.Ignore(i);
+  }
+
+  ChainLog log;
+  log.name = OneLine(file.string());
+  for (const PartColumn& command : columns.commands) log.parts.push_back(command.part);
+  std::vector<Series> series(all.size());
+  std::vector<double> steps_s;
+  double first_s = 0.0;
+  double last_s = -std::numeric_limits<double>::infinity();
+  std::vector<double> values(csv.column_count());
+  while (csv.NextRow(values)) {
+    const double time_s = values[*columns.time] * columns.time_scale_s;
+    if (std::isnan(time_s)) csv.Fail(*columns.time + 1, "the time is missing");
+    if (time_s <= last_s) {
+      csv.Fail(*columns.time + 1,
+               fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
+                           last_s));
+    }
+    if (std::isinf(last_s)) {
+      first_s = time_s;
+    } else {
+      steps_s.push_back(time_s - last_s);
+    }
+    last_s = time_s;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double value = values[all[i].column] * all[i].scale;
+      if (std::isnan(value)) {
+        ++log.values_missing;
+        continue;
+      }
+      series[i].time_s.push_back(time_s);
+      series[i].value.push_back(value);
+    }
+  }
+  if (steps_s.empty()) csv.Fail(1, "the log has fewer than two rows");
+  const double period_s = Median(steps_s);
+  log.rate_hz = 1.0 / period_s;
+  const double longest_gap_s = std::max(0.1, 10.0 * period_s);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (series[i].value.empty()) {
+      csv.FailInRow(1, all[i].column + 1, fmt::format("{} has no values", Quoted(all[i].part)));
+    }
+    RejectGap(csv, all[i], series[i], longest_gap_s);
+  }
+  const Eigen::Index samples = std::llround((last_s - first_s) / period_s) + 1;
+  log.command_deg = Signal(samples, std::ssize(columns.commands));
+  log.angle_deg = Signal(samples, std::ssize(columns.commands));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool is_command = i < columns.commands.size();
+    const std::size_t part = is_command ? i : i - columns.commands.size();
+    InterpolateLine(series[i], first_s, log.rate_hz,
+                    (is_command ? log.command_deg : log.angle_deg).col(part));
+  }
+  return log;
+}
+
+std::vector<ChainFit> FitChains(const ChainLog& log) {
+  std::vector<ChainFit> fits;
+  const auto column = [](const Signal& signal, Eigen::Index part) {
+    return std::span<const double>(signal.col(part).data(),
+                                   static_cast<std::size_t>(signal.rows()));
+  };
+  for (Eigen::Index part = 0; part < log.command_deg.cols(); ++part) {
+    fits.push_back(
+        FitChain(column(log.command_deg, part), column(log.angle_deg, part), log.rate_hz));
+  }
+  const bool any = std::ranges::any_of(fits, [](const ChainFit& f) { return f.problem.empty(); });
+  if (!any) {
+    throw UserError({.place = log.name, .key = log.parts.front(), .problem = fits[0].problem});
+  }
+  return fits;
+}
+
+}  // namespace gauntlet::sim

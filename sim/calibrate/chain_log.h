@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/base/signal.h"
+#include "sim/calibrate/chain_fit.h"
+
+namespace gauntlet::sim {
+
+/// What parts of a hand (joints or motors) were told, and what they did.
+///
+/// Shapes: samples x parts, at an even rate, finite.
+struct ChainLog {
+  std::string name;  // of the file, for messages
+  std::vector<std::string> parts;
+  double rate_hz = 1000.0;
+  Signal command_deg;
+  Signal angle_deg;
+  std::size_t values_missing = 0;  // a straight line goes over them
+};
+
+/// Reads a table with a header and a column of time (see TimeScaleS). Per part `NAME_command_deg`
+/// (or `_rad`), and `NAME_deg` (or `_rad`) for the angle that was measured; or the CSV of a trace:
+/// `true_angle_rad.NAME` and `hand_angle_rad.NAME`, whose other signals are left out. Other columns
+/// are an error. Times need not be even: values are brought to the median rate on straight lines.
+/// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows.
+ChainLog LoadChainLog(const std::filesystem::path& file);
+
+/// Fits every part.
+/// Errors: UserError if no part of the log can be fitted, with the problem of the first.
+std::vector<ChainFit> FitChains(const ChainLog& log);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,86 @@
+#include "sim/calibrate/identified_chain.h"
+
+#include <cmath>
+
+namespace gauntlet::sim {
+namespace {
+
+/// Three digits behind the point are more than any log bears; an end that is not known is left out
+/// with the whole.
+std::vector<double> ListOf(const ChainEstimate& estimate) {
+  if (!std::isfinite(estimate.value + estimate.low + estimate.high)) return {};
+  std::vector<double> list = {estimate.value, estimate.low, estimate.high};
+  for (double& value : list) value = std::round(value * 1e3) / 1e3;
+  return list;
+}
+
+/// `member` of every part; the mean of the others where there is none.
+std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
+                             std::vector<double> IdentifiedPart::*member, double& mean) {
+  double sum = 0.0;
+  int count = 0;
+  for (const IdentifiedPart& part : parts) {
+    if ((part.*member).empty()) continue;
+    sum += (part.*member).front();
+    ++count;
+  }
+  mean = count > 0 ? sum / count : 0.0;
+  mean = std::round(mean * 1e3) / 1e3;
+  std::vector<double> values;
+  for (const IdentifiedPart& part : parts) {
+    values.push_back((part.*member).empty() ? mean : (part.*member).front());
+  }
+  return values;
+}
+
+}  // namespace
+
+void IdentifiedPart::Visit(controller::SettingsVisitor& visitor) {
+  visitor.Text({.key = "part", .help = "joint or motor"}, part);
+  visitor.Numbers({.key = "delay_ms", .help = "shift in time; value, low and high end of 95 %"},
+                  delay_ms);
+  visitor.Numbers({.key = "dead_time_ms", .help = "until anything happens"}, dead_time_ms);
+  visitor.Numbers({.key = "lag_ms", .help = "delay of slow motions besides"}, lag_ms);
+  visitor.Numbers({.key = "natural_frequency_hz", .help = "of the second-order lag"},
+                  natural_frequency_hz);
+  visitor.Numbers({.key = "damping_ratio", .help = "of the second-order lag"}, damping_ratio);
+  visitor.Numbers({.key = "gain", .help = "angle per command"}, gain);
+  visitor.Numbers({.key = "hysteresis_deg", .help = "width of the loop between up and down"},
+                  hysteresis_deg);
+  visitor.Number({.key = "residual_rms_deg", .help = "what the model leaves"}, residual_rms_deg);
+}
+
+void IdentifiedChain::Visit(controller::SettingsVisitor& visitor) {
+  visitor.Text({.key = "log", .help = "that it was made from"}, log);
+  visitor.Numbers({.key = "horizon_ms", .help = "for prediction.horizon_ms"}, horizon_ms);
+  visitor.Number({.key = "expected_delay_ms", .help = "for joint_loop.expected_delay_ms"},
+                 expected_delay_ms);
+  visitor.Numbers({.key = "friction_deg", .help = "for joint_loop.friction_deg"}, friction_deg);
+  controller::VisitList(visitor, {.key = "parts", .help = "joints or motors"}, parts);
+}
+
+IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits) {
+  IdentifiedChain chain;
+  chain.log = log.name;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const ChainFit& fit = fits[i];
+    const bool known = std::isfinite(fit.residual_rms_deg);
+    chain.parts.push_back(
+        {.part = log.parts[i],
+         .delay_ms = ListOf(fit.delay_ms),
+         .dead_time_ms = ListOf(fit.dead_time_ms),
+         .lag_ms = ListOf(fit.lag_ms),
+         .natural_frequency_hz = ListOf(fit.natural_frequency_hz),
+         .damping_ratio = ListOf(fit.damping_ratio),
+         .gain = ListOf(fit.gain),
+         .hysteresis_deg = ListOf(fit.hysteresis_deg),
+         .residual_rms_deg = known ? std::round(fit.residual_rms_deg * 1e3) / 1e3 : 0.0});
+  }
+  double mean_hysteresis_deg = 0.0;
+  chain.horizon_ms = ValuesOf(chain.parts, &IdentifiedPart::delay_ms, chain.expected_delay_ms);
+  chain.friction_deg = ValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg, mean_hysteresis_deg);
+  for (double& value : chain.friction_deg) value = std::round(value * 500.0) / 1e3;
+  return chain;
+}
+
+}  // namespace gauntlet::sim

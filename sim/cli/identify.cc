@@ -1,0 +1,213 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "sim/base/atomic_file.h"
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
+#include "sim/calibrate/chain_log.h"
+#include "sim/calibrate/identified_chain.h"
+#include "sim/cli/commands.h"
+#include "sim/cli/out_option.h"
+#include "sim/cli/standard_streams.h"
+#include "sim/settings/yaml_writer.h"
+#include "sim/trial/trace_reader.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct IdentifyOptions {
+  std::string log;
+  std::string controller;  // empty: the first of a trace
+  std::string from = "wearer";
+  std::string out;  // empty: out/<log>.chain.yaml
+  bool json = false;
+};
+
+/// One controller of a trace, the whole hand.
+ChainLog LogOfTrace(const fs::path& file, const IdentifyOptions& options) {
+  std::vector<std::string> only;
+  if (!options.controller.empty()) only = {options.controller};
+  const TraceFile trace_file = ReadTraceFile(file, {.only = only});
+  if (trace_file.traces.empty()) {
+    throw UserError({.place = file.string(),
+                     .problem = options.controller.empty()
+                                    ? "holds no controller"
+                                    : "holds no controller " + Shown(options.controller)});
+  }
+  const Trace& trace = trace_file.traces.front();
+  const bool from_wearer = options.from == "wearer";
+  if (!from_wearer && trace.target_angle_rad.cols() == 0) {
+    throw UserError({.place = file.string(), .problem = "is too old: it holds no targets"});
+  }
+  const Signal& command = from_wearer ? trace_file.reference_angle_rad : trace.target_angle_rad;
+  const Eigen::Index ticks = trace.hand_angle_rad.rows();
+  ChainLog log;
+  log.name = OneLine(file.string());
+  log.parts = trace_file.joint_names;
+  log.rate_hz = trace_file.tick_rate_hz;
+  log.command_deg = command.topRows(ticks) * kDegPerRad;
+  log.angle_deg = trace.hand_angle_rad * kDegPerRad;
+  return log;
+}
+
+ChainLog LoadLog(const IdentifyOptions& options) {
+  const fs::path path = options.log;
+  const fs::path trace = fs::is_directory(path) ? path / "trace.h5" : path;
+  if (trace.extension() == ".h5") return LogOfTrace(trace, options);
+  if (!options.controller.empty()) {
+    throw UserError({.place = "--controller " + options.controller,
+                     .problem = "is for an output folder or its trace.h5, a CSV has but one"});
+  }
+  return LoadChainLog(path);
+}
+
+std::string Cell(const ChainEstimate& estimate, int digits) {
+  if (!std::isfinite(estimate.value)) return "-";
+  return fmt::format("{:.{}f} ({:.{}f}..{:.{}f})", estimate.value, digits, estimate.low, digits,
+                     estimate.high, digits);
+}
+
+void PrintTable(const ChainLog& log, const std::vector<ChainFit>& fits) {
+  std::size_t width = 5;
+  for (const std::string& part : log.parts) width = std::max(width, part.size());
+  Print("{:.1f} s at {:.6g} Hz; in brackets the 95 % interval\n\n",
+        static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
+  Print("{:<{}}  {:>19}  {:>19}  {:>19}  {:>17}  {:>17}  {:>17}  {:>17}  {:>5}\n", "", width,
+        "delay", "dead time", "lag", "frequency", "damping", "gain", "hysteresis", "left");
+  Print("{:<{}}  {:>19}  {:>19}  {:>19}  {:>17}  {:>17}  {:>17}  {:>17}  {:>5}\n", "part", width,
+        "ms", "ms", "ms", "Hz", "", "", "deg", "deg");
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const ChainFit& fit = fits[i];
+    if (!fit.problem.empty()) {
+      Print("{:<{}}  {}\n", log.parts[i], width, fit.problem);
+      continue;
+    }
+    Print("{:<{}}  {:>19}  ", log.parts[i], width, Cell(fit.delay_ms, 1));
+    if (!fit.split_problem.empty()) {
+      Print("{}\n", fit.split_problem);
+      continue;
+    }
+    Print("{:>19}  {:>19}  {:>17}  {:>17}  {:>17}  {:>17}  {:>5.2f}\n", Cell(fit.dead_time_ms, 1),
+          Cell(fit.lag_ms, 1), Cell(fit.natural_frequency_hz, 1), Cell(fit.damping_ratio, 2),
+          Cell(fit.gain, 3), Cell(fit.hysteresis_deg, 2), fit.residual_rms_deg);
+  }
+}
+
+void PrintJson(const ChainLog& log, const std::vector<ChainFit>& fits) {
+  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const ChainFit& fit = fits[i];
+    nlohmann::ordered_json row = {{"part", log.parts[i]}};
+    const std::string& problem = fit.problem.empty() ? fit.split_problem : fit.problem;
+    if (!problem.empty()) row["problem"] = problem;
+    const auto add = [&row](const std::string& key, const ChainEstimate& estimate) {
+      row[key] = {// a NaN becomes null
+                  {"value", estimate.value},
+                  {"ci95_low", estimate.low},
+                  {"ci95_high", estimate.high}};
+    };
+    add("delay_ms", fit.delay_ms);
+    add("dead_time_ms", fit.dead_time_ms);
+    add("lag_ms", fit.lag_ms);
+    add("natural_frequency_hz", fit.natural_frequency_hz);
+    add("damping_ratio", fit.damping_ratio);
+    add("gain", fit.gain);
+    add("hysteresis_deg", fit.hysteresis_deg);
+    row["residual_rms_deg"] = fit.residual_rms_deg;
+    row["shifted_rms_deg"] = fit.shifted_rms_deg;
+    parts.push_back(std::move(row));
+  }
+  const nlohmann::ordered_json json = {{"log", log.name},
+                                       {"samples", log.command_deg.rows()},
+                                       {"rate_hz", log.rate_hz},
+                                       {"parts", parts}};
+  Print("{}\n", json.dump(2));
+}
+
+fs::path TargetOf(const IdentifyOptions& options) {
+  if (options.out.empty()) {
+    fs::path log = options.log;
+    if (!log.has_filename()) log = log.parent_path();  // a folder with a slash behind it
+    const std::string stem = log.filename() == "trace.h5" && log.has_parent_path()
+                                 ? log.parent_path().filename().string()
+                                 : log.stem().string();
+    return fs::path("out") / (stem + ".chain.yaml");
+  }
+  std::error_code none;
+  if (fs::equivalent(options.out, options.log, none)) {
+    throw UserError({.place = "--out " + options.out, .problem = "is the log itself"});
+  }
+  return options.out;
+}
+
+void RunIdentify(const IdentifyOptions& options) {
+  const fs::path target = TargetOf(options);
+  const ChainLog log = LoadLog(options);
+  const std::vector<ChainFit> fits = FitChains(log);
+  IdentifiedChain chain = MakeIdentifiedChain(log, fits);
+  if (target.has_parent_path()) MakeDirectory(target.parent_path());
+  WriteFileAtomically(
+      target,
+      "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
+      "expected_delay_ms\n# and friction_deg are for its joint_loop; in the order of parts.\n" +
+          SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); }));
+  if (options.json) {
+    PrintJson(log, fits);
+  } else {
+    PrintTable(log, fits);
+  }
+  FlushOutput();
+  if (log.values_missing > 0) {
+    Say("gauntlet: {}: {} missing values, straight lines go over them\n", log.name,
+        log.values_missing);
+  }
+  Say("wrote {}\n", target.string());
+}
+
+}  // namespace
+
+void AddIdentifyCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "identify", "Delay, dead time, lag, gain and hysteresis of a hand, from commands and angles");
+  const auto options = std::make_shared<IdentifyOptions>();
+  command
+      ->add_option("log", options->log,
+                   "CSV with a time, and NAME_command_deg and NAME_deg per joint or motor; or an "
+                   "output folder of run, or its trace.h5")
+      ->required();
+  AddOutOption(*command, options->out, "file to write [out/<log>.chain.yaml]", "FILE.yaml");
+  command
+      ->add_option("--from", options->from,
+                   "of an output folder: the chain from the wearer's angles (what a prediction has "
+                   "to make up for), or from the controller's targets")
+      ->type_name("SIGNAL")
+      ->check(CLI::IsMember({"wearer", "target"}))
+      ->capture_default_str();
+  command
+      ->add_option("--controller", options->controller,
+                   "of an output folder [the scenario's first]")
+      ->type_name("NAME");
+  command->add_flag("--json", options->json, "print JSON instead of the table");
+  command->footer(
+      "\nThe delay is the shift in time that makes command and angle most alike. The model behind "
+      "the\n"
+      "rest: dead time, play (dry friction or backlash), a lag of second order, gain and offset. A "
+      "log\n"
+      "of 10 s or more of motion at several speeds tells them apart; a command that is sent in "
+      "steps is\n"
+      "to be logged at 200 Hz or more, as between rows it counts as a straight line.\n"
+      "\nExample:\n  gauntlet run scenarios/probe_chain.yaml\n"
+      "  gauntlet identify out/probe_chain\n");
+  command->callback([options] { RunIdentify(*options); });
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,235 @@
+// From what a log says of a command and an angle back to what stands between them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "sim/base/error.h"
+#include "sim/calibrate/chain_fit.h"
+#include "sim/calibrate/chain_log.h"
+#include "sim/calibrate/identified_chain.h"
+#include "tests/calibrate/simulated_chain.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<double> Simulated(const ChainModel& model, const std::vector<double>& command,
+                              double rate_hz) {
+  std::vector<double> angle(command.size());
+  SimulateChain(model, command, rate_hz, angle);
+  return angle;
+}
+
+TEST(ChainModel, DelaysARampByDeadTimeAndLagWhenItHasSettled) {
+  std::vector<double> ramp;
+  for (int k = 0; k < 4000; ++k) ramp.push_back(10.0 * k * 1e-3);
+  for (const double dead_time_s : {0.0, 0.03, 0.0304}) {
+    for (const double inertia_s2 : {0.0, 1e-6, 4e-4}) {
+      const ChainModel model{.dead_time_s = dead_time_s,
+                             .lag_s = 0.05,
+                             .inertia_s2 = inertia_s2,
+                             .gain = 0.9,
+                             .play_deg = 1.5,
+                             .offset_deg = 3.0};
+      const double expected = 0.9 * (ramp.back() - 10.0 * (dead_time_s + 0.05)) - 1.5 + 3.0;
+      EXPECT_NEAR(Simulated(model, ramp, 1000.0).back(), expected, 1e-6);
+    }
+  }
+}
+
+TEST(ChainModel, IsExactForASineOfItsOwn) {
+  // Steady state of the second order: |H| and its phase at 2 Hz.
+  const double omega = 2.0 * std::numbers::pi * 2.0;
+  const ChainModel model{.dead_time_s = 0.02, .lag_s = 0.04, .inertia_s2 = 6e-4};
+  std::vector<double> sine;
+  for (int k = 0; k < 3000; ++k) sine.push_back(20.0 * std::sin(omega * k * 1e-3));
+  const std::vector<double> angle = Simulated(model, sine, 1000.0);
+  const double real = 1.0 - omega * omega * model.inertia_s2;
+  const double imaginary = omega * model.lag_s;
+  const double amplitude = 20.0 / std::hypot(real, imaginary);
+  const double phase = -std::atan2(imaginary, real) - omega * model.dead_time_s;
+  for (int k = 2000; k < 3000; k += 37) {  // 20 deg in straight lines of 1 ms: (omega h)^2 / 12
+    EXPECT_NEAR(angle[k], amplitude * std::sin(omega * k * 1e-3 + phase), 20.0 * 2e-5);
+  }
+}
+
+void ExpectWithin(double share, const ChainEstimate& estimate, double truth) {
+  EXPECT_NEAR(estimate.value, truth, share * truth);
+  EXPECT_LT(estimate.low, estimate.value);
+  EXPECT_GT(estimate.high, estimate.value);
+  EXPECT_LT(estimate.high - estimate.low, truth);  // says something
+}
+
+TEST(FitChain, FindsTwelveHiddenValuesWithinTenPercent) {
+  const HiddenChain hidden[] = {{},
+                                {.dead_time_ms = 62.0,
+                                 .lag_ms = 28.0,
+                                 .natural_frequency_hz = 7.5,
+                                 .gain = 0.85,
+                                 .hysteresis_deg = 6.5,
+                                 .offset_deg = -4.0}};
+  for (const HiddenChain& chain : hidden) {
+    const SimulatedLog log = SimulateLog(chain, {.duration_s = 20.0, .rate_hz = 200.0}, 5);
+    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, 200.0);
+    ASSERT_EQ(fit.problem + fit.split_problem, "");
+    ExpectWithin(0.1, fit.dead_time_ms, chain.dead_time_ms);
+    ExpectWithin(0.1, fit.lag_ms, chain.lag_ms);
+    ExpectWithin(0.1, fit.natural_frequency_hz, chain.natural_frequency_hz);
+    ExpectWithin(0.1, fit.gain, chain.gain);
+    ExpectWithin(0.1, fit.hysteresis_deg, chain.hysteresis_deg);
+    EXPECT_NEAR(fit.model.offset_deg, chain.offset_deg, 0.2);
+    EXPECT_NEAR(fit.residual_rms_deg, 0.3, 0.03);  // nothing but the noise
+    const double damping = 1e-3 * chain.lag_ms * std::numbers::pi * chain.natural_frequency_hz;
+    ExpectWithin(0.1, fit.damping_ratio, damping);
+    // As late as dead time and lag together, play on top.
+    EXPECT_GT(fit.delay_ms.value, chain.dead_time_ms + 0.8 * chain.lag_ms);
+    EXPECT_GT(fit.shifted_rms_deg, fit.residual_rms_deg);
+  }
+}
+
+TEST(FitChain, IntervalsHoldTheTruthAsOftenAsTheySay) {
+  constexpr int kLogs = 25;
+  const HiddenChain chain;
+  int held = 0;
+  for (int i = 0; i < kLogs; ++i) {
+    const SimulatedLog log =
+        SimulateLog(chain, {.duration_s = 10.0, .rate_hz = 100.0, .noise_correlation = 0.8},
+                    static_cast<std::uint64_t>(300 + i));
+    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, 100.0);
+    const auto holds = [](const ChainEstimate& e, double truth) {
+      return e.low <= truth && truth <= e.high;
+    };
+    held += holds(fit.dead_time_ms, chain.dead_time_ms) + holds(fit.lag_ms, chain.lag_ms) +
+            holds(fit.gain, chain.gain) + holds(fit.hysteresis_deg, chain.hysteresis_deg);
+  }
+  // 100 intervals of 95 % that are not independent; chain_coverage counts exactly.
+  EXPECT_GE(held, 87);
+}
+
+TEST(FitChain, HasAsWideAnIntervalOfTheDelayForFramesAsForASmoothCommand) {
+  const ChainRecording recording{.duration_s = 20.0, .rate_hz = 500.0};
+  SimulatedLog log = SimulateLog({}, recording, 8);
+  const ChainEstimate smooth = FitChain(log.command_deg, log.angle_deg, 500.0).delay_ms;
+  for (std::size_t k = 0; k < log.command_deg.size(); ++k) {
+    log.command_deg[k] = log.command_deg[k - k % 10];  // held for 20 ms
+  }
+  const ChainEstimate framed = FitChain(log.command_deg, log.angle_deg, 500.0).delay_ms;
+  EXPECT_NEAR(framed.value, smooth.value - 9.0, 1.0);  // a frame is 0 to 18 ms old
+  EXPECT_NEAR(framed.high - framed.low, smooth.high - smooth.low, 0.2 * (smooth.high - smooth.low));
+}
+
+TEST(FitChain, SaysInOneSentenceWhatALogLacks) {
+  std::vector<double> command, angle, still(4000, 3.0);
+  for (int k = 0; k < 4000; ++k) {
+    const double t = k / 200.0;
+    command.push_back(20.0 * std::sin(t) + 10.0 * std::sin(5.0 * t));
+    angle.push_back(20.0 * std::sin(t - 0.1) + 10.0 * std::sin(5.0 * (t - 0.1)));
+  }
+  const auto problem = [](const std::vector<double>& u, const std::vector<double>& y) {
+    return FitChain(u, y, 200.0).problem;
+  };
+  EXPECT_EQ(problem(command, angle), "");
+  EXPECT_EQ(problem(still, angle), "its command does not move");
+  EXPECT_EQ(problem(command, still), "it does not move");
+  EXPECT_THAT(problem(angle, command), HasSubstr("is ahead of its command by 100"));
+  const std::vector<double> a(command.begin(), command.begin() + 900);
+  EXPECT_EQ(problem(a, a), "is 4.5 s long, must be at least 5 s");
+  std::vector<double> opposite = command;
+  for (double& value : opposite) value = -value;
+  EXPECT_THAT(problem(command, opposite), HasSubstr("no delay to be seen"));
+}
+
+TEST(FitChain, GivesTheDelayAloneWhereOneSineDoesNotTellThePartsApart) {
+  std::vector<double> command, angle;
+  for (int k = 0; k < 4000; ++k) {
+    const double phase = 4.0 * k / 200.0;
+    command.push_back(20.0 * std::sin(phase));
+    angle.push_back(18.0 * std::sin(phase - 4.0 * 0.08));
+  }
+  const ChainFit fit = FitChain(command, angle, 200.0);
+  EXPECT_EQ(fit.problem, "");
+  EXPECT_NEAR(fit.delay_ms.value, 80.0, 0.5);
+  // Either it says so, or its intervals do.
+  const bool wide = fit.dead_time_ms.high - fit.dead_time_ms.low > 30.0;
+  EXPECT_TRUE(!fit.split_problem.empty() || wide)
+      << fit.dead_time_ms.low << " " << fit.dead_time_ms.high;
+}
+
+class ChainLogTest : public testing::Test {
+ protected:
+  ChainLog Load(const std::string& csv) {
+    const auto file = folder_.path() / "log.csv";
+    std::ofstream(file) << csv;
+    return LoadChainLog(file);
+  }
+  std::string Refusal(const std::string& csv) {
+    try {
+      Load(csv);
+    } catch (const UserError& error) {
+      return std::string(error.what()).substr(folder_.path().string().size() + 1);
+    }
+    return "";
+  }
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(ChainLogTest, BringsUnevenRowsOfAnyUnitToAnEvenRate) {
+  std::string csv = "time_ms,a_command_rad,a_deg,b_command_deg,b_deg\n";
+  for (int k = 0; k < 100; ++k) {
+    const double time_ms = 10.0 * k + (k % 3);
+    csv += std::to_string(time_ms) + "," + std::to_string(time_ms * 1e-3) + "," +
+           (k == 50 ? "" : std::to_string(2.0 * time_ms)) + ",1,2\n";
+  }
+  const ChainLog log = Load(csv);
+  EXPECT_EQ(log.parts, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(log.values_missing, 1u);
+  const double period_ms = 1e3 / log.rate_hz;
+  for (const Eigen::Index k : {0, 17, 49, 50, 51, 80}) {
+    const double time_ms = period_ms * static_cast<double>(k);
+    EXPECT_NEAR(log.command_deg(k, 0), time_ms * 1e-3 * kDegPerRad, 1e-3);
+    EXPECT_NEAR(log.angle_deg(k, 0), 2.0 * time_ms, 1e-3);
+    EXPECT_EQ(log.angle_deg(k, 1), 2.0);
+  }
+}
+
+TEST_F(ChainLogTest, RefusesWhatIsNoLogInOneLine) {
+  EXPECT_THAT(Refusal("a_command_deg,a_deg\n0,0\n"), HasSubstr("there is no column of time"));
+  EXPECT_THAT(Refusal("t_s,a_deg\n0,0\n"), HasSubstr("no part with a command and an angle"));
+  EXPECT_THAT(Refusal("t_s,a_command_deg,b_deg\n0,0,0\n"),
+              HasSubstr("'a' has a command but no angle, add a column a_deg"));
+  EXPECT_THAT(Refusal("t_s,a_command_deg,a_deg,x\n0,0,0,0\n"),
+              HasSubstr("log.csv:1:4: unknown column 'x'"));
+  EXPECT_THAT(Refusal("t_s,a_command_deg,a_deg,a_rad\n0,0,0,0\n"), HasSubstr("appears twice"));
+  EXPECT_THAT(Refusal("t_s,a_command_deg,a_deg\n0,0,0\n0,0,0\n"), HasSubstr("must be above"));
+  EXPECT_THAT(Refusal("t_s,a_command_deg,a_deg\n0,0,0\n0.01,0,0\n0.02,0,0\n9,0,0\n"),
+              HasSubstr("'a' has no value for 8.98 s from 0.02 s on"));
+  EXPECT_THAT(Refusal("t_s,a_command_deg,a_deg\n0,0,\n1,0,\n"), HasSubstr("'a' has no values"));
+  EXPECT_THAT(Refusal("t_s,a_command_deg,a_deg\n0,0,0\n"), HasSubstr("fewer than two rows"));
+}
+
+TEST(IdentifiedChain, GivesAPartThatStoodStillTheMeanOfTheOthers) {
+  ChainLog log;
+  log.name = "log.csv";
+  log.parts = {"a", "b", "c"};
+  ChainFit a, b;
+  a.delay_ms = {90.0, 88.0, 92.0};
+  a.hysteresis_deg = {4.0, 3.0, 5.0};
+  a.residual_rms_deg = 0.5;
+  b.problem = "it does not move";
+  ChainFit c = a;
+  c.delay_ms = {110.0, 108.0, 112.0};
+  const IdentifiedChain chain = MakeIdentifiedChain(log, {a, b, c});
+  EXPECT_THAT(chain.horizon_ms, testing::ElementsAre(90.0, 100.0, 110.0));
+  EXPECT_EQ(chain.expected_delay_ms, 100.0);
+  EXPECT_THAT(chain.friction_deg, testing::Each(2.0));
+  EXPECT_THAT(chain.parts[1].delay_ms, testing::IsEmpty());
+  EXPECT_THAT(chain.parts[2].delay_ms, testing::ElementsAre(110.0, 108.0, 112.0));
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
