@@ -10,6 +10,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/glove/motions/motion.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
@@ -155,11 +156,14 @@ TEST(Glove, RandomMotionStaysInsideItsRangeAndUsesIt) {
   config.motion.settings = RandomMotionConfig{.duration_s = 60.0, .range_percent = 50.0};
   const Signal angle_deg = SynthesiseGlove(config, 2).true_angle_rad * kDegPerRad;
   for (int channel = 0; channel < 18; ++channel) {
-    const auto [name, min_deg, max_deg, help] = GloveChannels()[channel];
-    const double range = max_deg - min_deg;
-    EXPECT_GE(angle_deg.col(channel).minCoeff(), min_deg + 0.25 * range) << name;
-    EXPECT_LE(angle_deg.col(channel).maxCoeff(), max_deg - 0.25 * range) << name;
-    EXPECT_GT(angle_deg.col(channel).maxCoeff() - angle_deg.col(channel).minCoeff(), 0.3 * range);
+    const std::string_view name = GloveChannels()[channel].name;
+    const Excursion excursion = ChannelExcursion(channel, 50.0);
+    const double middle_deg = excursion.middle_rad * kDegPerRad;
+    const double half_deg = excursion.half_rad * kDegPerRad;
+    EXPECT_GE(angle_deg.col(channel).minCoeff(), middle_deg - half_deg) << name;
+    EXPECT_LE(angle_deg.col(channel).maxCoeff(), middle_deg + half_deg) << name;
+    EXPECT_GT(angle_deg.col(channel).maxCoeff() - angle_deg.col(channel).minCoeff(),
+              1.2 * half_deg);
   }
 }
 
