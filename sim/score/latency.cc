@@ -67,8 +67,7 @@ std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fouri
     // it.
     const auto all = signal.topRows(rows);
     const Signal numbers = all.array().isNaN().select(0.0, all);
-    const Signal low = Filter(low_pass, Band::kBelow, numbers, fourier).values;
-    stations.push_back(EveryRow(low, step));
+    stations.push_back(Filter(low_pass, Band::kBelow, numbers, fourier, step).values);
   };
   add(*input.wearer_angle_rad);
   add(*input.raw_angle_rad);

@@ -1,11 +1,13 @@
 #include "sim/trial/trace_recorder.h"
 
+#include <type_traits>
+
 namespace gauntlet::sim {
 
 TraceRecorder::TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumnNames& names) {
   ForEachSignal(trace, [&]<class Scalar>(const TraceSignal<Scalar>& signal, auto& matrix) {
     const auto width = static_cast<Eigen::Index>(names.Of(signal.columns).size());
-    matrix.setZero(ticks, width);
+    matrix = std::remove_reference_t<decltype(matrix)>(ticks, width);  // each row is written or cut
     if (width == 0) return;
     using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
     const auto block = std::make_shared<Block>(Block::Zero(width, kBlockTicks));
