@@ -19,7 +19,7 @@
 namespace gauntlet::controller {
 namespace {
 
-constexpr double kDamping = 0.1;
+constexpr double kDamping = 0.03;
 // Of the variance: 0.1 and 100 standard deviations. Even one that never misses has a finite share.
 constexpr double kLeastMiss = 1e-2;
 constexpr double kMostMiss = 1e4;
@@ -35,7 +35,7 @@ std::array<Expert, 6> Bank() {
            {Swing(0.5, kDamping, 1e6, 10.0)},
            {Swing(1.0, kDamping, 1e6, 10.0)},
            {Swing(2.0, kDamping, 1e6, 100.0)},
-           {Swing(3.0, kDamping, 1e5, 100.0)}}};
+           {Swing(3.0, kDamping, 1e5, 300.0)}}};
 }
 constexpr int kExperts = std::tuple_size_v<decltype(Bank())>;
 

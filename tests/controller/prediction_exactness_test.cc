@@ -106,9 +106,9 @@ TEST(PredictionExactness, Fitted) {
 /// The bank as its header says; gains are those of Settle(), which has tests of its own.
 TEST(PredictionExactness, Adaptive) {
   constexpr Real kMemory = 1000;
-  const MotionModel models[] = {WhiteAcceleration(1e3),      WhiteJerk(1e6),
-                                Swing(0.5, 0.1, 1e6, 10.0),  Swing(1.0, 0.1, 1e6, 10.0),
-                                Swing(2.0, 0.1, 1e6, 100.0), Swing(3.0, 0.1, 1e5, 100.0)};
+  const MotionModel models[] = {WhiteAcceleration(1e3),       WhiteJerk(1e6),
+                                Swing(0.5, 0.03, 1e6, 10.0),  Swing(1.0, 0.03, 1e6, 10.0),
+                                Swing(2.0, 0.03, 1e6, 100.0), Swing(3.0, 0.03, 1e5, 300.0)};
   const Real degrees = 180 / std::numbers::pi_v<Real>;
   std::vector<RealFilter> bank;
   for (const MotionModel& model : models) {
