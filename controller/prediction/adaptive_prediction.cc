@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "controller/angle.h"
 #include "controller/filters/channel_arrays.h"
 #include "controller/filters/check_filter.h"
 #include "controller/filters/state_filter.h"
@@ -98,8 +98,8 @@ GAUNTLET_VECTORISED void StepExpert(ExpertState s, Transition t, double forget, 
   }
 }
 
-GAUNTLET_VECTORISED void Divide(const double* sum, const double* shares, double* output,
-                                int channel_count) {
+GAUNTLET_VECTORISED void DivideByShares(const double* sum, const double* shares, double* output,
+                                        int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) output[i] = sum[i] / shares[i];
 }
@@ -115,10 +115,9 @@ class AdaptivePredictor final : public StateFilter<Filter> {
                  kExperts * channel_count()),
         experts_(kExperts * kExpertValues, channel_count()),
         scratch_(kScratchArrays, channel_count()) {
-    constexpr double kDegPerRad = 180.0 / std::numbers::pi;
     for (int i = 0; i < channel_count(); ++i) {
       delay_[i] = std::max(1, static_cast<int>(std::lround(horizon_steps[i])));
-      scratch_[kInverseR][i] = kDegPerRad * kDegPerRad / r_deg2[i];
+      scratch_[kInverseR][i] = 1.0 / (kRadPerDeg * kRadPerDeg * r_deg2[i]);
     }
     const auto bank = Bank();
     for (int m = 0; m < kExperts; ++m) {
@@ -166,7 +165,7 @@ class AdaptivePredictor final : public StateFilter<Filter> {
       StepExpert(arrays, transitions_[m], forget_, kLeastMiss, kMostMiss, input.data(),
                  was_expected, scratch_[kInverseR], expected + m * n, sum, shares, n);
     }
-    Divide(sum, shares, output.data(), n);
+    DivideByShares(sum, shares, output.data(), n);
   }
   void SetState(int channel, double position) noexcept override {
     const double settled = WithoutSubnormal(position);

@@ -19,7 +19,8 @@ namespace gauntlet::controller {
 /// The bank: a hand at rest, which does not look ahead; one whose acceleration stays; one that
 /// swings at 0.5, 1, 2 and 3 Hz around a middle that wanders. The mixture is never beyond the
 /// farthest of the bank, and its shares change no faster than the memory lets them. A miss counts
-/// as 100 standard deviations at most. At a horizon below one step misses are those of one step.
+/// as 0.1 standard deviations at least and 100 at most. At a horizon below one step misses are
+/// those of one step.
 ///
 /// Source: weights by past losses as in Vovk, "Aggregating strategies", COLT 1990, with a power of
 /// the mean in place of the exponential, so that no unit enters; the bank was chosen on traces of

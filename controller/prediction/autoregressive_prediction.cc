@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "controller/angle.h"
 #include "controller/filters/channel_arrays.h"
 #include "controller/filters/check_filter.h"
 #include "controller/filters/state_filter.h"
@@ -15,7 +16,6 @@
 namespace gauntlet::controller {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 /// As if one sample had already moved by so much: what is learned has to be larger.
 constexpr double kFirstMotionDeg = 5.0;
 /// No joint moves further: nothing is learned from a glove that says so.

@@ -18,8 +18,9 @@ namespace gauntlet::controller {
 ///     g = P p / (f + p' P p),  w += g (z - s - w p),  P = (P - g p' P) / f
 ///     f = exp(-step / memory), or 1 where P would become larger than it began
 ///
-/// It begins with w = 0, which does not look ahead. So a hand at rest, from which nothing can be
-/// learned, makes neither weights nor P grow without bound.
+/// It begins with w = 0, which does not look ahead. A hand at rest, from which nothing can be
+/// learned, makes neither weights nor P grow without bound. A p of more than half a turn, which no
+/// joint makes, teaches nothing.
 ///
 /// Source: Ljung, System Identification, 11.2. Errors: SettingError if `horizon_ms` has neither one
 /// value nor one per channel, or taps are no step apart.
