@@ -1,6 +1,5 @@
 #include "controller/prediction/linear_prediction.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -16,27 +15,24 @@ namespace {
 /// z(k) + steps slope: zero steps, or a window that is not full yet, pass samples through.
 class LinearPredictor final : public Filter {
  public:
-  LinearPredictor(int window, double horizon_steps, int channel_count)
-      : Filter(channel_count),
-        weights_(horizon_steps * EndPointWeights(window, 1, 1)),
-        window_(window, channel_count),
-        ahead_(static_cast<std::size_t>(channel_count)) {
-    weights_[0] += 1.0;
-  }
+  LinearPredictor(int window, const Eigen::ArrayXd& horizon_steps)
+      : Filter(horizon_steps.size()),
+        horizon_steps_(horizon_steps),
+        weights_(EndPointWeights(window, 1, 1)),
+        window_(window, channel_count()),
+        slope_(static_cast<std::size_t>(channel_count())) {}
 
   void Reset() noexcept override { window_.Reset(); }
 
  private:
   void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     window_.Push(input);
-    WeightedSum(window_, weights_, ahead_.data());
-    if (!window_.all_full()) {
-      const double* newest = window_.Row(0);
-      for (int i = 0; i < channel_count(); ++i) {
-        if (window_.count(i) < window_.length()) ahead_[static_cast<std::size_t>(i)] = newest[i];
-      }
+    WeightedSum(window_, weights_, slope_.data());
+    const double* newest = window_.Row(0);
+    for (int i = 0; i < channel_count(); ++i) {
+      const bool full = window_.count(i) == window_.length();
+      output[i] = newest[i] + (full ? horizon_steps_[i] * slope_[i] : 0.0);
     }
-    std::copy(ahead_.begin(), ahead_.end(), output.begin());
   }
   void ResetChecked(int channel) noexcept override { window_.ResetChannel(channel); }
   void StartChecked(std::span<const double> values) noexcept override { window_.StartAt(values); }
@@ -47,9 +43,10 @@ class LinearPredictor final : public Filter {
     return true;
   }
 
+  Eigen::ArrayXd horizon_steps_;
   Eigen::ArrayXd weights_;
   SampleWindow window_;
-  std::vector<double> ahead_;
+  std::vector<double> slope_;
 };
 
 }  // namespace
@@ -69,8 +66,8 @@ std::unique_ptr<Filter> MakePredictor(const LinearPredictionConfig& config, int 
     throw SettingError("window_ms", "must hold at least two steps of the filter, " +
                                         NumberText(2e3 / rate_hz) + " ms");
   }
-  return std::make_unique<LinearPredictor>(window, config.horizon_ms * 1e-3 * rate_hz,
-                                           channel_count);
+  return std::make_unique<LinearPredictor>(window,
+                                           HorizonSteps(config.horizon_ms, channel_count, rate_hz));
 }
 
 }  // namespace gauntlet::controller

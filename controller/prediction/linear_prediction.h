@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "controller/filters/filter.h"
 #include "controller/settings.h"
@@ -17,7 +18,7 @@ struct LinearPredictionConfig {
   static constexpr std::string_view kKind = "linear";
   static constexpr std::string_view kSummary = "along the slope of the last samples";
 
-  double horizon_ms = 45.0;  // the paper's bound of the event time
+  std::vector<double> horizon_ms = {45.0};  // the paper's bound of the event time
   double window_ms = 60.0;
 
   void Visit(SettingsVisitor& visitor);

@@ -5,6 +5,10 @@
 #include <variant>
 
 #include "controller/kinds.h"
+#include "controller/prediction/adaptive_prediction.h"
+#include "controller/prediction/autoregressive_prediction.h"
+#include "controller/prediction/double_exponential_prediction.h"
+#include "controller/prediction/fitted_prediction.h"
 #include "controller/prediction/kalman_prediction.h"
 #include "controller/prediction/linear_prediction.h"
 #include "controller/prediction/no_prediction.h"
@@ -15,12 +19,15 @@ namespace gauntlet::controller {
 /// Every kind of prediction that there is. To add one: a file with its config and its
 /// MakePredictor(), and one entry here.
 using PredictionSettings =
-    std::variant<NoPredictionConfig, LinearPredictionConfig, KalmanPredictionConfig>;
+    std::variant<NoPredictionConfig, LinearPredictionConfig, KalmanPredictionConfig,
+                 AdaptivePredictionConfig, DoubleExponentialPredictionConfig,
+                 FittedPredictionConfig, AutoregressivePredictionConfig>;
 
 /// Looking ahead, to make up for the delay between the glove and the hand: the paper's second idea.
 ///
-/// It pays while frequency x horizon stays below 0.1 to 0.2; above, it overshoots; and it raises
-/// noise. Source: Bai, Jiang, Yokoi, section 5.
+/// Along a line it pays while frequency x horizon stays below 0.1 to 0.2; above, it overshoots; and
+/// it raises noise. A predictor may stand behind filters or, better, alone: what filters take away
+/// they make late. Source: Bai, Jiang, Yokoi, section 5.
 struct PredictionConfig {
   PredictionSettings settings;
 

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "controller/calibration/predictor_fit.h"
+#include "controller/prediction/prediction_config.h"
 #include "sim/base/atomic_file.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
@@ -17,6 +19,7 @@
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/scenario/scenario.h"
+#include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -27,6 +30,8 @@ struct CalibrateOptions {
   std::string curve = "table";
   PoseRecordingFormat format;
   CalibrationOptions calibration;
+  bool predictor = false;
+  controller::PredictorFitOptions fit;
   bool json = false;
 };
 
@@ -130,7 +135,8 @@ void Remark(const PoseRecording& recording, const Calibration& calibration) {
 std::filesystem::path TargetOf(const CalibrateOptions& options) {
   if (options.out.empty()) {
     const std::string stem = std::filesystem::path(options.recording).stem().string();
-    return std::filesystem::path("out") / (stem + ".calibration.yaml");
+    const char* ending = options.predictor ? ".predictor.yaml" : ".calibration.yaml";
+    return std::filesystem::path("out") / (stem + ending);
   }
   std::error_code none;
   if (std::filesystem::equivalent(options.out, options.recording, none)) {
@@ -139,7 +145,49 @@ std::filesystem::path TargetOf(const CalibrateOptions& options) {
   return options.out;
 }
 
+controller::PredictorFit FitTo(const PoseRecording& recording,
+                               const controller::PredictorFitOptions& options) {
+  const Eigen::MatrixXd counts = recording.counts;
+  try {
+    return FitPredictor({&counts, 1}, recording.rate_hz, options);
+  } catch (const controller::SettingError& error) {
+    throw UserError({.place = recording.name, .key = error.key(), .problem = error.problem()});
+  }
+}
+
+/// What the fit takes away of the change within the horizon, noise included.
+void PrintFit(const PoseRecording& recording, const controller::PredictorFit& fit) {
+  Print(
+      "{} samples at {:.6g} Hz\n\n{:<20}  noise  change in the horizon  left by the fit\n{:<20}  "
+      "[counts RMS]\n",
+      recording.counts.rows(), recording.rate_hz, "", "channel");
+  for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
+    const auto channel = static_cast<Eigen::Index>(i);
+    Print("{:<20}  {:>5.2f}  {:>21.2f}  {:>15.2f}\n", recording.channel_names[i],
+          std::sqrt(fit.noise_variance[channel]), fit.hold_rms[channel], fit.fit_rms[channel]);
+  }
+}
+
+void RunPredictorFit(const CalibrateOptions& options) {
+  const std::filesystem::path target = TargetOf(options);
+  const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
+  const controller::PredictorFit fit = FitTo(recording, options.fit);
+  controller::PredictionConfig prediction = {fit.predictor};
+  if (target.has_parent_path()) MakeDirectory(target.parent_path());
+  WriteFileAtomically(
+      target,
+      "# Made by gauntlet calibrate --predictor: of a controller whose glove has the channels of\n"
+      "# the recording, in its order.\n" +
+          SettingsToYaml([&](controller::SettingsVisitor& visitor) {
+            VisitGroup(visitor, {.key = "prediction", .help = {}}, prediction);
+          }));
+  PrintFit(recording, fit);
+  FlushOutput();
+  Say("wrote {}\n", target.string());
+}
+
 void RunCalibrate(const CalibrateOptions& options) {
+  if (options.predictor) return RunPredictorFit(options);
   const std::filesystem::path target = TargetOf(options);
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
   CurveErrors errors;
@@ -201,7 +249,31 @@ void AddCalibrateCommand(CLI::App& app) {
                    "of the converter, in counts; values at either end are not used")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_flag("--json", options->json, "print JSON instead of the table");
+  CLI::Option* predictor = command->add_flag("--predictor", options->predictor,
+                                             "fit the weights of a prediction {kind: fitted} "
+                                             "instead, to motions like those that will come");
+  command
+      ->add_option("--horizon-ms", options->fit.horizon_ms,
+                   "how far it looks ahead, one for all channels or one for each")
+      ->needs(predictor)
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command->add_option("--order", options->fit.order, "how many samples of the past it uses")
+      ->needs(predictor)
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--tap-ms", options->fit.tap_ms, "how far they lie apart")
+      ->needs(predictor)
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  command
+      ->add_option("--caution", options->fit.caution,
+                   "fit as if the noise had so many times its variance")
+      ->needs(predictor)
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "print JSON instead of the table")
+      ->excludes(predictor);
   command->footer(
       "\nKnown angles are empty where they are not known. Stretches in which no sensor moves for "
       "half\n"
@@ -210,7 +282,9 @@ void AddCalibrateCommand(CLI::App& app) {
       "\nExample:\n  gauntlet run scenarios/known_poses.yaml --csv\n"
       "  gauntlet calibrate out/known_poses/trace.raw.csv --out out/my_glove.yaml\n"
       "  gauntlet run scenarios/calibrated_glove.yaml --set "
-      "controllers.calibrated_kalman.calibration=out/my_glove.yaml\n");
+      "controllers.calibrated_kalman.calibration=out/my_glove.yaml\n"
+      "\n  gauntlet run scenarios/random_motion.yaml --csv --controllers raw\n"
+      "  gauntlet calibrate out/random_motion/trace.raw.csv --predictor --horizon-ms 100\n");
   command->callback([options] {
     options->calibration.curve = KindOf(options->curve);
     RunCalibrate(*options);

@@ -298,7 +298,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ControllerFault, testing::ValuesIn(Faults()),
 
 TEST(Controller, LooksAheadWhenAsked) {
   ControllerConfig config = WithFilter(NoFilterConfig{});
-  config.prediction = {LinearPredictionConfig{.horizon_ms = 40.0, .window_ms = 20.0}};
+  config.prediction = {LinearPredictionConfig{.horizon_ms = {40.0}, .window_ms = 20.0}};
   Controller controller = Make(config);
   for (int k = 0; k < 100; ++k) {
     const std::vector<double> counts(kChannels, 300.0 + 0.5 * k);

@@ -77,7 +77,7 @@ TEST(Load, KeepsNoVelocityPerAnotherStep) {
   for (const FilterAt from : {FilterAt::kSample, FilterAt::kEvent}) {
     ControllerConfig config;
     config.filters = {{KalmanConfig{.noise = {.q = {1e-4}}}}};
-    config.prediction = {KalmanPredictionConfig{.horizon_ms = 20.0}};
+    config.prediction = {KalmanPredictionConfig{.horizon_ms = {20.0}}};
     config.filter_at = from;
     Controller controller = Make(config);
     double largest_rad = 0.0;

@@ -1,11 +1,19 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "controller/filters/kalman_steady_filter.h"
+#include "controller/prediction/motion_model.h"
 #include "controller/prediction/predictor.h"
+#include "tests/controller/allocation_counter.h"
 #include "tests/controller/test_signal.h"
 
 namespace gauntlet::controller {
@@ -13,68 +21,327 @@ namespace {
 
 constexpr double kRateHz = 1000.0;
 constexpr int kHorizon = 60;
+constexpr int kChannels = 18;
+constexpr double kPi = std::numbers::pi;
 
-double RmsError(const PredictionConfig& config, double frequency_hz, double noise_deg) {
+struct PredictionCase {
+  std::string name;
+  PredictionConfig config;
+};
+void PrintTo(const PredictionCase& tested, std::ostream* out) { *out << tested.name; }
+
+/// Weights that go along the line through the newest sample and the oldest: 20 taps of 5 ms.
+FittedPredictionConfig AlongALine() {
+  FittedPredictionConfig fitted{.order = 20, .tap_ms = 5.0, .weights = std::vector<double>(20)};
+  fitted.weights.back() = -kHorizon / 100.0;
+  return fitted;
+}
+
+/// Every kind but `none`, and settings that take another way through the code.
+std::vector<PredictionCase> PredictionCases() {
+  const std::vector<double> horizon_ms = {kHorizon};
+  std::vector<double> horizons_ms;
+  std::vector<double> variances_deg2;
+  for (int i = 0; i < kChannels; ++i) {
+    horizons_ms.push_back(5.0 * i);
+    variances_deg2.push_back(0.1 + 0.05 * i);
+  }
+  FittedPredictionConfig each = AlongALine();
+  for (int i = 1; i < kChannels; ++i) {
+    each.weights.insert(each.weights.end(), each.weights.begin(), each.weights.begin() + 20);
+    each.weights.back() *= 0.9;
+  }
+  return {
+      {"linear", {LinearPredictionConfig{.horizon_ms = horizon_ms}}},
+      {"linear_each", {LinearPredictionConfig{.horizon_ms = horizons_ms}}},
+      {"kalman", {KalmanPredictionConfig{.horizon_ms = horizon_ms}}},
+      {"kalman_three_states", {KalmanPredictionConfig{.horizon_ms = horizon_ms, .states = 3}}},
+      {"kalman_each",
+       {KalmanPredictionConfig{.horizon_ms = horizons_ms, .states = 3, .r_deg2 = variances_deg2}}},
+      {"adaptive", {AdaptivePredictionConfig{.horizon_ms = horizon_ms}}},
+      {"adaptive_each",
+       {AdaptivePredictionConfig{.horizon_ms = horizons_ms, .r_deg2 = variances_deg2}}},
+      {"double_exponential", {DoubleExponentialPredictionConfig{.horizon_ms = horizon_ms}}},
+      {"fitted", {AlongALine()}},
+      {"fitted_each", {each}},
+      {"autoregressive", {AutoregressivePredictionConfig{.horizon_ms = horizon_ms}}},
+      {"autoregressive_each",
+       {AutoregressivePredictionConfig{.horizon_ms = horizons_ms, .order = 3}}}};
+}
+
+/// Of one channel: settings with a value, or so many values, per channel keep only that channel's.
+PredictionConfig ForOneChannel(PredictionConfig config, int channel) {
+  const auto pick = [channel](std::vector<double>& values) {
+    const std::size_t each = values.size() / kChannels;
+    if (each == 0 || values.size() % kChannels != 0) return;
+    values = {values.begin() + std::ptrdiff_t(each) * channel,
+              values.begin() + std::ptrdiff_t(each) * (channel + 1)};
+  };
+  std::visit(
+      [&](auto& settings) {
+        if constexpr (requires { settings.horizon_ms; }) pick(settings.horizon_ms);
+        if constexpr (requires { settings.r_deg2; }) pick(settings.r_deg2);
+        if constexpr (requires { settings.weights; }) pick(settings.weights);
+      },
+      config.settings);
+  return config;
+}
+
+/// Angles [rad] of a moving glove.
+TestSignal GloveAngles(int samples, int channels, std::uint64_t seed = 1) {
+  return 0.003 * GloveCounts(samples, channels, seed);
+}
+
+TestSignal Predicted(Filter& predictor, const TestSignal& input) {
+  TestSignal output(input.rows(), input.cols());
+  for (Eigen::Index k = 0; k < input.rows(); ++k) {
+    predictor.Step(RowOf(input, k), RowOf(output, k));
+  }
+  return output;
+}
+
+class PredictorProperties : public testing::TestWithParam<PredictionCase> {
+ protected:
+  std::unique_ptr<Filter> Make() const {
+    return MakePredictor(GetParam().config, kChannels, kRateHz);
+  }
+};
+
+TEST_P(PredictorProperties, KeepsAConstant) {
+  TestSignal input(500, kChannels);
+  for (int i = 0; i < kChannels; ++i) input.col(i).setConstant(-1.0 + 0.13 * i);
+  EXPECT_LE((Predicted(*Make(), input) - input).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST_P(PredictorProperties, StartsAgainAfterReset) {
+  const auto used = Make();
+  Predicted(*used, GloveAngles(300, kChannels, 1));
+  used->Reset();
+  const TestSignal input = GloveAngles(300, kChannels, 2);
+  EXPECT_EQ(Predicted(*used, input), Predicted(*Make(), input));
+}
+
+TEST_P(PredictorProperties, KeepsChannelsApartBitForBit) {
+  const TestSignal input = GloveAngles(400, kChannels);
+  TestSignal disturbed = input;
+  constexpr int kQuiet = 7;
+  for (int i = 0; i < kChannels; ++i) {
+    if (i != kQuiet) disturbed.col(i) = disturbed.col(i) * -1.7 + TestSignal::Ones(400, 1) * 0.3;
+  }
+  EXPECT_EQ(Predicted(*Make(), input).col(kQuiet), Predicted(*Make(), disturbed).col(kQuiet));
+}
+
+TEST_P(PredictorProperties, GivesTheSameBitsForOneChannelAsForMany) {
+  const TestSignal input = GloveAngles(400, kChannels);
+  const TestSignal together = Predicted(*Make(), input);
+  for (const int channel : {0, 3, 17}) {
+    const auto alone = MakePredictor(ForOneChannel(GetParam().config, channel), 1, kRateHz);
+    EXPECT_EQ(Predicted(*alone, input.col(channel)).col(0), together.col(channel)) << channel;
+  }
+}
+
+TEST_P(PredictorProperties, ResetsOneChannelAndLeavesTheOthers) {
+  const TestSignal before = GloveAngles(300, kChannels, 1);
+  const TestSignal after = GloveAngles(300, kChannels, 2);
+  const auto predictor = Make();
+  const auto untouched = Make();
+  Predicted(*predictor, before);
+  Predicted(*untouched, before);
+  constexpr int kChannel = 4;
+  predictor->ResetChannel(kChannel);
+  TestSignal expected = Predicted(*untouched, after);
+  expected.col(kChannel) = Predicted(*Make(), after).col(kChannel);
+  EXPECT_EQ(Predicted(*predictor, after), expected);
+}
+
+TEST_P(PredictorProperties, TakesMemoryWithoutAChangedBit) {
+  const TestSignal before = GloveAngles(333, kChannels, 1);
+  const TestSignal after = GloveAngles(300, kChannels, 2);
+  const auto predictor = Make();
+  const auto untouched = Make();
+  Predicted(*predictor, before);
+  Predicted(*untouched, before);
+  const auto successor = Make();
+  Predicted(*successor, GloveAngles(7, kChannels, 3));  // so that its clock stands elsewhere
+  ASSERT_TRUE(successor->TakeMemory(*predictor));
+  EXPECT_EQ(Predicted(*successor, after), Predicted(*untouched, after));
+}
+
+TEST_P(PredictorProperties, StartsWhereItIsTold) {
+  TestSignal still(1, kChannels);
+  for (int i = 0; i < kChannels; ++i) still(0, i) = -1.0 + 0.13 * i;
+  const auto used = Make();
+  Predicted(*used, GloveAngles(300, kChannels));
+  used->StartAt(RowOf(still, 0));
+  const auto fresh = Make();
+  Predicted(*fresh, still);
+  const TestSignal input = GloveAngles(300, kChannels, 2);
+  EXPECT_EQ(Predicted(*used, input), Predicted(*fresh, input));
+}
+
+TEST_P(PredictorProperties, MayWriteOverItsInput) {
+  const TestSignal input = GloveAngles(300, kChannels);
+  const auto predictor = Make();
+  TestSignal in_place = input;
+  for (Eigen::Index k = 0; k < input.rows(); ++k) {
+    predictor->Step(RowOf(in_place, k), RowOf(in_place, k));
+  }
+  EXPECT_EQ(in_place, Predicted(*Make(), input));
+}
+
+TEST_P(PredictorProperties, DoesNotAllocateInStepNorReset) {
+  const TestSignal input = GloveAngles(200, kChannels);
+  TestSignal output(input.rows(), input.cols());
+  const auto predictor = Make();
+  const auto other = Make();
+  const long before = AllocationCount();
+  for (Eigen::Index k = 0; k < input.rows(); ++k)
+    predictor->Step(RowOf(input, k), RowOf(output, k));
+  predictor->ResetChannel(3);
+  predictor->TakeMemory(*other);
+  predictor->StartAt(RowOf(input, 0));
+  predictor->Reset();
+  EXPECT_EQ(AllocationCount(), before);
+}
+
+TEST_P(PredictorProperties, StaysFiniteAndForgetsAnExtremeSample) {
+  TestSignal input = GloveAngles(15000, kChannels);
+  const TestSignal expected = Predicted(*Make(), input);
+  input.row(50).setConstant(1e9);
+  input.row(51).setConstant(-1e9);
+  const TestSignal output = Predicted(*Make(), input);
+  EXPECT_TRUE(output.allFinite());
+  // One that learns may have learned otherwise, by a few degrees.
+  EXPECT_LE((output - expected).bottomRows(10).cwiseAbs().maxCoeff(), 0.1);
+}
+
+TEST_P(PredictorProperties, StaysFiniteWhateverComes) {
+  const auto predictor = Make();
+  TestNoise noise(5);
+  std::vector<double> values(kChannels);
+  std::vector<double> output(kChannels);
+  for (int k = 0; k < 5000; ++k) {
+    for (double& value : values) {
+      value = std::pow(10.0, 200.0 * noise.Uniform() - 190.0) * (noise.Uniform() < 0.5 ? 1 : -1);
+    }
+    predictor->Step(values, output);
+    for (const double value : output) ASSERT_TRUE(std::isfinite(value)) << k;
+  }
+}
+
+TEST_P(PredictorProperties, MakesNoSubnormalNumberOfADecayingInput) {
+  const auto predictor = Make();
+  std::vector<double> input(kChannels, 1.0);
+  std::vector<double> output(kChannels);
+  for (int k = 0; k < 20000; ++k) {
+    for (double& value : input) value *= 0.95;  // subnormal itself in the end
+    predictor->Step(input, output);
+    ASSERT_NE(std::fpclassify(output[3]), FP_SUBNORMAL) << k;
+  }
+}
+
+TEST_P(PredictorProperties, RefusesNoChannelsAndRatesThatAreNone) {
+  const auto refuses = [&](int channels, double rate_hz) {
+    EXPECT_THROW(MakePredictor(GetParam().config, channels, rate_hz), SettingError);
+  };
+  for (const int channels : {0, -1}) refuses(channels, kRateHz);
+  for (const double rate_hz : {0.0, -1.0, HUGE_VAL, std::nan("")}) refuses(kChannels, rate_hz);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PredictorProperties, testing::ValuesIn(PredictionCases()),
+                         [](const auto& tested) { return tested.param.name; });
+
+/// Of one channel, behind two seconds: what comes out against the truth `horizon` samples ahead.
+template <class Truth>
+double RmsError(const PredictionConfig& config, const Truth& truth, double noise_deg,
+                int horizon = kHorizon) {
   const auto predictor = MakePredictor(config, 1, kRateHz);
   TestNoise noise(21);
-  const auto truth = [frequency_hz](int k) {
-    return 45.0 * std::sin(2.0 * std::numbers::pi * frequency_hz * k / kRateHz);
-  };
   double sum = 0.0;
   int count = 0;
   for (int k = 0; k < 8000; ++k) {
-    double value = truth(k) + noise_deg * noise.Normal();
+    double value = (truth(k) + noise_deg * noise.Normal()) * kPi / 180.0;
     if (predictor) predictor->Step({&value, 1}, {&value, 1});
     if (k < 2000) continue;
-    const double error = value - truth(k + kHorizon);
+    const double error = value * 180.0 / kPi - truth(k + horizon);
     sum += error * error;
     ++count;
   }
   return std::sqrt(sum / count);
 }
 
-constexpr PredictionConfig kLinear = {
-    LinearPredictionConfig{.horizon_ms = kHorizon, .window_ms = 60.0}};
-constexpr PredictionConfig kKalman = {KalmanPredictionConfig{.horizon_ms = kHorizon}};
+auto Sine(double frequency_hz) {
+  return [frequency_hz](int k) { return 45.0 * std::sin(2.0 * kPi * frequency_hz * k / kRateHz); };
+}
+
+const PredictionConfig kNone = {};
+const PredictionConfig kLinear = {
+    LinearPredictionConfig{.horizon_ms = {kHorizon}, .window_ms = 60.0}};
+const PredictionConfig kKalman = {KalmanPredictionConfig{.horizon_ms = {kHorizon}}};
+const PredictionConfig kParabola = {KalmanPredictionConfig{.horizon_ms = {kHorizon}, .states = 3}};
 
 TEST(Predictor, LooksAheadExactlyOnAStraightLine) {
-  for (const PredictionConfig& config : {kLinear, kKalman}) {
+  const PredictionConfig twice = {DoubleExponentialPredictionConfig{.horizon_ms = {kHorizon}}};
+  for (const PredictionConfig& config :
+       {kLinear, kKalman, kParabola, twice, PredictionConfig{AlongALine()}}) {
     const auto predictor = MakePredictor(config, 1, kRateHz);
     double output = 0.0;
-    for (int k = 0; k < 5000; ++k) {
+    for (int k = 0; k < 8000; ++k) {
       const double input = 0.003 * k;
       predictor->Step({&input, 1}, {&output, 1});
     }
-    EXPECT_NEAR(output, 0.003 * (4999 + kHorizon), 1e-9);
+    EXPECT_NEAR(output, 0.003 * (7999 + kHorizon), 1e-9) << config.kind();
   }
 }
 
-TEST(Predictor, KeepsAConstant) {
-  for (const PredictionConfig& config : {kLinear, kKalman}) {
-    const auto predictor = MakePredictor(config, 3, kRateHz);
-    const std::vector<double> input = {0.1, -2.0, 1.3};
-    std::vector<double> output(3);
-    for (int k = 0; k < 200; ++k) {
-      predictor->Step(input, output);
-      for (int i = 0; i < 3; ++i) EXPECT_NEAR(output[i], input[i], 1e-12);
-    }
+TEST(KalmanPrediction, LooksAheadExactlyOnAParabolaWithThreeStates) {
+  const auto predictor = MakePredictor(kParabola, 1, kRateHz);
+  const auto parabola = [](double k) { return 1.0 - 0.002 * k + 3e-6 * k * k; };
+  for (int k = 0; k < 5000; ++k) {
+    double value = parabola(k);
+    predictor->Step({&value, 1}, {&value, 1});
+    if (k <= 4000) continue;
+    ASSERT_NEAR(value, parabola(k + kHorizon), 1e-9) << k;
   }
 }
 
-/// Noise-free, a line ahead of a sine of frequency f errs like |exp(j a) - 1 - j a|, a = 2 pi f h,
+/// A noise-free line ahead of a sine of frequency f errs like |exp(j a) - 1 - j a|, a = 2 pi f h,
 /// against |exp(j a) - 1| of no prediction: it pays below f h = 0.3.
 TEST(Predictor, PaysForSlowMotionAndNotForFast) {
-  const PredictionConfig none = {};
   for (const PredictionConfig& config : {kLinear, kKalman}) {
-    EXPECT_LT(RmsError(config, 0.5, 0.5), 0.6 * RmsError(none, 0.5, 0.5));
-    EXPECT_LT(RmsError(config, 1.0, 0.5), 0.9 * RmsError(none, 1.0, 0.5));
-    EXPECT_GT(RmsError(config, 6.0, 0.5), RmsError(none, 6.0, 0.5));
+    EXPECT_LT(RmsError(config, Sine(0.5), 0.5), 0.6 * RmsError(kNone, Sine(0.5), 0.5));
+    EXPECT_LT(RmsError(config, Sine(1.0), 0.5), 0.9 * RmsError(kNone, Sine(1.0), 0.5));
+    EXPECT_GT(RmsError(config, Sine(6.0), 0.5), RmsError(kNone, Sine(6.0), 0.5));
+  }
+}
+
+/// At its settled gain K the filter is the transfer function C (z I - (I - K H) A)^-1 z K, with
+/// A = [1 1 1/2; 0 1 1; 0 0 1] and C = [1 h h^2/2].
+TEST(KalmanPrediction, ErrsOnASineAsItsTransferFunctionSays) {
+  using Complex = std::complex<double>;
+  const KalmanSteadyConfig model = {
+      .noise = {.r = {0.5}, .q = {1e6}, .process_noise = ProcessNoise::kWhite}, .states = 3};
+  const Eigen::Vector3d gain = SteadyGains(model, 1, kRateHz).matrix().transpose();
+  Eigen::Matrix3d a;
+  a << 1.0, 1.0, 0.5, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0;
+  const Eigen::RowVector3d h(1.0, 0.0, 0.0);
+  const Eigen::RowVector3d c(1.0, kHorizon, 0.5 * kHorizon * kHorizon);
+  const Eigen::Matrix3cd closed = ((Eigen::Matrix3d::Identity() - gain * h) * a).cast<Complex>();
+  for (const double frequency_hz : {0.5, 1.0, 2.0, 3.0}) {
+    const double w = 2.0 * kPi * frequency_hz / kRateHz;
+    const Complex z = std::polar(1.0, w);
+    const Eigen::Matrix3cd m = z * Eigen::Matrix3cd::Identity() - closed;
+    const Complex response = z * (c.cast<Complex>() * m.inverse() * gain.cast<Complex>())(0);
+    const double expected =
+        45.0 / std::sqrt(2.0) * std::abs(response - std::polar(1.0, w * kHorizon));
+    EXPECT_NEAR(RmsError(kParabola, Sine(frequency_hz), 0.0), expected, 0.01 * expected + 1e-6)
+        << frequency_hz;
   }
 }
 
 TEST(Predictor, RaisesNoise) {
   const auto predictor = MakePredictor(kKalman, 1, kRateHz);
-  const auto follower = MakePredictor(KalmanPredictionConfig{.horizon_ms = 0.0}, 1, kRateHz);
+  const auto follower = MakePredictor(KalmanPredictionConfig{.horizon_ms = {0.0}}, 1, kRateHz);
   TestNoise noise(3);
   double ahead = 0.0;
   double now = 0.0;
@@ -89,25 +356,136 @@ TEST(Predictor, RaisesNoise) {
   EXPECT_GT(ahead, 1.5 * now);
 }
 
-TEST(Predictor, StartsAgainAfterResetAndKeepsChannelsApart) {
-  for (const PredictionConfig& config : {kLinear, kKalman}) {
-    const auto used = MakePredictor(config, 2, kRateHz);
-    const auto fresh = MakePredictor(config, 2, kRateHz);
-    const TestSignal input = GloveCounts(300, 2);
-    std::vector<double> output(2), expected(2);
-    for (int k = 0; k < 300; ++k) used->Step(RowOf(input, k), output);
-    used->ResetChannel(0);
-    used->ResetChannel(1);
-    for (int k = 0; k < 300; ++k) {
-      used->Step(RowOf(input, k), output);
-      fresh->Step(RowOf(input, k), expected);
-      ASSERT_EQ(output, expected);
+/// Two ways to the same gain: Van Loan's matrix and the Riccati equation here, integrals by hand in
+/// the steady Kalman filter.
+TEST(MotionModel, HasTheGainOfTheSteadyKalmanFilter) {
+  for (const double q : {1e3, 1e6}) {
+    const KalmanSteadyConfig model = {
+        .noise = {.r = {0.4}, .q = {q}, .process_noise = ProcessNoise::kWhite}, .states = 3};
+    const Eigen::ArrayXXd expected = SteadyGains(model, 1, kRateHz);
+    const SettledFilter filter = Settle(WhiteJerk(q), 0.4, 1.0 / kRateHz);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(filter.k[i] * std::pow(1.0 / kRateHz, i), expected(0, i), 1e-9 * expected(0, i));
     }
   }
 }
 
+/// exp(F t) of an undamped swing is a rotation; of a line a line.
+TEST(MotionModel, LooksAheadAsItsEquationSays) {
+  const Eigen::RowVector3d swing = LookAhead(Swing(2.0, 0.0, 1.0, 1.0), 0.1);
+  const double w = 4.0 * kPi;
+  EXPECT_NEAR(swing[0], 1.0, 1e-14);
+  EXPECT_NEAR(swing[1], std::cos(0.1 * w), 1e-14);
+  EXPECT_NEAR(swing[2], std::sin(0.1 * w) / w, 1e-14);
+  const Eigen::RowVector3d line = LookAhead(WhiteJerk(1.0), 0.3);
+  EXPECT_NEAR(line[1], 0.3, 1e-15);
+  EXPECT_NEAR(line[2], 0.045, 1e-15);
+  EXPECT_EQ(LookAhead(Swing(2.0, 0.1, 1.0, 1.0), 0.0), Eigen::RowVector3d(1.0, 1.0, 0.0));
+}
+
+/// The servo's 100 ms: what the adaptive kind is for.
+constexpr int kFar = 100;
+AdaptivePredictionConfig Adaptive(double horizon_ms = kFar, double r_deg2 = 0.4) {
+  return {.horizon_ms = {horizon_ms}, .r_deg2 = {r_deg2}};
+}
+
+TEST(AdaptivePrediction, TakesAwayMostOfTheDelayOfSlowAndFastSines) {
+  for (const double frequency_hz : {0.25, 0.5, 1.0, 2.0, 3.0}) {
+    EXPECT_LT(RmsError({Adaptive()}, Sine(frequency_hz), 0.65, kFar),
+              0.4 * RmsError(kNone, Sine(frequency_hz), 0.65, kFar))
+        << frequency_hz;
+  }
+}
+
+TEST(AdaptivePrediction, IsBetterThanNoneWithAWrongModel) {
+  for (const double wrong : {0.7, 1.3}) {
+    for (const double frequency_hz : {0.5, 1.0, 2.0, 3.0}) {
+      const double none = RmsError(kNone, Sine(frequency_hz), 0.65, kFar);
+      EXPECT_LT(RmsError({Adaptive(kFar * wrong)}, Sine(frequency_hz), 0.65, kFar), none);
+      EXPECT_LT(RmsError({Adaptive(kFar, 0.4 * wrong)}, Sine(frequency_hz), 0.65, kFar), none);
+    }
+  }
+}
+
+TEST(AdaptivePrediction, CalmsNoiseAtRest) {
+  const auto still = [](int) { return 20.0; };
+  EXPECT_LT(RmsError({Adaptive()}, still, 0.65, kFar), 0.5 * RmsError(kNone, still, 0.65, kFar));
+}
+
+/// Moves of 60 deg with the shape of least jerk, 0.6 s long, and a rest of 1 s at each end.
+TEST(AdaptivePrediction, OvershootsByNoMoreThanATenthOfTheMovement) {
+  const auto predictor = MakePredictor({Adaptive()}, 1, kRateHz);
+  const auto truth = [](int k) {
+    const int period = k % 3200;
+    const double t = std::clamp((period % 1600 - 1000) / 600.0, 0.0, 1.0);
+    const double way = 60.0 * t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
+    return period < 1600 ? way : 60.0 - way;
+  };
+  double lowest = 0.0;
+  double highest = 60.0;
+  TestNoise noise(8);
+  for (int k = 0; k < 16000; ++k) {
+    double value = (truth(k) + 0.3 * noise.Normal()) * kPi / 180.0;
+    predictor->Step({&value, 1}, {&value, 1});
+    lowest = std::min(lowest, value * 180.0 / kPi);
+    highest = std::max(highest, value * 180.0 / kPi);
+  }
+  EXPECT_GE(lowest, -6.0);
+  EXPECT_LE(highest, 66.0);
+}
+
+TEST(AutoregressivePrediction, LearnsASine) {
+  const PredictionConfig config = {
+      AutoregressivePredictionConfig{.horizon_ms = {kFar}, .leash_deg = 90.0}};
+  for (const double frequency_hz : {0.5, 1.0, 3.0}) {
+    EXPECT_LT(RmsError(config, Sine(frequency_hz), 0.3, kFar),
+              0.1 * RmsError(kNone, Sine(frequency_hz), 0.3, kFar))
+        << frequency_hz;
+  }
+}
+
+TEST(AutoregressivePrediction, StaysWithinItsLeash) {
+  const PredictionConfig config = {
+      AutoregressivePredictionConfig{.horizon_ms = {kFar}, .smoothing_ms = 0.1, .leash_deg = 2.0}};
+  const auto predictor = MakePredictor(config, 1, kRateHz);
+  double farthest = 0.0;
+  for (int k = 0; k < 4000; ++k) {
+    const double input = Sine(2.0)(k) * kPi / 180.0;
+    double output = 0.0;
+    predictor->Step({&input, 1}, {&output, 1});
+    farthest = std::max(farthest, std::abs(output - input) * 180.0 / kPi);
+  }
+  EXPECT_NEAR(farthest, 2.0, 0.01);
+}
+
 TEST(Predictor, RefusesAWindowWithoutASlope) {
   EXPECT_THROW(MakePredictor(LinearPredictionConfig{.window_ms = 20.0}, 1, 50.0), SettingError);
+}
+
+TEST(Predictor, RefusesListsThatDoNotFit) {
+  const auto complaint = [](const PredictionConfig& config,
+                            double rate_hz = kRateHz) -> std::string {
+    try {
+      MakePredictor(config, 5, rate_hz);
+      return "";
+    } catch (const SettingError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(complaint({AdaptivePredictionConfig{.horizon_ms = {1.0, 2.0}}}),
+            "horizon_ms: has 2 values, must have 1 for all channels or 5, one for each");
+  EXPECT_EQ(complaint({KalmanPredictionConfig{.r_deg2 = {1.0, 2.0}}}),
+            "r_deg2: has 2 values, must have 1 for all channels or 5, one for each");
+  EXPECT_EQ(complaint({FittedPredictionConfig{.order = 3, .weights = {1.0, 2.0}}}),
+            "weights: has 2 values, must have 3 for all channels or 15, 3 for each");
+  EXPECT_EQ(complaint({FittedPredictionConfig{.order = 1, .tap_ms = 2.5, .weights = {1.0}}}),
+            "tap_ms: is 2.5, must be a multiple of the step of the filter, 1 ms");
+  EXPECT_EQ(complaint({AutoregressivePredictionConfig{.tap_ms = 5.0}}, 50.0),
+            "tap_ms: is 5, must be at least a step of the filter, 20 ms");
+  EXPECT_THAT(complaint({AdaptivePredictionConfig{.horizon_ms = {-1.0}}}),
+              testing::HasSubstr("horizon_ms"));
+  EXPECT_THAT(complaint({AdaptivePredictionConfig{.horizon_ms = {1001.0}}}),
+              testing::HasSubstr("horizon_ms"));
 }
 
 TEST(PredictionKinds, ExplainThemselves) {
@@ -117,7 +495,9 @@ TEST(PredictionKinds, ExplainThemselves) {
     EXPECT_EQ(kind.defaults.kind(), kind.name);
     names.push_back(kind.name);
   }
-  EXPECT_EQ(names, (std::vector<std::string_view>{"none", "linear", "kalman"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string_view>{"none", "linear", "kalman", "adaptive",
+                                           "double_exponential", "fitted", "autoregressive"}));
 }
 
 }  // namespace

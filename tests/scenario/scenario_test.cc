@@ -68,15 +68,19 @@ TEST(Scenario, AFaultHasTheDefaultsOfItsKind) {
 }
 
 TEST(Scenario, APredictionHasTheKeysOfItsKindOnly) {
-  const fs::path file = fs::path(SourceDir()) / "scenarios/random_motion.yaml";
+  const fs::path file = fs::path(SourceDir()) / "scenarios/hold_still.yaml";
   const auto text_with = [&](const std::string& prediction) {
     return ScenarioToYaml(LoadScenario(file, {"controllers.raw.prediction=" + prediction}));
   };
   EXPECT_THAT(text_with("none"), testing::Not(testing::HasSubstr("horizon_ms")));
   EXPECT_THAT(text_with("linear"), testing::HasSubstr("window_ms: 60"));
   EXPECT_THAT(text_with("{kind: kalman, horizon_ms: 30}"),
-              testing::AllOf(testing::HasSubstr("horizon_ms: 30"),
-                             testing::HasSubstr("q_deg2_per_s3: 10000")));
+              testing::AllOf(testing::HasSubstr("horizon_ms: [30]"),
+                             testing::HasSubstr("q_deg2_per_s3: 10000"),
+                             testing::Not(testing::HasSubstr("q_deg2_per_s5"))));
+  EXPECT_THAT(text_with("{kind: kalman, states: 3}"),
+              testing::AllOf(testing::HasSubstr("q_deg2_per_s5: 1000000"),
+                             testing::Not(testing::HasSubstr("q_deg2_per_s3"))));
   try {
     text_with("{kind: linear, r_deg2: 1}");
     FAIL();

@@ -1,0 +1,219 @@
+#include "controller/prediction/adaptive_prediction.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "controller/angle.h"
+#include "controller/filters/channel_arrays.h"
+#include "controller/filters/check_filter.h"
+#include "controller/filters/state_filter.h"
+#include "controller/filters/subnormal.h"
+#include "controller/filters/vectorise.h"
+#include "controller/prediction/history.h"
+#include "controller/prediction/horizon.h"
+#include "controller/prediction/measurement_noise.h"
+#include "controller/prediction/motion_model.h"
+
+namespace gauntlet::controller {
+namespace {
+
+constexpr double kDamping = 0.03;
+// Of the variance: 0.1 and 100 standard deviations. Even one that never misses has a finite share.
+constexpr double kLeastMiss = 1e-2;
+constexpr double kMostMiss = 1e4;
+
+struct Expert {
+  MotionModel model;
+  bool looks_ahead = true;
+};
+
+std::array<Expert, 6> Bank() {
+  return {{{WhiteAcceleration(1e3), false},
+           {WhiteJerk(1e6)},
+           {Swing(0.5, kDamping, 1e6, 10.0)},
+           {Swing(1.0, kDamping, 1e6, 10.0)},
+           {Swing(2.0, kDamping, 1e6, 100.0)},
+           {Swing(3.0, kDamping, 1e5, 300.0)}}};
+}
+constexpr int kExperts = std::tuple_size_v<decltype(Bank())>;
+
+/// What one filter of the bank keeps per channel: its state, its mean square miss, and constants.
+enum ExpertValue {
+  kX0,
+  kX1,
+  kX2,
+  kMiss,
+  kGain0,
+  kGain1,
+  kGain2,
+  kAhead0,
+  kAhead1,
+  kAhead2,
+  kExpertValues
+};
+
+struct ExpertState {
+  double *x0, *x1, *x2, *miss;
+  const double *k0, *k1, *k2, *c0, *c1, *c2;
+};
+
+/// A is the same for all channels.
+struct Transition {
+  double a00, a01, a02, a10, a11, a12, a20, a21, a22;
+  double h0, h1;  // no model has its third state in the angle
+};
+
+/// One step of one filter of the bank; adds its share to `sum` and `shares`.
+GAUNTLET_VECTORISED void StepExpert(ExpertState s, Transition t, double forget, double least,
+                                    double most, const double* z, const double* was_expected,
+                                    const double* inverse_r, double* expected, double* sum,
+                                    double* shares, int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double measured = WithoutSubnormal(z[i]);
+    const double off = measured - was_expected[i];
+    const double square = off * off * inverse_r[i];
+    const double large = square > least ? square : least;
+    const double bounded = large < most ? large : most;
+    const double miss = s.miss[i] + forget * (bounded - s.miss[i]);
+    const double share = 1.0 / (miss * miss * miss);
+    // x^- = A x,  x = x^- + K (z - H x^-),  y = C x
+    const double x0_prior = t.a00 * s.x0[i] + t.a01 * s.x1[i] + t.a02 * s.x2[i];
+    const double x1_prior = t.a10 * s.x0[i] + t.a11 * s.x1[i] + t.a12 * s.x2[i];
+    const double x2_prior = t.a20 * s.x0[i] + t.a21 * s.x1[i] + t.a22 * s.x2[i];
+    const double innovation = measured - (t.h0 * x0_prior + t.h1 * x1_prior);
+    const double x0 = WithoutSubnormal(x0_prior + s.k0[i] * innovation);
+    const double x1 = WithoutSubnormal(x1_prior + s.k1[i] * innovation);
+    const double x2 = WithoutSubnormal(x2_prior + s.k2[i] * innovation);
+    const double y = s.c0[i] * x0 + s.c1[i] * x1 + s.c2[i] * x2;
+    s.miss[i] = miss;
+    s.x0[i] = x0;
+    s.x1[i] = x1;
+    s.x2[i] = x2;
+    expected[i] = y;
+    sum[i] += share * y;
+    shares[i] += share;
+  }
+}
+
+GAUNTLET_VECTORISED void DivideByShares(const double* sum, const double* shares, double* output,
+                                        int channel_count) {
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) output[i] = sum[i] / shares[i];
+}
+
+class AdaptivePredictor final : public StateFilter<Filter> {
+ public:
+  AdaptivePredictor(const Eigen::ArrayXd& horizon_steps, const Eigen::ArrayXd& r_deg2,
+                    double memory_steps, double rate_hz)
+      : StateFilter(Start::kFirst, horizon_steps.size()),
+        forget_(-std::expm1(-1.0 / memory_steps)),
+        delay_(horizon_steps.size()),
+        history_(1 + std::max(1, static_cast<int>(std::lround(horizon_steps.maxCoeff()))),
+                 kExperts * channel_count()),
+        experts_(kExperts * kExpertValues, channel_count()),
+        scratch_(kScratchArrays, channel_count()) {
+    for (int i = 0; i < channel_count(); ++i) {
+      delay_[i] = std::max(1, static_cast<int>(std::lround(horizon_steps[i])));
+      scratch_[kInverseR][i] = 1.0 / (kRadPerDeg * kRadPerDeg * r_deg2[i]);
+    }
+    const auto bank = Bank();
+    for (int m = 0; m < kExperts; ++m) {
+      const auto& [model, looks_ahead] = bank[m];
+      for (int i = 0; i < channel_count(); ++i) {
+        const bool same = i > 0 && r_deg2[i] == r_deg2[i - 1];
+        const SettledFilter filter =
+            same ? SettledFilter{} : Settle(model, r_deg2[i], 1.0 / rate_hz);
+        const Eigen::RowVector3d ahead =
+            LookAhead(model, looks_ahead ? horizon_steps[i] / rate_hz : 0.0);
+        if (i == 0) SetTransition(m, filter.a, model.h);
+        for (int state = 0; state < 3; ++state) {
+          double* gain = Of(m, kGain0 + state);
+          gain[i] = same ? gain[i - 1] : filter.k[state];
+          Of(m, kAhead0 + state)[i] = ahead[state];
+        }
+      }
+    }
+    Reset();
+  }
+
+ private:
+  enum Scratch { kWasExpected, kSum, kShares, kInverseR, kScratchArrays };
+
+  double* Of(int expert, int array) noexcept { return experts_[expert * kExpertValues + array]; }
+
+  void SetTransition(int m, const Eigen::Matrix3d& a, const Eigen::RowVector3d& h) {
+    transitions_[m] = {a(0, 0), a(0, 1), a(0, 2), a(1, 0), a(1, 1), a(1, 2),
+                       a(2, 0), a(2, 1), a(2, 2), h[0],    h[1]};
+  }
+
+  void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
+    const int n = channel_count();
+    double* expected = history_.Push();
+    double* was_expected = scratch_[kWasExpected];
+    double* sum = scratch_[kSum];
+    double* shares = scratch_[kShares];
+    std::fill_n(sum, n, 0.0);
+    std::fill_n(shares, n, 0.0);
+    for (int m = 0; m < kExperts; ++m) {
+      for (int i = 0; i < n; ++i) was_expected[i] = history_.Row(delay_[i])[m * n + i];
+      const ExpertState arrays = {Of(m, kX0),     Of(m, kX1),    Of(m, kX2),    Of(m, kMiss),
+                                  Of(m, kGain0),  Of(m, kGain1), Of(m, kGain2), Of(m, kAhead0),
+                                  Of(m, kAhead1), Of(m, kAhead2)};
+      StepExpert(arrays, transitions_[m], forget_, kLeastMiss, kMostMiss, input.data(),
+                 was_expected, scratch_[kInverseR], expected + m * n, sum, shares, n);
+    }
+    DivideByShares(sum, shares, output.data(), n);
+  }
+  void SetState(int channel, double position) noexcept override {
+    const double settled = WithoutSubnormal(position);
+    for (int m = 0; m < kExperts; ++m) {
+      Of(m, kX0)[channel] = settled;
+      Of(m, kX1)[channel] = 0.0;
+      Of(m, kX2)[channel] = 0.0;
+      Of(m, kMiss)[channel] = 1.0;
+      history_.Fill(m * channel_count() + channel, settled);
+    }
+  }
+  bool TakeChecked(Filter& from) noexcept override {
+    auto* other = dynamic_cast<AdaptivePredictor*>(&from);
+    if (other == nullptr || other->delay_ != delay_) return false;
+    for (int m = 0; m < kExperts; ++m) {
+      experts_.Copy(other->experts_, m * kExpertValues, m * kExpertValues + kGain0);
+    }
+    std::swap(history_, other->history_);
+    TakeFresh(*other);
+    return true;
+  }
+
+  double forget_;
+  std::vector<int> delay_;  // per channel, in steps
+  History history_;         // what each filter expected of each channel
+  std::array<Transition, kExperts> transitions_{};
+  ChannelArrays experts_;
+  ChannelArrays scratch_;
+};
+
+}  // namespace
+
+void AdaptivePredictionConfig::Visit(SettingsVisitor& visitor) {
+  VisitHorizon(visitor, horizon_ms);
+  VisitMeasurementNoise(visitor, r_deg2);
+  visitor.Number(
+      {.key = "memory_ms", .help = "how long a miss is remembered", .min = 1, .max = 1e5},
+      memory_ms);
+}
+
+std::unique_ptr<Filter> MakePredictor(const AdaptivePredictionConfig& config, int channel_count,
+                                      double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
+  static_assert(std::size(kPredictionBank) == kExperts);
+  return std::make_unique<AdaptivePredictor>(
+      HorizonSteps(config.horizon_ms, channel_count, rate_hz),
+      PerChannel("r_deg2", config.r_deg2, channel_count), config.memory_ms * 1e-3 * rate_hz,
+      rate_hz);
+}
+
+}  // namespace gauntlet::controller

@@ -1,0 +1,189 @@
+// Predictors against their own definitions in long double: 1e-12 of the angle, at every sample.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "controller/filters/kalman_steady_filter.h"
+#include "controller/prediction/motion_model.h"
+#include "controller/prediction/predictor.h"
+#include "tests/controller/test_signal.h"
+
+namespace gauntlet::controller {
+namespace {
+
+using Real = long double;
+constexpr double kRateHz = 1000.0;
+constexpr int kSamples = 20000;
+constexpr int kHorizon = 100;
+
+double WorstError(const PredictionConfig& config, const std::function<Real(double)>& reference) {
+  const auto predictor = MakePredictor(config, 1, kRateHz);
+  const TestSignal input = 0.003 * GloveCounts(kSamples, 1);
+  double worst = 0.0;
+  for (int k = 0; k < kSamples; ++k) {
+    double output = 0.0;
+    predictor->Step(RowOf(input, k), {&output, 1});
+    const Real expected = reference(input(k, 0));
+    worst = std::max(worst, static_cast<double>(std::abs((output - expected) / expected)));
+  }
+  return worst;
+}
+
+/// A filter at rest at its first sample, then x = A x + K (z - H A x).
+struct RealFilter {
+  Eigen::Matrix<Real, 3, 3> a;
+  Eigen::Matrix<Real, 3, 1> k;
+  Eigen::Matrix<Real, 1, 3> h, ahead;
+  Eigen::Matrix<Real, 3, 1> x = Eigen::Matrix<Real, 3, 1>::Zero();
+
+  Real Step(Real z) {
+    const Eigen::Matrix<Real, 3, 1> prior = a * x;
+    x = prior + k * (z - (h * prior)(0));
+    return (ahead * x)(0);
+  }
+};
+
+TEST(PredictionExactness, KalmanOfThreeStates) {
+  const KalmanSteadyConfig model = {
+      .noise = {.r = {0.5}, .q = {1e6}, .process_noise = ProcessNoise::kWhite}, .states = 3};
+  RealFilter filter;
+  filter.a << 1, 1, 0.5L, 0, 1, 1, 0, 0, 1;
+  filter.k = SteadyGains(model, 1, kRateHz).matrix().transpose().cast<Real>();
+  filter.h << 1, 0, 0;
+  filter.ahead << 1, kHorizon, Real{0.5L} * kHorizon * kHorizon;
+  bool first = true;
+  EXPECT_LE(WorstError({KalmanPredictionConfig{.horizon_ms = {kHorizon}, .states = 3}},
+                       [&](double z) {
+                         if (first) filter.x[0] = z;
+                         first = false;
+                         return filter.Step(z);
+                       }),
+            1e-12);
+}
+
+TEST(PredictionExactness, DoubleExponential) {
+  const Real a = 1 - std::exp(Real{-1} / 30);
+  const Real trend = a / (1 - a) * kHorizon;
+  Real once = 0, twice = 0;
+  bool first = true;
+  EXPECT_LE(WorstError(
+                {DoubleExponentialPredictionConfig{.horizon_ms = {kHorizon}, .smoothing_ms = 30.0}},
+                [&](double z) {
+                  if (first) once = twice = z;
+                  first = false;
+                  once = a * z + (1 - a) * once;
+                  twice = a * once + (1 - a) * twice;
+                  return (2 + trend) * once - (1 + trend) * twice;
+                }),
+            1e-12);
+}
+
+TEST(PredictionExactness, Fitted) {
+  FittedPredictionConfig config{.order = 40, .tap_ms = 5.0, .weights = {}};
+  TestNoise noise(4);
+  for (int i = 0; i < config.order; ++i) config.weights.push_back(noise.Normal() / 10.0);
+  std::deque<double> past;
+  EXPECT_LE(WorstError({config},
+                       [&](double z) {
+                         if (past.empty()) past.assign(201, z);
+                         past.push_front(z);
+                         past.pop_back();
+                         Real sum = z;
+                         for (std::size_t i = 1; i <= 40; ++i) {
+                           sum += Real{config.weights[i - 1]} * (Real{past[5 * i]} - z);
+                         }
+                         return sum;
+                       }),
+            1e-12);
+}
+
+/// The bank as its header says; gains are those of Settle(), which has tests of its own.
+TEST(PredictionExactness, Adaptive) {
+  constexpr Real kMemory = 1000;
+  const MotionModel models[] = {WhiteAcceleration(1e3),       WhiteJerk(1e6),
+                                Swing(0.5, 0.03, 1e6, 10.0),  Swing(1.0, 0.03, 1e6, 10.0),
+                                Swing(2.0, 0.03, 1e6, 100.0), Swing(3.0, 0.03, 1e5, 300.0)};
+  const Real degrees = 180 / std::numbers::pi_v<Real>;
+  std::vector<RealFilter> bank;
+  for (const MotionModel& model : models) {
+    const SettledFilter settled = Settle(model, 0.4, 1.0 / kRateHz);
+    bank.push_back({settled.a.cast<Real>(), settled.k.cast<Real>(), model.h.cast<Real>(),
+                    LookAhead(model, bank.empty() ? 0.0 : 1e-3 * kHorizon).cast<Real>()});
+  }
+  std::array<std::deque<Real>, 6> expected;
+  std::array<Real, 6> miss;
+  miss.fill(1);
+  bool first = true;
+  EXPECT_LE(WorstError({AdaptivePredictionConfig{.horizon_ms = {kHorizon}, .r_deg2 = {0.4}}},
+                       [&](double z) -> Real {
+                         if (first) {
+                           for (int m = 0; m < 6; ++m) {
+                             bank[m].x[0] = z;
+                             expected[m].assign(kHorizon, z);
+                           }
+                           first = false;
+                           return z;
+                         }
+                         Real sum = 0, shares = 0;
+                         for (int m = 0; m < 6; ++m) {
+                           const Real off = (z - expected[m].front()) * degrees;
+                           const Real square = std::clamp<Real>(off * off / 0.4, 0.01L, 1e4L);
+                           const Real keep = std::exp(-1 / kMemory);
+                           miss[m] = keep * miss[m] + (1 - keep) * square;
+                           const Real y = bank[m].Step(z);
+                           expected[m].pop_front();
+                           expected[m].push_back(y);
+                           sum += y / std::pow(miss[m], Real{3});
+                           shares += 1 / std::pow(miss[m], Real{3});
+                         }
+                         return sum / shares;
+                       }),
+            1e-12);
+}
+
+/// The equations of its header with matrices. What it learns amplifies rounding: its P spans six
+/// decades.
+TEST(PredictionExactness, Autoregressive) {
+  using Vector = Eigen::Matrix<Real, 5, 1>;
+  using Matrix = Eigen::Matrix<Real, 5, 5>;
+  const Real radians = std::numbers::pi_v<Real> / 180;
+  const Real smooth = 1 - std::exp(Real{-1} / 10), forget = std::exp(Real{-1} / 2000);
+  const Real leash = 30 * radians;
+  const Real first_p = 1 / (25 * radians * radians);
+  Matrix p = Matrix::Identity() * first_p;
+  Vector w = Vector::Zero();
+  std::deque<Real> s;
+  const auto past = [&](std::size_t age) {
+    Vector differences;
+    for (std::size_t i = 0; i < 5; ++i) differences[i] = s[age] - s[age + 20 * (i + 1)];
+    return differences;
+  };
+  bool first = true;
+  EXPECT_LE(WorstError({AutoregressivePredictionConfig{.horizon_ms = {kHorizon}}},
+                       [&](double z) -> Real {
+                         if (first) {
+                           s.assign(kHorizon + 101, z);
+                           first = false;
+                           return z;
+                         }
+                         s.push_front(s.front() + smooth * (z - s.front()));
+                         s.pop_back();
+                         const Vector then = past(kHorizon);
+                         const Real off = std::clamp(z - s[kHorizon] - w.dot(then), -leash, leash);
+                         const Real f = p.trace() < 5 * first_p * forget ? forget : 1;
+                         const Vector gain = p * then / (f + then.dot(p * then));
+                         w += gain * off;
+                         p = (p - gain * (p * then).transpose()) / f;
+                         return s.front() + std::clamp(w.dot(past(0)), -leash, leash);
+                       }),
+            1e-9);
+}
+
+}  // namespace
+}  // namespace gauntlet::controller

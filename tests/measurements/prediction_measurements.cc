@@ -1,0 +1,217 @@
+// How much of the delay each way to look ahead takes away, how much could be taken, and what a
+// wrong model costs. The tables of tests/measurements/README.md.
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "controller/calibration/predictor_fit.h"
+#include "controller/prediction/horizon.h"
+#include "sim/scenario/scenario.h"
+#include "sim/study/study.h"
+#include "sim/study/trial_score.h"
+#include "sim/trial/joint_angles.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using controller::ControllerConfig;
+using Eigen::Index;
+
+constexpr int kTrainingSeeds = 4;
+// Seeds behind those that are measured. Of the 25 recordings of door_opening they are numbers 13 to
+// 16, so that up to 12 repetitions can be measured on others.
+constexpr int kTrainingFrom = 512;
+constexpr int kMostSeeds = 12;
+
+struct Row {
+  std::string name;
+  ControllerConfig controller;
+  std::function<GloveSignal(const Study&, int)> glove;
+};
+
+GloveSignal GloveOfSeed(const Study& study, int seed) {
+  return SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed));
+}
+GloveSignal NoiseFree(const Study& study, int seed) {
+  return SynthesiseGlove(WithoutNoise(GloveOf(study.scenario, seed)),
+                         static_cast<std::uint64_t>(seed));
+}
+
+/// The same glove, each channel so many samples ahead.
+GloveSignal Ahead(GloveSignal glove, const Eigen::ArrayXd& horizon_steps) {
+  const Signal counts = glove.counts;
+  for (Index c = 0; c < counts.cols(); ++c) {
+    const Index steps = std::lround(horizon_steps[c]);
+    for (Index k = 0; k < counts.rows(); ++k) {
+      glove.counts(k, c) = counts(std::min(k + steps, counts.rows() - 1), c);
+    }
+  }
+  return glove;
+}
+
+/// A glove whose counts are, not rounded, what the controller takes for the true angle.
+GloveSignal Truth(const Study& study, int seed) {
+  GloveSignal glove = NoiseFree(study, seed);
+  const controller::GloveCalibration& known = study.calibration;
+  for (Index c = 0; c < glove.counts.cols(); ++c) {
+    const double counts_per_rad = (known.high_counts[c] - known.low_counts[c]) /
+                                  (known.high_angle_rad[c] - known.low_angle_rad[c]);
+    for (Index k = 0; k < glove.counts.rows(); ++k) {
+      const double angle_rad = glove.true_angle_rad(k * glove.ticks_per_sample, c);
+      glove.counts(k, c) =
+          known.low_counts[c] + counts_per_rad * (angle_rad - known.low_angle_rad[c]);
+    }
+  }
+  return glove;
+}
+
+struct MeanAndHalfWidth {
+  double mean = 0.0;
+  double half_width = 0.0;  // of the 95 % interval, normal
+};
+
+MeanAndHalfWidth Summary(const std::vector<double>& values) {
+  const Eigen::Map<const Eigen::ArrayXd> x(values.data(), std::ssize(values));
+  const double n = static_cast<double>(x.size());
+  const double variance = n > 1 ? (x - x.mean()).square().sum() / (n - 1.0) : 0.0;
+  return {x.mean(), 1.96 * std::sqrt(variance / n)};
+}
+
+struct Outcome {
+  std::vector<double> tracking_deg;
+  std::vector<double> delay_ms;
+  std::vector<double> jitter_deg;
+  std::vector<double> reversals_per_s;
+};
+
+Outcome Measure(const Study& study, const Row& row, int seeds) {
+  Outcome outcome;
+  for (int i = 0; i < seeds; ++i) {
+    const int seed = study.scenario.seed + i;
+    const GloveSignal glove = row.glove(study, seed);
+    const Signal reference = ReferenceAngles(study.joint_map(), glove.true_angle_rad);
+    const Trace trace =
+        RunTrial(SetupOf(study, {.name = row.name, .config = row.controller}), glove);
+    const Scores scores = ScoreTrial(study, glove, reference, trace, std::nullopt);
+    outcome.tracking_deg.push_back(scores.summary[MetricIndex("tracking_rmse_deg")]);
+    outcome.delay_ms.push_back(scores.summary[MetricIndex("delay_ms")]);
+    outcome.jitter_deg.push_back(scores.summary[MetricIndex("jitter_rms_deg")]);
+    outcome.reversals_per_s.push_back(scores.summary[MetricIndex("command_reversals_per_s")]);
+  }
+  return outcome;
+}
+
+const ControllerConfig& ControllerOf(const Study& study, std::string_view name) {
+  for (const NamedController& named : study.scenario.controllers) {
+    if (named.name == name) return named.config;
+  }
+  throw std::invalid_argument(fmt::format("the scenario has no controller {}", name));
+}
+
+/// Fitted to what the gloves of other repetitions said.
+ControllerConfig Fitted(const Study& study, const std::vector<double>& horizon_ms) {
+  std::vector<Eigen::MatrixXd> recordings;
+  for (int i = 0; i < kTrainingSeeds; ++i) {
+    recordings.emplace_back(GloveOfSeed(study, study.scenario.seed + kTrainingFrom + i).counts);
+  }
+  ControllerConfig config = ControllerOf(study, "raw");
+  const double rate_hz = TimingOf(study.scenario).controller.sample_rate_hz();
+  const controller::PredictorFit fit =
+      controller::FitPredictor(recordings, rate_hz, {.horizon_ms = horizon_ms});
+  config.prediction.settings = fit.predictor;
+  return config;
+}
+
+std::vector<Row> RowsOf(const Study& study) {
+  const ControllerConfig raw = ControllerOf(study, "raw");
+  const ControllerConfig ours = ControllerOf(study, "prediction");
+  const auto& adaptive = std::get<controller::AdaptivePredictionConfig>(ours.prediction.settings);
+  const int channels = static_cast<int>(study.channel_names().size());
+  const Eigen::ArrayXd steps = controller::HorizonSteps(
+      adaptive.horizon_ms, channels, TimingOf(study.scenario).controller.sample_rate_hz());
+  ControllerConfig before = ControllerOf(study, "tuned_kalman");
+  before.prediction.settings = controller::KalmanPredictionConfig{};
+  const auto with = [&](auto settings) {
+    ControllerConfig config = raw;
+    config.prediction.settings = settings;
+    return config;
+  };
+  const auto wrong = [&](double horizon, double noise) {
+    controller::AdaptivePredictionConfig settings = adaptive;
+    for (double& value : settings.horizon_ms) value *= horizon;
+    for (double& value : settings.r_deg2) value *= noise;
+    return with(settings);
+  };
+  return {
+      {"no prediction", raw, GloveOfSeed},
+      {"tuned_kalman", ControllerOf(study, "tuned_kalman"), GloveOfSeed},
+      {"tuned_kalman, then kalman 45 ms", before, GloveOfSeed},
+      {"prediction of the scenario", ours, GloveOfSeed},
+      {"kalman, 2 states, q 1e5",
+       with(controller::KalmanPredictionConfig{
+           .horizon_ms = adaptive.horizon_ms, .q_deg2_per_s3 = 1e5, .r_deg2 = adaptive.r_deg2}),
+       GloveOfSeed},
+      {"autoregressive",
+       with(controller::AutoregressivePredictionConfig{.horizon_ms = adaptive.horizon_ms}),
+       GloveOfSeed},
+      {"fitted to other repetitions, order 40", Fitted(study, adaptive.horizon_ms), GloveOfSeed},
+      {"glove without noise, known ahead", raw,
+       [steps](const Study& of, int seed) { return Ahead(NoiseFree(of, seed), steps); }},
+      {"truth, known ahead", raw,
+       [steps](const Study& of, int seed) { return Ahead(Truth(of, seed), steps); }},
+      {"ours, delay 30 % less", wrong(0.7, 1.0), GloveOfSeed},
+      {"ours, delay 30 % more", wrong(1.3, 1.0), GloveOfSeed},
+      {"ours, noise 30 % less", wrong(1.0, 0.7), GloveOfSeed},
+      {"ours, noise 30 % more", wrong(1.0, 1.3), GloveOfSeed},
+  };
+}
+
+void MeasureScenario(const std::string& file, int seeds) {
+  const Study study = PrepareStudy(LoadScenario(file, {}));
+  fmt::print("\n{}, {} repetitions\n\n", study.scenario.name, seeds);
+  fmt::print("| | tracking [deg] | delay [ms] | jitter [deg] | reversals [1/s] | way [%] |\n");
+  fmt::print("|---|---|---|---|---|---|\n");
+  struct Line {
+    std::string name;
+    Outcome outcome;
+  };
+  std::vector<Line> lines;
+  double none = 0.0;
+  double fitted = 0.0;
+  for (const Row& row : RowsOf(study)) {
+    lines.push_back({row.name, Measure(study, row, seeds)});
+    const double tracking = Summary(lines.back().outcome.tracking_deg).mean;
+    if (row.name == "no prediction") none = tracking;
+    if (row.name.starts_with("fitted")) fitted = tracking;
+  }
+  for (const auto& [name, outcome] : lines) {
+    const auto [tracking, half] = Summary(outcome.tracking_deg);
+    fmt::print("| {} | {:.2f} ± {:.2f} | {:.0f} | {:.3f} | {:.1f} | {:.0f} |\n", name, tracking,
+               half, Summary(outcome.delay_ms).mean, Summary(outcome.jitter_deg).mean,
+               Summary(outcome.reversals_per_s).mean, 100.0 * (none - tracking) / (none - fitted));
+  }
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
+
+int main(int count, char** arguments) {
+  const int seeds = count > 1 ? std::stoi(arguments[1]) : 4;
+  if (seeds < 1 || seeds > gauntlet::sim::kMostSeeds) {
+    fmt::print(stderr, "repetitions: is {}, must be from 1 to {}\n", seeds,
+               gauntlet::sim::kMostSeeds);
+    return 2;
+  }
+  for (const char* name : {"random_motion", "fast_bursts", "door_opening"}) {
+    if (count > 2 && std::string(name).find(arguments[2]) == std::string::npos) continue;
+    gauntlet::sim::MeasureScenario(std::string("scenarios/") + name + ".yaml", seeds);
+  }
+}
