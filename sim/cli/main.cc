@@ -41,6 +41,7 @@ int Run(int argc, char** argv) {
       "asked.");
   sim::AddRunCommand(app);
   sim::AddCompareCommand(app);
+  sim::AddSweepCommand(app);
   sim::AddRenderCommand(app);
   sim::AddExportCommand(app);
   sim::AddDiffCommand(app);
