@@ -42,6 +42,7 @@ int Run(int argc, char** argv) {
   sim::AddRunCommand(app);
   sim::AddCompareCommand(app);
   sim::AddSweepCommand(app);
+  sim::AddTuneCommand(app);
   sim::AddRenderCommand(app);
   sim::AddExportCommand(app);
   sim::AddDiffCommand(app);
