@@ -228,7 +228,7 @@ CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
 
 namespace {
 
-/// The last part of a key that still tells the axes apart.
+/// The last part of a key that still tells the axes apart, and is not a score's.
 std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
   const std::string& key = plan.file.axes[axis].key;
   for (std::size_t dot = key.rfind('.'); dot != std::string::npos && dot > 0;
@@ -236,7 +236,7 @@ std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
     const std::string ending = key.substr(dot);
     const auto same = std::ranges::count_if(
         plan.file.axes, [&](const SweepAxis& other) { return other.key.ends_with(ending); });
-    if (same == 1) return ending.substr(1);
+    if (same == 1 && !FindMetric(ending.substr(1))) return ending.substr(1);
   }
   return key;
 }

@@ -322,11 +322,11 @@ std::string FrontTable(const TunePlan& plan, const TuneResult& result) {
   const std::size_t jitter = MetricIndex("jitter_rms_deg");
   for (std::size_t a = 0; a < plan.free.size(); ++a) rows[0].push_back(KeyInController(plan, a));
   for (const std::size_t metric : {delay, jitter}) rows[0].emplace_back(Metrics()[metric].key);
-  const double step = std::max(
-      1.0, static_cast<double>(result.front.size() - 1) / static_cast<double>(kMostOfFront - 1));
-  for (double at = 0.0; at < static_cast<double>(result.front.size()) - 0.5; at += step) {
-    const TunedSetting& setting =
-        result.tried[result.front[static_cast<std::size_t>(std::lround(at))]];
+  const std::size_t last = result.front.size() - 1;
+  const std::size_t shown = std::min(result.front.size(), kMostOfFront);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const std::size_t at = shown == 1 ? 0 : (i * last + (shown - 1) / 2) / (shown - 1);
+    const TunedSetting& setting = result.tried[result.front[at]];
     std::vector<std::string>& row = rows.emplace_back(setting.values);
     for (const std::size_t metric : {delay, jitter}) {
       row.push_back(IntervalText(setting.scores[PlaceOfMetric(result, metric)]));
