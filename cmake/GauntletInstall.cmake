@@ -3,7 +3,7 @@
 
 install(TARGETS gauntlet RUNTIME COMPONENT program)
 # Where sim/base/data_folder.h looks.
-install(DIRECTORY models scenarios DESTINATION share/gauntlet COMPONENT program
+install(DIRECTORY models scenarios studies DESTINATION share/gauntlet COMPONENT program
         PATTERN "*.py" EXCLUDE PATTERN "*.gp" EXCLUDE)
 install(FILES README.md CHANGELOG.md CITATION.cff SECURITY.md LICENSE
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)

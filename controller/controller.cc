@@ -88,6 +88,10 @@ std::span<const double> Controller::filtered_angle_rad() const noexcept {
   if (!state_) return {};
   return state_->filtered_rad;
 }
+std::span<const double> Controller::predicted_angle_rad() const noexcept {
+  if (!state_) return {};
+  return state_->predicted_rad;
+}
 std::span<const double> Controller::target_angle_rad() const noexcept {
   if (!state_) return {};
   return state_->target_rad;

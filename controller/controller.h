@@ -95,11 +95,12 @@ class Controller {
   int joint_count() const noexcept;
   int motor_count() const noexcept;
 
-  /// Angles as they are after the last Step() [rad]: per channel before the filter and behind it,
-  /// and per joint behind prediction and joint map, which is what the hand is to do. The memory
-  /// of these spans is there as long as that of a Command.
+  /// Angles as they are after the last Step() [rad]: per channel before the filter, behind it and
+  /// behind prediction, and per joint behind the joint map, which is what the hand is to do. The
+  /// memory of these spans is there as long as that of a Command.
   std::span<const double> linearised_angle_rad() const noexcept;
   std::span<const double> filtered_angle_rad() const noexcept;
+  std::span<const double> predicted_angle_rad() const noexcept;
   std::span<const double> target_angle_rad() const noexcept;
   /// How many samples of each channel could not be trusted since Reset(), in all or for one reason.
   std::span<const std::int64_t> untrusted_samples() const noexcept;

@@ -9,6 +9,8 @@ namespace gauntlet::sim {
 // an exit code travels as CLI::RuntimeError.
 void AddRunCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
+void AddSweepCommand(CLI::App& app);
+void AddTuneCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);
 void AddDiffCommand(CLI::App& app);

@@ -42,6 +42,8 @@ int Run(int argc, char** argv) {
       "asked.");
   sim::AddRunCommand(app);
   sim::AddCompareCommand(app);
+  sim::AddSweepCommand(app);
+  sim::AddTuneCommand(app);
   sim::AddRenderCommand(app);
   sim::AddExportCommand(app);
   sim::AddDiffCommand(app);

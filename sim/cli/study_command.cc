@@ -100,7 +100,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
                 .progress = [&](double done, int all) { return progress.Update(done, all); },
                 .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); },
                 .keep_first_traces = true,
-                .database = database ? &*database : nullptr});
+                .store = database ? &*database : nullptr});
     if (database) not_kept = database->Finish();
     return result;
   } catch (const Cancelled&) {

@@ -118,7 +118,7 @@ constexpr MetricRow kRows[] = {
       .main = true,
       .relevant_difference = kNoticedDelay},
      [](const ScoredJoint& j) {
-       return j.delay_ticks ? 1000.0 * *j.delay_ticks / j.rate_hz : kNoScore;
+       return j.delay_ticks() ? 1000.0 * *j.delay_ticks() / j.rate_hz : kNoScore;
      }},
     {{.key = "aligned_rmse_deg",
       .help = "how far the hand is from the wearer once the delay is taken out, RMS",
@@ -127,8 +127,9 @@ constexpr MetricRow kRows[] = {
       .main = true,
       .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) {
-       return kDegPerRad * (j.delay_ticks ? AlignedRms(j.reference_rad, j.hand_rad, *j.delay_ticks)
-                                          : RmsDifference(j.reference_rad, j.hand_rad));
+       return kDegPerRad * (j.delay_ticks()
+                                ? AlignedRms(j.reference_rad, j.hand_rad, *j.delay_ticks())
+                                : RmsDifference(j.reference_rad, j.hand_rad));
      }},
     {{.key = "peak_error_deg",
       .help = "the largest distance between hand and wearer",
@@ -142,14 +143,14 @@ constexpr MetricRow kRows[] = {
                     "s) at both ends left out",
       .main = true,
       .relevant_difference = kVisibleTrembling},
-     [](const ScoredJoint& j) { return kDegPerRad * Rms(j.trembling_rad); }},
+     [](const ScoredJoint& j) { return kDegPerRad * Rms(j.trembling_rad()); }},
     {{.key = "noise_jitter_rms_deg",
       .help = "trembling that the glove's noise makes, RMS: not that of frames and limits",
       .definition = "jitter_rms_deg of the hand less the hand of the same trial with a noise-free "
                     "glove",
       .main = true,
       .relevant_difference = kVisibleTrembling},
-     [](const ScoredJoint& j) { return kDegPerRad * j.noise_jitter_rad; }},
+     [](const ScoredJoint& j) { return kDegPerRad * j.noise_jitter_rad(); }},
     {{.key = "command_reversals_per_s",
       .help = "local jumps: how often the motor command turns round",
       .definition = "sign changes between successive non-zero increments of the integer command, "
@@ -170,14 +171,14 @@ constexpr MetricRow kRows[] = {
       .definition = "standard deviation of the hand about its mean of each rest, pooled over rests",
       .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) {
-       return kDegPerRad * PooledDeviation(j.hand_rad, j.wearer.Of(Regime::kRest));
+       return kDegPerRad * PooledDeviation(j.hand_rad, j.wearer().Of(Regime::kRest));
      }},
     {{.key = "rest_offset_deg",
       .help = "how far beside the wearer who holds still the hand stands",
       .definition = "mean over rests of |mean(hand - reference)|: what no filter of noise changes",
       .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) {
-       return kDegPerRad * MeanOffset(j.error_rad, j.wearer.Of(Regime::kRest));
+       return kDegPerRad * MeanOffset(j.error_rad(), j.wearer().Of(Regime::kRest));
      }},
     {{.key = "slow_tracking_rmse_deg",
       .help = "distance to the wearer while the wearer moves slowly, RMS",
@@ -233,22 +234,22 @@ constexpr MetricRow kRows[] = {
                     "to 10 Hz, mean over movements (Balasubramanian et al. 2015)",
       .lower_is_better = false,
       .relevant_difference = kSpectralArc},
-     [](const ScoredJoint& j) { return j.smoothness.sparc; }},
+     [](const ScoredJoint& j) { return j.smoothness().sparc; }},
     {{.key = "ldlj",
       .help = "smoothness of the movements (0 is smoothest)",
       .definition = "-ln(duration^3 / peak speed^2 * integral of jerk^2), mean over movements "
                     "(Balasubramanian et al. 2015)",
       .lower_is_better = false,
       .relevant_difference = kJerk},
-     [](const ScoredJoint& j) { return j.smoothness.ldlj; }},
+     [](const ScoredJoint& j) { return j.smoothness().ldlj; }},
     {{.key = "overshoot_deg",
       .help = "how far the hand goes beyond where the wearer stops or turns",
       .definition = "mean over movements of the largest excursion beyond the end of the movement, "
                     "the mean error taken off",
       .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) {
-       return kDegPerRad * Overshoot(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer.movements,
-                                     j.delay_ticks.value_or(0.0));
+       return kDegPerRad * Overshoot(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer().movements,
+                                     j.delay_ticks().value_or(0.0));
      }},
     {{.key = "onset_delay_ms",
       .help = "how late the hand leaves its rest",
@@ -257,7 +258,7 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kNoticedDelay},
      [](const ScoredJoint& j) {
        return 1000.0 / j.rate_hz *
-              OnsetDelay(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer.movements);
+              OnsetDelay(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer().movements);
      }},
     {{.key = "motor_speed_rms_deg_s",
       .help = "how loud the motors are",

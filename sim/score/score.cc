@@ -82,14 +82,21 @@ std::vector<double> Difference(std::span<const double> values, std::span<const d
   return difference;
 }
 
-/// Fills in the metrics that are measured on this kind of part.
+/// Fills in the metrics that are measured on this kind of part, and wanted.
 template <class Part>
-void Score(const Part& part, std::vector<double>& values) {
+void Score(const Part& part, const std::vector<bool>& wanted, std::vector<double>& values) {
   using PartMeasure = double (*)(const Part&);
   for (std::size_t m = 0; m < values.size(); ++m) {
     const auto* measure = std::get_if<PartMeasure>(&MetricRows()[m].measure);
-    if (measure != nullptr) values[m] = (*measure)(part);
+    if (measure != nullptr && wanted[m]) values[m] = (*measure)(part);
   }
+}
+
+/// Per metric; nothing named is all.
+std::vector<bool> Wanted(std::span<const std::size_t> metrics) {
+  std::vector<bool> wanted(Metrics().size(), metrics.empty());
+  for (const std::size_t metric : metrics) wanted[metric] = true;
+  return wanted;
 }
 
 /// Mean over the rows that have a value, per metric; none where the rows are not alike.
@@ -129,7 +136,15 @@ Scores NoScores(const ScoreRows& rows) {
   return {.summary = none, .channels = {rows.names.size(), none}};
 }
 
-Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
+bool NeedsNoiseFreeTwin(std::size_t metric) {
+  const std::string_view key = Metrics()[metric].key;
+  return key.starts_with("noise_") || key.starts_with("motor_noise_") ||
+         std::ranges::find(TrackingErrorParts(), metric, &TrackingErrorPart::metric) !=
+             TrackingErrorParts().end();
+}
+
+Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
+                     std::span<const std::size_t> metrics) {
   CheckShapes(input, table);
   const int rows = static_cast<int>(input.hand_angle_rad->rows());
   // A long trial's transforms take much memory: those of one trial at a time.
@@ -139,9 +154,10 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
   Fourier fourier;
   const AllJoints all(input, fourier);
 
+  const std::vector<bool> wanted = Wanted(metrics);
   Scores scores = NoScores(table);
   for (std::size_t joint = 0; rows > 0 && joint < table.joints.size(); ++joint) {
-    Score(ScoredJoint(input, static_cast<int>(joint), all, fourier),
+    Score(ScoredJoint(input, static_cast<int>(joint), all, fourier), wanted,
           scores.channels[table.joints[joint]]);
     TrimSignals();
   }
@@ -155,14 +171,14 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
     scored.noise_rad_s = Difference(
         scored.speed_rad_s, ColumnOrNothing(input.noise_free_motor_speed_rad_s, motor, rows));
     if (!input.saturation_share.empty()) scored.saturation_share = input.saturation_share[motor];
-    Score(scored, scores.channels[table.motors[motor]]);
+    Score(scored, wanted, scores.channels[table.motors[motor]]);
     TrimSignals();
   }
   for (std::size_t cable = 0; rows > 0 && cable < table.cables.size(); ++cable) {
     ScoredCable scored{.tension_n = ColumnOrNothing(input.tension_n, cable, rows),
                        .stall_tension_n = {}};
     if (!input.stall_tension_n.empty()) scored.stall_tension_n = input.stall_tension_n[cable];
-    Score(scored, scores.channels[table.cables[cable]]);
+    Score(scored, wanted, scores.channels[table.cables[cable]]);
     TrimSignals();
   }
   scores.summary = MeansOver(scores.channels);
@@ -171,7 +187,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table) {
                    .grip_force_n = ColumnOrNothing(input.grip_force_n, 0, rows),
                    .digit_overlap_m = ColumnOrNothing(input.digit_overlap_m, 0, rows),
                    .fourier = fourier},
-        scores.summary);
+        wanted, scores.summary);
   return scores;
 }
 

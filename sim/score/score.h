@@ -108,9 +108,14 @@ struct Scores {
 /// Of a trial that says nothing: every score is NaN.
 Scores NoScores(const ScoreRows& rows);
 
+/// Whether a metric has no value without the noise-free signals.
+bool NeedsNoiseFreeTwin(std::size_t metric);
+
 /// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped
-/// early is shorter than the reference; the rows that exist are scored.
+/// early is shorter than the reference; the rows that exist are scored. Only `metrics`, if there
+/// are any (the others are NaN): few take a part of the time of all, and have the same values.
 /// Errors: std::invalid_argument for signals that do not fit each other (the caller's mistake).
-Scores ComputeScores(const ScoreInput& input, const ScoreRows& rows);
+Scores ComputeScores(const ScoreInput& input, const ScoreRows& rows,
+                     std::span<const std::size_t> metrics = {});
 
 }  // namespace gauntlet::sim

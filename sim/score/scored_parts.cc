@@ -45,37 +45,53 @@ std::vector<double> NoiseJitter(const ScoreInput& input, Fourier& fourier) {
 }  // namespace
 
 AllJoints::AllJoints(const ScoreInput& input, Fourier& fourier)
-    : trembling(Trembling(*input.hand_angle_rad, input.rate_hz, input.jitter_above_hz, fourier)),
-      noise_jitter_rad(NoiseJitter(input, fourier)),
-      error_splits(SplitErrors(input, fourier)) {}
+    : trembling([&input, &fourier] {
+        return Trembling(*input.hand_angle_rad, input.rate_hz, input.jitter_above_hz, fourier);
+      }),
+      noise_jitter_rad([&input, &fourier] { return NoiseJitter(input, fourier); }),
+      error_splits([&input, &fourier] { return SplitErrors(input, fourier); }) {}
 
 ScoredJoint::ScoredJoint(const ScoreInput& input, int column, const AllJoints& all,
                          Fourier& fourier)
     : rate_hz(input.rate_hz),
       reference_rad(Column(*input.reference_angle_rad, column, input.hand_angle_rad->rows())),
       hand_rad(Column(*input.hand_angle_rad, column, input.hand_angle_rad->rows())),
-      error_rad(hand_rad.size()),
-      trembling_rad(Column(all.trembling.values, column, all.trembling.values.rows())),
-      first_trembling_tick(all.trembling.first_sample),
-      wearer(AnalyseWearer(reference_rad, rate_hz, input.segments)),
-      delay_ticks(DelaySamples(reference_rad, hand_rad, rate_hz, fourier)),
-      smoothness(MovementSmoothness(hand_rad, rate_hz, wearer.movements, delay_ticks.value_or(0.0),
-                                    fourier)),
-      noise_jitter_rad(all.noise_jitter_rad.empty() ? kNoScore : all.noise_jitter_rad[column]) {
-  if (!all.error_splits.empty()) error_split = all.error_splits[column];
-  for (std::size_t n = 0; n < error_rad.size(); ++n) error_rad[n] = hand_rad[n] - reference_rad[n];
+      error_rad([this] {
+        std::vector<double> error(hand_rad.size());
+        for (std::size_t n = 0; n < error.size(); ++n) error[n] = hand_rad[n] - reference_rad[n];
+        return error;
+      }),
+      wearer([this, &input] { return AnalyseWearer(reference_rad, rate_hz, input.segments); }),
+      delay_ticks(
+          [this, &fourier] { return DelaySamples(reference_rad, hand_rad, rate_hz, fourier); }),
+      smoothness([this, &fourier] {
+        return MovementSmoothness(hand_rad, rate_hz, wearer().movements,
+                                  delay_ticks().value_or(0.0), fourier);
+      }),
+      column_(column),
+      all_(all) {}
+
+std::span<const double> ScoredJoint::trembling_rad() const {
+  const Signal& values = all_.trembling().values;
+  return Column(values, column_, values.rows());
+}
+
+double ScoredJoint::noise_jitter_rad() const {
+  const std::vector<double>& jitter = all_.noise_jitter_rad();
+  return jitter.empty() ? kNoScore : jitter[column_];
 }
 
 double ScoredJoint::ErrorDuring(Regime regime) const {
-  return RmsWithin(error_rad, 0, wearer.Of(regime));
+  return RmsWithin(error_rad(), 0, wearer().Of(regime));
 }
 
 double ScoredJoint::TremblingDuring(Regime regime) const {
-  return RmsWithin(trembling_rad, first_trembling_tick, wearer.Of(regime));
+  return RmsWithin(trembling_rad(), all_.trembling().first_sample, wearer().Of(regime));
 }
 
 double ScoredJoint::PartOfError(ErrorCause cause) const {
-  return error_split ? error_split->Of(cause) : kNoScore;
+  const std::vector<ErrorSplit>& splits = all_.error_splits();
+  return splits.empty() ? kNoScore : splits[column_].Of(cause);
 }
 
 }  // namespace gauntlet::sim

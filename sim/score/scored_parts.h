@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sim/score/error_split.h"
@@ -13,32 +15,50 @@
 
 namespace gauntlet::sim {
 
-// What the metrics see of one part of a trial. Views: the signals outlive them.
+// What the metrics see of one part of a trial. Views: the signals outlive them. What takes time is
+// found when the first metric asks for it, so who wants few scores does not pay for all.
+
+/// A value that is found when it is first asked for.
+template <class Value>
+class Lazy {
+ public:
+  explicit Lazy(std::function<Value()> find) : find_(std::move(find)) {}
+  const Value& operator()() const {
+    if (!value_) value_.emplace(find_());
+    return *value_;
+  }
+
+ private:
+  std::function<Value()> find_;
+  mutable std::optional<Value> value_;
+};
 
 /// What is found for all joints together.
 struct AllJoints {
   AllJoints(const ScoreInput& input, Fourier& fourier);
 
-  FilteredSignal trembling;              // of the hand above jitter_above_hz
-  std::vector<double> noise_jitter_rad;  // RMS of what noise adds to it; empty: not known
-  std::vector<ErrorSplit> error_splits;  // empty: not known
+  Lazy<FilteredSignal> trembling;              // of the hand above jitter_above_hz
+  Lazy<std::vector<double>> noise_jitter_rad;  // RMS of what noise adds to it; empty: not known
+  Lazy<std::vector<ErrorSplit>> error_splits;  // empty: not known
 };
 
 /// One joint. What several metrics need is found once.
 struct ScoredJoint {
   ScoredJoint(const ScoreInput& input, int column, const AllJoints& all, Fourier& fourier);
+  ScoredJoint(const ScoredJoint&) = delete;  // its parts refer to each other
+  ScoredJoint& operator=(const ScoredJoint&) = delete;
 
   double rate_hz;
   std::span<const double> reference_rad;
   std::span<const double> hand_rad;
-  std::vector<double> error_rad;          // hand - reference
-  std::span<const double> trembling_rad;  // of the hand above jitter_above_hz
-  int first_trembling_tick;               // the tick of its first value
-  WearerMotion wearer;
-  std::optional<double> delay_ticks;
-  Smoothness smoothness;
-  double noise_jitter_rad;                // kNoScore: not known
-  std::optional<ErrorSplit> error_split;  // [rad^2]
+  Lazy<std::vector<double>> error_rad;  // hand - reference
+  Lazy<WearerMotion> wearer;
+  Lazy<std::optional<double>> delay_ticks;
+  Lazy<Smoothness> smoothness;
+
+  /// Of the hand above jitter_above_hz.
+  std::span<const double> trembling_rad() const;
+  double noise_jitter_rad() const;  // kNoScore: not known
 
   /// RMS of the error while the wearer does this [rad].
   double ErrorDuring(Regime regime) const;
@@ -46,6 +66,10 @@ struct ScoredJoint {
   double TremblingDuring(Regime regime) const;
   /// Part of the mean square error [rad^2], kNoScore if it is not known.
   double PartOfError(ErrorCause cause) const;
+
+ private:
+  int column_;
+  const AllJoints& all_;
 };
 
 /// One motor. A signal that is not there is empty.

@@ -22,54 +22,15 @@
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
 #include "sim/study/study_identity.h"
+#include "sim/study/study_schema.h"
 
 namespace gauntlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Raised whenever the tables change.
-constexpr int kFormat = 4;
 /// How often a lock of another program is tried.
 constexpr std::chrono::milliseconds kLockPause{20};
-constexpr const char* kSummary = "summary";
-
-constexpr const char* kTables = R"(
-  CREATE TABLE study (
-    hash TEXT PRIMARY KEY,    -- of glove, hand, event and program
-    scenario TEXT NOT NULL    -- with every value used, as YAML; without its controllers
-  );
-  CREATE TABLE trial (
-    id INTEGER PRIMARY KEY,
-    seed INTEGER NOT NULL,
-    controller TEXT NOT NULL,
-    study TEXT NOT NULL REFERENCES study (hash),
-    settings TEXT NOT NULL,   -- hash of the controller's settings
-    problem TEXT NOT NULL,    -- why the hand stopped early; empty if all was well
-    newest INTEGER NOT NULL,  -- 1: of what was asked for last, 0: of an earlier study or setting
-    checksum TEXT NOT NULL,   -- of all the rest, with the rows of score and untrusted
-    UNIQUE (study, controller, settings, seed)
-  );
-  CREATE TABLE score (
-    trial INTEGER NOT NULL REFERENCES trial (id) ON DELETE CASCADE,
-    channel TEXT NOT NULL,    -- joint, motor or cable; 'summary' is the mean over all
-    metric TEXT NOT NULL,
-    value REAL NOT NULL,
-    PRIMARY KEY (trial, channel, metric)
-  ) WITHOUT ROWID;
-  CREATE TABLE untrusted (
-    trial INTEGER NOT NULL REFERENCES trial (id) ON DELETE CASCADE,
-    channel TEXT NOT NULL,
-    samples INTEGER NOT NULL, -- samples of the glove that the controller did not believe
-    PRIMARY KEY (trial, channel)
-  ) WITHOUT ROWID;
-  CREATE VIEW all_scores AS
-    SELECT study, settings, seed, controller, channel, metric, value
-    FROM score JOIN trial ON trial.id = score.trial;
-  CREATE VIEW scores AS       -- of what was asked for last
-    SELECT seed, controller, channel, metric, value
-    FROM score JOIN trial ON trial.id = score.trial WHERE newest = 1;
-)";
 
 using Clock = std::chrono::steady_clock;
 
@@ -131,38 +92,6 @@ std::string ChecksumOf(const TrialColumns& columns, const TrialOutcome& outcome)
   return hash.Text();
 }
 
-std::string_view Text(const SQLite::Column& column) {
-  return {column.getText(), static_cast<std::size_t>(column.getBytes())};
-}
-
-/// The definitions of tables and views by name, as SQLite keeps them.
-std::map<std::string, std::string> Definitions(const SQLite::Database& database) {
-  std::map<std::string, std::string> definitions;
-  SQLite::Statement query(database, "SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL");
-  while (query.executeStep()) {
-    definitions[query.getColumn(0).getString()] = query.getColumn(1).getString();
-  }
-  return definitions;
-}
-
-/// Why SQLite did not do something, and what helps.
-enum class Trouble { kLock, kDamage, kFullDisk, kOther };
-
-Trouble TroubleOf(const SQLite::Exception& error) {
-  switch (error.getErrorCode() & 0xFF) {  // the rest says where
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-      return Trouble::kLock;
-    case SQLITE_CORRUPT:
-    case SQLITE_NOTADB:
-      return Trouble::kDamage;
-    case SQLITE_FULL:
-      return Trouble::kFullDisk;
-    default:
-      return Trouble::kOther;
-  }
-}
-
 }  // namespace
 
 struct StudyDatabase::State {
@@ -174,10 +103,7 @@ struct StudyDatabase::State {
   }
   ~State();
 
-  void CheckPlace() const;
   void Open();
-  void MakeTables();
-  void CheckTables();
   void ReadTrials();
   std::optional<TrialOutcome> ReadTrial(std::int64_t trial, std::string problem) const;
   bool ReadScores(std::int64_t trial, Scores& scores) const;
@@ -202,11 +128,6 @@ struct StudyDatabase::State {
   }
   const std::vector<std::string>& Channels() const { return study.channel_names(); }
   const std::vector<std::string>& Rows() const { return study.rows.names; }
-  UserError NotUsable(std::string_view what) const {
-    return UserError(
-        fmt::format("{}: {}; remove it, or name another folder by --out", file.string(), what));
-  }
-
   const fs::path file;
   const Study& study;
   const StudyDatabaseOptions options;
@@ -229,28 +150,8 @@ struct StudyDatabase::State {
   std::vector<std::int64_t> damaged_rows;
 };
 
-/// What SQLite would say less clearly, or too late.
-void StudyDatabase::State::CheckPlace() const {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(file, ignored);
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw NotUsable("is not a file of its own");
-  }
-  // The journal beside it has the longest name.
-  constexpr std::string_view kJournal = "-journal";
-  const std::size_t longest = static_cast<std::size_t>(sqlite3_vfs_find(nullptr)->mxPathname);
-  const std::size_t length = fs::weakly_canonical(file, ignored).native().size();
-  if (length + kJournal.size() > longest) {
-    throw UserError(
-        {.place = "--out",
-         .problem = fmt::format("the path of study.db has {} bytes, SQLite takes at most "
-                                "{}; name a folder with a shorter path",
-                                length, longest - kJournal.size())});
-  }
-}
-
 void StudyDatabase::State::Open() {
-  CheckPlace();
+  CheckDatabasePlace(file);
   std::error_code ignored;
   made = fs::symlink_status(file, ignored).type() == fs::file_type::not_found;
   deadline = Clock::now() + options.patience;
@@ -267,11 +168,11 @@ void StudyDatabase::State::Open() {
       this);
   database->exec("PRAGMA synchronous = NORMAL");
   database->exec("PRAGMA foreign_keys = OFF");  // rows of damaged trials may break them
-  if (database->execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0) {
-    MakeTables();
+  if (!HasTables(*database)) {
+    MakeTables(*database);
   } else {
     SQLite::Transaction one_state(*database);
-    CheckTables();
+    CheckTables(file, *database);
     ReadTrials();
     one_state.commit();
   }
@@ -281,36 +182,6 @@ void StudyDatabase::State::Open() {
     Write(nullptr);
   } catch (const SQLite::Exception& error) {
     if (TroubleOf(error) != Trouble::kLock) throw;
-  }
-}
-
-void StudyDatabase::State::MakeTables() {
-  const Unbroken unbroken;  // or its journal would be left
-  SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::EXCLUSIVE);
-  database->exec(kTables);
-  database->exec(fmt::format("PRAGMA user_version = {}", kFormat));
-  transaction.commit();
-}
-
-/// Errors: UserError if the file is of another version, or somebody or something changed its
-/// tables.
-void StudyDatabase::State::CheckTables() {
-  if (database->execAndGet("PRAGMA user_version").getInt() != kFormat) {
-    throw NotUsable("is not a study database of this version of Gauntlet");
-  }
-  SQLite::Database intact(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  intact.exec(kTables);
-  const std::map<std::string, std::string> here = Definitions(*database);
-  for (const auto& [name, definition] : Definitions(intact)) {
-    const auto found_here = here.find(name);
-    if (found_here == here.end()) throw NotUsable(fmt::format("has no table or view {}", name));
-    if (found_here->second != definition) {
-      throw NotUsable(fmt::format("its table or view {} is not as Gauntlet makes it", name));
-    }
-  }
-  // Scores have their checksums; this is for trials that are in the table or in its index only.
-  if (database->execAndGet("PRAGMA integrity_check(trial)").getString() != "ok") {
-    throw NotUsable("is damaged");
   }
 }
 
@@ -331,7 +202,7 @@ void StudyDatabase::State::ReadTrials() {
       const Key key{.controller = controller, .seed = trials.getColumn(1).getInt64()};
       if (key.seed >= first && key.seed < first + options.seeds) {
         std::optional<TrialOutcome> outcome = ReadTrial(row, trials.getColumn(2).getString());
-        if (!outcome || ChecksumOf(ColumnsOf(key), *outcome) != Text(trials.getColumn(3))) {
+        if (!outcome || ChecksumOf(ColumnsOf(key), *outcome) != TextOf(trials.getColumn(3))) {
           damaged_rows.push_back(row);
           continue;
         }
@@ -360,11 +231,11 @@ bool StudyDatabase::State::ReadScores(std::int64_t trial, Scores& scores) const 
   SQLite::Statement query(*database, "SELECT channel, metric, value FROM score WHERE trial = ?");
   query.bind(1, trial);
   while (query.executeStep()) {
-    const std::string_view channel = Text(query.getColumn(0));
+    const std::string_view channel = TextOf(query.getColumn(0));
     const auto row = std::ranges::find(Rows(), channel);
-    const std::optional<std::size_t> metric = FindMetric(Text(query.getColumn(1)));
+    const std::optional<std::size_t> metric = FindMetric(TextOf(query.getColumn(1)));
     const SQLite::Column value = query.getColumn(2);
-    const bool summary = channel == kSummary;
+    const bool summary = channel == kSummaryChannel;
     if ((!summary && row == Rows().end()) || !metric) return false;
     if (!value.isFloat() || !std::isfinite(value.getDouble())) return false;
     std::vector<double>& of_channel =
@@ -380,7 +251,7 @@ bool StudyDatabase::State::ReadUntrusted(std::int64_t trial,
   SQLite::Statement query(*database, "SELECT channel, samples FROM untrusted WHERE trial = ?");
   query.bind(1, trial);
   while (query.executeStep()) {
-    const auto channel = std::ranges::find(Channels(), Text(query.getColumn(0)));
+    const auto channel = std::ranges::find(Channels(), TextOf(query.getColumn(0)));
     const SQLite::Column count = query.getColumn(1);
     if (channel == Channels().end() || !count.isInteger()) return false;
     samples[static_cast<std::size_t>(channel - Channels().begin())] = count.getInt64();
@@ -481,7 +352,7 @@ void StudyDatabase::State::AddScores(std::int64_t trial, const TrialOutcome& out
       add.reset();
     }
   };
-  add_all(kSummary, outcome.scores.summary);
+  add_all(std::string(kSummaryChannel), outcome.scores.summary);
   for (std::size_t row = 0; row < Rows().size(); ++row) {
     add_all(Rows()[row], outcome.scores.channels[row]);
   }
@@ -541,21 +412,7 @@ StudyDatabase::StudyDatabase(fs::path file, const Study& study, StudyDatabaseOpt
     state_->Open();
   } catch (const SQLite::Exception& error) {
     if (!state_->options.go_on()) throw Cancelled{};
-    const std::string name = state_->file.string();
-    switch (TroubleOf(error)) {
-      case Trouble::kDamage:
-        // SQLite quotes what it could not read, over several lines.
-        throw state_->NotUsable(error.getErrorCode() == SQLITE_NOTADB ? "is not a database"
-                                                                      : "is damaged");
-      case Trouble::kLock:
-        throw RunError(name +
-                       ": another program (or its network folder) keeps it locked; try again "
-                       "when it is free");
-      case Trouble::kFullDisk:
-        throw RunError(name + ": the disk is full");
-      case Trouble::kOther:
-        throw RunError(fmt::format("{}: cannot be used: {}", name, error.what()));
-    }
+    ThrowCannotOpen(state_->file, error);
   }
 }
 

@@ -47,16 +47,16 @@ struct StudyDatabaseOptions {
 ///
 /// Any thread may call Take and Keep. Errors: UserError for a file that is not such a database or
 /// is damaged, RunError for one that cannot be read or written, Cancelled.
-class StudyDatabase {
+class StudyDatabase final : public TrialStore {
  public:
   /// `study` has to outlive the database.
   StudyDatabase(std::filesystem::path file, const Study& study, StudyDatabaseOptions options = {});
-  ~StudyDatabase();
+  ~StudyDatabase() override;
 
   /// Hands over a trial that the file held when it was opened; the second time there is none.
-  std::optional<TrialOutcome> Take(int seed, std::size_t controller);
+  std::optional<TrialOutcome> Take(int seed, std::size_t controller) override;
   /// Does not wait for other programs. Errors: RunError when the disk is full.
-  void Keep(int seed, std::size_t controller, const TrialOutcome& outcome);
+  void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) override;
   /// Writes what the file has not taken so far. Returns what it lacks now, why, and what to do
   /// about it, as one line; nothing if it lacks nothing.
   std::optional<std::string> Finish();

@@ -30,8 +30,10 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const auto joints = static_cast<double>(study.joint_count);
   const auto motors = static_cast<double>(study.hand->motor_names().size());
   const auto cables = static_cast<double>(study.hand->cable_names().size());
-  const auto controllers = static_cast<double>(study.scenario.controllers.size());
-  const double others = options.seeds > 1 ? options.jobs : 0;  // trials beside the first seed's
+  // Traces that are kept, and trials beside them.
+  const double controllers =
+      options.keep_first_traces ? static_cast<double>(study.scenario.controllers.size()) : 0.0;
+  const double others = options.seeds > 1 || !options.keep_first_traces ? options.jobs : 0;
   constexpr double kGripPoseAndDigits = 9.0;
   const bool twins = study.scenario.score.noise_free_twin;
   // Columns of numbers with a row per tick.

@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "sim/base/error.h"
-#include "sim/study/study_database.h"
 #include "sim/study/study_room.h"
 #include "sim/study/trial_score.h"
+#include "sim/trial/filter_trial.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"
 
@@ -122,7 +122,8 @@ class Schedule {
       result_.first_traces.resize(controllers_);
       result_.first_twins.resize(controllers_);
     }
-    trials_in_all_ = TrialCount(study, options.seeds);
+    for (int i = 0; i < options.seeds; ++i) trials_in_all_ += TrialsOf(study.scenario.seed + i);
+    trials_in_all_ *= static_cast<int>(controllers_);
   }
 
   /// Takes tasks until there are none, an error or a stop.
@@ -148,12 +149,19 @@ class Schedule {
   std::size_t TaskCount() const { return controllers_ * gloves_.size(); }
 
  private:
+  TwinSource WantedTwin(int seed) const {
+    const bool wanted =
+        options_.scores.empty() || std::ranges::any_of(options_.scores, NeedsNoiseFreeTwin);
+    return wanted ? TwinOf(study_, seed) : TwinSource::kNone;
+  }
+  int TrialsOf(int seed) const { return WantedTwin(seed) == TwinSource::kTrial ? 2 : 1; }
+
   void RunTask(std::size_t seed_index, std::size_t controller_index) {
     SeedOutcome& seed = result_.seeds[seed_index];
     SharedGlove& glove = gloves_[seed_index];
     TrialOutcome& outcome = seed.controllers[controller_index];
     if (Recall(seed_index, controller_index, outcome)) return;
-    const TwinSource twin_source = TwinOf(study_, seed.seed);
+    const TwinSource twin_source = WantedTwin(seed.seed);
     std::call_once(glove.once, [&] {
       glove.signal = GloveOfSeed(study_, seed.seed);
       glove.reference_rad = ReferenceAngles(study_.joint_map(), glove.signal->true_angle_rad);
@@ -164,13 +172,12 @@ class Schedule {
     Trace trace = Run(controller_index, *glove.signal);
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
     outcome.health = trace.health;
-    outcome.scores = trace.health.ok
-                         ? ScoreTrial(study_, *glove.signal, glove.reference_rad, trace, twin)
-                         : NoScores(study_.rows);
+    outcome.scores = trace.health.ok ? ScoreTrial(study_, *glove.signal, glove.reference_rad, trace,
+                                                  twin, options_.scores)
+                                     : NoScores(study_.rows);
     outcome.untrusted_samples = trace.untrusted_samples;
-    if (options_.database != nullptr) {
-      options_.database->Keep(seed.seed, controller_index, outcome);
-    }
+    if (options_.store != nullptr) options_.store->Keep(seed.seed, controller_index, outcome);
+    if (!options_.keep_rows) outcome.scores.channels = {};
     const bool keep = seed_index == 0 && options_.keep_first_traces;
     if (keep) {
       result_.first_traces[controller_index] = std::move(trace);
@@ -180,16 +187,21 @@ class Schedule {
   }
 
   Trace Run(std::size_t controller_index, const GloveSignal& glove) {
+    const TrialSetup setup = SetupOf(study_, study_.scenario.controllers[controller_index]);
+    if (!options_.physics) {
+      Trace trace = RunFilterTrial(setup, glove);
+      if (!Progress(1.0)) throw Cancelled{};
+      return trace;
+    }
     const Eigen::Index blocks = glove.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
-    return RunTrial(SetupOf(study_, study_.scenario.controllers[controller_index]), glove,
-                    [&] { return Progress(1.0 / static_cast<double>(blocks)); });
+    return RunTrial(setup, glove, [&] { return Progress(1.0 / static_cast<double>(blocks)); });
   }
 
   /// The last trial of a seed frees its signal, or hands out that of the first seed.
   void LeaveGlove(std::size_t seed_index) {
     SharedGlove& glove = gloves_[seed_index];
     if (--glove.users_left > 0) return;
-    if (seed_index == 0) {
+    if (seed_index == 0 && options_.keep_first_traces) {
       result_.reference_name = glove.signal->reference_name;
       result_.first_glove = std::move(glove.signal);
       result_.first_reference_rad = std::move(glove.reference_rad);
@@ -199,16 +211,16 @@ class Schedule {
     glove.reference_rad = {};
   }
 
-  /// Takes a trial from the database, if it is there. The first seed runs again: its signals are
+  /// Takes a trial from the store, if it is there. The first seed runs again where its signals are
   /// wanted, too.
   bool Recall(std::size_t seed_index, std::size_t controller_index, TrialOutcome& outcome) {
-    if (options_.database == nullptr || seed_index == 0) return false;
-    auto known = options_.database->Take(result_.seeds[seed_index].seed, controller_index);
+    if (options_.store == nullptr) return false;
+    if (seed_index == 0 && options_.keep_first_traces) return false;
+    auto known = options_.store->Take(result_.seeds[seed_index].seed, controller_index);
     if (!known) return false;
     outcome = std::move(*known);
     LeaveGlove(seed_index);
-    const TwinSource twin = TwinOf(study_, result_.seeds[seed_index].seed);
-    Progress(twin == TwinSource::kTrial ? 2.0 : 1.0);
+    Progress(TrialsOf(result_.seeds[seed_index].seed));
     return true;
   }
 

@@ -10,13 +10,20 @@
 
 namespace gauntlet::sim {
 
-class StudyDatabase;
-
 /// What one controller did with one seed.
 struct TrialOutcome {
   Scores scores;  // none, all NaN, of a hand that was stopped
   HandHealth health;
   std::vector<std::int64_t> untrusted_samples;  // per channel
+};
+
+/// Where finished trials are kept and looked for. Any thread may call it.
+class TrialStore {
+ public:
+  virtual ~TrialStore() = default;
+  /// Hands over a finished trial; `controller` is its place in the study.
+  virtual std::optional<TrialOutcome> Take(int seed, std::size_t controller) = 0;
+  virtual void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) = 0;
 };
 
 /// All trials of one seed: the same glove signal and the same hand for every controller.
@@ -31,14 +38,21 @@ struct StudyOptions {
   int jobs = 1;
   /// Gets trials done (with fractions of the running ones) and trials in all, twins counted. Called
   /// from any thread, one at a time. False stops: RunStudy throws Cancelled.
-  std::function<bool(double, int)> progress;
+  std::function<bool(double, int)> progress = {};
   /// Gets a line for the user about what went otherwise than asked and changes no result. May be
   /// empty.
   std::function<void(const std::string&)> remark = {};
   /// Keep the glove signal and the traces of the first seed.
   bool keep_first_traces = true;
-  /// Where finished trials are kept and looked for; null: nowhere.
-  StudyDatabase* database = nullptr;
+  /// Keep the scores of every joint, motor and cable; false: only their means, in a thousandth of
+  /// the memory.
+  bool keep_rows = true;
+  /// False: what the controller asks the joints for is scored as if a hand had done it, see
+  /// RunFilterTrial().
+  bool physics = true;
+  TrialStore* store = nullptr;  // null: none
+  /// In Metrics(): only these scores, and no twin where none of them needs one; empty: all.
+  std::vector<std::size_t> scores = {};
 };
 
 struct StudyResult {

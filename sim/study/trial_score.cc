@@ -43,55 +43,70 @@ std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_li
   return shares;
 }
 
-/// The columns of measured parts of a twin, or nothing.
-struct MeasuredTwin {
-  MeasuredTwin(const Study& study, const NoiseFreeTwin& twin)
-      : hand(twin.hand_angle_rad, study.measured_joints),
-        speed(twin.spool_speed_rad_s, study.measured_motors),
-        at_limit(twin.motor_at_limit(Eigen::all, study.measured_motors).cast<int>()) {}
+/// Whether the trial had a hand; else there are only angles.
+bool HadMotors(const Trace& trace) { return trace.spool_speed_rad_s.cols() > 0; }
 
-  Columns<Signal> hand;
+/// What the motors and cables of a trial did, and of its twin, if there is one.
+struct MeasuredMotors {
+  MeasuredMotors(const Study& study, const Trace& trace, const std::optional<NoiseFreeTwin>& twin)
+      : command(trace.command_counts, study.measured_motors),
+        speed(trace.spool_speed_rad_s, study.measured_motors),
+        tension(trace.tension_n, study.measured_cables),
+        stall_tension_n(StallTensions(study)),
+        saturation_share(SaturationShares(study, trace.motor_at_limit)),
+        motors_of_joint(MotorsOfJoints(study)) {
+    if (!twin) return;
+    twin_speed.emplace(twin->spool_speed_rad_s, study.measured_motors);
+    twin_at_limit = twin->motor_at_limit(Eigen::all, study.measured_motors).cast<int>();
+  }
+
+  void PutInto(ScoreInput& input) const {
+    input.command_counts = &*command;
+    input.motor_speed_rad_s = &*speed;
+    input.tension_n = &*tension;
+    input.saturation_share = saturation_share;
+    input.stall_tension_n = stall_tension_n;
+    input.motors_of_joint = motors_of_joint;
+    if (!twin_speed) return;
+    input.noise_free_motor_speed_rad_s = &**twin_speed;
+    input.noise_free_motor_at_limit = &twin_at_limit;
+  }
+
+  Columns<IntegerSignal> command;
   Columns<Signal> speed;
-  IntegerSignal at_limit;
+  Columns<Signal> tension;
+  std::vector<double> stall_tension_n;
+  std::vector<double> saturation_share;
+  std::vector<std::vector<int>> motors_of_joint;
+  std::optional<Columns<Signal>> twin_speed;
+  IntegerSignal twin_at_limit;
 };
 
 }  // namespace
 
 Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
-                  const Trace& trace, const std::optional<NoiseFreeTwin>& twin) {
+                  const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
+                  std::span<const std::size_t> metrics) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
-  const Columns command(trace.command_counts, study.measured_motors);
-  const Columns speed(trace.spool_speed_rad_s, study.measured_motors);
-  const Columns tension(trace.tension_n, study.measured_cables);
-  const std::vector<double> stall_tension_n = StallTensions(study);
-  const std::vector<double> saturation_share = SaturationShares(study, trace.motor_at_limit);
-  const std::vector<std::vector<int>> motors_of_joint = MotorsOfJoints(study);
-  std::optional<MeasuredTwin> measured_twin;
-  if (twin) measured_twin.emplace(study, *twin);
+  std::optional<MeasuredMotors> motors;
+  if (HadMotors(trace)) motors.emplace(study, trace, twin);
+  std::optional<Columns<Signal>> twin_hand;
+  if (twin) twin_hand.emplace(twin->hand_angle_rad, study.measured_joints);
   ScoreInput input;
   input.rate_hz = glove.tick_rate_hz;
   input.reference_angle_rad = &*reference;
   input.hand_angle_rad = &*hand;
-  input.command_counts = &*command;
-  input.motor_speed_rad_s = &*speed;
-  input.tension_n = &*tension;
+  if (motors) motors->PutInto(input);
+  if (twin_hand) input.noise_free_hand_angle_rad = &**twin_hand;
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   if (trace.digit_overlap_m.cols() > 0) input.digit_overlap_m = &trace.digit_overlap_m;
-  input.saturation_share = saturation_share;
   input.segments = glove.segments;
   const HandConfig& hand_config = study.scenario.hand;
   input.frame_ms = std::max({study.scenario.event.period_ms, hand_config.servo.numbers().frame_ms,
                              hand_config.arm_servo.numbers().frame_ms});
   input.jitter_above_hz = study.scenario.score.jitter_above_hz;
-  input.stall_tension_n = stall_tension_n;
-  input.motors_of_joint = motors_of_joint;
-  if (measured_twin) {
-    input.noise_free_hand_angle_rad = &*measured_twin->hand;
-    input.noise_free_motor_speed_rad_s = &*measured_twin->speed;
-    input.noise_free_motor_at_limit = &measured_twin->at_limit;
-  }
-  Scores scores = ComputeScores(input, study.rows);
+  Scores scores = ComputeScores(input, study.rows, metrics);
   // No score is -0.0, which SQLite keeps as 0.0.
   for (double& score : scores.summary) score += 0.0;
   for (std::vector<double>& channel : scores.channels) {

@@ -389,5 +389,24 @@ TEST(Scores, RefuseSignalsThatDoNotFit) {
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
 }
 
+TEST(Scores, AskedForOneByOneAreThoseOfAllTogether) {
+  const FullExample example;
+  const Scores all = ComputeScores(example.Input(), kFullRows);
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (std::size_t metric = 0; metric < Metrics().size(); ++metric) {
+    const Scores one = ComputeScores(example.Input(), kFullRows, {&metric, 1});
+    for (std::size_t m = 0; m < Metrics().size(); ++m) {
+      if (m == metric) {
+        EXPECT_TRUE(same(one.summary[m], all.summary[m])) << Metrics()[m].key;
+      } else {
+        EXPECT_TRUE(std::isnan(one.summary[m])) << Metrics()[m].key;
+      }
+      for (std::size_t row = 0; m == metric && row < all.channels.size(); ++row) {
+        EXPECT_TRUE(same(one.channels[row][m], all.channels[row][m])) << Metrics()[m].key;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gauntlet::sim

@@ -155,7 +155,7 @@ TEST(NoiseFreeTwin, RunsOnlyForTrialsThatAreMissing) {
   const auto steps_of_progress = [&](int seeds) {
     StudyDatabase database(folder.path() / "study.db", study, {.seeds = seeds});
     StudyOptions options = Seeds(seeds, 1);
-    options.database = &database;
+    options.store = &database;
     int steps = 0;
     double done = 0.0;
     options.progress = [&](double trials, int all) {

@@ -138,7 +138,7 @@ TEST_F(RepetitionsStudyTest, TheDatabaseKnowsTheContentOfEveryRecording) {
     StudyDatabase database(file, study, {.seeds = 6});
     const int kept = database.TrialCount();
     StudyOptions options = Seeds(6);
-    options.database = &database;
+    options.store = &database;
     RunStudy(study, options);
     return kept;
   };

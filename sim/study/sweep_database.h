@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/study/study_run.h"
+
+namespace gauntlet::sim {
+
+/// What decides a trial of a sweep; see study_identity.h.
+struct SweepTrialKey {
+  std::string study;  // hash of what controllers share, and of which scores are kept
+  std::string controller;
+  std::string settings;
+  int seed = 0;
+};
+
+/// What one controller is in one cell, or why there is no such cell.
+struct SweepCellRecord {
+  std::int64_t number = 0;
+  std::string controller;
+  std::string study;
+  std::string settings;
+  std::vector<int> motions;  // per seed: see SeedOutcome
+  std::string problem;
+};
+
+/// The finished trials and the cells of a sweep in `study.db`; its tables are those of comparisons
+/// (study_schema.h). Of a trial it keeps the means of the scores that the sweep asks for, some
+/// hundred bytes. Nothing is read before it is asked for, so memory does not grow with the file.
+///
+/// Trials are written together, a few times per second: a program that is killed computes a quarter
+/// of a second again. A lock of another program delays them; only a full disk ends the sweep at
+/// once. Each trial has a checksum, and one that does not match is computed again.
+///
+/// Any thread may call it. Errors: as of StudyDatabase.
+class SweepDatabase {
+ public:
+  /// `sweep`: hash of all that decides which cells there are. `metrics`: that are kept.
+  SweepDatabase(std::filesystem::path file, std::string sweep, std::vector<std::size_t> metrics);
+  ~SweepDatabase();
+
+  /// With the means of the kept scores alone.
+  std::optional<TrialOutcome> Take(const SweepTrialKey& key);
+  void Keep(const SweepTrialKey& key, const TrialOutcome& outcome);
+  /// What trials of `study` share, as a scenario's YAML.
+  void AddStudy(const std::string& study, const std::string& scenario);
+  /// `values`: key and value of each axis.
+  void AddCell(const SweepCellRecord& cell,
+               const std::vector<std::pair<std::string, std::string>>& values);
+  /// Of one cell, a row per controller, by name.
+  std::vector<SweepCellRecord> CellAt(std::int64_t number);
+  /// Writes what waits, and waits for other programs. Errors: RunError where the file does not take
+  /// it.
+  void Flush();
+  /// Takes over what another file of the same sweep or of others holds, and this one does not.
+  /// Again changes nothing. Errors: UserError for what is no such file, RunError.
+  void Collect(const std::filesystem::path& other);
+
+  /// Trials in the file.
+  std::int64_t TrialCount();
+  /// Trials that were asked for and whose checksum did not match.
+  int DamagedCount() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gauntlet::sim

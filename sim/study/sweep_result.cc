@@ -1,0 +1,349 @@
+#include "sim/study/sweep_result.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "sim/study/text_table.h"
+namespace gauntlet::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostBest = 10;
+constexpr std::size_t kMostNear = 3;
+
+Met Worse(Met a, Met b) { return std::max(a, b); }
+
+std::size_t PlaceOf(const SweepPlan& plan, std::size_t metric) {
+  const auto found = std::ranges::find(plan.metrics, metric);
+  return static_cast<std::size_t>(found - plan.metrics.begin());
+}
+
+/// The score that decides, the lower the better; infinity where there is none.
+double Rank(const SweepPlan& plan, const CellResult& result) {
+  const double mean = result.scores[PlaceOf(plan, plan.best_by)].mean;
+  if (std::isnan(mean)) return std::numeric_limits<double>::infinity();
+  return Metrics()[plan.best_by].lower_is_better ? mean : -mean;
+}
+
+/// Keeps the first few by rank; of equal ones the first cell.
+void Offer(const SweepPlan& plan, const CellResult& result, std::size_t most,
+           std::vector<CellResult>& kept) {
+  const double rank = Rank(plan, result);
+  const auto place =
+      std::ranges::find_if(kept, [&](const CellResult& other) { return rank < Rank(plan, other); });
+  if (place == kept.end() && kept.size() == most) return;
+  kept.insert(place, result);
+  if (kept.size() > most) kept.pop_back();
+}
+
+CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_seed,
+                    const SweepCellRecord& record) {
+  CellResult result;
+  result.number = record.number;
+  result.controller = record.controller;
+  result.values = plan.ValuesOf(record.number);
+  result.problem = record.problem;
+  result.scores.resize(plan.metrics.size());
+  if (!record.problem.empty()) return result;
+  std::vector<std::vector<double>> by_metric(plan.metrics.size());
+  const int seeds = std::min<int>(plan.file.seeds, static_cast<int>(record.motions.size()));
+  result.motions.assign(record.motions.begin(), record.motions.begin() + seeds);
+  for (int i = 0; i < seeds; ++i) {
+    const std::optional<TrialOutcome> outcome =
+        database.Take({record.study, record.controller, record.settings, first_seed + i});
+    const bool ok = outcome && outcome->health.ok;
+    if (!ok && ++result.failed_trials == 1) {
+      result.problem = outcome
+                           ? fmt::format("{} (seed {})", outcome->health.problem, first_seed + i)
+                           : fmt::format("seed {} is not there", first_seed + i);
+    }
+    for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
+      by_metric[m].push_back(ok ? outcome->scores.summary[plan.metrics[m]]
+                                : std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
+    result.scores[m] = EstimateMean(by_metric[m], result.motions).IntervalAt();
+  }
+  result.best_by = by_metric[PlaceOf(plan, plan.best_by)];
+  for (const Constraint& constraint : plan.constraints) {
+    result.met =
+        Worse(result.met, IsMet(constraint, result.scores[PlaceOf(plan, constraint.metric)]));
+  }
+  return result;
+}
+
+std::string CsvHead(const SweepPlan& plan) {
+  std::vector<std::string> fields = {"cell", "controller"};
+  for (const SweepAxis& axis : plan.file.axes) fields.push_back(axis.key);
+  fields.emplace_back("seeds");
+  for (const std::size_t metric : plan.metrics) {
+    for (const char* ending : {"", "_low", "_high"}) {
+      fields.push_back(std::string(Metrics()[metric].key) + ending);
+    }
+  }
+  fields.insert(fields.end(), {"constraints_met", "failed_trials", "problem"});
+  return CsvLine(fields);
+}
+
+std::string CsvRow(const CellResult& result) {
+  std::vector<std::string> fields = {std::to_string(result.number), result.controller};
+  fields.insert(fields.end(), result.values.begin(), result.values.end());
+  fields.push_back(std::to_string(result.motions.size()));
+  for (const MeanInterval& score : result.scores) {
+    for (const double value : {score.mean, score.low, score.high}) {
+      fields.push_back(NumberOrNothing(value));
+    }
+  }
+  const bool has_scores = result.problem.empty();
+  fields.emplace_back(has_scores ? MetText(result.met) : "");
+  fields.push_back(std::to_string(result.failed_trials));
+  fields.push_back(result.problem);
+  return CsvLine(fields);
+}
+
+Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json ToJson(const SweepPlan& plan, const CellResult& result) {
+  Json json;
+  json["cell"] = result.number;
+  json["controller"] = result.controller;
+  for (std::size_t a = 0; a < result.values.size(); ++a) {
+    json["settings"][plan.file.axes[a].key] = result.values[a];
+  }
+  json["seeds"] = result.motions.size();
+  for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
+    json["scores"][std::string(Metrics()[plan.metrics[m]].key)] = {
+        {"mean", Number(result.scores[m].mean)},
+        {"ci95_low", Number(result.scores[m].low)},
+        {"ci95_high", Number(result.scores[m].high)}};
+  }
+  if (result.problem.empty()) json["constraints_met"] = MetText(result.met);
+  if (result.failed_trials > 0) json["failed_trials"] = result.failed_trials;
+  if (!result.problem.empty()) json["problem"] = result.problem;
+  return json;
+}
+
+void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summary) {
+  if (!result.problem.empty()) {
+    (result.failed_trials > 0 ? summary.failed : summary.not_built) += 1;
+    if (summary.first_problem.empty()) {
+      summary.first_problem = fmt::format("cell {}: {}", result.number, result.problem);
+    }
+    return;
+  }
+  ++summary.results;
+  if (result.CanBeBest()) {
+    ++summary.meeting;
+    Offer(plan, result, kMostBest, summary.best);
+  } else {
+    Offer(plan, result, kMostNear, summary.near);
+  }
+}
+
+}  // namespace
+
+std::string_view MetText(Met met) {
+  switch (met) {
+    case Met::kYes:
+      return "yes";
+    case Met::kLikely:
+      return "likely";
+    case Met::kUnlikely:
+      return "unlikely";
+    case Met::kNo:
+      return "no";
+    case Met::kNoScore:
+      return "no score";
+  }
+  return "";
+}
+
+Met IsMet(const Constraint& constraint, const MeanInterval& score) {
+  if (std::isnan(score.mean)) return Met::kNoScore;
+  const double sign = constraint.at_most ? 1.0 : -1.0;
+  const double above = sign * (score.mean - constraint.bound);
+  const double half_width = std::isnan(score.high) ? 0.0 : score.high - score.mean;
+  if (above + half_width <= 0.0) return Met::kYes;
+  if (above <= 0.0) return Met::kLikely;
+  return above - half_width <= 0.0 ? Met::kUnlikely : Met::kNo;
+}
+
+void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
+                 const std::function<void(const CellResult&)>& see) {
+  const int first_seed = ParseScenario(plan.scenario).seed;
+  for (std::int64_t number = cells.first; number < cells.end; ++number) {
+    for (const SweepCellRecord& record : database.CellAt(number)) {
+      see(ResultOf(plan, database, first_seed, record));
+    }
+  }
+}
+
+SweepSummary SummariseSweep(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
+                            const std::function<void(std::string_view)>& csv,
+                            const std::function<void(std::string_view)>& json) {
+  SweepSummary summary;
+  std::int64_t seen = 0;
+  std::int64_t last = -1;
+  if (csv) csv(CsvHead(plan));
+  if (json) json("[");
+  ForEachCell(plan, database, cells, [&](const CellResult& result) {
+    Count(plan, result, summary);
+    if (csv) csv(CsvRow(result));
+    if (json) json((last < 0 ? "\n" : ",\n") + ToJson(plan, result).dump());
+    if (result.number != last) ++seen;
+    last = result.number;
+  });
+  if (json) json("\n]");
+  summary.missing = cells.end - cells.first - seen;
+  return summary;
+}
+
+CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
+                             std::span<const double> second, std::span<const int> motions,
+                             double pairs) {
+  CellComparison comparison;
+  comparison.difference = EstimateDifference(first, second, motions)
+                              .IntervalAt(1.0 - kFamilyError / std::max(1.0, pairs));
+  comparison.judgement = JudgeDifference(
+      comparison.difference,
+      RelevantDifferenceBetween(Metrics()[metric], EstimateMean(first, motions).mean,
+                                EstimateMean(second, motions).mean),
+      Metrics()[metric].lower_is_better);
+  return comparison;
+}
+
+CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
+                            const CellResult& second, std::int64_t results) {
+  const auto count = static_cast<double>(results);
+  return ComparePaired(plan.best_by, first.best_by, second.best_by, first.motions,
+                       0.5 * count * (count - 1.0));
+}
+
+namespace {
+
+/// The last part of a key that still tells the axes apart, and is not a score's.
+std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
+  const std::string& key = plan.file.axes[axis].key;
+  for (std::size_t dot = key.rfind('.'); dot != std::string::npos && dot > 0;
+       dot = key.rfind('.', dot - 1)) {
+    const std::string ending = key.substr(dot);
+    const auto same = std::ranges::count_if(
+        plan.file.axes, [&](const SweepAxis& other) { return other.key.ends_with(ending); });
+    if (same == 1 && !FindMetric(ending.substr(1))) return ending.substr(1);
+  }
+  return key;
+}
+
+std::string Cells(std::int64_t count) {
+  return fmt::format("{} cell{}", count, count == 1 ? "" : "s");
+}
+
+std::string CountsText(const SweepPlan& plan, const SweepSummary& summary) {
+  std::string text;
+  if (!plan.constraints.empty()) {
+    std::vector<std::string> bounds;
+    for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
+    text += fmt::format(
+        "{} of {} keep {} (yes: with the whole 95 % interval, likely: with the "
+        "mean).\n",
+        summary.meeting, summary.results, fmt::join(bounds, ", "));
+  }
+  if (summary.not_built > 0) text += Cells(summary.not_built) + " could not be built.\n";
+  if (summary.failed > 0) text += fmt::format("In {} a hand was stopped.\n", Cells(summary.failed));
+  if (!summary.first_problem.empty()) text += summary.first_problem + "\n";
+  if (summary.missing > 0) text += Cells(summary.missing) + " are not there yet.\n";
+  return text;
+}
+
+/// The command that repeats the best cell as a comparison.
+std::string RepeatCommand(const SweepPlan& plan, const CellResult& best) {
+  std::string command = fmt::format("gauntlet compare {} --seeds {} --controllers {}",
+                                    plan.file.scenario, plan.file.seeds, best.controller);
+  std::vector<std::string> sets = plan.file.set;
+  for (const std::string& override : plan.OverridesOf(best.number)) sets.push_back(override);
+  for (const std::string& set : sets) command += fmt::format(" \\\n  --set '{}'", set);
+  return command + "\n";
+}
+
+}  // namespace
+
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
+  const Metric& best_by = Metrics()[plan.best_by];
+  std::string text =
+      fmt::format("{}: {}\n{}, {} seed{}{}; best by {}\n\n", plan.file.name, plan.file.question,
+                  Cells(plan.cell_count()), plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
+                  plan.file.physics ? "" : ", filters only, no hand", best_by.key);
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string>& head = rows.emplace_back();
+  head = {"cell", "controller"};
+  for (std::size_t a = 0; a < plan.file.axes.size(); ++a) head.push_back(ShortKey(plan, a));
+  for (const std::size_t metric : plan.metrics) head.emplace_back(Metrics()[metric].key);
+  if (!plan.constraints.empty()) head.emplace_back("constraints");
+  head.emplace_back("to the best");
+  const std::vector<CellResult>& shown = summary.best.empty() ? summary.near : summary.best;
+  for (const CellResult& result : shown) {
+    std::vector<std::string>& row = rows.emplace_back();
+    row = {std::to_string(result.number), result.controller};
+    row.insert(row.end(), result.values.begin(), result.values.end());
+    for (const MeanInterval& score : result.scores) row.push_back(IntervalText(score));
+    if (!plan.constraints.empty()) row.emplace_back(MetText(result.met));
+    const CellComparison comparison = CompareCells(plan, result, shown.front(), summary.results);
+    const std::string_view judgement = JudgementText(comparison.judgement);
+    row.emplace_back(&result == &shown.front() ? "best" : judgement);
+  }
+  if (!shown.empty()) text += AlignedTable(rows) + "\n";
+  if (summary.best.empty()) text += "No cell keeps all constraints.\n";
+  text += CountsText(plan, summary);
+  if (shown.size() > 1) {
+    text += fmt::format(
+        "To the best: in {}, paired by seed; all {} pairs hold together with 95 % "
+        "(Bonferroni).\n",
+        best_by.key, summary.results * (summary.results - 1) / 2);
+  }
+  if (!plan.file.physics) text += "Without a hand: confirm with physics before it counts.\n";
+  if (!summary.best.empty()) text += fmt::format("\n{}", RepeatCommand(plan, summary.best.front()));
+  return text;
+}
+
+std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary) {
+  Json json;
+  json["sweep"] = plan.file.name;
+  json["question"] = plan.file.question;
+  json["scenario"] = plan.file.scenario;
+  json["physics"] = plan.file.physics;
+  json["seeds"] = plan.file.seeds;
+  json["best_by"] = Metrics()[plan.best_by].key;
+  json["constraints"] = Json::array();
+  for (const Constraint& constraint : plan.constraints)
+    json["constraints"].push_back(constraint.Text());
+  json["results"] = summary.results;
+  json["meeting"] = summary.meeting;
+  json["not_built"] = summary.not_built;
+  json["failed"] = summary.failed;
+  json["missing"] = summary.missing;
+  json["best"] = Json::array();
+  for (const CellResult& result : summary.best) {
+    Json best = ToJson(plan, result);
+    const CellComparison comparison =
+        CompareCells(plan, result, summary.best.front(), summary.results);
+    best["to_best"] = {{"mean", Number(comparison.difference.mean)},
+                       {"low", Number(comparison.difference.low)},
+                       {"high", Number(comparison.difference.high)},
+                       {"level", comparison.difference.level},
+                       {"verdict", JudgementText(comparison.judgement)}};
+    json["best"].push_back(std::move(best));
+  }
+  std::string text = json.dump(1);
+  text.erase(0, 2);                     // "{\n"
+  text.erase(text.find_last_of('\n'));  // "\n}"
+  return text;
+}
+
+}  // namespace gauntlet::sim

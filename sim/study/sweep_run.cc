@@ -1,0 +1,330 @@
+#include "sim/study/sweep_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <utility>
+
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+#include "sim/base/stop.h"
+#include "sim/study/study_identity.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Cells that are run together: enough to share a glove, few enough for their results.
+constexpr std::int64_t kBlockCells = 64;
+
+ScenarioSource SourceOf(const SweepPlan& plan, std::int64_t cell) {
+  ScenarioSource source = plan.scenario;
+  for (std::string& override : plan.OverridesOf(cell)) {
+    source.overrides.push_back(std::move(override));
+  }
+  return source;
+}
+
+Scenario ReadCell(const SweepPlan& plan, std::int64_t cell) {
+  Scenario scenario = ParseScenario(SourceOf(plan, cell));
+  KeepControllers(plan.file.controllers, scenario);
+  return scenario;
+}
+
+/// Of what the trials of a study share, and of what a sweep keeps of them: so they are not mistaken
+/// for a comparison's, which keep more.
+std::string HashOfShared(const SweepPlan& plan, const Study& study) {
+  Hash hash;
+  hash.Add(HashOfStudy(study));
+  hash.Add(plan.file.physics ? "physics" : "filters");
+  for (const std::size_t metric : plan.metrics) {
+    hash.Add(fmt::format(" {}", Metrics()[metric].key));
+  }
+  return hash.Text();
+}
+
+/// The controllers of a block of cells as one study, each once however many cells have it.
+struct Block {
+  CellRange cells;
+  std::optional<Study> study;  // none: it could not be built
+  std::string study_hash;
+  std::vector<std::string> settings;  // hashes, per controller of the study
+  struct Cell {
+    std::int64_t number = 0;
+    std::vector<std::size_t> controllers;  // places in the study
+    std::string problem;
+  };
+  std::vector<Cell> built;
+};
+
+/// Adds the controllers of a cell to the block's study. Errors: SettingError for one that cannot be
+/// built; then nothing is added.
+std::vector<std::size_t> AddControllers(const Scenario& scenario, Block& block) {
+  Study& study = *block.study;
+  for (const NamedController& named : scenario.controllers) {
+    controller::WithinSetting("controllers." + named.name, [&] {
+      return controller::Controller(RobotOf(study.scenario, *study.hand, named.config));
+    });
+  }
+  std::vector<std::size_t> places;
+  for (const NamedController& named : scenario.controllers) {
+    const std::string settings = HashOfSettings(named);
+    const auto known = std::ranges::find(block.settings, settings);
+    places.push_back(static_cast<std::size_t>(known - block.settings.begin()));
+    if (known != block.settings.end()) continue;
+    block.settings.push_back(settings);
+    study.scenario.controllers.push_back(named);
+  }
+  return places;
+}
+
+/// Trials of one block in the database of the sweep.
+class BlockStore final : public TrialStore {
+ public:
+  BlockStore(const Block& block, SweepDatabase& database) : block_(block), database_(database) {}
+
+  SweepTrialKey KeyOf(int seed, std::size_t controller) const {
+    return {.study = block_.study_hash,
+            .controller = block_.study->scenario.controllers[controller].name,
+            .settings = block_.settings[controller],
+            .seed = seed};
+  }
+  std::optional<TrialOutcome> Take(int seed, std::size_t controller) override {
+    return database_.Take(KeyOf(seed, controller));
+  }
+  void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) override {
+    database_.Keep(KeyOf(seed, controller), outcome);
+  }
+
+ private:
+  const Block& block_;
+  SweepDatabase& database_;
+};
+
+class Sweep {
+ public:
+  Sweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options)
+      : plan_(plan), database_(database), options_(options) {
+    Scenario scenario = ParseScenario(plan.scenario);
+    KeepControllers(plan.file.controllers, scenario);
+    first_seed_ = scenario.seed;
+    const bool twins = scenario.score.noise_free_twin && !IsWithoutNoise(scenario.glove) &&
+                       std::ranges::any_of(plan.metrics, NeedsNoiseFreeTwin);
+    per_trial_ = twins ? 2.0 : 1.0;
+    per_cell_ = per_trial_ * static_cast<double>(scenario.controllers.size()) * plan.file.seeds;
+    all_ = per_cell_ * static_cast<double>(options.cells.end - options.cells.first);
+  }
+
+  void Run() {
+    for (std::int64_t first = options_.cells.first; first < options_.cells.end;) {
+      ThrowIfStopped();
+      const CellRange cells = BlockFrom(first);
+      if (!std::ranges::all_of(Numbers(cells), [this](auto cell) { return IsKnown(cell); })) {
+        RunBlock(cells);
+      }
+      done_ += per_cell_ * static_cast<double>(cells.end - cells.first);
+      Progress(0.0);
+      first = cells.end;
+    }
+    database_.Flush();
+  }
+
+ private:
+  static std::vector<std::int64_t> Numbers(const CellRange& cells) {
+    std::vector<std::int64_t> numbers;
+    for (std::int64_t cell = cells.first; cell < cells.end; ++cell) numbers.push_back(cell);
+    return numbers;
+  }
+
+  bool Progress(double more) {
+    return !options_.progress || options_.progress(std::min(done_ + more, all_), all_);
+  }
+
+  /// The values of axes that controllers share.
+  std::vector<std::string> SharedValues(std::int64_t cell) const {
+    std::vector<std::string> shared;
+    const std::vector<std::string> values = plan_.ValuesOf(cell);
+    for (std::size_t a = 0; a < values.size(); ++a) {
+      if (!plan_.file.axes[a].of_controller()) shared.push_back(values[a]);
+    }
+    return shared;
+  }
+
+  CellRange BlockFrom(std::int64_t first) const {
+    const std::vector<std::string> shared = SharedValues(first);
+    std::int64_t end = first + 1;
+    while (end < options_.cells.end && end - first < kBlockCells && SharedValues(end) == shared) {
+      ++end;
+    }
+    return {first, end};
+  }
+
+  /// Whether the file holds the cell and all its trials.
+  bool IsKnown(std::int64_t cell) {
+    const std::vector<SweepCellRecord> records = database_.CellAt(cell);
+    return !records.empty() && std::ranges::all_of(records, [this](const SweepCellRecord& record) {
+      if (!record.problem.empty()) return true;
+      if (std::ssize(record.motions) < plan_.file.seeds) return false;
+      for (int i = 0; i < plan_.file.seeds; ++i) {
+        if (!database_.Take({record.study, record.controller, record.settings, first_seed_ + i})) {
+          return false;
+        }
+      }
+      return true;
+    });
+  }
+
+  Block Build(const CellRange& cells) const {
+    Block block{.cells = cells, .study = {}, .study_hash = {}, .settings = {}, .built = {}};
+    for (const std::int64_t number : Numbers(cells)) {
+      ThrowIfStopped();
+      Block::Cell& cell = block.built.emplace_back();
+      cell.number = number;
+      try {
+        const Scenario scenario = ReadCell(plan_, number);
+        if (!block.study) {
+          block.study = PrepareShared(scenario);
+          block.study_hash = HashOfShared(plan_, *block.study);
+        }
+        cell.controllers = AddControllers(scenario, block);
+      } catch (const UserError& error) {
+        cell.problem = error.what();
+      } catch (const controller::SettingError& error) {
+        cell.problem = error.what();
+      }
+    }
+    return block;
+  }
+
+  StudyOptions OptionsFor(BlockStore& store) const {
+    return {.seeds = plan_.file.seeds,
+            .jobs = options_.jobs,
+            .progress = {},
+            .remark = options_.remark,
+            .keep_first_traces = false,
+            .keep_rows = false,
+            .physics = plan_.file.physics,
+            .store = &store,
+            .scores = plan_.metrics};
+  }
+
+  /// Times the first trial that is to be run.
+  void Forecast(const Block& block, BlockStore& store) {
+    if (forecast_done_ || !options_.forecast) return;
+    for (int i = 0; i < plan_.file.seeds; ++i) {
+      for (std::size_t c = 0; c < block.settings.size(); ++c) {
+        if (store.Take(first_seed_ + i, c)) continue;
+        forecast_done_ = true;
+        Block one = block;
+        one.study->scenario.controllers = {block.study->scenario.controllers[c]};
+        one.settings = {block.settings[c]};
+        BlockStore of_one(one, database_);
+        StudyOptions options = OptionsFor(of_one);
+        options.seeds = i + 1;
+        options.jobs = 1;
+        options.progress = [this](double, int) { return Progress(0.0); };
+        const double known = per_trial_ * static_cast<double>(database_.TrialCount());
+        const auto start = std::chrono::steady_clock::now();
+        RunStudy(*one.study, options);
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+        const double left = std::max(0.0, all_ - known - per_trial_);
+        options_.forecast(
+            {.trials = left, .seconds = left / per_trial_ * took.count() / options_.jobs});
+        database_.Flush();
+        return;
+      }
+    }
+  }
+
+  void RunBlock(const CellRange& cells) {
+    Block block = Build(cells);
+    std::vector<int> motions;
+    if (!block.settings.empty()) {
+      BlockStore store(block, database_);
+      database_.AddStudy(block.study_hash, SharedSettings(*block.study));
+      Forecast(block, store);
+      StudyOptions options = OptionsFor(store);
+      const double in_block = per_cell_ * static_cast<double>(cells.end - cells.first);
+      options.progress = [this, in_block](double done, int total) {
+        return Progress(in_block * done / std::max(total, 1));
+      };
+      for (const SeedOutcome& seed : RunStudy(*block.study, options).seeds) {
+        motions.push_back(seed.motion);
+      }
+    }
+    for (const Block::Cell& cell : block.built) AddCell(block, cell, motions);
+    database_.Flush();
+  }
+
+  void AddCell(const Block& block, const Block::Cell& cell, const std::vector<int>& motions) {
+    std::vector<std::pair<std::string, std::string>> values;
+    const std::vector<std::string> texts = plan_.ValuesOf(cell.number);
+    for (std::size_t a = 0; a < texts.size(); ++a) {
+      values.emplace_back(plan_.file.axes[a].key, texts[a]);
+    }
+    SweepCellRecord record{.number = cell.number,
+                           .controller = {},
+                           .study = {},
+                           .settings = {},
+                           .motions = {},
+                           .problem = cell.problem};
+    if (!cell.problem.empty()) return database_.AddCell(record, values);
+    for (const std::size_t c : cell.controllers) {
+      record.controller = block.study->scenario.controllers[c].name;
+      record.study = block.study_hash;
+      record.settings = block.settings[c];
+      record.motions = motions;
+      database_.AddCell(record, values);
+    }
+  }
+
+  const SweepPlan& plan_;
+  SweepDatabase& database_;
+  const SweepOptions& options_;
+  int first_seed_ = 0;
+  double per_trial_ = 1.0;  // runs: with a twin two
+  double per_cell_ = 1.0;
+  double all_ = 0.0;
+  double done_ = 0.0;  // of blocks that are finished
+  bool forecast_done_ = false;
+};
+
+}  // namespace
+
+Study PrepareShared(Scenario scenario) {
+  scenario.controllers.clear();
+  scenario.baseline.clear();
+  return PrepareStudy(std::move(scenario));
+}
+
+CellRange ShardOf(const SweepPlan& plan, int number, int count) {
+  const std::int64_t cells = plan.cell_count();
+  return {.first = cells * (number - 1) / count, .end = cells * number / count};
+}
+
+std::string HashOfSweep(const SweepPlan& plan) {
+  Scenario scenario = ParseScenario(plan.scenario);
+  KeepControllers(plan.file.controllers, scenario);
+  Hash hash;
+  for (const NamedController& named : scenario.controllers) hash.Add(HashOfSettings(named));
+  hash.Add(HashOfShared(plan, PrepareShared(std::move(scenario))));
+  hash.Add(fmt::format("{} {} {}\n", static_cast<int>(plan.file.design), plan.file.cells,
+                       plan.file.design_seed));
+  for (const SweepAxis& axis : plan.file.axes) {
+    hash.Add(fmt::format("{}\n{} {} {} {} {}\n", axis.key, axis.low, axis.high, axis.count,
+                         static_cast<int>(axis.spacing), axis.whole));
+    for (const std::string& value : axis.values) {
+      hash.Add(value + "\n");
+      std::error_code ignored;
+      if (std::filesystem::is_regular_file(value, ignored)) hash.Add(HashOfFile(value));
+    }
+  }
+  return hash.Text();
+}
+
+void RunSweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options) {
+  Sweep(plan, database, options).Run();
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,134 @@
+// gauntlet sweep from the outside: stopped and killed, in shards, and with mistakes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "tests/support/program.h"
+#include "tests/support/source_dir.h"
+
+namespace gauntlet::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class SweepCommandTest : public testing::Test {
+ protected:
+  SweepCommandTest() {
+    std::ofstream(folder_.path() / "short.yaml")
+        << "question: Which noise is best for a slow link?\n"
+           "scenario: " +
+               SourceDir() +
+               "/scenarios/hold_still.yaml\n"
+               "set: [glove.motion.duration_s=0.3, score.noise_free_twin=false]\n"
+               "controllers: [tuned_kalman]\n"
+               "seeds: 2\n"
+               "axes:\n"
+               "  - {key: event.delay_ms, values: [0, 40]}\n"
+               "  - {key: controllers.tuned_kalman.filter.q, low: 1e-4, high: 1, count: 3, "
+               "spacing: log}\n"
+               "subject_to: [peak_error_deg<=90]\n";
+  }
+
+  ProgramResult Sweep(const std::vector<std::string>& more) const {
+    return RunProgram(Command(more), {.working_directory = folder_.path()});
+  }
+  static std::vector<std::string> Command(const std::vector<std::string>& more) {
+    std::vector<std::string> command = {GAUNTLET_PROGRAM, "sweep", "short.yaml"};
+    command.insert(command.end(), more.begin(), more.end());
+    return command;
+  }
+  std::string ReadFile(const fs::path& file) const {
+    std::ostringstream text;
+    text << std::ifstream(folder_.path() / file, std::ios::binary).rdbuf();
+    return text.str();
+  }
+
+  TemporaryDirectory folder_;
+};
+
+TEST_F(SweepCommandTest, TellsItsTimeAndThenTheBestCells) {
+  const ProgramResult result = Sweep({"--jobs", "2"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_THAT(result.standard_error, AllOf(HasSubstr("6 cells x 2 seeds: 11 trials to run"),
+                                           HasSubstr("with 2 at a time")));
+  EXPECT_THAT(
+      result.standard_output,
+      AllOf(HasSubstr("best by tracking_rmse_deg"), HasSubstr("6 of 6 keep peak_error_deg<=90"),
+            HasSubstr("gauntlet compare"), HasSubstr("--set 'event.delay_ms=")));
+  const ProgramResult json = Sweep({"--json"});
+  ASSERT_EQ(json.exit_code, 0) << json.standard_error;
+  const auto parsed = nlohmann::json::parse(json.standard_output);
+  EXPECT_EQ(parsed["cells"].size(), 6u);
+  ASSERT_EQ(parsed["best"].size(), 6u);
+  for (std::size_t i = 1; i < 6; ++i) {
+    EXPECT_LE(parsed["best"][i - 1]["scores"]["tracking_rmse_deg"]["mean"],
+              parsed["best"][i]["scores"]["tracking_rmse_deg"]["mean"]);
+  }
+  // Nothing was left to run.
+  EXPECT_THAT(json.standard_error, testing::Not(HasSubstr("to run")));
+  EXPECT_LT(fs::file_size(folder_.path() / "out/short/study.db"), 100'000u);
+}
+
+TEST_F(SweepCommandTest, KilledAtRandomMomentsItEndsWithTheSameBytes) {
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(Sweep({"--out", "whole"}).exit_code, 0);
+  const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
+  std::mt19937 random(20261122);  // moments only; no result depends on them
+  for (int kill = 0; kill < 8; ++kill) {
+    Program program(Command({"--out", "killed"}), {.working_directory = folder_.path()});
+    std::this_thread::sleep_for(whole * (static_cast<double>(random() % 1000) / 1000.0));
+    program.SendSignal(SIGKILL);
+    program.Wait();
+  }
+  ASSERT_EQ(Sweep({"--out", "killed", "--jobs", "2"}).exit_code, 0);
+  EXPECT_EQ(ReadFile("killed/cells.csv"), ReadFile("whole/cells.csv"));
+}
+
+TEST_F(SweepCommandTest, ShardsMakeTheSameAsOneMachine) {
+  ASSERT_EQ(Sweep({"--out", "whole"}).exit_code, 0);
+  ASSERT_EQ(Sweep({"--shard", "1/2"}).exit_code, 0);
+  ASSERT_EQ(Sweep({"--shard", "2/2"}).exit_code, 0);
+  const ProgramResult merged = Sweep({"--out", "merged", "--collect", "out/short.shard-1-of-2",
+                                      "--collect", "out/short.shard-2-of-2"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.standard_error;
+  EXPECT_THAT(merged.standard_error,
+              AllOf(HasSubstr("collected 6 trials"), testing::Not(HasSubstr("to run"))));
+  EXPECT_EQ(ReadFile("merged/cells.csv"), ReadFile("whole/cells.csv"));
+}
+
+TEST_F(SweepCommandTest, RefusesMistakesInOneLineBeforeAnythingRuns) {
+  const auto mistake = [this](const std::vector<std::string>& more, const std::string& problem) {
+    const ProgramResult result = Sweep(more);
+    EXPECT_EQ(result.exit_code, 2) << result.standard_error;
+    EXPECT_THAT(result.standard_error, HasSubstr(problem));
+    EXPECT_EQ(std::ranges::count(result.standard_error, '\n'), 1) << result.standard_error;
+    EXPECT_FALSE(fs::exists(folder_.path() / "out"));
+  };
+  mistake({"--max-cells", "5"}, "short.yaml: axes: make 6 cells, more than --max-cells 5");
+  mistake({"--shard", "3/2"}, "--shard: 3/2: must be i/n");
+  mistake({"--shard", "1/2x"}, "must be i/n");
+  mistake({"--shard", "1/2", "--collect", "out"}, "contradict each other");
+  mistake({"--set", "glove.nois=1"}, "unknown key");
+}
+
+TEST_F(SweepCommandTest, ReadyStudiesCanBeRead) {
+  for (const auto& entry : fs::directory_iterator(fs::path(SourceDir()) / "studies")) {
+    const ProgramResult result = RunProgram(
+        {GAUNTLET_PROGRAM, "sweep", entry.path().string(), "--max-cells", "1", "--out", "none"},
+        {.working_directory = folder_.path()});
+    EXPECT_THAT(result.standard_error, HasSubstr("more than --max-cells 1")) << entry.path();
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::test
