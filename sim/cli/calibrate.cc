@@ -18,6 +18,7 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/usage_error.h"
 #include "sim/scenario/scenario.h"
 #include "sim/settings/yaml_writer.h"
 
@@ -227,22 +228,22 @@ void AddCalibrateCommand(CLI::App& app) {
       ->check(CLI::IsMember({"table", "two_point", "polynomial"}))
       ->capture_default_str();
   command->add_option("--degree", options->calibration.degree, "of the polynomial")
-      ->check(CLI::Range(1, 9))
+      ->check(WholeNumber(1, 9))
       ->capture_default_str();
   command
       ->add_option("--confidence", options->calibration.confidence_percent,
                    "of the intervals of R, in percent")
-      ->check(CLI::Range(1.0, 99.9999))
+      ->check(Number(1.0, 99.9999))
       ->capture_default_str();
   command
       ->add_option("--settle-ms", options->format.settle_ms,
                    "a pose counts from so long after its angle last changed; 0 if angles were "
                    "measured and never stand still")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(Number(0.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--rate-hz", options->format.rate_hz, "of a recording without a column of time")
-      ->check(CLI::Range(1.0, 1e6))
+      ->check(Number(1.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--full-scale", options->format.full_scale_counts,
@@ -256,21 +257,21 @@ void AddCalibrateCommand(CLI::App& app) {
       ->add_option("--horizon-ms", options->fit.horizon_ms,
                    "how far it looks ahead, one for all channels or one for each")
       ->needs(predictor)
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(Number(0.0, 1000.0))
       ->capture_default_str();
   command->add_option("--order", options->fit.order, "how many samples of the past it uses")
       ->needs(predictor)
-      ->check(CLI::Range(1, 1000))
+      ->check(WholeNumber(1, 1000))
       ->capture_default_str();
   command->add_option("--tap-ms", options->fit.tap_ms, "how far they lie apart")
       ->needs(predictor)
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(Number(0.1, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--caution", options->fit.caution,
                    "fit as if the noise had so many times its variance")
       ->needs(predictor)
-      ->check(CLI::Range(1.0, 1e6))
+      ->check(Number(1.0, 1e6))
       ->capture_default_str();
   command->add_flag("--json", options->json, "print JSON instead of the table")
       ->excludes(predictor);

@@ -17,6 +17,7 @@
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/usage_error.h"
 #include "sim/study/sweep_result.h"
 
 namespace gauntlet::sim {
@@ -173,11 +174,11 @@ void AddSweepCommand(CLI::App& app) {
       ->type_name("key=value")
       ->take_all();
   command->add_option("--jobs", options->jobs, "trials at a time [number of cores]")
-      ->check(CLI::Range(1, 1024));
+      ->check(WholeNumber(1, 1024));
   command->add_option("--seeds", options->seeds, "number of seeds [as in the study file]")
-      ->check(CLI::Range(1, 100000));
+      ->check(WholeNumber(1, 100000));
   command->add_option("--max-cells", options->max_cells, "more cells than this are refused [10000]")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
+      ->check(WholeNumber(1, 1'000'000'000));
   command->add_flag("--filter-only", options->filter_only,
                     "without a hand: score what the filters give");
   command

@@ -16,6 +16,7 @@
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/usage_error.h"
 #include "sim/settings/yaml_tree.h"
 
 namespace gauntlet::sim {
@@ -153,13 +154,13 @@ void AddTuneCommand(CLI::App& app) {
       ->type_name("key=value")
       ->take_all();
   command->add_option("--evaluations", options->evaluations, "settings to try at most [100]")
-      ->check(CLI::Range(1, 100000));
+      ->check(WholeNumber(1, 100000));
   command->add_option("--seeds", options->seeds, "seeds that each is tried on [8]")
-      ->check(CLI::Range(1, 10000));
+      ->check(WholeNumber(1, 10000));
   command->add_option("--held-out", options->held_out, "seeds behind those, for the verdict [8]")
-      ->check(CLI::Range(1, 10000));
+      ->check(WholeNumber(1, 10000));
   command->add_option("--jobs", options->jobs, "trials at a time [number of cores]")
-      ->check(CLI::Range(1, 1024));
+      ->check(WholeNumber(1, 1024));
   command->add_flag("--filter-only", options->filter_only,
                     "without a hand: score what the filters give");
   AddOutOption(*command, options->out, "output folder [out/<scenario>.tune]", "DIR");
