@@ -94,7 +94,9 @@ TEST(ComparisonVideo, DrawsWithOneThreadInEachProcess) {
     if (done != 8) return true;  // all of them have drawn
     for (const int child : Children()) {
       const std::filesystem::directory_iterator threads("/proc/" + std::to_string(child) + "/task");
-      if (std::distance(begin(threads), end(threads)) == 1) with_one_thread.push_back(child);
+      if (std::distance(begin(threads), end(threads)) == kOneThread) {
+        with_one_thread.push_back(child);
+      }
     }
     return true;
   });

@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "sim/base/error.h"
+#include "tests/video/test_files.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -115,7 +116,7 @@ TEST(OrderedFrames, EveryDrawerHasAProcessWithOneThread) {
           (void)thread;
           ++threads;
         }
-        if (threads == 1) ++*with_one_thread;
+        if (threads == kOneThread) ++*with_one_thread;
         DrawNumbers(frames);
       },
       TakeAll, GoOn);

@@ -12,6 +12,13 @@
 
 namespace gauntlet::sim {
 
+/// How many threads a process with one thread has: the thread sanitizer adds its own.
+#if defined(__SANITIZE_THREAD__)
+inline constexpr int kOneThread = 2;
+#else
+inline constexpr int kOneThread = 1;
+#endif
+
 /// A folder of its own for one test, removed with all that is in it.
 class TemporaryFolder {
  public:
