@@ -28,9 +28,9 @@ class EveryScenario : public ::testing::TestWithParam<fs::path> {};
 TEST_P(EveryScenario, GivesAGloveSignalThatIsWhole) {
   const Scenario scenario = LoadScenario(GetParam(), {});
   EXPECT_TRUE(scenario.question.ends_with("?")) << scenario.question;
-  EXPECT_GE(scenario.controllers.size(), 2u);
+  EXPECT_FALSE(scenario.controllers.empty());
   const GloveSignal glove = SynthesiseGlove(scenario.glove, 1);
-  EXPECT_GE(glove.counts.rows(), 2000);
+  EXPECT_GE(static_cast<double>(glove.counts.rows()), 2.0 * scenario.glove.rate_hz);
   EXPECT_FALSE(glove.true_angle_rad.hasNaN());
   const auto missing = static_cast<double>(glove.counts.array().isNaN().count());
   EXPECT_LT(missing, 0.2 * static_cast<double>(glove.counts.size()));
