@@ -9,8 +9,9 @@ namespace gauntlet::controller {
 /// subnormal and processors up to a hundred times slower.
 inline constexpr double kLeastValue = 1e-150;
 
-/// The value, or 0 in place of one that would sooner or later decay to a subnormal number. Enough is
-/// one for each difference that a filter adds a share of: where that is 0, its memory stays as it is.
+/// The value, or 0 in place of one that would sooner or later decay to a subnormal number. Enough
+/// is one for each difference that a filter adds a share of: where that is 0, its memory stays as
+/// it is.
 inline double WithoutSubnormal(double value) { return std::abs(value) < kLeastValue ? 0.0 : value; }
 
 /// A copy, value by value; `from` and `to` are apart or the same memory.

@@ -111,8 +111,8 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   }
 }
 
-/// The file that a user means: one that is there, or a ready scenario, also by its name alone.
-/// Errors: UserError for a name that no scenario has.
+}  // namespace
+
 std::string ScenarioFile(const std::string& given) {
   namespace fs = std::filesystem;
   std::error_code unreadable;
@@ -129,8 +129,6 @@ std::string ScenarioFile(const std::string& given) {
   throw UserError(
       {.place = given, .problem = "no such file or scenario" + Suggestion(given, names)});
 }
-
-}  // namespace
 
 void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
                          std::string_view consequence) {

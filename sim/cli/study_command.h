@@ -24,6 +24,10 @@ struct StudyCommand {
   bool csv = false;
 };
 
+/// The file that a user means: one that is there, or a ready scenario, also by its name alone.
+/// Errors: UserError for a name that no scenario has.
+std::string ScenarioFile(const std::string& given);
+
 void AddStudyOptions(CLI::App& command, StudyCommand& options);
 
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.

@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "sim/base/atomic_file.h"
-#include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal_storage.h"
@@ -16,6 +15,7 @@
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
 #include "sim/settings/yaml_tree.h"
 
@@ -130,10 +130,9 @@ void AddTuneCommand(CLI::App& app) {
   const auto options = std::make_shared<TuneCommand>();
   command
       ->add_option("scenario", options->scenario,
-                   "scenario file (YAML): your own, or scenarios/NAME.yaml of gauntlet list "
-                   "scenarios")
+                   "scenario file (YAML), or the name of a ready one (gauntlet list scenarios)")
       ->required()
-      ->transform([](const std::string& file) { return OwnOrDataFile(file).string(); });
+      ->transform(ScenarioFile);
   command->add_option("--controller", options->controller, "which one of the scenario")->required();
   command
       ->add_option(

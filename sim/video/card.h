@@ -7,8 +7,8 @@
 
 namespace gauntlet::sim {
 
-/// Whole frames before and after the motion: what is asked, and what came out. `unit` is the size of
-/// a pixel of the design at 1280 x 720.
+/// Whole frames before and after the motion: what is asked, and what came out. `unit` is the size
+/// of a pixel of the design at 1280 x 720.
 void DrawTitleCard(Painter& painter, const Rect& frame, double unit, const std::string& title,
                    const std::string& question);
 void DrawVerdictCard(Painter& painter, const Rect& frame, double unit, const std::string& title,

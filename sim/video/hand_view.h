@@ -21,8 +21,8 @@ using DataOfModel = std::unique_ptr<mjData, FreeData>;
 /// A state of the hand's model, to put it into recorded postures. Errors: RunError, out of memory.
 DataOfModel MakeData(const HandModel& hand);
 
-/// Puts `data` into the wearer's posture, whose hand has no motors, or into that of a pane, with its
-/// object.
+/// Puts `data` into the wearer's posture, whose hand has no motors, or into that of a pane, with
+/// its object.
 void SetWearer(const VideoInput& input, const HandModel& hand, int sample, mjData& data);
 void SetPane(const VideoPane& pane, const HandModel& hand, int sample, mjData& data);
 

@@ -35,8 +35,8 @@ double MotionStarts_s(const Scenario& scenario);
 /// UserError.
 void CheckVideo(int controllers, const std::filesystem::path& target);
 
-/// Draws the comparison video or one frame of it from `trace.h5` and `scenario.resolved.yaml`, checked by the
-/// manifest. Returns the file.
+/// Draws the comparison video or one frame of it from `trace.h5` and `scenario.resolved.yaml`,
+/// checked by the manifest. Returns the file.
 /// `keep_going` gets frames done and in all; false stops by a Cancelled exception.
 /// Errors: UserError for a folder without them, RunError for a video that cannot be written.
 std::filesystem::path RenderFolder(const RenderOptions& options,

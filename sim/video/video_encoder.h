@@ -20,7 +20,7 @@ struct VideoFormat {
   Container container = Container::kMp4;
   std::string encoder{};  // as libav calls it; empty: libx264 in MP4, libvpx-vp9 in WebM
   std::string preset = "veryfast";
-  /// The encoder's constant rate factor: the lower, the better; 20 keeps thin curves and text crisp.
+  /// The encoder's constant rate factor: lower is better; 20 keeps thin curves and text crisp.
   int rate_factor = 20;
 };
 

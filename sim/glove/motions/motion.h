@@ -50,8 +50,8 @@ void HoldChannel(std::size_t channel, double angle_rad, Motion& motion);
 /// Errors: SettingError of `channels` for an unknown name.
 std::vector<bool> SelectChannels(const std::vector<std::string>& names);
 
-/// Middle of where a motion that makes up its angles moves a channel, and `range_percent` of half of
-/// it: the joint's range; for the thumb that part of it in which it meets no finger.
+/// Middle of where a motion that makes up its angles moves a channel, and `range_percent` of half
+/// of it: the joint's range; for the thumb that part of it in which it meets no finger.
 struct Excursion {
   double middle_rad;
   double half_rad;
