@@ -16,7 +16,7 @@ constexpr Color Rgb(unsigned hex, double alpha = 1.0) {
 }
 
 /// One colour per meaning, everywhere. The four signals can be told apart with any kind of colour
-/// blindness: they differ in lightness, too (contrast against white: 16.3, 1.9, 3.1, 4.9).
+/// blindness: they differ in lightness, too (contrast against white: 6.7, 1.9, 3.1, 4.9).
 namespace palette {
 inline constexpr Color kPage = Rgb(0xeef1f5);
 inline constexpr Color kCard = Rgb(0xffffff);
