@@ -60,7 +60,7 @@ std::optional<std::string> UnknownOption(const CLI::App& app, const CLI::App& co
 
 /// "Could not convert: --frame = x" and its like, said of the option.
 std::string ReasonOf(const CLI::ParseError& error) {
-  const std::string text = OneLine(error.what(), 3 * kLongestWord);
+  std::string text = OneLine(error.what(), 3 * kLongestWord);
   const std::string prefix = "Could not convert: ";
   if (!text.starts_with(prefix)) return text;
   std::string option = text.substr(prefix.size());
