@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -71,6 +72,11 @@ std::optional<std::size_t> FirstBadByte(std::string_view text) {
     i += size;
   }
   return std::nullopt;
+}
+
+std::size_t Width(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; }));
 }
 
 std::string OneLine(std::string_view text, std::size_t longest) {

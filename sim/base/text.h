@@ -12,6 +12,9 @@ namespace gauntlet::sim {
 /// Where the first byte stands that is not part of a character of UTF-8; none if there is no such.
 std::optional<std::size_t> FirstBadByte(std::string_view text);
 
+/// Characters on the screen: continuation bytes of UTF-8 take no place.
+std::size_t Width(std::string_view text);
+
 /// As it may stand in a message: on one line, with `\n`, `\t` and `\xNN` for what is not printable
 /// or not UTF-8, and no longer than `longest` bytes: `...` stands for what is left out in the
 /// middle, so that the beginning (a file, a key) and the end (what is allowed) stay.

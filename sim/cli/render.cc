@@ -7,13 +7,13 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/controllers_option.h"
+#include "sim/cli/jobs_option.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
@@ -108,7 +108,7 @@ RenderOptions CheckedOptions(const Options& options) {
           .rate_factor = RateFactorOf(options.quality),
           .frame_s = options.frame_s,
           .target = options.out,
-          .jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()))};
+          .jobs = JobsOrCores(0)};
 }
 
 /// RenderFolder(); a mistake in a setting that an option replaced is one of the option.

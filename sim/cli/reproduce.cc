@@ -1,17 +1,16 @@
 
 #include <algorithm>
 #include <memory>
-#include <thread>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/jobs_option.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/usage_error.h"
 #include "sim/paper/paper_page.h"
 #include "sim/study/manifest.h"
 #include "sim/study/study_files.h"
@@ -32,9 +31,7 @@ void Reproduce(const Options& options) {
     return RunPaperExperiment(
         {.scenario = OwnOrDataFile("scenarios/paper_claims.yaml"),
          .quick = options.quick,
-         .jobs = options.jobs > 0
-                     ? options.jobs
-                     : std::max(1, static_cast<int>(std::thread::hardware_concurrency())),
+         .jobs = JobsOrCores(options.jobs),
          .progress = [&](double done, double total) { return progress.Update(done, total); },
          .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
   }();
@@ -71,8 +68,7 @@ void AddReproduceCommand(CLI::App& app) {
   AddOutOption(*command, options->out, "output folder", "DIR")->capture_default_str();
   command->add_flag("--quick", options->quick,
                     "6 s of motion instead of the paper's 94, to see how it looks");
-  command->add_option("--jobs", options->jobs, "trials at a time [number of cores]")
-      ->check(WholeNumber(1, 1024));
+  AddJobsOption(*command, options->jobs);
   command->footer(
       "\nBai, Jiang, Yokoi: Multiple-Channel Real Time Filtering for a Myoelectric Prosthetic\n"
       "Hand-Arm Robot System (arXiv:2103.02750).\n"

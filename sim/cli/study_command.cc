@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
-#include <thread>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
@@ -18,11 +17,11 @@
 #include "sim/base/stop.h"
 #include "sim/cli/controllers_option.h"
 #include "sim/cli/interrupt.h"
+#include "sim/cli/jobs_option.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/usage_error.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
@@ -34,25 +33,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-void KeepOnly(const std::vector<std::string>& names, Scenario& scenario) {
-  CheckControllerNames(names, scenario);
-  if (names.empty()) return;
-  std::vector<NamedController> kept;
-  for (const std::string& name : names) {
-    kept.push_back(*std::ranges::find(scenario.controllers, name, &NamedController::name));
-  }
-  scenario.controllers = std::move(kept);
-  // Without its controller the rule for scenarios that name none decides.
-  if (scenario.baseline.empty() || std::ranges::count(names, scenario.baseline) > 0) return;
-  Say("gauntlet: the baseline {} is not among --controllers: {}\n", scenario.baseline,
-      "the rule for scenarios that name none decides");
-  scenario.baseline.clear();
-}
-
-int JobsOrCores(int jobs) {
-  return jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
 
 /// Builds everything that the scenario names. What is wrong is said with its place in the scenario,
 /// unless it has a place of its own: a model, a recording.
@@ -162,8 +142,7 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
       ->type_name("key=value")
       ->take_all();
   AddControllersOption(command, options.controllers);
-  command.add_option("--jobs", options.jobs, "trials at a time [number of cores]")
-      ->check(WholeNumber(1, 1024));
+  AddJobsOption(command, options.jobs);
   command.add_flag("--video", options.video, "also draw comparison.mp4");
   command.add_flag("--json", options.json, "print scores.json instead of the table");
   command.add_flag("--csv", options.csv, "also write the trace as CSV, one file per controller");
@@ -175,7 +154,11 @@ void RunStudyCommand(const StudyCommand& asked) {
                               .text = ReadYamlText(options.scenario_file),
                               .overrides = options.overrides};
   Scenario scenario = ParseScenario(source);
-  KeepOnly(options.controllers, scenario);
+  if (const std::string lost = KeepControllers(options.controllers, scenario); !lost.empty()) {
+    Say("gauntlet: the baseline {} is not among --controllers: the rule for scenarios that name "
+        "none decides\n",
+        lost);
+  }
   if (options.seeds == 0) {
     constexpr int kFewest = 8;
     options.seeds = std::max(kFewest, static_cast<int>(scenario.repetitions.gloves.size()));

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <thread>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
@@ -13,6 +12,7 @@
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
+#include "sim/cli/jobs_option.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
@@ -81,9 +81,7 @@ void CollectShards(const std::vector<std::string>& places, SweepDatabase& databa
 
 void RunCells(const SweepPlan& plan, const SweepCommand& command, const CellRange& cells,
               const std::filesystem::path& file, SweepDatabase& database) {
-  const int jobs = command.jobs > 0
-                       ? command.jobs
-                       : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int jobs = JobsOrCores(command.jobs);
   SetWhatIsKept(fmt::format("finished trials are kept in {}: the same command goes on from there",
                             file.string()));
   Progress progress(fmt::format("{} cells", cells.end - cells.first));
@@ -173,8 +171,7 @@ void AddSweepCommand(CLI::App& app) {
                    "change a value of the base scenario in all cells; may be repeated")
       ->type_name("key=value")
       ->take_all();
-  command->add_option("--jobs", options->jobs, "trials at a time [number of cores]")
-      ->check(WholeNumber(1, 1024));
+  AddJobsOption(*command, options->jobs);
   command->add_option("--seeds", options->seeds, "number of seeds [as in the study file]")
       ->check(WholeNumber(1, 100000));
   command->add_option("--max-cells", options->max_cells, "more cells than this are refused [10000]")

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <memory>
-#include <thread>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/jobs_option.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
@@ -100,9 +100,7 @@ void RunTuneCommand(const TuneCommand& asked) {
   const std::string out = asked.out.empty() ? "out/" + name + ".tune" : asked.out;
   SetSignalFolder(out);
   OutputFolder folder(out);
-  const int jobs = asked.jobs > 0
-                       ? asked.jobs
-                       : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int jobs = JobsOrCores(asked.jobs);
   const TuneResult result = [&] {
     Progress progress(fmt::format("{} settings", plan.evaluations));
     return Tune(plan, jobs, [&](double done, double all) { return progress.Update(done, all); });
@@ -158,8 +156,7 @@ void AddTuneCommand(CLI::App& app) {
       ->check(WholeNumber(1, 10000));
   command->add_option("--held-out", options->held_out, "seeds behind those, for the verdict [8]")
       ->check(WholeNumber(1, 10000));
-  command->add_option("--jobs", options->jobs, "trials at a time [number of cores]")
-      ->check(WholeNumber(1, 1024));
+  AddJobsOption(*command, options->jobs);
   command->add_flag("--filter-only", options->filter_only,
                     "without a hand: score what the filters give");
   AddOutOption(*command, options->out, "output folder [out/<scenario>.tune]", "DIR");

@@ -12,14 +12,12 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::size_t kLongestWord = 80;
+constexpr std::size_t kLongestReason = 240;  // so that the hint behind it stays whole
 
 bool IsOption(const std::string& argument) { return argument.size() > 1 && argument[0] == '-'; }
 
 /// --seed of --seed=3.
 std::string NameOf(const std::string& option) { return option.substr(0, option.find('=')); }
-
-std::string Shown(const std::string& word) { return OneLine(word, kLongestWord); }
 
 std::vector<std::string> NamesOfCommands(const CLI::App& app) {
   std::vector<std::string> names;
@@ -60,7 +58,7 @@ std::optional<std::string> UnknownOption(const CLI::App& app, const CLI::App& co
 
 /// "Could not convert: --frame = x" and its like, said of the option.
 std::string ReasonOf(const CLI::ParseError& error) {
-  std::string text = OneLine(error.what(), 3 * kLongestWord);
+  std::string text = OneLine(error.what(), kLongestReason);
   const std::string prefix = "Could not convert: ";
   if (!text.starts_with(prefix)) return text;
   std::string option = text.substr(prefix.size());

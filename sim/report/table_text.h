@@ -3,13 +3,12 @@
 #include <cstddef>
 #include <string>
 
+#include "sim/base/text.h"  // Width, for those who align
+
 namespace gauntlet::sim {
 
 /// A score with three significant digits, which is what the intervals usually allow; "-" for NaN.
 std::string Short(double value);
-
-/// Characters on the screen: continuation bytes of UTF-8 take no place.
-std::size_t Width(const std::string& text);
 
 /// `text` filled up with spaces, on its left if it belongs on the right.
 std::string Padded(const std::string& text, std::size_t width, bool right);

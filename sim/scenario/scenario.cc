@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
@@ -288,6 +289,18 @@ void CheckControllerNames(const std::vector<std::string>& names, const Scenario&
       throw UserError({.place = "--controllers", .key = name, .problem = "named twice"});
     }
   }
+}
+
+std::string KeepControllers(const std::vector<std::string>& names, Scenario& scenario) {
+  CheckControllerNames(names, scenario);
+  if (names.empty()) return {};
+  std::vector<NamedController> kept;
+  for (const std::string& name : names) {
+    kept.push_back(*std::ranges::find(scenario.controllers, name, &NamedController::name));
+  }
+  scenario.controllers = std::move(kept);
+  if (std::ranges::count(names, scenario.baseline) > 0) return {};
+  return std::exchange(scenario.baseline, {});
 }
 
 Calibration LoadCalibration(const std::filesystem::path& file) {

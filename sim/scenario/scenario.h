@@ -83,6 +83,11 @@ std::optional<std::size_t> BaselineOf(const Scenario& scenario);
 /// Errors: UserError for a name that the scenario does not have, or that is given twice.
 void CheckControllerNames(const std::vector<std::string>& names, const Scenario& scenario);
 
+/// Leaves only these controllers, in this order; for no names, all. Returns the baseline that the
+/// scenario names if it is not among them: then the rule for scenarios that name none decides.
+/// Errors: as CheckControllerNames().
+std::string KeepControllers(const std::vector<std::string>& names, Scenario& scenario);
+
 /// Reads as strictly as LoadScenario().
 Calibration LoadCalibration(const std::filesystem::path& file);
 std::string CalibrationToYaml(const Calibration& calibration);

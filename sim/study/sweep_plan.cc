@@ -305,16 +305,6 @@ std::vector<std::string> SweepPlan::OverridesOf(std::int64_t cell) const {
   return overrides;
 }
 
-void KeepControllers(const std::vector<std::string>& names, Scenario& scenario) {
-  CheckControllerNames(names, scenario);
-  if (names.empty()) return;
-  std::vector<NamedController> kept;
-  for (const std::string& name : names) {
-    kept.push_back(*std::ranges::find(scenario.controllers, name, &NamedController::name));
-  }
-  scenario.controllers = std::move(kept);
-}
-
 SweepPlan LoadSweepPlan(const std::filesystem::path& path, const SweepOverrides& overrides) {
   const YAML::Node root = ParseYamlFile(path);
   const YamlSource source{.file = path};

@@ -98,8 +98,4 @@ struct SweepOverrides {
 /// or contradictory; also for an axis of which no value can be built.
 SweepPlan LoadSweepPlan(const std::filesystem::path& file, const SweepOverrides& overrides = {});
 
-/// Only these controllers of the scenario, in this order; all if there are none.
-/// Errors: UserError for one that it does not have.
-void KeepControllers(const std::vector<std::string>& names, Scenario& scenario);
-
 }  // namespace gauntlet::sim

@@ -5,16 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/text.h"
+
 namespace gauntlet::sim {
-namespace {
-
-std::size_t WidthOf(const std::string& text) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](unsigned char c) { return (c & 0xC0) != 0x80; }));  // characters of UTF-8
-}
-
-}  // namespace
-
 std::string IntervalText(const MeanInterval& interval) {
   if (std::isnan(interval.mean)) return "-";
   if (std::isnan(interval.high)) return fmt::format("{:.3g}", interval.mean);
@@ -24,12 +17,12 @@ std::string IntervalText(const MeanInterval& interval) {
 std::string AlignedTable(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths(rows.front().size());
   for (const auto& row : rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], WidthOf(row[c]));
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], Width(row[c]));
   }
   std::string text;
   for (const auto& row : rows) {
     for (std::size_t c = 0; c < row.size(); ++c) {
-      text += (c == 0 ? "" : "  ") + std::string(widths[c] - WidthOf(row[c]), ' ') + row[c];
+      text += (c == 0 ? "" : "  ") + std::string(widths[c] - Width(row[c]), ' ') + row[c];
     }
     text += "\n";
   }
