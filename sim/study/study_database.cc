@@ -21,7 +21,6 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
-#include "sim/study/study_identity.h"
 #include "sim/study/study_schema.h"
 
 namespace gauntlet::sim {
@@ -95,12 +94,8 @@ std::string ChecksumOf(const TrialColumns& columns, const TrialOutcome& outcome)
 }  // namespace
 
 struct StudyDatabase::State {
-  State(fs::path path, const Study& s, StudyDatabaseOptions o)
-      : file(std::move(path)), study(s), options(std::move(o)), study_hash(HashOfStudy(study)) {
-    for (const NamedController& named : study.scenario.controllers) {
-      settings.push_back(HashOfSettings(named));
-    }
-  }
+  State(fs::path path, const Study& s, StudyIdentity i, StudyDatabaseOptions o)
+      : file(std::move(path)), study(s), identity(std::move(i)), options(std::move(o)) {}
   ~State();
 
   void Open();
@@ -118,9 +113,9 @@ struct StudyDatabase::State {
   void WriteAll();
 
   TrialColumns ColumnsOf(const Key& key) const {
-    return {.study = study_hash,
+    return {.study = identity.hash,
             .controller = Controller(key.controller),
-            .settings = settings[key.controller],
+            .settings = identity.controller_settings[key.controller],
             .seed = key.seed};
   }
   const std::string& Controller(std::size_t index) const {
@@ -130,9 +125,8 @@ struct StudyDatabase::State {
   const std::vector<std::string>& Rows() const { return study.rows.names; }
   const fs::path file;
   const Study& study;
+  const StudyIdentity identity;
   const StudyDatabaseOptions options;
-  const std::string study_hash;
-  std::vector<std::string> settings;  // hashes, per controller
   std::mutex mutex;
   std::optional<SQLite::Database> database;
   Clock::time_point deadline;  // of waiting for other programs
@@ -191,11 +185,11 @@ void StudyDatabase::State::ReadTrials() {
                            "SELECT id, seed, problem, checksum FROM trial "
                            "WHERE controller = ? AND study = ? AND settings = ? "
                            "AND typeof(seed) = 'integer' ORDER BY seed");
-  for (std::size_t controller = 0; controller < settings.size(); ++controller) {
+  for (std::size_t controller = 0; controller < identity.controller_settings.size(); ++controller) {
     trials.reset();
     trials.bind(1, Controller(controller));
-    trials.bind(2, study_hash);
-    trials.bind(3, settings[controller]);
+    trials.bind(2, identity.hash);
+    trials.bind(3, identity.controller_settings[controller]);
     while (trials.executeStep()) {
       if (!options.go_on()) throw Cancelled{};
       const std::int64_t row = trials.getColumn(0).getInt64();
@@ -264,8 +258,8 @@ void StudyDatabase::State::Start() {
   SQLite::Statement add(*database,
                         "INSERT INTO study VALUES (?, ?) "
                         "ON CONFLICT (hash) DO UPDATE SET scenario = excluded.scenario");
-  add.bind(1, study_hash);
-  add.bind(2, SharedSettings(study));
+  add.bind(1, identity.hash);
+  add.bind(2, identity.shared_settings);
   add.exec();
   database->exec("UPDATE trial SET newest = 0 WHERE newest <> 0");
   if (!damaged_rows.empty()) RemoveDamagedTrials();
@@ -407,7 +401,12 @@ StudyDatabase::State::~State() {
 }
 
 StudyDatabase::StudyDatabase(fs::path file, const Study& study, StudyDatabaseOptions options)
-    : state_(std::make_unique<State>(std::move(file), study, std::move(options))) {
+    : StudyDatabase(std::move(file), study, IdentityOf(study), std::move(options)) {}
+
+StudyDatabase::StudyDatabase(fs::path file, const Study& study, StudyIdentity identity,
+                             StudyDatabaseOptions options)
+    : state_(std::make_unique<State>(std::move(file), study, std::move(identity),
+                                     std::move(options))) {
   try {
     state_->Open();
   } catch (const SQLite::Exception& error) {

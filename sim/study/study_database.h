@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "sim/study/study_identity.h"
 #include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
@@ -51,6 +52,9 @@ class StudyDatabase final : public TrialStore {
  public:
   /// `study` has to outlive the database.
   StudyDatabase(std::filesystem::path file, const Study& study, StudyDatabaseOptions options = {});
+  /// For many files of one study, whose identity is known.
+  StudyDatabase(std::filesystem::path file, const Study& study, StudyIdentity identity,
+                StudyDatabaseOptions options);
   ~StudyDatabase() override;
 
   /// Hands over a trial that the file held when it was opened; the second time there is none.

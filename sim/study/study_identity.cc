@@ -51,4 +51,14 @@ std::string HashOfSettings(const NamedController& controller) {
   return hash.Text();
 }
 
+StudyIdentity IdentityOf(const Study& study) {
+  StudyIdentity identity{.hash = HashOfStudy(study),
+                         .shared_settings = SharedSettings(study),
+                         .controller_settings = {}};
+  for (const NamedController& named : study.scenario.controllers) {
+    identity.controller_settings.push_back(HashOfSettings(named));
+  }
+  return identity;
+}
+
 }  // namespace gauntlet::sim

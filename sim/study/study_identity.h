@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "sim/study/study.h"
 
@@ -18,5 +19,13 @@ std::string HashOfStudy(const Study& study);
 
 /// Of all that the controller is made from, its name included.
 std::string HashOfSettings(const NamedController& controller);
+
+/// All of these of a study. Costs milliseconds: once per study, not per file that is opened.
+struct StudyIdentity {
+  std::string hash;                              // HashOfStudy()
+  std::string shared_settings;                   // SharedSettings()
+  std::vector<std::string> controller_settings;  // HashOfSettings() of each controller
+};
+StudyIdentity IdentityOf(const Study& study);
 
 }  // namespace gauntlet::sim

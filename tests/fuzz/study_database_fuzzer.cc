@@ -32,7 +32,7 @@ class Fuzzed {
     kept_.scores.channels.assign(study_.rows.names.size(), kept_.scores.summary);
     kept_.untrusted_samples.assign(study_.channel_names().size(), 5);
     fs::remove(file_);
-    StudyDatabase(file_, study_, kOptions).Keep(1, 0, kept_);
+    StudyDatabase(file_, study_, identity_, kOptions).Keep(1, 0, kept_);
     std::ostringstream bytes;
     bytes << std::ifstream(file_, std::ios::binary).rdbuf();
     whole_ = bytes.str();
@@ -42,7 +42,7 @@ class Fuzzed {
   void Read(const std::uint8_t* data, std::size_t size) const {
     std::ofstream(file_, std::ios::binary | std::ios::trunc) << EditedCopy(whole_, data, size);
     try {
-      StudyDatabase database(file_, study_, kOptions);
+      StudyDatabase database(file_, study_, identity_, kOptions);
       if (database.TrialCount() < 0) std::abort();
       const auto found = database.Take(1, 0);
       if (found && !IsKept(*found)) std::abort();
@@ -65,6 +65,7 @@ class Fuzzed {
   const fs::path file_ = "/dev/shm/gauntlet_fuzz_" + std::to_string(getpid()) + ".db";
   const Study study_ =
       PrepareStudy(LoadScenario(GAUNTLET_SOURCE_DIR "/tests/support/three_joint_hand.yaml", {}));
+  const StudyIdentity identity_ = IdentityOf(study_);
   TrialOutcome kept_;
   std::string whole_;
 };
