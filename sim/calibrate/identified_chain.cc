@@ -1,6 +1,11 @@
 #include "sim/calibrate/identified_chain.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <variant>
 
 namespace gauntlet::sim {
 namespace {
@@ -33,6 +38,29 @@ std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
   return values;
 }
 
+/// None if the chain does not tell of it.
+std::optional<double> HorizonOfPart(const IdentifiedChain& chain, const std::string& name) {
+  const auto part = std::ranges::find(chain.parts, name, &IdentifiedPart::part);
+  if (part == chain.parts.end()) return std::nullopt;
+  return chain.horizon_ms[static_cast<std::size_t>(part - chain.parts.begin())];
+}
+
+double HorizonOfChannel(const IdentifiedChain& chain, const std::string& channel,
+                        const controller::JointMapConfig& joint_map) {
+  if (const std::optional<double> own = HorizonOfPart(chain, channel)) return *own;
+  double sum = 0.0;
+  int count = 0;
+  for (const controller::JointSource& source : joint_map.joints) {
+    if (std::ranges::find(source.channels, channel) == source.channels.end()) continue;
+    const std::optional<double> of_joint = HorizonOfPart(chain, source.joint);
+    if (!of_joint) continue;
+    sum += *of_joint;
+    ++count;
+  }
+  if (count == 0) throw controller::SettingError("chain", "has nothing for channel " + channel);
+  return sum / count;
+}
+
 }  // namespace
 
 void IdentifiedPart::Visit(controller::SettingsVisitor& visitor) {
@@ -52,7 +80,11 @@ void IdentifiedPart::Visit(controller::SettingsVisitor& visitor) {
 
 void IdentifiedChain::Visit(controller::SettingsVisitor& visitor) {
   visitor.Text({.key = "log", .help = "that it was made from"}, log);
-  visitor.Numbers({.key = "horizon_ms", .help = "for prediction.horizon_ms"}, horizon_ms);
+  visitor.Numbers({.key = "horizon_ms",
+                   .help = "for prediction.horizon_ms: 0.8 of the delay",
+                   .min = 0,
+                   .max = 1000},
+                  horizon_ms);
   visitor.Number({.key = "expected_delay_ms", .help = "for joint_loop.expected_delay_ms"},
                  expected_delay_ms);
   visitor.Numbers({.key = "friction_deg", .help = "for joint_loop.friction_deg"}, friction_deg);
@@ -78,9 +110,36 @@ IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<Chain
   }
   double mean_hysteresis_deg = 0.0;
   chain.horizon_ms = ValuesOf(chain.parts, &IdentifiedPart::delay_ms, chain.expected_delay_ms);
+  for (double& value : chain.horizon_ms) {
+    value = std::round(std::clamp(kHorizonShare * value, 0.0, 1000.0) * 10.0) / 10.0;
+  }
   chain.friction_deg = ValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg, mean_hysteresis_deg);
   for (double& value : chain.friction_deg) value = std::round(value * 500.0) / 1e3;
   return chain;
+}
+
+void UseChain(const IdentifiedChain& chain, const std::vector<std::string>& channel_names,
+              const controller::JointMapConfig& joint_map, controller::ControllerConfig& config) {
+  if (chain.horizon_ms.size() != chain.parts.size()) {
+    throw controller::SettingError(
+        "chain", fmt::format("horizon_ms has {} values, parts has {}", chain.horizon_ms.size(),
+                             chain.parts.size()));
+  }
+  std::vector<double>* const horizon_ms = std::visit(
+      [](auto& settings) -> std::vector<double>* {
+        if constexpr (requires { settings.horizon_ms; }) return &settings.horizon_ms;
+        return nullptr;
+      },
+      config.prediction.settings);
+  if (horizon_ms == nullptr) {
+    throw controller::SettingError(
+        "chain", fmt::format("gives horizon_ms, which a prediction of kind {} does not have",
+                             config.prediction.kind()));
+  }
+  horizon_ms->clear();
+  for (const std::string& channel : channel_names) {
+    horizon_ms->push_back(HorizonOfChannel(chain, channel, joint_map));
+  }
 }
 
 }  // namespace gauntlet::sim

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/controller_config.h"
 #include "controller/settings.h"
 #include "sim/calibrate/chain_log.h"
 
@@ -24,11 +25,16 @@ struct IdentifiedPart {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
+/// Of the delay, how far a prediction looks ahead. At the whole delay, noise and turns of the motion
+/// cost more than the last fifth brings: tracking and jitter over this share are in
+/// tests/measurements/README.md.
+inline constexpr double kHorizonShare = 0.8;
+
 /// The chain from a command to the angles of a hand. The first lists are settings of a controller,
 /// in the order of `parts`: one without a value of its own has the mean of the others.
 struct IdentifiedChain {
   std::string log;                   // that it was made from
-  std::vector<double> horizon_ms;    // of a prediction: the delay
+  std::vector<double> horizon_ms;    // of a prediction: kHorizonShare of the delay
   double expected_delay_ms = 0.0;    // of a joint loop: its mean
   std::vector<double> friction_deg;  // of a joint loop: half the hysteresis
   std::vector<IdentifiedPart> parts;
@@ -37,5 +43,12 @@ struct IdentifiedChain {
 };
 
 IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits);
+
+/// Lets the prediction of a controller look as far ahead as the chain is late: for each channel by
+/// the part of its name, or else by the mean of the joints that the joint map lets it move.
+/// Errors: SettingError for a channel of which the chain tells nothing, or a controller without a
+/// prediction that has a horizon.
+void UseChain(const IdentifiedChain& chain, const std::vector<std::string>& channel_names,
+              const controller::JointMapConfig& joint_map, controller::ControllerConfig& config);
 
 }  // namespace gauntlet::sim

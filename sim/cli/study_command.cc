@@ -180,6 +180,11 @@ void RunStudyCommand(const StudyCommand& asked) {
   std::optional<std::string> not_kept;
   finished.result = RunTrials(finished.study, options, folder.path(), not_kept);
   finished.summary = Summarise(finished.study, finished.result);
+  if (options.comparison) {
+    finished.ceilings =
+        MeasurePredictionCeilings(finished.study, finished.result,
+                                  [](const std::string& line) { Say("gauntlet: {}\n", line); });
+  }
   OutputFiles files(folder.path());
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, finished, options.csv);

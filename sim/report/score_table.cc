@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/report/error_split_table.h"
+#include "sim/report/prediction_text.h"
 #include "sim/report/table_text.h"
 
 namespace gauntlet::sim {
@@ -333,6 +334,9 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
   std::vector<std::string> notes =
       summary.one_run ? std::vector{ReasonForNoChance(finished.result)} : NotesOnChance(summary);
+  for (const PredictionCeiling& ceiling : finished.ceilings) {
+    notes.push_back(PredictionText(ceiling));
+  }
   if (std::string overlap = DigitsInEachOther(summary); !overlap.empty()) {
     notes.push_back(std::move(overlap));
   }

@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
+#include "sim/calibrate/identified_chain.h"
 #include "sim/glove/glove.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
@@ -62,6 +63,10 @@ void NamedController::Visit(SettingsVisitor& visitor) {
        .help = "file that gauntlet calibrate wrote: gives the linearisation, and r to every "
                "filter that has it and is not given one"},
       calibration);
+  visitor.Path({.key = "chain",
+                .help = "file that gauntlet identify wrote: gives horizon_ms to a prediction that "
+                        "is given none, or auto"},
+               chain);
   config.Visit(visitor);
 }
 
@@ -89,18 +94,17 @@ void Scenario::Visit(SettingsVisitor& visitor) {
                    .help = "joints of the hand that do not follow the channel of their own name"});
   VisitGroup(visitor, {.key = "score", .help = "what counts in the scores"}, score);
   VisitGroup(visitor, {.key = "video", .help = "what the comparison video shows"}, video);
-  visitor.Map(
-      {.key = "controllers",
-       .help = "what is compared: a name, then its settings",
-       .required = true},
-      SettingMap{
-          .size = [this] { return controllers.size(); },
-          .name = [this](std::size_t i) { return controllers[i].name; },
-          .add =
-              [this](const std::string& added) {
-                controllers.push_back({.name = added, .calibration = {}, .config = {}});
-              },
-          .visit = [this](std::size_t i, SettingsVisitor& inner) { controllers[i].Visit(inner); }});
+  visitor.Map({.key = "controllers",
+               .help = "what is compared: a name, then its settings",
+               .required = true},
+              SettingMap{.size = [this] { return controllers.size(); },
+                         .name = [this](std::size_t i) { return controllers[i].name; },
+                         .add =
+                             [this](const std::string& added) {
+                               controllers.push_back({.name = added, .config = {}});
+                             },
+                         .visit = [this](std::size_t i,
+                                         SettingsVisitor& inner) { controllers[i].Visit(inner); }});
   visitor.Text({.key = "baseline",
                 .help = "controller that the others are held against; empty: the first that "
                         "neither filters nor predicts"},
@@ -148,6 +152,18 @@ std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YAML::No
   return names;
 }
 
+/// All that a file says, which holds nothing else.
+template <class Settings>
+Settings ReadWhole(const std::filesystem::path& file) {
+  const YAML::Node root = ParseYamlFile(file);
+  const YamlSource source{.file = file, .overrides = {}};
+  Settings settings;
+  YamlReader reader(root, "", source);
+  settings.Visit(reader);
+  reader.RejectUnknownKeys();
+  return settings;
+}
+
 /// What the file of a controller's calibration says becomes its settings; its own keys win.
 void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scenario& scenario) {
   const std::vector<std::string> channels = ChannelNamesOf(scenario.glove, root, source);
@@ -165,6 +181,59 @@ void IncludeCalibrations(const YAML::Node& root, const YamlSource& source, Scena
       throw source.At(Find(node, "calibration"), controller::SettingError(path, problem));
     }
     controller.calibration.clear();
+  }
+}
+
+/// A setting with the value `auto`, and where it stood.
+struct AutoHorizon {
+  std::string controller;
+  YAML::Node node;
+};
+
+/// Takes `prediction.horizon_ms: auto` out of the tree: it means what leaving it out does, and that
+/// there must be a chain.
+std::vector<AutoHorizon> TakeAutoHorizons(YAML::Node& root) {
+  std::vector<AutoHorizon> taken;
+  const YAML::Node controllers = Find(root, "controllers");
+  if (!controllers.IsMap()) return taken;
+  for (const auto& entry : controllers) {
+    YAML::Node prediction = Find(entry.second, "prediction");
+    const YAML::Node horizon = Find(prediction, "horizon_ms");
+    if (!horizon.IsDefined() || !horizon.IsScalar() || horizon.Scalar() != "auto") continue;
+    taken.push_back({.controller = entry.first.Scalar(), .node = horizon});
+    prediction.remove("horizon_ms");
+  }
+  return taken;
+}
+
+/// What the file of a controller's chain says becomes the horizon of its prediction, unless that
+/// has one of its own.
+void IncludeChains(const YAML::Node& root, const YamlSource& source,
+                   const std::vector<AutoHorizon>& auto_horizons, Scenario& scenario) {
+  for (const AutoHorizon& horizon : auto_horizons) {
+    const auto named =
+        std::ranges::find(scenario.controllers, horizon.controller, &NamedController::name);
+    if (named == scenario.controllers.end() || !named->chain.empty()) continue;
+    throw source.At(horizon.node,
+                    controller::SettingError(
+                        fmt::format("controllers.{}.prediction.horizon_ms", horizon.controller),
+                        "is auto, which needs the controller's chain: a file that gauntlet "
+                        "identify wrote"));
+  }
+  const std::vector<std::string> channels = ChannelNamesOf(scenario.glove, root, source);
+  for (NamedController& controller : scenario.controllers) {
+    if (controller.chain.empty()) continue;
+    const YAML::Node node = Find(Find(root, "controllers"), controller.name);
+    const auto chain = ReadWhole<IdentifiedChain>(controller.chain);
+    try {
+      const bool given = Find(Find(node, "prediction"), "horizon_ms").IsDefined();
+      if (!given) UseChain(chain, channels, scenario.joint_map, controller.config);
+    } catch (const controller::SettingError& error) {
+      const std::string path = fmt::format("controllers.{}.{}", controller.name, error.key());
+      throw source.At(Find(node, "chain"),
+                      controller::SettingError(path, controller.chain + ": " + error.problem()));
+    }
+    controller.chain.clear();
   }
 }
 
@@ -304,13 +373,7 @@ std::string KeepControllers(const std::vector<std::string>& names, Scenario& sce
 }
 
 Calibration LoadCalibration(const std::filesystem::path& file) {
-  const YAML::Node root = ParseYamlFile(file);
-  const YamlSource source{.file = file, .overrides = {}};
-  Calibration calibration;
-  YamlReader reader(root, "", source);
-  calibration.Visit(reader);
-  reader.RejectUnknownKeys();
-  return calibration;
+  return ReadWhole<Calibration>(file);
 }
 
 std::string CalibrationToYaml(const Calibration& calibration) {
@@ -368,6 +431,7 @@ Repetitions AllRepetitions(const ScenarioSource& text, const RepeatedSettings& l
   for (std::size_t i = 1; i < lists.front().values.size(); ++i) {
     YAML::Node root;
     const YamlSource of_this = TreeOf(text, lists, i, root);
+    TakeAutoHorizons(root);
     repetitions.gloves.push_back(ReadScenario(text, lists, i, root, of_this).glove);
   }
   CheckRepetitions(lists, repetitions, source);
@@ -384,9 +448,11 @@ Scenario ParseScenario(const ScenarioSource& text) {
   const RepeatedSettings lists = ListsOf(text);
   YAML::Node root;
   const YamlSource source = TreeOf(text, lists, 0, root);
+  const std::vector<AutoHorizon> auto_horizons = TakeAutoHorizons(root);
   Scenario scenario = ReadScenario(text, lists, 0, root, source);
   CheckNames(root, source, scenario);
   IncludeCalibrations(root, source, scenario);
+  IncludeChains(root, source, auto_horizons, scenario);
   FillMeasurementVariances(root, source, scenario);
   CheckBaseline(root, source, scenario);
   CheckVideoSize(root, source, scenario.video);

@@ -20,6 +20,8 @@ struct NamedController {
   std::string name;
   /// File of `gauntlet calibrate`. LoadScenario() puts what it says into `config` and empties this.
   std::string calibration = {};
+  /// File of `gauntlet identify`, likewise.
+  std::string chain = {};
   controller::ControllerConfig config;
 
   void Visit(controller::SettingsVisitor& visitor);

@@ -91,6 +91,12 @@ controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
           .timing = hand.timing().controller};
 }
 
+std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
+  if (seed == study.scenario.seed) return study.first_glove;
+  return std::make_shared<const GloveSignal>(
+      SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed)));
+}
+
 TrialSetup SetupOf(const Study& study, const NamedController& named) {
   return {.controller_name = named.name,
           .controller = named.config,

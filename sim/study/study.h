@@ -48,6 +48,9 @@ struct Study {
 controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
                                 const controller::ControllerConfig& config);
 
+/// The glove's signal of a seed.
+std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed);
+
 /// The trial of one controller of the study.
 TrialSetup SetupOf(const Study& study, const NamedController& named);
 

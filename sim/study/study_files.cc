@@ -83,6 +83,24 @@ Json KeysWhere(Condition condition) {
   return keys;
 }
 
+Json EstimateJson(const MeanInterval& estimate) {
+  return {{"mean", NumberOrNull(estimate.mean)},
+          {"ci95_low", NumberOrNull(estimate.low)},
+          {"ci95_high", NumberOrNull(estimate.high)},
+          {"seeds", estimate.count}};
+}
+
+/// RMS errors in deg; `used_share` is of the way from `now` to `fitted`.
+Json CeilingJson(const PredictionCeiling& ceiling) {
+  return {{"shortest_horizon_ms", ceiling.shortest_horizon_ms},
+          {"longest_horizon_ms", ceiling.longest_horizon_ms},
+          {"now_rmse_deg", EstimateJson(ceiling.now)},
+          {"prediction_rmse_deg", EstimateJson(ceiling.ours)},
+          {"fitted_rmse_deg", EstimateJson(ceiling.fitted)},
+          {"known_ahead_rmse_deg", EstimateJson(ceiling.known)},
+          {"used_share", EstimateJson(ceiling.used)}};
+}
+
 Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
   const StudyResult& result = finished.result;
   const ControllerSummary& controller = finished.summary.controllers[index];
@@ -98,6 +116,9 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
     json["difference_to_baseline"] = ComparisonsJson(controller.to_baseline);
     json["effect_size"] = MetricValues(controller.effect_size);
   }
+  const auto ceiling =
+      std::ranges::find(finished.ceilings, controller.name, &PredictionCeiling::controller);
+  if (ceiling != finished.ceilings.end()) json["prediction_ceiling"] = CeilingJson(*ceiling);
   json["worse_than_baseline"] =
       KeysWhere([&](std::size_t m) { return controller.IsWorseThanBaseline(m); });
   json["as_good_as_best"] = KeysWhere([&](std::size_t m) { return controller.as_good_as_best[m]; });

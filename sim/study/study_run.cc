@@ -28,12 +28,6 @@ struct SharedGlove {
   std::atomic<int> users_left{0};
 };
 
-std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
-  if (seed == study.scenario.seed) return study.first_glove;
-  return std::make_shared<const GloveSignal>(
-      SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed)));
-}
-
 std::shared_ptr<const GloveSignal> NoiseFreeGlove(const Study& study, int seed) {
   return std::make_shared<const GloveSignal>(SynthesiseGlove(
       WithoutNoise(GloveOf(study.scenario, seed)), static_cast<std::uint64_t>(seed)));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/study/judgement.h"
+#include "sim/study/prediction_ceiling.h"
 #include "sim/study/statistics.h"
 #include "sim/study/study_run.h"
 
@@ -73,6 +74,7 @@ struct FinishedStudy {
   StudyResult result;
   Summary summary;
   bool comparison = false;  // of several seeds, as asked; else one run
+  std::vector<PredictionCeiling> ceilings = {};  // of a comparison
 };
 
 }  // namespace gauntlet::sim

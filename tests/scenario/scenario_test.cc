@@ -313,5 +313,63 @@ TEST_F(IncludedCalibration, NamesThePlaceOfAMistake) {
   EXPECT_THAT(ErrorOf("calibration: glove.yaml"), HasSubstr("has 1 values, must have 2"));
 }
 
+/// A chain of three joints, and scenarios that include it.
+class IncludedChain : public IncludedCalibration {
+ protected:
+  IncludedChain() { Write("hand.yaml", kChain); }
+  static std::vector<double> HorizonOf(const controller::ControllerConfig& config) {
+    return std::get<controller::AdaptivePredictionConfig>(config.prediction.settings).horizon_ms;
+  }
+
+  const std::string kChain =
+      "horizon_ms: [80, 60, 100]\n"
+      "parts: [{part: index_pip}, {part: index_mcp}, {part: wrist_flexion}]\n";
+};
+
+TEST_F(IncludedChain, GivesTheHorizonByTheNamesOfChannels) {
+  const std::vector<double> by_name = {60, 80};
+  EXPECT_EQ(HorizonOf(Load("chain: hand.yaml, prediction: adaptive")), by_name);
+  EXPECT_EQ(HorizonOf(Load("chain: hand.yaml, prediction: {kind: adaptive, horizon_ms: auto}")),
+            by_name);
+  const std::string set = "controllers.a.prediction.horizon_ms=";
+  const std::string keys = "chain: hand.yaml, prediction: {kind: adaptive, horizon_ms: 20}";
+  EXPECT_EQ(HorizonOf(Load(keys)), std::vector<double>{20});
+  EXPECT_EQ(HorizonOf(Load(keys, {set + "auto"})), by_name);
+  EXPECT_EQ(HorizonOf(Load("chain: hand.yaml, prediction: adaptive", {set + "[5, 7]"})),
+            (std::vector<double>{5, 7}));
+}
+
+TEST_F(IncludedChain, AsksTheJointsThatAChannelMoves) {
+  Write("hand.yaml",
+        "horizon_ms: [80, 60, 100]\n"
+        "parts: [{part: index_pip}, {part: middle_mcp}, {part: wrist_flexion}]\n");
+  Write("scenario.yaml",
+        "question: q\nglove: {channels: [index_mcp, index_pip]}\n"
+        "joint_map: {middle_mcp: {channels: index_mcp}, wrist_flexion: {channels: index_mcp}}\n"
+        "controllers:\n  a: {chain: hand.yaml, prediction: adaptive}\n");
+  const Scenario scenario = LoadScenario(folder_.path() / "scenario.yaml", {});
+  EXPECT_EQ(HorizonOf(scenario.controllers[0].config), (std::vector<double>{80, 80}));
+}
+
+TEST_F(IncludedChain, NamesThePlaceOfAMistake) {
+  using testing::HasSubstr;
+  EXPECT_THAT(ErrorOf("prediction: {kind: adaptive, horizon_ms: auto}"),
+              HasSubstr("scenario.yaml:4:48: controllers.a.prediction.horizon_ms: is auto, which "
+                        "needs the controller's chain"));
+  EXPECT_THAT(ErrorOf("chain: no.yaml, prediction: adaptive"), HasSubstr("no.yaml: no such file"));
+  EXPECT_THAT(ErrorOf("chain: hand.yaml"),
+              HasSubstr("scenario.yaml:4:14: controllers.a.chain: "));
+  EXPECT_THAT(ErrorOf("chain: hand.yaml"), HasSubstr("a prediction of kind none does not have"));
+  Write("hand.yaml", "horizon_ms: [80]\nparts: [{part: index_pip}]\n");
+  EXPECT_THAT(ErrorOf("chain: hand.yaml, prediction: linear"),
+              HasSubstr("has nothing for channel index_mcp"));
+  Write("hand.yaml", "horizon_ms: [80, 60]\nparts: [{part: index_pip}]\n");
+  EXPECT_THAT(ErrorOf("chain: hand.yaml, prediction: linear"),
+              HasSubstr("horizon_ms has 2 values, parts has 1"));
+  Write("hand.yaml", "horizon_ms: [1001]\nparts: [{part: index_pip}]\n");
+  EXPECT_THAT(ErrorOf("chain: hand.yaml, prediction: linear"),
+              HasSubstr("hand.yaml:1:14: horizon_ms"));
+}
+
 }  // namespace
 }  // namespace gauntlet::sim
