@@ -11,9 +11,9 @@ namespace {
 
 /// "46 to 132 ms", or "45 ms" for all channels.
 std::string HorizonText(const PredictionCeiling& ceiling) {
-  const std::string longest = fmt::format("{:.0f} ms", ceiling.longest_horizon_ms);
-  if (ceiling.shortest_horizon_ms == ceiling.longest_horizon_ms) return longest;
-  return fmt::format("{:.0f} to {}", ceiling.shortest_horizon_ms, longest);
+  const bool alike = ceiling.shortest_horizon_ms == ceiling.longest_horizon_ms;
+  return (alike ? "" : fmt::format("{:.0f} to ", ceiling.shortest_horizon_ms)) +
+         fmt::format("{:.0f} ms", ceiling.longest_horizon_ms);
 }
 
 }  // namespace

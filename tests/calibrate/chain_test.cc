@@ -224,7 +224,7 @@ TEST(IdentifiedChain, GivesAPartThatStoodStillTheMeanOfTheOthers) {
   ChainFit c = a;
   c.delay_ms = {110.0, 108.0, 112.0};
   const IdentifiedChain chain = MakeIdentifiedChain(log, {a, b, c});
-  EXPECT_THAT(chain.horizon_ms, testing::ElementsAre(90.0, 100.0, 110.0));
+  EXPECT_THAT(chain.horizon_ms, testing::ElementsAre(72.0, 80.0, 88.0));  // 0.8 of it
   EXPECT_EQ(chain.expected_delay_ms, 100.0);
   EXPECT_THAT(chain.friction_deg, testing::Each(2.0));
   EXPECT_THAT(chain.parts[1].delay_ms, testing::IsEmpty());

@@ -602,6 +602,31 @@ TEST_F(CliTest, IdentifyFindsADelayThatWasAddedToTheLink) {
                     HasSubstr("part: \"little_pip\"")));
 }
 
+/// The numbers behind `horizon_ms: [` of a file.
+std::vector<double> HorizonsIn(const std::string& text) {
+  const std::string key = "horizon_ms: [";
+  std::istringstream numbers(text.substr(text.find(key) + key.size()));
+  std::vector<double> horizons;
+  char separator = ',';
+  for (double value = 0.0; separator == ',' && numbers >> value >> separator;) {
+    horizons.push_back(value);
+  }
+  return horizons;
+}
+
+TEST_F(CliTest, ReadyScenariosLookAsFarAheadAsIdentifyFindsTheHandToBeLate) {
+  Gauntlet({"run", kScenarios + "probe_chain.yaml", "--out", "b", "--set",
+            "score.noise_free_twin=false"});
+  ASSERT_EQ(Gauntlet({"identify", "b", "--out", "chain.yaml"}).exit_code, 0);
+  const std::vector<double> identified = HorizonsIn(ReadFile(folder_.path() / "chain.yaml"));
+  ASSERT_EQ(identified.size(), 18u);
+  for (const char* name : {"random_motion", "fast_bursts", "door_opening", "paper_claims"}) {
+    EXPECT_THAT(HorizonsIn(ReadFile(kScenarios + name + ".yaml")),
+                testing::Pointwise(testing::DoubleNear(1.0), identified))
+        << name;
+  }
+}
+
 TEST_F(CliTest, IdentifyRefusesBadInputInOneLineAndWritesNothing) {
   const auto refuse = [&](const std::string& csv, std::vector<std::string> more,
                           const std::string& message) {

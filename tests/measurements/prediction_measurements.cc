@@ -36,9 +36,7 @@ struct Row {
   std::function<GloveSignal(const Study&, int)> glove;
 };
 
-GloveSignal GloveOfSeed(const Study& study, int seed) {
-  return SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed));
-}
+GloveSignal AsItIs(const Study& study, int seed) { return *GloveOfSeed(study, seed); }
 GloveSignal NoiseFree(const Study& study, int seed) {
   return SynthesiseGlove(WithoutNoise(GloveOf(study.scenario, seed)),
                          static_cast<std::uint64_t>(seed));
@@ -119,7 +117,7 @@ const ControllerConfig& ControllerOf(const Study& study, std::string_view name) 
 ControllerConfig Fitted(const Study& study, const std::vector<double>& horizon_ms) {
   std::vector<Eigen::MatrixXd> recordings;
   for (int i = 0; i < kTrainingSeeds; ++i) {
-    recordings.emplace_back(GloveOfSeed(study, study.scenario.seed + kTrainingFrom + i).counts);
+    recordings.emplace_back(GloveOfSeed(study, study.scenario.seed + kTrainingFrom + i)->counts);
   }
   ControllerConfig config = ControllerOf(study, "raw");
   const double rate_hz = TimingOf(study.scenario).controller.sample_rate_hz();
@@ -150,26 +148,25 @@ std::vector<Row> RowsOf(const Study& study) {
     return with(settings);
   };
   return {
-      {"no prediction", raw, GloveOfSeed},
-      {"tuned_kalman", ControllerOf(study, "tuned_kalman"), GloveOfSeed},
-      {"tuned_kalman, then kalman 45 ms", before, GloveOfSeed},
-      {"prediction of the scenario", ours, GloveOfSeed},
+      {"no prediction", raw, AsItIs},
+      {"tuned_kalman", ControllerOf(study, "tuned_kalman"), AsItIs},
+      {"tuned_kalman, then kalman 45 ms", before, AsItIs},
+      {"prediction of the scenario", ours, AsItIs},
       {"kalman, 2 states, q 1e5",
        with(controller::KalmanPredictionConfig{
            .horizon_ms = adaptive.horizon_ms, .q_deg2_per_s3 = 1e5, .r_deg2 = adaptive.r_deg2}),
-       GloveOfSeed},
+       AsItIs},
       {"autoregressive",
-       with(controller::AutoregressivePredictionConfig{.horizon_ms = adaptive.horizon_ms}),
-       GloveOfSeed},
-      {"fitted to other repetitions, order 40", Fitted(study, adaptive.horizon_ms), GloveOfSeed},
+       with(controller::AutoregressivePredictionConfig{.horizon_ms = adaptive.horizon_ms}), AsItIs},
+      {"fitted to other repetitions, order 40", Fitted(study, adaptive.horizon_ms), AsItIs},
       {"glove without noise, known ahead", raw,
        [steps](const Study& of, int seed) { return Ahead(NoiseFree(of, seed), steps); }},
       {"truth, known ahead", raw,
        [steps](const Study& of, int seed) { return Ahead(Truth(of, seed), steps); }},
-      {"ours, delay 30 % less", wrong(0.7, 1.0), GloveOfSeed},
-      {"ours, delay 30 % more", wrong(1.3, 1.0), GloveOfSeed},
-      {"ours, noise 30 % less", wrong(1.0, 0.7), GloveOfSeed},
-      {"ours, noise 30 % more", wrong(1.0, 1.3), GloveOfSeed},
+      {"ours, delay 30 % less", wrong(0.7, 1.0), AsItIs},
+      {"ours, delay 30 % more", wrong(1.3, 1.0), AsItIs},
+      {"ours, noise 30 % less", wrong(1.0, 0.7), AsItIs},
+      {"ours, noise 30 % more", wrong(1.0, 1.3), AsItIs},
   };
 }
 
