@@ -164,5 +164,23 @@ TEST_F(OtherHandTest, IsComparedWithABaselineAndShownOnThePageAndInTheVideo) {
   for (const char* joint : {"base", "middle", "tip"}) EXPECT_GT(seen["inks"][joint], 1000) << joint;
 }
 
+/// The prosthesis with five motors, in all scenarios of grasps without an object.
+TEST_F(OtherHandTest, AllGraspsRunOnTheHandOfFiveMotors) {
+  const std::string model = "hand.model_path=" + SourceDir() + "/models/five_motor_hand.xml";
+  for (const char* grasp : {"hook", "lateral", "open", "point", "power", "precision", "tripod"}) {
+    const ProgramResult result =
+        Gauntlet({"run", SourceDir() + "/scenarios/grasp_" + grasp + ".yaml", "--out", "out",
+                  "--controllers", "raw", "--set", model, "score.noise_free_twin=false",
+                  "video.channel=thumb_mcp", "glove.motion.repeats=1"});
+    ASSERT_EQ(result.exit_code, 0) << grasp << ": " << result.standard_error;
+    EXPECT_THAT(result.standard_output, HasSubstr("10 of 10 joints measured")) << grasp;
+    EXPECT_THAT(result.standard_error, testing::Not(HasSubstr("warning"))) << grasp;
+  }
+  const ProgramResult bottle = Gauntlet(
+      {"run", SourceDir() + "/scenarios/grasp_bottle.yaml", "--out", "out", "--set", model});
+  EXPECT_EQ(bottle.exit_code, 2);
+  EXPECT_THAT(bottle.standard_error, HasSubstr("the model has no body 'object'"));
+}
+
 }  // namespace
 }  // namespace gauntlet::test

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "sim/base/data_folder.h"
 #include "sim/video/hand_picture.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/measurements/hand_measurements.h"
@@ -148,6 +149,13 @@ void WritePictures(const std::filesystem::path& folder) {
                folder / "hand.png");
   WriteHandPng(*hand, angle, spools, {.camera = "arm_portrait", .width_px = 1080, .height_px = 840},
                folder / "arm.png");
+  HandConfig five_motors;
+  five_motors.model_path = DataFolder("models") / "five_motor_hand.xml";
+  const auto second = MakeModel(five_motors);
+  WriteHandPng(*second, std::vector(second->joint_names().size(), 20.0 * kRadPerDeg),
+               std::vector<double>(second->motor_names().size()),
+               {.camera = "hand", .width_px = 1080, .height_px = 840},
+               folder / "five_motor_hand.png");
 }
 
 }  // namespace gauntlet::sim::testing
