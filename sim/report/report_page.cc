@@ -30,7 +30,7 @@ std::string Facts(const FinishedStudy& finished) {
 WayOfAngles MeasuredWay(const Study& study, const Trace& trace) {
   WayOfAngles way = WayOf(trace, study.joint_map(), study.hand->transmission());
   if (std::ssize(study.measured_joints) == way.raw.cols()) return way;
-  for (Signal* angle_rad : {&way.raw, &way.filtered, &way.command}) {
+  for (Signal* angle_rad : {&way.raw, &way.filtered, &way.target, &way.command}) {
     *angle_rad = (*angle_rad)(Eigen::all, study.measured_joints);
   }
   return way;

@@ -24,30 +24,30 @@ constexpr StageName kStages[] = {
     {"sensor_ms", "sensor and converter, until the next sample"},
     {"filter_ms", "filter"},
     {"event_wait_ms", "waiting for the event"},
+    {"prediction_ms", "looking ahead"},
     {"event_delay_ms", "from the event to the servo"},
     {"servo_frame_ms", "waiting for the servo's frame"},
     {"servo_and_cables_ms", "servo and cables"},
 };
 constexpr int kStageCount = static_cast<int>(std::size(kStages));
 
+using Column = Eigen::VectorXd;
+
 /// What is held from each tick of a clock to the next; the clock begins at the tick `first`.
-Signal Held(const Signal& signal, double period_ticks, Eigen::Index first) {
-  if (period_ticks <= 1.0) return signal;
-  Signal held = signal;
+void Hold(double period_ticks, Eigen::Index first, Column& signal) {
+  if (period_ticks <= 1.0) return;
   controller::PeriodicClock clock(period_ticks);
-  Eigen::Index newest = first;
-  for (Eigen::Index n = first; n < signal.rows(); ++n) {
-    if (n % kTrimRows == 0) TrimSignals();
-    if (clock.Tick()) newest = n;
-    held.row(n) = signal.row(newest);
+  double held = first < signal.size() ? signal[first] : 0.0;
+  for (Eigen::Index n = first; n < signal.size(); ++n) {
+    if (clock.Tick()) held = signal[n];
+    signal[n] = held;
   }
-  return held;
 }
 
 void CheckShapes(const LatencyInput& input) {
   for (const Signal* signal :
        {input.wearer_angle_rad, input.raw_angle_rad, input.filtered_angle_rad,
-        input.command_angle_rad, input.hand_angle_rad}) {
+        input.target_angle_rad, input.command_angle_rad, input.hand_angle_rad}) {
     if (signal == nullptr || input.hand_angle_rad == nullptr ||
         signal->cols() != input.hand_angle_rad->cols() ||
         signal->rows() < input.hand_angle_rad->rows()) {
@@ -56,30 +56,54 @@ void CheckShapes(const LatencyInput& input) {
   }
 }
 
-/// All stations of the way behind the low pass, from the wearer to the hand; every `step`-th
-/// sample.
-std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fourier) {
-  const LowPass low_pass = DesignLowPass(kCutoff_hz, kTransition_hz, input.rate_hz);
-  const auto rows = input.hand_angle_rad->rows();
-  std::vector<Signal> stations;
-  const auto add = [&](const Signal& signal) {
+/// Where a signal is on the way from the wearer to the hand, and the clock that holds it there.
+struct Station {
+  const Signal* signal;
+  double held_for_ticks = 1.0;
+  Eigen::Index first_tick = 0;
+};
+
+/// A station behind the low pass, at a lower rate: means of `step` ticks each, so that nothing
+/// folds into the motion, which all stations delay alike.
+Signal Behind(const LowPass& low_pass, const Station& station, Eigen::Index rows, int step,
+              Fourier& fourier) {
+  const Eigen::Index blocks = rows / step;
+  Signal means(blocks, station.signal->cols());
+  for (Eigen::Index channel = 0; channel < means.cols(); ++channel) {
+    Column signal = station.signal->col(channel).head(rows);
+    Hold(station.held_for_ticks, station.first_tick, signal);
     // A joint without a number stands still here, and so has no latency; the filter would spread
     // it.
-    const auto all = signal.topRows(rows);
-    const Signal numbers = all.array().isNaN().select(0.0, all);
-    stations.push_back(Filter(low_pass, Band::kBelow, numbers, fourier, step).values);
-  };
-  add(*input.wearer_angle_rad);
-  add(*input.raw_angle_rad);
-  add(*input.filtered_angle_rad);
-  add(Held(*input.filtered_angle_rad, input.ticks_per_event, 0));
-  add(*input.command_angle_rad);
-  add(Held(*input.command_angle_rad, input.ticks_per_servo_frame, input.first_servo_frame));
-  add(*input.hand_angle_rad);
-  return stations;
+    signal = signal.array().isNaN().select(0.0, signal);
+    means.col(channel) =
+        Eigen::Map<const Eigen::MatrixXd>(signal.data(), step, blocks).colwise().mean();
+    TrimSignals();
+  }
+  return Filter(low_pass, Band::kBelow, means, fourier).values;
 }
 
-std::span<const double> Column(const Signal& signal, Eigen::Index channel) {
+std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fourier) {
+  const LowPass low_pass = DesignLowPass(kCutoff_hz, kTransition_hz, input.rate_hz / step);
+  const Station stations[] = {
+      {.signal = input.wearer_angle_rad},
+      {.signal = input.raw_angle_rad},
+      {.signal = input.filtered_angle_rad},
+      {.signal = input.filtered_angle_rad, .held_for_ticks = input.ticks_per_event},
+      {.signal = input.target_angle_rad, .held_for_ticks = input.ticks_per_event},
+      {.signal = input.command_angle_rad},
+      {.signal = input.command_angle_rad,
+       .held_for_ticks = input.ticks_per_servo_frame,
+       .first_tick = input.first_servo_frame},
+      {.signal = input.hand_angle_rad},
+  };
+  std::vector<Signal> behind;
+  for (const Station& station : stations) {
+    behind.push_back(Behind(low_pass, station, input.hand_angle_rad->rows(), step, fourier));
+  }
+  return behind;
+}
+
+std::span<const double> ColumnOf(const Signal& signal, Eigen::Index channel) {
   return {signal.col(channel).data(), static_cast<std::size_t>(signal.rows())};
 }
 
@@ -92,8 +116,8 @@ LatencyBudget MeasureLatency(const LatencyInput& input) {
   const double rate_hz = input.rate_hz / step;
   const std::vector<Signal> stations = Stations(input, step, fourier);
   const auto delay_ms = [&](int from, int to, Eigen::Index channel) {
-    const auto delay = DelaySamples(Column(stations[from], channel), Column(stations[to], channel),
-                                    rate_hz, fourier);
+    const auto delay = DelaySamples(ColumnOf(stations[from], channel),
+                                    ColumnOf(stations[to], channel), rate_hz, fourier);
     return delay ? 1000.0 * *delay / rate_hz : kNoScore;
   };
 

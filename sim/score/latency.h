@@ -15,6 +15,7 @@ struct LatencyInput {
   const Signal* wearer_angle_rad = nullptr;    // what is asked of the hand
   const Signal* raw_angle_rad = nullptr;       // before the filter
   const Signal* filtered_angle_rad = nullptr;  // behind the filter, every tick
+  const Signal* target_angle_rad = nullptr;    // behind prediction, what the hand was asked for
   const Signal* command_angle_rad = nullptr;   // the frame that has arrived at the servos
   const Signal* hand_angle_rad = nullptr;
   double ticks_per_event = 20.0;        // the controller sends a frame every so many ticks
@@ -38,10 +39,11 @@ struct LatencyBudget {
 };
 
 /// The delay of each stage, measured by itself with DelaySamples() between what goes in and what
-/// comes out, and of the whole way. The stages are: sensor, filter, waiting for the event, event
-/// delay, waiting for the servo's frame, servo and cables.
+/// comes out, and of the whole way. The stages are: sensor, filter, waiting for the event,
+/// prediction, event delay, waiting for the servo's frame, servo and cables. That of a prediction is
+/// below 0, by as much as it makes up for.
 ///
-/// All signals pass the same zero-phase low pass of 6 Hz (4 to 8 Hz) first: noise that a filter
+/// All signals pass means over 4 ms and the same zero-phase low pass of 6 Hz (4 to 8 Hz) first: noise that a filter
 /// takes over from its input would otherwise draw the correlation to the filter's own impulse
 /// response. So these are delays of the motion and not of its noise. What the controller sends and
 /// what the servo takes is what was there at the last event (a multiple of the period) or frame.

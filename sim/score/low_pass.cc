@@ -24,16 +24,6 @@ std::vector<double> Response(const LowPass& low_pass, int size, Fourier& fourier
   return response;
 }
 
-/// From the transform of a signal that of every `step`-th value of it: all that these cannot tell
-/// apart falls together.
-void KeepEveryValue(int step, Fourier::Values& values) {
-  if (step == 1) return;
-  const std::size_t size = values.size() / step;
-  for (std::size_t k = size; k < values.size(); ++k) values[k % size] += values[k];
-  values.resize(size);
-  for (auto& value : values) value /= step;
-}
-
 }  // namespace
 
 LowPass DesignLowPass(double cutoff_hz, double transition_hz, double rate_hz) {
@@ -58,19 +48,16 @@ LowPass DesignLowPass(double cutoff_hz, double transition_hz, double rate_hz) {
   return low_pass;
 }
 
-FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, Fourier& fourier,
-                      int step) {
+FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, Fourier& fourier) {
   const int samples = static_cast<int>(signal.rows());
   const int channels = static_cast<int>(signal.cols());
   const int reach = low_pass.reach();
-  const int rows = (std::max(0, samples - 2 * reach) + step - 1) / step;
+  const int rows = std::max(0, samples - 2 * reach);
   FilteredSignal result{reach, Signal(rows, channels)};
   if (rows == 0) return result;
 
   // The transform may wrap around: it spoils only rows that the filter's reach takes away anyhow.
-  const int size = step * FastTransformSize((samples + step - 1) / step);
-  const int first = reach / step;          // where row 0 is among the values that are kept
-  const int shift = reach - first * step;  // which brings it there
+  const int size = FastTransformSize(samples);
   std::vector<double> response = Response(low_pass, size, fourier);
   if (band == Band::kAbove) {
     for (double& gain : response) gain = 1.0 - gain;
@@ -83,16 +70,14 @@ FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, 
     const bool good_a = signal.col(a).allFinite();
     const bool good_b = signal.col(b).allFinite();
     for (int n = 0; n < samples; ++n) {
-      values[n < shift ? n + size - shift : n - shift] = {good_a ? signal(n, a) : 0.0,
-                                                          good_b ? signal(n, b) : 0.0};
+      values[n] = {good_a ? signal(n, a) : 0.0, good_b ? signal(n, b) : 0.0};
     }
     fourier.Forward(values);
     for (int k = 0; k < size; ++k) values[k] *= response[k];
-    KeepEveryValue(step, values);
     fourier.Inverse(values);
     for (int n = 0; n < rows; ++n) {
-      result.values(n, a) = values[n + first].real();
-      result.values(n, b) = values[n + first].imag();
+      result.values(n, a) = values[n + reach].real();
+      result.values(n, b) = values[n + reach].imag();
     }
     if (!good_a) result.values.col(a).setConstant(std::numeric_limits<double>::quiet_NaN());
     if (!good_b) result.values.col(b).setConstant(std::numeric_limits<double>::quiet_NaN());

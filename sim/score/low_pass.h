@@ -26,13 +26,11 @@ LowPass DesignLowPass(double cutoff_hz, double transition_hz, double rate_hz);
 /// to an end than the filter's reach have no value here: no padding, no edge effect.
 struct FilteredSignal {
   int first_sample = 0;  // row 0 belongs to this sample of the signal
-  Signal values;         // samples, or each step-th, x channels; no rows if the signal is too short
+  Signal values;         // samples x channels; no rows if the signal is too short
 };
 
 /// What passes the low pass, or what it takes away.
 enum class Band { kBelow, kAbove };
-/// Every `step`-th row of it takes less time than all of them.
-FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, Fourier& fourier,
-                      int step = 1);
+FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, Fourier& fourier);
 
 }  // namespace gauntlet::sim

@@ -57,6 +57,7 @@ WayOfAngles WayOf(const Trace& trace, const controller::JointMap& joint_map,
                   const controller::TendonTransmission& transmission) {
   return {.raw = JointAngles(joint_map, trace.linearised_angle_rad),
           .filtered = JointAngles(joint_map, trace.filtered_angle_rad),
+          .target = trace.target_angle_rad,
           .command = CommandAngles(transmission, trace.command_counts)};
 }
 

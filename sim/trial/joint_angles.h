@@ -24,6 +24,7 @@ Signal CommandAngles(const controller::TendonTransmission& transmission,
 struct WayOfAngles {
   Signal raw;       // as linearised, before the filter
   Signal filtered;  // behind it
+  Signal target;    // behind prediction: what the hand was last asked for
   Signal command;   // the frame that the servos hold
 };
 WayOfAngles WayOf(const Trace& trace, const controller::JointMap& joint_map,

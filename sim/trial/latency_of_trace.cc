@@ -21,6 +21,7 @@ std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand, const Signal&
   input.wearer_angle_rad = &reference_rad;
   input.raw_angle_rad = &way.raw;
   input.filtered_angle_rad = &way.filtered;
+  input.target_angle_rad = &way.target;
   input.command_angle_rad = &way.command;
   input.hand_angle_rad = &hand_angle_rad;
   input.ticks_per_event = timing.controller.TicksOf(timing.controller.event_period_ms);

@@ -94,8 +94,10 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
     made.study.scenario.controllers.push_back(named);
     result.controller_names.push_back(named.name);
     const sim::Signal filtered = Swing(shape, 0.01 * i, 0.02 / (1 + i));
-    made.ways.push_back(
-        {.raw = Swing(shape, 0.0, 0.02), .filtered = filtered, .command = filtered});
+    made.ways.push_back({.raw = Swing(shape, 0.0, 0.02),
+                         .filtered = filtered,
+                         .target = filtered,
+                         .command = filtered});
     made.hand_rad.push_back(Swing(shape, 0.06 + 0.01 * i, 0.004 / (1 + i)));
     made.latency.push_back(sim::LatencyBudget{
         .stages = {{.key = "filter_ms", .help = "filter", .mean_ms = 3.0 + i, .channel_ms = {}},

@@ -18,6 +18,7 @@ struct Chain {
   Signal wearer = Signal(kSamples, 3);
   Signal raw = Signal(kSamples, 3);
   Signal filtered = Signal(kSamples, 3);
+  Signal target = Signal(kSamples, 3);
   Signal command = Signal::Zero(kSamples, 3);
   Signal hand = Signal(kSamples, 3);
 
@@ -28,8 +29,8 @@ struct Chain {
   }
 
   /// Sensor 3 ms, filter 25 ms, event delay 30 ms, servo and cables 41 ms; events and frames each
-  /// 20 ms. A moving average of 51 samples is late by 25 ms.
-  explicit Chain(double noise_rad) {
+  /// 20 ms. A moving average of 51 samples is late by 25 ms. The target looks so far ahead.
+  explicit Chain(double noise_rad, int ahead_ms = 0) {
     const auto noise = Noise(3 * kSamples, 31);
     for (int c = 0; c < 3; ++c) {
       double sum = 0.0;
@@ -40,9 +41,12 @@ struct Chain {
         filtered(n, c) = sum / std::min(n + 1, 51);
       }
     }
+    for (int n = 0; n < kSamples; ++n) {
+      target.row(n) = filtered.row(std::min(n + ahead_ms, kSamples - 1));
+    }
     constexpr double kCountsPerRad = 500.0;
     for (int n = 30; n < kSamples; ++n) {
-      const Eigen::RowVector3d counts = kCountsPerRad * filtered.row((n - 30) / 20 * 20);
+      const Eigen::RowVector3d counts = kCountsPerRad * target.row((n - 30) / 20 * 20);
       command.row(n) = counts.array().round().matrix() / kCountsPerRad;
     }
     for (int n = 0; n < kSamples; ++n) hand.row(n) = command.row(std::max(0, n - 41) / 20 * 20);
@@ -51,15 +55,16 @@ struct Chain {
     return {.wearer_angle_rad = &wearer,
             .raw_angle_rad = &raw,
             .filtered_angle_rad = &filtered,
+            .target_angle_rad = &target,
             .command_angle_rad = &command,
             .hand_angle_rad = &hand};
   }
 };
 
-void ExpectKnownLatencies(const LatencyBudget& budget, double tolerance_ms) {
+void ExpectKnownLatencies(const LatencyBudget& budget, double tolerance_ms, double ahead_ms = 0.0) {
   // A frame held for 20 samples is late by 9.5 on average; the servo's frames come at multiples of
   // 20 ms, 10 ms after the command that arrives 30 ms after its event.
-  const double known_ms[] = {3.0, 25.0, 9.5, 30.0, 10.0, 41.0};
+  const double known_ms[] = {3.0, 25.0, 9.5, -ahead_ms, 30.0, 10.0, 41.0};
   ASSERT_EQ(budget.stages.size(), std::size(known_ms));
   double sum = 0.0;
   for (std::size_t i = 0; i < std::size(known_ms); ++i) {
@@ -74,6 +79,10 @@ TEST(Latency, OfKnownStagesIsTheKnownDelay) {
   ExpectKnownLatencies(MeasureLatency(Chain(0.0).Input()), 0.3);
 }
 
+TEST(Latency, OfAPredictionIsBelowZero) {
+  ExpectKnownLatencies(MeasureLatency(Chain(0.0, 60).Input()), 0.3, 60.0);
+}
+
 TEST(Latency, OfTheMotionIsNotThatOfTheNoise) {
   ExpectKnownLatencies(MeasureLatency(Chain(2.0 * kRadPerDeg).Input()), 0.6);
 }
@@ -82,11 +91,11 @@ TEST(Latency, OfTheServosFrameDependsOnWhereFramesBegin) {
   const Chain chain(0.0);
   LatencyInput input = chain.Input();
   input.first_servo_frame = 30;  // just when commands arrive
-  EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 0.0, 1e-6);
+  EXPECT_NEAR(MeasureLatency(input).stages[5].mean_ms, 0.0, 1e-6);
   input.first_servo_frame = 25;
-  EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 15.0, 0.3);
+  EXPECT_NEAR(MeasureLatency(input).stages[5].mean_ms, 15.0, 0.3);
   input.ticks_per_servo_frame = 0;
-  EXPECT_NEAR(MeasureLatency(input).stages[4].mean_ms, 0.0, 1e-6);
+  EXPECT_NEAR(MeasureLatency(input).stages[5].mean_ms, 0.0, 1e-6);
 }
 
 TEST(Latency, OfAStillChannelDoesNotExistAndDoesNotCount) {
@@ -112,8 +121,8 @@ TEST(Latency, OfAJointWhoseCommandIsNoAngleDoesNotExist) {
   Chain chain(0.0);
   chain.command.col(1).setConstant(std::numeric_limits<double>::quiet_NaN());  // springs decide it
   const LatencyBudget budget = MeasureLatency(chain.Input());
-  EXPECT_TRUE(std::isnan(budget.stages[3].channel_ms[1]));
-  EXPECT_NEAR(budget.stages[3].mean_ms, 30.0, 0.3);
+  EXPECT_TRUE(std::isnan(budget.stages[4].channel_ms[1]));
+  EXPECT_NEAR(budget.stages[4].mean_ms, 30.0, 0.3);
 }
 
 TEST(Latency, RefusesSignalsThatDoNotFit) {

@@ -49,25 +49,6 @@ TEST(LowPass, FilterIsTheConvolutionWhereItHasAValue) {
   }
 }
 
-TEST(LowPass, EachStepthRowIsARowOfAll) {
-  const LowPass low_pass = DesignLowPass(6.0, 40.0, 1000.0);
-  Fourier fourier;
-  for (const int samples : {2 * low_pass.reach() + 1, 901, 1000}) {
-    const auto noise = Noise(samples, 22);
-    for (const Band band : {Band::kBelow, Band::kAbove}) {
-      const Signal all = Filter(low_pass, band, OneChannel(noise), fourier).values;
-      for (const int step : {2, 3, 4, 7}) {
-        const FilteredSignal some = Filter(low_pass, band, OneChannel(noise), fourier, step);
-        EXPECT_EQ(some.first_sample, low_pass.reach());
-        ASSERT_EQ(some.values.rows(), (all.rows() + step - 1) / step);
-        for (int row = 0; row < some.values.rows(); ++row) {
-          ASSERT_NEAR(some.values(row, 0), all(step * row, 0), 1e-12) << step;
-        }
-      }
-    }
-  }
-}
-
 TEST(LowPass, FilterOfAShortSignalHasNoRows) {
   const LowPass low_pass = DesignLowPass(20.0, 40.0, 1000.0);
   Fourier fourier;
