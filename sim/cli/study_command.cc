@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -146,6 +145,7 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
   command.add_flag("--video", options.video, "also draw comparison.mp4");
   command.add_flag("--json", options.json, "print scores.json instead of the table");
   command.add_flag("--csv", options.csv, "also write the trace as CSV, one file per controller");
+  AddTableOptions(command, options.terminal);
 }
 
 void RunStudyCommand(const StudyCommand& asked) {
@@ -193,7 +193,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (options.json) {
     PrintText(ScoresJson(finished));
   } else {
-    PrintText(ScoreTable(finished, isatty(STDOUT_FILENO) != 0));
+    PrintText(ScoreTable(finished, StyleOf(options.terminal)));
   }
   FlushOutput();
   std::string written =

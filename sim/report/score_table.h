@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/report/table_text.h"
 #include "sim/study/summary.h"
 
 namespace gauntlet::sim {
@@ -26,7 +27,7 @@ std::vector<std::string> Notes(const FinishedStudy& finished);
 /// the difference to the best with the interval that decides; a star at the best of each column and
 /// at those equal to it, a tilde where it is undecided, an exclamation mark where a filter is worse
 /// than the baseline; a verdict. Columns are the main metrics that have a value. Of one run alone
-/// nothing is marked, and the table says why. `colour`: marks have terminal colours, too.
-std::string ScoreTable(const FinishedStudy& finished, bool colour);
+/// nothing is marked, and the table says why.
+std::string ScoreTable(const FinishedStudy& finished, const TerminalStyle& style);
 
 }  // namespace gauntlet::sim

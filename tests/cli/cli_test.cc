@@ -193,6 +193,47 @@ TEST_F(CliTest, AComparisonDoesNotDependOnTheNumberOfJobs) {
   EXPECT_LE(jitter["mean"], jitter["ci95_high"]);
 }
 
+TEST_F(CliTest, TablesFitTheTerminalAndHaveColoursOnlyThere) {
+  const std::string scenario = WriteScenario(
+      "question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\n"
+      "controllers: {raw: {}, slow: {filter: {kind: moving_average, window: 90}}}\n");
+  const auto compare = [&](const std::string& variables, const std::string& more) {
+    // A terminal of 60 columns; what the program says on standard error is left out.
+    const ProgramResult result = RunProgram(
+        {"script", "--quiet", "--return", "--command",
+         fmt::format("stty cols 60; cd '{}'; env -u COLUMNS -u NO_COLOR {} '{}' compare {} --seeds "
+                     "2 {} 2>/dev/null",
+                     folder_.path().string(), variables, kProgram, scenario, more),
+         "/dev/null"});
+    EXPECT_EQ(result.exit_code, 0) << result.standard_output;
+    return result.standard_output;
+  };
+  const auto widest = [](const std::string& text) {
+    std::size_t width = 0;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) {
+      width = std::max<std::size_t>(width, std::ranges::count_if(line, [](unsigned char c) {
+                                      return c >= ' ' && (c & 0xC0U) != 0x80U;
+                                    }));
+    }
+    return width;
+  };
+  const std::string plain = compare("NO_COLOR=1", "");
+  EXPECT_THAT(plain, AllOf(HasSubstr("tracking"), Not(HasSubstr("\033["))));
+  EXPECT_LE(widest(plain), 60u);
+  EXPECT_GT(widest(compare("NO_COLOR=1", "--wide")), 60u);
+  EXPECT_GT(widest(compare("NO_COLOR=1 COLUMNS=90", "")), 60u);
+  EXPECT_THAT(compare("", ""), HasSubstr("\033["));
+  EXPECT_THAT(compare("", "--color never"), Not(HasSubstr("\033[")));
+  EXPECT_THAT(compare("NO_COLOR=1", "--color always"), HasSubstr("\033["));
+
+  const ProgramResult piped = Gauntlet({"compare", scenario, "--seeds", "2"});
+  EXPECT_THAT(piped.standard_output, Not(HasSubstr("\033[")));
+  EXPECT_LE(widest(piped.standard_output), 80u);
+  EXPECT_THAT(Gauntlet({"compare", scenario, "--color", "yes"}).standard_error,
+              HasSubstr("--color: yes not in {auto,always,never}"));
+}
+
 TEST_F(CliTest, JsonGoesToStandardOutput) {
   const ProgramResult result =
       ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a", "--json"});
