@@ -53,17 +53,18 @@ int Run(int argc, char** argv) {
   sim::AddReproduceCommand(app);
   sim::AddListCommand(app);
   int exit_code = 0;
+  const std::string called = argc > 0 ? argv[0] : "";
   const std::vector<std::string> arguments = sim::WithoutWordsForOptions({argv + 1, argv + argc});
   try {
     app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
   } catch (const CLI::Success& request) {                          // --help, --version
     std::ostringstream text;
     app.exit(request, text, text);
-    sim::PrintText(text.str());
+    sim::PrintText(sim::AsCalled(text.str(), called));
   } catch (const CLI::RuntimeError& result) {  // done, with an answer that is an exit code
     exit_code = result.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    return Complain(sim::ExplainUsage(app, error, arguments), kUserMistake);
+    return Complain(sim::AsCalled(sim::ExplainUsage(app, error, arguments), called), kUserMistake);
   }
   sim::CheckOutput();
   return exit_code;

@@ -417,6 +417,11 @@ TEST_F(CliTest, EveryListPrints) {
   }
   EXPECT_THAT(Gauntlet({"list", "filters"}).standard_output, HasSubstr("moving_average"));
   EXPECT_EQ(Gauntlet({"list", "filtres"}).exit_code, 2);
+  EXPECT_THAT(Gauntlet({"list", "metrics"}).standard_output,
+              StartsWith("tracking_rmse_deg\n"
+                         "    how far the hand is from the wearer, RMS\n"
+                         "    = sqrt(mean((hand - reference)^2))\n"
+                         "    differences matter from 0.5 on: "));
 }
 
 TEST_F(CliTest, FilterIsALineByLineStream) {
@@ -679,6 +684,28 @@ TEST_F(CliTest, HelpHasAnExample) {
   }
 }
 
+TEST_F(CliTest, HelpNamesTheProgramAsItWasCalled) {
+  fs::create_symlink(kProgram, folder_.path() / "gauntlet");
+  const auto call = [&](std::vector<std::string> command) {
+    ProgramOptions options;
+    options.working_directory = folder_.path();
+    const ProgramResult result = RunProgram(command, options);
+    return result.standard_output + result.standard_error;
+  };
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, {"run", "--help"}, {"sweep", "--help"}, {"rnu"}, {}}) {
+    std::vector<std::string> command = {"./gauntlet"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const std::string here = call(command);
+    command.front() = kProgram;
+    std::string anywhere = call(command);
+    EXPECT_THAT(here, HasSubstr(" ./gauntlet "));
+    EXPECT_THAT(anywhere, Not(HasSubstr("./gauntlet")));
+    EXPECT_THAT(here, Not(testing::ContainsRegex("[ (]gauntlet [a-z]"))) << here;
+  }
+  EXPECT_EQ(call({"./gauntlet", "--version"}), call({kProgram, "--version"}));
+}
+
 TEST_F(CliTest, WordsThatMeanAnOptionDoAsItDoes) {
   EXPECT_EQ(Gauntlet({"version"}).standard_output, Gauntlet({"--version"}).standard_output);
   EXPECT_EQ(Gauntlet({"help"}).standard_output, Gauntlet({"--help"}).standard_output);
@@ -702,6 +729,8 @@ TEST_F(CliTest, WhatIsNotUnderstoodIsExplained) {
   EXPECT_EQ(explained({"compare", scenario, "--seds", "3"}),
             "gauntlet: --seds: compare has no such option (did you mean --seeds?); see gauntlet "
             "compare --help\n");
+  EXPECT_THAT(explained({"run", scenario, "--sed", "3"}),
+              HasSubstr("--sed: run has no such option (did you mean --seed?)"));
   EXPECT_THAT(explained({"run", scenario, "--seeds=2"}),
               HasSubstr("--seeds: run has no such option; compare has; see gauntlet run --help"));
   EXPECT_THAT(explained({"run", scenario, "--seed", "abc"}),
