@@ -408,6 +408,25 @@ TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
   EXPECT_TRUE(fs::exists(Out("a") / "notes.txt"));
 }
 
+TEST_F(CliTest, ARunDoesNotTakeThePlaceOfAComparisonUnasked) {
+  const std::string scenario = WriteScenario(kGood);
+  ASSERT_EQ(Gauntlet({"compare", scenario, "--seeds", "2"}).exit_code, 0);
+  const std::string scores = ReadFile(Out("out/scenario") / "scores.json");
+  const ProgramResult elsewhere = Gauntlet({"run", scenario});
+  EXPECT_EQ(elsewhere.exit_code, 0);
+  EXPECT_THAT(elsewhere.standard_error,
+              HasSubstr("out/scenario holds a comparison, which stays: this run goes to "
+                        "out/scenario_run\n"));
+  EXPECT_EQ(ReadFile(Out("out/scenario") / "scores.json"), scores);
+  EXPECT_TRUE(fs::exists(Out("out/scenario_run") / "scores.json"));
+
+  const ProgramResult told = Gauntlet({"run", scenario, "--out", "out/scenario"});
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_THAT(told.standard_error, HasSubstr("this run takes the place of its scores"));
+  EXPECT_NE(ReadFile(Out("out/scenario") / "scores.json"), scores);
+  EXPECT_THAT(Gauntlet({"run", scenario}).standard_error, Not(HasSubstr("comparison")));
+}
+
 TEST_F(CliTest, EveryListPrints) {
   for (const char* list : {"filters", "predictions", "motions", "faults", "servos", "metrics",
                            "channels", "scenarios", "keys"}) {
