@@ -246,7 +246,10 @@ void AddListCommand(CLI::App& app) {
                                          "faults, servos, metrics, channels, scenarios, keys");
   const auto name = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
-  command->add_option("what", *name, "one of the lists; all are named if left out");
+  std::vector<std::string> names;
+  for (const Topic& topic : Topics()) names.push_back(topic.name);
+  command->add_option("what", *name, "one of the lists; all are named if left out")
+      ->type_name(fmt::format("{{{}}}", fmt::join(names, ",")));
   command->add_flag("--json", *json, "print JSON");
   command->footer("\nExample:\n  gauntlet list filters\n");
   command->callback([name, json] { List(*name, *json); });

@@ -5,12 +5,14 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "controller/settings.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/completion.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
@@ -53,6 +55,10 @@ int Run(int argc, char** argv) {
   sim::AddReproduceCommand(app);
   sim::AddListCommand(app);
   int exit_code = 0;
+  if (argc > 1 && std::string_view(argv[1]) == "--complete") {  // what shells ask
+    sim::PrintText(sim::Completions(app, {argv + 2, argv + argc}));
+    return 0;
+  }
   const std::string called = argc > 0 ? argv[0] : "";
   const std::vector<std::string> arguments = sim::WithoutWordsForOptions({argv + 1, argv + argc});
   try {
