@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "sim/report/error_split_table.h"
@@ -140,15 +143,33 @@ std::string Value(const ControllerSummary& controller, std::size_t metric) {
   return Short(controller.summary[metric].mean);
 }
 
+/// Whom the verdict names: who follows best, and who shakes least. None where nobody has a score.
+struct Named {
+  const ControllerSummary* follower = nullptr;
+  const ControllerSummary* calm = nullptr;
+};
+
+Named WhomToName(const Summary& summary) {
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  Named named;
+  for (const ControllerSummary& controller : summary.controllers) {
+    if (controller.rank[jitter] == 0) continue;
+    const auto calmer = [&](const ControllerSummary* than) {
+      return than == nullptr || controller.summary[jitter].mean < than->summary[jitter].mean;
+    };
+    // Of those that follow as well as the best, the one that shakes least; one run has no such.
+    const bool follows =
+        summary.one_run ? controller.rank[tracking] == 1 : controller.as_good_as_best[tracking];
+    if (follows && calmer(named.follower)) named.follower = &controller;
+    if (calmer(named.calm)) named.calm = &controller;
+  }
+  return named;
+}
+
 /// What is asked of one run, without a word about chance.
-std::string VerdictOfOneRun(const Summary& summary, std::size_t tracking, std::size_t jitter) {
-  const auto best = [&](std::size_t metric) {
-    return std::ranges::find_if(summary.controllers,
-                                [metric](const auto& c) { return c.rank[metric] == 1; });
-  };
-  const auto follower = best(tracking);
-  const auto calm = best(jitter);
-  if (follower == summary.controllers.end() || calm == summary.controllers.end()) return "";
+std::string VerdictOfOneRun(const Named& named, std::size_t tracking, std::size_t jitter) {
+  const auto& [follower, calm] = named;
   if (follower == calm) {
     return fmt::format(
         "In this one run {} follows nearest ({} deg RMS) and shakes least ({} deg RMS).",
@@ -311,19 +332,10 @@ std::string Verdict(const Summary& summary) {
     return fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", all[0].name,
                        Value(all[0], tracking), Value(all[0], jitter));
   }
-  if (summary.one_run) return VerdictOfOneRun(summary, tracking, jitter);
-  // Of those that follow as well as the best, the one that shakes least.
-  const ControllerSummary* follower = nullptr;
-  const ControllerSummary* calm = nullptr;
-  for (const ControllerSummary& controller : all) {
-    if (controller.rank[jitter] == 0) continue;
-    const auto calmer = [&](const ControllerSummary* than) {
-      return than == nullptr || controller.summary[jitter].mean < than->summary[jitter].mean;
-    };
-    if (controller.as_good_as_best[tracking] && calmer(follower)) follower = &controller;
-    if (calmer(calm)) calm = &controller;
-  }
+  const Named named = WhomToName(summary);
+  const auto& [follower, calm] = named;
   if (follower == nullptr || calm == nullptr) return "";
+  if (summary.one_run) return VerdictOfOneRun(named, tracking, jitter);
   const std::string follows =
       Superlative(summary, tracking, "follows best", "follows as well as any", "may follow best");
   const std::string shakes =
@@ -344,6 +356,22 @@ std::string Verdict(const Summary& summary) {
                         Value(baseline, jitter));
   }
   return text + "." + Costs(summary, *follower);
+}
+
+std::vector<std::size_t> OrderOfVerdict(const Summary& summary) {
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const Named named = WhomToName(summary);
+  // Those whom it names, then as they follow; who has no score comes last.
+  const auto key = [&](std::size_t index) {
+    const ControllerSummary& controller = summary.controllers[index];
+    const double mean = controller.summary[tracking].mean;
+    const int place = &controller == named.follower ? 0 : &controller == named.calm ? 1 : 2;
+    return std::pair(place, std::isfinite(mean) ? mean : std::numeric_limits<double>::infinity());
+  };
+  std::vector<std::size_t> order(summary.controllers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, key);
+  return order;
 }
 
 std::string DurationText(const StudyResult& result) {
