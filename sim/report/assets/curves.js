@@ -132,6 +132,7 @@ class CurvesView {
     this.plot?.destroy();
     this.makeRows();
     this.plot = new Dygraph(this.place, this.rows, this.options());
+    for (const handle of this.place.querySelectorAll("img")) handle.alt = "";  // of the range selector
     this.onChannel(this.select.value, this.select.selectedIndex);
     this.readAt(this.cursor);
     this.onView?.(null);
