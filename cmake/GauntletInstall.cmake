@@ -9,6 +9,8 @@ install(FILES README.md CHANGELOG.md CITATION.cff SECURITY.md LICENSE
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES sim/cli/completion/gauntlet DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         COMPONENT program)
+install(FILES sim/cli/completion/_gauntlet DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions
+        COMPONENT program)
 
 # Pages for man, made of what --help says.
 find_program(GAUNTLET_HELP2MAN help2man)

@@ -33,6 +33,15 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+/// Whether all letters of `name` stand in `candidate`, in their order: a letter was forgotten.
+bool LacksLettersOnly(std::string_view name, std::string_view candidate) {
+  std::size_t found = 0;
+  for (const char letter : candidate) {
+    if (found < name.size() && name[found] == letter) ++found;
+  }
+  return found == name.size();
+}
+
 }  // namespace
 
 std::string NearestName(std::string_view name, const std::vector<std::string>& candidates) {
@@ -40,7 +49,10 @@ std::string NearestName(std::string_view name, const std::vector<std::string>& c
   if (name.size() > kLongName) return nearest;
   std::size_t best = std::max<std::size_t>(1, (name.size() + 2) / 3) + 1;
   for (const std::string& candidate : candidates) {
-    if (const std::size_t distance = EditDistance(name, candidate); distance < best) {
+    const std::size_t distance = EditDistance(name, candidate);
+    const bool likelier = distance == best && !nearest.empty() &&
+                          LacksLettersOnly(name, candidate) && !LacksLettersOnly(name, nearest);
+    if (distance < best || likelier) {
       best = distance;
       nearest = candidate;
     }

@@ -1,11 +1,10 @@
-#include <unistd.h>
-
 #include <functional>
 #include <memory>
 
 #include "sim/cli/commands.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
+#include "sim/cli/terminal_option.h"
 #include "sim/report/difference_table.h"
 #include "sim/study/study_difference.h"
 
@@ -20,6 +19,7 @@ struct Options {
   std::string b;
   bool all = false;
   bool json = false;
+  TerminalOptions terminal;
 };
 
 void Diff(const Options& options) {
@@ -32,8 +32,8 @@ void Diff(const Options& options) {
   if (options.json) {
     PrintText(StudyDifferenceJson(a, b, difference));
   } else {
-    const bool colour = isatty(STDOUT_FILENO) != 0;
-    PrintText(DifferenceTable(a, b, difference, {.all = options.all, .colour = colour}));
+    const TerminalStyle style = StyleOf(options.terminal);
+    PrintText(DifferenceTable(a, b, difference, {.all = options.all, .colour = style.colour}));
   }
   if (!difference.Same()) throw CLI::RuntimeError(kDifferent);
 }
@@ -48,6 +48,7 @@ void AddDiffCommand(CLI::App& app) {
   command->add_option("B", options->b, "another")->required();
   command->add_flag("--all", options->all, "also show the scores that are the same");
   command->add_flag("--json", options->json, "print JSON, with all scores");
+  AddColourOption(*command, options->terminal);
   command->footer(
       "\nSeeds that both have are compared, pair by pair; so a run can be held beside a "
       "comparison.\n"

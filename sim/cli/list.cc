@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
 #include "sim/score/score.h"
@@ -23,12 +25,14 @@
 namespace gauntlet::sim {
 namespace {
 
-/// One thing of a list: its name, a sentence, its settings, and what else is known of it, as JSON.
+/// One thing of a list: its name, a sentence, its settings, what else is known of it as JSON, and
+/// the same as sentences.
 struct Entry {
   std::string name;
   std::string summary;
   std::vector<SettingRow> settings;
   nlohmann::ordered_json facts = nlohmann::ordered_json::object();
+  std::vector<std::string> details = {};
 };
 
 /// The kinds of one thing; the first setting of a kind is its name.
@@ -45,34 +49,35 @@ std::vector<Entry> EntriesOf(const Kinds& kinds) {
   return entries;
 }
 
-/// "Differences matter from 0.5 on, and from 10 % of the smaller value on: why."
+/// "differences matter from 0.5 on, and from 10 % of the smaller value on: why"
 std::string WhatMatters(const RelevantDifference& least) {
   std::vector<std::string> limits;
   if (least.absolute > 0.0) limits.push_back(fmt::format("from {:g} on", least.absolute));
   if (least.relative > 0.0) {
     limits.push_back(fmt::format("from {:g} % of the smaller value on", 100.0 * least.relative));
   }
-  return fmt::format("Differences matter {}: {}.", fmt::join(limits, " and "), least.reason);
+  return fmt::format("differences matter {}: {}", fmt::join(limits, " and "), least.reason);
 }
 
 std::vector<Entry> Scores() {
   std::vector<Entry> entries;
   for (const Metric& metric : Metrics()) {
     const RelevantDifference& least = metric.relevant_difference;
-    entries.push_back(
-        {std::string(metric.key),
-         fmt::format("{}: {}. {}", metric.help, metric.definition, WhatMatters(least)),
-         {},
-         {{"relevant_difference",
-           {{"absolute", least.absolute},
-            {"relative", least.relative},
-            {"reason", least.reason}}}}});
+    entries.push_back({.name = std::string(metric.key),
+                       .summary = std::string(metric.help),
+                       .settings = {},
+                       .facts = {{"definition", metric.definition},
+                                 {"relevant_difference",
+                                  {{"absolute", least.absolute},
+                                   {"relative", least.relative},
+                                   {"reason", least.reason}}}},
+                       .details = {fmt::format("= {}", metric.definition), WhatMatters(least)}});
   }
   return entries;
 }
 
-/// Which joints turn the spool of the motor that is called like the channel, as "1.2 index_mcp +
-/// .."; empty if there is no such motor.
+/// Which joints turn the spool of the motor that is called like the channel, as "spool turns: 1.2
+/// index_mcp + .."; empty if there is no such motor.
 std::string SpoolTurns(const controller::TendonTransmission& hand, std::string_view channel) {
   const auto motor = std::ranges::find(hand.motor_names, channel);
   if (motor == hand.motor_names.end()) return "";
@@ -86,17 +91,18 @@ std::string SpoolTurns(const controller::TendonTransmission& hand, std::string_v
       turns.push_back(fmt::format("{:.3f} {}", row[j], hand.joint_names[j]));
     }
   }
-  return fmt::format(" Spool turns: {}.", fmt::join(turns, " + "));
+  return fmt::format("spool turns: {}", fmt::join(turns, " + "));
 }
 
 std::vector<Entry> Channels() {
   const HandModel hand{HandConfig{}};
   std::vector<Entry> entries;
   for (const Channel& channel : KnownChannels()) {
-    entries.push_back({std::string(channel.name),
-                       fmt::format("{} to {} deg. {}{}", channel.min_deg, channel.max_deg,
-                                   channel.help, SpoolTurns(hand.transmission(), channel.name)),
-                       {}});
+    Entry& entry = entries.emplace_back();
+    entry.name = channel.name;
+    entry.summary = fmt::format("{} to {} deg, {}", channel.min_deg, channel.max_deg, channel.help);
+    const std::string turns = SpoolTurns(hand.transmission(), channel.name);
+    if (!turns.empty()) entry.details.push_back(turns);
   }
   return entries;
 }
@@ -159,9 +165,23 @@ const std::vector<Topic>& Topics() {
   return kTopics;
 }
 
+/// At a terminal in lines that fit; else in one line, for those who search.
+void PrintIndented(const std::string& text) {
+  constexpr std::size_t kIndent = 4;
+  const std::size_t width =
+      isatty(STDOUT_FILENO) != 0 ? StyleOf({}).width : TerminalStyle::kNoLimit;
+  std::string lines = Wrapped(text, width - kIndent - kIndent);
+  for (std::size_t end = 0; (end = lines.find('\n', end)) != std::string::npos;) {
+    lines.insert(++end, 2 * kIndent, ' ');
+  }
+  Print("{}{}\n", std::string(kIndent, ' '), lines);
+}
+
 void PrintTopic(const Topic& topic) {
   for (const Entry& entry : topic.entries()) {
-    Print("{}\n    {}\n", entry.name, entry.summary);
+    Print("{}\n", entry.name);
+    PrintIndented(entry.summary);
+    for (const std::string& detail : entry.details) PrintIndented(detail);
     std::size_t width = 0;
     for (const SettingRow& row : entry.settings) width = std::max(width, row.key.size());
     for (const SettingRow& row : entry.settings) {
@@ -169,7 +189,7 @@ void PrintTopic(const Topic& topic) {
                                 : row.default_value.empty() ? "empty"
                                                             : row.default_value;
       const std::string range = row.range.empty() ? "" : fmt::format(" ({})", row.range);
-      Print("    {:<{}}  {}; {}{}\n", row.key, width, value, row.help, range);
+      PrintIndented(fmt::format("{:<{}}  {}; {}{}", row.key, width, value, row.help, range));
     }
   }
 }
@@ -226,7 +246,10 @@ void AddListCommand(CLI::App& app) {
                                          "faults, servos, metrics, channels, scenarios, keys");
   const auto name = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
-  command->add_option("what", *name, "one of the lists; all are named if left out");
+  std::vector<std::string> names;
+  for (const Topic& topic : Topics()) names.push_back(topic.name);
+  command->add_option("what", *name, "one of the lists; all are named if left out")
+      ->type_name(fmt::format("{{{}}}", fmt::join(names, ",")));
   command->add_flag("--json", *json, "print JSON");
   command->footer("\nExample:\n  gauntlet list filters\n");
   command->callback([name, json] { List(*name, *json); });

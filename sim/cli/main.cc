@@ -5,12 +5,14 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "controller/settings.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/completion.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
@@ -53,17 +55,22 @@ int Run(int argc, char** argv) {
   sim::AddReproduceCommand(app);
   sim::AddListCommand(app);
   int exit_code = 0;
+  if (argc > 1 && std::string_view(argv[1]) == "--complete") {  // what shells ask
+    sim::PrintText(sim::Completions(app, {argv + 2, argv + argc}));
+    return 0;
+  }
+  const std::string called = argc > 0 ? argv[0] : "";
   const std::vector<std::string> arguments = sim::WithoutWordsForOptions({argv + 1, argv + argc});
   try {
     app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
   } catch (const CLI::Success& request) {                          // --help, --version
     std::ostringstream text;
     app.exit(request, text, text);
-    sim::PrintText(text.str());
+    sim::PrintText(sim::AsCalled(text.str(), called));
   } catch (const CLI::RuntimeError& result) {  // done, with an answer that is an exit code
     exit_code = result.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    return Complain(sim::ExplainUsage(app, error, arguments), kUserMistake);
+    return Complain(sim::AsCalled(sim::ExplainUsage(app, error, arguments), called), kUserMistake);
   }
   sim::CheckOutput();
   return exit_code;

@@ -148,8 +148,8 @@ void AddRenderCommand(CLI::App& app) {
   command->add_option("--size", options->size, "width and height in pixels, even")
       ->type_name("WIDTHxHEIGHT");
   command->add_option("--fps", options->frames_per_s, "frames per second")->type_name("N");
-  command->add_option("--quality", options->quality, "small, good or best [good]")
-      ->type_name("NAME");
+  command->add_option("--quality", options->quality, "of the encoding [good]")
+      ->type_name("{small,good,best}");
   command->add_option("--frame", options->frame_s, "no video, but the frame at this moment")
       ->type_name("S");
   AddOutOption(*command, options->out,

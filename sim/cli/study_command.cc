@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "sim/base/atomic_file.h"
@@ -47,6 +48,27 @@ Study Prepare(const ScenarioSource& source, Scenario scenario) {
                      .key = error.key(),
                      .problem = error.problem()});
   }
+}
+
+/// Whether the scores of an output folder are those of a comparison.
+bool HoldsComparison(const std::filesystem::path& folder) {
+  std::ifstream file(folder / "scores.json");
+  const auto scores = nlohmann::json::parse(file, nullptr, false);
+  return scores.is_object() && scores.contains("seeds");
+}
+
+/// Where the results go. One run does not take the place of a comparison unless it is told to, and
+/// then says so.
+std::string OutputOf(const StudyCommand& options, const std::string& scenario) {
+  const std::string out = options.out.empty() ? "out/" + scenario : options.out;
+  if (options.comparison || !HoldsComparison(out)) return out;
+  if (options.out.empty()) {
+    Say("gauntlet: {} holds a comparison, which stays: this run goes to {}_run\n", out, out);
+    return out + "_run";
+  }
+  Say("gauntlet: {} holds a comparison: this run takes the place of its scores, page and trace\n",
+      out);
+  return out;
 }
 
 std::string Trials(int count) { return fmt::format("{} trial{}", count, count == 1 ? "" : "s"); }
@@ -146,6 +168,7 @@ void AddStudyOptions(CLI::App& command, StudyCommand& options) {
   command.add_flag("--video", options.video, "also draw comparison.mp4");
   command.add_flag("--json", options.json, "print scores.json instead of the table");
   command.add_flag("--csv", options.csv, "also write the trace as CSV, one file per controller");
+  AddTableOptions(command, options.terminal);
 }
 
 void RunStudyCommand(const StudyCommand& asked) {
@@ -165,7 +188,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   }
   FinishedStudy finished;
   finished.comparison = options.comparison;
-  const std::string out = options.out.empty() ? "out/" + scenario.name : options.out;
+  const std::string out = OutputOf(options, scenario.name);
   SetSignalFolder(out);
   finished.study = Prepare(source, std::move(scenario));
   WarnIfMadeElsewhere(finished.study.scenario.made_with, *finished.study.hand,
@@ -198,7 +221,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (options.json) {
     PrintText(ScoresJson(finished));
   } else {
-    PrintText(ScoreTable(finished, isatty(STDOUT_FILENO) != 0));
+    PrintText(ScoreTable(finished, StyleOf(options.terminal)));
   }
   FlushOutput();
   std::string written =

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
 
@@ -22,6 +23,7 @@ struct StudyCommand {
   bool video = false;
   bool json = false;
   bool csv = false;
+  TerminalOptions terminal;
 };
 
 /// The file that a user means: one that is there, or a ready scenario, also by its name alone.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <regex>
 
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
@@ -113,6 +114,12 @@ std::vector<std::string> WithoutWordsForOptions(std::vector<std::string> argumen
     arguments.emplace_back("--help");
   }
   return arguments;
+}
+
+std::string AsCalled(const std::string& text, const std::string& called) {
+  if (!called.starts_with("./") && !called.starts_with("../")) return text;
+  static const std::regex kCommand(R"((^|[\s(])gauntlet( --help| [a-z\[]))");
+  return std::regex_replace(text, kCommand, "$1" + called + "$2");
 }
 
 CLI::Validator WholeNumber(long long low, long long high) {

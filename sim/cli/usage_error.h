@@ -15,6 +15,10 @@ std::string ExplainUsage(const CLI::App& app, const CLI::ParseError& error,
 /// --version.
 std::vector<std::string> WithoutWordsForOptions(std::vector<std::string> arguments);
 
+/// A text that says `gauntlet COMMAND` in the way in which the program was called: `./gauntlet
+/// COMMAND` of a source tree. `called`: argv[0]; a place that no person types is left out.
+std::string AsCalled(const std::string& text, const std::string& called);
+
 /// A check of an option: a whole number, or any number, from `low` to `high`.
 CLI::Validator WholeNumber(long long low, long long high);
 CLI::Validator Number(double low, double high);

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "sim/report/table_text.h"
-
 namespace gauntlet::sim {
 namespace {
 
@@ -27,30 +25,27 @@ std::vector<double> ErrorByCause(const ControllerSummary& controller) {
   return parts;
 }
 
-std::string ErrorSplitTable(const Summary& summary) {
-  std::string rows;
-  std::string head = "of the squared error";
-  std::size_t name_width = head.size();
-  for (const ControllerSummary& controller : summary.controllers) {
-    name_width = std::max(name_width, Width(controller.name));
-  }
-  head = Padded(head, name_width, false);
-  constexpr std::size_t kNarrowest = 4;
+std::string ErrorSplitTable(const Summary& summary, const TerminalStyle& style) {
+  std::vector<TableColumn> columns;
   for (const TrackingErrorPart& part : TrackingErrorParts()) {
-    head += "  " + Padded(std::string(part.name), std::max(kNarrowest, part.name.size()), true);
+    TableColumn& column = columns.emplace_back();
+    for (std::size_t begin = 0; begin < part.name.size();) {  // a line for each word
+      const std::size_t end = std::min(part.name.find(' ', begin), part.name.size());
+      column.head.emplace_back(part.name.substr(begin, end - begin));
+      begin = end + 1;
+    }
   }
+  std::vector<std::string> names;
   for (const ControllerSummary& controller : summary.controllers) {
     const std::vector<double> parts = ErrorByCause(controller);
     const double whole = std::accumulate(parts.begin(), parts.end(), 0.0);
     if (!(whole > 0.0)) continue;
-    rows += Padded(controller.name, name_width, false);
+    names.push_back(controller.name);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      rows += "  " + Padded(Percent(parts[i] / whole),
-                            std::max(kNarrowest, TrackingErrorParts()[i].name.size()), true);
+      columns[i].rows.push_back({{.text = Percent(parts[i] / whole)}});
     }
-    rows += "\n";
   }
-  return rows.empty() ? "" : head + "\n" + rows;
+  return names.empty() ? "" : TableText("of the squared error", names, columns, style);
 }
 
 }  // namespace gauntlet::sim

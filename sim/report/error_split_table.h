@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/report/table_text.h"
 #include "sim/study/summary.h"
 
 namespace gauntlet::sim {
@@ -13,6 +14,6 @@ std::vector<double> ErrorByCause(const ControllerSummary& controller);
 
 /// Which share of the squared error each cause has, for a person at a terminal: a line per
 /// controller. Empty where no controller has a split.
-std::string ErrorSplitTable(const Summary& summary);
+std::string ErrorSplitTable(const Summary& summary, const TerminalStyle& style);
 
 }  // namespace gauntlet::sim

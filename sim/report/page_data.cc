@@ -135,6 +135,26 @@ Json LatencyJson(const std::vector<std::optional<LatencyBudget>>& budgets) {
   return json;
 }
 
+/// The main scores of every seed, per controller: what means and intervals are made of.
+Json ScoresBySeed(const StudyResult& result) {
+  Json json = Json::object();
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (!Metrics()[m].main) continue;
+    Json& controllers = json[std::string(Metrics()[m].key)];
+    bool any = false;
+    for (std::size_t c = 0; c < result.controller_names.size(); ++c) {
+      std::vector<double> values;
+      for (const SeedOutcome& seed : result.seeds) {
+        values.push_back(seed.controllers[c].scores.summary[m]);
+        any = any || std::isfinite(values.back());
+      }
+      controllers.push_back(Numbers(values));
+    }
+    if (!any) json.erase(std::string(Metrics()[m].key));
+  }
+  return json;
+}
+
 /// Null where no controller has a split, else its causes and their mean squares per controller.
 Json ErrorSplitJson(const Summary& summary) {
   Json json;
@@ -178,6 +198,8 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     json["controllers"].push_back(ControllerJson(result, summary, c));
   }
+  json["order"] = OrderOfVerdict(summary);
+  json["by_seed"] = ScoresBySeed(result);
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
   json["rows"] = result.row_names;

@@ -1,11 +1,15 @@
 #include "sim/report/score_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "sim/report/error_split_table.h"
@@ -15,8 +19,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::size_t kHeadLines = 3;
-constexpr std::size_t kLineWidth = 100;
+constexpr std::size_t kHeadLines = 4;
 
 /// The main metrics that some controller has a value of.
 std::vector<std::size_t> ShownMetrics(const Summary& summary) {
@@ -49,108 +52,89 @@ std::vector<std::string> HeadOf(std::string_view key) {
   };
   if (key.ends_with("_per_s") || key.ends_with("_deg_s")) join(words.size() - 2);
   while (words.size() > kHeadLines) join(0);
-  words.insert(words.begin(), kHeadLines - words.size(), "");
   return words;
 }
 
-/// "+0.41±0.05", with as many digits as the interval allows.
-std::string DifferenceText(const MeanInterval& difference) {
+/// "+0.41" and "±0.05", with as many digits as the interval allows; one alone where nothing else is
+/// known.
+std::vector<std::string> DifferenceTexts(const MeanInterval& difference) {
   const double half_width = difference.high - difference.mean;
-  if (std::isnan(difference.mean)) return "";
+  if (std::isnan(difference.mean)) return {};
   if (!(half_width > 0.0)) {
-    return fmt::format("{}{}", difference.mean >= 0.0 ? "+" : "", Short(difference.mean));
+    return {fmt::format("{}{}", difference.mean >= 0.0 ? "+" : "", Short(difference.mean))};
   }
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width))), 0, 3);
-  return fmt::format("{:+.{}f}±{:.{}f}", difference.mean, decimals, half_width, decimals);
+  return {fmt::format("{:+.{}f}", difference.mean, decimals),
+          fmt::format("±{:.{}f}", half_width, decimals)};
 }
 
-struct Cell {
-  std::string value;
-  std::string difference;  // to the best
-  char mark = ' ';
-};
-
-Cell MakeCell(const Summary& summary, const ControllerSummary& controller, std::size_t metric) {
-  Cell cell{.value = Short(controller.summary[metric].mean), .difference = ""};
-  if (summary.one_run) return cell;
+/// What the table says of a controller's metric: its value, below it the difference to the best.
+std::vector<TableColumn::Line> CellOf(const Summary& summary, const ControllerSummary& controller,
+                                      std::size_t metric) {
+  const MeanInterval& own = controller.summary[metric];
+  std::vector<TableColumn::Line> lines = {{.text = Short(own.mean)}};
+  if (summary.one_run) return lines;
   if (summary.controllers.size() == 1) {  // has nobody to differ from
-    const MeanInterval& own = controller.summary[metric];
-    if (std::isfinite(own.low)) cell.difference = fmt::format("±{}", Short(own.high - own.mean));
-    return cell;
+    if (std::isfinite(own.low)) lines.push_back({fmt::format("±{}", Short(own.high - own.mean))});
+    return lines;
   }
   const Comparison& to_best = controller.to_best[metric];
-  cell.difference = DifferenceText(to_best.difference);
   if (controller.as_good_as_best[metric]) {
-    if (to_best.judgement == Judgement::kNone) cell.difference = "best";
-    cell.mark = '*';
+    lines.front().mark = '*';
   } else if (to_best.judgement == Judgement::kUndecided) {
-    cell.mark = '~';
+    lines.front().mark = '~';
   }
-  if (controller.IsWorseThanBaseline(metric)) cell.mark = '!';
-  return cell;
-}
-
-std::string Decorated(const std::string& text, char mark, bool colour) {
-  if (colour && mark == '!') return Warning(text + mark);
-  if (colour && mark == '*') return Good(text + mark);
-  return text + mark;
-}
-
-void AppendLine(std::string& out, std::string line) {
-  line.erase(line.find_last_not_of(' ') + 1);
-  out += line + "\n";
-}
-
-void AppendRows(const Summary& summary, bool colour, std::string& out) {
-  std::size_t name_width = std::string_view("controller").size();
-  for (const auto& controller : summary.controllers) {
-    name_width = std::max(name_width, controller.name.size());
+  if (controller.IsWorseThanBaseline(metric)) lines.front().mark = '!';
+  if (controller.as_good_as_best[metric] && to_best.judgement == Judgement::kNone) {
+    lines.push_back({"best"});
+    return lines;
   }
-  std::vector<std::vector<std::string>> heads;
-  std::vector<std::vector<Cell>> columns;
-  std::vector<std::size_t> widths;
+  for (const std::string& text : DifferenceTexts(to_best.difference)) lines.push_back({text});
+  return lines;
+}
+
+/// The same with difference and interval in one line.
+void JoinDifferences(std::vector<TableColumn>& columns) {
+  for (TableColumn& column : columns) {
+    for (auto& lines : column.rows) {
+      if (lines.size() < 3) continue;
+      lines[1].text += lines[2].text;
+      lines.resize(2);
+    }
+  }
+}
+
+void AppendRows(const Summary& summary, const TerminalStyle& style, std::string& out) {
+  std::vector<std::string> names;
+  for (const auto& controller : summary.controllers) names.push_back(controller.name);
+  std::vector<TableColumn> columns;
   for (const std::size_t metric : ShownMetrics(summary)) {
-    heads.push_back(HeadOf(Metrics()[metric].key));
-    std::vector<Cell>& cells = columns.emplace_back();
-    std::size_t width = 0;
-    for (const std::string& word : heads.back()) width = std::max(width, word.size());
+    TableColumn& column = columns.emplace_back();
+    column.head = HeadOf(Metrics()[metric].key);
     for (const auto& controller : summary.controllers) {
-      const Cell& cell = cells.emplace_back(MakeCell(summary, controller, metric));
-      width = std::max({width, Width(cell.value), Width(cell.difference)});
+      column.rows.push_back(CellOf(summary, controller, metric));
     }
-    widths.push_back(width);
   }
-  for (std::size_t line = 0; line < kHeadLines; ++line) {
-    std::string text = Padded(line + 1 < kHeadLines ? "" : "controller", name_width, false);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      text += "  " + Padded(heads[i][line], widths[i], true) + " ";
-    }
-    AppendLine(out, text);
-  }
-  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    std::string values = Padded(summary.controllers[c].name, name_width, false);
-    std::string differences(name_width, ' ');
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const Cell& cell = columns[i][c];
-      values += "  " + Decorated(Padded(cell.value, widths[i], true), cell.mark, colour);
-      differences += "  " + Padded(cell.difference, widths[i], true) + " ";
-    }
-    AppendLine(out, values);
-    if (differences.find_first_not_of(' ') != std::string::npos) AppendLine(out, differences);
-  }
+  const std::string corner = "controller";
+  std::vector<TableColumn> joined = columns;
+  JoinDifferences(joined);
+  const bool fits = TableWidth(corner, names, joined) <= style.table_width;
+  out += TableText(corner, names, fits ? joined : columns, style);
 }
 
 /// Where a score of the table is a mean over some of the seeds, as the others have none.
-void AppendMissingSeeds(const StudyResult& result, const Summary& summary, std::string& out) {
+std::vector<std::string> MissingSeeds(const StudyResult& result, const Summary& summary) {
+  std::vector<std::string> missing;
   const int seeds = result.seeds.size();
   for (const ControllerSummary& controller : summary.controllers) {
     for (const std::size_t metric : ShownMetrics(summary)) {
       const int count = controller.summary[metric].count;
       if (count == 0 || count == seeds || controller.failed_trials > 0) continue;
-      out += fmt::format("{}: {} from {} of {} seeds; the others have none\n", controller.name,
-                         Metrics()[metric].key, count, seeds);
+      missing.push_back(fmt::format("{}: {} from {} of {} seeds; the others have none",
+                                    controller.name, Metrics()[metric].key, count, seeds));
     }
   }
+  return missing;
 }
 
 }  // namespace
@@ -161,15 +145,33 @@ std::string Value(const ControllerSummary& controller, std::size_t metric) {
   return Short(controller.summary[metric].mean);
 }
 
+/// Whom the verdict names: who follows best, and who shakes least. None where nobody has a score.
+struct Named {
+  const ControllerSummary* follower = nullptr;
+  const ControllerSummary* calm = nullptr;
+};
+
+Named WhomToName(const Summary& summary) {
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  Named named;
+  for (const ControllerSummary& controller : summary.controllers) {
+    if (controller.rank[jitter] == 0) continue;
+    const auto calmer = [&](const ControllerSummary* than) {
+      return than == nullptr || controller.summary[jitter].mean < than->summary[jitter].mean;
+    };
+    // Of those that follow as well as the best, the one that shakes least; one run has no such.
+    const bool follows =
+        summary.one_run ? controller.rank[tracking] == 1 : controller.as_good_as_best[tracking];
+    if (follows && calmer(named.follower)) named.follower = &controller;
+    if (calmer(named.calm)) named.calm = &controller;
+  }
+  return named;
+}
+
 /// What is asked of one run, without a word about chance.
-std::string VerdictOfOneRun(const Summary& summary, std::size_t tracking, std::size_t jitter) {
-  const auto best = [&](std::size_t metric) {
-    return std::ranges::find_if(summary.controllers,
-                                [metric](const auto& c) { return c.rank[metric] == 1; });
-  };
-  const auto follower = best(tracking);
-  const auto calm = best(jitter);
-  if (follower == summary.controllers.end() || calm == summary.controllers.end()) return "";
+std::string VerdictOfOneRun(const Named& named, std::size_t tracking, std::size_t jitter) {
+  const auto& [follower, calm] = named;
   if (follower == calm) {
     return fmt::format(
         "In this one run {} follows nearest ({} deg RMS) and shakes least ({} deg RMS).",
@@ -192,12 +194,14 @@ std::string ReasonForNoChance(const StudyResult& result) {
          "runs several).";
 }
 
-std::string Legend(const Summary& summary) {
-  std::string legend = "* best, or equal within what matters   ~ undecided";
+/// In one line if it fits.
+std::string Legend(const Summary& summary, std::size_t width) {
+  std::vector<std::string> marks = {"* best, or equal within what matters", "~ undecided"};
   if (summary.baseline) {
-    legend += "   ! worse than " + summary.controllers[*summary.baseline].name;
+    marks.push_back("! worse than " + summary.controllers[*summary.baseline].name);
   }
-  return legend;
+  const std::string line = fmt::format("{}", fmt::join(marks, "   "));
+  return Width(line) <= width ? line : fmt::format("{}", fmt::join(marks, "\n"));
 }
 
 /// "97 % the motions' and 3 % the noise's", a mean over controllers; empty where it is not known.
@@ -239,25 +243,6 @@ std::string WhatMatters(const Summary& summary) {
     if (least.relative > 0.0) text += fmt::format(" {:g} %", 100.0 * least.relative);
   }
   return fmt::format("Differences matter from here on: {} (gauntlet list metrics says why).", text);
-}
-
-/// In lines that fit a terminal.
-std::string Wrapped(const std::string& text) {
-  std::string wrapped;
-  std::size_t width = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    if (width > 0 && width + 1 + Width(word) > kLineWidth) {
-      wrapped += '\n';
-      width = 0;
-    }
-    if (width > 0) wrapped += ' ';
-    wrapped += word;
-    width += (width > 0 ? 1 : 0) + Width(word);
-    begin = end + 1;
-  }
-  return wrapped;
 }
 
 /// What follows a controller's name in the verdict: whether it is known to be the best, only as
@@ -352,19 +337,10 @@ std::string Verdict(const Summary& summary) {
     return fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", all[0].name,
                        Value(all[0], tracking), Value(all[0], jitter));
   }
-  if (summary.one_run) return VerdictOfOneRun(summary, tracking, jitter);
-  // Of those that follow as well as the best, the one that shakes least.
-  const ControllerSummary* follower = nullptr;
-  const ControllerSummary* calm = nullptr;
-  for (const ControllerSummary& controller : all) {
-    if (controller.rank[jitter] == 0) continue;
-    const auto calmer = [&](const ControllerSummary* than) {
-      return than == nullptr || controller.summary[jitter].mean < than->summary[jitter].mean;
-    };
-    if (controller.as_good_as_best[tracking] && calmer(follower)) follower = &controller;
-    if (calmer(calm)) calm = &controller;
-  }
+  const Named named = WhomToName(summary);
+  const auto& [follower, calm] = named;
   if (follower == nullptr || calm == nullptr) return "";
+  if (summary.one_run) return VerdictOfOneRun(named, tracking, jitter);
   const std::string follows =
       Superlative(summary, tracking, "follows best", "follows as well as any", "may follow best");
   const std::string shakes =
@@ -385,6 +361,22 @@ std::string Verdict(const Summary& summary) {
                         Value(baseline, jitter));
   }
   return text + "." + Costs(summary, *follower);
+}
+
+std::vector<std::size_t> OrderOfVerdict(const Summary& summary) {
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const Named named = WhomToName(summary);
+  // Those whom it names, then as they follow; who has no score comes last.
+  const auto key = [&](std::size_t index) {
+    const ControllerSummary& controller = summary.controllers[index];
+    const double mean = controller.summary[tracking].mean;
+    const int place = &controller == named.follower ? 0 : &controller == named.calm ? 1 : 2;
+    return std::pair(place, std::isfinite(mean) ? mean : std::numeric_limits<double>::infinity());
+  };
+  std::vector<std::size_t> order(summary.controllers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, key);
+  return order;
 }
 
 std::string DurationText(const StudyResult& result) {
@@ -416,27 +408,32 @@ std::string Measured(const Study& study) {
                      study.joint_count);
 }
 
-std::string ScoreTable(const FinishedStudy& finished, bool colour) {
+std::string ScoreTable(const FinishedStudy& finished, const TerminalStyle& style) {
   const StudyResult& result = finished.result;
   const Summary& summary = finished.summary;
   const Scenario& scenario = finished.study.scenario;
-  std::string out = fmt::format("{}: {}\n", scenario.name, scenario.question);
+  std::string out;
+  const auto say = [&](const std::string& text) { out += Wrapped(text, style.width) + "\n"; };
+  say(fmt::format("{}: {}", scenario.name, scenario.question));
   const std::string seeds = summary.one_run
                                 ? fmt::format("seed {}", result.seeds.front().seed)
                                 : fmt::format("seeds {} to {}: {}", result.seeds.front().seed,
                                               result.seeds.back().seed, WhatVaries(result));
-  out += fmt::format("{}, {}; {}; reference: {}\n\n", DurationText(result),
-                     Measured(finished.study), seeds, result.reference_name);
-  AppendRows(summary, colour, out);
-  if (summary.pairs > 0) out += Legend(summary) + "\n";
-  for (const std::string& failure : Failures(summary, result.seeds.size())) out += failure + "\n";
-  AppendMissingSeeds(result, summary, out);
-  for (const std::string& note : Notes(finished)) out += Wrapped(note) + "\n";
-  if (const std::string split = ErrorSplitTable(summary); !split.empty()) {
+  say(fmt::format("{}, {}; {}; reference: {}", DurationText(result), Measured(finished.study),
+                  seeds, result.reference_name));
+  out += "\n";
+  AppendRows(summary, style, out);
+  if (summary.pairs > 0) out += Legend(summary, style.width) + "\n";
+  for (const std::string& failure : Failures(summary, result.seeds.size())) say(failure);
+  for (const std::string& missing : MissingSeeds(result, summary)) say(missing);
+  for (const std::string& note : Notes(finished)) say(note);
+  if (const std::string split = ErrorSplitTable(summary, style); !split.empty()) {
     out.append("\n").append(split);
   }
-  const std::string verdict = Verdict(summary);
-  if (!verdict.empty()) out.append("\n").append(Wrapped(verdict)).append("\n");
+  if (const std::string verdict = Verdict(summary); !verdict.empty()) {
+    out += "\n";
+    say(verdict);
+  }
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/report/table_text.h"
 #include "sim/study/summary.h"
 
 namespace gauntlet::sim {
@@ -19,6 +20,10 @@ std::string WhatVaries(const StudyResult& result);
 /// What the numbers say, in one sentence; empty where tracking or jitter has no value.
 std::string Verdict(const Summary& summary);
 
+/// The controllers from the one that the verdict names first on: who follows best, who shakes least,
+/// the others by how they follow.
+std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
+
 /// How the marks and intervals come about, a sentence or two each: for the table and the page.
 std::vector<std::string> Notes(const FinishedStudy& finished);
 
@@ -26,7 +31,7 @@ std::vector<std::string> Notes(const FinishedStudy& finished);
 /// the difference to the best with the interval that decides; a star at the best of each column and
 /// at those equal to it, a tilde where it is undecided, an exclamation mark where a filter is worse
 /// than the baseline; a verdict. Columns are the main metrics that have a value. Of one run alone
-/// nothing is marked, and the table says why. `colour`: marks have terminal colours, too.
-std::string ScoreTable(const FinishedStudy& finished, bool colour);
+/// nothing is marked, and the table says why.
+std::string ScoreTable(const FinishedStudy& finished, const TerminalStyle& style);
 
 }  // namespace gauntlet::sim

@@ -2,9 +2,91 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace gauntlet::sim {
+namespace {
+
+constexpr std::size_t kGap = 2;  // in front of a column
+
+struct ColumnWidth {
+  std::size_t text = 0;
+  std::size_t mark = 0;  // 1 where a value has one
+
+  std::size_t whole() const { return kGap + text + mark; }
+};
+
+ColumnWidth WidthOf(const TableColumn& column) {
+  ColumnWidth width;
+  for (const std::string& line : column.head) width.text = std::max(width.text, Width(line));
+  for (const auto& row : column.rows) {
+    for (const auto& line : row) {
+      width.text = std::max(width.text, Width(line.text));
+      if (line.mark != ' ') width.mark = 1;
+    }
+  }
+  return width;
+}
+
+/// How wide the names of rows are, but for those that have a line of their own.
+std::size_t WidthOfNames(const std::string& corner, const std::vector<std::string>& names,
+                         std::size_t longest) {
+  std::size_t width = Width(corner);
+  for (const std::string& name : names) {
+    if (Width(name) <= longest) width = std::max(width, Width(name));
+  }
+  return width;
+}
+
+std::string Decorated(const TableColumn::Line& line, ColumnWidth width, bool colour) {
+  const std::string text = Padded(line.text, width.text, true) + std::string(width.mark, line.mark);
+  if (colour && line.mark == '!') return Warning(text);
+  if (colour && line.mark == '*') return Good(text);
+  return text;
+}
+
+void AppendLine(std::string& out, std::string line) {
+  line.erase(line.find_last_not_of(' ') + 1);
+  out += line + "\n";
+}
+
+void AppendPiece(const std::string& corner, const std::vector<std::string>& names,
+                 std::size_t name_width, std::span<const TableColumn> columns, bool colour,
+                 std::string& out) {
+  std::vector<ColumnWidth> widths;
+  for (const TableColumn& column : columns) widths.push_back(WidthOf(column));
+  std::size_t head_lines = 1;
+  for (const TableColumn& column : columns) head_lines = std::max(head_lines, column.head.size());
+  for (std::size_t left = head_lines; left > 0; --left) {  // heads stand on the first row
+    std::string text = Padded(left > 1 ? "" : corner, name_width, false);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const auto& head = columns[i].head;
+      text +=
+          Padded(left > head.size() ? "" : head[head.size() - left], kGap + widths[i].text, true);
+      text += std::string(widths[i].mark, ' ');
+    }
+    AppendLine(out, text);
+  }
+  for (std::size_t row = 0; row < names.size(); ++row) {
+    const bool own_line = Width(names[row]) > name_width;
+    if (own_line) AppendLine(out, names[row]);
+    std::size_t lines = 0;
+    for (const TableColumn& column : columns) lines = std::max(lines, column.rows[row].size());
+    for (std::size_t line = 0; line < lines; ++line) {
+      std::string text = Padded(line == 0 && !own_line ? names[row] : "", name_width, false);
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        const auto& cells = columns[i].rows[row];
+        const TableColumn::Line cell = line < cells.size() ? cells[line] : TableColumn::Line{};
+        text += std::string(kGap, ' ') + Decorated(cell, widths[i], colour);
+      }
+      AppendLine(out, text);
+    }
+  }
+}
+
+}  // namespace
 
 std::string Short(double value) {
   if (!std::isfinite(value)) return "-";
@@ -20,5 +102,48 @@ std::string Padded(const std::string& text, std::size_t width, bool right) {
 
 std::string Good(const std::string& text) { return "\033[1;32m" + text + "\033[0m"; }
 std::string Warning(const std::string& text) { return "\033[33m" + text + "\033[0m"; }
+
+std::string Wrapped(const std::string& text, std::size_t width) {
+  std::string wrapped;
+  std::size_t used = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    if (used > 0 && used + 1 + Width(word) > width) {
+      wrapped += '\n';
+      used = 0;
+    }
+    if (used > 0) wrapped += ' ';
+    wrapped += word;
+    used += (used > 0 ? 1 : 0) + Width(word);
+    begin = end + 1;
+  }
+  return wrapped;
+}
+
+std::size_t TableWidth(const std::string& corner, const std::vector<std::string>& names,
+                       const std::vector<TableColumn>& columns) {
+  std::size_t width = WidthOfNames(corner, names, TerminalStyle::kNoLimit);
+  for (const TableColumn& column : columns) width += WidthOf(column).whole();
+  return width;
+}
+
+std::string TableText(const std::string& corner, const std::vector<std::string>& names,
+                      const std::vector<TableColumn>& columns, const TerminalStyle& style) {
+  const std::size_t name_width = WidthOfNames(corner, names, style.table_width / 3);
+  std::string out;
+  const std::span<const TableColumn> all = columns;
+  for (std::size_t begin = 0; begin < all.size();) {
+    std::size_t end = begin + 1;
+    std::size_t width = name_width + WidthOf(all[begin]).whole();
+    for (; end < all.size() && width + WidthOf(all[end]).whole() <= style.table_width; ++end) {
+      width += WidthOf(all[end]).whole();
+    }
+    if (begin > 0) out += "\n";
+    AppendPiece(corner, names, name_width, all.subspan(begin, end - begin), style.colour, out);
+    begin = end;
+  }
+  return out;
+}
 
 }  // namespace gauntlet::sim

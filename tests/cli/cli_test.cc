@@ -193,6 +193,47 @@ TEST_F(CliTest, AComparisonDoesNotDependOnTheNumberOfJobs) {
   EXPECT_LE(jitter["mean"], jitter["ci95_high"]);
 }
 
+TEST_F(CliTest, TablesFitTheTerminalAndHaveColoursOnlyThere) {
+  const std::string scenario = WriteScenario(
+      "question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\n"
+      "controllers: {raw: {}, slow: {filter: {kind: moving_average, window: 90}}}\n");
+  const auto compare = [&](const std::string& variables, const std::string& more) {
+    // A terminal of 60 columns; what the program says on standard error is left out.
+    const ProgramResult result = RunProgram(
+        {"script", "--quiet", "--return", "--command",
+         fmt::format("stty cols 60; cd '{}'; env -u COLUMNS -u NO_COLOR {} '{}' compare {} --seeds "
+                     "2 {} 2>/dev/null",
+                     folder_.path().string(), variables, kProgram, scenario, more),
+         "/dev/null"});
+    EXPECT_EQ(result.exit_code, 0) << result.standard_output;
+    return result.standard_output;
+  };
+  const auto widest = [](const std::string& text) {
+    std::size_t width = 0;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) {
+      width = std::max<std::size_t>(width, std::ranges::count_if(line, [](unsigned char c) {
+                                      return c >= ' ' && (c & 0xC0U) != 0x80U;
+                                    }));
+    }
+    return width;
+  };
+  const std::string plain = compare("NO_COLOR=1", "");
+  EXPECT_THAT(plain, AllOf(HasSubstr("tracking"), Not(HasSubstr("\033["))));
+  EXPECT_LE(widest(plain), 60u);
+  EXPECT_GT(widest(compare("NO_COLOR=1", "--wide")), 60u);
+  EXPECT_GT(widest(compare("NO_COLOR=1 COLUMNS=90", "")), 60u);
+  EXPECT_THAT(compare("", ""), HasSubstr("\033["));
+  EXPECT_THAT(compare("", "--color never"), Not(HasSubstr("\033[")));
+  EXPECT_THAT(compare("NO_COLOR=1", "--color always"), HasSubstr("\033["));
+
+  const ProgramResult piped = Gauntlet({"compare", scenario, "--seeds", "2"});
+  EXPECT_THAT(piped.standard_output, Not(HasSubstr("\033[")));
+  EXPECT_LE(widest(piped.standard_output), 80u);
+  EXPECT_THAT(Gauntlet({"compare", scenario, "--color", "yes"}).standard_error,
+              HasSubstr("--color: yes not in {auto,always,never}"));
+}
+
 TEST_F(CliTest, JsonGoesToStandardOutput) {
   const ProgramResult result =
       ShortRun({"run", kScenarios + "hold_still.yaml", "--out", "a", "--json"});
@@ -367,6 +408,25 @@ TEST_F(CliTest, WhatAnotherScenarioLeftInTheFolderGoesAway) {
   EXPECT_TRUE(fs::exists(Out("a") / "notes.txt"));
 }
 
+TEST_F(CliTest, ARunDoesNotTakeThePlaceOfAComparisonUnasked) {
+  const std::string scenario = WriteScenario(kGood);
+  ASSERT_EQ(Gauntlet({"compare", scenario, "--seeds", "2"}).exit_code, 0);
+  const std::string scores = ReadFile(Out("out/scenario") / "scores.json");
+  const ProgramResult elsewhere = Gauntlet({"run", scenario});
+  EXPECT_EQ(elsewhere.exit_code, 0);
+  EXPECT_THAT(elsewhere.standard_error,
+              HasSubstr("out/scenario holds a comparison, which stays: this run goes to "
+                        "out/scenario_run\n"));
+  EXPECT_EQ(ReadFile(Out("out/scenario") / "scores.json"), scores);
+  EXPECT_TRUE(fs::exists(Out("out/scenario_run") / "scores.json"));
+
+  const ProgramResult told = Gauntlet({"run", scenario, "--out", "out/scenario"});
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_THAT(told.standard_error, HasSubstr("this run takes the place of its scores"));
+  EXPECT_NE(ReadFile(Out("out/scenario") / "scores.json"), scores);
+  EXPECT_THAT(Gauntlet({"run", scenario}).standard_error, Not(HasSubstr("comparison")));
+}
+
 TEST_F(CliTest, EveryListPrints) {
   for (const char* list : {"filters", "predictions", "motions", "faults", "servos", "metrics",
                            "channels", "scenarios", "keys"}) {
@@ -376,6 +436,11 @@ TEST_F(CliTest, EveryListPrints) {
   }
   EXPECT_THAT(Gauntlet({"list", "filters"}).standard_output, HasSubstr("moving_average"));
   EXPECT_EQ(Gauntlet({"list", "filtres"}).exit_code, 2);
+  EXPECT_THAT(Gauntlet({"list", "metrics"}).standard_output,
+              StartsWith("tracking_rmse_deg\n"
+                         "    how far the hand is from the wearer, RMS\n"
+                         "    = sqrt(mean((hand - reference)^2))\n"
+                         "    differences matter from 0.5 on: "));
 }
 
 TEST_F(CliTest, FilterIsALineByLineStream) {
@@ -663,6 +728,28 @@ TEST_F(CliTest, HelpHasAnExample) {
   }
 }
 
+TEST_F(CliTest, HelpNamesTheProgramAsItWasCalled) {
+  fs::create_symlink(kProgram, folder_.path() / "gauntlet");
+  const auto call = [&](std::vector<std::string> command) {
+    ProgramOptions options;
+    options.working_directory = folder_.path();
+    const ProgramResult result = RunProgram(command, options);
+    return result.standard_output + result.standard_error;
+  };
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, {"run", "--help"}, {"sweep", "--help"}, {"rnu"}, {}}) {
+    std::vector<std::string> command = {"./gauntlet"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const std::string here = call(command);
+    command.front() = kProgram;
+    std::string anywhere = call(command);
+    EXPECT_THAT(here, HasSubstr(" ./gauntlet "));
+    EXPECT_THAT(anywhere, Not(HasSubstr("./gauntlet")));
+    EXPECT_THAT(here, Not(testing::ContainsRegex("[ (]gauntlet [a-z]"))) << here;
+  }
+  EXPECT_EQ(call({"./gauntlet", "--version"}), call({kProgram, "--version"}));
+}
+
 TEST_F(CliTest, WordsThatMeanAnOptionDoAsItDoes) {
   EXPECT_EQ(Gauntlet({"version"}).standard_output, Gauntlet({"--version"}).standard_output);
   EXPECT_EQ(Gauntlet({"help"}).standard_output, Gauntlet({"--help"}).standard_output);
@@ -686,6 +773,8 @@ TEST_F(CliTest, WhatIsNotUnderstoodIsExplained) {
   EXPECT_EQ(explained({"compare", scenario, "--seds", "3"}),
             "gauntlet: --seds: compare has no such option (did you mean --seeds?); see gauntlet "
             "compare --help\n");
+  EXPECT_THAT(explained({"run", scenario, "--sed", "3"}),
+              HasSubstr("--sed: run has no such option (did you mean --seed?)"));
   EXPECT_THAT(explained({"run", scenario, "--seeds=2"}),
               HasSubstr("--seeds: run has no such option; compare has; see gauntlet run --help"));
   EXPECT_THAT(explained({"run", scenario, "--seed", "abc"}),

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "tests/support/program.h"
@@ -22,6 +23,8 @@ using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
 using testing::StartsWith;
 
 std::string ReadFile(const fs::path& file) {
@@ -155,7 +158,7 @@ TEST_F(InstalledTest, HasAPageForEveryCommand) {
 
 TEST_F(InstalledTest, CompletesWhatTheProgramKnows) {
   std::vector<std::string> commands = Commands();
-  commands.insert(commands.begin(), {"--help", "--version"});
+  commands.insert(commands.end(), {"--help", "--version"});
   EXPECT_EQ(Completions("gauntlet ''"), commands);
   EXPECT_THAT(Completions("gauntlet run --se"), ElementsAre("--set", "--seed"));
   EXPECT_THAT(Completions("gauntlet run scenarios/hold"), ElementsAre("scenarios/hold_still.yaml"));
@@ -165,10 +168,60 @@ TEST_F(InstalledTest, CompletesWhatTheProgramKnows) {
               ElementsAre("controllers.raw.filter_on=", "controllers.raw.filter_at="));
   EXPECT_THAT(Completions("gauntlet compare --set glove.tremor.rm"),
               ElementsAre("glove.tremor.rms_deg="));
-  EXPECT_THAT(Completions("gauntlet filter --set moving_average --set w"), ElementsAre("window="));
+  EXPECT_THAT(Completions("gauntlet filter moving_average --set w"), ElementsAre("window="));
   EXPECT_THAT(Completions("gauntlet filter one"), ElementsAre("one_euro"));
   EXPECT_THAT(Completions("gauntlet list me"), ElementsAre("metrics"));
   EXPECT_THAT(Completions("gauntlet calibrate --linearisation tw"), ElementsAre("two_point"));
+  EXPECT_THAT(Completions("gauntlet run hold"), ElementsAre("hold_still"));
+  EXPECT_THAT(Completions("gauntlet run hold_still --controllers raw,pap"),
+              ElementsAre("raw,paper_kalman"));
+  // Keys of what the scenario has, not only of its defaults.
+  EXPECT_THAT(Completions("gauntlet run hold_still --set controllers.mean_20.filter.w"),
+              ElementsAre("controllers.mean_20.filter.window="));
+  EXPECT_THAT(Completions("gauntlet tune hold_still --controller mean"), ElementsAre("mean_20"));
+  EXPECT_THAT(Completions("gauntlet sweep studies/"), Contains(StartsWith("studies/")));
+  EXPECT_THAT(Completions("gauntlet render out --s"), ElementsAre("--speed", "--size"));
+  EXPECT_THAT(Completions("gauntlet render out --channel index_m"), ElementsAre("index_mcp"));
+  EXPECT_THAT(Completions("gauntlet render out --quality b"), ElementsAre("best"));
+  EXPECT_THAT(Completions("gauntlet help ide"), ElementsAre("identify"));
+  EXPECT_THAT(Completions("gauntlet nosuch --x"), ElementsAre(""));
+}
+
+TEST_F(InstalledTest, KnowsEveryOptionOfEveryCommand) {
+  for (const std::string& command : Commands()) {
+    const std::string help = Gauntlet({command, "--help"}).standard_output;
+    const std::string offered = Gauntlet({"--complete", command, "-"}).standard_output;
+    std::set<std::string> known;
+    for (const std::string& line : Lines(offered)) known.insert(line.substr(0, line.find('\t')));
+    const std::regex option(R"(^  (?:-[a-z],)?(--[a-z-]+))");
+    for (const std::string& line : Lines(help)) {
+      std::smatch found;
+      if (!std::regex_search(line, found, option)) continue;
+      EXPECT_EQ(known.count(found.str(1)), 1u) << command << " " << found.str(1);
+    }
+    EXPECT_THAT(known, Not(IsEmpty())) << command;
+  }
+}
+
+TEST_F(InstalledTest, CompletesForZsh) {
+  const auto offered = [&](const std::string& words) {
+    const std::string script = fmt::format(
+        "_describe() {{ shift; print -l -- ${{(P)1}} $@[2,-1] }}; _files() {{ print files $@ }}\n"
+        "_it() {{ local -a words=({}); local CURRENT=$#words; source '{}' }}; _it",
+        words, (prefix_ / "share/zsh/vendor-completions/_gauntlet").string());
+    const ProgramResult result =
+        RunProgram({"zsh", "-fc", script},
+                   {.environment = {{"PATH", (prefix_ / "bin").string() + ":/usr/bin:/bin"}}});
+    EXPECT_EQ(result.standard_error, "") << words;
+    return Lines(result.standard_output);
+  };
+  EXPECT_THAT(offered("gauntlet list me"), ElementsAre("metrics"));
+  EXPECT_THAT(offered("gauntlet run hold_still --see"),
+              ElementsAre(StartsWith("--seed:seed of all random numbers")));
+  EXPECT_THAT(offered("gauntlet run hold_still --set event.del"),
+              ElementsAre(StartsWith("event.delay_ms=:"), "-S"));
+  EXPECT_THAT(offered("gauntlet calibrate rec"), ElementsAre("files", ""));
+  EXPECT_THAT(offered("gauntlet render ''"), ElementsAre("files -/", ""));
 }
 
 // Elsewhere debug information and assertions name their files.

@@ -3,14 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <random>
+#include <sstream>
 
 #include "sim/report/html_text.h"
 #include "sim/report/page_data.h"
 #include "sim/report/report_page.h"
+#include "sim/report/score_table.h"
 #include "tests/report/made_up_study.h"
 #include "tests/support/program.h"
 
@@ -29,6 +36,39 @@ constexpr const char* kListen = R"(<script>
   }
 </script>)";
 
+/// What both scripts below use: the file that a button saves.
+constexpr const char* kSaved = R"(<script>
+  const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+  let files = [];
+  // What is saved can be read at once: the browser's virtual time does not wait for a real blob.
+  window.Blob = class { constructor(parts, {type}) { this.type = type; this.text = parts.join(""); } };
+  HTMLCanvasElement.prototype.toBlob = function (take) {
+    take(new Blob([this.toDataURL()], {type: "image/png"}));
+  };
+  URL.createObjectURL = (blob) => { files.push(blob); return "about:blank"; };
+  HTMLAnchorElement.prototype.click = () => {};
+  const saved = async (button) => {
+    files = [];
+    button.click();
+    for (let i = 0; i < 2000 && files.length === 0; ++i) await wait(1);
+    return files[0]?.text;
+  };
+  const leave = (seen) =>
+    document.documentElement.setAttribute("data-seen", encodeURIComponent(JSON.stringify(seen)));
+  window.addEventListener("unhandledrejection", (e) => leave({problems: [String(e.reason.stack)]}));
+</script>)";
+
+/// Runs last: saves what the frequencies are made of.
+constexpr const char* kSaveFrequencies = R"(<script>
+  window.addEventListener("load", async () => {
+    const seen = {problems};
+    for (const name of ["spectrum", "gain", "phase"]) {
+      seen[name] = await saved(document.querySelector(`[title="Save as made_up.${name}.csv"]`));
+    }
+    leave(seen);
+  });
+</script>)";
+
 /// Runs last: uses the page as a person does, and leaves what it saw in an attribute.
 constexpr const char* kUse = R"(<script>
   const seen = {};
@@ -41,10 +81,13 @@ constexpr const char* kUse = R"(<script>
     return dots;
   };
   const picture = () => document.querySelector("#curves-plot canvas").toDataURL();
+  const columns = () => [...document.querySelectorAll("#scores-table thead th")].slice(1)
+    .map((th) => /raw|filter_\d/.exec(th.textContent)[0]);
   const get = (id) => document.getElementById(id);
   const press = (key, shiftKey = false) =>
     get("curves-plot").dispatchEvent(new KeyboardEvent("keydown", {key, shiftKey, bubbles: true}));
-  window.addEventListener("load", () => {
+  window.addEventListener("load", async () => {
+    seen.columns = columns();
     seen.channel = get("curves-channel").value;
     seen.ink = ink();
     const first = picture();
@@ -69,6 +112,51 @@ constexpr const char* kUse = R"(<script>
     seen.error_axis = document.querySelector("#curves-plot .dygraph-ylabel").textContent;
     get("curves-view").value = "angle";
     get("curves-view").dispatchEvent(new Event("change"));
+    // The mouse does what the help says: a drag zooms, a double click shows all again.
+    const all = picture();
+    const canvas = [...document.querySelectorAll("#curves-plot canvas")][1];
+    const box = canvas.getBoundingClientRect();
+    const mouse = (type, share, to = canvas) => to.dispatchEvent(new MouseEvent(type, {bubbles: true,
+      view: window, button: 0, clientX: box.left + share * box.width, clientY: box.top + 60,
+      screenX: share * box.width, screenY: 60}));
+    mouse("mousedown", 0.3);
+    mouse("mousemove", 0.5, document);
+    mouse("mousemove", 0.6, document);
+    mouse("mouseup", 0.6, document);
+    await wait(300);
+    seen.drag_zooms = picture() !== all;
+    for (const type of ["mousedown", "mouseup", "mousedown", "mouseup", "dblclick"]) mouse(type, 0.5);
+    await wait(600);
+    seen.double_click_shows_all = picture() === all;
+    seen.address = location.hash;
+    location.hash = "#channel=channel_2&view=error&t=0.5";
+    await wait(100);
+    seen.at_address = [get("curves-channel").value, get("curves-view").value,
+      get("curves-readout").rows[0].cells[0].textContent];
+    location.hash = "#scores";
+    await wait(100);
+    seen.part_of_page = get("curves-channel").value;
+    get("curves-view").value = "angle";
+    get("curves-view").dispatchEvent(new Event("change"));
+    seen.saved = {};
+    for (const button of document.querySelectorAll(".save button")) {
+      const name = button.title.replace("Save as made_up.", "");
+      await saved(button);
+      seen.saved[name] = [files[0]?.type, files[0]?.text.slice(0, 60)];
+    }
+    document.querySelector("#scores-table .sort").click();
+    seen.sorted = columns();
+    get("scores-order").click();
+    seen.order_of_verdict = columns();
+    seen.seeds = [document.querySelectorAll("#seeds-chart circle").length,
+      document.querySelectorAll("#seeds-chart .seed").length];
+    // At the far end of a wide table, the names and the first controller are in sight.
+    const scroll = get("scores-table").parentElement;
+    scroll.scrollLeft = 10000;
+    seen.in_sight = [...get("scores-table").rows[1].cells].slice(0, 2).map((cell) => {
+      const [inner, outer] = [cell.getBoundingClientRect(), scroll.getBoundingClientRect()];
+      return inner.left >= outer.left - 1 && inner.right <= outer.right + 1;
+    });
     const video = document.querySelector("#video video");
     Object.defineProperty(video, "currentTime", {value: 1.75, writable: true});
     video.dispatchEvent(new Event("timeupdate"));
@@ -89,7 +177,7 @@ constexpr const char* kUse = R"(<script>
     seen.explained = !get(explain.getAttribute("aria-controls")).hidden;
     seen.wide = document.documentElement.scrollWidth - window.innerWidth;
     seen.problems = problems;
-    document.documentElement.setAttribute("data-seen", encodeURIComponent(JSON.stringify(seen)));
+    leave(seen);
   });
 </script>)";
 
@@ -101,18 +189,18 @@ class BrowserTest : public testing::Test {
     }
   }
 
-  nlohmann::json Use(const std::string& page, int width_px) {
+  nlohmann::json Use(const std::string& page, int width_px, const char* script = kUse) {
     const test::TemporaryDirectory folder;
     const std::size_t head = page.find("<title>");
     const std::size_t end = page.rfind("</body>");
     std::ofstream(folder.path() / "report.html")
-        << page.substr(0, head) << kListen << page.substr(head, end - head) << kUse
+        << page.substr(0, head) << kListen << page.substr(head, end - head) << kSaved << script
         << page.substr(end);
     const test::ProgramResult result = test::RunProgram(
         {"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
          "--disable-background-networking", "--disable-dev-shm-usage", "--mute-audio",
          "--user-data-dir=" + (folder.path() / "profile").string(),
-         "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=4000",
+         "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=200000",
          "--dump-dom", "file://" + (folder.path() / "report.html").string()});
     EXPECT_EQ(result.exit_code, 0) << result.standard_error;
     const std::string mark = "data-seen=\"";
@@ -150,8 +238,23 @@ class BrowserTest : public testing::Test {
                          .video = {.exists = true, .motion_starts_s = 1.5}});
   }
 
+  static void ExpectItIsSaved(const nlohmann::json& saved) {
+    for (const char* name : {"error", "front", "seeds", "curves"}) {
+      const std::string file = name;
+      ASSERT_TRUE(saved.contains(file + ".svg")) << file;
+      EXPECT_THAT(saved[file + ".svg"][1].get<std::string>(), testing::StartsWith("<svg")) << file;
+      EXPECT_EQ(saved[file + ".png"][0], "image/png") << file;
+      EXPECT_EQ(saved[file + ".csv"][0], "text/csv") << file;
+    }
+    EXPECT_THAT(saved["curves.csv"][1].get<std::string>(),
+                testing::StartsWith("time_s,wearer_deg,glove_deg,raw_hand_deg"));
+    EXPECT_THAT(saved["scores.csv"][1].get<std::string>(), testing::StartsWith("score,"));
+    EXPECT_THAT(saved["channels.csv"][1].get<std::string>(),
+                testing::StartsWith("tracking_rmse_deg,"));
+  }
+
   static void ExpectItWorks(const nlohmann::json& seen) {
-    EXPECT_EQ(seen["problems"], nlohmann::json::array());
+    ASSERT_EQ(seen["problems"], nlohmann::json::array());
     EXPECT_EQ(seen["channel"], "channel_2");  // the one that the scenario names
     EXPECT_GT(seen["ink"], 1000);
     EXPECT_EQ(seen["channel_switched"], true);
@@ -162,6 +265,16 @@ class BrowserTest : public testing::Test {
     EXPECT_EQ(seen["error_of_wearer"], nlohmann::json::array({"0.00"}));
     EXPECT_EQ(seen["error_axis"], "angle less the wearer's, deg");
     EXPECT_THAT(seen["at_video"].get<std::string>(), testing::StartsWith("at 0.25"));
+    EXPECT_EQ(seen["drag_zooms"], true);
+    EXPECT_EQ(seen["double_click_shows_all"], true);
+    EXPECT_THAT(seen["address"].get<std::string>(), testing::StartsWith("#channel=channel_0"));
+    EXPECT_EQ(seen["at_address"][0], "channel_2");
+    EXPECT_EQ(seen["at_address"][1], "error");
+    EXPECT_THAT(seen["at_address"][2].get<std::string>(), testing::StartsWith("at 0.5"));
+    EXPECT_EQ(seen["part_of_page"], "channel_2");
+    EXPECT_EQ(seen["in_sight"], nlohmann::json::array({true, true}));
+    EXPECT_EQ(seen["seeds"], nlohmann::json::array({3 * 5, 5}));
+    ExpectItIsSaved(seen["saved"]);
     EXPECT_EQ(seen["channel_of_heat_map"], "channel_1");
     EXPECT_EQ(seen["metric_switched"], true);
     EXPECT_EQ(seen["points"], 3);
@@ -174,6 +287,100 @@ class BrowserTest : public testing::Test {
 
 TEST_F(BrowserTest, ShowsCurvesAndSwitchesChannelsWithoutAConsoleError) {
   ExpectItWorks(Use(Page(test::MakeUpStudy({})), 1200));
+}
+
+TEST_F(BrowserTest, ColumnsStandInTheOrderOfTheVerdictOrOfAScore) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const double rmse[] = {5.0, 3.0, 1.0};
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (SeedOutcome& seed : made.result.seeds) {
+      seed.controllers[c].scores.summary[tracking] = rmse[c] + 0.01 * seed.seed;
+      seed.controllers[c].scores.summary[MetricIndex("jitter_rms_deg")] = 1.0 + rmse[c];
+    }
+  }
+  made.summary = Summarise(made.study, made.result);
+  EXPECT_EQ(OrderOfVerdict(made.summary), (std::vector<std::size_t>{2, 1, 0}));
+  const auto seen = Use(Page(made), 1200);
+  EXPECT_EQ(seen["columns"], (std::vector<std::string>{"filter_2", "filter_1", "raw"}));
+  EXPECT_EQ(seen["sorted"], seen["columns"]);  // by tracking
+  EXPECT_EQ(seen["order_of_verdict"], seen["columns"]);
+}
+
+/// A table that was saved: rows of numbers.
+std::vector<std::vector<double>> Numbers(const std::string& csv) {
+  std::vector<std::vector<double>> rows;
+  std::istringstream lines(csv.substr(csv.find('\n') + 1));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line + ",");  // the last field may be empty
+    std::vector<double>& row = rows.emplace_back();
+    for (std::string field; std::getline(fields, field, ',');) {
+      row.push_back(field.empty() ? std::numeric_limits<double>::quiet_NaN() : std::stod(field));
+    }
+  }
+  return rows;
+}
+
+TEST_F(BrowserTest, FrequenciesAreThoseOfTheSignals) {
+  // A sine of 2 Hz; hands that are late by 60 and 70 ms, the later one moves less; one that does not
+  // follow. All tremble by white noise.
+  constexpr int kSamples = 20'000;
+  constexpr double kFrequency_hz = 2.0;
+  constexpr double kGain[] = {1.0, 0.9, 0.0};
+  const double noise_rad[] = {0.004, 0.002, 0.001};
+  test::MadeUpStudy made = test::MakeUpStudy({.samples = kSamples, .channels = 1});
+  const auto angle = [](double t, double gain) {
+    return 0.6 + 0.3 * gain * std::sin(2.0 * std::numbers::pi * kFrequency_hz * t);
+  };
+  Signal wearer(kSamples, 1);
+  for (int k = 0; k < kSamples; ++k) wearer(k, 0) = angle(k / 1000.0, 1.0);
+  GloveSignal glove = *made.result.first_glove;
+  glove.true_angle_rad = wearer;
+  made.result.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
+  std::mt19937 random(1);
+  for (int c = 0; c < 3; ++c) {
+    std::normal_distribution<double> noise(0.0, noise_rad[c]);
+    for (int k = 0; k < kSamples; ++k) {
+      made.hand_rad[c](k, 0) = angle(k / 1000.0 - 0.06 - 0.01 * c, kGain[c]) + noise(random);
+    }
+  }
+  const auto seen = Use(Page(made), 1200, kSaveFrequencies);
+  ASSERT_EQ(seen["problems"], nlohmann::json::array());
+  const auto spectrum = Numbers(seen["spectrum"]);
+  const auto gain = Numbers(seen["gain"]);
+  const auto phase = Numbers(seen["phase"]);
+  ASSERT_GT(spectrum.size(), 40u);
+  for (int c = 0; c < 3; ++c) {
+    double power = 0.0;
+    int count = 0;
+    for (const auto& row : spectrum) {
+      if (row[0] < 10.0) continue;
+      power += row[1 + c] * row[1 + c];
+      ++count;
+    }
+    // White noise has its power spread up to half of 1 kHz.
+    const double density = noise_rad[c] * 180.0 / std::numbers::pi * std::sqrt(2.0 / 1000.0);
+    EXPECT_NEAR(std::sqrt(power / count), density, 0.1 * density);
+    const auto at = [&](const std::vector<std::vector<double>>& rows) {
+      return *std::ranges::min_element(
+          rows, {}, [](const auto& row) { return std::abs(row[0] - kFrequency_hz); });
+    };
+    if (kGain[c] == 0.0) {
+      for (const auto& row : gain) EXPECT_TRUE(std::isnan(row[1 + c])) << row[0];
+      continue;
+    }
+    EXPECT_NEAR(at(gain)[1 + c], kGain[c], 0.01);
+    EXPECT_NEAR(at(phase)[1 + c], -360.0 * kFrequency_hz * (0.06 + 0.01 * c), 1.0);
+  }
+}
+
+TEST_F(BrowserTest, KeepsTheBestOfSixInSight) {
+  for (const int width_px : {500, 768, 1920}) {
+    const auto seen = Use(Page(test::MakeUpStudy({.controllers = 6})), width_px);
+    EXPECT_EQ(seen["in_sight"], nlohmann::json::array({true, true})) << width_px;
+    EXPECT_LE(seen["wide"], 0) << width_px;
+    EXPECT_EQ(seen["problems"], nlohmann::json::array());
+  }
 }
 
 TEST_F(BrowserTest, WorksOnAPhone) { ExpectItWorks(Use(Page(test::MakeUpStudy({})), 500)); }

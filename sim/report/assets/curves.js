@@ -20,6 +20,7 @@ class CurvesView {
     this.window = [0, this.store.duration_s];
     this.cursor = null;
     this.onTime = null;  // of a click: a video jumps there
+    this.onView = null;  // of another channel, view or moment: the address tells it
     data.channels.forEach((name) => this.select.append(element("option", {value: name}, name)));
     this.select.value = data.first_channel;
     if (this.select.selectedIndex < 0) this.select.selectedIndex = 0;
@@ -60,6 +61,7 @@ class CurvesView {
   moveCursor(by_s) {
     const from = this.cursor ?? (this.window[0] + this.window[1]) / 2;
     this.showTime(Math.min(this.window[1], Math.max(this.window[0], from + by_s)));
+    this.onView?.(this.cursor);
   }
 
   // The cursor at a time; what is shown follows it.
@@ -130,8 +132,10 @@ class CurvesView {
     this.plot?.destroy();
     this.makeRows();
     this.plot = new Dygraph(this.place, this.rows, this.options());
-    this.onChannel(this.select.value);
+    for (const handle of this.place.querySelectorAll("img")) handle.alt = "";  // of the range selector
+    this.onChannel(this.select.value, this.select.selectedIndex);
     this.readAt(this.cursor);
+    this.onView?.(null);
   }
 
   makeRows() {
@@ -161,7 +165,7 @@ class CurvesView {
       dateWindow: this.window,
       legend: "never",
       xlabel: "time, s",
-      ylabel: this.view.value === "error" ? "angle less the wearer's, deg" : "joint angle, deg",
+      ylabel: this.yLabel(),
       axes: {
         x: {drawGrid: false, axisLabelFormatter: (t) => String(Number(t.toFixed(3)))},
         y: {axisLabelWidth: 42, axisLabelFormatter: (v) => String(Number(v.toFixed(3))).replace("-", "−")},
@@ -180,7 +184,11 @@ class CurvesView {
       rangeSelectorBackgroundStrokeColor: colour("var(--line)"),
       rangeSelectorForegroundStrokeColor: colour("var(--muted)"),
       rangeSelectorAlpha: 0.5,
-      clickCallback: (_, time) => this.onTime?.(time),
+      interactionModel: Dygraph.defaultInteractionModel,  // the range selector has one that cannot zoom
+      clickCallback: (_, time) => {
+        this.onTime?.(time);
+        this.onView?.(time);
+      },
       highlightCallback: (_, time) => this.readAt(time),
       unhighlightCallback: () => this.readAt(null),
       drawCallback: (plot, first) => this.onDraw(plot, first),
@@ -190,11 +198,51 @@ class CurvesView {
   onDraw(plot, first) {
     if (first || this.refining) return;
     const [from, to] = plot.xAxisRange();
+    const {duration_s} = this.store;
     if (Math.abs(from - this.window[0]) + Math.abs(to - this.window[1]) < 1e-9) return;
-    // Once per frame while the view is dragged.
+    const whole = to - from > 0.99 * duration_s;  // after a double click: as far as there are points
+    this.later(whole ? 0 : from, whole ? duration_s : to);
+  }
+
+  // Once per frame while the view is dragged.
+  later(from, to) {
     cancelAnimationFrame(this.frame);
     this.frame = requestAnimationFrame(() => this.look(from, to));
   }
+
+  // --- saving ---------------------------------------------------------------------------------
+
+  figure() {
+    const inside = this.rows.filter((row) => row[0] >= this.window[0] && row[0] <= this.window[1]);
+    const values = inside.flatMap((row) => row.slice(1)).filter(Number.isFinite);
+    const low = Math.min(...values);
+    const high = Math.max(...values, low + 0.01);
+    const margin = 0.05 * (high - low);
+    const svg = lineFigure({width: Math.max(300, this.place.clientWidth), height: 420,
+      x: {label: "time, s", low: this.window[0], high: this.window[1]},
+      y: {label: this.yLabel(), low: low - margin, high: high + margin},
+      label: `Curves of ${this.select.value}`,
+      lines: this.current.map((line, i) => ({...line, points: inside.map((row) => [row[0], row[i + 1]])}))});
+    this.place.after(svg);  // styles are those of a figure of the page
+    setTimeout(() => svg.remove());
+    return svg;
+  }
+
+  // What the page keeps of the channel, in the stretch of time that is shown.
+  table() {
+    const channel = this.store.channel(this.select.selectedIndex);
+    const columns = [["wearer_deg", channel.true], ["glove_deg", channel.raw]];
+    channel.controllers.forEach((c, i) => SIGNALS.forEach(({key}) =>
+      columns.push([`${this.data.controllers[i].name}_${key}_deg`, c[key]])));
+    const rows = [["time_s", ...columns.map(([name]) => name)]];
+    const digits = (value) => (Number.isFinite(value) ? Number(value.toFixed(3)) : NaN);
+    for (let i = this.store.pointAt(this.window[0]); i <= this.store.pointAt(this.window[1]); ++i) {
+      rows.push([Number(this.store.time(i).toFixed(6)), ...columns.map(([, values]) => digits(values[i]))]);
+    }
+    return rows;
+  }
+
+  yLabel() { return this.view.value === "error" ? "angle less the wearer's, deg" : "joint angle, deg"; }
 
   // --- the table below the plot: legend, choice and values in one -----------------------------
 

@@ -42,12 +42,12 @@ function drawErrorBars(data) {
   const longest = Math.max(...splits.map((parts) => parts
     ? splitWhole(parts.map((part) => Math.max(0, part))) : 0));
   const height = SPLIT_ROW * splits.length;
-  const said = splits.map((parts, c) => parts && `${data.controllers[c].name}: ` +
-    parts.map((part, i) => `${data.error_split.parts[i]} ` +
-      formatPercent(part / splitWhole(parts))).join(", ")).filter(Boolean).join("; ");
+  const said = data.order.filter((c) => splits[c]).map((c) => `${data.controllers[c].name}: ` +
+    splits[c].map((part, i) => `${data.error_split.parts[i]} ` +
+      formatPercent(part / splitWhole(splits[c]))).join(", ")).join("; ");
   place.replaceChildren(element("svg", {viewBox: `0 0 ${width} ${height}`, height, role: "img",
       "aria-label": `Causes of the squared error. ${said}`},
-    ...splits.flatMap((_, c) => splitBar(data, c, SPLIT_ROW * c, width / longest))));
+    ...data.order.flatMap((c, i) => splitBar(data, c, SPLIT_ROW * i, width / longest))));
 }
 
 function drawErrorTable(data) {
@@ -56,13 +56,13 @@ function drawErrorTable(data) {
   table.style.setProperty("--controllers", data.controllers.length);
   const row = (label, text, sum) => element("tr", {class: sum ? "sum" : null},
     element("th", {scope: "row"}, ...label),
-    ...controllers.map((split) => element("td", {},
-      element("span", {class: "value"}, split ? text(split) : "–"),
+    ...data.order.map((c) => element("td", {},
+      element("span", {class: "value"}, controllers[c] ? text(controllers[c]) : "–"),
       element("span", {class: "mark"}))));
-  table.append(
+  table.replaceChildren(
     element("thead", {}, element("tr", {}, element("th", {scope: "col"},
       element("span", {class: "hidden-text"}, "Cause")),
-      ...data.controllers.map((_, c) => controllerHead(data, c)))),
+      ...data.order.map((c) => controllerHead(data, c)))),
     element("tbody", {},
       ...parts.map((part, i) => row(
         [element("span", {class: "swatch", style: `--colour: ${splitColour(i)}`}), capital(part)],
@@ -74,4 +74,11 @@ function drawErrorTable(data) {
 function drawErrorSplit(data) {
   drawErrorTable(data);
   drawErrorBars(data);
+}
+
+function startErrorSplit(data) {
+  const {parts, controllers} = data.error_split;
+  byId("error-bars").after(saveButtons(data, "error", () => byId("error-bars").querySelector("svg"), () => [
+    ["controller", ...parts.map((part) => `${part.replaceAll(/\W+/g, "_")}_deg2`)],
+    ...data.order.map((c) => [data.controllers[c].name, ...(controllers[c] ?? parts.map(() => null))])]));
 }

@@ -91,6 +91,15 @@ function bandShapes(x, high) {
     element("text", {class: "band-name", x: x(from) + 7, y: FRONT_MARGIN.top + 33}, "125 ms")];
 }
 
+function startFrontChart(data) {
+  drawFrontChart(data);
+  const points = frontPoints(data);
+  if (points.length === 0) return;
+  byId("front-chart").after(saveButtons(data, "front", () => byId("front-chart").querySelector("svg"), () => [
+    ["controller", "delay_ms", "jitter_rms_deg", "dominated"],
+    ...points.map((p) => [p.name, p.delay[0], p.jitter[0], p.dominated])]));
+}
+
 function drawFrontChart(data) {
   const place = byId("front-chart");
   const points = frontPoints(data);

@@ -27,11 +27,11 @@ function drawHeatMap(data, metric, onChannel) {
   map.style.setProperty("--controllers", data.controllers.length);
   map.replaceChildren(
     element("thead", {}, element("tr", {}, element("td"),
-      ...data.controllers.map((_, c) => element("th", {scope: "col"}, ...controllerLabel(data, c))))),
+      ...data.order.map((c) => element("th", {scope: "col"}, ...controllerLabel(data, c))))),
     element("tbody", {}, ...rows.map((row) => element("tr", {"data-channel": data.rows[row]},
       element("th", {scope: "row"}, heatName(data, data.rows[row], onChannel)),
-      ...data.controllers.map((c) =>
-        heatCell(c.rows[row][metric], low, high, lower_is_better))))));
+      ...data.order.map((c) =>
+        heatCell(data.controllers[c].rows[row][metric], low, high, lower_is_better))))));
 }
 
 // A joint leads to its curves; motors and cables have none.
@@ -56,8 +56,8 @@ function startHeatMap(data, onChannel) {
   });
   const tracking = data.metrics.findIndex((m) => m.key === "tracking_rmse_deg");
   if (select.options.length === 0) {
-    byId("channels").hidden = true;
-    return;
+    hidePart("channels");
+    return () => {};
   }
   select.value = String(tracking);
   if (select.selectedIndex < 0) select.selectedIndex = 0;
@@ -66,5 +66,11 @@ function startHeatMap(data, onChannel) {
     markChannel(byId("curves-channel").value);
   };
   select.addEventListener("change", draw);
+  byId("heat-map").parentElement.after(saveButtons(data, "channels", null, () => {
+    const metric = Number(select.value);
+    return [[data.metrics[metric].key, ...data.order.map((c) => data.controllers[c].name)],
+      ...data.rows.map((name, row) => [name, ...data.order.map((c) => data.controllers[c].rows[row][metric])])];
+  }));
   draw();
+  return draw;
 }

@@ -3,7 +3,7 @@
 function latencyRow(data, label, values, largest, sum) {
   return element("tr", {class: sum ? "sum" : null}, element("th", {scope: "row"}, label, " ",
       element("span", {class: "unit"}, "ms")),
-    ...values.map((value, c) => element("td", {},
+    ...data.order.map((c) => [values[c], c]).map(([value, c]) => element("td", {},
       element("span", {class: "value"}, formatNumber(value)),
       element("span", {class: "mark"}),
       value > 0 && !sum ? element("span", {class: "bar", style: `--colour: ${colourName(c)}; ` +
@@ -15,10 +15,10 @@ function drawLatency(data) {
   const table = byId("latency-table");
   const largest = Math.max(...stages.flatMap((stage) => stage.ms.map((value) => value ?? 0)));
   table.style.setProperty("--controllers", data.controllers.length);
-  table.append(
+  table.replaceChildren(
     element("thead", {}, element("tr", {}, element("th", {scope: "col"},
       element("span", {class: "hidden-text"}, "Stage")),
-      ...data.controllers.map((_, c) => controllerHead(data, c)))),
+      ...data.order.map((c) => controllerHead(data, c)))),
     element("tbody", {},
       ...stages.map((stage) => latencyRow(data, capital(stage.help), stage.ms, largest, false)),
       latencyRow(data, "Sum of the stages", sum_ms, largest, true),

@@ -70,17 +70,12 @@ function followScreen(redraw) {
   });
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   dark.addEventListener("change", redraw);
-  const details = document.querySelector("#settings details");
-  let was_open = false;
   window.addEventListener("beforeprint", () => {
-    was_open = details.open;
-    details.open = true;
     document.documentElement.dataset.paper = "";
     // Paper is light. What is light already stays: a canvas drawn now may miss the print.
     if (dark.matches) redraw();
   });
   window.addEventListener("afterprint", () => {
-    details.open = was_open;
     delete document.documentElement.dataset.paper;
     if (dark.matches) redraw();
   });
@@ -91,32 +86,87 @@ function hidePart(id) {
   document.querySelector(`nav a[href="#${id}"]`).hidden = true;
 }
 
+// The view is in the address, to be sent or kept: #channel=index_mcp&view=error&t=2.600.
+function followAddress(curves) {
+  const apply = () => {
+    const asked = new URLSearchParams(location.hash.slice(1));
+    const has = (select, value) => [...select.options].some((option) => option.value === value);
+    if (has(curves.view, asked.get("view"))) curves.view.value = asked.get("view");
+    if (has(curves.select, asked.get("channel"))) curves.select.value = asked.get("channel");
+    else if (!asked.has("view") && !asked.has("t")) return;  // a part of the page
+    curves.show();
+    const time = Number.parseFloat(asked.get("t"));
+    if (Number.isFinite(time)) {
+      curves.showTime(time);
+      curves.onTime?.(time);
+    }
+    byId("curves").scrollIntoView();
+  };
+  apply();
+  window.addEventListener("hashchange", apply);
+  curves.onView = (time) => {
+    const view = new URLSearchParams({channel: curves.select.value, view: curves.view.value});
+    if (time !== null) view.set("t", time.toFixed(3));
+    history.replaceState(null, "", `#${view}`);
+  };
+}
+
+function startCurves(data) {
+  byId("curves-note").textContent = curvesNote(data);
+  let spectra = null;
+  const curves = new CurvesView(data, (name, channel) => {
+    markChannel(name);
+    spectra?.show(channel);
+  });
+  byId("curves-readout").parentElement.after(
+    saveButtons(data, "curves", () => curves.figure(), () => curves.table()));
+  if (curves.store.bucketed) {  // what a bucket hides is what a spectrum is about
+    hidePart("spectra");
+    return curves;
+  }
+  spectra = new SpectraView(data, curves.store);
+  spectra.show(curves.select.selectedIndex);
+  return curves;
+}
+
 function start() {
   const data = JSON.parse(byId("data").textContent);
   showProblems(data);
-  if (data.error_split) drawErrorSplit(data);
-  else hidePart("error");
-  drawScoreTable(data);
-  drawFrontChart(data);
-  if (data.latency) drawLatency(data);
-  else hidePart("latency");
   let curves = null;
-  startHeatMap(data, (name) => {
+  const drawHeatMap = startHeatMap(data, (name) => {
     if (!curves) return;
     curves.selectChannel(name);
     byId("curves").scrollIntoView();
   });
+  const drawTables = () => {
+    if (data.error_split) drawErrorSplit(data);
+    drawScoreTable(data);
+    if (data.latency) drawLatency(data);
+    drawHeatMap();
+  };
+  startOrder(data, drawTables);
+  drawTables();
+  if (data.error_split) startErrorSplit(data);
+  else hidePart("error");
+  if (!data.latency) hidePart("latency");
+  byId("scores-table").parentElement.after(saveButtons(data, "scores", null, () => scoreRows(data)));
+  startFrontChart(data);
+  let drawSeeds = () => {};
+  if (data.seeds.length > 1) drawSeeds = startSeeds(data);
+  else hidePart("seeds");
   if (data.curves) {
-    byId("curves-note").textContent = curvesNote(data);
-    curves = new CurvesView(data, markChannel);
+    curves = startCurves(data);
   } else {
     hidePart("curves");
+    hidePart("spectra");
   }
   startVideo(curves);
+  if (curves) followAddress(curves);
   startSettings();
   followScreen(() => {
     if (data.error_split) drawErrorBars(data);
     drawFrontChart(data);
+    drawSeeds();
     curves?.show();
   });
 }

@@ -7,7 +7,7 @@ function differenceText({mean, low, high}) {
   const half = 0.5 * (high - low);
   if (low === null || half === 0) return sign + formatNumber(Math.abs(mean));
   const decimals = Math.min(Math.max(1 - Math.floor(Math.log10(half)), 0), 3);
-  return `${sign}${Math.abs(mean).toFixed(decimals)} ± ${half.toFixed(decimals)}`;
+  return `${sign}${Math.abs(mean).toFixed(decimals)} ±\u00a0${half.toFixed(decimals)}`;
 }
 
 // Where some seeds have no such score, the mean is over the others.
@@ -65,7 +65,7 @@ function definitionRow(data, metric, id) {
   const row = element("tr", {class: "definition", id, hidden: true},
     element("th", {scope: "row"}, definition, element("br"), element("code", {}, key),
       element("br"), `What matters: ${relevant_reason}.`));
-  for (const controller of data.controllers) {
+  for (const controller of data.order.map((c) => data.controllers[c])) {
     const cell = element("td");
     for (const [difference, other] of [[controller.to_best[metric], "the best"],
       [controller.to_baseline[metric], data.baseline]]) {
@@ -100,8 +100,10 @@ function metricRows(data, metric) {
       button.setAttribute("aria-expanded", String(!definitionOfRow.hidden));
       row.classList.toggle("open", !definitionOfRow.hidden);
     }}, name, " ", element("span", {class: "unit"}, unit));
-  row.append(element("th", {scope: "row"}, button, element("span", {class: "help"}, help)));
-  data.controllers.forEach((_, c) => row.append(scoreCell(data, metric, c)));
+  const sort = element("button", {type: "button", class: "sort", "aria-label": `Order by ${name}`,
+    title: `Order the columns by this score: best first`, onclick: () => data.orderBy(metric)}, "⇤");
+  row.append(element("th", {scope: "row"}, sort, button, element("span", {class: "help"}, help)));
+  data.order.forEach((c) => row.append(scoreCell(data, metric, c)));
   return [row, definitionOfRow];
 }
 
@@ -119,28 +121,56 @@ function showOtherMetrics(table, shown) {
   }
 }
 
+// The columns of all tables: as the verdict has them, or by a score.
+function startOrder(data, redraw) {
+  const button = byId("scores-order");
+  const verdict = data.order;
+  data.orderBy = (metric) => {
+    const sign = data.metrics[metric].lower_is_better ? 1 : -1;
+    const value = (c) => {
+      const mean = data.controllers[c].summary[metric][0];
+      return mean === null ? Infinity : sign * mean;
+    };
+    data.order = [...verdict].sort((a, b) => (value(a) < value(b) ? -1 : value(a) > value(b) ? 1 : 0));
+    button.hidden = false;
+    redraw();
+  };
+  button.addEventListener("click", () => {
+    data.order = verdict;
+    button.hidden = true;
+    redraw();
+  });
+}
+
+function scoreRows(data) {
+  return [["score", ...data.order.map((c) => data.controllers[c].name)],
+    ...data.metrics.map(({key}, m) => [key, ...data.order.map((c) => data.controllers[c].summary[m][0])])];
+}
+
 function drawScoreTable(data) {
   const table = byId("scores-table");
   table.style.setProperty("--controllers", data.controllers.length);
   const has_score = (m) => data.controllers.some((c) => c.summary[m][0] !== null);
   const metrics = data.metrics.map((_, m) => m).filter(has_score);
   metrics.sort((a, b) => data.metrics[b].main - data.metrics[a].main || a - b);
-  table.append(
+  table.replaceChildren(
     element("thead", {}, element("tr", {}, element("th", {scope: "col"},
       element("span", {class: "hidden-text"}, "Score")),
-      ...data.controllers.map((_, c) => controllerHead(data, c)))),
+      ...data.order.map((c) => controllerHead(data, c)))),
     element("tbody", {}, ...metrics.flatMap((m) => metricRows(data, m))));
 
   const others = metrics.filter((m) => !data.metrics[m].main).length;
   const more = byId("scores-more");
-  let shown = false;
   const update = () => {
+    const shown = more.getAttribute("aria-expanded") === "true";
     showOtherMetrics(table, shown);
     more.textContent = shown ? "Fewer scores" : `${others} more scores`;
-    more.setAttribute("aria-expanded", String(shown));
   };
   more.hidden = others === 0;
-  more.addEventListener("click", () => { shown = !shown; update(); });
+  more.onclick = () => {
+    more.setAttribute("aria-expanded", String(more.getAttribute("aria-expanded") !== "true"));
+    update();
+  };
   update();
 
   byId("scores-note").textContent = [
