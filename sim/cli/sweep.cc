@@ -18,7 +18,7 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
-#include "sim/study/sweep_result.h"
+#include "sim/report/sweep_table.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,5 +1,3 @@
-#include "sim/study/tune.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
+#include "sim/report/tune_table.h"
 #include "sim/settings/yaml_tree.h"
 
 namespace gauntlet::sim {
@@ -109,7 +108,7 @@ void RunTuneCommand(const TuneCommand& asked) {
   WriteFileAtomically(folder.path() / (plan.controller + ".yaml"), settings);
   WriteFileAtomically(folder.path() / "tune.csv", TuneCsv(plan, result));
   folder.Keep();
-  PrintText(asked.json ? TuneJson(plan, result) : TuneText(plan, result));
+  PrintText(asked.json ? TuneJson(plan, result) : TuneTable(plan, result));
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {

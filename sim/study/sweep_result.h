@@ -71,8 +71,6 @@ CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
 CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
                             const CellResult& second, std::int64_t results);
 
-/// What a person reads.
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary);
 /// All but the cells, as the members of a JSON object without its braces.
 std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary);
 
