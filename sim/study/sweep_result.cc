@@ -19,14 +19,9 @@ constexpr std::size_t kMostNear = 3;
 
 Met Worse(Met a, Met b) { return std::max(a, b); }
 
-std::size_t PlaceOf(const SweepPlan& plan, std::size_t metric) {
-  const auto found = std::ranges::find(plan.metrics, metric);
-  return static_cast<std::size_t>(found - plan.metrics.begin());
-}
-
 /// The score that decides, the lower the better; infinity where there is none.
 double Rank(const SweepPlan& plan, const CellResult& result) {
-  const double mean = result.scores[PlaceOf(plan, plan.best_by)].mean;
+  const double mean = result.scores[PlaceOfMetric(plan, plan.best_by)].mean;
   if (std::isnan(mean)) return std::numeric_limits<double>::infinity();
   return Metrics()[plan.best_by].lower_is_better ? mean : -mean;
 }
@@ -51,7 +46,7 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
   result.problem = record.problem;
   result.scores.resize(plan.metrics.size());
   if (!record.problem.empty()) return result;
-  std::vector<std::vector<double>> by_metric(plan.metrics.size());
+  result.by_seed.resize(plan.metrics.size());
   const int seeds = std::min<int>(plan.file.seeds, static_cast<int>(record.motions.size()));
   result.motions.assign(record.motions.begin(), record.motions.begin() + seeds);
   for (int i = 0; i < seeds; ++i) {
@@ -64,17 +59,16 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
                            : fmt::format("seed {} is not there", first_seed + i);
     }
     for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
-      by_metric[m].push_back(ok ? outcome->scores.summary[plan.metrics[m]]
-                                : std::numeric_limits<double>::quiet_NaN());
+      result.by_seed[m].push_back(ok ? outcome->scores.summary[plan.metrics[m]]
+                                     : std::numeric_limits<double>::quiet_NaN());
     }
   }
   for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
-    result.scores[m] = EstimateMean(by_metric[m], result.motions).IntervalAt();
+    result.scores[m] = EstimateMean(result.by_seed[m], result.motions).IntervalAt();
   }
-  result.best_by = by_metric[PlaceOf(plan, plan.best_by)];
   for (const Constraint& constraint : plan.constraints) {
     result.met =
-        Worse(result.met, IsMet(constraint, result.scores[PlaceOf(plan, constraint.metric)]));
+        Worse(result.met, IsMet(constraint, result.scores[PlaceOfMetric(plan, constraint.metric)]));
   }
   return result;
 }
@@ -149,6 +143,11 @@ void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summar
 
 }  // namespace
 
+std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric) {
+  const auto found = std::ranges::find(plan.metrics, metric);
+  return static_cast<std::size_t>(found - plan.metrics.begin());
+}
+
 std::string_view MetText(Met met) {
   switch (met) {
     case Met::kYes:
@@ -222,7 +221,8 @@ CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
 CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
                             const CellResult& second, std::int64_t results) {
   const auto count = static_cast<double>(results);
-  return ComparePaired(plan.best_by, first.best_by, second.best_by, first.motions,
+  const std::size_t place = PlaceOfMetric(plan, plan.best_by);
+  return ComparePaired(plan.best_by, first.by_seed[place], second.by_seed[place], first.motions,
                        0.5 * count * (count - 1.0));
 }
 
