@@ -11,6 +11,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
+#include "sim/report/cells_page.h"
 #include "sim/report/robust_table.h"
 #include "sim/settings/yaml_tree.h"
 
@@ -26,11 +27,13 @@ struct RobustCommand {
 };
 
 void RunRobustCommand(const RobustCommand& command) {
-  const RobustPlan plan = MakeRobustPlan(
+  RobustPlan plan = MakeRobustPlan(
       {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
       command.robust);
   CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust");
   WriteFileAtomically(folder.path() / "scenario.resolved.yaml", plan.sweep.scenario.text);
+  // Commands that repeat a hand begin with what every controller is, whatever the glove.
+  plan.sweep.file.scenario = (folder.path() / "scenario.resolved.yaml").string();
   folder.Run();
   folder.WriteCells();
   std::string written = "scenario.resolved.yaml, cells.csv, study.db";
@@ -42,9 +45,12 @@ void RunRobustCommand(const RobustCommand& command) {
   const RobustResult result = ConcludeRobust(plan, folder.database());
   WriteFileAtomically(folder.path() / "robust.csv", RobustCsv(result));
   WriteFileAtomically(folder.path() / "tornado.csv", TornadoCsv(plan, result));
-  PrintText(command.json ? RobustJson(plan, result) : RobustTable(plan, result));
+  const std::string table = RobustTable(plan, result);
+  WriteFileAtomically(folder.path() / "report.html",
+                      RobustPage(plan, folder.database(), result, table));
+  PrintText(command.json ? RobustJson(plan, result) : table);
   FlushOutput();
-  Say("wrote {}: robust.csv, tornado.csv, {}\n", folder.path().string(), written);
+  Say("wrote {}: report.html, robust.csv, tornado.csv, {}\n", folder.path().string(), written);
 }
 
 }  // namespace

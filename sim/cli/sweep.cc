@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/cli/cells_command.h"
@@ -9,6 +10,7 @@
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
+#include "sim/report/cells_page.h"
 #include "sim/report/sweep_table.h"
 
 namespace gauntlet::sim {
@@ -41,16 +43,19 @@ void RunSweepCommand(const SweepCommand& command) {
   CellsFolder folder(plan, command.cells, "out/" + plan.file.name);
   folder.Run();
   const SweepSummary summary = folder.WriteCells();
+  const std::string table = SweepTable(plan, summary);
+  WriteFileAtomically(folder.path() / "report.html",
+                      SweepPage(plan, folder.database(), folder.cells(), summary, table));
   if (command.json) {
     Print("{{\n{},\n \"cells\": ", SweepJsonHead(plan, summary));
     SummariseSweep(plan, folder.database(), folder.cells(), {},
                    [](std::string_view text) { PrintText(text); });
     PrintText("\n}\n");
   } else {
-    PrintText(SweepTable(plan, summary));
+    PrintText(table);
   }
   FlushOutput();
-  Say("wrote {}: cells.csv, study.db\n", folder.path().string());
+  Say("wrote {}: report.html, cells.csv, study.db\n", folder.path().string());
   if (summary.results == 0) throw RunError("no cell has scores: " + summary.first_problem);
 }
 

@@ -15,6 +15,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
+#include "sim/report/cells_page.h"
 #include "sim/report/tune_table.h"
 #include "sim/settings/yaml_tree.h"
 
@@ -107,14 +108,16 @@ void RunTuneCommand(const TuneCommand& asked) {
   const std::string settings = ControllerYaml(result.controller);
   WriteFileAtomically(folder.path() / (plan.controller + ".yaml"), settings);
   WriteFileAtomically(folder.path() / "tune.csv", TuneCsv(plan, result));
+  const std::string table = TuneTable(plan, result);
+  WriteFileAtomically(folder.path() / "report.html", TunePage(plan, result, table));
   folder.Keep();
-  PrintText(asked.json ? TuneJson(plan, result) : TuneTable(plan, result));
+  PrintText(asked.json ? TuneJson(plan, result) : table);
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
     sets += fmt::format(" --set {}={}", plan.free[a].key, result.tried[result.chosen].values[a]);
   }
-  Say("wrote {0}: {1}.yaml (for controllers: of a scenario, or{2}), tune.csv\n",
+  Say("wrote {0}: {1}.yaml (for controllers: of a scenario, or{2}), tune.csv, report.html\n",
       folder.path().string(), plan.controller, sets);
 }
 

@@ -93,7 +93,7 @@ std::string RobustTable(const RobustPlan& plan, const RobustResult& result) {
   }
   text +=
       "high - low: seed by seed; all such intervals of all scores hold together with 95 %\n"
-      "(Bonferroni). tornado.csv has the other scores.\n\n";
+      "(Bonferroni). tornado.csv and report.html have the other scores.\n\n";
   if (result.not_built > 0) text += fmt::format("{} hands could not be built.\n", result.not_built);
   if (result.failed > 0) {
     text += fmt::format("{} times a controller's hand was stopped; it is not the best there.\n",

@@ -10,19 +10,6 @@
 namespace gauntlet::sim {
 namespace {
 
-/// The last part of a key that still tells the axes apart, and is not a score's.
-std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
-  const std::string& key = plan.file.axes[axis].key;
-  for (std::size_t dot = key.rfind('.'); dot != std::string::npos && dot > 0;
-       dot = key.rfind('.', dot - 1)) {
-    const std::string ending = key.substr(dot);
-    const auto same = std::ranges::count_if(
-        plan.file.axes, [&](const SweepAxis& other) { return other.key.ends_with(ending); });
-    if (same == 1 && !FindMetric(ending.substr(1))) return ending.substr(1);
-  }
-  return key;
-}
-
 std::string Cells(std::int64_t count) {
   return fmt::format("{} cell{}", count, count == 1 ? "" : "s");
 }
@@ -44,17 +31,33 @@ std::string CountsText(const SweepPlan& plan, const SweepSummary& summary) {
   return text;
 }
 
-/// The command that repeats the best cell as a comparison.
-std::string RepeatCommand(const SweepPlan& plan, const CellResult& best) {
-  std::string command = fmt::format("gauntlet compare {} --seeds {} --controllers {}",
-                                    plan.file.scenario, plan.file.seeds, best.controller);
-  std::vector<std::string> sets = plan.file.set;
-  for (const std::string& override : plan.OverridesOf(best.number)) sets.push_back(override);
+}  // namespace
+
+std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
+  const std::string& key = plan.file.axes[axis].key;
+  for (std::size_t dot = key.rfind('.'); dot != std::string::npos && dot > 0;
+       dot = key.rfind('.', dot - 1)) {
+    const std::string ending = key.substr(dot);
+    const auto same = std::ranges::count_if(
+        plan.file.axes, [&](const SweepAxis& other) { return other.key.ends_with(ending); });
+    if (same == 1 && !FindMetric(ending.substr(1))) return ending.substr(1);
+  }
+  return key;
+}
+
+std::string CompareCommand(const std::string& scenario, int seeds, const std::string& controller,
+                           const std::vector<std::string>& sets) {
+  std::string command = fmt::format("gauntlet compare {} --seeds {}", scenario, seeds);
+  if (!controller.empty()) command += " --controllers " + controller;
   for (const std::string& set : sets) command += fmt::format(" \\\n  --set '{}'", set);
   return command + "\n";
 }
 
-}  // namespace
+std::string RepeatCommand(const SweepPlan& plan, const std::string& controller, std::int64_t cell) {
+  std::vector<std::string> sets = plan.file.set;
+  for (const std::string& override : plan.OverridesOf(cell)) sets.push_back(override);
+  return CompareCommand(plan.file.scenario, plan.file.seeds, controller, sets);
+}
 
 std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
   const Metric& best_by = Metrics()[plan.best_by];
@@ -90,7 +93,9 @@ std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
         best_by.key, summary.results * (summary.results - 1) / 2);
   }
   if (!plan.file.physics) text += "Without a hand: confirm with physics before it counts.\n";
-  if (!summary.best.empty()) text += fmt::format("\n{}", RepeatCommand(plan, summary.best.front()));
+  if (!summary.best.empty())
+    text += fmt::format(
+        "\n{}", RepeatCommand(plan, summary.best.front().controller, summary.best.front().number));
   return text;
 }
 

@@ -104,6 +104,8 @@ TEST_F(SweepCommandTest, ShardsMakeTheSameAsOneMachine) {
   EXPECT_THAT(merged.standard_error,
               AllOf(HasSubstr("collected 6 trials"), testing::Not(HasSubstr("to run"))));
   EXPECT_EQ(ReadFile("merged/cells.csv"), ReadFile("whole/cells.csv"));
+  EXPECT_EQ(ReadFile("merged/report.html"), ReadFile("whole/report.html"));
+  EXPECT_THAT(ReadFile("whole/report.html"), HasSubstr("class=\"heat-map\""));
 }
 
 TEST_F(SweepCommandTest, RefusesMistakesInOneLineBeforeAnythingRuns) {
@@ -155,6 +157,7 @@ TEST_F(SweepCommandTest, RobustInShardsConcludesAsOneMachineDoes) {
   ASSERT_EQ(merged.exit_code, 0) << merged.standard_error;
   EXPECT_THAT(merged.standard_error, testing::Not(HasSubstr("to run")));
   EXPECT_EQ(merged.standard_output, whole.standard_output);
+  EXPECT_THAT(ReadFile("whole/report.html"), HasSubstr("class=\"tornado\""));
   for (const char* file : {"robust.csv", "tornado.csv", "cells.csv"}) {
     EXPECT_EQ(ReadFile(fs::path("merged") / file), ReadFile(fs::path("whole") / file)) << file;
   }
