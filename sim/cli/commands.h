@@ -11,6 +11,7 @@ void AddRunCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddSweepCommand(CLI::App& app);
 void AddTuneCommand(CLI::App& app);
+void AddRobustCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);
 void AddDiffCommand(CLI::App& app);

@@ -46,6 +46,7 @@ int Run(int argc, char** argv) {
   sim::AddCompareCommand(app);
   sim::AddSweepCommand(app);
   sim::AddTuneCommand(app);
+  sim::AddRobustCommand(app);
   sim::AddRenderCommand(app);
   sim::AddExportCommand(app);
   sim::AddDiffCommand(app);

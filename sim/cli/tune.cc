@@ -1,5 +1,3 @@
-#include "sim/study/tune.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +15,8 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
+#include "sim/report/cells_page.h"
+#include "sim/report/tune_table.h"
 #include "sim/settings/yaml_tree.h"
 
 namespace gauntlet::sim {
@@ -108,14 +108,16 @@ void RunTuneCommand(const TuneCommand& asked) {
   const std::string settings = ControllerYaml(result.controller);
   WriteFileAtomically(folder.path() / (plan.controller + ".yaml"), settings);
   WriteFileAtomically(folder.path() / "tune.csv", TuneCsv(plan, result));
+  const std::string table = TuneTable(plan, result);
+  WriteFileAtomically(folder.path() / "report.html", TunePage(plan, result, table));
   folder.Keep();
-  PrintText(asked.json ? TuneJson(plan, result) : TuneText(plan, result));
+  PrintText(asked.json ? TuneJson(plan, result) : table);
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
     sets += fmt::format(" --set {}={}", plan.free[a].key, result.tried[result.chosen].values[a]);
   }
-  Say("wrote {0}: {1}.yaml (for controllers: of a scenario, or{2}), tune.csv\n",
+  Say("wrote {0}: {1}.yaml (for controllers: of a scenario, or{2}), tune.csv, report.html\n",
       folder.path().string(), plan.controller, sets);
 }
 

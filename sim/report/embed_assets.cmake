@@ -1,5 +1,6 @@
 # Writes OUTPUT, a .cc file that defines the strings of assets.h. Run at build time:
-#   cmake -D OUTPUT=.. -D ASSETS=<folder> -D DYGRAPHS=<folder> -D SCRIPTS=a.js,b.js -P embed_assets.cmake
+#   cmake -D OUTPUT=.. -D ASSETS=<folder> -D DYGRAPHS=<folder> -D SCRIPTS=a.js,b.js
+#         -D CELLS_SCRIPTS=a.js,c.js -P embed_assets.cmake
 
 # GCC takes string literals of any length.
 function(add_text constant text)
@@ -29,12 +30,23 @@ read_text("${DYGRAPHS}/dygraph.min.css")
 add_text(kPlotStyle "${text}")
 read_text("${DYGRAPHS}/dygraph.min.js")
 add_text(kPlotLibrary "${text}")
-string(REPLACE "," ";" SCRIPTS "${SCRIPTS}")
-set(script "")
-foreach(name IN LISTS SCRIPTS)
-  read_text("${ASSETS}/${name}")
-  string(APPEND script "// ${name}\n${text}\n")
-endforeach()
-add_text(kScript "${script}")
+read_text("${ASSETS}/cells.html")
+add_text(kCellsHtml "${text}")
+read_text("${ASSETS}/cells.css")
+add_text(kCellsStyle "${text}")
+
+function(add_scripts constant names)
+  string(REPLACE "," ";" names "${names}")
+  set(script "")
+  foreach(name IN LISTS names)
+    read_text("${ASSETS}/${name}")
+    string(APPEND script "// ${name}\n${text}\n")
+  endforeach()
+  add_text(${constant} "${script}")
+  set(code "${code}" PARENT_SCOPE)
+endfunction()
+
+add_scripts(kScript "${SCRIPTS}")
+add_scripts(kCellsScript "${CELLS_SCRIPTS}")
 string(APPEND code "\n}  // namespace gauntlet::sim::assets\n")
 file(WRITE "${OUTPUT}" "${code}")

@@ -14,7 +14,6 @@
 
 #include "sim/report/error_split_table.h"
 #include "sim/report/prediction_text.h"
-#include "sim/report/table_text.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -174,6 +174,34 @@ double PairedEffectSize(std::span<const double> first, std::span<const double> s
   return sample.scatter > 0.0 ? sample.mean / sample.scatter : kNaN;
 }
 
+namespace {
+
+/// The chance of at least so many hits, of which each has this chance.
+double ChanceOfHits(int at_least, int count, double chance) {
+  return Eigen::numext::betainc<double>(at_least, count - at_least + 1.0, chance);
+}
+
+/// Where ChanceOfHits() of this many comes to `goal`.
+double ChanceWhere(int at_least, int count, double goal) {
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (ChanceOfHits(at_least, count, middle) < goal ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+Share EstimateShare(int hits, int count) {
+  constexpr double kEachSide = 0.025;
+  Share share{.hits = hits, .count = count};
+  if (hits > 0) share.low = ChanceWhere(hits, count, kEachSide);
+  if (hits < count) share.high = ChanceWhere(hits + 1, count, 1.0 - kEachSide);
+  return share;
+}
+
 std::vector<int> Ranking(std::span<const double> values, bool lower_is_better) {
   std::vector<int> places(values.size(), 0);
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -81,6 +81,20 @@ MeanEstimate EstimateUnpairedDifference(std::span<const double> first,
 /// scatter. Source: Cohen 1988, section 2.3.5; Lakens 2013, doi 10.3389/fpsyg.2013.00863.
 double PairedEffectSize(std::span<const double> first, std::span<const double> second);
 
+/// How often something happens, and the interval that holds the true share with at least 95 %.
+struct Share {
+  int hits = 0;
+  int count = 0;
+  double low = 0.0;
+  double high = 1.0;
+
+  double value() const { return count > 0 ? static_cast<double>(hits) / count : 0.0; }
+};
+
+/// Of independent draws, exactly: at `low` so many hits or more have a chance of 2.5 %, at `high`
+/// so many or fewer. Source: Clopper, Pearson 1934, doi 10.1093/biomet/26.4.404.
+Share EstimateShare(int hits, int count);
+
 /// Place of each value: 1 is the best, equal values share a place (1, 2, 2, 4), 0 for NaN.
 std::vector<int> Ranking(std::span<const double> values, bool lower_is_better);
 

@@ -50,21 +50,6 @@ struct KeptTrial {
   TrialOutcome outcome;
 };
 
-/// What distinguishes the trials of a study from all others, as the table has it.
-struct TrialColumns {
-  std::string_view study;
-  std::string_view controller;
-  std::string_view settings;
-  std::int64_t seed = 0;
-};
-
-void Bind(const TrialColumns& columns, SQLite::Statement& statement) {
-  statement.bind(1, std::string(columns.study));
-  statement.bind(2, std::string(columns.controller));
-  statement.bind(3, std::string(columns.settings));
-  statement.bind(4, columns.seed);
-}
-
 std::string ChecksumOf(const TrialColumns& columns, const TrialOutcome& outcome) {
   Hash hash;
   const auto add_number = [&hash](auto number) {
@@ -105,7 +90,6 @@ struct StudyDatabase::State {
   bool ReadUntrusted(std::int64_t trial, std::vector<std::int64_t>& samples) const;
 
   void Start();
-  void RemoveTrial(const Key& key);
   void RemoveDamagedTrials();
   void Write(const KeptTrial* kept);
   void AddScores(std::int64_t trial, const TrialOutcome& outcome);
@@ -285,21 +269,6 @@ void StudyDatabase::State::RemoveDamagedTrials() {
   }
 }
 
-void StudyDatabase::State::RemoveTrial(const Key& key) {
-  SQLite::Statement find(
-      *database,
-      "SELECT id FROM trial WHERE study = ? AND controller = ? AND settings = ? AND seed = ?");
-  Bind(ColumnsOf(key), find);
-  if (!find.executeStep()) return;
-  const std::int64_t row = find.getColumn(0).getInt64();
-  find.reset();
-  for (const char* rows : {"score WHERE trial", "untrusted WHERE trial", "trial WHERE id"}) {
-    SQLite::Statement remove(*database, fmt::format("DELETE FROM {} = ?", rows));
-    remove.bind(1, row);
-    remove.exec();
-  }
-}
-
 /// In one transaction: what this study is, which of its trials were asked for, and a trial, if
 /// there is one. Waits for other programs until the deadline.
 void StudyDatabase::State::Write(const KeptTrial* kept) {
@@ -314,8 +283,8 @@ void StudyDatabase::State::Write(const KeptTrial* kept) {
     mark.reset();
   }
   if (kept != nullptr) {
-    RemoveTrial(kept->key);
     const TrialColumns columns = ColumnsOf(kept->key);
+    RemoveTrial(columns, *database);
     SQLite::Statement add(*database,
                           "INSERT INTO trial (study, controller, settings, seed, problem, newest, "
                           "checksum) VALUES (?, ?, ?, ?, ?, 1, ?)");

@@ -158,6 +158,28 @@ void CheckTables(const fs::path& file, SQLite::Database& database) {
   }
 }
 
+void Bind(const TrialColumns& columns, SQLite::Statement& statement) {
+  statement.bind(1, std::string(columns.study));
+  statement.bind(2, std::string(columns.controller));
+  statement.bind(3, std::string(columns.settings));
+  statement.bind(4, columns.seed);
+}
+
+void RemoveTrial(const TrialColumns& columns, SQLite::Database& database) {
+  SQLite::Statement find(
+      database,
+      "SELECT id FROM trial WHERE study = ? AND controller = ? AND settings = ? AND seed = ?");
+  Bind(columns, find);
+  if (!find.executeStep()) return;
+  const std::int64_t row = find.getColumn(0).getInt64();
+  find.reset();
+  for (const char* rows : {"score WHERE trial", "untrusted WHERE trial", "trial WHERE id"}) {
+    SQLite::Statement remove(database, fmt::format("DELETE FROM {} = ?", rows));
+    remove.bind(1, row);
+    remove.exec();
+  }
+}
+
 void ThrowCannotOpen(const fs::path& file, const SQLite::Exception& error) {
   const std::string name = file.string();
   switch (TroubleOf(error)) {

@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -33,6 +34,18 @@ void MakeTables(SQLite::Database& database);
 /// Errors: UserError if the file is of another version, or somebody or something changed its
 /// tables; SQLite::Exception.
 void CheckTables(const std::filesystem::path& file, SQLite::Database& database);
+
+/// What distinguishes a trial from all others, as the columns of its row.
+struct TrialColumns {
+  std::string_view study;
+  std::string_view controller;
+  std::string_view settings;
+  std::int64_t seed = 0;
+};
+/// To the first four places of a statement.
+void Bind(const TrialColumns& columns, SQLite::Statement& statement);
+/// With its scores; nothing if there is none. Errors: SQLite::Exception.
+void RemoveTrial(const TrialColumns& columns, SQLite::Database& database);
 
 /// What the constructor of a database says of an SQLite error, as an exception that names the file.
 [[noreturn]] void ThrowCannotOpen(const std::filesystem::path& file,

@@ -25,11 +25,9 @@ using Clock = std::chrono::steady_clock;
 constexpr int kPatienceMs = 10'000;  // for other programs
 constexpr std::chrono::milliseconds kBetweenWrites{250};
 
-void BindKey(const SweepTrialKey& key, SQLite::Statement& statement) {
-  statement.bind(1, key.study);
-  statement.bind(2, key.controller);
-  statement.bind(3, key.settings);
-  statement.bind(4, key.seed);
+TrialColumns ColumnsOf(const SweepTrialKey& key) {
+  return {
+      .study = key.study, .controller = key.controller, .settings = key.settings, .seed = key.seed};
 }
 
 std::string ChecksumOf(const SweepTrialKey& key, const TrialOutcome& outcome,
@@ -87,23 +85,12 @@ void SweepDatabase::State::Open() {
 }
 
 void SweepDatabase::State::WriteTrial(const KeptTrial& kept) {
-  SQLite::Statement find(*database,
-                         "SELECT id FROM trial WHERE study = ? AND controller = ? AND settings = ? "
-                         "AND seed = ?");
-  BindKey(kept.key, find);
-  if (find.executeStep()) {  // a damaged one
-    const std::int64_t row = find.getColumn(0).getInt64();
-    find.reset();
-    for (const char* rows : {"score WHERE trial", "untrusted WHERE trial", "trial WHERE id"}) {
-      SQLite::Statement remove(*database, fmt::format("DELETE FROM {} = ?", rows));
-      remove.bind(1, row);
-      remove.exec();
-    }
-  }
+  const TrialColumns columns = ColumnsOf(kept.key);
+  RemoveTrial(columns, *database);  // a damaged one
   SQLite::Statement add(*database,
                         "INSERT INTO trial (study, controller, settings, seed, problem, newest, "
                         "checksum) VALUES (?, ?, ?, ?, ?, 1, ?)");
-  BindKey(kept.key, add);
+  Bind(columns, add);
   add.bind(5, kept.outcome.health.problem);
   add.bind(6, ChecksumOf(kept.key, kept.outcome, metrics));
   add.exec();
@@ -194,7 +181,7 @@ std::optional<TrialOutcome> SweepDatabase::Take(const SweepTrialKey& key) {
                             "SELECT problem, checksum, metric, value FROM trial "
                             "LEFT JOIN score ON score.trial = trial.id AND channel = 'summary' "
                             "WHERE study = ? AND controller = ? AND settings = ? AND seed = ?");
-    BindKey(key, query);
+    Bind(ColumnsOf(key), query);
     std::optional<TrialOutcome> outcome;
     std::string checksum;
     while (query.executeStep()) {

@@ -262,6 +262,7 @@ void CheckAxesAreReadable(const SweepPlan& plan) {
 }  // namespace
 
 std::int64_t SweepPlan::cell_count() const {
+  if (!listed.empty()) return std::ssize(listed);
   if (file.design != SweepFile::Design::kGrid) return file.cells;
   std::int64_t count = 1;
   for (const SweepAxis& axis : file.axes) count *= GridCount(axis);
@@ -269,6 +270,7 @@ std::int64_t SweepPlan::cell_count() const {
 }
 
 std::vector<std::string> SweepPlan::ValuesOf(std::int64_t cell) const {
+  if (!listed.empty()) return listed[static_cast<std::size_t>(cell)];
   std::vector<std::string> values(file.axes.size());
   if (file.design == SweepFile::Design::kGrid) {
     std::int64_t rest = cell;

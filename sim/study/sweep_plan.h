@@ -77,6 +77,8 @@ struct SweepPlan {
   std::size_t best_by = 0;           // in Metrics()
   std::vector<Constraint> constraints;
   std::vector<std::string> axis_places;  // `file:line:column` of each axis
+  /// The cells themselves, each with a value for each axis; empty: those of the file's design.
+  std::vector<std::vector<std::string>> listed;
 
   std::int64_t cell_count() const;
   /// The value of each axis. Cells are numbered so that settings which controllers share vary

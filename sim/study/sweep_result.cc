@@ -1,14 +1,14 @@
 #include "sim/study/sweep_result.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "sim/study/text_table.h"
+#include "sim/study/csv_line.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -19,14 +19,9 @@ constexpr std::size_t kMostNear = 3;
 
 Met Worse(Met a, Met b) { return std::max(a, b); }
 
-std::size_t PlaceOf(const SweepPlan& plan, std::size_t metric) {
-  const auto found = std::ranges::find(plan.metrics, metric);
-  return static_cast<std::size_t>(found - plan.metrics.begin());
-}
-
 /// The score that decides, the lower the better; infinity where there is none.
 double Rank(const SweepPlan& plan, const CellResult& result) {
-  const double mean = result.scores[PlaceOf(plan, plan.best_by)].mean;
+  const double mean = result.scores[PlaceOfMetric(plan, plan.best_by)].mean;
   if (std::isnan(mean)) return std::numeric_limits<double>::infinity();
   return Metrics()[plan.best_by].lower_is_better ? mean : -mean;
 }
@@ -51,7 +46,7 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
   result.problem = record.problem;
   result.scores.resize(plan.metrics.size());
   if (!record.problem.empty()) return result;
-  std::vector<std::vector<double>> by_metric(plan.metrics.size());
+  result.by_seed.resize(plan.metrics.size());
   const int seeds = std::min<int>(plan.file.seeds, static_cast<int>(record.motions.size()));
   result.motions.assign(record.motions.begin(), record.motions.begin() + seeds);
   for (int i = 0; i < seeds; ++i) {
@@ -64,17 +59,16 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
                            : fmt::format("seed {} is not there", first_seed + i);
     }
     for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
-      by_metric[m].push_back(ok ? outcome->scores.summary[plan.metrics[m]]
-                                : std::numeric_limits<double>::quiet_NaN());
+      result.by_seed[m].push_back(ok ? outcome->scores.summary[plan.metrics[m]]
+                                     : std::numeric_limits<double>::quiet_NaN());
     }
   }
   for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
-    result.scores[m] = EstimateMean(by_metric[m], result.motions).IntervalAt();
+    result.scores[m] = EstimateMean(result.by_seed[m], result.motions).IntervalAt();
   }
-  result.best_by = by_metric[PlaceOf(plan, plan.best_by)];
   for (const Constraint& constraint : plan.constraints) {
     result.met =
-        Worse(result.met, IsMet(constraint, result.scores[PlaceOf(plan, constraint.metric)]));
+        Worse(result.met, IsMet(constraint, result.scores[PlaceOfMetric(plan, constraint.metric)]));
   }
   return result;
 }
@@ -149,6 +143,11 @@ void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summar
 
 }  // namespace
 
+std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric) {
+  const auto found = std::ranges::find(plan.metrics, metric);
+  return static_cast<std::size_t>(found - plan.metrics.begin());
+}
+
 std::string_view MetText(Met met) {
   switch (met) {
     case Met::kYes:
@@ -222,94 +221,9 @@ CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
 CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
                             const CellResult& second, std::int64_t results) {
   const auto count = static_cast<double>(results);
-  return ComparePaired(plan.best_by, first.best_by, second.best_by, first.motions,
+  const std::size_t place = PlaceOfMetric(plan, plan.best_by);
+  return ComparePaired(plan.best_by, first.by_seed[place], second.by_seed[place], first.motions,
                        0.5 * count * (count - 1.0));
-}
-
-namespace {
-
-/// The last part of a key that still tells the axes apart, and is not a score's.
-std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
-  const std::string& key = plan.file.axes[axis].key;
-  for (std::size_t dot = key.rfind('.'); dot != std::string::npos && dot > 0;
-       dot = key.rfind('.', dot - 1)) {
-    const std::string ending = key.substr(dot);
-    const auto same = std::ranges::count_if(
-        plan.file.axes, [&](const SweepAxis& other) { return other.key.ends_with(ending); });
-    if (same == 1 && !FindMetric(ending.substr(1))) return ending.substr(1);
-  }
-  return key;
-}
-
-std::string Cells(std::int64_t count) {
-  return fmt::format("{} cell{}", count, count == 1 ? "" : "s");
-}
-
-std::string CountsText(const SweepPlan& plan, const SweepSummary& summary) {
-  std::string text;
-  if (!plan.constraints.empty()) {
-    std::vector<std::string> bounds;
-    for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
-    text += fmt::format(
-        "{} of {} keep {} (yes: with the whole 95 % interval, likely: with the "
-        "mean).\n",
-        summary.meeting, summary.results, fmt::join(bounds, ", "));
-  }
-  if (summary.not_built > 0) text += Cells(summary.not_built) + " could not be built.\n";
-  if (summary.failed > 0) text += fmt::format("In {} a hand was stopped.\n", Cells(summary.failed));
-  if (!summary.first_problem.empty()) text += summary.first_problem + "\n";
-  if (summary.missing > 0) text += Cells(summary.missing) + " are not there yet.\n";
-  return text;
-}
-
-/// The command that repeats the best cell as a comparison.
-std::string RepeatCommand(const SweepPlan& plan, const CellResult& best) {
-  std::string command = fmt::format("gauntlet compare {} --seeds {} --controllers {}",
-                                    plan.file.scenario, plan.file.seeds, best.controller);
-  std::vector<std::string> sets = plan.file.set;
-  for (const std::string& override : plan.OverridesOf(best.number)) sets.push_back(override);
-  for (const std::string& set : sets) command += fmt::format(" \\\n  --set '{}'", set);
-  return command + "\n";
-}
-
-}  // namespace
-
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
-  const Metric& best_by = Metrics()[plan.best_by];
-  std::string text =
-      fmt::format("{}: {}\n{}, {} seed{}{}; best by {}\n\n", plan.file.name, plan.file.question,
-                  Cells(plan.cell_count()), plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
-                  plan.file.physics ? "" : ", filters only, no hand", best_by.key);
-  std::vector<std::vector<std::string>> rows;
-  std::vector<std::string>& head = rows.emplace_back();
-  head = {"cell", "controller"};
-  for (std::size_t a = 0; a < plan.file.axes.size(); ++a) head.push_back(ShortKey(plan, a));
-  for (const std::size_t metric : plan.metrics) head.emplace_back(Metrics()[metric].key);
-  if (!plan.constraints.empty()) head.emplace_back("constraints");
-  head.emplace_back("to the best");
-  const std::vector<CellResult>& shown = summary.best.empty() ? summary.near : summary.best;
-  for (const CellResult& result : shown) {
-    std::vector<std::string>& row = rows.emplace_back();
-    row = {std::to_string(result.number), result.controller};
-    row.insert(row.end(), result.values.begin(), result.values.end());
-    for (const MeanInterval& score : result.scores) row.push_back(IntervalText(score));
-    if (!plan.constraints.empty()) row.emplace_back(MetText(result.met));
-    const CellComparison comparison = CompareCells(plan, result, shown.front(), summary.results);
-    const std::string_view judgement = JudgementText(comparison.judgement);
-    row.emplace_back(&result == &shown.front() ? "best" : judgement);
-  }
-  if (!shown.empty()) text += AlignedTable(rows) + "\n";
-  if (summary.best.empty()) text += "No cell keeps all constraints.\n";
-  text += CountsText(plan, summary);
-  if (shown.size() > 1) {
-    text += fmt::format(
-        "To the best: in {}, paired by seed; all {} pairs hold together with 95 % "
-        "(Bonferroni).\n",
-        best_by.key, summary.results * (summary.results - 1) / 2);
-  }
-  if (!plan.file.physics) text += "Without a hand: confirm with physics before it counts.\n";
-  if (!summary.best.empty()) text += fmt::format("\n{}", RepeatCommand(plan, summary.best.front()));
-  return text;
 }
 
 std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary) {

@@ -25,13 +25,13 @@ Met IsMet(const Constraint& constraint, const MeanInterval& score);
 struct CellResult {
   std::int64_t number = 0;
   std::string controller;
-  std::vector<std::string> values;   // of the axes
-  std::vector<MeanInterval> scores;  // of the plan's metrics, 95 %
-  std::vector<double> best_by;       // seed by seed
-  std::vector<int> motions;          // of the seeds
-  Met met = Met::kYes;               // the worst of all constraints
-  int failed_trials = 0;             // their hands were stopped: it cannot be the best
-  std::string problem;               // why it could not be built, or the first trial failed
+  std::vector<std::string> values;           // of the axes
+  std::vector<MeanInterval> scores;          // of the plan's metrics, 95 %
+  std::vector<std::vector<double>> by_seed;  // of the plan's metrics
+  std::vector<int> motions;                  // of the seeds
+  Met met = Met::kYes;                       // the worst of all constraints
+  int failed_trials = 0;                     // their hands were stopped: it cannot be the best
+  std::string problem;                       // why it could not be built, or the first trial failed
 
   bool CanBeBest() const { return problem.empty() && (met == Met::kYes || met == Met::kLikely); }
 };
@@ -47,6 +47,9 @@ struct SweepSummary {
   std::int64_t missing = 0;      // cells that the database does not hold: another shard's
   std::string first_problem;     // of those not built or failed
 };
+
+/// The place of a score in the plan's metrics.
+std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric);
 
 /// Reads the cells in order, one at a time.
 void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
@@ -71,8 +74,6 @@ CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
 CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
                             const CellResult& second, std::int64_t results);
 
-/// What a person reads.
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary);
 /// All but the cells, as the members of a JSON object without its braces.
 std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary);
 

@@ -1,6 +1,7 @@
 #include "sim/study/sweep_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -319,6 +320,9 @@ std::string HashOfSweep(const SweepPlan& plan) {
       std::error_code ignored;
       if (std::filesystem::is_regular_file(value, ignored)) hash.Add(HashOfFile(value));
     }
+  }
+  for (const std::vector<std::string>& values : plan.listed) {
+    hash.Add(fmt::format("{}\n", fmt::join(values, " ")));
   }
   return hash.Text();
 }

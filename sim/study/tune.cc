@@ -13,14 +13,13 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/settings/yaml_writer.h"
+#include "sim/study/csv_line.h"
 #include "sim/study/optimise.h"
-#include "sim/study/text_table.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr std::size_t kMostVerdicts = 10;
-constexpr std::size_t kMostOfFront = 12;
 
 /// The seeds of one study, and the settings that were run on them.
 class Bench {
@@ -117,10 +116,14 @@ std::vector<std::size_t> MetricsOf(const TunePlan& plan) {
   return metrics;
 }
 
+}  // namespace
+
 std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric) {
   return static_cast<std::size_t>(std::ranges::find(result.metrics, metric) -
                                   result.metrics.begin());
 }
+
+namespace {
 
 /// What the search sees of a setting.
 Measured MeasuredOf(const TunePlan& plan, const TuneResult& result, const TunedSetting& setting) {
@@ -305,36 +308,6 @@ std::string ControllerYaml(const NamedController& controller) {
 
 namespace {
 
-/// A key without the controllers.<name>. before it.
-std::string KeyInController(const TunePlan& plan, std::size_t axis) {
-  return plan.free[axis].key.substr(std::string("controllers.").size() + plan.controller.size() +
-                                    1);
-}
-
-std::string Seeds(int first, int count) {
-  return count == 1 ? fmt::format("seed {}", first)
-                    : fmt::format("seeds {} to {}", first, first + count - 1);
-}
-
-std::string FrontTable(const TunePlan& plan, const TuneResult& result) {
-  std::vector<std::vector<std::string>> rows(1);
-  const std::size_t delay = MetricIndex("delay_ms");
-  const std::size_t jitter = MetricIndex("jitter_rms_deg");
-  for (std::size_t a = 0; a < plan.free.size(); ++a) rows[0].push_back(KeyInController(plan, a));
-  for (const std::size_t metric : {delay, jitter}) rows[0].emplace_back(Metrics()[metric].key);
-  const std::size_t last = result.front.size() - 1;
-  const std::size_t shown = std::min(result.front.size(), kMostOfFront);
-  for (std::size_t i = 0; i < shown; ++i) {
-    const std::size_t at = shown == 1 ? 0 : (i * last + (shown - 1) / 2) / (shown - 1);
-    const TunedSetting& setting = result.tried[result.front[at]];
-    std::vector<std::string>& row = rows.emplace_back(setting.values);
-    for (const std::size_t metric : {delay, jitter}) {
-      row.push_back(IntervalText(setting.scores[PlaceOfMetric(result, metric)]));
-    }
-  }
-  return AlignedTable(rows);
-}
-
 nlohmann::ordered_json IntervalJson(const MeanInterval& interval) {
   const auto number = [](double value) {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
@@ -359,51 +332,6 @@ nlohmann::ordered_json SettingJson(const TunePlan& plan, const TuneResult& resul
 }
 
 }  // namespace
-
-std::string TuneText(const TunePlan& plan, const TuneResult& result) {
-  const int first_seed = ParseScenario(plan.scenario).seed;
-  const Metric& metric = Metrics()[plan.minimise];
-  std::string text =
-      fmt::format("{} of {}{}: {} {}", plan.controller, plan.scenario.file.stem().string(),
-                  plan.physics ? "" : " (filters only, no hand)",
-                  metric.lower_is_better ? "least" : "most", metric.key);
-  for (const Constraint& constraint : plan.constraints) text += ", " + constraint.Text();
-  text += fmt::format("\n{} settings tried on {}; judged on {}, which the search has not seen\n\n",
-                      result.tried.size(), Seeds(first_seed, plan.seeds),
-                      Seeds(first_seed + plan.seeds, plan.held_out));
-  std::vector<std::vector<std::string>> rows = {
-      {"setting", "tuned", "as good within what matters"}};
-  for (std::size_t a = 0; a < plan.free.size(); ++a) {
-    rows.push_back({KeyInController(plan, a), result.tried[result.chosen].values[a],
-                    fmt::format("{} to {}", result.equal[a].low, result.equal[a].high)});
-  }
-  text += AlignedTable(rows) + "\n";
-  rows = {{"held-out seeds", "before", "tuned"}};
-  for (std::size_t m = 0; m < result.metrics.size(); ++m) {
-    rows.push_back({std::string(Metrics()[result.metrics[m]].key),
-                    IntervalText(result.before.scores[m]), IntervalText(result.verdict.scores[m])});
-  }
-  if (!plan.constraints.empty()) {
-    rows.push_back({"constraints", std::string(MetText(result.before.met)),
-                    std::string(MetText(result.verdict.met))});
-  }
-  text += AlignedTable(rows);
-  if (result.before.problem.empty()) {
-    const std::string_view judgement = JudgementText(result.gain.judgement);
-    text += fmt::format("tuned - before, paired by seed: {} {} (95 %): {}\n",
-                        IntervalText(result.gain.difference), metric.key,
-                        judgement.empty() ? "one seed decides nothing" : judgement);
-  }
-  if (result.refused > 0) {
-    text +=
-        fmt::format("{} better on the first seeds broke a bound on the others.\n", result.refused);
-  }
-  if (!result.front.empty()) {
-    text +=
-        "\nno setting that was tried has less delay and less jitter:\n" + FrontTable(plan, result);
-  }
-  return text;
-}
 
 std::string TuneCsv(const TunePlan& plan, const TuneResult& result) {
   std::vector<std::string> head;

@@ -56,6 +56,9 @@ struct TuneResult {
   NamedController controller;        // with the chosen values
 };
 
+/// The place of a score in `metrics`.
+std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric);
+
 /// Searches with Minimise() on `seeds` seeds, each setting with all of them, and judges on others,
 /// which the search has not seen. The answer is the best setting that keeps all bounds by its mean
 /// on the first, and on the others does not break one by more than its 95 % interval: of the ten
@@ -64,8 +67,6 @@ struct TuneResult {
 TuneResult Tune(const TunePlan& plan, int jobs,
                 const std::function<bool(double done, double all)>& progress);
 
-/// What a person reads.
-std::string TuneText(const TunePlan& plan, const TuneResult& result);
 /// A row per setting that was tried.
 std::string TuneCsv(const TunePlan& plan, const TuneResult& result);
 std::string TuneJson(const TunePlan& plan, const TuneResult& result);

@@ -104,6 +104,8 @@ TEST_F(SweepCommandTest, ShardsMakeTheSameAsOneMachine) {
   EXPECT_THAT(merged.standard_error,
               AllOf(HasSubstr("collected 6 trials"), testing::Not(HasSubstr("to run"))));
   EXPECT_EQ(ReadFile("merged/cells.csv"), ReadFile("whole/cells.csv"));
+  EXPECT_EQ(ReadFile("merged/report.html"), ReadFile("whole/report.html"));
+  EXPECT_THAT(ReadFile("whole/report.html"), HasSubstr("class=\"heat-map\""));
 }
 
 TEST_F(SweepCommandTest, RefusesMistakesInOneLineBeforeAnythingRuns) {
@@ -119,6 +121,46 @@ TEST_F(SweepCommandTest, RefusesMistakesInOneLineBeforeAnythingRuns) {
   mistake({"--shard", "1/2x"}, "must be i/n");
   mistake({"--shard", "1/2", "--collect", "out"}, "contradict each other");
   mistake({"--set", "glove.nois=1"}, "unknown key");
+}
+
+TEST_F(SweepCommandTest, RobustInShardsConcludesAsOneMachineDoes) {
+  const auto robust = [this](const std::vector<std::string>& more) {
+    std::vector<std::string> command = {GAUNTLET_PROGRAM,
+                                        "robust",
+                                        "hold_still",
+                                        "--controllers",
+                                        "raw,tuned_kalman",
+                                        "--hands",
+                                        "2",
+                                        "--seeds",
+                                        "2",
+                                        "--set",
+                                        "glove.motion.duration_s=0.2",
+                                        "--set",
+                                        "score.noise_free_twin=false"};
+    command.insert(command.end(), more.begin(), more.end());
+    return RunProgram(command, {.working_directory = folder_.path()});
+  };
+  const ProgramResult whole = robust({"--out", "whole", "--jobs", "2"});
+  ASSERT_EQ(whole.exit_code, 0) << whole.standard_error;
+  EXPECT_THAT(whole.standard_output,
+              AllOf(HasSubstr("2 hands, each with friction"), HasSubstr("own hand"),
+                    HasSubstr("What matters:"), HasSubstr("as good as the best on")));
+  for (const char* shard : {"1/2", "2/2"}) {
+    const ProgramResult part = robust({"--shard", shard});
+    ASSERT_EQ(part.exit_code, 0) << part.standard_error;
+    EXPECT_EQ(part.standard_output, "");  // a part of the hands concludes nothing
+  }
+  const ProgramResult merged =
+      robust({"--out", "merged", "--collect", "out/hold_still.robust.shard-1-of-2", "--collect",
+              "out/hold_still.robust.shard-2-of-2"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.standard_error;
+  EXPECT_THAT(merged.standard_error, testing::Not(HasSubstr("to run")));
+  EXPECT_EQ(merged.standard_output, whole.standard_output);
+  EXPECT_THAT(ReadFile("whole/report.html"), HasSubstr("class=\"tornado\""));
+  for (const char* file : {"robust.csv", "tornado.csv", "cells.csv"}) {
+    EXPECT_EQ(ReadFile(fs::path("merged") / file), ReadFile(fs::path("whole") / file)) << file;
+  }
 }
 
 TEST_F(SweepCommandTest, ReadyStudiesCanBeRead) {

@@ -1,5 +1,7 @@
 // The page in a real browser. Skipped where there is no chromium: it is too large a package to ask
 // of everybody who builds.
+#include "tests/report/browser.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,22 +21,9 @@
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "tests/report/made_up_study.h"
-#include "tests/support/program.h"
 
 namespace gauntlet::sim {
 namespace {
-
-/// Runs first in the page: whatever goes wrong is kept. (There is no video beside it.)
-constexpr const char* kListen = R"(<script>
-  window.problems = [];
-  window.addEventListener("error", (e) => {
-    if (e.target.tagName !== "VIDEO") problems.push(String(e.message));
-  }, true);
-  window.addEventListener("securitypolicyviolation", (e) => problems.push(e.violatedDirective));
-  for (const kind of ["error", "warn"]) {
-    console[kind] = (...words) => problems.push(words.join(" "));
-  }
-</script>)";
 
 /// What both scripts below use: the file that a button saves.
 constexpr const char* kSaved = R"(<script>
@@ -184,47 +173,11 @@ constexpr const char* kUse = R"(<script>
 class BrowserTest : public testing::Test {
  protected:
   void SetUp() override {
-    if (test::RunProgram({"sh", "-c", "command -v chromium"}).exit_code != 0) {
-      GTEST_SKIP() << "chromium is not installed";
-    }
+    if (!test::HasBrowser()) GTEST_SKIP() << "chromium is not installed";
   }
 
-  nlohmann::json Use(const std::string& page, int width_px, const char* script = kUse) {
-    const test::TemporaryDirectory folder;
-    const std::size_t head = page.find("<title>");
-    const std::size_t end = page.rfind("</body>");
-    std::ofstream(folder.path() / "report.html")
-        << page.substr(0, head) << kListen << page.substr(head, end - head) << kSaved << script
-        << page.substr(end);
-    const test::ProgramResult result = test::RunProgram(
-        {"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
-         "--disable-background-networking", "--disable-dev-shm-usage", "--mute-audio",
-         "--user-data-dir=" + (folder.path() / "profile").string(),
-         "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=200000",
-         "--dump-dom", "file://" + (folder.path() / "report.html").string()});
-    EXPECT_EQ(result.exit_code, 0) << result.standard_error;
-    const std::string mark = "data-seen=\"";
-    const std::size_t begin = result.standard_output.find(mark);
-    if (begin == std::string::npos) {
-      ADD_FAILURE() << "the page did not run:\n" << result.standard_error;
-      return {};
-    }
-    const std::size_t from = begin + mark.size();
-    return nlohmann::json::parse(Decoded(
-        result.standard_output.substr(from, result.standard_output.find('"', from) - from)));
-  }
-
-  static std::string Decoded(const std::string& text) {
-    std::string out;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (text[i] != '%') {
-        out += text[i];
-        continue;
-      }
-      out += static_cast<char>(std::stoi(text.substr(i + 1, 2), nullptr, 16));
-      i += 2;
-    }
-    return out;
+  static nlohmann::json Use(const std::string& page, int width_px, const char* script = kUse) {
+    return test::UsePage(page, std::string(kSaved) + script, width_px);
   }
 
   static std::string Page(const test::MadeUpStudy& made) {

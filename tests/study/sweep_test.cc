@@ -249,7 +249,7 @@ TEST_F(SweepTest, HoldsWhatAComparisonOfTheCellHolds) {
   ForEachCell(plan, database, only, [&](const CellResult& of_cell) {
     const std::size_t controller = of_cell.controller == "raw" ? 0 : 1;
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_EQ(of_cell.best_by[i],
+      EXPECT_EQ(of_cell.by_seed[0][i],
                 result.seeds[i].controllers[controller].scores.summary[plan.best_by]);
     }
     ++seen;

@@ -1,0 +1,151 @@
+#include "sim/cli/cells_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+
+#include "sim/base/atomic_file.h"
+#include "sim/base/error.h"
+#include "sim/base/signal_storage.h"
+#include "sim/cli/interrupt.h"
+#include "sim/cli/jobs_option.h"
+#include "sim/cli/progress.h"
+#include "sim/cli/standard_streams.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct Shard {
+  int number = 1;
+  int count = 1;
+};
+
+/// Errors: UserError for what is not i/n with 1 <= i <= n.
+Shard ParseShard(const std::string& text) {
+  if (text.empty()) return {};
+  Shard shard;
+  int length = 0;
+  const bool read =
+      std::sscanf(text.c_str(), "%9d/%9d%n", &shard.number, &shard.count, &length) == 2;
+  if (!read || length != std::ssize(text) || shard.number < 1 || shard.number > shard.count) {
+    throw UserError(
+        {.place = "--shard", .key = text, .problem = "must be i/n with 1 <= i <= n, as 2/8"});
+  }
+  return shard;
+}
+
+std::string TimeText(double seconds) {
+  if (seconds < 90.0) return fmt::format("{:.0f} s", std::max(1.0, seconds));
+  if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  return fmt::format("{:.1f} h", seconds / 3600.0);
+}
+
+/// Errors: UserError for options that contradict each other.
+CellRange CellsOf(const SweepPlan& plan, const CellsCommand& command) {
+  const Shard shard = ParseShard(command.shard);
+  if (!command.shard.empty() && !command.collect.empty()) {
+    throw UserError({.place = "--shard", .problem = "and --collect contradict each other"});
+  }
+  return ShardOf(plan, shard.number, shard.count);
+}
+
+std::string FolderOf(const CellsCommand& command, const std::string& out) {
+  const Shard shard = ParseShard(command.shard);
+  std::string folder = command.out.empty() ? out : command.out;
+  if (command.out.empty() && shard.count > 1) {
+    folder += fmt::format(".shard-{}-of-{}", shard.number, shard.count);
+  }
+  return folder;
+}
+
+/// Builds the base scenario before there is a folder: what is wrong with it leaves none. Long
+/// signals find their place beside the folder.
+std::string HashBefore(const SweepPlan& plan, const std::string& folder) {
+  SetSignalFolder(folder);
+  return HashOfSweep(plan);
+}
+
+/// Takes over the databases of shards; a folder stands for the study.db in it.
+void CollectShards(const std::vector<std::string>& places, SweepDatabase& database) {
+  for (const std::filesystem::path place : places) {
+    const std::int64_t before = database.TrialCount();
+    database.Collect(std::filesystem::is_directory(place) ? place / "study.db" : place);
+    Say("collected {} trials from {}\n", database.TrialCount() - before, place.string());
+  }
+}
+
+}  // namespace
+
+void AddCellsOptions(CLI::App& command, CellsCommand& options) {
+  AddJobsOption(command, options.jobs);
+  command
+      .add_option("--shard", options.shard,
+                  "run only part i of n equal parts, into a folder of its own")
+      ->type_name("i/n");
+  command
+      .add_option("--collect", options.collect,
+                  "take over the trials in these folders of shards, then run what is missing")
+      ->type_name("DIR")
+      ->take_all();
+}
+
+CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, const std::string& out)
+    : plan_(plan),
+      command_(command),
+      cells_(CellsOf(plan, command)),
+      hash_(HashBefore(plan, FolderOf(command, out))),
+      folder_(FolderOf(command, out)),
+      database_(path() / "study.db", hash_, plan.metrics) {
+  const std::filesystem::path file = path() / "study.db";
+  if (const std::int64_t known = database_.TrialCount(); known > 0) {
+    Say("goes on from {}, which holds {} trial{}\n", file.string(), known, known == 1 ? "" : "s");
+  }
+  folder_.Keep();
+  CollectShards(command.collect, database_);
+}
+
+void CellsFolder::Run() {
+  const int jobs = JobsOrCores(command_.jobs);
+  const std::filesystem::path file = path() / "study.db";
+  SetWhatIsKept(fmt::format("finished trials are kept in {}: the same command goes on from there",
+                            file.string()));
+  Progress progress(fmt::format("{} cells", cells_.end - cells_.first));
+  try {
+    RunSweep(
+        plan_, database_,
+        {.jobs = jobs,
+         .cells = cells_,
+         .forecast =
+             [&](const SweepForecast& forecast) {
+               Say("{} cells x {} seeds: {:.0f} trials to run, noise-free twins counted; about "
+                   "{} with {} at a time\n",
+                   cells_.end - cells_.first, plan_.file.seeds, forecast.trials,
+                   TimeText(forecast.seconds), jobs);
+             },
+         .progress = [&](double done, double all) { return progress.Update(done, all); },
+         .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
+  } catch (const Cancelled&) {
+    database_.Flush();
+    throw Cancelled{fmt::format("{} trials are kept in {}: the same command goes on from there",
+                                database_.TrialCount(), file.string())};
+  }
+  if (const int damaged = database_.DamagedCount(); damaged > 0) {
+    Say("gauntlet: {}: {} damaged trial{}, computed again\n", file.string(), damaged,
+        damaged == 1 ? "" : "s");
+  }
+}
+
+SweepSummary CellsFolder::WriteCells() {
+  AtomicFile table(path() / "cells.csv");
+  std::ofstream csv(table.temporary_path(), std::ios::binary);
+  const auto write = [&csv](std::string_view text) { csv << text; };
+  const SweepSummary summary = SummariseSweep(plan_, database_, cells_, write, {});
+  csv.close();
+  if (!csv) throw RunError(table.target().string() + ": could not be written");
+  table.Commit();
+  return summary;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/cli/output_folder.h"
+#include "sim/study/sweep_result.h"
+
+namespace gauntlet::sim {
+
+/// What `sweep` and `robust` share: cells that are run into a folder with its study.db, in shards
+/// or at once.
+struct CellsCommand {
+  std::string out;  // empty: see CellsFolder
+  int jobs = 0;     // 0: one per core
+  std::string shard;
+  std::vector<std::string> collect;
+};
+
+/// --jobs, --shard and --collect.
+void AddCellsOptions(CLI::App& command, CellsCommand& options);
+
+/// The folder of a sweep, locked, with its database and what shards have brought.
+class CellsFolder {
+ public:
+  /// `out`: where no --out is given; that of a shard says which one it is.
+  /// Errors: UserError, SettingError; RunError.
+  CellsFolder(const SweepPlan& plan, const CellsCommand& command, const std::string& out);
+
+  /// Runs what the database lacks, with forecast and progress. Errors: RunError, Cancelled.
+  void Run();
+  /// Writes cells.csv.
+  SweepSummary WriteCells();
+
+  const std::filesystem::path& path() const { return folder_.path(); }
+  const CellRange& cells() const { return cells_; }
+  bool is_shard() const { return cells_.end - cells_.first < plan_.cell_count(); }
+  SweepDatabase& database() { return database_; }
+
+ private:
+  const SweepPlan& plan_;
+  const CellsCommand& command_;
+  CellRange cells_;
+  std::string hash_;
+  OutputFolder folder_;
+  SweepDatabase database_;
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "sim/base/atomic_file.h"
+#include "sim/base/error.h"
+#include "sim/cli/cells_command.h"
+#include "sim/cli/commands.h"
+#include "sim/cli/controllers_option.h"
+#include "sim/cli/out_option.h"
+#include "sim/cli/standard_streams.h"
+#include "sim/cli/study_command.h"
+#include "sim/cli/usage_error.h"
+#include "sim/report/cells_page.h"
+#include "sim/report/robust_table.h"
+#include "sim/settings/yaml_tree.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct RobustCommand {
+  std::string scenario;
+  CellsCommand cells;
+  std::vector<std::string> set;
+  RobustOptions robust;
+  bool json = false;
+};
+
+void RunRobustCommand(const RobustCommand& command) {
+  RobustPlan plan = MakeRobustPlan(
+      {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
+      command.robust);
+  CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust");
+  WriteFileAtomically(folder.path() / "scenario.resolved.yaml", plan.sweep.scenario.text);
+  // Commands that repeat a hand begin with what every controller is, whatever the glove.
+  plan.sweep.file.scenario = (folder.path() / "scenario.resolved.yaml").string();
+  folder.Run();
+  folder.WriteCells();
+  std::string written = "scenario.resolved.yaml, cells.csv, study.db";
+  if (folder.is_shard()) {
+    Say("wrote {}: {}; --collect takes all shards together and concludes\n", folder.path().string(),
+        written);
+    return;
+  }
+  const RobustResult result = ConcludeRobust(plan, folder.database());
+  WriteFileAtomically(folder.path() / "robust.csv", RobustCsv(result));
+  WriteFileAtomically(folder.path() / "tornado.csv", TornadoCsv(plan, result));
+  const std::string table = RobustTable(plan, result);
+  WriteFileAtomically(folder.path() / "report.html",
+                      RobustPage(plan, folder.database(), result, table));
+  PrintText(command.json ? RobustJson(plan, result) : table);
+  FlushOutput();
+  Say("wrote {}: report.html, robust.csv, tornado.csv, {}\n", folder.path().string(), written);
+}
+
+}  // namespace
+
+void AddRobustCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "robust", "Tell whether the verdict of a scenario holds on other hands, links and gloves");
+  const auto options = std::make_shared<RobustCommand>();
+  command
+      ->add_option("scenario", options->scenario,
+                   "scenario file (YAML), or the name of a ready one (gauntlet list scenarios)")
+      ->required()
+      ->transform(ScenarioFile);
+  AddControllersOption(*command, options->robust.controllers);
+  AddOutOption(*command, options->cells.out, "output folder [out/<scenario>.robust]", "DIR");
+  command->add_option("--set", options->set, "change a value of the scenario; may be repeated")
+      ->type_name("key=value")
+      ->take_all();
+  command->add_option("--hands", options->robust.hands, "how many hands are drawn [32]")
+      ->check(WholeNumber(1, 100000));
+  command
+      ->add_option("--seeds", options->robust.seeds,
+                   "seeds of each hand [8, or one for each repetition]")
+      ->check(WholeNumber(1, 100000));
+  command
+      ->add_option("--within", options->robust.within_percent,
+                   "how far settings are off the scenario's, in percent [30]")
+      ->check(WholeNumber(1, 90));
+  command->add_option("--design-seed", options->robust.design_seed, "draws other hands [1]")
+      ->check(WholeNumber(0, 2'147'480'000));
+  AddCellsOptions(*command, options->cells);
+  command->add_flag("--json", options->json, "print JSON instead of the table");
+  command->footer(
+      "\nFriction, stiffness, inertia, servo gain, delay, the glove on its wearer and noise vary\n"
+      "together, and one at a time.\n"
+      "\nExample:\n  gauntlet robust random_motion --controllers raw,tuned_kalman,prediction\n");
+  command->callback([options] { RunRobustCommand(*options); });
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sim/study/robust.h"
+
+namespace gauntlet::sim {
+
+// Drawings of a page of cells, as SVG. What stands for a point carries its place in the page's list
+// as `data-point`, so that scripts find it. Colours are those of page.css.
+
+/// A setting or a score of many points.
+struct ChartAxis {
+  std::string name;
+  std::vector<std::string> labels = {};  // of a list of values; empty: numbers from low to high
+  double low = 0.0;
+  double high = 1.0;
+  bool log = false;
+
+  /// Where a value stands from 0 to 1; NaN for one that is not there.
+  double PlaceOf(double value) const;
+  double PlaceOf(const std::string& value) const;
+};
+
+/// One line of parallel coordinates, one point of the front.
+struct ChartPoint {
+  std::vector<double> places;  // on the axes, 0 to 1; NaN: none
+  double delay_ms = 0.0;
+  double jitter_deg = 0.0;
+  bool good = false;   // among the best
+  bool faint = false;  // breaks a bound
+};
+
+/// The best of a score over a grid of two settings.
+struct HeatMap {
+  std::string x_name, y_name, score;
+  std::vector<std::string> x_labels, y_labels;
+  std::vector<double> best;         // y by x; NaN: nothing there
+  std::vector<std::size_t> points;  // whose; kNoPoint where it is not among the page's
+  bool lower_is_better = true;
+};
+inline constexpr std::size_t kNoPoint = static_cast<std::size_t>(-1);
+
+std::string HeatMapSvg(const HeatMap& map);
+std::string ParallelSvg(const std::vector<ChartAxis>& axes, const std::vector<ChartPoint>& points);
+/// Jitter against delay; the line joins what nothing is better than in both.
+std::string FrontSvg(const std::vector<ChartPoint>& points);
+std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,102 @@
+#include "sim/report/sweep_table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "sim/report/table_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+std::string Cells(std::int64_t count) {
+  return fmt::format("{} cell{}", count, count == 1 ? "" : "s");
+}
+
+std::string CountsText(const SweepPlan& plan, const SweepSummary& summary) {
+  std::string text;
+  if (!plan.constraints.empty()) {
+    std::vector<std::string> bounds;
+    for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
+    text += fmt::format(
+        "{} of {} keep {} (yes: with the whole 95 % interval, likely: with the "
+        "mean).\n",
+        summary.meeting, summary.results, fmt::join(bounds, ", "));
+  }
+  if (summary.not_built > 0) text += Cells(summary.not_built) + " could not be built.\n";
+  if (summary.failed > 0) text += fmt::format("In {} a hand was stopped.\n", Cells(summary.failed));
+  if (!summary.first_problem.empty()) text += summary.first_problem + "\n";
+  if (summary.missing > 0) text += Cells(summary.missing) + " are not there yet.\n";
+  return text;
+}
+
+}  // namespace
+
+std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
+  const std::string& key = plan.file.axes[axis].key;
+  for (std::size_t dot = key.rfind('.'); dot != std::string::npos && dot > 0;
+       dot = key.rfind('.', dot - 1)) {
+    const std::string ending = key.substr(dot);
+    const auto same = std::ranges::count_if(
+        plan.file.axes, [&](const SweepAxis& other) { return other.key.ends_with(ending); });
+    if (same == 1 && !FindMetric(ending.substr(1))) return ending.substr(1);
+  }
+  return key;
+}
+
+std::string CompareCommand(const std::string& scenario, int seeds, const std::string& controller,
+                           const std::vector<std::string>& sets) {
+  std::string command = fmt::format("gauntlet compare {} --seeds {}", scenario, seeds);
+  if (!controller.empty()) command += " --controllers " + controller;
+  for (const std::string& set : sets) command += fmt::format(" \\\n  --set '{}'", set);
+  return command + "\n";
+}
+
+std::string RepeatCommand(const SweepPlan& plan, const std::string& controller, std::int64_t cell) {
+  std::vector<std::string> sets = plan.file.set;
+  for (const std::string& override : plan.OverridesOf(cell)) sets.push_back(override);
+  return CompareCommand(plan.file.scenario, plan.file.seeds, controller, sets);
+}
+
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
+  const Metric& best_by = Metrics()[plan.best_by];
+  std::string text =
+      fmt::format("{}: {}\n{}, {} seed{}{}; best by {}\n\n", plan.file.name, plan.file.question,
+                  Cells(plan.cell_count()), plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
+                  plan.file.physics ? "" : ", filters only, no hand", best_by.key);
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string>& head = rows.emplace_back();
+  head = {"cell", "controller"};
+  for (std::size_t a = 0; a < plan.file.axes.size(); ++a) head.push_back(ShortKey(plan, a));
+  for (const std::size_t metric : plan.metrics) head.emplace_back(Metrics()[metric].key);
+  if (!plan.constraints.empty()) head.emplace_back("constraints");
+  head.emplace_back("to the best");
+  const std::vector<CellResult>& shown = summary.best.empty() ? summary.near : summary.best;
+  for (const CellResult& result : shown) {
+    std::vector<std::string>& row = rows.emplace_back();
+    row = {std::to_string(result.number), result.controller};
+    row.insert(row.end(), result.values.begin(), result.values.end());
+    for (const MeanInterval& score : result.scores) row.push_back(IntervalText(score));
+    if (!plan.constraints.empty()) row.emplace_back(MetText(result.met));
+    const CellComparison comparison = CompareCells(plan, result, shown.front(), summary.results);
+    const std::string_view judgement = JudgementText(comparison.judgement);
+    row.emplace_back(&result == &shown.front() ? "best" : judgement);
+  }
+  if (!shown.empty()) text += AlignedTable(rows) + "\n";
+  if (summary.best.empty()) text += "No cell keeps all constraints.\n";
+  text += CountsText(plan, summary);
+  if (shown.size() > 1) {
+    text += fmt::format(
+        "To the best: in {}, paired by seed; all {} pairs hold together with 95 % "
+        "(Bonferroni).\n",
+        best_by.key, summary.results * (summary.results - 1) / 2);
+  }
+  if (!plan.file.physics) text += "Without a hand: confirm with physics before it counts.\n";
+  if (!summary.best.empty())
+    text += fmt::format(
+        "\n{}", RepeatCommand(plan, summary.best.front().controller, summary.best.front().number));
+  return text;
+}
+
+}  // namespace gauntlet::sim

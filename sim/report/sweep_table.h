@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/study/sweep_result.h"
+
+namespace gauntlet::sim {
+
+/// The best cells of a sweep for a person at a terminal, what became of the others, and the command
+/// that repeats the best as a comparison.
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary);
+
+/// The last part of an axis' key that still tells the axes apart, and is not a score's.
+std::string ShortKey(const SweepPlan& plan, std::size_t axis);
+
+/// The command that repeats a setting as a comparison; of no `controller` with all of them.
+std::string CompareCommand(const std::string& scenario, int seeds, const std::string& controller,
+                           const std::vector<std::string>& sets);
+std::string RepeatCommand(const SweepPlan& plan, const std::string& controller, std::int64_t cell);
+
+}  // namespace gauntlet::sim

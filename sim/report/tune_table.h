@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "sim/study/tune.h"
+
+namespace gauntlet::sim {
+
+/// What tuning found, for a person at a terminal: values, scores on the held-out seeds, the front.
+std::string TuneTable(const TunePlan& plan, const TuneResult& result);
+
+}  // namespace gauntlet::sim

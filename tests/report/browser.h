@@ -1,0 +1,68 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/support/program.h"
+
+/// A page in a real browser, for tests; chromium is too large a package to ask of everybody who
+/// builds, so they skip where it is not.
+namespace gauntlet::test {
+
+/// Runs first in the page: whatever goes wrong is kept. (There is no video beside it.)
+inline constexpr const char* kListen = R"(<script>
+  window.problems = [];
+  window.addEventListener("error", (e) => {
+    if (e.target.tagName !== "VIDEO") problems.push(String(e.message));
+  }, true);
+  window.addEventListener("securitypolicyviolation", (e) => problems.push(e.violatedDirective));
+  for (const kind of ["error", "warn"]) {
+    console[kind] = (...words) => problems.push(words.join(" "));
+  }
+</script>)";
+
+inline bool HasBrowser() { return RunProgram({"sh", "-c", "command -v chromium"}).exit_code == 0; }
+
+inline std::string Decoded(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      out += text[i];
+      continue;
+    }
+    out += static_cast<char>(std::stoi(text.substr(i + 1, 2), nullptr, 16));
+    i += 2;
+  }
+  return out;
+}
+
+/// What `script`, which runs last in the page, leaves as encoded JSON in the attribute data-seen.
+inline nlohmann::json UsePage(const std::string& page, const std::string& script, int width_px) {
+  const TemporaryDirectory folder;
+  const std::size_t head = page.find("<title>");
+  const std::size_t end = page.rfind("</body>");
+  std::ofstream(folder.path() / "report.html")
+      << page.substr(0, head) << kListen << page.substr(head, end - head) << script
+      << page.substr(end);
+  const ProgramResult result = RunProgram(
+      {"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+       "--disable-background-networking", "--disable-dev-shm-usage", "--mute-audio",
+       "--user-data-dir=" + (folder.path() / "profile").string(),
+       "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=200000",
+       "--dump-dom", "file://" + (folder.path() / "report.html").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  const std::string mark = "data-seen=\"";
+  const std::size_t begin = result.standard_output.find(mark);
+  if (begin == std::string::npos) {
+    ADD_FAILURE() << "the page did not run:\n" << result.standard_error;
+    return {};
+  }
+  const std::size_t from = begin + mark.size();
+  return nlohmann::json::parse(
+      Decoded(result.standard_output.substr(from, result.standard_output.find('"', from) - from)));
+}
+
+}  // namespace gauntlet::test

@@ -1,0 +1,137 @@
+// Pages of many settings: what stands there without scripts, what scripts add, and how large it gets.
+#include "sim/report/cells_page.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/report/browser.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TunePlan MadeUpPlan() {
+  TunePlan plan;
+  plan.scenario.file = "made_up.yaml";
+  plan.controller = "it";
+  plan.free = {ParseFree("filter.min_cutoff_hz=0.1:10:log", "it"),
+               ParseFree("filter.beta=0:1", "it")};
+  plan.minimise = MetricIndex("tracking_rmse_deg");
+  return plan;
+}
+
+/// Settings on a spiral over both ranges; the error is the distance to the middle.
+TuneResult MadeUpResult(const TunePlan& plan, int count) {
+  TuneResult result;
+  result.metrics = {plan.minimise, MetricIndex("delay_ms"), MetricIndex("jitter_rms_deg")};
+  for (int i = 0; i < count; ++i) {
+    const double x = std::fmod(0.5 + 0.754877666 * i, 1.0);  // low discrepancy
+    const double y = std::fmod(0.5 + 0.569840296 * i, 1.0);
+    TunedSetting& setting = result.tried.emplace_back();
+    setting.values = {plan.free[0].ValueAt(x), plan.free[1].ValueAt(y)};
+    for (const double score : {1.0 + std::hypot(x - 0.5, y - 0.5), 50.0 + 100.0 * x, 1.0 - x}) {
+      setting.scores.push_back({.mean = score});
+    }
+  }
+  return result;
+}
+
+std::size_t Count(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+TEST(CellsPage, StandsThereWithoutScripts) {
+  const TunePlan plan = MadeUpPlan();
+  const std::string page = TunePage(plan, MadeUpResult(plan, 40), "the table <b>");
+  const std::string body =
+      page.substr(page.find("<body>"), page.find("<script") - page.find("<body>"));
+  EXPECT_THAT(body, AllOf(HasSubstr("the table &lt;b&gt;"), HasSubstr("it of made_up"),
+                          HasSubstr("min_cutoff_hz: 1\n"),
+                          HasSubstr("gauntlet compare made_up.yaml --seeds 8 --controllers it")));
+  EXPECT_EQ(Count(body, "<path data-point"), 40u);
+  EXPECT_EQ(Count(body, "<circle data-point"), 40u);
+  EXPECT_EQ(Count(body, "class=\"heat-map\""), 1u);
+  EXPECT_EQ(Count(page, "http://") + Count(page, "https://"), Count(page, "http://www.w3.org/"));
+}
+
+TEST(CellsPage, StaysSmallHoweverManySettingsThereAre) {
+  const TunePlan plan = MadeUpPlan();
+  const std::string page = TunePage(plan, MadeUpResult(plan, 30'000), "table");
+  EXPECT_LT(page.size(), 3'000'000u);
+  EXPECT_GT(Count(page, "<path data-point"), kPagePoints / 2);
+  EXPECT_LE(Count(page, "<path data-point"), kPagePoints);
+  EXPECT_THAT(page, HasSubstr("of 30000 settings"));
+  EXPECT_THAT(page,
+              HasSubstr("<p class=\"note\" id=\"point-name\">try 0, the answer"));  // the middle
+  EXPECT_EQ(Count(page, "<g data-point") + Count(page, "<g style=\"--share"), 12u * 12u);
+}
+
+TEST(CellsPage, WritesSettingsAsAScenarioHasThem) {
+  EXPECT_EQ(SettingsYaml({"controllers.it.filter.q=0.1", "event.delay_ms=25",
+                          "controllers.it.filter.r=[1, 2]", "controllers.it.filter.0.q=3"}),
+            "controllers:\n  it:\n    filter:\n      q: 0.1\n      r: [1, 2]\n"
+            "event:\n  delay_ms: 25\n"
+            "# --set controllers.it.filter.0.q=3\n");
+}
+
+/// Runs last: uses the page as a person does.
+constexpr const char* kUse = R"(<script>
+  const seen = {};
+  const get = (id) => document.getElementById(id);
+  window.addEventListener("load", () => {
+    seen.lines = document.querySelectorAll(".parallel path").length;
+    seen.first = get("point-name").textContent;
+    const circle = document.querySelector(".front circle[data-point='7']");
+    circle.dispatchEvent(new MouseEvent("click", {bubbles: true}));
+    seen.clicked = get("point-choice").value;
+    seen.yaml = get("point-yaml").textContent;
+    seen.scores = get("point-scores").children.length;
+    const place = document.querySelector(".brush-place[data-axis='0']");
+    const box = place.getBoundingClientRect();
+    place.setPointerCapture = () => {};
+    const drag = (type, share) => place.dispatchEvent(new PointerEvent(type, {bubbles: true,
+      clientX: box.left + box.width / 2, clientY: box.bottom - share * box.height}));
+    drag("pointerdown", 0.5);
+    drag("pointermove", 1);
+    drag("pointerup", 1);
+    seen.brushed = get("brushed").textContent;
+    seen.off = document.querySelectorAll(".parallel path.off").length;
+    seen.circles_off = document.querySelectorAll(".front circle.off").length;
+    get("brush-none").click();
+    seen.all_again = document.querySelectorAll(".off").length;
+    seen.wide = document.documentElement.scrollWidth - window.innerWidth;
+    seen.problems = problems;
+    document.documentElement.setAttribute("data-seen", encodeURIComponent(JSON.stringify(seen)));
+  });
+</script>)";
+
+TEST(CellsPage, BrushesAndShowsWhatIsClicked) {
+  if (!test::HasBrowser()) GTEST_SKIP() << "chromium is not installed";
+  const TunePlan plan = MadeUpPlan();
+  const TuneResult result = MadeUpResult(plan, 40);
+  int upper = 0;
+  for (const TunedSetting& setting : result.tried) upper += std::stod(setting.values[0]) >= 1.0;
+  const nlohmann::json seen = test::UsePage(TunePage(plan, result, "table"), kUse, 500);
+  EXPECT_EQ(seen["problems"], nlohmann::json::array());
+  EXPECT_EQ(seen["lines"], 40);
+  EXPECT_EQ(seen["first"], "try 0, the answer");
+  EXPECT_EQ(seen["clicked"], "7");
+  EXPECT_THAT(seen["yaml"].get<std::string>(), HasSubstr("beta: "));
+  EXPECT_EQ(seen["scores"], 2 * 3);  // names and values
+  EXPECT_EQ(seen["brushed"], std::to_string(upper) + " of 40 settings");
+  EXPECT_EQ(seen["off"], 40 - upper);
+  EXPECT_EQ(seen["circles_off"], 40 - upper);
+  EXPECT_EQ(seen["all_again"], 0);
+  EXPECT_LE(seen["wide"], 0) << "the page must not scroll sideways";
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
