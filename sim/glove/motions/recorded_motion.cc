@@ -123,7 +123,7 @@ void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config
 }  // namespace
 
 void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Path({.key = "file", .help = "text table: time and channels by name", .required = true},
+  visitor.Path({.key = "file", .help = "a table of any format: time and channels by name", .required = true},
                file);
   visitor.Path(
       {.key = "map", .help = "column map for a file with other names or units, or a preset"}, map);
