@@ -20,5 +20,6 @@ void AddListCommand(CLI::App& app);
 void AddFilterCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
 void AddIdentifyCommand(CLI::App& app);
+void AddInspectCommand(CLI::App& app);
 
 }  // namespace gauntlet::sim

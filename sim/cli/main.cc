@@ -50,6 +50,7 @@ int Run(int argc, char** argv) {
   sim::AddRenderCommand(app);
   sim::AddExportCommand(app);
   sim::AddDiffCommand(app);
+  sim::AddInspectCommand(app);
   sim::AddFilterCommand(app);
   sim::AddCalibrateCommand(app);
   sim::AddIdentifyCommand(app);

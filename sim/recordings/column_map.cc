@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/base/channels.h"
+#include "sim/base/data_folder.h"
 #include "sim/base/nearest_name.h"
 #include "sim/recordings/time_columns.h"
 
@@ -20,8 +21,15 @@ constexpr std::array<std::pair<std::string_view, RecordedUnit>, 4> kUnits = {
      {"rad", RecordedUnit::kRadians},
      {"counts", RecordedUnit::kCounts},
      {"share", RecordedUnit::kShare}}};
-constexpr std::array<std::pair<std::string_view, double>, 3> kTimeUnits = {
-    {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}}};
+constexpr std::array<std::pair<std::string_view, double>, 7> kTimeUnits = {{{"s", 1.0},
+                                                                            {"ms", 1e-3},
+                                                                            {"us", 1e-6},
+                                                                            {"ns", 1e-9},
+                                                                            {"min", 60.0},
+                                                                            {"h", 3600.0},
+                                                                            {"day", 86400.0}}};
+constexpr std::string_view kDateUnit = "date";
+constexpr std::string_view kVolts = "volts";
 
 template <class Value, std::size_t kSize>
 const Value* FindIn(const std::array<std::pair<std::string_view, Value>, kSize>& list,
@@ -43,9 +51,8 @@ bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
     map.channels.push_back({.column = column, .channel = *channel});
     return true;
   }
-  if (const auto scale_s = TimeScaleS(name); scale_s && !map.time_column) {
-    map.time_column = column;
-    map.time_scale_s = *scale_s;
+  if (const auto scale_s = TimeScaleS(name); scale_s && map.time.empty()) {
+    map.time.push_back({.column = column, .scale_s = *scale_s});
     return true;
   }
   if (IsSampleNumber(name)) return true;
@@ -94,17 +101,18 @@ class MapFile {
     if (place == csv_.header().size() || cells_[place].empty()) return std::string(fallback);
     return cells_[place];
   }
+  bool Has(std::string_view key) const { return !Text(key, "").empty(); }
   double Number(std::string_view key, double fallback) {
-    const std::string text = Text(key, "");
-    return text.empty() ? fallback : csv_.Number(text, Find(key) + 1);
+    return Has(key) ? csv_.Number(Text(key, ""), Find(key) + 1) : fallback;
   }
   [[noreturn]] void FailAt(std::string_view key, const std::string& problem) const {
-    csv_.Fail(Find(key) + 1, problem);
+    csv_.Fail(std::min(Find(key), csv_.header().size() - 1) + 1, problem);
   }
 
  private:
-  static constexpr std::array<std::string_view, 6> kKeys = {"column", "channel", "unit",
-                                                            "scale",  "sign",    "offset"};
+  static constexpr std::array<std::string_view, 12> kKeys = {
+      "column",  "channel",  "unit",    "scale",    "sign", "offset",
+      "raw_low", "raw_high", "deg_low", "deg_high", "bits", "weight"};
 
   std::size_t Find(std::string_view key) const {
     return std::ranges::find(csv_.header(), key) - csv_.header().begin();
@@ -113,6 +121,85 @@ class MapFile {
   CsvReader csv_;
   std::vector<std::string> cells_;
 };
+
+void AddTime(const MapFile& file, std::size_t column, ColumnMap& map) {
+  const std::string unit = file.Text("unit", "s");
+  if (unit == kDateUnit) {
+    map.time.push_back({.column = column, .is_text = true});
+    return;
+  }
+  const double* scale_s = FindIn(kTimeUnits, unit);
+  if (scale_s == nullptr) {
+    file.FailAt("unit", Quoted(unit) + " must be one of: s, ms, us, ns, min, h, day, date");
+  }
+  map.time.push_back({.column = column, .scale_s = *scale_s});
+}
+
+/// Two values of the column and the angles that they stand for, by default the ends of the joint's
+/// range.
+ColumnMapping TwoPoint(MapFile& file, std::size_t column, int channel) {
+  const Channel& joint = KnownChannels()[channel];
+  for (const std::string_view key : {"scale", "sign", "offset", "bits"}) {
+    if (file.Has(key)) file.FailAt(key, "must be empty beside raw_low and raw_high");
+  }
+  for (const std::string_view key : {"raw_low", "raw_high"}) {
+    if (!file.Has(key)) file.FailAt(key, "must be given, as the other end is");
+  }
+  const double raw_low = file.Number("raw_low", 0.0);
+  const double raw_range = file.Number("raw_high", 0.0) - raw_low;
+  if (raw_range == 0.0) file.FailAt("raw_high", "must not be raw_low");
+  const double low_deg = file.Number("deg_low", joint.min_deg);
+  const double scale = (file.Number("deg_high", joint.max_deg) - low_deg) / raw_range;
+  return {
+      .column = column, .channel = channel, .scale = scale, .offset = low_deg - raw_low * scale};
+}
+
+ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
+  for (const std::string_view key : {"deg_low", "deg_high"}) {
+    if (file.Has(key)) file.FailAt(key, "needs raw_low and raw_high");
+  }
+  const std::string unit = file.Text("unit", "deg");
+  if (unit == kVolts) file.FailAt("unit", "volts need raw_low and raw_high");
+  const RecordedUnit* known = FindIn(kUnits, unit);
+  if (known == nullptr) {
+    file.FailAt("unit", Quoted(unit) + " must be one of: deg, rad, counts, share, volts");
+  }
+  const double sign = file.Number("sign", 1.0);
+  if (std::abs(sign) != 1.0) file.FailAt("sign", "must be 1 or -1");
+  constexpr int kMostBits = 24;
+  const double bits = file.Number("bits", 0.0);
+  if (file.Has("bits") && !(bits >= 1.0 && bits <= kMostBits && bits == std::floor(bits))) {
+    file.FailAt("bits", fmt::format("must be a whole number from 1 to {}", kMostBits));
+  }
+  if (file.Has("bits") && *known != RecordedUnit::kCounts) {
+    file.FailAt("bits", "is for counts only");
+  }
+  return {.column = column,
+          .channel = channel,
+          .unit = *known,
+          .scale = sign * file.Number("scale", 1.0),
+          .offset = file.Number("offset", 0.0),
+          .bits = static_cast<int>(bits)};
+}
+
+/// The next row of the map, which is of `channel`.
+void AddChannel(MapFile& file, std::size_t column, const std::string& channel, ColumnMap& map) {
+  const auto index = FindChannel(channel);
+  if (!index) {
+    file.FailAt("channel", fmt::format("unknown channel {}{}", Quoted(channel),
+                                       Suggestion(channel, KnownChannelNames())));
+  }
+  const bool two_points = file.Has("raw_low") || file.Has("raw_high");
+  ColumnMapping mapping =
+      two_points ? TwoPoint(file, column, *index) : OnePoint(file, column, *index);
+  mapping.weight = file.Number("weight", 1.0);
+  // Twice without a weight is a slip of the pen, not a sum.
+  const auto before = std::ranges::find(map.channels, *index, &ColumnMapping::channel);
+  if (before != map.channels.end() && !file.Has("weight")) {
+    file.FailAt("channel", channel + " appears twice; its rows add up if each has a weight");
+  }
+  map.channels.push_back(mapping);
+}
 
 std::size_t ColumnOf(const MapFile& map, const CsvReader& recording) {
   const std::string name = map.Text("column", "");
@@ -132,6 +219,14 @@ std::size_t ColumnOf(const MapFile& map, const CsvReader& recording) {
 }
 
 }  // namespace
+
+std::filesystem::path FileOfMap(const std::filesystem::path& map) {
+  std::error_code unreadable;
+  if (map.has_extension() || std::filesystem::exists(map, unreadable)) return map;
+  const std::filesystem::path preset =
+      OwnOrDataFile("scenarios/maps/" + map.filename().string() + ".csv");
+  return std::filesystem::exists(preset, unreadable) ? preset : map;
+}
 
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
                       std::vector<std::string>& left_out) {
@@ -157,37 +252,17 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
 }
 
 ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& recording) {
-  MapFile file(path);
+  MapFile file(FileOfMap(path));
   ColumnMap map;
   while (file.NextRow()) {
     const std::size_t column = ColumnOf(file, recording);
     const std::string channel = file.Text("channel", "");
+    if (channel == "ignore") continue;
     if (channel == "time") {
-      const std::string unit = file.Text("unit", "s");
-      const double* scale = FindIn(kTimeUnits, unit);
-      if (scale == nullptr) file.FailAt("unit", Quoted(unit) + " must be one of: s, ms, us");
-      map.time_column = column;
-      map.time_scale_s = *scale;
-      continue;
+      AddTime(file, column, map);
+    } else {
+      AddChannel(file, column, channel, map);
     }
-    const auto index = FindChannel(channel);
-    if (!index) {
-      file.FailAt("channel", fmt::format("unknown channel {}{}", Quoted(channel),
-                                         Suggestion(channel, KnownChannelNames())));
-    }
-    const std::string unit = file.Text("unit", "deg");
-    const RecordedUnit* known = FindIn(kUnits, unit);
-    if (known == nullptr) {
-      file.FailAt("unit", Quoted(unit) + " must be one of: deg, rad, counts, share");
-    }
-    const double sign = file.Number("sign", 1.0);
-    if (std::abs(sign) != 1.0) file.FailAt("sign", "must be 1 or -1");
-    map.channels.push_back({.column = column,
-                            .channel = *index,
-                            .unit = *known,
-                            .scale = sign * file.Number("scale", 1.0),
-                            .offset = file.Number("offset", 0.0)});
-    if (Repeated(map)) file.FailAt("channel", channel + " appears twice");
   }
   if (map.channels.empty()) file.FailAt("channel", "the map names no channel");
   return map;

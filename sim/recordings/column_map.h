@@ -14,23 +14,32 @@ namespace gauntlet::sim {
 enum class RecordedUnit {
   kDegrees,
   kRadians,
-  kCounts,  // of the nominal sensor and the scenario's converter
+  kCounts,  // of the nominal sensor and a converter
   kShare,   // of the joint's range: 0 its lower end, 1 its upper end
 };
 
-/// One column: angle = unit(sign * scale * value + offset).
+/// What a column gives to a channel: weight * unit(scale * value + offset). The angle of a channel
+/// is the sum over its mappings.
 struct ColumnMapping {
   std::size_t column = 0;  // from 0
   int channel = 0;
   RecordedUnit unit = RecordedUnit::kDegrees;
   double scale = 1.0;   // sign included
   double offset = 0.0;  // in the unit
+  int bits = 0;         // of the converter that counts are of; 0: the scenario's
+  double weight = 1.0;
+};
+
+/// What a column gives to the time, which is the sum over its columns.
+struct TimeMapping {
+  std::size_t column = 0;
+  double scale_s = 1.0;  // seconds per unit
+  bool is_text = false;  // of dates and clocks: see SecondsOfText
 };
 
 /// Which column is what.
 struct ColumnMap {
-  std::optional<std::size_t> time_column;
-  double time_scale_s = 1.0;  // seconds per unit of the time column
+  std::vector<TimeMapping> time;  // empty: the file has none
   std::vector<ColumnMapping> channels;
 };
 
@@ -42,11 +51,13 @@ struct ColumnMap {
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
                       std::vector<std::string>& left_out);
 
-/// From a map file: a text table like a recording (see CsvReader), with a header `column,channel`
-/// and any of `unit`, `scale`, `sign`, `offset`. `column` is a name in the recording's header or a
-/// number from 1; `channel` is a channel or `time`; `unit` is deg, rad, counts or share, for time
-/// s, ms or us. Columns that the map does not name are left out. Errors: UserError `map:row:column:
-/// ...`.
+/// The file of a map: itself, or where there is none the preset of that name.
+std::filesystem::path FileOfMap(const std::filesystem::path& map);
+
+/// From a map file, or from a preset of Gauntlet by its name (scenarios/maps/NAME.csv): a text table
+/// like a recording (see CsvReader), with a header `column,channel` and any of the other keys.
+/// sim/recordings/README.md has the language with an example per case. Columns that the map does
+/// not name are left out. Errors: UserError `map:row:column: ...`.
 ColumnMap ReadColumnMap(const std::filesystem::path& map, const CsvReader& recording);
 
 }  // namespace gauntlet::sim

@@ -15,6 +15,8 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/recordings/time_columns.h"
+#include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -30,22 +32,16 @@ bool LooksLikeNumber(std::string_view cell, bool decimal_comma) {
   return NumberOrMissing(text).has_value();
 }
 
-char FindSeparator(std::string_view line) {
-  for (const char candidate : {';', '\t', ','}) {
-    if (line.find(candidate) != std::string_view::npos) return candidate;
-  }
-  return Trimmed(line).find(' ') != std::string_view::npos ? ' ' : ',';
-}
-
 }  // namespace
 
-CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener)
+CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener,
+                     int skipped_lines)
     : name_(std::move(name)),
       source_(std::move(source)),
       handling_(handling),
       listener_(std::move(listener)),
       buffer_(std::size_t{1} << 16) {
-  ReadFirstLine();
+  ReadFirstLine(skipped_lines);
 }
 
 void CsvReader::Fail(std::size_t column, const std::string& problem) const {
@@ -113,21 +109,22 @@ bool CsvReader::NextUsefulLine(std::string_view& line) {
   return false;
 }
 
-void CsvReader::ReadFirstLine() {
+void CsvReader::ReadFirstLine(int skipped_lines) {
   std::string_view line;
   bool found = NextLine(line);
+  for (int skipped = 0; found && skipped < skipped_lines; ++skipped) found = NextLine(line);
   line = WithoutByteOrderMark(line);
   if (!found || Trimmed(line).empty() || Trimmed(line)[0] == '#') found = NextUsefulLine(line);
   if (!found) {
     row_ = 0;
     Fail(1, "the file holds no data");
   }
-  separator_ = FindSeparator(line);
+  separator_ = SeparatorOf(line);
   const bool decimal_comma = separator_ != ',';
   bool is_header = false;
   for (const std::string_view cell : SplitCells(line, separator_)) {
     header_.emplace_back(Unquoted(cell));
-    is_header = is_header || !LooksLikeNumber(cell, decimal_comma);
+    is_header = is_header || !(LooksLikeNumber(cell, decimal_comma) || SecondsOfText(cell));
   }
   column_count_ = header_.size();
   if (is_header) {
@@ -138,7 +135,7 @@ void CsvReader::ReadFirstLine() {
     first_row_ = line;
     first_row_line_ = row_;
   }
-  ignored_.assign(column_count_, false);
+  meanings_.assign(column_count_, Meaning::kNumber);
 }
 
 void CsvReader::ReadFirstRowOfData() {
@@ -153,7 +150,7 @@ void CsvReader::ReadFirstRowOfData() {
   if (cells.size() != header_.size() + 1 || Trimmed(cells.back()).empty()) return;
   Problem("header too short", header_.size(),
           fmt::format("the header has {} names for {} values", header_.size(), cells.size()));
-  const bool time_is_first = header_.front().starts_with("t");
+  const bool time_is_first = TimeScaleS(header_.front()).has_value();
   header_.insert(time_is_first ? header_.end() : header_.begin(), std::string());
   column_count_ = header_.size();
 }
@@ -195,7 +192,7 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
   for (; column < column_count_ && more; ++column) {
     double value;
     const auto number = std::from_chars(rest.data(), end, value);
-    if (!ignored_[column] && number.ec == std::errc() && std::isfinite(value) &&
+    if (meanings_[column] == Meaning::kNumber && number.ec == std::errc() && std::isfinite(value) &&
         separator_ != ' ' && (number.ptr == end || *number.ptr == separator_)) {
       values[column] = value;
       more = number.ptr != end;
@@ -205,7 +202,7 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
     // Everything that is not a plain number between separators: rare, so clarity over speed.
     const std::string_view cell = TakeCell(rest, separator_);
     more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
-    values[column] = ignored_[column] ? kMissing : Number(cell, column + 1);
+    values[column] = meanings_[column] == Meaning::kIgnored ? kMissing : Number(cell, column + 1);
   }
   if (column < column_count_) {
     Problem("truncated row", column,
@@ -226,7 +223,14 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
     }
     return kMissing;
   }
-  const std::optional<double> value = NumberOrMissing(text);
+  std::optional<double> value = NumberOrMissing(text);
+  if (!value && meanings_[column - 1] == Meaning::kTime) {
+    value = SecondsOfText(text);
+    if (!value) {
+      Problem("no time", column, Quoted(cell) + " is neither a date nor a clock");
+      return kMissing;
+    }
+  }
   if (!value) {
     Problem("not a number", column, Quoted(cell) + " is not a number");
     return kMissing;
@@ -242,6 +246,20 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
     return kMissing;
   }
   return *value;
+}
+
+char SeparatorOf(std::string_view line) {
+  for (const char candidate : {';', '\t'}) {
+    if (line.find(candidate) != std::string_view::npos) return candidate;
+  }
+  const bool has_blank = Trimmed(line).find(' ') != std::string_view::npos;
+  if (line.find(',') == std::string_view::npos) return has_blank ? ' ' : ',';
+  if (!has_blank) return ',';
+  const std::vector<std::string_view> cells = SplitCells(line, ' ');
+  const auto is_decimal = [](std::string_view cell) {
+    return !cell.starts_with(',') && !cell.ends_with(',') && LooksLikeNumber(cell, true);
+  };
+  return std::ranges::all_of(cells, is_decimal) ? ' ' : ',';
 }
 
 CsvReader::Source FileSource(const std::filesystem::path& path) {

@@ -25,7 +25,8 @@ inline constexpr std::array<std::string_view, 2> kProblemHandlingNames = {"stric
 ///
 /// Takes comma, semicolon, tab or spaces between cells (found from the first line), LF or CRLF, a
 /// byte order mark, blank lines, lines that start with '#', quoted names, and a decimal comma if
-/// the separator is another character. A first line with a cell that is not a number is the header.
+/// the separator is another character. A first line with a cell that is neither a number nor a time
+/// (see SecondsOfText) is the header.
 /// An empty cell, `nan` or `NA` is a missing value (see NumberOrMissing). A header one name short
 /// lacks the first column's name, or the last one's if it starts with the time. Errors: UserError
 /// `file:row:column: ...`; row is the line of the file, column the cell, from 1.
@@ -36,15 +37,19 @@ class CsvReader {
   /// Hears of every problem that was repaired.
   using Listener = std::function<void(std::string_view kind, std::size_t row)>;
 
-  /// `name` stands for the file in messages.
-  CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener = {});
+  /// `name` stands for the file in messages; `skipped_lines` at its beginning are no part of the
+  /// table.
+  CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener = {},
+            int skipped_lines = 0);
 
   /// Empty if the file has none. A nameless column has an empty name.
   const std::vector<std::string>& header() const { return header_; }
   std::size_t column_count() const { return column_count_; }
 
   /// Do not read this column (from 0): its values are NaN and may be text.
-  void Ignore(std::size_t column) { ignored_[column] = true; }
+  void Ignore(std::size_t column) { meanings_[column] = Meaning::kIgnored; }
+  /// The numbers of this column are the seconds of dates and clocks: see SecondsOfText.
+  void ReadAsTime(std::size_t column) { meanings_[column] = Meaning::kTime; }
 
   /// The next row; false at the end. `values` has column_count() places.
   bool NextRow(std::span<double> values);
@@ -65,7 +70,7 @@ class CsvReader {
   bool NextLine(std::string_view& line);
   bool NextUsefulLine(std::string_view& line);
   void Refill();
-  void ReadFirstLine();
+  void ReadFirstLine(int skipped_lines);
   void ReadFirstRowOfData();
   bool NextLineOfData(std::string_view& line);
   void ParseRow(std::string_view line, std::span<double> values);
@@ -78,7 +83,8 @@ class CsvReader {
   std::vector<std::string> header_;
   std::size_t column_count_ = 0;
   char separator_ = ',';
-  std::vector<bool> ignored_;
+  enum class Meaning : char { kNumber, kTime, kIgnored };
+  std::vector<Meaning> meanings_;  // of columns
   bool has_first_row_ = false;
   std::string first_row_;
   std::size_t first_row_line_ = 0;
@@ -89,6 +95,10 @@ class CsvReader {
   std::size_t end_ = 0;
   bool source_is_empty_ = false;
 };
+
+/// What stands between the cells of a line: semicolon, tab, comma or blanks, in this order; blanks
+/// before commas where these can only be decimal ones, as in `0,01 1,5`.
+char SeparatorOf(std::string_view line);
 
 /// A source that reads a file. Throws UserError if it cannot be opened.
 CsvReader::Source FileSource(const std::filesystem::path& path);

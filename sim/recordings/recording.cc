@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/recordings/glitches.h"
 #include "sim/recordings/pchip.h"
+#include "sim/recordings/table_source.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -174,7 +175,7 @@ void Hold(const GoodValues& good, double start_s, double rate_hz, double gap_s, 
 
 Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
                         double start_s, double duration_s) {
-  RecordingReader reader(file.string(), FileSource(file), format);
+  RecordingReader reader(file.string(), TableSource(file), format);
   Recording recording;
   recording.name = file.string();
   recording.has_channel = reader.has_channel();

@@ -18,6 +18,8 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kClockRestartS = 1.0;
 // Further outside the joint's range than this share of it no hand and no bad calibration gets.
 constexpr double kGlitchShare = 0.5;
+// Where the nominal sensor has the lower end of a joint's range, of a converter's full scale.
+constexpr double kNominalLowShare = 0.1;
 
 }  // namespace
 
@@ -26,7 +28,8 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
     : handling_(format.handling), longest_gap_s_(1e-3 * format.longest_gap_ms) {
   csv_ = std::make_unique<CsvReader>(
       std::move(name), std::move(source), format.handling,
-      [this](std::string_view kind, std::size_t row) { Note(std::string(kind), row); });
+      [this](std::string_view kind, std::size_t row) { Note(std::string(kind), row); },
+      format.skipped_lines);
   row_ = csv_->row();
   std::vector<std::string> left_out;
   map_ = format.map.empty() ? MapByHeader(*csv_, format.handling, left_out)
@@ -34,10 +37,10 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   for (const std::string& column : left_out) {
     problems_[fmt::format("unknown column {} left out", Quoted(column))] = {1, csv_->row()};
   }
-  if (map_.time_column) {
+  if (!map_.time.empty()) {
     if (format.rate_hz > 0.0) {
       ReportHere(fmt::format("{} not used beside a column of time", format.rate_key),
-                 *map_.time_column + 1,
+                 map_.time.front().column + 1,
                  fmt::format("is a column of time, {} must not be given", format.rate_key));
     }
   } else if (format.rate_hz <= 0.0) {
@@ -50,7 +53,10 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   next_values_.resize(csv_->column_count());
   has_channel_.assign(KnownChannels().size(), false);
   std::vector<bool> used(csv_->column_count(), false);
-  if (map_.time_column) used[*map_.time_column] = true;
+  for (const TimeMapping& time : map_.time) {
+    used[time.column] = true;
+    if (time.is_text) csv_->ReadAsTime(time.column);
+  }
   for (const ColumnMapping& mapping : map_.channels) {
     used[mapping.column] = true;
     has_channel_[mapping.channel] = true;
@@ -73,13 +79,30 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
     factor = range_rad;
     zero_rad = min_rad;
   } else if (mapping.unit == RecordedUnit::kCounts) {
-    factor = range_rad / (format.high_counts - format.low_counts);
-    zero_rad = min_rad - format.low_counts * factor;
+    double low_counts = format.low_counts;
+    double high_counts = format.high_counts;
+    if (mapping.bits > 0) {
+      const double full_scale_counts = std::ldexp(1.0, mapping.bits) - 1.0;
+      low_counts = kNominalLowShare * full_scale_counts;
+      high_counts = (1.0 - kNominalLowShare) * full_scale_counts;
+    }
+    factor = range_rad / (high_counts - low_counts);
+    zero_rad = min_rad - low_counts * factor;
+  }
+  const std::size_t channel = mapping.channel;
+  // A sum ends with the last of its rows.
+  bool is_first = true;
+  for (Linear& before : channels_) {
+    if (before.channel != channel) continue;
+    before.is_last = false;
+    is_first = false;
   }
   channels_.push_back({.column = mapping.column,
-                       .channel = static_cast<std::size_t>(mapping.channel),
-                       .factor = factor * mapping.scale,
-                       .offset_rad = zero_rad + factor * mapping.offset,
+                       .channel = channel,
+                       .is_first = is_first,
+                       .is_last = true,
+                       .factor = mapping.weight * factor * mapping.scale,
+                       .offset_rad = mapping.weight * (zero_rad + factor * mapping.offset),
                        .lowest_rad = min_rad - kGlitchShare * range_rad,
                        .highest_rad = min_rad + (1.0 + kGlitchShare) * range_rad});
 }
@@ -104,13 +127,19 @@ void RecordingReader::Report(const std::string& kind, std::size_t row, std::size
   Note(kind, row);
 }
 
+double RecordingReader::GivenTimeS(std::span<const double> values) const {
+  double sum_s = 0.0;
+  for (const TimeMapping& time : map_.time) sum_s += values[time.column] * time.scale_s;
+  return sum_s;
+}
+
 bool RecordingReader::FixTime(double& time_s) {
-  if (!map_.time_column) {
+  if (map_.time.empty()) {
     time_s = good_rows_ * row_period_s_;
     return true;
   }
-  const std::size_t column = *map_.time_column + 1;
-  const double given_s = values_[*map_.time_column] * map_.time_scale_s;
+  const std::size_t column = map_.time.back().column + 1;
+  const double given_s = GivenTimeS(values_);
   if (!std::isfinite(given_s)) return false;  // the CSV reader has reported it
   if (std::abs(given_s) > 1e12) {
     ReportHere("time out of range", column, fmt::format("the time is {} s", given_s));
@@ -156,7 +185,7 @@ bool RecordingReader::IsWildTime(double step_s) {
     next_row_ = csv_->row();
   }
   if (!has_next_) return std::abs(step_s) > kClockRestartS;
-  const double next_s = next_values_[*map_.time_column] * map_.time_scale_s + clock_offset_s_;
+  const double next_s = GivenTimeS(next_values_) + clock_offset_s_;
   const double next_step_s = next_s - last_time_s_;
   return next_step_s > 0.0 && next_step_s <= longest_step_s;
 }
@@ -181,15 +210,17 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
     last_time_s_ = time_s = now_s;
     for (std::size_t c = 0; c < angle_rad.size(); ++c) angle_rad[c] = kMissing;
     for (const Linear& linear : channels_) {
-      const double angle = linear.factor * values_[linear.column] + linear.offset_rad;
+      double& angle = angle_rad[linear.channel];
+      const double part = linear.factor * values_[linear.column] + linear.offset_rad;
+      angle = linear.is_first ? part : angle + part;
+      if (!linear.is_last) continue;
       if (angle < linear.lowest_rad || angle > linear.highest_rad) {
         const Channel& joint = KnownChannels()[linear.channel];
         ReportHere("glitch far outside the joint's range", linear.column + 1,
                    fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name,
                                angle * kDegPerRad, joint.min_deg, joint.max_deg));
-        continue;
+        angle = kMissing;
       }
-      angle_rad[linear.channel] = angle;
     }
     return true;
   }

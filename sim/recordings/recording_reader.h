@@ -15,8 +15,9 @@ namespace gauntlet::sim {
 
 /// What must be known to read a recording besides the file.
 struct RecordingFormat {
-  std::string map;       // column map; empty: the header's names
-  double rate_hz = 0.0;  // rows per second of a file without time; 0: the file has a time column
+  std::string map;        // column map; empty: the header's names
+  double rate_hz = 0.0;   // rows per second of a file without time; 0: the file has a time column
+  int skipped_lines = 0;  // at the beginning of the file, as headers of a sensor's software
   std::string_view rate_key = "file_rate_hz";  // what messages call it
   ProblemHandling handling = ProblemHandling::kStrict;
   double longest_gap_ms = 100.0;  // a longer one is a problem
@@ -59,10 +60,12 @@ class RecordingReader {
     std::size_t rows = 0;
     std::size_t first_row = 0;
   };
-  /// unit(value): factor and offset to rad, found once.
+  /// weight * unit(value): factor and offset to rad, found once.
   struct Linear {
     std::size_t column;
     std::size_t channel;
+    bool is_first;  // of its channel
+    bool is_last;
     double factor;
     double offset_rad;
     double lowest_rad;
@@ -73,6 +76,8 @@ class RecordingReader {
   static std::string Remark(const std::string& kind, const Count& count);
   void Note(const std::string& kind, std::size_t row);
   bool ReadRow();
+  /// In the file; NaN if a part of it is missing.
+  double GivenTimeS(std::span<const double> values) const;
   bool FixTime(double& time_s);
   bool IsWildTime(double step_s);
   void AddLinear(const ColumnMapping& mapping, const RecordingFormat& format);

@@ -434,13 +434,13 @@ TEST_F(Files, OfMapsAreReadStrictly) {
   EXPECT_EQ(error_of("column,channel\na,index_mpc\n"),
             "map.csv:2:2: unknown channel 'index_mpc' (did you mean index_mcp?)");
   EXPECT_EQ(error_of("column,channel,unit\na,index_mcp,m\n"),
-            "map.csv:2:3: 'm' must be one of: deg, rad, counts, share");
+            "map.csv:2:3: 'm' must be one of: deg, rad, counts, share, volts");
   EXPECT_EQ(error_of("column,channel,scale\na,index_mcp,two\n"),
             "map.csv:2:3: 'two' is not a number");
   EXPECT_EQ(error_of("column,channel,sign\na,index_mcp,2\n"), "map.csv:2:3: must be 1 or -1");
   EXPECT_THAT(error_of("column,channel\nc,index_mcp\n"), HasSubstr("has no column 'c'"));
   EXPECT_EQ(error_of("column,channel\na,index_mcp\nb,index_mcp\n"),
-            "map.csv:3:2: index_mcp appears twice");
+            "map.csv:3:2: index_mcp appears twice; its rows add up if each has a weight");
   EXPECT_EQ(error_of("column,channel\na\n"), "map.csv:2:1: the row has 1 of 2 values");
 }
 

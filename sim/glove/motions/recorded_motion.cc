@@ -24,6 +24,7 @@ RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext
   RecordingFormat format;
   format.map = config.map;
   format.rate_hz = config.file_rate_hz;
+  format.skipped_lines = config.skip_lines;
   format.handling = config.problems;
   format.longest_gap_ms = config.longest_gap_ms;
   format.low_counts = context.sensor.low_counts(context.converter.full_scale_counts());
@@ -122,14 +123,20 @@ void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config
 }  // namespace
 
 void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Path({.key = "file", .help = "text table: time and channels by name", .required = true},
+  visitor.Path({.key = "file", .help = "a table of any format: time and channels by name", .required = true},
                file);
-  visitor.Path({.key = "map", .help = "column map for a file with other names or units"}, map);
+  visitor.Path(
+      {.key = "map", .help = "column map for a file with other names or units, or a preset"}, map);
   visitor.Number({.key = "file_rate_hz",
                   .help = "rows per second of a file without a time column",
                   .min = 0,
                   .max = 100000},
                  file_rate_hz);
+  visitor.Integer({.key = "skip_lines",
+                   .help = "lines before the table, as a sensor's software writes them",
+                   .min = 0,
+                   .max = 1000},
+                  skip_lines);
   controller::VisitEnum(
       visitor, {.key = "problems", .help = "stop at the first bad value, or repair and report"},
       kProblemHandlingNames, problems);

@@ -25,6 +25,7 @@ struct RecordedMotionConfig {
   std::string file = {};
   std::string map = {};
   double file_rate_hz = 0.0;
+  int skip_lines = 0;
   ProblemHandling problems = ProblemHandling::kStrict;
   double longest_gap_ms = 100.0;
   double start_s = 0.0;

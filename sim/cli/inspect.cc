@@ -1,0 +1,234 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "sim/base/atomic_file.h"
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+#include "sim/cli/commands.h"
+#include "sim/cli/standard_streams.h"
+#include "sim/cli/usage_error.h"
+#include "sim/inspect/inspection.h"
+#include "sim/inspect/starter_files.h"
+#include "sim/video/png_file.h"
+#include "sim/video/recording_picture.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InspectOptions {
+  std::string file;
+  std::string map;
+  std::string scenario;
+  std::string plot;
+  InspectionOptions inspection;
+  bool json = false;
+};
+
+std::string SeparatorText(char separator) {
+  switch (separator) {
+    case '\t':
+      return "tab";
+    case ' ':
+      return "blanks";
+    case ';':
+      return "semicolon";
+    default:
+      return "comma";
+  }
+}
+
+std::string HeaderText(const TableLayout& layout) {
+  std::string text;
+  if (layout.skipped_lines > 0) text = fmt::format("{} lines before it, ", layout.skipped_lines);
+  return text + (layout.has_header ? "names in its first line" : "no line of names");
+}
+
+void PrintTime(const Inspection& inspection) {
+  const TimeStatistics& time = inspection.time;
+  if (!inspection.has_time) {
+    Print("time    none: {}\n", inspection.time_why);
+    Print("rate    {:.5g} Hz, {}\n", time.rate_hz,
+          inspection.rate_is_known ? "as given" : "an assumption; --rate HZ tells it");
+    return;
+  }
+  Print("time    {}\n", inspection.time_why);
+  Print("rate    {:.5g} Hz, nine in ten rows after {:.3g} to {:.3g} ms; {:.5g} s\n", time.rate_hz,
+        time.short_ms, time.long_ms, time.duration_s);
+  if (time.gaps > 0) {
+    Print("        {} gaps, the longest {:.4g} s\n", time.gaps, time.longest_gap_s);
+  }
+  if (time.restarts > 0) Print("        the time goes back {} times\n", time.restarts);
+  if (time.repeats > 0) Print("        the time repeats {} times\n", time.repeats);
+}
+
+void PrintColumns(const Inspection& inspection) {
+  Print("\n{:>3}  {:<20}  {:<17}  {:>10}  {:>10}  {:>9}  {:>9}  {:>6}  {:>7}  {}\n", "", "column",
+        "taken for", "lowest", "highest", "step", "noise", "still", "clipped", "why");
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    const ColumnStatistics& numbers = column.statistics;
+    std::string taken_for = column.channel.empty() ? "-" : column.channel;
+    if (!column.time_unit.empty()) taken_for = "time, " + column.time_unit;
+    const std::string why = column.time_unit.empty() ? column.why : "";
+    const std::string name = OneLine(column.name, 20);
+    if (column.kind != CellKind::kNumber || numbers.good_rows == 0) {
+      Print("{:>3}  {:<20}  {:<17}  {:>62}  {}\n", c + 1, name, taken_for, "", why);
+      continue;
+    }
+    Print(
+        "{:>3}  {:<20}  {:<17}  {:>10.5g}  {:>10.5g}  {:>9.3g}  {:>9.3g}  {:>4.0f} %  {:>5.0f} "
+        "%  {}\n",
+        c + 1, name, taken_for, numbers.low, numbers.high, numbers.step, numbers.noise,
+        100.0 * numbers.still_share, 100.0 * numbers.clipped_share, why);
+  }
+}
+
+void PrintInspection(const Inspection& inspection) {
+  const TableLayout& layout = inspection.layout;
+  Print("{}\n\n", OneLine(inspection.file));
+  Print("format  {}, {} between cells{}; {}\n", NameOf(inspection.format),
+        SeparatorText(layout.separator), layout.decimal_comma ? ", decimal comma" : "",
+        HeaderText(layout));
+  Print("size    {} rows of {} columns{}\n", inspection.rows, layout.columns,
+        inspection.is_whole ? ""
+                            : fmt::format(": the first {} of {} MB, the rest is not looked at",
+                                          kMostInspectedBytes >> 20, inspection.file_bytes >> 20));
+  PrintTime(inspection);
+  if (inspection.unit != RawUnit::kUnknown) {
+    const std::string bits =
+        inspection.bits > 0 ? fmt::format(" of {} bits", inspection.bits) : std::string();
+    Print("unit    {}{}: {}\n", NameOf(inspection.unit), bits, inspection.unit_why);
+  }
+  for (const auto& [kind, count] : inspection.problems) {
+    Print("repair  {}: {} times\n", kind, count);
+  }
+  PrintColumns(inspection);
+}
+
+void PrintJson(const Inspection& inspection) {
+  nlohmann::ordered_json columns = nlohmann::ordered_json::array();
+  for (const InspectedColumn& column : inspection.columns) {
+    const ColumnStatistics& numbers = column.statistics;
+    nlohmann::ordered_json row = {{"name", OneLine(column.name)}};
+    if (!column.time_unit.empty()) row["time_unit"] = column.time_unit;
+    if (!column.channel.empty()) row["channel"] = column.channel;
+    row["why"] = OneLine(column.why);
+    if (column.kind == CellKind::kNumber && numbers.good_rows > 0) {
+      row.update({{"low", numbers.low},
+                  {"high", numbers.high},
+                  {"step", numbers.step},
+                  {"noise", numbers.noise},
+                  {"still_share", numbers.still_share},
+                  {"clipped_share", numbers.clipped_share},
+                  {"longest_still_rows", numbers.longest_still_rows}});
+    }
+    columns.push_back(std::move(row));
+  }
+  nlohmann::ordered_json json = {{"file", OneLine(inspection.file)},
+                                 {"format", NameOf(inspection.format)},
+                                 {"separator", SeparatorText(inspection.layout.separator)},
+                                 {"decimal_comma", inspection.layout.decimal_comma},
+                                 {"skipped_lines", inspection.layout.skipped_lines},
+                                 {"rows", inspection.rows},
+                                 {"is_whole", inspection.is_whole},
+                                 {"has_time", inspection.has_time},
+                                 {"rate_hz", inspection.time.rate_hz},
+                                 {"rate_is_known", inspection.rate_is_known},
+                                 {"duration_s", inspection.time.duration_s},
+                                 {"gaps", inspection.time.gaps},
+                                 {"restarts", inspection.time.restarts},
+                                 {"unit", NameOf(inspection.unit)},
+                                 {"bits", inspection.bits},
+                                 {"repairs", inspection.problems},
+                                 {"columns", std::move(columns)}};
+  Print("{}\n", json.dump(2));
+}
+
+/// As a file in the folder of `from` names it.
+std::string SeenFrom(const fs::path& from, const fs::path& file) {
+  const fs::path folder = fs::absolute(from).parent_path();
+  return fs::absolute(file).lexically_proximate(folder).generic_string();
+}
+
+void Write(const std::string& target, const std::string& recording, const std::string& text) {
+  std::error_code none;
+  if (fs::equivalent(target, recording, none)) {
+    throw UserError({.place = target, .problem = "is the recording itself"});
+  }
+  const fs::path folder = fs::path(target).parent_path();
+  if (!folder.empty()) MakeDirectory(folder);
+  WriteFileAtomically(target, text);
+  Say("wrote {}\n", target);
+}
+
+void RunInspect(const InspectOptions& options) {
+  const Inspection inspection = Inspect(options.file, options.inspection);
+  if (options.json) {
+    PrintJson(inspection);
+  } else {
+    PrintInspection(inspection);
+  }
+  FlushOutput();
+  std::string map = options.map;
+  if (map.empty() && !options.scenario.empty()) {
+    map = fs::path(options.scenario).replace_extension(".map.csv").string();
+  }
+  if (!map.empty()) Write(map, options.file, StarterMap(inspection));
+  if (!options.scenario.empty()) {
+    Write(options.scenario, options.file,
+          StarterScenario(inspection, SeenFrom(options.scenario, options.file),
+                          SeenFrom(options.scenario, map)));
+    if (!options.json) Print("\nNext: gauntlet compare {}\n", options.scenario);
+  }
+  if (!options.plot.empty()) {
+    WritePng(DrawRecording(inspection), options.plot);
+    Say("wrote {}\n", options.plot);
+  }
+}
+
+}  // namespace
+
+void AddInspectCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "inspect", "What a stranger's recording is, and a column map and scenario that run it");
+  const auto options = std::make_shared<InspectOptions>();
+  command->add_option("file", options->file, "the recording")->required();
+  command
+      ->add_option("--write-map", options->map,
+                   "write a column map, to be checked [beside the scenario]")
+      ->type_name("MAP.csv");
+  command
+      ->add_option("--write-scenario", options->scenario,
+                   "write a scenario that plays the recording through a few filters")
+      ->type_name("FILE.yaml");
+  command->add_option("--plot", options->plot, "draw its sensors")->type_name("FILE.png");
+  command
+      ->add_option("--rate", options->inspection.rate_hz,
+                   "rows per second of a file without a time [50]")
+      ->type_name("HZ")
+      ->check(Number(0.01, 100000.0));
+  command
+      ->add_option("--preset", options->inspection.preset,
+                   "the glove whose sensors the columns are, in its order, as cyberglove22, or a "
+                   "column map with numbers [by names]")
+      ->type_name("NAME");
+  command->add_flag("--json", options->json, "print JSON instead of the table");
+  command->footer(
+      "\nThe file is known by its bytes. Of a file above 1 GB the beginning is read. Noise is "
+      "the\n"
+      "standard deviation from the curvature between three rows; still is how often a value is "
+      "that\n"
+      "of the row before, clipped how often it is the lowest or highest of all.\n"
+      "\nExample:\n  gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot "
+      "my_glove.png\n"
+      "  gauntlet compare my_glove.yaml\n");
+  command->callback([options] { RunInspect(*options); });
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,197 @@
+#include "sim/inspect/starter_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/channels.h"
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Its name, if a map can have that in a cell and means this column only; else its number.
+std::string ColumnText(const Inspection& inspection, std::size_t column) {
+  const std::string& name = inspection.layout.names[column];
+  const bool is_plain =
+      !name.empty() && name.size() <= 40 &&
+      std::ranges::all_of(name,
+                          [](unsigned char letter) {
+                            return std::isalnum(letter) != 0 || letter == '_' || letter == '.' ||
+                                   letter == '-';
+                          }) &&
+      std::ranges::any_of(name, [](unsigned char letter) { return std::isalpha(letter) != 0; });
+  const bool is_only = std::ranges::count(inspection.layout.names, name) == 1;
+  if (inspection.layout.has_header && is_plain && is_only) return name;
+  return std::to_string(column + 1);
+}
+
+/// Counts, volts and shares: what the glove gave at most and at least are the ends of the joint's
+/// range, or of that part of it in which a hand moves.
+bool NeedsTwoPoints(RawUnit unit) {
+  return unit == RawUnit::kCounts || unit == RawUnit::kVolts || unit == RawUnit::kUnknown;
+}
+
+/// A knuckle bends back 45 degrees for few people only.
+double LowDegOf(const Channel& joint) {
+  return joint.name.ends_with("_mcp") ? std::max(joint.min_deg, 0.0) : joint.min_deg;
+}
+
+std::string MapRow(const Inspection& inspection, std::size_t c) {
+  const InspectedColumn& column = inspection.columns[c];
+  const std::string name = ColumnText(inspection, c);
+  if (!column.time_unit.empty()) return fmt::format("{},time,{},,,,,\n", name, column.time_unit);
+  const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+  if (!NeedsTwoPoints(inspection.unit)) {
+    const bool is_share = inspection.unit == RawUnit::kShare;
+    // A share of the whole range would take a straight finger's knuckle backwards.
+    if (is_share) {
+      return fmt::format("{},{},deg,,0,1,{:g},{:g}\n", name, joint.name, LowDegOf(joint),
+                         joint.max_deg);
+    }
+    return fmt::format("{},{},{},{},,,,\n", name, joint.name, NameOf(inspection.unit),
+                       column.is_inverted ? "-1" : "1");
+  }
+  double low = column.statistics.usual_low;
+  double high = column.statistics.usual_high;
+  if (!(high > low)) high = low + 1.0;
+  return fmt::format(
+      "{},{},{},,{:.6g},{:.6g},{:g},{:g}\n", name, joint.name,
+      NameOf(inspection.unit == RawUnit::kUnknown ? RawUnit::kCounts : inspection.unit), low, high,
+      LowDegOf(joint), joint.max_deg);
+}
+
+/// A glove's noise in counts of the scenario's converter, 10 bits over the joint's range: the
+/// median over channels of its variance, not below that of the rounding.
+double VarianceCounts2(const Inspection& inspection) {
+  constexpr double kCountsPerRange = 0.8 * 1023.0;
+  std::vector<double> variances;
+  for (const std::size_t c : inspection.MappedColumns()) {
+    const ColumnStatistics& column = inspection.columns[c].statistics;
+    const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
+    double per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg);
+    if (inspection.unit == RawUnit::kRadians) per_unit *= 180.0 / 3.14159265358979323846;
+    if (NeedsTwoPoints(inspection.unit) || inspection.unit == RawUnit::kShare) {
+      const double range =
+          inspection.unit == RawUnit::kShare ? 1.0 : column.usual_high - column.usual_low;
+      per_unit *= (joint.max_deg - LowDegOf(joint)) / std::max(range, 1e-9);
+    }
+    const double noise = std::max(column.noise, column.step / std::sqrt(12.0)) * per_unit;
+    variances.push_back(noise * noise);
+  }
+  std::ranges::sort(variances);
+  return std::clamp(variances[variances.size() / 2], 0.1, 1e4);
+}
+
+/// The text of a name within a YAML string of double quotes.
+std::string YamlText(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    if (letter == '"' || letter == '\\') quoted.push_back('\\');
+    quoted.push_back(letter);
+  }
+  return quoted + "\"";
+}
+
+}  // namespace
+
+std::string StarterMap(const Inspection& inspection) {
+  if (inspection.MappedColumns().empty()) {
+    throw UserError({.place = inspection.file,
+                     .problem = "no column looks like a sensor of a hand; a column map can name "
+                                "them (sim/recordings/README.md)"});
+  }
+  std::string map =
+      "# Which column is which joint, as far as gauntlet inspect could tell: check it, above all "
+      "what is\n# called an assumption. sim/recordings/README.md has the language.\n";
+  map += fmt::format("# unit: {} ({})\n", NameOf(inspection.unit), inspection.unit_why);
+  if (NeedsTwoPoints(inspection.unit)) {
+    map +=
+        "# raw_low and raw_high are the least and most that came (half a percent apart), "
+        "taken for a straight and\n# a bent joint (assumption): put in what your glove gives at "
+        "known angles, the other way round if it falls.\n";
+  }
+  map += "column,channel,unit,sign,raw_low,raw_high,deg_low,deg_high\n";
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    const std::string shown =
+        column.name.empty() ? "" : fmt::format(" '{}'", OneLine(column.name, 40));
+    if (column.channel.empty() && column.time_unit.empty()) {
+      map += fmt::format("# column {}{}: left out, {}\n", c + 1, shown, column.why);
+      continue;
+    }
+    map += fmt::format("# column {}{}: {}\n", c + 1, shown,
+                       column.time_unit.empty() ? column.why : "the time, " + inspection.time_why);
+    map += MapRow(inspection, c);
+  }
+  return map;
+}
+
+std::string StarterScenario(const Inspection& inspection, const std::string& recording,
+                            const std::string& map) {
+  constexpr double kLongest_s = 30.0;
+  constexpr double kLowestRateHz = 10.0;
+  constexpr double kHighestRateHz = 1000.0;
+  const double rate_hz = inspection.time.rate_hz;
+  const double glove_hz = std::clamp(rate_hz, kLowestRateHz, kHighestRateHz);
+  std::string channels;
+  std::vector<std::string> names;
+  for (const Channel& channel : KnownChannels()) {
+    for (const std::size_t c : inspection.MappedColumns()) {
+      if (inspection.columns[c].channel == channel.name) names.emplace_back(channel.name);
+    }
+  }
+  for (const std::string& name : names) channels += (channels.empty() ? "" : ", ") + name;
+  std::string text = fmt::format(
+      "# Made by gauntlet inspect. Nobody knows the wearer's true motion: scores compare with the "
+      "recording\n# smoothed without delay, and say so.\n"
+      "question: Which filter calms this glove?\n"
+      "seed: 1\n"
+      "glove:\n"
+      "  rate_hz: {:.6g}\n"
+      "  channels: [{}]\n"
+      "  motion:\n"
+      "    kind: recording\n"
+      "    file: {}\n"
+      "    map: {}\n",
+      glove_hz, channels, YamlText(recording), YamlText(map));
+  if (inspection.layout.skipped_lines > 0) {
+    text += fmt::format("    skip_lines: {}\n", inspection.layout.skipped_lines);
+  }
+  if (!inspection.has_time) {
+    text += fmt::format("    file_rate_hz: {:.6g}{}\n", rate_hz,
+                        inspection.rate_is_known ? "" : "  # an assumption: the file has no time");
+  }
+  // A gap is what is longer than the file's own jitter.
+  const double gap_ms = std::max({100.0, 3e3 / rate_hz, 2.0 * inspection.time.long_ms});
+  text += "    use: measured\n    problems: repair\n";
+  if (gap_ms > 100.0) text += fmt::format("    longest_gap_ms: {:.4g}\n", gap_ms);
+  if (inspection.time.duration_s > kLongest_s) {
+    text +=
+        fmt::format("    duration_s: {:g}  # of {:.5g}\n", kLongest_s, inspection.time.duration_s);
+  }
+  constexpr double kSmoothingHz = 5.0;
+  if (glove_hz < 5.0 * kSmoothingHz) {
+    text += fmt::format("    smoothing_hz: {:.3g}\n", 0.2 * glove_hz);
+  }
+  const std::string channel =
+      std::ranges::find(names, "index_pip") != names.end() ? "index_pip" : names.front();
+  constexpr double kMean_s = 0.08;
+  text += fmt::format(
+      "  noise: {{kind: none}}  # its own is in the recording\n"
+      "video:\n"
+      "  channel: {}\n"
+      "controllers:\n"
+      "  raw: {{filter: none}}\n"
+      "  mean: {{filter: {{kind: moving_average, window: {}}}}}\n"
+      "  # r is the noise of this recording, in counts of 10 bits over a joint's range.\n"
+      "  kalman: {{filter: {{kind: kalman, q: {:.3g}, r: {:.3g}}}}}\n"
+      "  one_euro: {{filter: {{kind: one_euro, min_cutoff_hz: 1, beta: 0.03}}}}\n",
+      channel, std::max(2, static_cast<int>(std::lround(kMean_s * glove_hz))), 10.0 / glove_hz,
+      VarianceCounts2(inspection));
+  return text;
+}
+
+}  // namespace gauntlet::sim

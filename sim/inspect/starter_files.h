@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "sim/inspect/inspection.h"
+
+namespace gauntlet::sim {
+
+/// A column map for the recording, with the reason for each row as a comment.
+/// Errors: UserError if no column can be a sensor of the hand.
+std::string StarterMap(const Inspection& inspection);
+
+/// A scenario that plays the recording through a few filters. `map` and `recording` are as the
+/// scenario shall name them.
+std::string StarterScenario(const Inspection& inspection, const std::string& recording,
+                            const std::string& map);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,195 @@
+#include "sim/inspect/table_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "controller/calibration/robust_statistics.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::size_t kMostKept = 8192;
+constexpr int kWindow = 16;
+constexpr std::size_t kMostLong = 4096;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return kUnknown;
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * (values.size() - 1));
+  std::ranges::nth_element(values, place);
+  return *place;
+}
+
+/// Every second one, the first included, of rows of this width.
+void Halve(std::vector<double>& values, std::size_t width) {
+  std::size_t kept = 0;
+  for (std::size_t row = 0; row * width < values.size(); row += 2, ++kept) {
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(row * width), width,
+                values.begin() + static_cast<std::ptrdiff_t>(kept * width));
+  }
+  values.resize(kept * width);
+}
+
+void AddThinned(std::vector<double>& values, double value) {
+  if (values.size() < 4 * kMostKept) values.push_back(value);
+}
+
+}  // namespace
+
+double UsualInterval(std::span<const double> intervals_s) {
+  std::vector<double> means_s;
+  const std::size_t window = std::min<std::size_t>(kWindow, intervals_s.size());
+  for (std::size_t i = 0; window > 0 && i + window <= intervals_s.size(); i += window) {
+    double sum_s = 0.0;
+    for (const double interval_s : intervals_s.subspan(i, window)) sum_s += interval_s;
+    means_s.push_back(sum_s / static_cast<double>(window));
+  }
+  return means_s.empty() ? kUnknown : controller::MedianOf(means_s);
+}
+
+TableStatistics::TableStatistics(std::size_t columns) : columns_(columns), curvatures_(columns) {}
+
+void TableStatistics::Look(Watch& watch, double value) {
+  if (watch.good_rows == 0) {
+    watch.low = watch.high = value;
+  } else {
+    const double change = value - watch.before;
+    if (change == 0.0) {
+      ++watch.still_rows;
+      watch.longest_run = std::max(watch.longest_run, ++watch.run);
+    } else {
+      watch.run = 0;
+      const double step = std::abs(change);
+      if (watch.step == 0.0 || step < watch.step) watch.step = step;
+      if (change < 0.0) watch.is_rising = false;
+    }
+  }
+  if (value < watch.low) watch.low = value, watch.at_low = 0;
+  if (value > watch.high) watch.high = value, watch.at_high = 0;
+  watch.at_low += value == watch.low ? 1 : 0;
+  watch.at_high += value == watch.high ? 1 : 0;
+  watch.is_whole = watch.is_whole && value == std::floor(value);
+  watch.before_that = watch.before;
+  watch.before = value;
+  ++watch.good_rows;
+}
+
+void TableStatistics::AddTime(double time_s) {
+  if (rows_ == 0) {
+    time_.first_s = last_s_ = time_s;
+    return;
+  }
+  const double interval_s = time_s - last_s_;
+  last_s_ = time_s;
+  if (interval_s < 0.0) {
+    ++time_.restarts;
+    return;
+  }
+  if (interval_s == 0.0) ++time_.repeats;
+  time_.duration_s += interval_s;
+  ++intervals_;
+  if (intervals_ % every_ == 0) AddThinned(intervals_s_, interval_s);
+  window_s_ += interval_s;
+  if (++in_window_ == kWindow) {
+    AddThinned(window_means_s_, window_s_ / kWindow);
+    window_s_ = 0.0;
+    in_window_ = 0;
+  }
+  // The longest few: which of them are gaps is known when the usual interval is.
+  if (longest_s_.size() < kMostLong || interval_s > longest_s_.front()) {
+    if (longest_s_.size() == kMostLong) {
+      std::ranges::pop_heap(longest_s_, std::greater<>());
+      longest_s_.pop_back();
+    }
+    longest_s_.push_back(interval_s);
+    std::ranges::push_heap(longest_s_, std::greater<>());
+  }
+}
+
+void TableStatistics::Keep(double time_s, std::span<const double> values) {
+  times_s_.push_back(time_s);
+  values_.insert(values_.end(), values.begin(), values.end());
+  kept_curvatures_.insert(kept_curvatures_.end(), curvatures_.begin(), curvatures_.end());
+  if (times_s_.size() < kMostKept) return;
+  Halve(times_s_, 1);
+  Halve(values_, columns_.size());
+  Halve(kept_curvatures_, columns_.size());
+  every_ *= 2;
+}
+
+void TableStatistics::Add(double time_s, std::span<const double> values) {
+  if (std::isfinite(time_s)) AddTime(time_s);
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    Watch& watch = columns_[c];
+    curvatures_[c] = kUnknown;
+    if (!std::isfinite(values[c])) continue;
+    if (watch.good_rows >= 2) curvatures_[c] = values[c] - 2.0 * watch.before + watch.before_that;
+    Look(watch, values[c]);
+  }
+  if (rows_++ % every_ == 0) {
+    const double start_s = time_.first_s;
+    Keep(std::isfinite(time_s) ? start_s + time_.duration_s : static_cast<double>(rows_ - 1),
+         values);
+  }
+}
+
+std::vector<double> TableStatistics::KeptValues(std::size_t column) const {
+  std::vector<double> kept;
+  for (std::size_t i = column; i < values_.size(); i += columns_.size()) kept.push_back(values_[i]);
+  return kept;
+}
+
+ColumnStatistics TableStatistics::Column(std::size_t column) const {
+  const Watch& watch = columns_[column];
+  ColumnStatistics statistics;
+  statistics.good_rows = watch.good_rows;
+  statistics.low = watch.low;
+  statistics.high = watch.high;
+  statistics.step = watch.step;
+  statistics.is_whole = watch.is_whole;
+  statistics.is_rising = watch.is_rising;
+  statistics.longest_still_rows = watch.longest_run + 1;
+  std::vector<double> values = KeptValues(column);
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  constexpr double kRareShare = 0.005;
+  statistics.usual_low = Quantile(values, kRareShare);
+  statistics.usual_high = Quantile(values, 1.0 - kRareShare);
+  const double rows = static_cast<double>(std::max<std::size_t>(watch.good_rows, 1));
+  statistics.still_share = static_cast<double>(watch.still_rows) / rows;
+  // A value that is but the lowest of many is met a few times; at a stop it is met again and again.
+  constexpr double kCommonShare = 0.01;
+  for (const std::size_t at_end : {watch.at_low, watch.at_high}) {
+    const double share = static_cast<double>(at_end) / rows;
+    if (share >= kCommonShare && watch.low < watch.high) statistics.clipped_share += share;
+  }
+  std::vector<double> bends;
+  for (std::size_t i = column; i < kept_curvatures_.size(); i += columns_.size()) {
+    if (std::isfinite(kept_curvatures_[i])) bends.push_back(std::abs(kept_curvatures_[i]));
+  }
+  // White noise of deviation s bends three rows by s sqrt(1 + 4 + 1).
+  if (!bends.empty()) {
+    statistics.noise = controller::DeviationFromDistances(std::move(bends)) / std::sqrt(6.0);
+  }
+  return statistics;
+}
+
+TimeStatistics TableStatistics::Time() const {
+  TimeStatistics time = time_;
+  const double usual_s =
+      window_means_s_.empty() ? UsualInterval(intervals_s_) : controller::MedianOf(window_means_s_);
+  time.rate_hz = 1.0 / usual_s;
+  constexpr double kTail = 0.05;
+  time.short_ms = 1e3 * Quantile(intervals_s_, kTail);
+  time.long_ms = 1e3 * Quantile(intervals_s_, 1.0 - kTail);
+  constexpr double kGapPerInterval = 5.0;
+  for (const double interval_s : longest_s_) {
+    if (interval_s <= kGapPerInterval * usual_s) continue;
+    ++time.gaps;
+    time.longest_gap_s = std::max(time.longest_gap_s, interval_s);
+  }
+  return time;
+}
+
+}  // namespace gauntlet::sim

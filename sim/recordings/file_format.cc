@@ -1,0 +1,148 @@
+#include "sim/recordings/file_format.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "sim/recordings/csv_reader.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::size_t kHeadBytes = 4096;
+
+struct Signature {
+  std::string_view bytes;  // at the beginning of the file
+  FileFormat format;
+};
+constexpr std::array<Signature, 9> kSignatures = {{
+    {"\x89HDF\r\n\x1a\n"sv, FileFormat::kHdf5},
+    {"\x93NUMPY"sv, FileFormat::kNpy},
+    {"\x1f\x8b"sv, FileFormat::kGzip},
+    {"SQLite format 3\0"sv, FileFormat::kSqlite},
+    {"#ROSBAG"sv, FileFormat::kRosBag},
+    {"\x89MCAP0\r\n"sv, FileFormat::kMcap},
+    {"PAR1"sv, FileFormat::kParquet},
+    {"\xff\xfe"sv, FileFormat::kUtf16},
+    {"\xfe\xff"sv, FileFormat::kUtf16},
+}};
+
+/// By what the first file in it is called.
+FileFormat FormatOfZip(std::string_view head) {
+  constexpr std::size_t kNameAt = 30;
+  const std::string_view names = head.substr(std::min(kNameAt, head.size()));
+  if (names.starts_with("[Content_Types].xml") || names.starts_with("xl/") ||
+      names.starts_with("_rels/") || names.starts_with("docProps/")) {
+    return FileFormat::kXlsx;
+  }
+  return names.find(".npy") != std::string_view::npos ? FileFormat::kNpz : FileFormat::kZip;
+}
+
+bool IsJson(std::string_view head) {
+  const std::size_t first = head.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return false;
+  if (head[first] == '{') return true;
+  if (head[first] != '[') return false;
+  const std::size_t second = head.find_first_not_of(" \t\r\n", first + 1);
+  if (second == std::string_view::npos) return false;
+  const char next = head[second];  // `[Header]` of a sensor's software is text
+  return next == '{' || next == '[' || next == '-' || (next >= '0' && next <= '9');
+}
+
+}  // namespace
+
+FileFormat FormatOfBytes(std::string_view head) {
+  if (head.empty()) return FileFormat::kEmpty;
+  for (const Signature& signature : kSignatures) {
+    if (head.starts_with(signature.bytes)) return signature.format;
+  }
+  if (head.starts_with("PK\x03\x04")) return FormatOfZip(head);
+  constexpr std::size_t kEndOfMatText = 126;
+  if (head.starts_with("MATLAB ") && head.size() >= kEndOfMatText + 2) {
+    const std::string_view order = head.substr(kEndOfMatText, 2);
+    // MAT 7.3 has 512 bytes of its own before those of HDF5.
+    if (head.starts_with("MATLAB 7.3")) return FileFormat::kHdf5;
+    if (order == "IM" || order == "MI") return FileFormat::kMat5;
+  }
+  constexpr int kTextPerZero = 20;  // a broken line of text may hold some
+  if (std::ranges::count(head, '\0') * kTextPerZero > std::ssize(head)) return FileFormat::kBinary;
+  return IsJson(head) ? FileFormat::kJson : FileFormat::kText;
+}
+
+FileFormat FormatOfFile(const std::filesystem::path& file) {
+  const CsvReader::Source source = FileSource(file);
+  std::array<char, kHeadBytes> head;
+  std::size_t size = 0;
+  while (size < head.size()) {
+    const std::size_t got = source(head.data() + size, head.size() - size);
+    if (got == 0) break;
+    size += got;
+  }
+  return FormatOfBytes({head.data(), size});
+}
+
+std::string_view NameOf(FileFormat format) {
+  switch (format) {
+    case FileFormat::kText:
+      return "text";
+    case FileFormat::kUtf16:
+      return "UTF-16 text";
+    case FileFormat::kEmpty:
+      return "empty";
+    case FileFormat::kJson:
+      return "JSON";
+    case FileFormat::kNpy:
+      return "NPY of NumPy";
+    case FileFormat::kNpz:
+      return "NPZ of NumPy";
+    case FileFormat::kMat5:
+      return "MAT of MATLAB";
+    case FileFormat::kHdf5:
+      return "HDF5";
+    case FileFormat::kXlsx:
+      return "XLSX";
+    case FileFormat::kZip:
+      return "ZIP";
+    case FileFormat::kGzip:
+      return "gzip";
+    case FileFormat::kSqlite:
+      return "SQLite (as a ROS 2 bag is)";
+    case FileFormat::kRosBag:
+      return "a ROS 1 bag";
+    case FileFormat::kMcap:
+      return "MCAP";
+    case FileFormat::kParquet:
+      return "Parquet (as LeRobot has)";
+    case FileFormat::kBinary:
+      break;
+  }
+  return "binary, of a kind that is not known";
+}
+
+std::string_view WayOut(FileFormat format) {
+  switch (format) {
+    case FileFormat::kXlsx:
+      return "save the sheet as CSV";
+    case FileFormat::kZip:
+      return "unpack it and give the file that is in it";
+    case FileFormat::kGzip:
+      return "unpack it: gunzip --keep FILE";
+    case FileFormat::kSqlite:
+    case FileFormat::kMcap:
+      return "write the topic as CSV: ros2 topic echo --csv TOPIC > FILE.csv while ros2 bag play "
+             "plays it";
+    case FileFormat::kRosBag:
+      return "write the topic as CSV: rostopic echo -b FILE -p TOPIC > FILE.csv";
+    case FileFormat::kParquet:
+      return "write it as CSV: python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('"
+             "FILE.csv')\"";
+    case FileFormat::kBinary:
+      return "export it as CSV from the program that wrote it";
+    default:
+      return "";
+  }
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,130 @@
+#include "sim/recordings/json_arrays.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "sim/base/csv_line.h"
+#include "sim/base/error.h"
+#include "sim/recordings/time_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+constexpr int kDeepest = 100;
+constexpr std::size_t kMostColumns = 1000;
+
+std::string Join(const std::string& path, const std::string& key) {
+  return path.empty() ? key : path + "_" + key;
+}
+
+std::optional<double> NumberOf(const Json& value) {
+  if (value.is_number()) return value.get<double>();
+  if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
+  if (value.is_null()) return kMissing;
+  if (!value.is_string()) return std::nullopt;
+  const auto& text = value.get_ref<const std::string&>();
+  const auto number = NumberOrMissing(text);
+  return number ? number : SecondsOfText(text);
+}
+
+/// Column by column what the rows have, each under the way to it.
+class RowCollector {
+ public:
+  void AddRow(const Json& row) {
+    AddTo("", row, 0);
+    ++rows_;
+  }
+  std::vector<NamedArray> Take(const std::string& path) {
+    std::vector<NamedArray> arrays;
+    for (const std::string& name : order_) {
+      std::vector<double>& values = columns_[name];
+      values.resize(rows_, kMissing);
+      const auto is_missing = [](double value) { return std::isnan(value); };
+      if (std::ranges::all_of(values, is_missing)) continue;
+      arrays.push_back({.name = Join(path, name.empty() ? "value" : name),
+                        .rows = rows_,
+                        .values = std::move(values)});
+    }
+    return arrays;
+  }
+
+ private:
+  void AddTo(const std::string& path, const Json& value, int depth) {
+    if (depth > kDeepest) throw UserError("is nested too deeply");
+    if (value.is_object()) {
+      for (const auto& [key, part] : value.items()) AddTo(Join(path, key), part, depth + 1);
+    } else if (value.is_array()) {
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        AddTo(Join(path.empty() ? "value" : path, std::to_string(i + 1)), value[i], depth + 1);
+      }
+    } else if (const auto number = NumberOf(value)) {
+      const auto [column, is_new] = columns_.try_emplace(path);
+      if (is_new) order_.push_back(path);
+      if (order_.size() > kMostColumns) {
+        throw UserError(fmt::format("has rows of more than {} values", kMostColumns));
+      }
+      column->second.resize(rows_, kMissing);
+      column->second.push_back(*number);
+    }
+  }
+
+  std::size_t rows_ = 0;
+  std::vector<std::string> order_;
+  std::map<std::string, std::vector<double>> columns_;
+};
+
+void Collect(const std::string& path, const Json& value, int depth,
+             std::vector<NamedArray>& arrays) {
+  if (depth > kDeepest) throw UserError("is nested too deeply");
+  if (value.is_object()) {
+    for (const auto& [key, part] : value.items()) Collect(Join(path, key), part, depth + 1, arrays);
+  } else if (value.is_array()) {
+    RowCollector rows;
+    for (const Json& row : value) rows.AddRow(row);
+    for (NamedArray& array : rows.Take("")) {
+      // A list of plain numbers has the name of the list.
+      array.name = array.name == "value" ? (path.empty() ? "value" : path) : Join(path, array.name);
+      if (const std::size_t at = array.name.rfind("_value_"); at != std::string::npos) {
+        array.name.erase(at, std::string_view("_value").size());
+      }
+      arrays.push_back(std::move(array));
+    }
+  } else if (const auto number = NumberOf(value); number && std::isfinite(*number)) {
+    arrays.push_back({.name = path, .rows = 1, .values = {*number}});
+  }
+}
+
+}  // namespace
+
+std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
+  const Json whole = Json::parse(text, nullptr, false);
+  std::vector<NamedArray> arrays;
+  if (!whole.is_discarded()) {
+    Collect("", whole, 0, arrays);
+    return arrays;
+  }
+  RowCollector rows;
+  std::size_t line_number = 0;
+  for (const std::string_view line : SplitLines(text)) {
+    ++line_number;
+    if (Trimmed(line).empty()) continue;
+    const Json row = Json::parse(line, nullptr, false);
+    if (row.is_discarded()) {
+      throw UserError(fmt::format("is no JSON, nor is its line {} alone", line_number));
+    }
+    rows.AddRow(row);
+  }
+  return rows.Take("");
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "sim/recordings/array_table.h"
+
+namespace gauntlet::sim {
+
+/// The arrays of numbers in a JSON text, or in a text with a JSON value a line. Names are the keys
+/// on the way, joined by `_`.
+///
+///     [[1, 2], [3, 4]]                               columns value_1, value_2
+///     {"t": [0, 1], "f": [[1, 2], [3, 4]]}           columns t, f_1, f_2
+///     [{"t": 0, "f": {"a": 1, "b": [2, 3]}}, ..]     columns t, f_a, f_b_1, f_b_2
+///     {"frames": [{"t": 0}, ..]}                     columns frames_t
+///
+/// Texts that are numbers, dates or clocks count as such: see SecondsOfText. Errors: UserError
+/// without a place.
+std::vector<NamedArray> ReadJsonArrays(std::string_view text);
+
+}  // namespace gauntlet::sim

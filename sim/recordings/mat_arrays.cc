@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+#include <matio.h>
+
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "sim/base/error.h"
+#include "sim/base/helper_process.h"
+#include "sim/recordings/library_arrays.h"
+
+namespace gauntlet::sim {
+namespace {
+
+template <class Number>
+void Append(const matvar_t& variable, NamedArray& array) {
+  const auto* const data = static_cast<const Number*>(variable.data);
+  for (std::size_t row = 0; row < array.rows; ++row) {
+    for (std::size_t column = 0; column < array.columns; ++column) {
+      array.values.push_back(static_cast<double>(data[column * array.rows + row]));
+    }
+  }
+}
+
+/// False for what holds no real numbers.
+bool AppendNumbers(const matvar_t& variable, NamedArray& array) {
+  switch (variable.data_type) {
+    case MAT_T_DOUBLE:
+      Append<double>(variable, array);
+      return true;
+    case MAT_T_SINGLE:
+      Append<float>(variable, array);
+      return true;
+    case MAT_T_INT8:
+      Append<mat_int8_t>(variable, array);
+      return true;
+    case MAT_T_UINT8:
+      Append<mat_uint8_t>(variable, array);
+      return true;
+    case MAT_T_INT16:
+      Append<mat_int16_t>(variable, array);
+      return true;
+    case MAT_T_UINT16:
+      Append<mat_uint16_t>(variable, array);
+      return true;
+    case MAT_T_INT32:
+      Append<mat_int32_t>(variable, array);
+      return true;
+    case MAT_T_UINT32:
+      Append<mat_uint32_t>(variable, array);
+      return true;
+    default:
+      return false;
+  }
+}
+
+void Collect(const matvar_t& variable, const std::string& path, std::vector<NamedArray>& arrays) {
+  const std::string name = variable.name == nullptr ? "" : variable.name;
+  const std::string place = path.empty() ? name : path + "_" + name;
+  if (variable.class_type == MAT_C_STRUCT) {
+    auto& structure = const_cast<matvar_t&>(variable);  // the library asks for it, and reads only
+    for (unsigned i = 0; i < Mat_VarGetNumberOfFields(&structure); ++i) {
+      const matvar_t* const field = Mat_VarGetStructFieldByIndex(&structure, i, 0);
+      if (field != nullptr) Collect(*field, place, arrays);
+    }
+    return;
+  }
+  if (variable.data == nullptr || variable.isComplex != 0 || variable.rank < 2 ||
+      variable.rank > 3 || variable.class_type == MAT_C_CELL || variable.class_type == MAT_C_CHAR ||
+      variable.class_type == MAT_C_SPARSE) {
+    return;
+  }
+  NamedArray array{.name = place, .rows = variable.dims[0], .values = {}};
+  for (int d = 1; d < variable.rank; ++d) array.columns *= variable.dims[d];
+  if (array.rows * array.columns * static_cast<std::size_t>(variable.data_size) > variable.nbytes) {
+    throw UserError(fmt::format("is damaged: {} is smaller than it says", place));
+  }
+  if (AppendNumbers(variable, array)) arrays.push_back(std::move(array));
+}
+
+/// The library takes zeros for what a truncated file lacks: its elements, each a head of 8 bytes
+/// with its size, have to end where the file ends. Source: MAT-File Format, level 5.
+void CheckElements(const std::filesystem::path& file) {
+  constexpr std::uint64_t kHead = 128;
+  std::ifstream input(file, std::ios::binary);
+  const std::uint64_t end = std::filesystem::file_size(file);
+  std::array<char, 2> order = {};
+  input.seekg(kHead - 2).read(order.data(), order.size());
+  const bool swapped = order[0] == 'M';
+  for (std::uint64_t place = kHead; place < end;) {
+    std::array<std::uint32_t, 2> tag = {};
+    input.seekg(static_cast<std::streamoff>(place));
+    input.read(reinterpret_cast<char*>(tag.data()), sizeof tag);
+    place += sizeof tag + (swapped ? __builtin_bswap32(tag[1]) : tag[1]);
+    if (!input || place > end) throw UserError("is damaged: it ends too early");
+  }
+}
+
+}  // namespace
+
+std::vector<NamedArray> ReadMatArrays(const std::filesystem::path& file) {
+  CheckElements(file);
+  const std::unique_ptr<mat_t, int (*)(mat_t*)> mat(Mat_Open(file.c_str(), MAT_ACC_RDONLY),
+                                                    Mat_Close);
+  if (mat == nullptr) throw UserError("cannot be opened as a MAT file");
+  OpenNoMoreFiles();
+  std::vector<NamedArray> arrays;
+  for (;;) {
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNext(mat.get()),
+                                                                  Mat_VarFree);
+    if (variable == nullptr) return arrays;
+    Collect(*variable, "", arrays);
+  }
+}
+
+}  // namespace gauntlet::sim

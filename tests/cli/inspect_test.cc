@@ -1,0 +1,202 @@
+// What gauntlet inspect makes of recordings in the shapes that public sources have, and whether the
+// files that it writes run.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/cli/glove_files.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::HasSubstr;
+using testing::Not;
+
+ProgramResult Gauntlet(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), GAUNTLET_PROGRAM);
+  return RunProgram(arguments);
+}
+
+nlohmann::json Inspect(const fs::path& file, std::vector<std::string> more = {}) {
+  std::vector<std::string> arguments = {"inspect", file.string(), "--json"};
+  std::ranges::copy(more, std::back_inserter(arguments));
+  const ProgramResult result = Gauntlet(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  return nlohmann::json::parse(result.standard_output, nullptr, false);
+}
+
+class EveryGloveFile : public testing::TestWithParam<GloveFile> {
+ protected:
+  EveryGloveFile() : file_(folder_.path() / GetParam().name) { GetParam().write(file_); }
+
+  TemporaryDirectory folder_;
+  fs::path file_;
+};
+
+TEST_P(EveryGloveFile, IsRecognised) {
+  const nlohmann::json found = Inspect(file_);
+  EXPECT_EQ(found["rate_is_known"], GetParam().rate_hz > 0.0);
+  if (GetParam().rate_hz > 0.0) {
+    EXPECT_NEAR(found["rate_hz"].get<double>(), GetParam().rate_hz, 0.02 * GetParam().rate_hz);
+  }
+  EXPECT_EQ(found["unit"], GetParam().unit);
+  const auto& columns = found["columns"];
+  const auto sensors = std::ranges::count_if(
+      columns, [](const nlohmann::json& column) { return column.contains("channel"); });
+  EXPECT_EQ(sensors, GetParam().sensors) << columns;
+}
+
+TEST_P(EveryGloveFile, RunsWithTheScenarioThatIsWritten) {
+  const std::string scenario = (folder_.path() / "scenario.yaml").string();
+  const ProgramResult written = Gauntlet({"inspect", file_.string(), "--write-scenario", scenario});
+  ASSERT_EQ(written.exit_code, 0) << written.standard_error;
+  const ProgramResult run = Gauntlet({"run", scenario, "--controllers", "raw", "--out",
+                                      (folder_.path() / "out").string(), "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.standard_error;
+  const auto scores = nlohmann::json::parse(run.standard_output, nullptr, false);
+  ASSERT_FALSE(scores.is_discarded());
+  // The hand follows what the file has: a joint that stands still would be off by its amplitude.
+  const double error_deg = scores["controllers"][0]["summary"]["tracking_rmse_deg"];
+  EXPECT_LT(error_deg, 25.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryGloveFile, testing::ValuesIn(GloveFiles()),
+                         [](const auto& file) {
+                           std::string name = file.param.name;
+                           std::ranges::replace(name, '.', '_');
+                           return name;
+                         });
+
+class InspectCommand : public testing::Test {
+ protected:
+  fs::path Write(const std::string& name, const std::string& bytes) const {
+    const fs::path file = folder_.path() / name;
+    std::ofstream(file, std::ios::binary) << bytes;
+    return file;
+  }
+  /// The only line that a person gets.
+  std::string ErrorOf(const fs::path& file) const {
+    const ProgramResult result = Gauntlet({"inspect", file.string()});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(std::ranges::count(result.standard_error, '\n'), 1) << result.standard_error;
+    return result.standard_error;
+  }
+
+  TemporaryDirectory folder_;
+};
+
+TEST_F(InspectCommand, SaysWhatToDoWithFilesThatAreNotRead) {
+  using namespace std::string_literals;
+  const std::string tail(200, '\0');
+  EXPECT_THAT(
+      ErrorOf(Write("a.xlsx", "PK\x03\x04"s + std::string(26, '\0') + "[Content_Types].xml")),
+      HasSubstr("is XLSX, which is not read; save the sheet as CSV"));
+  EXPECT_THAT(ErrorOf(Write("a.csv", "\x1f\x8b\x08" + tail)), HasSubstr("gunzip"));
+  EXPECT_THAT(ErrorOf(Write("a.db3", "SQLite format 3\0"s + tail)),
+              HasSubstr("ros2 topic echo --csv"));
+  EXPECT_THAT(ErrorOf(Write("a.mcap", "\x89MCAP0\r\n" + tail)), HasSubstr("is MCAP"));
+  EXPECT_THAT(ErrorOf(Write("a.bag", "#ROSBAG V2.0\n" + tail)), HasSubstr("rostopic echo"));
+  EXPECT_THAT(ErrorOf(Write("a.parquet", "PAR1" + tail)), HasSubstr("pandas"));
+  EXPECT_THAT(ErrorOf(Write("a.bin", "\x01\x02" + tail)), HasSubstr("export it as CSV"));
+  EXPECT_THAT(ErrorOf(Write("a.txt", "no table here\n")), HasSubstr("holds no table"));
+  EXPECT_THAT(ErrorOf(Write("empty.csv", "")), HasSubstr("holds no table"));
+  EXPECT_THAT(ErrorOf(folder_.path() / "none.csv"), HasSubstr("no such file"));
+  std::string rows;
+  for (int row = 0; row < 5; ++row) {
+    for (int i = 0; i < 500; ++i) rows += std::to_string(100 + (i * 7 + row) % 50) + ",";
+    rows += "1\n";
+  }
+  EXPECT_THAT(ErrorOf(Write("turned.csv", rows)), HasSubstr("has a row per channel"));
+}
+
+TEST_F(InspectCommand, FindsDamagedFilesOfArrays) {
+  for (const GloveFile& file : GloveFiles()) {
+    if (!file.name.ends_with(".npz") && !file.name.ends_with(".mat") &&
+        !file.name.ends_with(".hdf5"))
+      continue;
+    const fs::path path = folder_.path() / file.name;
+    file.write(path);
+    fs::resize_file(path, fs::file_size(path) / 2);
+    EXPECT_THAT(ErrorOf(path), Not(HasSubstr("std::"))) << file.name;
+  }
+}
+
+TEST_F(InspectCommand, FindsGapsRestartsClippingAndStuckSensors) {
+  std::string text = "time_s,index_mcp,index_pip,thumb_ip\n";
+  for (int row = 0; row < 2000; ++row) {
+    double t = 0.01 * row;
+    if (row >= 500) t += 2.0;    // a gap
+    if (row >= 1000) t -= 12.0;  // the clock starts anew
+    const double angle = 60.0 * std::sin(0.03 * row);
+    text += std::to_string(t) + "," + std::to_string(std::clamp(angle, -30.0, 30.0)) + "," +
+            std::to_string(std::abs(angle)) + ",12\n";
+  }
+  const nlohmann::json found = Inspect(Write("faults.csv", text));
+  EXPECT_NEAR(found["rate_hz"].get<double>(), 100.0, 0.5);
+  EXPECT_EQ(found["gaps"], 1);
+  EXPECT_EQ(found["restarts"], 1);
+  EXPECT_GT(found["columns"][1]["clipped_share"], 0.5);
+  EXPECT_LT(found["columns"][2]["clipped_share"], 0.01);
+  EXPECT_GT(found["columns"][3]["still_share"], 0.99);
+}
+
+TEST_F(InspectCommand, MeasuresNoiseAndStep) {
+  std::string text = "time_s,index_mcp\n";
+  std::uint64_t state = 1;
+  for (int row = 0; row < 5000; ++row) {
+    double sum = -6.0;  // of twelve even numbers: normal, deviation 1
+    for (int i = 0; i < 12; ++i) {
+      state = state * 6364136223846793005U + 1442695040888963407U;
+      sum += static_cast<double>(state >> 11) * 0x1p-53;
+    }
+    const double angle = 40.0 + 30.0 * std::sin(0.01 * row) + 0.8 * sum;
+    text +=
+        std::to_string(0.01 * row) + "," + std::to_string(0.25 * std::round(4.0 * angle)) + "\n";
+  }
+  const nlohmann::json found = Inspect(Write("noise.csv", text));
+  EXPECT_NEAR(found["columns"][1]["noise"].get<double>(), 0.8, 0.08);
+  EXPECT_EQ(found["columns"][1]["step"], 0.25);
+}
+
+TEST_F(InspectCommand, TakesARateAndAPreset) {
+  std::string text;
+  for (int row = 0; row < 200; ++row) {
+    for (int i = 0; i < 5; ++i)
+      text += std::to_string(400 + 7 * ((row * (i + 3)) % 40)) + (i < 4 ? "," : "\n");
+  }
+  const fs::path file = Write("five.csv", text);
+  const nlohmann::json found = Inspect(file, {"--rate", "123", "--preset", "lucidgloves"});
+  EXPECT_EQ(found["rate_hz"], 123.0);
+  EXPECT_THAT(found["columns"][0]["why"].get<std::string>(), HasSubstr("lucidgloves"));
+  EXPECT_EQ(found["columns"][4]["channel"], "little_pip");
+  const ProgramResult unknown = Gauntlet({"inspect", file.string(), "--preset", "mitten"});
+  EXPECT_EQ(unknown.exit_code, 2);
+}
+
+TEST_F(InspectCommand, DrawsItsSensorsAndLeavesTheRecordingAlone) {
+  const GloveFile file = GloveFiles().front();
+  const fs::path path = folder_.path() / file.name;
+  file.write(path);
+  const fs::path picture = folder_.path() / "picture.png";
+  const ProgramResult drawn = Gauntlet({"inspect", path.string(), "--plot", picture.string()});
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.standard_error;
+  std::string bytes(8, '\0');
+  std::ifstream(picture, std::ios::binary).read(bytes.data(), 8);
+  EXPECT_EQ(bytes, "\x89PNG\r\n\x1a\n");
+  const ProgramResult over = Gauntlet({"inspect", path.string(), "--write-map", path.string()});
+  EXPECT_EQ(over.exit_code, 2);
+  EXPECT_THAT(over.standard_error, HasSubstr("is the recording itself"));
+}
+
+}  // namespace
+}  // namespace gauntlet::test

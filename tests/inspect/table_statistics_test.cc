@@ -1,0 +1,57 @@
+#include "sim/inspect/table_statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+namespace gauntlet::sim {
+namespace {
+
+TEST(TableStatistics, KeepsFewRowsOfALongTableSpreadOverAllOfIt) {
+  TableStatistics statistics(2);
+  constexpr int kRows = 300'000;
+  for (int row = 0; row < kRows; ++row) {
+    const double values[] = {static_cast<double>(row % 1000), std::nan("")};
+    statistics.Add(0.01 * row, values);
+  }
+  EXPECT_EQ(statistics.rows(), 300'000U);
+  EXPECT_GE(statistics.kept_times_s().size(), 4096U);
+  EXPECT_LE(statistics.kept_times_s().size(), 8192U);
+  EXPECT_GT(statistics.kept_times_s().back(), 0.999 * 0.01 * kRows);
+  const ColumnStatistics column = statistics.Column(0);
+  EXPECT_EQ(column.low, 0.0);
+  EXPECT_EQ(column.high, 999.0);
+  EXPECT_NEAR(column.usual_low, 5.0, 10.0);
+  EXPECT_NEAR(column.usual_high, 994.0, 10.0);
+  EXPECT_EQ(statistics.Column(1).good_rows, 0U);
+  EXPECT_NEAR(statistics.Time().rate_hz, 100.0, 1e-6);
+  EXPECT_NEAR(statistics.Time().duration_s, 0.01 * (kRows - 1), 1e-6);
+}
+
+TEST(UsualInterval, IsMovedNeitherByGapsNorByBunches) {
+  // Four rows come together every 40 ms, and once nothing for a minute.
+  std::vector<double> bunched;
+  for (int i = 0; i < 400; ++i) bunched.push_back(i % 4 == 0 ? 0.037 : 0.001);
+  bunched[120] = 60.0;
+  EXPECT_NEAR(UsualInterval(bunched), 0.01, 1e-9);
+  const std::vector<double> few = {0.1, 0.1, 0.1};
+  EXPECT_NEAR(UsualInterval(few), 0.1, 1e-9);
+  EXPECT_TRUE(std::isnan(UsualInterval({})));
+}
+
+TEST(TableStatistics, CountsGapsAndRestartsOfTheClock) {
+  TableStatistics statistics(1);
+  const double value[] = {1.0};
+  for (int row = 0; row < 100; ++row) statistics.Add(0.01 * row + (row > 50 ? 3.0 : 0.0), value);
+  for (int row = 0; row < 100; ++row) statistics.Add(0.01 * row, value);
+  const TimeStatistics time = statistics.Time();
+  EXPECT_EQ(time.gaps, 1U);
+  EXPECT_NEAR(time.longest_gap_s, 3.01, 1e-9);
+  EXPECT_EQ(time.restarts, 1U);
+  EXPECT_NEAR(time.rate_hz, 100.0, 1e-6);
+  EXPECT_EQ(statistics.Column(0).longest_still_rows, 200U);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

@@ -1,0 +1,220 @@
+// The language of column maps, and the times that others write.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "sim/base/channels.h"
+#include "sim/base/signal.h"
+#include "sim/recordings/recording_reader.h"
+#include "sim/recordings/time_text.h"
+#include "tests/support/program.h"
+#include "tests/support/source_dir.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::HasSubstr;
+
+struct Row {
+  double time_s;
+  std::vector<double> angle_deg;  // of KnownChannels()
+  double operator[](const char* channel) const { return angle_deg[ChannelIndex(channel)]; }
+};
+
+RecordingFormat At100Hz() {
+  RecordingFormat format;
+  format.rate_hz = 100.0;
+  return format;
+}
+
+class ColumnMaps : public testing::Test {
+ protected:
+  /// Rows of `text` as `map` has them.
+  std::vector<Row> Read(const std::string& text, const std::string& map,
+                        RecordingFormat format = {}) const {
+    format.map = (folder_.path() / "map.csv").string();
+    std::ofstream(format.map) << map;
+    RecordingReader reader("in.csv", TextSource(text), format);
+    std::vector<Row> rows;
+    Row row{.time_s = 0.0, .angle_deg = std::vector<double>(KnownChannels().size())};
+    while (reader.NextRow(row.time_s, row.angle_deg)) {
+      rows.push_back(row);
+      for (double& angle : rows.back().angle_deg) angle *= kDegPerRad;
+    }
+    return rows;
+  }
+  std::string ErrorOf(const std::string& text, const std::string& map) const {
+    try {
+      Read(text, map, At100Hz());
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+ private:
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(ColumnMaps, TakeTwoPointsOfAnyUnitToTwoAngles) {
+  const std::vector<Row> rows =
+      Read("a,b\n312,2.41\n539,1.765\n766,1.12\n",
+           "column,channel,unit,raw_low,raw_high,deg_low,deg_high\n"
+           "a,index_pip,counts,312,766,0,90\nb,middle_pip,volts,2.41,1.12,10,70\n",
+           At100Hz());
+  ASSERT_EQ(rows.size(), 3U);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(rows[k]["index_pip"], 45.0 * k, 1e-9);
+    EXPECT_NEAR(rows[k]["middle_pip"], 10.0 + 30.0 * k, 1e-9);
+  }
+}
+
+TEST_F(ColumnMaps, TakeTwoPointsToTheJointsRangeByDefault) {
+  const std::vector<Row> rows =
+      Read("a\n-1\n3\n", "column,channel,raw_low,raw_high\n1,thumb_ip,-1,3\n", At100Hz());
+  EXPECT_NEAR(rows[0]["thumb_ip"], -15.0, 1e-9);
+  EXPECT_NEAR(rows[1]["thumb_ip"], 80.0, 1e-9);
+}
+
+TEST_F(ColumnMaps, TakeCountsOfEachColumnsBits) {
+  const std::vector<Row> rows = Read("a,b\n409.5,6553.5\n3685.5,58981.5\n",
+                                     "column,channel,unit,bits\na,index_pip,counts,12\n"
+                                     "b,middle_pip,counts,16\n",
+                                     At100Hz());
+  for (const char* channel : {"index_pip", "middle_pip"}) {
+    EXPECT_NEAR(rows[0][channel], 0.0, 1e-9);
+    EXPECT_NEAR(rows[1][channel], 100.0, 1e-9);
+  }
+}
+
+TEST_F(ColumnMaps, AddSeveralColumnsWithTheirWeights) {
+  RecordingFormat repaired = At100Hz();
+  repaired.handling = ProblemHandling::kRepair;
+  const std::vector<Row> rows = Read("a,b\n10,30\n20,\n",
+                                     "column,channel,unit,weight\na,index_pip,deg,0.25\n"
+                                     "b,index_pip,deg,0.75\na,index_mcp,deg,\n",
+                                     repaired);
+  EXPECT_NEAR(rows[0]["index_pip"], 25.0, 1e-9);
+  EXPECT_NEAR(rows[0]["index_mcp"], 10.0, 1e-9);
+  EXPECT_TRUE(std::isnan(rows[1]["index_pip"]));  // a part is missing
+  EXPECT_NEAR(rows[1]["index_mcp"], 20.0, 1e-9);
+}
+
+TEST_F(ColumnMaps, AddThePartsOfATime) {
+  const std::string map =
+      "column,channel,unit\nhour,time,h\nmin,time,min\nsec,time,s\nms,time,ms\nx,ignore,\na,index_"
+      "pip,\n";
+  const std::vector<Row> rows =
+      Read("hour,min,sec,ms,x,a\n13,59,59,980,text,1\n14,0,0,0,text,2\n", map);
+  EXPECT_NEAR(rows[1].time_s - rows[0].time_s, 0.02, 1e-9);
+  const std::vector<Row> clocks =
+      Read("2024-05-31;23:59:59,98;1\n2024-06-01;00:00:00,00;2\n",
+           "column,channel,unit\n1,time,date\n2,time,date\n3,index_pip,\n");
+  ASSERT_EQ(clocks.size(), 2U);
+  EXPECT_NEAR(clocks[1].time_s - clocks[0].time_s, 0.02, 1e-6);
+}
+
+TEST_F(ColumnMaps, SkipTheLinesOfASensorsSoftware) {
+  RecordingFormat with_head;
+  with_head.skipped_lines = 3;
+  const std::vector<Row> rows =
+      Read("Glove Studio 2.1; serial 17\nrate,100\n\nt_s,a\n0,1\n0.01,2\n",
+           "column,channel\nt_s,time\na,index_pip\n", with_head);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_NEAR(rows[1]["index_pip"], 2.0, 1e-9);
+}
+
+TEST_F(ColumnMaps, SayWhatIsWrongInOneLine) {
+  const std::string text = "a,b\n1,2\n";
+  const auto row = [](const std::string& keys, const std::string& values) {
+    return "column,channel," + keys + "\n1,index_pip," + values + "\n";
+  };
+  EXPECT_THAT(ErrorOf(text, row("unit", "volts")), HasSubstr("volts need raw_low and raw_high"));
+  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high", "3,3")), HasSubstr("must not be raw_low"));
+  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high", "3,")), HasSubstr("must be given"));
+  EXPECT_THAT(ErrorOf(text, row("raw_low", "3")), HasSubstr("must be given"));
+  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high,scale", "3,4,2")), HasSubstr("must be empty"));
+  EXPECT_THAT(ErrorOf(text, row("deg_low", "3")), HasSubstr("needs raw_low and raw_high"));
+  EXPECT_THAT(ErrorOf(text, row("unit,bits", "counts,0")), HasSubstr("from 1 to 24"));
+  EXPECT_THAT(ErrorOf(text, row("unit,bits", "deg,8")), HasSubstr("is for counts only"));
+  EXPECT_THAT(ErrorOf(text, "column,channel\n1,index_pip\n2,index_pip\n"),
+              HasSubstr("each has a weight"));
+  EXPECT_THAT(ErrorOf(text, "column,channel,unit\n1,time,years\n2,index_pip,\n"),
+              HasSubstr("must be one of: s, ms, us, ns, min, h, day, date"));
+}
+
+TEST_F(ColumnMaps, OfEveryPresetFitAGloveOfItsSensors) {
+  int presets = 0;
+  for (const auto& file : std::filesystem::directory_iterator(SourceDir() + "/scenarios/maps")) {
+    std::string row;
+    for (int i = 0; i < 30; ++i) row += i > 0 ? ",1" : "1";
+    RecordingFormat format = At100Hz();
+    format.map = file.path().stem().string();
+    format.handling = ProblemHandling::kRepair;
+    RecordingReader reader("in.csv", TextSource(row + "\n" + row + "\n"), format);
+    const std::vector<bool>& has = reader.has_channel();
+    EXPECT_GE(std::count(has.begin(), has.end(), true), 5) << file.path();
+    ++presets;
+  }
+  EXPECT_EQ(presets, 8);
+}
+
+TEST_F(ColumnMaps, GiveTheThumbItsColumnBesideNumbersOfRows) {
+  RecordingFormat repaired = At100Hz();
+  repaired.handling = ProblemHandling::kRepair;
+  const std::vector<Row> rows = Read("thumb,index\n0,11,22\n1,12,23\n",
+                                     "column,channel\nthumb,thumb_ip\nindex,index_pip\n", repaired);
+  EXPECT_NEAR(rows[0]["thumb_ip"], 11.0, 1e-9);
+  EXPECT_NEAR(rows[0]["index_pip"], 22.0, 1e-9);
+}
+
+TEST_F(ColumnMaps, ReadDecimalCommasBetweenBlanks) {
+  const std::vector<Row> rows =
+      Read("0,00 1,5 2,5\n0,01 1,6 2,6\n", "column,channel\n1,time\n2,index_mcp\n3,index_pip\n");
+  EXPECT_NEAR(rows[1]["index_mcp"], 1.6, 1e-9);
+  EXPECT_NEAR(rows[1]["index_pip"], 2.6, 1e-9);
+}
+
+TEST(SecondsOfText, ReadsDatesAndClocks) {
+  const double day_s = 86400.0;
+  const struct {
+    const char* text;
+    double seconds;
+  } known[] = {
+      {"1970-01-02", day_s},
+      {"1970-01-01T00:00:01.5Z", 1.5},
+      {"1970-01-01 01:00:00+01:00", 0.0},
+      {"1970-01-01 00:00:00-0130", 5400.0},
+      {"2.1.1970 00:01", day_s + 60.0},
+      {"1/2/1970 12:00:00 AM", day_s},
+      {"31/1/1970_00:00:00", 30 * day_s},
+      {"2024-02-29 00:00:00", 19782 * day_s},
+      {"13:05:07.25", 47107.25},
+      {"13:05:07,25", 47107.25},
+      {"1:05:07 PM", 47107.0},
+      {"12:00 am", 0.0},
+      {"05:07.25", 307.25},
+      {"\"00:00:01\"", 1.0},
+  };
+  for (const auto& [text, seconds] : known) {
+    const auto read = SecondsOfText(text);
+    ASSERT_TRUE(read) << text;
+    EXPECT_NEAR(*read, seconds, 1e-6) << text;
+  }
+}
+
+TEST(SecondsOfText, ReadsNothingElse) {
+  for (const char* text :
+       {"", "1", "1.5", "1,5", "-3", "12:", "12:61", "25:00", "2024-02-30", "12:00x", "1.2.3",
+        "index", "2024-01-01T", "1e5", "nan", "10:20:30:40", "1-2"}) {
+    EXPECT_FALSE(SecondsOfText(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

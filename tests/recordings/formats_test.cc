@@ -1,0 +1,167 @@
+// Recordings that are not text, made here byte by byte.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/recordings/array_table.h"
+#include "sim/recordings/file_format.h"
+#include "sim/recordings/json_arrays.h"
+#include "sim/recordings/numpy_file.h"
+#include "sim/recordings/table_source.h"
+#include "sim/recordings/utf16.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using namespace std::string_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string Npy(const std::string& header, const std::string& data) {
+  return "\x93NUMPY\x01\x00"s + static_cast<char>(header.size()) + '\0' + header + data;
+}
+
+std::string AllOf(const CsvReader::Source& source) {
+  std::string text;
+  char buffer[7];  // small, so that every boundary is met
+  while (const std::size_t got = source(buffer, sizeof buffer)) text.append(buffer, got);
+  return text;
+}
+
+template <class Call>
+std::string ErrorOf(const Call& call) {
+  try {
+    call();
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Npy, IsReadInEveryOrderOfBytesAndDimensions) {
+  const NamedArray big = ReadNpy(Npy("{'descr': '>i2', 'fortran_order': False, 'shape': (2, 3), }",
+                                     "\0\1\0\2\0\3\0\4\xff\xff\1\0"s),
+                                 "a");
+  EXPECT_EQ(big.rows, 2U);
+  EXPECT_EQ(big.columns, 3U);
+  EXPECT_THAT(big.values, ElementsAre(1, 2, 3, 4, -1, 256));
+  const NamedArray turned = ReadNpy(
+      Npy("{'descr': '|u1', 'fortran_order': True, 'shape': (2, 3), }", "\1\4\2\5\3\6"), "a");
+  EXPECT_THAT(turned.values, ElementsAre(1, 2, 3, 4, 5, 6));
+  const NamedArray scalar =
+      ReadNpy(Npy("{'descr': '<f4', 'fortran_order': False, 'shape': (), }", "\0\0\xc0\x3f"s), "a");
+  EXPECT_THAT(scalar.values, ElementsAre(1.5));
+  const NamedArray cube = ReadNpy(
+      Npy("{'descr': '|i1', 'fortran_order': False, 'shape': (1, 2, 2), }", "\1\2\3\xfc"), "a");
+  EXPECT_EQ(cube.columns, 4U);
+  EXPECT_EQ(cube.values[3], -4.0);
+}
+
+TEST(Npy, ThatIsDamagedIsRefused) {
+  const auto error_of = [](const std::string& header, const std::string& data) {
+    return ErrorOf([&] { ReadNpy(Npy(header, data), "a"); });
+  };
+  const std::string good = "{'descr': '<f8', 'fortran_order': False, 'shape': ";
+  EXPECT_THAT(error_of(good + "(9,), }", "12345678"), HasSubstr("larger than the file"));
+  EXPECT_THAT(error_of(good + "(1, 99999999999999999999, 8), }", "12345678"), HasSubstr("damaged"));
+  EXPECT_THAT(error_of(good + "(4294967296, 4294967296, 4294967296), }", ""), HasSubstr("larger"));
+  EXPECT_THAT(error_of(good + "(2, 0), }", ""), HasSubstr("damaged"));
+  EXPECT_THAT(error_of("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }", "12345678"),
+              HasSubstr("no array of numbers"));
+  EXPECT_THAT(error_of("{'descr': [('t', '<f8')], 'shape': (1,), }", "12345678"),
+              HasSubstr("records"));
+  EXPECT_THAT(ErrorOf([] { ReadNpy("\x93NUMPY\x01\x00\xff\xff{"s, "a"); }), HasSubstr("too early"));
+  EXPECT_THAT(ErrorOf([] { ReadNpz("PK\x03\x04"); }), HasSubstr("directory of the ZIP is missing"));
+}
+
+std::string TableOf(std::vector<NamedArray> arrays) {
+  std::string text;
+  WriteTable(std::move(arrays), [&text](std::string_view more) { text += more; });
+  return text;
+}
+
+TEST(WriteTable, PutsArraysOfTheSameLengthSideBySide) {
+  EXPECT_EQ(TableOf({{.name = "t", .rows = 2, .values = {0, 0.1}},
+                     {.name = "other", .rows = 3, .values = {7, 8, 9}},
+                     {.name = "my angles", .rows = 2, .columns = 2, .values = {1, 2, 3, 4e-300}}}),
+            "t,my_angles_1,my_angles_2\n0,1,2\n0.1,3,4e-300\n");
+}
+
+TEST(WriteTable, TurnsWhatLiesOnItsSideAndMakesATimeOfARate) {
+  NamedArray turned{.name = "f", .rows = 2, .columns = 100, .values = {}};
+  for (int i = 0; i < 200; ++i) turned.values.push_back(i);
+  const std::string text = TableOf({turned, {.name = "Fs", .rows = 1, .values = {50}}});
+  EXPECT_THAT(text, testing::StartsWith("time_s,f_1,f_2\n0,0,100\n0.02,1,101\n"));
+}
+
+TEST(WriteTable, NeedsTwoRows) {
+  EXPECT_THAT(ErrorOf([] { TableOf({{.name = "a", .rows = 1, .values = {1}}}); }),
+              HasSubstr("no array of numbers with two rows"));
+}
+
+TEST(Json, OfEveryShapeIsATable) {
+  const auto table_of = [](const char* json) { return TableOf(ReadJsonArrays(json)); };
+  EXPECT_EQ(table_of("[[1, 2], [3, 4]]"), "value_1,value_2\n1,2\n3,4\n");
+  EXPECT_EQ(table_of(R"({"t": [0, 1], "f": [[1, 2], [3, 4]]})"), "t,f_1,f_2\n0,1,2\n1,3,4\n");
+  EXPECT_EQ(
+      table_of(R"([{"t": 0, "f": {"a": 1, "b": [2, 3]}}, {"t": "1", "f": {"b": [4, null]}}])"),
+      "t,f_a,f_b_1,f_b_2\n0,1,2,3\n1,nan,4,nan\n");
+  EXPECT_EQ(table_of(R"({"glove": "left", "frames": [{"t": "00:00:01.5"}, {"t": "00:00:02"}]})"),
+            "frames_t\n1.5\n2\n");
+  EXPECT_EQ(table_of("{\"t\": 0, \"a\": 1}\n\n{\"t\": 1, \"a\": true}\n"), "t,a\n0,1\n1,1\n");
+}
+
+TEST(Json, ThatIsBrokenNamesItsLine) {
+  EXPECT_THAT(ErrorOf([] { ReadJsonArrays("{\"a\": 1}\n{\"a\":"); }), HasSubstr("line 2"));
+  const std::string deep(100'000, '[');
+  EXPECT_NE(ErrorOf([&] { ReadJsonArrays(deep); }), "");
+}
+
+TEST(Utf16, IsReadInBothOrdersOfBytes) {
+  const std::u16string text = u"\uFEFFt\u00B0\u20AC\U0001F600\xD800x";
+  std::string little, big;
+  for (const char16_t unit : text) {
+    little += {static_cast<char>(unit & 255), static_cast<char>(unit >> 8)};
+    big += {static_cast<char>(unit >> 8), static_cast<char>(unit & 255)};
+  }
+  const std::string expected = "t\u00B0\u20AC\U0001F600\uFFFDx";
+  EXPECT_EQ(AllOf(Utf8Of(TextSource(little))), expected);
+  EXPECT_EQ(AllOf(Utf8Of(TextSource(big))), expected);
+}
+
+TEST(TableSource, GivesEveryNumberOfAnArrayToTheBit) {
+  const test::TemporaryDirectory folder;
+  const std::vector<double> values = {0.1, 1.0 / 3.0, -2.2250738585072014e-308, 1e300};
+  std::string data(values.size() * sizeof(double), '\0');
+  std::memcpy(data.data(), values.data(), data.size());
+  const std::filesystem::path file = folder.path() / "a.csv";  // its name counts for nothing
+  std::ofstream(file, std::ios::binary)
+      << Npy("{'descr': '<f8', 'fortran_order': False, 'shape': (4,), }", data);
+  CsvReader csv("a", TableSource(file), ProblemHandling::kStrict);
+  std::vector<double> row(1);
+  for (const double value : values) {
+    ASSERT_TRUE(csv.NextRow(row));
+    EXPECT_EQ(row[0], value);
+  }
+  EXPECT_FALSE(csv.NextRow(row));
+}
+
+TEST(FormatOfBytes, KnowsTextFromWhatIsNone) {
+  EXPECT_EQ(FormatOfBytes("[Header]\nrate=100\n"), FileFormat::kText);
+  EXPECT_EQ(FormatOfBytes("[[1,2]]"), FileFormat::kJson);
+  EXPECT_EQ(FormatOfBytes("1,2\n3,\0004\n"s + std::string(50, '1')), FileFormat::kText);
+  EXPECT_EQ(FormatOfBytes(std::string(50, '\0')), FileFormat::kBinary);
+  EXPECT_EQ(FormatOfBytes(""), FileFormat::kEmpty);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
