@@ -30,6 +30,7 @@ struct Point {
   std::vector<std::string> values;  // of the axes
   std::vector<double> scores;       // of the page's metrics
   bool keeps_bounds = true;
+  bool stopped = false;
   std::string yaml;
   std::string command;
 };
@@ -151,8 +152,8 @@ class Gathered {
   /// Sorts; of too many points keeps the samples and the best.
   void DropSome() {
     std::ranges::stable_sort(kept_, [](const Kept& a, const Kept& b) {
-      return std::tuple(!a.point.keeps_bounds, a.rank, a.number) <
-             std::tuple(!b.point.keeps_bounds, b.rank, b.number);
+      return std::tuple(!a.point.keeps_bounds, a.point.stopped, a.rank, a.number) <
+             std::tuple(!b.point.keeps_bounds, b.point.stopped, b.rank, b.number);
     });
     if (std::ssize(kept_) <= kPagePoints && every_ == 1) return;
     const std::size_t good = std::min<std::size_t>(kept_.size(), kPagePoints / 2);
@@ -413,6 +414,7 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
                 .values = result.values,
                 .scores = MeansOf(result.scores),
                 .keeps_bounds = result.CanBeBest(),
+                .stopped = result.stopped,
                 .yaml = {},
                 .command = {}};
     if (several) point.values.push_back(result.controller);

@@ -79,6 +79,15 @@ TEST_F(SweepCommandTest, TellsItsTimeAndThenTheBestCells) {
   EXPECT_LT(fs::file_size(folder_.path() / "out/short/study.db"), 100'000u);
 }
 
+TEST_F(SweepCommandTest, StopsCellsThatCannotWinUnlessAllSeedsAreAskedFor) {
+  const ProgramResult stopped = Sweep({"--seeds", "6", "--filter-only"});
+  ASSERT_EQ(stopped.exit_code, 0) << stopped.standard_error;
+  EXPECT_THAT(stopped.standard_error, HasSubstr("trials to run at most"));
+  const ProgramResult all = Sweep({"--seeds", "6", "--filter-only", "--all-seeds"});
+  ASSERT_EQ(all.exit_code, 0) << all.standard_error;
+  EXPECT_THAT(all.standard_output, testing::Not(HasSubstr("stopped early")));
+}
+
 TEST_F(SweepCommandTest, KilledAtRandomMomentsItEndsWithTheSameBytes) {
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(Sweep({"--out", "whole"}).exit_code, 0);
