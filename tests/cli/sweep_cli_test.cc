@@ -117,6 +117,26 @@ TEST_F(SweepCommandTest, ShardsMakeTheSameAsOneMachine) {
   EXPECT_THAT(ReadFile("whole/report.html"), HasSubstr("class=\"heat-map\""));
 }
 
+TEST_F(SweepCommandTest, ShardsThatAreKilledAndRepeatedLoseNothing) {
+  ASSERT_EQ(Sweep({"--out", "whole"}).exit_code, 0);
+  std::mt19937 random(7);  // moments only; no result depends on them
+  for (int round = 0; round < 2; ++round) {
+    Program first(Command({"--shard", "1/2"}), {.working_directory = folder_.path()});
+    Program second(Command({"--shard", "2/2"}), {.working_directory = folder_.path()});
+    for (Program* shard : {&first, &second}) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 200));
+      shard->SendSignal(SIGKILL);
+      shard->Wait();
+    }
+  }
+  for (const char* shard : {"1/2", "2/2", "1/2"}) ASSERT_EQ(Sweep({"--shard", shard}).exit_code, 0);
+  ASSERT_EQ(Sweep({"--out", "merged", "--collect", "out/short.shard-1-of-2", "--collect",
+                   "out/short.shard-2-of-2"})
+                .exit_code,
+            0);
+  EXPECT_EQ(ReadFile("merged/cells.csv"), ReadFile("whole/cells.csv"));
+}
+
 TEST_F(SweepCommandTest, RefusesMistakesInOneLineBeforeAnythingRuns) {
   const auto mistake = [this](const std::vector<std::string>& more, const std::string& problem) {
     const ProgramResult result = Sweep(more);
