@@ -13,6 +13,7 @@
 #include "sim/cli/jobs_option.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/study/early_stop.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -113,19 +114,19 @@ void CellsFolder::Run() {
                             file.string()));
   Progress progress(fmt::format("{} cells", cells_.end - cells_.first));
   try {
-    RunSweep(
-        plan_, database_,
-        {.jobs = jobs,
-         .cells = cells_,
-         .forecast =
-             [&](const SweepForecast& forecast) {
-               Say("{} cells x {} seeds: {:.0f} trials to run, noise-free twins counted; about "
-                   "{} with {} at a time\n",
-                   cells_.end - cells_.first, plan_.file.seeds, forecast.trials,
-                   TimeText(forecast.seconds), jobs);
-             },
-         .progress = [&](double done, double all) { return progress.Update(done, all); },
-         .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
+    RunSweep(plan_, database_,
+             {.jobs = jobs,
+              .cells = cells_,
+              .forecast =
+                  [&](const SweepForecast& forecast) {
+                    Say("{} cells x {} seeds: {:.0f} trials to run{}, noise-free twins counted; "
+                        "about {} with {} at a time\n",
+                        cells_.end - cells_.first, plan_.file.seeds, forecast.trials,
+                        plan_.early_stop && !LooksOf(plan_.file.seeds).empty() ? " at most" : "",
+                        TimeText(forecast.seconds), jobs);
+                  },
+              .progress = [&](double done, double all) { return progress.Update(done, all); },
+              .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
   } catch (const Cancelled&) {
     database_.Flush();
     throw Cancelled{fmt::format("{} trials are kept in {}: the same command goes on from there",
@@ -141,7 +142,7 @@ SweepSummary CellsFolder::WriteCells() {
   AtomicFile table(path() / "cells.csv");
   std::ofstream csv(table.temporary_path(), std::ios::binary);
   const auto write = [&csv](std::string_view text) { csv << text; };
-  const SweepSummary summary = SummariseSweep(plan_, database_, cells_, write, {});
+  SweepSummary summary = SummariseSweep(plan_, database_, cells_, write, {});
   csv.close();
   if (!csv) throw RunError(table.target().string() + ": could not be written");
   table.Commit();

@@ -23,6 +23,7 @@ struct SweepCommand {
   int seeds = 0;  // 0: as the file says
   std::int64_t max_cells = 10'000;
   bool filter_only = false;
+  bool all_seeds = false;
   bool json = false;
 };
 
@@ -36,7 +37,10 @@ void CheckSize(const SweepPlan& plan, const SweepCommand& command) {
 }
 
 void RunSweepCommand(const SweepCommand& command) {
-  SweepOverrides overrides{.seeds = {}, .filter_only = command.filter_only, .set = command.set};
+  SweepOverrides overrides{.seeds = {},
+                           .filter_only = command.filter_only,
+                           .all_seeds = command.all_seeds,
+                           .set = command.set};
   if (command.seeds > 0) overrides.seeds = command.seeds;
   const SweepPlan plan = LoadSweepPlan(OwnOrDataFile(command.file), overrides);
   CheckSize(plan, command);
@@ -81,6 +85,8 @@ void AddSweepCommand(CLI::App& app) {
       ->check(WholeNumber(1, 1'000'000'000));
   command->add_flag("--filter-only", options->filter_only,
                     "without a hand: score what the filters give");
+  command->add_flag("--all-seeds", options->all_seeds,
+                    "no early stop: also cells that cannot win any more get all seeds");
   AddCellsOptions(*command, options->cells);
   command->add_flag("--json", options->json, "print JSON instead of the table");
   command->footer(

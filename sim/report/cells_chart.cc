@@ -15,7 +15,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoPlace = std::numeric_limits<double>::quiet_NaN();
 
 /// Text of one drawing.
 class Drawing {
@@ -87,17 +87,17 @@ double ChartAxis::PlaceOf(double value) const {
   if (!(high > low)) return 0.5;
   const double place =
       log ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
-  return std::isfinite(place) ? std::clamp(place, 0.0, 1.0) : kNothing;
+  return std::isfinite(place) ? std::clamp(place, 0.0, 1.0) : kNoPlace;
 }
 
 double ChartAxis::PlaceOf(const std::string& value) const {
   if (!labels.empty()) {
     const auto found = std::ranges::find(labels, value);
-    if (found == labels.end()) return kNothing;
+    if (found == labels.end()) return kNoPlace;
     const auto item = static_cast<double>(found - labels.begin());
     return labels.size() < 2 ? 0.5 : item / (static_cast<double>(labels.size()) - 1.0);
   }
-  double number = kNothing;
+  double number = kNoPlace;
   std::from_chars(value.data(), value.data() + value.size(), number);
   return PlaceOf(number);
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <tuple>
 
 #include "sim/report/assets.h"
 #include "sim/report/cells_chart.h"
@@ -30,6 +31,7 @@ struct Point {
   std::vector<std::string> values;  // of the axes
   std::vector<double> scores;       // of the page's metrics
   bool keeps_bounds = true;
+  bool stopped = false;
   std::string yaml;
   std::string command;
 };
@@ -88,17 +90,20 @@ class Gathered {
       if (rank < best.rank) best = {rank, number};
     }
     const bool is_sample = number % every_ == 0;
-    const bool is_good = kept_.size() < kPagePoints / 2 || rank < worst_good_;
+    const Order order{!point.keeps_bounds, point.stopped, rank, number};
+    const bool is_good = kept_.size() < kPagePoints / 2 || order < worst_good_;
     if (!is_sample && !is_good) return;
     texts(point);
-    kept_.push_back({rank, number, is_sample, std::move(point)});
+    kept_.push_back({order, number, is_sample, std::move(point)});
     if (std::ssize(kept_) > 2 * kPagePoints) DropSome();
   }
 
   void Finish() { DropSome(); }
 
+  /// The best first: what keeps all bounds, then what was not stopped, then by the score.
+  using Order = std::tuple<bool, bool, double, std::int64_t>;
   struct Kept {
-    double rank;
+    Order order;
     std::int64_t number;
     bool is_sample;
     Point point;
@@ -141,7 +146,7 @@ class Gathered {
     std::vector<Best> best;
   };
 
-  /// The lower the better; what keeps no bound comes last.
+  /// The lower the better.
   double RankOf(const Point& point) const {
     const auto place = std::ranges::find(metrics_, best_by_) - metrics_.begin();
     const double score = point.scores[static_cast<std::size_t>(place)];
@@ -150,10 +155,7 @@ class Gathered {
   }
   /// Sorts; of too many points keeps the samples and the best.
   void DropSome() {
-    std::ranges::stable_sort(kept_, [](const Kept& a, const Kept& b) {
-      return std::tuple(!a.point.keeps_bounds, a.rank, a.number) <
-             std::tuple(!b.point.keeps_bounds, b.rank, b.number);
-    });
+    std::ranges::sort(kept_, {}, &Kept::order);
     if (std::ssize(kept_) <= kPagePoints && every_ == 1) return;
     const std::size_t good = std::min<std::size_t>(kept_.size(), kPagePoints / 2);
     std::vector<Kept> left;
@@ -161,7 +163,7 @@ class Gathered {
       if (i < good || kept_[i].is_sample) left.push_back(std::move(kept_[i]));
     }
     kept_ = std::move(left);
-    worst_good_ = kept_[good - 1].rank;
+    worst_good_ = kept_[good - 1].order;
   }
 
   std::vector<ChartAxis> axes_;
@@ -169,7 +171,7 @@ class Gathered {
   std::size_t best_by_;
   std::int64_t every_;
   std::int64_t seen_ = 0;
-  double worst_good_ = std::numeric_limits<double>::infinity();
+  Order worst_good_{true, true, std::numeric_limits<double>::infinity(), 0};
   std::vector<Side> sides_;
   std::vector<Pair> pairs_;
   std::vector<Kept> kept_;
@@ -413,6 +415,7 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
                 .values = result.values,
                 .scores = MeansOf(result.scores),
                 .keeps_bounds = result.CanBeBest(),
+                .stopped = result.stopped,
                 .yaml = {},
                 .command = {}};
     if (several) point.values.push_back(result.controller);

@@ -27,6 +27,12 @@ std::string CountsText(const SweepPlan& plan, const SweepSummary& summary) {
   if (summary.not_built > 0) text += Cells(summary.not_built) + " could not be built.\n";
   if (summary.failed > 0) text += fmt::format("In {} a hand was stopped.\n", Cells(summary.failed));
   if (!summary.first_problem.empty()) text += summary.first_problem + "\n";
+  if (summary.stopped > 0 && summary.stopped < summary.results) {
+    text += fmt::format(
+        "{} of {} were stopped early, which saved {} of {} trials: they could not win any more\n"
+        "(sequential test, 5 % for all looks and cells; --all-seeds runs them to the end).\n",
+        summary.stopped, summary.results, summary.trials_saved, summary.results * plan.file.seeds);
+  }
   if (summary.missing > 0) text += Cells(summary.missing) + " are not there yet.\n";
   return text;
 }
@@ -70,6 +76,8 @@ std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
   head = {"cell", "controller"};
   for (std::size_t a = 0; a < plan.file.axes.size(); ++a) head.push_back(ShortKey(plan, a));
   for (const std::size_t metric : plan.metrics) head.emplace_back(Metrics()[metric].key);
+  const bool some_stopped = summary.stopped > 0 && summary.stopped < summary.results;
+  if (some_stopped) head.emplace_back("seeds");
   if (!plan.constraints.empty()) head.emplace_back("constraints");
   head.emplace_back("to the best");
   const std::vector<CellResult>& shown = summary.best.empty() ? summary.near : summary.best;
@@ -78,6 +86,7 @@ std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
     row = {std::to_string(result.number), result.controller};
     row.insert(row.end(), result.values.begin(), result.values.end());
     for (const MeanInterval& score : result.scores) row.push_back(IntervalText(score));
+    if (some_stopped) row.push_back(std::to_string(result.motions.size()));
     if (!plan.constraints.empty()) row.emplace_back(MetText(result.met));
     const CellComparison comparison = CompareCells(plan, result, shown.front(), summary.results);
     const std::string_view judgement = JudgementText(comparison.judgement);

@@ -35,7 +35,7 @@ struct RobustOptions {
 struct RobustPlan {
   SweepPlan sweep;
   std::vector<RobustParameter> parameters;
-  std::vector<std::string> not_varied;  // names of those whose settings are all 0
+  std::vector<std::string> not_varied;       // names of those whose settings are all 0
   std::vector<std::vector<double>> factors;  // cell by cell, of the parameters
   int hands = 0;
   double within_percent = 0.0;

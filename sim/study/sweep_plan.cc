@@ -318,6 +318,7 @@ SweepPlan LoadSweepPlan(const std::filesystem::path& path, const SweepOverrides&
   reader.RejectUnknownKeys();
   if (overrides.seeds) file.seeds = *overrides.seeds;
   if (overrides.filter_only) file.physics = false;
+  plan.early_stop = !overrides.all_seeds;
   try {
     if (const std::string problem = NameProblem(file.name); !problem.empty()) {
       throw SettingError("name", problem);

@@ -77,6 +77,7 @@ struct SweepPlan {
   std::size_t best_by = 0;           // in Metrics()
   std::vector<Constraint> constraints;
   std::vector<std::string> axis_places;  // `file:line:column` of each axis
+  bool early_stop = false;  // cells that cannot win any more get no more seeds: early_stop.h
   /// The cells themselves, each with a value for each axis; empty: those of the file's design.
   std::vector<std::vector<std::string>> listed;
 
@@ -92,6 +93,7 @@ struct SweepPlan {
 struct SweepOverrides {
   std::optional<int> seeds;
   bool filter_only = false;
+  bool all_seeds = false;  // no early stop
   std::vector<std::string> set;
 };
 

@@ -19,17 +19,18 @@ constexpr std::size_t kMostNear = 3;
 
 Met Worse(Met a, Met b) { return std::max(a, b); }
 
-/// The score that decides, the lower the better; infinity where there is none.
-double Rank(const SweepPlan& plan, const CellResult& result) {
+/// What was stopped comes last; then the score that decides, the lower the better, infinity where
+/// there is none.
+std::pair<bool, double> Rank(const SweepPlan& plan, const CellResult& result) {
   const double mean = result.scores[PlaceOfMetric(plan, plan.best_by)].mean;
-  if (std::isnan(mean)) return std::numeric_limits<double>::infinity();
-  return Metrics()[plan.best_by].lower_is_better ? mean : -mean;
+  if (std::isnan(mean)) return {result.stopped, std::numeric_limits<double>::infinity()};
+  return {result.stopped, Metrics()[plan.best_by].lower_is_better ? mean : -mean};
 }
 
 /// Keeps the first few by rank; of equal ones the first cell.
 void Offer(const SweepPlan& plan, const CellResult& result, std::size_t most,
            std::vector<CellResult>& kept) {
-  const double rank = Rank(plan, result);
+  const std::pair<bool, double> rank = Rank(plan, result);
   const auto place =
       std::ranges::find_if(kept, [&](const CellResult& other) { return rank < Rank(plan, other); });
   if (place == kept.end() && kept.size() == most) return;
@@ -63,13 +64,7 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
                                      : std::numeric_limits<double>::quiet_NaN());
     }
   }
-  for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
-    result.scores[m] = EstimateMean(result.by_seed[m], result.motions).IntervalAt();
-  }
-  for (const Constraint& constraint : plan.constraints) {
-    result.met =
-        Worse(result.met, IsMet(constraint, result.scores[PlaceOfMetric(plan, constraint.metric)]));
-  }
+  KeepSeeds(plan, result.motions.size(), result);
   return result;
 }
 
@@ -133,6 +128,10 @@ void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summar
     return;
   }
   ++summary.results;
+  if (result.stopped) {
+    ++summary.stopped;
+    summary.trials_saved += plan.file.seeds - std::ssize(result.motions);
+  }
   if (result.CanBeBest()) {
     ++summary.meeting;
     Offer(plan, result, kMostBest, summary.best);
@@ -146,6 +145,20 @@ void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summar
 std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric) {
   const auto found = std::ranges::find(plan.metrics, metric);
   return static_cast<std::size_t>(found - plan.metrics.begin());
+}
+
+void KeepSeeds(const SweepPlan& plan, std::size_t seeds, CellResult& result) {
+  result.motions.resize(std::min(seeds, result.motions.size()));
+  result.stopped = std::ssize(result.motions) < plan.file.seeds;
+  result.met = Met::kYes;
+  for (std::size_t m = 0; m < result.by_seed.size(); ++m) {
+    result.by_seed[m].resize(result.motions.size());
+    result.scores[m] = EstimateMean(result.by_seed[m], result.motions).IntervalAt();
+  }
+  for (const Constraint& constraint : plan.constraints) {
+    result.met =
+        Worse(result.met, IsMet(constraint, result.scores[PlaceOfMetric(plan, constraint.metric)]));
+  }
 }
 
 std::string_view MetText(Met met) {
@@ -222,8 +235,10 @@ CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
                             const CellResult& second, std::int64_t results) {
   const auto count = static_cast<double>(results);
   const std::size_t place = PlaceOfMetric(plan, plan.best_by);
-  return ComparePaired(plan.best_by, first.by_seed[place], second.by_seed[place], first.motions,
-                       0.5 * count * (count - 1.0));
+  const std::size_t seeds = std::min(first.motions.size(), second.motions.size());
+  return ComparePaired(plan.best_by, std::span(first.by_seed[place]).first(seeds),
+                       std::span(second.by_seed[place]).first(seeds),
+                       std::span(first.motions).first(seeds), 0.5 * count * (count - 1.0));
 }
 
 std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary) {
@@ -241,6 +256,7 @@ std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary) {
   json["meeting"] = summary.meeting;
   json["not_built"] = summary.not_built;
   json["failed"] = summary.failed;
+  json["stopped"] = summary.stopped;
   json["missing"] = summary.missing;
   json["best"] = Json::array();
   for (const CellResult& result : summary.best) {

@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
+#include "sim/study/early_stop.h"
 #include "sim/study/study_identity.h"
 
 namespace gauntlet::sim {
@@ -113,21 +114,20 @@ class Sweep {
     const bool twins = scenario.score.noise_free_twin && !IsWithoutNoise(scenario.glove) &&
                        std::ranges::any_of(plan.metrics, NeedsNoiseFreeTwin);
     per_trial_ = twins ? 2.0 : 1.0;
-    per_cell_ = per_trial_ * static_cast<double>(scenario.controllers.size()) * plan.file.seeds;
-    all_ = per_cell_ * static_cast<double>(options.cells.end - options.cells.first);
+    controllers_ = std::ssize(scenario.controllers);
+    all_ = per_trial_ * plan.file.seeds *
+           static_cast<double>(controllers_ * (options.cells.end - options.cells.first));
   }
 
   void Run() {
-    for (std::int64_t first = options_.cells.first; first < options_.cells.end;) {
-      ThrowIfStopped();
-      const CellRange cells = BlockFrom(first);
-      if (!std::ranges::all_of(Numbers(cells), [this](auto cell) { return IsKnown(cell); })) {
-        RunBlock(cells);
-      }
-      done_ += per_cell_ * static_cast<double>(cells.end - cells.first);
-      Progress(0.0);
-      first = cells.end;
+    const std::vector<int> looks =
+        plan_.early_stop ? LooksOf(plan_.file.seeds) : std::vector<int>();
+    for (const int seeds : looks) {
+      RunSeeds(seeds);
+      StopWhatCannotWin(looks.size());
     }
+    RunSeeds(plan_.file.seeds);
+    ForgetSeedsBehindStops();
     database_.Flush();
   }
 
@@ -136,6 +136,59 @@ class Sweep {
     std::vector<std::int64_t> numbers;
     for (std::int64_t cell = cells.first; cell < cells.end; ++cell) numbers.push_back(cell);
     return numbers;
+  }
+
+  /// The first so many seeds of all that is not stopped.
+  void RunSeeds(int seeds) {
+    const double before = std::exchange(seeds_, seeds);
+    for (std::int64_t first = options_.cells.first; first < options_.cells.end;) {
+      ThrowIfStopped();
+      const CellRange cells = BlockFrom(first);
+      const std::vector<std::int64_t> numbers = Numbers(cells);
+      if (!std::ranges::all_of(numbers, [this](auto cell) { return IsKnown(cell); })) {
+        RunBlock(cells);
+      }
+      for (const std::int64_t cell : numbers) {
+        done_ +=
+            per_trial_ * (seeds - before) * static_cast<double>(controllers_ - StoppedIn(cell));
+      }
+      Progress(0.0);
+      first = cells.end;
+    }
+  }
+
+  std::int64_t StoppedIn(std::int64_t cell) const {
+    return std::distance(stopped_.lower_bound({cell, ""}), stopped_.lower_bound({cell + 1, ""}));
+  }
+  bool IsStopped(std::int64_t cell, const std::string& controller) const {
+    return stopped_.contains({cell, controller});
+  }
+
+  void StopWhatCannotWin(std::size_t looks) {
+    std::vector<CellResult> alive;
+    ForEachCell(plan_, database_, options_.cells, [&](CellResult result) {
+      if (result.controller.empty() || IsStopped(result.number, result.controller)) return;
+      KeepSeeds(plan_, static_cast<std::size_t>(seeds_), result);
+      alive.push_back(std::move(result));
+    });
+    if (candidates_ == 0) candidates_ = alive.size();
+    const std::vector<bool> cannot = CannotWin(plan_, alive, candidates_, looks);
+    for (std::size_t i = 0; i < alive.size(); ++i) {
+      if (!cannot[i]) continue;
+      stopped_[{alive[i].number, alive[i].controller}] = seeds_;
+      all_ -= per_trial_ * (plan_.file.seeds - seeds_);
+    }
+  }
+
+  /// Another schedule, a shard or a run with all seeds may have brought more than the test gives.
+  void ForgetSeedsBehindStops() {
+    for (const auto& [candidate, seeds] : stopped_) {
+      for (SweepCellRecord& record : database_.CellAt(candidate.first)) {
+        if (record.controller != candidate.second || std::ssize(record.motions) <= seeds) continue;
+        record.motions.resize(static_cast<std::size_t>(seeds));
+        database_.AddCell(record, ValuesByKey(candidate.first));
+      }
+    }
   }
 
   bool Progress(double more) {
@@ -164,10 +217,10 @@ class Sweep {
   /// Whether the file holds the cell and all its trials.
   bool IsKnown(std::int64_t cell) {
     const std::vector<SweepCellRecord> records = database_.CellAt(cell);
-    return !records.empty() && std::ranges::all_of(records, [this](const SweepCellRecord& record) {
-      if (!record.problem.empty()) return true;
-      if (std::ssize(record.motions) < plan_.file.seeds) return false;
-      for (int i = 0; i < plan_.file.seeds; ++i) {
+    return !records.empty() && std::ranges::all_of(records, [&](const SweepCellRecord& record) {
+      if (!record.problem.empty() || IsStopped(cell, record.controller)) return true;
+      if (std::ssize(record.motions) < seeds_) return false;
+      for (int i = 0; i < seeds_; ++i) {
         if (!database_.Take({record.study, record.controller, record.settings, first_seed_ + i})) {
           return false;
         }
@@ -183,7 +236,9 @@ class Sweep {
       Block::Cell& cell = block.built.emplace_back();
       cell.number = number;
       try {
-        const Scenario scenario = ReadCell(plan_, number);
+        Scenario scenario = ReadCell(plan_, number);
+        std::erase_if(scenario.controllers,
+                      [&](const NamedController& named) { return IsStopped(number, named.name); });
         if (!block.study) {
           block.study = PrepareShared(scenario);
           block.study_hash = HashOfShared(plan_, *block.study);
@@ -199,7 +254,7 @@ class Sweep {
   }
 
   StudyOptions OptionsFor(BlockStore& store) const {
-    return {.seeds = plan_.file.seeds,
+    return {.seeds = seeds_,
             .jobs = options_.jobs,
             .progress = {},
             .remark = options_.remark,
@@ -213,7 +268,7 @@ class Sweep {
   /// Times the first trial that is to be run.
   void Forecast(const Block& block, BlockStore& store) {
     if (forecast_done_ || !options_.forecast) return;
-    for (int i = 0; i < plan_.file.seeds; ++i) {
+    for (int i = 0; i < seeds_; ++i) {
       for (std::size_t c = 0; c < block.settings.size(); ++c) {
         if (store.Take(first_seed_ + i, c)) continue;
         forecast_done_ = true;
@@ -246,7 +301,7 @@ class Sweep {
       database_.AddStudy(block.study_hash, SharedSettings(*block.study));
       Forecast(block, store);
       StudyOptions options = OptionsFor(store);
-      const double in_block = per_cell_ * static_cast<double>(cells.end - cells.first);
+      const double in_block = per_trial_ * seeds_ * static_cast<double>(block.settings.size());
       options.progress = [this, in_block](double done, int total) {
         return Progress(in_block * done / std::max(total, 1));
       };
@@ -258,12 +313,17 @@ class Sweep {
     database_.Flush();
   }
 
-  void AddCell(const Block& block, const Block::Cell& cell, const std::vector<int>& motions) {
+  std::vector<std::pair<std::string, std::string>> ValuesByKey(std::int64_t cell) const {
     std::vector<std::pair<std::string, std::string>> values;
-    const std::vector<std::string> texts = plan_.ValuesOf(cell.number);
+    const std::vector<std::string> texts = plan_.ValuesOf(cell);
     for (std::size_t a = 0; a < texts.size(); ++a) {
       values.emplace_back(plan_.file.axes[a].key, texts[a]);
     }
+    return values;
+  }
+
+  void AddCell(const Block& block, const Block::Cell& cell, const std::vector<int>& motions) {
+    const auto values = ValuesByKey(cell.number);
     SweepCellRecord record{.number = cell.number,
                            .controller = {},
                            .study = {},
@@ -284,8 +344,12 @@ class Sweep {
   SweepDatabase& database_;
   const SweepOptions& options_;
   int first_seed_ = 0;
-  double per_trial_ = 1.0;  // runs: with a twin two
-  double per_cell_ = 1.0;
+  double per_trial_ = 1.0;        // runs: with a twin two
+  std::int64_t controllers_ = 1;  // of each cell
+  int seeds_ = 0;                 // that are run now, from the first on
+  std::size_t candidates_ = 0;    // for the best, at the first look
+  /// Cell and controller of what gets no more seeds, and how many it has.
+  std::map<std::pair<std::int64_t, std::string>, int> stopped_;
   double all_ = 0.0;
   double done_ = 0.0;  // of blocks that are finished
   bool forecast_done_ = false;

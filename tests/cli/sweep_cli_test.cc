@@ -79,6 +79,15 @@ TEST_F(SweepCommandTest, TellsItsTimeAndThenTheBestCells) {
   EXPECT_LT(fs::file_size(folder_.path() / "out/short/study.db"), 100'000u);
 }
 
+TEST_F(SweepCommandTest, StopsCellsThatCannotWinUnlessAllSeedsAreAskedFor) {
+  const ProgramResult stopped = Sweep({"--seeds", "6", "--filter-only"});
+  ASSERT_EQ(stopped.exit_code, 0) << stopped.standard_error;
+  EXPECT_THAT(stopped.standard_error, HasSubstr("trials to run at most"));
+  const ProgramResult all = Sweep({"--seeds", "6", "--filter-only", "--all-seeds"});
+  ASSERT_EQ(all.exit_code, 0) << all.standard_error;
+  EXPECT_THAT(all.standard_output, testing::Not(HasSubstr("stopped early")));
+}
+
 TEST_F(SweepCommandTest, KilledAtRandomMomentsItEndsWithTheSameBytes) {
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(Sweep({"--out", "whole"}).exit_code, 0);
@@ -106,6 +115,26 @@ TEST_F(SweepCommandTest, ShardsMakeTheSameAsOneMachine) {
   EXPECT_EQ(ReadFile("merged/cells.csv"), ReadFile("whole/cells.csv"));
   EXPECT_EQ(ReadFile("merged/report.html"), ReadFile("whole/report.html"));
   EXPECT_THAT(ReadFile("whole/report.html"), HasSubstr("class=\"heat-map\""));
+}
+
+TEST_F(SweepCommandTest, ShardsThatAreKilledAndRepeatedLoseNothing) {
+  ASSERT_EQ(Sweep({"--out", "whole"}).exit_code, 0);
+  std::mt19937 random(7);  // moments only; no result depends on them
+  for (int round = 0; round < 2; ++round) {
+    Program first(Command({"--shard", "1/2"}), {.working_directory = folder_.path()});
+    Program second(Command({"--shard", "2/2"}), {.working_directory = folder_.path()});
+    for (Program* shard : {&first, &second}) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 200));
+      shard->SendSignal(SIGKILL);
+      shard->Wait();
+    }
+  }
+  for (const char* shard : {"1/2", "2/2", "1/2"}) ASSERT_EQ(Sweep({"--shard", shard}).exit_code, 0);
+  ASSERT_EQ(Sweep({"--out", "merged", "--collect", "out/short.shard-1-of-2", "--collect",
+                   "out/short.shard-2-of-2"})
+                .exit_code,
+            0);
+  EXPECT_EQ(ReadFile("merged/cells.csv"), ReadFile("whole/cells.csv"));
 }
 
 TEST_F(SweepCommandTest, RefusesMistakesInOneLineBeforeAnythingRuns) {
