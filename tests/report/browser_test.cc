@@ -50,7 +50,7 @@ constexpr const char* kSaved = R"(<script>
   const saved = async (button) => {
     files = [];
     button.click();
-    for (let i = 0; i < 2000 && files.length === 0; ++i) await wait(1);
+    for (let i = 0; i < 50000 && files.length === 0; ++i) await wait(1);
     return files[0]?.text;
   };
   const leave = (seen) =>
@@ -200,7 +200,7 @@ class BrowserTest : public testing::Test {
         {"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
          "--disable-background-networking", "--disable-dev-shm-usage", "--mute-audio",
          "--user-data-dir=" + (folder.path() / "profile").string(),
-         "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=200000",
+         "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=1000000",
          "--dump-dom", "file://" + (folder.path() / "report.html").string()});
     EXPECT_EQ(result.exit_code, 0) << result.standard_error;
     const std::string mark = "data-seen=\"";
