@@ -17,8 +17,8 @@ void RemovePlanes(mjvScene& scene);
 /// Cables as bars of four sides, not as round ones.
 void FlattenCables(mjvScene& scene);
 
-/// By how it pulls: white where it is slack, else from brown to red with the root of its share of the
-/// largest pull, so that small pulls differ, too. `share`: per cable of the model, 0 .. 1; 0 is
+/// By how it pulls: white where it is slack, else from brown to red with the root of its share of
+/// the largest pull, so that small pulls differ, too. `share`: per cable of the model, 0 .. 1; 0 is
 /// slack. Empty: as the model has them.
 void ColourCables(mjvScene& scene, std::span<const float> share);
 
