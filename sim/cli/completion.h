@@ -8,8 +8,8 @@ namespace gauntlet::sim {
 
 /// What a shell may offer for the last of `words`, which are those behind the program's name: what
 /// --help knows, names of scenarios and of their controllers, keys for --set. A line each, with a
-/// tabulator and its meaning behind it where there is one. `:files` and `:folders` ask the shell for
-/// those, too; `:open` means that the word goes on behind what is offered. Never fails: where
+/// tabulator and its meaning behind it where there is one. `:files` and `:folders` ask the shell
+/// for those, too; `:open` means that the word goes on behind what is offered. Never fails: where
 /// nothing is known, nothing is offered.
 std::string Completions(const CLI::App& app, const std::vector<std::string>& words);
 

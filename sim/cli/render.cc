@@ -95,11 +95,13 @@ RenderOptions CheckedOptions(const Options& options) {
   }
   const bool picture = options.frame_s.has_value();
   const std::string ending = std::filesystem::path(options.out).extension();
-  const bool fits = picture ? ending == ".png" : ending == ".mp4" || ending == ".webm";
+  const bool fits =
+      picture ? ending == ".png" : ending == ".mp4" || ending == ".webm" || ending == ".gif";
   if (!options.out.empty() && !fits) {
     throw UserError({.place = "--out " + options.out,
-                     .problem = picture ? "must end in .png with --frame"
-                                        : "must end in .mp4 or .webm, or in .png with --frame"});
+                     .problem = picture
+                                    ? "must end in .png with --frame"
+                                    : "must end in .mp4, .webm or .gif, or in .png with --frame"});
   }
   return {.folder = options.folder,
           .controllers = options.controllers,
@@ -152,14 +154,16 @@ void AddRenderCommand(CLI::App& app) {
       ->type_name("{small,good,best}");
   command->add_option("--frame", options->frame_s, "no video, but the frame at this moment")
       ->type_name("S");
-  AddOutOption(*command, options->out,
-               "file .mp4, .webm, or .png with --frame [comparison.mp4 or comparison.png in the "
-               "folder]",
-               "FILE");
+  AddOutOption(
+      *command, options->out,
+      "file .mp4, .webm, .gif, or .png with --frame [comparison.mp4 or comparison.png in the "
+      "folder]",
+      "FILE");
   command->footer(
       "\nExamples:\n"
       "  gauntlet render out/door_opening --controllers raw,tuned_kalman\n"
       "  gauntlet render out/door_opening --from 2 --to 3 --speed 0.25 --out slow.webm\n"
+      "  gauntlet render out/door_opening --size 640x360 --fps 20 --out door.gif\n"
       "  gauntlet render out/door_opening --frame 2.6 --size 1920x1080 --out door.png\n");
   command->callback([options] {
     WarnIfUnchecked(options->folder, Manifest(options->folder).exists());

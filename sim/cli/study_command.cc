@@ -60,7 +60,7 @@ bool HoldsComparison(const std::filesystem::path& folder) {
 /// Where the results go. One run does not take the place of a comparison unless it is told to, and
 /// then says so.
 std::string OutputOf(const StudyCommand& options, const std::string& scenario) {
-  const std::string out = options.out.empty() ? "out/" + scenario : options.out;
+  std::string out = options.out.empty() ? "out/" + scenario : options.out;
   if (options.comparison || !HoldsComparison(out)) return out;
   if (options.out.empty()) {
     Say("gauntlet: {} holds a comparison, which stays: this run goes to {}_run\n", out, out);

@@ -20,8 +20,8 @@ std::string WhatVaries(const StudyResult& result);
 /// What the numbers say, in one sentence; empty where tracking or jitter has no value.
 std::string Verdict(const Summary& summary);
 
-/// The controllers from the one that the verdict names first on: who follows best, who shakes least,
-/// the others by how they follow.
+/// The controllers in the order of the verdict: who follows best, who shakes least, the others by
+/// how they follow.
 std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
 
 /// How the marks and intervals come about, a sentence or two each: for the table and the page.

@@ -41,7 +41,7 @@ std::size_t WidthOfNames(const std::string& corner, const std::vector<std::strin
 }
 
 std::string Decorated(const TableColumn::Line& line, ColumnWidth width, bool colour) {
-  const std::string text = Padded(line.text, width.text, true) + std::string(width.mark, line.mark);
+  std::string text = Padded(line.text, width.text, true) + std::string(width.mark, line.mark);
   if (colour && line.mark == '!') return Warning(text);
   if (colour && line.mark == '*') return Good(text);
   return text;

@@ -54,8 +54,8 @@ std::size_t TableWidth(const std::string& corner, const std::vector<std::string>
                        const std::vector<TableColumn>& columns);
 
 /// A table for a person: `corner` above the names of the rows, then the columns. Where they do not
-/// fit beside each other in `style.table_width`, the rest follows in pieces of their own below, each
-/// with the names. A name longer than a third of the width stands in a line of its own.
+/// fit beside each other in `style.table_width`, the rest follows below in pieces of their own,
+/// with the names again. A name longer than a third of the width stands in a line of its own.
 std::string TableText(const std::string& corner, const std::vector<std::string>& names,
                       const std::vector<TableColumn>& columns, const TerminalStyle& style);
 

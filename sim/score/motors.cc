@@ -10,7 +10,6 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kPiece_s = 1.0;
-constexpr double kSlackTension_n = 0.01;  // an assumption: the weight of 1 g
 
 std::vector<double> HannWindow(int size) {
   std::vector<double> window(size);

@@ -15,7 +15,10 @@ namespace gauntlet::sim {
 /// centroid).
 double SpectralCentroid(std::span<const double> speed, double rate_hz, Fourier& fourier);
 
-/// Share of samples in which a cable pulls with 0.01 N or less: it is slack.
+/// A cable that pulls with so much or less is slack. An assumption: the weight of 1 g.
+inline constexpr double kSlackTension_n = 0.01;
+
+/// Share of samples in which a cable is slack.
 double SlackShare(std::span<const double> tension_n);
 
 }  // namespace gauntlet::sim

@@ -20,6 +20,7 @@ struct VideoPane {
   const Signal* spool_angle_rad = nullptr;    // ticks x motors
   const Signal* command_angle_rad = nullptr;  // ticks x joints: the frame, as a joint angle
   const Signal* object_pose = nullptr;        // ticks x 7: of the object, if there is one
+  const Signal* tension_n = nullptr;  // ticks x cables: colours them; none: as the model has them
 };
 
 /// How long the question stands before the motion, and the verdict after it.
@@ -51,7 +52,7 @@ struct VideoInput {
 /// library works in processes of its own (ordered_frames.h): no other thread may run meanwhile.
 /// The file appears under its name only when it is whole.
 /// Errors: RunError for a missing encoder, a full disk, too little memory, a process that crashed.
-/// A target that ends in .webm is VP9 in WebM, any other H.264 in MP4.
+/// A target that ends in .webm is VP9 in WebM, .gif a GIF, any other H.264 in MP4.
 /// `progress` gets frames done and frames in all; false stops and throws Cancelled.
 void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                           const std::filesystem::path& target,

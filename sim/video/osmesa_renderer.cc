@@ -171,7 +171,8 @@ struct OsmesaRenderer::Context {
     mjv_makeScene(&model, &scene, kMaxGeoms);
   }
 
-  void UpdateScene(mjData& data, const std::vector<bool>* only) {
+  void UpdateScene(mjData& data, const std::vector<bool>* only,
+                   std::span<const float> cable_share) {
     mjv_updateScene(&model, &data, &option, nullptr, &camera, mjCAT_ALL, &scene);
     scene.flags[mjRND_SHADOW] = config.shadows;
     scene.flags[mjRND_REFLECTION] = 0;  // draws everything twice
@@ -180,6 +181,7 @@ struct OsmesaRenderer::Context {
     if (!config.ground) RemovePlanes(scene);
     if (only != nullptr) KeepBodies(scene, model, *only);
     if (config.plain_cables) FlattenCables(scene);
+    ColourCables(scene, cable_share);
     if (config.window) {
       ShowWindow(scene, *config.window);
     } else if (IsTall(config) && !IsMadeForTall(model, config)) {
@@ -219,9 +221,10 @@ struct OsmesaRenderer::Context {
     }
   }
 
-  void Draw(mjData& data, const std::vector<bool>* only, Image& picture) {
+  void Draw(mjData& data, const std::vector<bool>* only, std::span<const float> cable_share,
+            Image& picture) {
     MakeCurrent();
-    UpdateScene(data, only);
+    UpdateScene(data, only, cable_share);
     mjr_render({0, 0, drawn_width(), drawn_height()}, &scene, &drawing);
     drawn.resize(std::ptrdiff_t{drawn_width()} * drawn_height());
     glReadPixels(0, 0, drawn_width(), drawn_height(), GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
@@ -246,10 +249,12 @@ OsmesaRenderer::OsmesaRenderer(const mjModel& model, const RendererConfig& confi
 
 OsmesaRenderer::~OsmesaRenderer() = default;
 
-void OsmesaRenderer::Draw(mjData& data, Image& picture) { context_->Draw(data, nullptr, picture); }
+void OsmesaRenderer::Draw(mjData& data, Image& picture, std::span<const float> cable_share) {
+  context_->Draw(data, nullptr, cable_share, picture);
+}
 
 void OsmesaRenderer::DrawBodies(mjData& data, const std::vector<bool>& chosen, Image& picture) {
-  context_->Draw(data, &chosen, picture);
+  context_->Draw(data, &chosen, {}, picture);
 }
 
 }  // namespace gauntlet::sim

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,8 @@ class OsmesaRenderer {
   OsmesaRenderer& operator=(const OsmesaRenderer&) = delete;
 
   /// The posture in `data`, whose kinematics are computed, as a picture of the configured size.
-  void Draw(mjData& data, Image& picture);
+  /// `cable_share`: see ColourCables().
+  void Draw(mjData& data, Image& picture, std::span<const float> cable_share = {});
   /// The same of some bodies only, chosen by their numbers, and without cables.
   void DrawBodies(mjData& data, const std::vector<bool>& chosen, Image& picture);
 

@@ -108,7 +108,8 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
                            .hand_angle_rad = &trace.hand_angle_rad,
                            .spool_angle_rad = &trace.spool_angle_rad,
                            .command_angle_rad = &ways[i].command,
-                           .object_pose = &trace.object_pose});
+                           .object_pose = &trace.object_pose,
+                           .tension_n = &trace.tension_n});
   }
   for (int joint = 0; joint < joint_map.joint_count(); ++joint) {
     if (joint_map.measured(joint)) input.measured_joints.push_back(joint);

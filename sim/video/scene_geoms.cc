@@ -58,6 +58,20 @@ void FlattenCables(mjvScene& scene) {
   }
 }
 
+void ColourCables(mjvScene& scene, std::span<const float> share) {
+  constexpr std::array<float, 3> kSlack = {1.0f, 1.0f, 1.0f};
+  constexpr std::array<float, 3> kPullsLittle = {0.45f, 0.38f, 0.20f};
+  constexpr std::array<float, 3> kPullsMost = {0.95f, 0.25f, 0.10f};
+  for (mjvGeom& geom : std::span(scene.geoms, scene.ngeom)) {
+    if (geom.objtype != mjOBJ_TENDON || geom.objid >= std::ssize(share)) continue;
+    const float pull = std::min(share[geom.objid], 1.0f);
+    for (int i = 0; i < 3; ++i) {
+      geom.rgba[i] =
+          pull > 0.0f ? std::lerp(kPullsLittle[i], kPullsMost[i], std::sqrt(pull)) : kSlack[i];
+    }
+  }
+}
+
 void KeepBodies(mjvScene& scene, const mjModel& model, const std::vector<bool>& chosen) {
   RemoveGeoms(scene, [&](const mjvGeom& geom) {
     return geom.objtype != mjOBJ_GEOM || !chosen[model.geom_bodyid[geom.objid]];

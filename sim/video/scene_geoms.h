@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <span>
 #include <vector>
 
 #include "sim/video/camera_window.h"
@@ -15,6 +16,11 @@ void RemovePlanes(mjvScene& scene);
 
 /// Cables as bars of four sides, not as round ones.
 void FlattenCables(mjvScene& scene);
+
+/// By how it pulls: white where it is slack, else from brown to red with the root of its share of
+/// the largest pull, so that small pulls differ, too. `share`: per cable of the model, 0 .. 1; 0 is
+/// slack. Empty: as the model has them.
+void ColourCables(mjvScene& scene, std::span<const float> share);
 
 /// Leaves only shapes of the bodies chosen by their numbers.
 void KeepBodies(mjvScene& scene, const mjModel& model, const std::vector<bool>& chosen);

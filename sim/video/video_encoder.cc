@@ -20,6 +20,7 @@ namespace {
 constexpr int kEncoderThreads = 2;
 constexpr int kLargestSide_px = 8192;
 constexpr int kLargestRate_hz = 240;
+constexpr int kLargestRateOfGif_hz = 50;  // a shorter pause is taken for a mistake
 
 std::string ReasonOf(int error) {
   // libx264 says no more than that; memory is what it fails for.
@@ -42,6 +43,12 @@ void CheckFormat(const VideoFormat& format) {
     throw UserError(fmt::format("video: frames_per_s {} is not in 1 .. {}", format.frames_per_s,
                                 kLargestRate_hz));
   }
+  if (format.container == Container::kGif && format.frames_per_s > kLargestRateOfGif_hz) {
+    throw UserError(
+        fmt::format("video: frames_per_s {} is too much for a GIF, of which browsers "
+                    "show {}",
+                    format.frames_per_s, kLargestRateOfGif_hz));
+  }
 }
 
 }  // namespace
@@ -59,10 +66,13 @@ struct VideoEncoder::State {
 
   State(const AtomicFile& given_file, const VideoFormat& format)
       : file(given_file), settings(format) {
-    if (settings.encoder.empty()) settings.encoder = is_webm() ? "libvpx-vp9" : "libx264";
+    if (settings.encoder.empty()) {
+      settings.encoder = is_gif() ? "gif" : is_webm() ? "libvpx-vp9" : "libx264";
+    }
   }
 
   bool is_webm() const { return settings.container == Container::kWebm; }
+  bool is_gif() const { return settings.container == Container::kGif; }
 
   ~State() {
     sws_freeContext(converter);
@@ -89,16 +99,18 @@ struct VideoEncoder::State {
     codec = avcodec_alloc_context3(encoder);
     codec->width = settings.width_px;
     codec->height = settings.height_px;
-    codec->pix_fmt = AV_PIX_FMT_YUV420P;
+    codec->pix_fmt = is_gif() ? AV_PIX_FMT_RGB8 : AV_PIX_FMT_YUV420P;
     codec->time_base = {1, settings.frames_per_s};
     codec->framerate = {settings.frames_per_s, 1};
     codec->sample_aspect_ratio = {1, 1};
     codec->gop_size = 2 * settings.frames_per_s;  // seek to within two seconds
     codec->thread_count = kEncoderThreads;
-    codec->color_range = AVCOL_RANGE_MPEG;
-    codec->colorspace = AVCOL_SPC_BT709;
-    codec->color_primaries = AVCOL_PRI_BT709;
-    codec->color_trc = AVCOL_TRC_BT709;
+    if (!is_gif()) {
+      codec->color_range = AVCOL_RANGE_MPEG;
+      codec->colorspace = AVCOL_SPC_BT709;
+      codec->color_primaries = AVCOL_PRI_BT709;
+      codec->color_trc = AVCOL_TRC_BT709;
+    }
     codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
     // Encoders without these options do without them.
     av_opt_set(codec->priv_data, "preset", settings.preset.c_str(), 0);
@@ -113,7 +125,7 @@ struct VideoEncoder::State {
 
   void OpenConverter() {
     converter = sws_getContext(settings.width_px, settings.height_px, AV_PIX_FMT_BGR0,
-                               settings.width_px, settings.height_px, AV_PIX_FMT_YUV420P,
+                               settings.width_px, settings.height_px, codec->pix_fmt,
                                SWS_BILINEAR | SWS_ACCURATE_RND, nullptr, nullptr, nullptr);
     if (converter == nullptr) throw RunError("video: cannot convert colours");
     const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
@@ -128,8 +140,8 @@ struct VideoEncoder::State {
 
   void OpenContainer() {
     const std::string path = file.temporary_path().string();
-    // The temporary name does not end in .mp4 or .webm, so the container is said.
-    const char* name = is_webm() ? "webm" : "mp4";
+    // The temporary name does not end in .mp4, .webm or .gif, so the container is said.
+    const char* name = is_gif() ? "gif" : is_webm() ? "webm" : "mp4";
     Check(avformat_alloc_output_context2(&container, nullptr, name, path.c_str()), "write a video");
     stream = avformat_new_stream(container, nullptr);
     stream->time_base = codec->time_base;
@@ -161,6 +173,7 @@ struct VideoEncoder::State {
 };
 
 Container ContainerOf(const std::filesystem::path& file) {
+  if (file.extension() == ".gif") return Container::kGif;
   return file.extension() == ".webm" ? Container::kWebm : Container::kMp4;
 }
 

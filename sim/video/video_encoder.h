@@ -9,8 +9,8 @@
 
 namespace gauntlet::sim {
 
-enum class Container { kMp4, kWebm };
-/// By the ending of the file's name: .webm, or anything else.
+enum class Container { kMp4, kWebm, kGif };
+/// By the ending of the file's name: .webm, .gif, or anything else.
 Container ContainerOf(const std::filesystem::path& file);
 
 struct VideoFormat {
@@ -18,19 +18,20 @@ struct VideoFormat {
   int height_px = 720;  // even
   int frames_per_s = 30;
   Container container = Container::kMp4;
-  std::string encoder{};  // as libav calls it; empty: libx264 in MP4, libvpx-vp9 in WebM
+  std::string encoder{};  // as libav calls it; empty: libx264, libvpx-vp9 or gif
   std::string preset = "veryfast";
   /// The encoder's constant rate factor: lower is better; 20 keeps thin curves and text crisp.
   int rate_factor = 20;
 };
 
 /// An MP4 file with H.264, or a WebM file with VP9; yuv420p in BT.709; the index of MP4 in front:
-/// plays while it loads, in every browser.
+/// plays while it loads, in every browser. Or a GIF, which plays where no video does: of 256 fixed
+/// colours, and at most 50 frames per second, as browsers show no more.
 ///
 /// Frame by frame, so memory does not grow with the length; frame k is shown at exactly
 /// k / frames_per_s. After Finish() the file is whole, and can be committed by its owner.
 /// Same frames, same bytes, on any number of cores.
-/// Errors: UserError for a size or rate that H.264 cannot have; RunError for a missing encoder
+/// Errors: UserError for a size or rate that the file cannot have; RunError for a missing encoder
 /// (before anything is written), a missing folder, a full disk.
 class VideoEncoder {
  public:

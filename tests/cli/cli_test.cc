@@ -274,6 +274,11 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
                 .exit_code,
             0);
   EXPECT_TRUE(fs::exists(Out("b.webm")));
+  ASSERT_EQ(Gauntlet({"render", "a", "--from", "0.5", "--to", "0.7", "--fps", "20", "--controllers",
+                      "raw", "--out", "b.gif"})
+                .exit_code,
+            0);
+  EXPECT_THAT(ReadFile(Out("b.gif")), StartsWith("GIF89a"));
   const auto refusal = [&](std::vector<std::string> options) {
     options.insert(options.begin(), {"render", "a"});
     const ProgramResult refused = Gauntlet(options);

@@ -51,7 +51,7 @@ inline nlohmann::json UsePage(const std::string& page, const std::string& script
       {"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
        "--disable-background-networking", "--disable-dev-shm-usage", "--mute-audio",
        "--user-data-dir=" + (folder.path() / "profile").string(),
-       "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=200000",
+       "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=1000000",
        "--dump-dom", "file://" + (folder.path() / "report.html").string()});
   EXPECT_EQ(result.exit_code, 0) << result.standard_error;
   const std::string mark = "data-seen=\"";

@@ -39,7 +39,7 @@ constexpr const char* kSaved = R"(<script>
   const saved = async (button) => {
     files = [];
     button.click();
-    for (let i = 0; i < 2000 && files.length === 0; ++i) await wait(1);
+    for (let i = 0; i < 50000 && files.length === 0; ++i) await wait(1);
     return files[0]?.text;
   };
   const leave = (seen) =>
@@ -275,8 +275,8 @@ std::vector<std::vector<double>> Numbers(const std::string& csv) {
 }
 
 TEST_F(BrowserTest, FrequenciesAreThoseOfTheSignals) {
-  // A sine of 2 Hz; hands that are late by 60 and 70 ms, the later one moves less; one that does not
-  // follow. All tremble by white noise.
+  // A sine of 2 Hz; hands that are late by 60 and 70 ms, the later one moves less; one that does
+  // not follow. All tremble by white noise.
   constexpr int kSamples = 20'000;
   constexpr double kFrequency_hz = 2.0;
   constexpr double kGain[] = {1.0, 0.9, 0.0};

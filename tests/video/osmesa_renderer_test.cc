@@ -153,6 +153,38 @@ TEST(OsmesaRenderer, TranslucentOverOpaqueStaysCovered) {
   }
 }
 
+TEST(OsmesaRenderer, CablesHaveTheColourOfTheirPull) {
+  TinyModel model(R"(
+<mujoco>
+  <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+  <worldbody>
+    <camera name="front" pos="0 -2 0" xyaxes="1 0 0 0 0 1" fovy="53.13"/>
+    <site name="a" pos="-1 0 0.5"/><site name="b" pos="1 0 0.5"/>
+    <site name="c" pos="-1 0 -0.5"/><site name="d" pos="1 0 -0.5"/>
+  </worldbody>
+  <tendon>
+    <spatial name="upper" width="0.1" rgba="0 1 0 1"><site site="a"/><site site="b"/></spatial>
+    <spatial name="lower" width="0.1" rgba="0 1 0 1"><site site="c"/><site site="d"/></spatial>
+  </tendon>
+</mujoco>)");
+  mj_forward(&model.model(), &model.data());
+  OsmesaRenderer renderer(
+      model.model(), {.width_px = 100, .height_px = 100, .camera = "front", .plain_cables = true});
+  Image picture;
+  const auto colour = [&](int row) { return picture.Row(row)[50]; };
+  renderer.Draw(model.data(), picture);
+  EXPECT_GT(Green(colour(25)), Red(colour(25)) + 50u);  // as the model has it
+  const std::vector<float> slack_and_pulling = {0.0f, 1.0f};
+  renderer.Draw(model.data(), picture, slack_and_pulling);
+  EXPECT_NEAR(Red(colour(25)), Green(colour(25)), 2);
+  EXPECT_NEAR(Red(colour(25)), Blue(colour(25)), 2);
+  EXPECT_GT(Red(colour(75)), 2u * Green(colour(75)));
+  const std::vector<float> hardly = {0.0f, 0.01f};
+  const auto most = Red(colour(75));
+  renderer.Draw(model.data(), picture, hardly);
+  EXPECT_LT(Red(colour(75)), most);
+}
+
 TEST(OsmesaRenderer, AShadowDarkensTheGround) {
   TinyModel model(R"(
 <mujoco>

@@ -78,6 +78,25 @@ TEST(VideoEncoder, WritesWebM) {
   }
 }
 
+TEST(VideoEncoder, WritesAGif) {
+  const TemporaryFolder folder;
+  VideoFormat format = SmallFormat();
+  format.container = ContainerOf("a.gif");
+  format.frames_per_s = 20;
+  Encode(folder.path() / "a.gif", format, [&](VideoEncoder& encoder) {
+    for (int i = 0; i < 20; ++i) encoder.Add(Halves(format, 12 * i, 255 - 12 * i));
+  });
+  const VideoContent content = ReadVideo(folder.path() / "a.gif");
+  EXPECT_EQ(content.codec, "gif");
+  EXPECT_EQ(content.width_px, 64);
+  EXPECT_EQ(content.height_px, 48);
+  EXPECT_EQ(content.frames, 20);
+  EXPECT_EQ(Bytes(folder.path() / "a.gif").substr(0, 6), "GIF89a");
+
+  format.frames_per_s = 60;
+  EXPECT_THROW(Encode(folder.path() / "b.gif", format, AddNothing), UserError);
+}
+
 TEST(VideoEncoder, WritesWhatAPlayerExpects) {
   const TemporaryFolder folder;
   VideoFormat format = SmallFormat();
