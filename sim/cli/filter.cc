@@ -23,6 +23,7 @@
 #include "sim/cli/interrupt.h"
 #include "sim/cli/row_clock.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/recordings/csv_reader.h"
 #include "sim/recordings/time_columns.h"
 #include "sim/settings/yaml_reader.h"
 
@@ -32,6 +33,7 @@ namespace {
 struct FilterOptions {
   std::string kind;
   std::vector<std::string> settings;
+  std::vector<std::string> columns;  // to filter; empty: all but the time
 };
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -119,11 +121,15 @@ StreamFilter ReadFilter(const FilterOptions& options) {
 /// until they have told the rate, if the filter needs it and nobody gave it.
 class FilterStream {
  public:
-  explicit FilterStream(const StreamFilter& settings) : settings_(settings) {}
+  FilterStream(const StreamFilter& settings, const std::vector<std::string>& columns)
+      : settings_(settings), asked_(columns) {}
 
   void ReadHeader(std::string_view line) {
-    const std::vector<std::string_view> names = SplitCells(line);
+    // A blank may be part of a name: `sensor 3` is one column.
+    separator_ = SeparatorOf(line) == ' ' ? ',' : SeparatorOf(line);
+    const std::vector<std::string_view> names = SplitCells(line, separator_);
     columns_ = names.size();
+    FindAsked(names);
     for (std::size_t column = 0; column < columns_; ++column) AddColumn(names[column], column);
     if (std::ranges::all_of(names, IsNumber)) {  // data frames do so; or the header was forgotten
       Say("gauntlet: warning: standard input:1: numbers only, taken as the header\n");
@@ -135,11 +141,11 @@ class FilterStream {
   }
 
   void ReadRow(std::string_view line, std::size_t row) {
-    const std::vector<std::string_view> fields = SplitCells(line);
+    const std::vector<std::string_view> fields = SplitCells(line, separator_);
     if (fields.size() != columns_) {
       Fail(row, fmt::format("has {} fields, must have {}", fields.size(), columns_));
     }
-    const bool has_time = clock_ && clock_->Add(fields[time_column_]);
+    const bool has_time = clock_ && clock_->Add(Plain(fields[time_column_]));
     if (filter_ != nullptr) {
       FilterRow(fields, row);
       return;
@@ -174,6 +180,15 @@ class FilterStream {
   /// first column only.
   void AddColumn(std::string_view cell, std::size_t column) {
     const std::string_view name = Unquoted(cell);
+    if (std::ranges::find(is_asked_, true) != is_asked_.end()) {
+      if (is_asked_[column]) {
+        channels_.push_back(column);
+      } else if (const auto scale_s = TimeScaleS(name); scale_s && !clock_) {
+        clock_.emplace(*scale_s);
+        time_column_ = column;
+      }
+      return;
+    }
     if (name.empty()) Fail(1, column, "has no name");
     if (const auto scale_s = TimeScaleS(name)) {
       if (!clock_) {
@@ -187,6 +202,34 @@ class FilterStream {
           "call it time_s or time_ms\n",
           column + 1, Shown(name));
     }
+  }
+
+  /// Columns that --columns names, by their names or by their numbers from 1.
+  void FindAsked(const std::vector<std::string_view>& names) {
+    is_asked_.assign(columns_, false);
+    for (const std::string& asked : asked_) {
+      const auto found = std::ranges::find(names, std::string_view(asked), Unquoted);
+      std::size_t column = static_cast<std::size_t>(found - names.begin());
+      if (found == names.end()) {
+        std::from_chars(asked.data(), asked.data() + asked.size(), column);
+        if (column < 1 || column > columns_ || asked != std::to_string(column)) {
+          std::vector<std::string> known;
+          for (const std::string_view name : names) known.emplace_back(Unquoted(name));
+          throw UserError({.place = "--columns",
+                           .problem = fmt::format("standard input has no column {}{}", Shown(asked),
+                                                  Suggestion(asked, known))});
+        }
+        --column;
+      }
+      is_asked_[column] = true;
+    }
+  }
+
+  /// The text of a number with a decimal point.
+  std::string Plain(std::string_view field) const {
+    std::string text(Unquoted(field));
+    if (separator_ != ',') std::ranges::replace(text, ',', '.');
+    return text;
   }
 
   static bool IsNumber(std::string_view text) {
@@ -229,7 +272,7 @@ class FilterStream {
                                             rate_hz, kLowestHz, kHighestHz));
     }
     Start(rate_hz);
-    for (const auto& [line, row] : waiting_) FilterRow(SplitCells(line), row);
+    for (const auto& [line, row] : waiting_) FilterRow(SplitCells(line, separator_), row);
     waiting_.clear();
   }
 
@@ -243,7 +286,7 @@ class FilterStream {
   /// the last good one again. Before a channel's first good one its filter does not count; it
   /// starts there.
   void ReadValue(std::string_view field, std::size_t row, std::size_t channel) {
-    const std::optional<double> value = NumberOrMissing(field);
+    const std::optional<double> value = NumberOrMissing(Plain(field));
     if (!value) {
       Fail(row, channels_[channel], fmt::format("is \"{}\", must be a number", Shown(field)));
     }
@@ -262,10 +305,14 @@ class FilterStream {
     const auto out = std::back_inserter(text_);
     std::size_t channel = 0;
     for (std::size_t column = 0; column < columns_; ++column) {
-      if (column > 0) text_.push_back(',');
+      if (column > 0) text_.push_back(separator_);
       if (channel < channels_.size() && channels_[channel] == column) {
         const double value = started_[channel] ? filtered_[channel] : kUnknown;
+        const std::size_t begin = text_.size();
         fmt::format_to(out, "{}", value);  // the fewest digits that read back to the same bits
+        if (separator_ != ',' && fields[column].find(',') != std::string_view::npos) {
+          std::replace(text_.begin() + begin, text_.end(), '.', ',');
+        }
         ++channel;
       } else {
         fmt::format_to(out, "{}", Trimmed(fields[column]));
@@ -290,6 +337,9 @@ class FilterStream {
   };
 
   const StreamFilter& settings_;
+  const std::vector<std::string>& asked_;
+  std::vector<bool> is_asked_;
+  char separator_ = ',';
   std::unique_ptr<controller::Filter> filter_;  // none until the rate is known
   bool needs_rate_ = false;
   double rate_hz_ = kUnknown;
@@ -315,7 +365,7 @@ void CheckInput() {
 void RunFilter(const FilterOptions& options) {
   EndAtSignals();  // it waits for its source, and has nothing to tidy up
   const StreamFilter settings = ReadFilter(options);
-  FilterStream stream(settings);
+  FilterStream stream(settings, options.columns);
   std::ios::sync_with_stdio(false);
   std::string line;
   errno = 0;
@@ -344,12 +394,20 @@ void AddFilterCommand(CLI::App& app) {
                    "r=21.18,12.52; may be repeated")
       ->type_name("key=value")
       ->take_all();
+  command
+      ->add_option(
+          "--columns", options->columns,
+          "columns to filter, by names or numbers from 1; all others pass through, also as "
+          "text [all but the time]")
+      ->type_name("NAME,..")
+      ->delimiter(',');
   command->footer(
-      "\nA column of time (time, timestamp, t, with a unit as in time_ms; in s without) passes\n"
-      "through, and k, frame or sample if it is the first; all others are channels. The sampling\n"
-      "rate is that of the first 21 times, unless rate_hz gives it; filters that only count\n"
-      "samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is held at the\n"
-      "last good one.\n"
+      "\nCells stand between commas, semicolons or tabs, and come out so. A column of\n"
+      "time (time, timestamp, t, with a unit as in time_ms; in s without) passes through, and k,\n"
+      "frame or sample if it is the first; all others are channels, unless --columns names some.\n"
+      "The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that\n"
+      "only count samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is\n"
+      "held at the last good one.\n"
       "\nExample:\n  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv\n");
   command->callback([options] { RunFilter(*options); });
 }

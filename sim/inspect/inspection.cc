@@ -20,7 +20,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoTime = std::numeric_limits<double>::quiet_NaN();
 
 /// The beginning of a source, up to the end of a line. `is_whole` tells whether that is all of it.
 CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bool>& is_whole) {
@@ -51,7 +51,7 @@ TableStatistics ReadTable(const std::filesystem::path& file, const TimeGuess& ti
   TableStatistics statistics(csv.column_count());
   std::vector<double> values(csv.column_count());
   while (csv.NextRow(values)) {
-    double time_s = time.parts.empty() ? kUnknown : 0.0;
+    double time_s = time.parts.empty() ? kNoTime : 0.0;
     for (const TimePart& part : time.parts) time_s += values[part.column] * SecondsPer(part.unit);
     statistics.Add(time_s, values);
   }
@@ -158,7 +158,7 @@ void GuessUnit(const std::vector<std::size_t>& sensors, Inspection& inspection) 
   } else if (reach <= 200.0) {
     is(RawUnit::kDegrees, ", what joints have in degrees");
   } else {
-    is(RawUnit::kCounts, ", more than an angle has");
+    is(RawUnit::kCounts, ", beyond what an angle has");
   }
   if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(range.high);
 }

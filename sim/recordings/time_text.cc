@@ -108,7 +108,11 @@ std::optional<double> TakeClock(TimeScanner& scanner, int first) {
 std::optional<double> TakeShift(TimeScanner& scanner) {
   const auto hours = scanner.TakeNumber(4);
   if (!hours) return std::nullopt;
-  if (*hours > 99) return 3600.0 * (*hours / 100) + 60.0 * (*hours % 100);  // +0200
+  constexpr int kTwoDigits = 100;
+  if (*hours >= kTwoDigits) {  // +0200
+    const int whole_hours = *hours / kTwoDigits;
+    return 3600.0 * whole_hours + 60.0 * (*hours % kTwoDigits);
+  }
   scanner.TakeAnyOf(":");
   return 3600.0 * *hours + 60.0 * scanner.TakeNumber(2).value_or(0);
 }

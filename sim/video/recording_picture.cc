@@ -131,7 +131,9 @@ Image DrawRecording(const Inspection& inspection) {
   const TextStyle tick = {
       .size_px = 13.0, .color = palette::kMutedInk, .align = Align::kCenter, .tabular = true};
   const double step_s = NiceStep(end_s / 8.0);
-  for (double time_s = 0.0; time_s <= end_s * 1.0001; time_s += step_s) {
+  const int ticks = static_cast<int>(end_s / step_s + 1e-6);
+  for (int tick_number = 0; tick_number <= ticks; ++tick_number) {
+    const double time_s = tick_number * step_s;
     const double x = plot.x + plot.width * time_s / end_s;
     painter.Line({x, plot.y}, {x, plot.bottom()}, palette::kGrid, 1.0);
     painter.Text(fmt::format("{:g} s", time_s), {x, card.bottom() + 24.0}, tick);

@@ -726,7 +726,7 @@ TEST_F(CliTest, IdentifyRefusesBadInputInOneLineAndWritesNothing) {
 
 TEST_F(CliTest, HelpHasAnExample) {
   for (const char* command :
-       {"run", "compare", "render", "list", "filter", "calibrate", "identify"}) {
+       {"run", "compare", "render", "list", "filter", "calibrate", "identify", "inspect"}) {
     const ProgramResult result = Gauntlet({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.standard_output, HasSubstr("Example")) << command;

@@ -166,6 +166,30 @@ TEST(FilterValues, AreWrittenWithTheFewestDigitsThatReadBack) {
             "a\n0.1\n1e+21\n0.30000000000000004\n-0\n123456789\n");
 }
 
+TEST(FilterColumns, MayBeSeparatedByOtherThanCommas) {
+  const std::vector<std::string> mean = {"moving_average", "--set", "window=2"};
+  EXPECT_EQ(Filter(mean, "t_s;a\n0,01;1,5\n0,02;2,5\n").standard_output,
+            "t_s;a\n0,01;1,5\n0,02;2\n");
+  EXPECT_EQ(Filter(mean, "a\tb\n1\t10\n2\t20\n").standard_output, "a\tb\n1\t10\n1.5\t15\n");
+}
+
+TEST(FilterColumns, ThatAreNotAskedForPassThroughAsText) {
+  const std::string input = "label,a,b,time_ms\nV,1,10,0\nV,2,20,10\n";
+  const std::string only_a = "label,a,b,time_ms\nV,1,10,0\nV,1.5,20,10\n";
+  for (const char* asked : {"a", "2"}) {
+    EXPECT_EQ(
+        Filter({"moving_average", "--set", "window=2", "--columns", asked}, input).standard_output,
+        only_a);
+  }
+  EXPECT_THAT(
+      Filter({"moving_average", "--set", "window=2", "--columns", "a,b"}, input).standard_output,
+      HasSubstr("V,1.5,15,10\n"));
+  const ProgramResult unknown = Filter({"none", "--columns", "c"}, input);
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.standard_error, HasSubstr("--columns: standard input has no column c"));
+  EXPECT_EQ(Filter({"none", "--columns", "5"}, input).exit_code, 2);
+}
+
 TEST(FilterInput, ThatCannotBeReadIsNoEnd) {
   const ProgramResult result =
       RunProgram({"/bin/sh", "-c", std::string(GAUNTLET_PROGRAM) + " filter none < /"});

@@ -1,0 +1,87 @@
+// Recordings in the formats that Gauntlet reads by itself: NPY, NPZ and JSON. The first byte chooses
+// which; what is not JSON is a list of changes to a good file (see edited_copy.h). Whatever the file
+// is, the reader ends with a table of text or with a UserError of one line.
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "sim/base/error.h"
+#include "sim/recordings/array_table.h"
+#include "sim/recordings/json_arrays.h"
+#include "sim/recordings/numpy_file.h"
+#include "sim/recordings/utf16.h"
+#include "tests/fuzz/edited_copy.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using namespace std::string_literals;
+
+/// Three rows of two numbers of 16 bits.
+std::string GoodNpy() {
+  const std::string header = "{'descr': '<i2', 'fortran_order': False, 'shape': (3, 2), }";
+  return "\x93NUMPY\x01\x00"s + static_cast<char>(header.size()) + '\0' + header +
+         "\1\0\2\0\3\0\4\0\5\0\6\0"s;
+}
+
+std::string Little(std::size_t value, int bytes) {
+  std::string text;
+  for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> 8 * i & 255);
+  return text;
+}
+
+/// One array, stored.
+std::string GoodNpz() {
+  const std::string npy = GoodNpy();
+  const std::string facts = Little(20, 2) + std::string(12, '\0') + Little(npy.size(), 4) +
+                            Little(npy.size(), 4) + Little(5, 2) + Little(0, 2);
+  const std::string file = "PK\x03\x04" + facts + "a.npy" + npy;
+  const std::string entry = "PK\x01\x02" + Little(20, 2) + facts + std::string(14, '\0') + "a.npy";
+  return file + entry + "PK\x05\x06" + Little(0, 4) + Little(1, 2) + Little(1, 2) +
+         Little(entry.size(), 4) + Little(file.size(), 4) + Little(0, 2);
+}
+
+void CheckTable(std::vector<NamedArray> arrays) {
+  for (const NamedArray& array : arrays) {
+    if (array.values.size() != array.rows * array.columns) std::abort();
+  }
+  std::size_t lines = 0;
+  WriteTable(std::move(arrays), [&lines](std::string_view text) {
+    for (const char letter : text) lines += letter == '\n' ? 1 : 0;
+  });
+  if (lines < 3) std::abort();  // names and two rows
+}
+
+void Read(char format, const std::uint8_t* data, std::size_t size) {
+  try {
+    switch (format % 4) {
+      case 0:
+        CheckTable({ReadNpy(EditedCopy(GoodNpy(), data, size), "a")});
+        break;
+      case 1:
+        CheckTable(ReadNpz(EditedCopy(GoodNpz(), data, size)));
+        break;
+      case 2:
+        CheckTable(ReadJsonArrays({reinterpret_cast<const char*>(data), size}));
+        break;
+      default: {
+        const CsvReader::Source text =
+            Utf8Of(TextSource({reinterpret_cast<const char*>(data), size}));
+        char buffer[5];
+        std::size_t given = 0;
+        while (const std::size_t got = text(buffer, sizeof buffer)) given += got;
+        if (given > 3 * size) std::abort();
+      }
+    }
+  } catch (const UserError& error) {
+    if (std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size > 0) gauntlet::sim::Read(static_cast<char>(data[0]), data + 1, size - 1);
+  return 0;
+}
