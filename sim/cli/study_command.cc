@@ -52,6 +52,8 @@ Study Prepare(const ScenarioSource& source, Scenario scenario) {
 
 /// Whether the scores of an output folder are those of a comparison.
 bool HoldsComparison(const std::filesystem::path& folder) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(folder / "scores.json", unreadable)) return false;
   std::ifstream file(folder / "scores.json");
   const auto scores = nlohmann::json::parse(file, nullptr, false);
   return scores.is_object() && scores.contains("seeds");

@@ -86,7 +86,7 @@ TEST_F(RepetitionsCliTest, ARunOfASeedIsTheTrialOfTheComparison) {
 
 TEST_F(RepetitionsCliTest, EveryRepetitionComesOnceByDefault) {
   const ProgramResult three = Run({"compare", "s.yaml", "--out", "three"});
-  EXPECT_THAT(three.standard_output, HasSubstr("seeds 2 to 9: 5 motions, 1 to 3 noises each;"));
+  EXPECT_THAT(three.standard_output, HasSubstr("seeds 2 to 9: 5 motions, 1 to 3 noises\neach;"));
   const ProgramResult ten =
       Run({"compare", "s.yaml", "--out", "ten", "--set",
            "repetitions={glove.noise.variance_scale: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]}", "--set",
