@@ -73,7 +73,7 @@ struct FinishedStudy {
   Study study;
   StudyResult result;
   Summary summary;
-  bool comparison = false;  // of several seeds, as asked; else one run
+  bool comparison = false;                       // of several seeds, as asked; else one run
   std::vector<PredictionCeiling> ceilings = {};  // of a comparison
 };
 

@@ -123,8 +123,9 @@ void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config
 }  // namespace
 
 void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Path({.key = "file", .help = "a table of any format: time and channels by name", .required = true},
-               file);
+  visitor.Path(
+      {.key = "file", .help = "a table of any format: time and channels by name", .required = true},
+      file);
   visitor.Path(
       {.key = "map", .help = "column map for a file with other names or units, or a preset"}, map);
   visitor.Number({.key = "file_rate_hz",
