@@ -25,8 +25,8 @@ struct IdentifiedPart {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// Of the delay, how far a prediction looks ahead. At the whole delay, noise and turns of the motion
-/// cost more than the last fifth brings: tracking and jitter over this share are in
+/// Of the delay, how far a prediction looks ahead. At the whole delay, noise and turns of the
+/// motion cost more than the last fifth brings: tracking and jitter over this share are in
 /// tests/measurements/README.md.
 inline constexpr double kHorizonShare = 0.8;
 

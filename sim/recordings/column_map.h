@@ -54,10 +54,10 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
 /// The file of a map: itself, or where there is none the preset of that name.
 std::filesystem::path FileOfMap(const std::filesystem::path& map);
 
-/// From a map file, or from a preset of Gauntlet by its name (scenarios/maps/NAME.csv): a text table
-/// like a recording (see CsvReader), with a header `column,channel` and any of the other keys.
-/// sim/recordings/README.md has the language with an example per case. Columns that the map does
-/// not name are left out. Errors: UserError `map:row:column: ...`.
+/// From a map file, or from a preset of Gauntlet by its name (scenarios/maps/NAME.csv): a text
+/// table like a recording (see CsvReader), with a header `column,channel` and any of the other
+/// keys. sim/recordings/README.md has the language with an example per case. Columns that the map
+/// does not name are left out. Errors: UserError `map:row:column: ...`.
 ColumnMap ReadColumnMap(const std::filesystem::path& map, const CsvReader& recording);
 
 }  // namespace gauntlet::sim

@@ -40,13 +40,14 @@ struct LatencyBudget {
 
 /// The delay of each stage, measured by itself with DelaySamples() between what goes in and what
 /// comes out, and of the whole way. The stages are: sensor, filter, waiting for the event,
-/// prediction, event delay, waiting for the servo's frame, servo and cables. That of a prediction is
-/// below 0, by as much as it makes up for.
+/// prediction, event delay, waiting for the servo's frame, servo and cables. That of a prediction
+/// is below 0, by as much as it makes up for.
 ///
-/// All signals pass means over 4 ms and the same zero-phase low pass of 6 Hz (4 to 8 Hz) first: noise that a filter
-/// takes over from its input would otherwise draw the correlation to the filter's own impulse
-/// response. So these are delays of the motion and not of its noise. What the controller sends and
-/// what the servo takes is what was there at the last event (a multiple of the period) or frame.
+/// All signals pass means over 4 ms and the same zero-phase low pass of 6 Hz (4 to 8 Hz) first:
+/// noise that a filter takes over from its input would otherwise draw the correlation to the
+/// filter's own impulse response. So these are delays of the motion and not of its noise. What the
+/// controller sends and what the servo takes is what was there at the last event (a multiple of the
+/// period) or frame.
 ///
 /// Means are over the channels in which every stage and the whole has a value.
 /// Errors: std::invalid_argument for signals that do not fit each other.

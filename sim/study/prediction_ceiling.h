@@ -14,7 +14,8 @@ namespace gauntlet::sim {
 ///
 ///     e(t) = what the controller asks for at t - the wearer's angle at t + horizon
 ///
-/// and what is shown is the mean over joints of its RMS, mean and interval over the repetitions [deg].
+/// and what is shown is the mean over joints of its RMS, mean and interval over the repetitions
+/// [deg].
 struct PredictionCeiling {
   std::string controller;
   double shortest_horizon_ms = 0.0;

@@ -117,7 +117,7 @@ std::string Utf16(const std::string& ascii) {
   return wide;
 }
 
-// --- NumPy ----------------------------------------------------------------------------------------
+// --- NumPy ---------------------------------------------------------------------------------------
 
 template <class Number>
 std::string Npy(const std::string& type, const std::string& shape,
@@ -189,7 +189,7 @@ std::vector<double> Times(double rate_hz) {
 
 int RowsOf(double rate_hz) { return static_cast<int>(kSeconds * rate_hz); }
 
-// --- MATLAB and HDF5 ------------------------------------------------------------------------------
+// --- MATLAB and HDF5 -----------------------------------------------------------------------------
 
 /// `values` column by column, as MATLAB has them.
 matvar_t* MatVariable(const char* name, std::size_t rows, std::size_t columns,
@@ -248,7 +248,7 @@ void WriteHdf5(const fs::path& file, double rate_hz, int sensors, const Values& 
   AddDataset(group, "qpos", RowsOf(rate_hz), sensors, Matrix(rate_hz, sensors, values));
 }
 
-// --- JSON -----------------------------------------------------------------------------------------
+// --- JSON ----------------------------------------------------------------------------------------
 
 std::string JsonRows(double rate_hz, const Values& values, bool lines) {
   std::string text = lines ? "" : "{\"glove\": \"right\", \"frames\": [";

@@ -1,4 +1,5 @@
-// Pages of many settings: what stands there without scripts, what scripts add, and how large it gets.
+// Pages of many settings: what stands there without scripts, what scripts add, and how large it
+// gets.
 #include "sim/report/cells_page.h"
 
 #include <gmock/gmock.h>
