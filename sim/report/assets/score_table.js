@@ -175,8 +175,8 @@ function drawScoreTable(data) {
 
   byId("scores-note").textContent = [
     data.comparison ? `Means over ${data.seeds.length} seeds.` : "One run.",
-    "Averaged over joints, motors or cables. Each score opens its definition.",
-    ...data.notes].join(" ");
+    "Averaged over joints, motors or cables. Each score opens its definition."].join(" ");
+  byId("scores-facts").append(...data.notes.map((note) => element("li", {}, note)));
   const marks = [];
   if (data.comparison && data.controllers.length > 1) {
     marks.push("★ best, or equal within what matters", "~ undecided");
