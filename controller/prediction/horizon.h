@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <type_traits>
 #include <vector>
 
 #include "controller/filters/per_channel.h"
@@ -21,6 +22,16 @@ inline void VisitHorizon(SettingsVisitor& visitor, std::vector<double>& horizon_
 inline Eigen::ArrayXd HorizonSteps(const std::vector<double>& horizon_ms, int channel_count,
                                    double rate_hz) {
   return PerChannel("horizon_ms", horizon_ms, channel_count) * 1e-3 * rate_hz;
+}
+
+/// Where the settings of a kind of prediction keep their horizon; null for a kind without.
+template <class Settings>
+auto* HorizonOf(Settings& settings) {
+  using Values =
+      std::conditional_t<std::is_const_v<Settings>, const std::vector<double>, std::vector<double>>;
+  Values* horizon_ms = nullptr;
+  if constexpr (requires { settings.horizon_ms; }) horizon_ms = &settings.horizon_ms;
+  return horizon_ms;
 }
 
 }  // namespace gauntlet::controller

@@ -7,6 +7,8 @@
 #include <optional>
 #include <variant>
 
+#include "controller/prediction/horizon.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -126,11 +128,7 @@ void UseChain(const IdentifiedChain& chain, const std::vector<std::string>& chan
                              chain.parts.size()));
   }
   std::vector<double>* const horizon_ms = std::visit(
-      [](auto& settings) -> std::vector<double>* {
-        if constexpr (requires { settings.horizon_ms; }) return &settings.horizon_ms;
-        return nullptr;
-      },
-      config.prediction.settings);
+      [](auto& settings) { return controller::HorizonOf(settings); }, config.prediction.settings);
   if (horizon_ms == nullptr) {
     throw controller::SettingError(
         "chain", fmt::format("gives horizon_ms, which a prediction of kind {} does not have",

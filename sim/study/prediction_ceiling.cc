@@ -26,16 +26,6 @@ constexpr double kMostFitted_s = 60.0;
 constexpr double kTap_ms = 5.0;  // of the fitted weights; a sample if that is longer
 constexpr int kFolds = 2;
 
-/// Null for a prediction without one.
-const std::vector<double>* HorizonOf(const controller::ControllerConfig& config) {
-  return std::visit(
-      [](const auto& settings) -> const std::vector<double>* {
-        if constexpr (requires { settings.horizon_ms; }) return &settings.horizon_ms;
-        return nullptr;
-      },
-      config.prediction.settings);
-}
-
 /// The same glove for a controller that neither filters nor predicts.
 controller::ControllerConfig Plain(controller::ControllerConfig config) {
   config.filters.clear();
@@ -169,7 +159,9 @@ std::vector<PredictionCeiling> MeasurePredictionCeilings(
   for (std::size_t i = 0; i < seeds.size(); ++i) folds[i % kFolds].push_back(seeds[i]);
 
   for (const NamedController& named : study.scenario.controllers) {
-    const std::vector<double>* const horizon_ms = HorizonOf(named.config);
+    const std::vector<double>* const horizon_ms =
+        std::visit([](const auto& settings) { return controller::HorizonOf(settings); },
+                   named.config.prediction.settings);
     if (horizon_ms == nullptr || std::ranges::max(*horizon_ms) == 0.0) continue;
     const Ceiling ceiling(study, named, *horizon_ms);
     try {
