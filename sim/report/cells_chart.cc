@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "sim/report/chart_scale.h"
 #include "sim/report/html_text.h"
 #include "sim/report/table_text.h"
 
@@ -49,38 +50,6 @@ std::string Shortened(const std::string& text, std::size_t most) {
   return text.size() <= most ? text : text.substr(0, most - 1) + "…";
 }
 
-struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void Take(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  double Share(double value) const { return high > low ? (value - low) / (high - low) : 0.5; }
-};
-
-/// A round step that divides a range into about so many parts.
-double RoundStep(const Range& range, int parts) {
-  const double rough = std::max((range.high - range.low) / parts, 1e-12);
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (rough <= factor * power) return factor * power;
-  }
-  return 10.0 * power;
-}
-
-std::vector<double> RoundValues(const Range& range, int parts) {
-  const double step = RoundStep(range, parts);
-  std::vector<double> values;
-  const auto last = static_cast<int>(std::floor(range.high / step + 1e-9));
-  for (int i = static_cast<int>(std::ceil(range.low / step - 1e-9)); i <= last; ++i) {
-    values.push_back(std::round(i * step / step) * step + 0.0);
-  }
-  return values;
-}
-
 }  // namespace
 
 double ChartAxis::PlaceOf(double value) const {
@@ -109,7 +78,7 @@ std::string HeatMapSvg(const HeatMap& map) {
   const double cell_width = std::clamp(600.0 / columns, 26.0, 90.0);
   const double width = kLeft + columns * cell_width + 10.0;
   const double height = kTop + rows * kCellHeight + kBottom;
-  Range range;
+  Extent range;
   for (const double value : map.best) range.Take(value);
   Drawing drawing(width, height, "heat-map",
                   fmt::format("Best {} over {} and {}: {} to {}", map.score, map.x_name, map.y_name,
@@ -201,7 +170,7 @@ std::string ParallelSvg(const std::vector<ChartAxis>& axes, const std::vector<Ch
 
 std::string FrontSvg(const std::vector<ChartPoint>& points) {
   constexpr double kWidth = 460.0, kHeight = 320.0, kLeft = 58.0, kBottom = 46.0, kTop = 12.0;
-  Range delay, jitter;
+  Extent delay, jitter;
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!std::isfinite(points[i].delay_ms) || !std::isfinite(points[i].jitter_deg)) continue;
@@ -221,11 +190,11 @@ std::string FrontSvg(const std::vector<ChartPoint>& points) {
     return kHeight - kBottom - jitter.Share(value) * (kHeight - kBottom - kTop);
   };
   Drawing drawing(kWidth, kHeight, "front", "Jitter against delay");
-  for (const double tick : RoundValues(jitter, 5)) {
+  for (const double tick : Ticks(jitter, TickStep(jitter, 5))) {
     drawing.Line(kLeft, y_of(tick), kWidth - 12.0, y_of(tick), "grid");
     drawing.Text(kLeft - 8.0, y_of(tick) + 4.0, "end", fmt::format("{:.3g}", tick));
   }
-  for (const double tick : RoundValues(delay, 6)) {
+  for (const double tick : Ticks(delay, TickStep(delay, 6))) {
     drawing.Text(x_of(tick), kHeight - kBottom + 18.0, "middle", fmt::format("{:.4g}", tick));
   }
   drawing.Text(0.5 * (kLeft + kWidth), kHeight - 6.0, "middle", "delay, ms", "name");
@@ -257,7 +226,7 @@ std::string FrontSvg(const std::vector<ChartPoint>& points) {
 
 std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal) {
   constexpr double kWidth = 560.0, kLeft = 92.0, kRight = 118.0, kTop = 30.0, kEach = 32.0;
-  Range range;
+  Extent range;
   range.Take(nominal);
   double matters = 0.0;
   for (const TornadoBar& bar : score.bars) {
@@ -282,7 +251,7 @@ std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double 
   drawing.Add("<rect class=\"band\" x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\"/>",
               x_of(nominal - matters), kTop - 8.0,
               x_of(nominal + matters) - x_of(nominal - matters), bottom - kTop + 8.0);
-  for (const double tick : RoundValues(range, 5)) {
+  for (const double tick : Ticks(range, TickStep(range, 5))) {
     drawing.Line(x_of(tick), kTop - 8.0, x_of(tick), bottom, tick == 0.0 ? "axis" : "grid");
     drawing.Text(x_of(tick), bottom + 18.0, "middle", fmt::format("{:.3g}", tick));
   }

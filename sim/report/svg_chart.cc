@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 
+#include "sim/report/chart_scale.h"
 #include "sim/report/curve_codec.h"
 #include "sim/report/html_text.h"
 
@@ -28,42 +29,6 @@ constexpr const char* kStyle = R"(<style>
 .bar{fill:#3d5a86}}
 text{font:13px system-ui,"DejaVu Sans",sans-serif}.title{font-size:14px;font-weight:600}
 </style>)";
-
-struct Extent {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void Take(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  void Widen(double share) {
-    const double margin = high > low ? share * (high - low) : 1.0;
-    low -= margin;
-    high += margin;
-  }
-};
-
-/// A round step that gives about `count` ticks: 1, 2 or 5 times a power of ten.
-double TickStep(const Extent& extent, int count) {
-  const double rough = (extent.high - extent.low) / count;
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (rough <= factor * power) return factor * power;
-  }
-  return 10.0 * power;
-}
-
-/// The multiples of `step` in the extent.
-std::vector<double> Ticks(const Extent& extent, double step) {
-  std::vector<double> ticks;
-  const auto last = static_cast<int>(std::floor(extent.high / step));
-  for (int i = static_cast<int>(std::ceil(extent.low / step)); i <= last; ++i) {
-    ticks.push_back(i * step);
-  }
-  return ticks;
-}
 
 /// Writes one chart.
 class Writer {
