@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <exception>
 #include <fstream>
+#include <mutex>
 #include <new>
 #include <string>
 #include <string_view>
@@ -47,6 +48,11 @@ void LimitProcessorTime(double limit_s) {
   Limit(RLIMIT_CPU, static_cast<rlim_t>(whole_s + 2));
 }
 
+std::shared_mutex& StartOfHelpers() {
+  static std::shared_mutex mutex;
+  return mutex;
+}
+
 /// Address space of this process; 0 where the system does not tell.
 std::size_t AddressSpaceBytes() {
   std::size_t pages = 0;
@@ -54,12 +60,15 @@ std::size_t AddressSpaceBytes() {
   return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-void LimitMemory(std::size_t more_bytes) {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take terabytes
-  if (const std::size_t now = AddressSpaceBytes(); now > 0) Limit(RLIMIT_AS, now + more_bytes);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;  // takes terabytes of address space
 #else
-  static_cast<void>(more_bytes);
+constexpr bool kSanitized = false;
 #endif
+
+void LimitMemory(std::size_t more_bytes) {
+  if (kSanitized) return;
+  if (const std::size_t now = AddressSpaceBytes(); now > 0) Limit(RLIMIT_AS, now + more_bytes);
 }
 
 /// Standard streams lead nowhere, the pipe is the only other descriptor. Returns its number.
@@ -86,6 +95,8 @@ bool WriteAll(int pipe, const char* data, std::size_t size) {
 }
 
 }  // namespace
+
+std::shared_lock<std::shared_mutex> HoldHelpers() { return std::shared_lock(StartOfHelpers()); }
 
 void HelperProcess::WriteFrame(int pipe, Frame frame, std::span<const char> bytes) {
   FrameHead head = {};
@@ -129,6 +140,7 @@ HelperProcess::HelperProcess(const std::function<void(const Send&)>& work,
   int ends[2] = {-1, -1};
   try {
     if (pipe2(ends, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category());
+    const std::unique_lock nobody_holds(StartOfHelpers());
     process_.emplace([&] { Work(work, limits, ends[1]); });
   } catch (const std::system_error& error) {
     for (const int end : ends) close(end);

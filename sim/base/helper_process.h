@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <shared_mutex>
 #include <span>
 #include <stdexcept>
 
@@ -30,6 +31,11 @@ class HelperError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// A helper starts as a copy of the program with all locks as they are: of a library that locks
+/// itself (HDF5) and that another thread is just inside, it would wait for ever. Who calls such a
+/// library in the program holds this meanwhile; helpers start while nobody does.
+std::shared_lock<std::shared_mutex> HoldHelpers();
 
 /// Work on what a stranger made, with a library that may crash, hang or take all memory over it: in
 /// a process of its own, which has nothing open but the way back, writes no file, gains no rights,

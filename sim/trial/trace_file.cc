@@ -11,6 +11,7 @@
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/helper_process.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {
@@ -151,6 +152,7 @@ void WriteSegments(H5::Group& group, const GloveSignal& glove) {
 /// Runs `action`; what HDF5 throws becomes a RunError about `path`.
 template <class Action>
 void Guarded(const std::filesystem::path& path, const Action& action) {
+  const auto no_helper_starts = HoldHelpers();
   try {
     action();
   } catch (const H5::Exception& error) {
@@ -167,6 +169,7 @@ struct TraceWriter::State {
   ~State() {
     if (!file) return;  // committed, or never opened
     MakeRoom(atomic.temporary_path().string());
+    const auto no_helper_starts = HoldHelpers();
     try {
       Close();
     } catch (const H5::Exception&) {  // the file is given up anyway

@@ -8,13 +8,17 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <string>
+#include <thread>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/helper_process.h"
 #include "sim/trial/trace_reader.h"
 #include "tests/support/program.h"
 
@@ -204,6 +208,25 @@ TEST_F(TraceFileTest, RefusesWhatIsNoTrace) {
   EXPECT_THROW(ReadTraceFile(file_), UserError);
   std::ofstream(file_) << "not HDF5";
   EXPECT_THROW(ReadTraceFile(file_), UserError);
+}
+
+/// HDF5 locks itself: a copy of the program made while a thread writes would wait for it for ever.
+TEST_F(TraceFileTest, AHelperCanReadWhileAThreadWrites) {
+  const std::string other = folder_.path() / "other.h5";
+  TraceWriter(other, glove_, reference_, hand_, "test", 1).Commit();
+  std::atomic<bool> done = false;
+  std::thread thread([&] {
+    while (!done) TraceWriter(file_, glove_, reference_, hand_, "test", 1).Commit();
+  });
+  EXPECT_NO_THROW({
+    for (int i = 0; i < 50; ++i) {
+      HelperProcess([&](const auto&) { H5::H5File(other, H5F_ACC_RDONLY).close(); },
+                    {.silence_s = 2})
+          .Finish();
+    }
+  });
+  done = true;
+  thread.join();
 }
 
 TEST_F(TraceFileTest, AFolderThatCannotBeIsARunError) {
