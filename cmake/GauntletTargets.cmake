@@ -19,9 +19,9 @@ endif()
 list(JOIN GAUNTLET_SANITIZER_FLAGS " " GAUNTLET_SANITIZER_FLAG_LINE)  # for builds of other projects
 target_compile_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 target_link_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
-if(GAUNTLET_SANITIZE)
-  # Ten sources of a library as one take half as long. Then types of unnamed namespaces are in files
-  # that are included, which is no mistake here.
+option(GAUNTLET_UNITY_BUILD "Compile ten sources of a library as one: a whole build takes half as long" OFF)
+if(GAUNTLET_UNITY_BUILD)
+  # Types of unnamed namespaces are in files that are included then, which is no mistake here.
   set(CMAKE_UNITY_BUILD_BATCH_SIZE 10)
   target_compile_options(gauntlet_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
@@ -40,13 +40,14 @@ function(gauntlet_add_library folder)
     add_library(gauntlet_${folder} STATIC ${ARG_SOURCES})
   endif()
   set_source_files_properties(${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  if(GAUNTLET_SANITIZE)
-    set_target_properties(gauntlet_${folder} PROPERTIES UNITY_BUILD ON)
-  endif()
+  set_target_properties(gauntlet_${folder} PROPERTIES UNITY_BUILD ${GAUNTLET_UNITY_BUILD})
   target_include_directories(gauntlet_${folder} PUBLIC ${GAUNTLET_SOURCE_DIR})
   target_link_libraries(gauntlet_${folder} PUBLIC ${ARG_LIBRARIES} PRIVATE gauntlet_options)
   target_compile_features(gauntlet_${folder} PUBLIC cxx_std_20)
 endfunction()
+
+# Optimising what runs for milliseconds takes longer than it saves.
+set(GAUNTLET_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 
 # gauntlet_add_test(<name> SOURCES <file>... LIBRARIES <target>...)
 # Makes a GoogleTest program whose cases CTest runs one by one.
@@ -55,6 +56,8 @@ function(gauntlet_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} gauntlet_test_support GTest::gmock GTest::gtest_main gauntlet_options)
+  target_compile_options(${name} PRIVATE ${GAUNTLET_TEST_OPTIONS})
+  target_precompile_headers(${name} REUSE_FROM gauntlet_test_support)
   set(longest_s 240)
   if(GAUNTLET_SANITIZE)  # which makes everything several times slower
     set(longest_s 900)

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDifferent = 1;
 
-struct Options {
+struct DiffOptions {
   std::string a;
   std::string b;
   bool all = false;
@@ -22,7 +22,7 @@ struct Options {
   TerminalOptions terminal;
 };
 
-void Diff(const Options& options) {
+void Diff(const DiffOptions& options) {
   const StudyFolder a = ReadStudyFolder(options.a);
   const StudyFolder b = ReadStudyFolder(options.b);
   for (const StudyFolder& folder : {std::cref(a), std::cref(b)}) {
@@ -43,7 +43,7 @@ void Diff(const Options& options) {
 void AddDiffCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "diff", "Tell which settings and scores of two output folders differ; exit code 1 if any do");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiffOptions>();
   command->add_option("A", options->a, "output folder of run or compare")->required();
   command->add_option("B", options->b, "another")->required();
   command->add_flag("--all", options->all, "also show the scores that are the same");

@@ -59,7 +59,7 @@ std::string WhatMatters(const RelevantDifference& least) {
   return fmt::format("differences matter {}: {}", fmt::join(limits, " and "), least.reason);
 }
 
-std::vector<Entry> Scores() {
+std::vector<Entry> MetricEntries() {
   std::vector<Entry> entries;
   for (const Metric& metric : Metrics()) {
     const RelevantDifference& least = metric.relevant_difference;
@@ -157,7 +157,7 @@ const std::vector<Topic>& Topics() {
       {"motions", "what the wearer can do", [] { return EntriesOf(MotionKinds()); }},
       {"faults", "what can go wrong in the glove", [] { return EntriesOf(FaultKinds()); }},
       {"servos", "what can turn the hand's spools", [] { return EntriesOf(ServoKinds()); }},
-      {"metrics", "what is measured", Scores},
+      {"metrics", "what is measured", MetricEntries},
       {"channels", "joints of wearer and hand, and how cables couple them", Channels},
       {"scenarios", "ready questions", Scenarios},
       {"keys", "every key of a scenario file", ScenarioKeys},

@@ -25,7 +25,7 @@
 namespace gauntlet::sim {
 namespace {
 
-struct Options {
+struct RenderChoices {
   std::string folder;
   std::string out;
   std::vector<std::string> controllers;
@@ -45,7 +45,7 @@ struct Replacement {
   std::string value;
 };
 
-std::vector<Replacement> ReplacementsOf(const Options& options) {
+std::vector<Replacement> ReplacementsOf(const RenderChoices& options) {
   std::vector<Replacement> replacements;
   const auto add = [&](const char* option, const std::string& text, const char* setting,
                        const std::string& value) {
@@ -80,7 +80,7 @@ void CheckNumber(const char* option, double value, double low, double high, cons
   throw UserError({.place = fmt::format("{} {:g}", option, value), .problem = allowed});
 }
 
-RenderOptions CheckedOptions(const Options& options) {
+RenderOptions CheckedOptions(const RenderChoices& options) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Excerpt& excerpt = options.excerpt;
   CheckNumber("--speed", excerpt.speed, 0.01, 100.0, "must be from 0.01 to 100");
@@ -114,7 +114,8 @@ RenderOptions CheckedOptions(const Options& options) {
 }
 
 /// RenderFolder(); a mistake in a setting that an option replaced is one of the option.
-std::filesystem::path Render(const Options& given, const std::function<bool(int, int)>& go_on) {
+std::filesystem::path Render(const RenderChoices& given,
+                             const std::function<bool(int, int)>& go_on) {
   RenderOptions options = CheckedOptions(given);
   const std::vector<Replacement> replacements = ReplacementsOf(given);
   for (const Replacement& replacement : replacements) {
@@ -136,7 +137,7 @@ std::filesystem::path Render(const Options& given, const std::function<bool(int,
 void AddRenderCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("render", "Draw the comparison video of a finished run or comparison");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RenderChoices>();
   command->add_option("folder", options->folder, "output folder of run or compare")->required();
   AddControllersOption(*command, options->controllers);
   command->add_option("--channel", options->channel, "joint whose curves are drawn")

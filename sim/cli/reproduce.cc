@@ -18,13 +18,13 @@
 namespace gauntlet::sim {
 namespace {
 
-struct Options {
+struct ReproduceOptions {
   std::string out = "out/paper";
   bool quick = false;
   int jobs = 0;
 };
 
-void Reproduce(const Options& options) {
+void Reproduce(const ReproduceOptions& options) {
   OutputFolder folder(options.out);
   const auto experiment = [&] {
     Progress progress("the paper's experiments");
@@ -64,7 +64,7 @@ void Reproduce(const Options& options) {
 void AddReproduceCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "reproduce", "Repeat the paper's experiments and figures, and measure its claims");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReproduceOptions>();
   AddOutOption(*command, options->out, "output folder", "DIR")->capture_default_str();
   command->add_flag("--quick", options->quick,
                     "6 s of motion instead of the paper's 94, to see how it looks");

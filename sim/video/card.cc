@@ -6,7 +6,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kMargin = 96.0;  // in pixels at 1280 x 720, as all below
+constexpr double kCardMargin = 96.0;  // in pixels at 1280 x 720, as all below
 constexpr double kNameWidth = 250.0;
 constexpr double kMaxRowHeight = 92.0;
 
@@ -56,7 +56,7 @@ Color ColorOf(VerdictCell::Tone tone) {
 void DrawTitleCard(Painter& painter, const Rect& frame, double unit, const std::string& title,
                    const std::string& question) {
   painter.Fill(frame, palette::kPage);
-  const double margin = kMargin * unit, width = frame.width - 2.0 * margin;
+  const double margin = kCardMargin * unit, width = frame.width - 2.0 * margin;
   const TextStyle name = {.size_px = 22.0 * unit, .color = palette::kMutedInk};
   const TextStyle asked = {.size_px = 38.0 * unit, .bold = true};
   const double lines = static_cast<double>(Lines(painter, question, width, asked).size());
@@ -68,7 +68,7 @@ void DrawTitleCard(Painter& painter, const Rect& frame, double unit, const std::
 void DrawVerdictCard(Painter& painter, const Rect& frame, double unit, const std::string& title,
                      const Verdict& verdict) {
   painter.Fill(frame, palette::kPage);
-  const double margin = kMargin * unit, width = frame.width - 2.0 * margin;
+  const double margin = kCardMargin * unit, width = frame.width - 2.0 * margin;
   const TextStyle heading = {.size_px = 22.0 * unit, .color = palette::kMutedInk};
   const TextStyle column = {.size_px = 14.0 * unit, .color = palette::kMutedInk};
   const TextStyle name = {.size_px = 22.0 * unit, .bold = true};

@@ -14,7 +14,7 @@ namespace {
 constexpr double kWindow_s = 4.0;      // about: then jitter of 10 Hz is 7 px wide in a 300 px plot
 constexpr double kHeadRoom = 5.0;      // pixels right of the newest value
 constexpr double kNoisyShare = 0.005;  // of the noisiest values that may lie outside, each side
-constexpr double kMargin = 0.06;       // of the range, free above and below
+constexpr double kRangeMargin = 0.06;  // of the range, free above and below
 constexpr double kSmallestRange_deg = 2.0;
 constexpr double kTargetTicks = 3.5;
 constexpr double kMinTimeTick_px = 52.0;
@@ -60,8 +60,8 @@ AngleScale ChooseAngleScale(std::span<const std::span<const double>> whole,
   if (scale.low_deg > scale.high_deg) scale.low_deg = scale.high_deg = 0.0;
   const double middle = 0.5 * (scale.low_deg + scale.high_deg);
   const double range = std::max(scale.high_deg - scale.low_deg, kSmallestRange_deg);
-  scale.low_deg = middle - (0.5 + kMargin) * range;
-  scale.high_deg = middle + (0.5 + kMargin) * range;
+  scale.low_deg = middle - (0.5 + kRangeMargin) * range;
+  scale.high_deg = middle + (0.5 + kRangeMargin) * range;
   constexpr double kSteps[] = {0.5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 180};
   scale.tick_deg = NiceStep(range / kTargetTicks, kSteps);
   return scale;
