@@ -8,7 +8,8 @@
 namespace gauntlet::controller {
 
 /// Several arrays with one value per channel: the state of a filter as a structure of arrays, each
-/// beginning at a cache line so that vector loads do not straddle two.
+/// beginning at a cache line so that vector loads do not straddle two. The last line of an array
+/// may be read and written to its end.
 class ChannelArrays {
  public:
   ChannelArrays(int array_count, int channel_count)
@@ -17,6 +18,8 @@ class ChannelArrays {
                 kLineValues),
         size_(stride_ * static_cast<std::size_t>(array_count)),
         values_(new (kLine) double[size_]()) {}
+
+  static constexpr std::size_t kLineValues = 64 / sizeof(double);
 
   double* operator[](int array) noexcept { return values_.get() + Begin(array); }
   const double* operator[](int array) const noexcept { return values_.get() + Begin(array); }
@@ -31,7 +34,6 @@ class ChannelArrays {
 
  private:
   static constexpr std::align_val_t kLine{64};
-  static constexpr std::size_t kLineValues = 64 / sizeof(double);
   struct Free {
     void operator()(double* values) const { operator delete[](values, kLine); }
   };

@@ -14,6 +14,7 @@
 
 #include "controller/controller.h"
 #include "controller/filters/filter_registry.h"
+#include "controller/prediction/predictor.h"
 #include "tests/controller/test_hand.h"
 #include "tests/controller/test_signal.h"
 
@@ -85,6 +86,28 @@ void FilterBenchmark(benchmark::State& state, const FilterConfig& config) {
   for (auto _ : state) {
     for (int k = 0; k < samples; ++k) {
       filter->Step(RowOf(input, k), RowOf(output, k));
+      benchmark::DoNotOptimize(output.data());
+      benchmark::ClobberMemory();
+    }
+  }
+  CountSamples(state, samples);
+}
+
+/// On the angles of a moving hand; `fitted` without weights does nothing, so it gets 40.
+void PredictionBenchmark(benchmark::State& state, PredictionConfig config) {
+  constexpr int n = 18;
+  if (auto* fitted = std::get_if<FittedPredictionConfig>(&config.settings)) {
+    fitted->order = 40;
+    fitted->weights.assign(40, 0.025);
+  }
+  const auto predictor = MakePredictor(config, n, kRateHz);
+  if (predictor == nullptr) return state.SkipWithError("is none");
+  const int samples = SampleCount(n);
+  const TestSignal input = GloveCounts(samples, n) / 500.0;
+  TestSignal output = TestSignal::Zero(samples, n);
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      predictor->Step(RowOf(input, k), RowOf(output, k));
       benchmark::DoNotOptimize(output.data());
       benchmark::ClobberMemory();
     }
@@ -295,6 +318,11 @@ void Register() {
   benchmark::RegisterBenchmark("kalman_3_states", FilterBenchmark,
                                FilterConfig{KalmanConfig{.noise = {.r = {15.0}}, .states = 3}})
       ->Arg(18);
+  for (const PredictionKind& kind : PredictionKinds()) {
+    if (kind.name == "none") continue;
+    benchmark::RegisterBenchmark(("prediction/" + std::string(kind.name)).c_str(),
+                                 PredictionBenchmark, kind.defaults);
+  }
   benchmark::RegisterBenchmark("eigen_2x2", PlainEigenBenchmark)->Arg(18);
   benchmark::RegisterBenchmark("eigen_dense_36", PlainDenseBenchmark)->Arg(18);
 
