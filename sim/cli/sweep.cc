@@ -10,7 +10,7 @@
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
-#include "sim/report/cells_page.h"
+#include "sim/report/sweep_page.h"
 #include "sim/report/sweep_table.h"
 
 namespace gauntlet::sim {

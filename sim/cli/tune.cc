@@ -15,7 +15,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
-#include "sim/report/cells_page.h"
+#include "sim/report/tune_page.h"
 #include "sim/report/tune_table.h"
 #include "sim/settings/yaml_tree.h"
 

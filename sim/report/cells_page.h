@@ -1,30 +1,43 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "sim/study/robust.h"
-#include "sim/study/tune.h"
+#include "sim/report/cell_points.h"
+#include "sim/study/sweep_result.h"
 
 namespace gauntlet::sim {
 
-/// How many points the pictures of a page have at most. A page of that many stays below 3 MB.
-inline constexpr std::int64_t kPagePoints = 2000;
+// A page of many settings, self-contained as ReportPage() is: a table, which is what the terminal
+// shows, and pictures, which stand there without scripts: a heat map per pair of settings, parallel
+// coordinates, jitter against delay. With scripts ranges can be brushed, and a click gives a point's
+// settings as YAML and the command that repeats it. See sim/report/README.md.
 
-/// Pages of `gauntlet sweep`, `tune` and `robust`, each self-contained as ReportPage() is: `table`,
-/// which is what the terminal shows, and pictures, which stand there without scripts: a heat map
-/// per pair of settings, parallel coordinates, jitter against delay, and tornadoes. With scripts
-/// ranges can be brushed, and a click gives a point's settings as YAML and the command that repeats
-/// it. Of more than kPagePoints points the pictures have the best half of that many, and of the
-/// others one in equal steps; heat maps have all. See sim/report/README.md.
-std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
-                      const SweepSummary& summary, const std::string& table);
-std::string RobustPage(const RobustPlan& plan, SweepDatabase& database, const RobustResult& result,
-                       const std::string& table);
-std::string TunePage(const TunePlan& plan, const TuneResult& result, const std::string& table);
+/// What a page says besides its points.
+struct CellsPageTexts {
+  std::string kind;  // "sweep"
+  std::string title;
+  std::string question;
+  std::string facts;
+  std::string verdict;
+  std::string table;
+  std::string first_sections = {};  // HTML of pictures before the others
+  bool heat = true;
+};
+
+/// `points`: finished.
+std::string CellsPage(const CellPoints& points, const CellsPageTexts& texts);
+
+/// A section of the page; `title` and `note` are HTML, as is `drawing`.
+std::string PageSection(const std::string& id, const std::string& title, const std::string& note,
+                        const std::string& drawing);
+
+/// An axis of a study file, or a free setting of tuning, with a name of its own.
+ChartAxis ChartAxisOf(const SweepAxis& setting, const std::string& name, bool grid);
+
+/// ` · jitter_rms_deg<=0.2`; nothing without constraints.
+std::string BoundsText(const std::vector<Constraint>& constraints);
+std::vector<double> MeansOf(const std::vector<MeanInterval>& scores);
 
 /// Settings `key=value` as a scenario has them: a level per part of the key. What stands in a list
 /// becomes a comment, as its neighbours are not known.

@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "sim/report/tune_page.h"
 #include "tests/report/browser.h"
 
 namespace gauntlet::sim {

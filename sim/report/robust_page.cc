@@ -1,0 +1,70 @@
+#include "sim/report/robust_page.h"
+
+#include <fmt/format.h>
+
+#include "sim/report/cells_page.h"
+#include "sim/report/robust_table.h"
+#include "sim/report/sweep_table.h"
+
+namespace gauntlet::sim {
+
+std::string RobustPage(const RobustPlan& plan, SweepDatabase& database, const RobustResult& result,
+                       const std::string& table) {
+  std::vector<ChartAxis> axes;
+  for (const RobustParameter& parameter : plan.parameters) {
+    const double within = 0.01 * plan.within_percent;
+    axes.push_back({.name = parameter.name, .low = 1.0 - within, .high = 1.0 + within});
+  }
+  ChartAxis& controllers = axes.emplace_back();
+  controllers.name = "controller";
+  for (const ControllerSummary& controller : result.nominal.controllers) {
+    controllers.labels.push_back(controller.name);
+  }
+  CellPoints gathered(
+      std::move(axes), plan.sweep.metrics, plan.sweep.best_by,
+      plan.sweep.cell_count() * static_cast<std::int64_t>(result.nominal.controllers.size()));
+  ForEachCell(plan.sweep, database, ShardOf(plan.sweep, 1, 1), [&](const CellResult& cell) {
+    if (!cell.problem.empty()) return;
+    CellPoint point{.name = fmt::format("hand {}, {}", cell.number, cell.controller),
+                    .values = {},
+                    .scores = MeansOf(cell.scores),
+                    .yaml = {},
+                    .command = {}};
+    for (const double factor : plan.factors[static_cast<std::size_t>(cell.number)]) {
+      point.values.push_back(fmt::format("{}", factor));
+    }
+    point.values.push_back(cell.controller);
+    gathered.Add(std::move(point), [&](CellPoint& kept) {
+      kept.yaml = SettingsYaml(plan.sweep.OverridesOf(cell.number));
+      kept.command = RepeatCommand(plan.sweep, "", cell.number);
+    });
+  });
+  gathered.Finish();
+  std::string tornadoes;
+  for (const RobustScore& score : result.scores) {
+    if (score.bars.empty()) continue;
+    tornadoes += fmt::format(
+        "<figure class=\"tornado-figure\">{}</figure>\n",
+        TornadoSvg(
+            plan, score,
+            result.nominal.Of(score.metric, score.two_best[0], score.two_best[1]).difference.mean));
+  }
+  return CellsPage(gathered,
+                   {.kind = "Does the verdict hold?",
+                    .title = plan.sweep.file.name,
+                    .question = plan.sweep.file.question,
+                    .facts = HandsText(plan),
+                    .verdict = RobustVerdicts(result).front(),
+                    .table = table,
+                    .first_sections = PageSection(
+                        "tornado", "What matters",
+                        "How the difference between the two that are best on the scenario's own "
+                        "hand changes where one parameter is low (hollow) or high (filled), "
+                        "with 95 % intervals; in the band around the own hand's a change is "
+                        "less than what matters. A word stands where high against low is "
+                        "decided: all these hold together with 95 %.",
+                        "<div class=\"tornadoes\">" + tornadoes + "</div>\n"),
+                    .heat = false});
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,59 @@
+#include "sim/report/sweep_page.h"
+
+#include <fmt/format.h>
+
+#include "sim/report/cells_page.h"
+#include "sim/report/sweep_table.h"
+
+namespace gauntlet::sim {
+
+std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
+                      const SweepSummary& summary, const std::string& table) {
+  std::vector<ChartAxis> axes;
+  for (std::size_t a = 0; a < plan.file.axes.size(); ++a) {
+    axes.push_back(ChartAxisOf(plan.file.axes[a], ShortKey(plan, a),
+                               plan.file.design == SweepFile::Design::kGrid));
+  }
+  Scenario scenario = ParseScenario(plan.scenario);
+  KeepControllers(plan.file.controllers, scenario);
+  const bool several = scenario.controllers.size() > 1 || axes.size() < 2;
+  if (several) {
+    ChartAxis& axis = axes.emplace_back();
+    axis.name = "controller";
+    for (const NamedController& named : scenario.controllers) axis.labels.push_back(named.name);
+  }
+  CellPoints gathered(std::move(axes), plan.metrics, plan.best_by, summary.results);
+  ForEachCell(plan, database, cells, [&](const CellResult& result) {
+    if (!result.problem.empty()) return;
+    CellPoint point{.name = fmt::format("cell {}, {}", result.number, result.controller),
+                    .values = result.values,
+                    .scores = MeansOf(result.scores),
+                    .keeps_bounds = result.CanBeBest(),
+                    .stopped = result.stopped,
+                    .yaml = {},
+                    .command = {}};
+    if (several) point.values.push_back(result.controller);
+    gathered.Add(std::move(point), [&](CellPoint& kept) {
+      kept.yaml = SettingsYaml(plan.OverridesOf(result.number));
+      kept.command = RepeatCommand(plan, result.controller, result.number);
+    });
+  });
+  gathered.Finish();
+  const std::string verdict =
+      summary.best.empty()
+          ? "No cell keeps all bounds."
+          : fmt::format("Best by {}: cell {}, {}.", Metrics()[plan.best_by].key,
+                        summary.best.front().number, summary.best.front().controller);
+  return CellsPage(gathered,
+                   {.kind = "Gauntlet sweep",
+                    .title = plan.file.name,
+                    .question = plan.file.question,
+                    .facts = fmt::format("{} cells · {} seed{} · best by {}{}{}", plan.cell_count(),
+                                         plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
+                                         Metrics()[plan.best_by].key, BoundsText(plan.constraints),
+                                         plan.file.physics ? "" : " · filters only, no hand"),
+                    .verdict = verdict,
+                    .table = table});
+}
+
+}  // namespace gauntlet::sim

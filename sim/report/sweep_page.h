@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "sim/study/sweep_result.h"
+
+namespace gauntlet::sim {
+
+/// Page of `gauntlet sweep`.
+std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
+                      const SweepSummary& summary, const std::string& table);
+
+}  // namespace gauntlet::sim
