@@ -47,9 +47,10 @@ void RunSweepCommand(const SweepCommand& command) {
   CellsFolder folder(plan, command.cells, "out/" + plan.file.name);
   folder.Run();
   const SweepSummary summary = folder.WriteCells();
-  const std::string table = SweepTable(plan, summary);
+  const Response response = ReadResponse(plan, folder.database(), folder.cells());
+  const std::string table = SweepTable(plan, summary, response);
   WriteFileAtomically(folder.path() / "report.html",
-                      SweepPage(plan, folder.database(), folder.cells(), summary, table));
+                      SweepPage(plan, folder.database(), folder.cells(), summary, response, table));
   if (command.json) {
     Print("{{\n{},\n \"cells\": ", SweepJsonHead(plan, summary));
     SummariseSweep(plan, folder.database(), folder.cells(), {},

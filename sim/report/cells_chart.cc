@@ -224,6 +224,70 @@ std::string FrontSvg(const std::vector<ChartPoint>& points) {
   return drawing.Done();
 }
 
+std::string ResponseSvg(const Response& response, std::size_t metric, const std::string& setting) {
+  constexpr double kWidth = 520.0, kHeight = 300.0, kLeft = 58.0, kRight = 14.0, kBottom = 46.0;
+  const Metric& score = Metrics()[response.metrics[metric]];
+  const std::size_t controllers = response.controllers.size();
+  const double top = 16.0 + 18.0 * std::ceil(0.5 * static_cast<double>(controllers));
+  Extent x_range, y_range;
+  y_range.Take(0.0);
+  for (std::size_t v = 0; v < response.values.size(); ++v) {
+    x_range.Take(response.values[v]);
+    for (const auto& scores : response.scores[v]) {
+      for (const double value : {scores[metric].mean, scores[metric].low, scores[metric].high})
+        y_range.Take(value);
+    }
+  }
+  const double margin = 0.04 * (y_range.high - y_range.low);
+  y_range = {y_range.low - (y_range.low < 0.0 ? margin : 0.0), y_range.high + margin};
+  const auto x_of = [&](double value) {
+    return kLeft + x_range.Share(value) * (kWidth - kLeft - kRight);
+  };
+  const auto y_of = [&](double value) {
+    return kHeight - kBottom - y_range.Share(value) * (kHeight - kBottom - top);
+  };
+  Drawing drawing(kWidth, kHeight, "response", fmt::format("{} over {}", score.key, setting));
+  for (const double tick : Ticks(y_range, TickStep(y_range, 5))) {
+    drawing.Line(kLeft, y_of(tick), kWidth - kRight, y_of(tick), tick == 0.0 ? "axis" : "grid");
+    drawing.Text(kLeft - 8.0, y_of(tick) + 4.0, "end", fmt::format("{:.3g}", tick));
+  }
+  for (const double tick : Ticks(x_range, TickStep(x_range, 6))) {
+    drawing.Text(x_of(tick), kHeight - kBottom + 18.0, "middle", fmt::format("{:.4g}", tick));
+  }
+  drawing.Text(0.5 * (kLeft + kWidth - kRight), kHeight - 6.0, "middle", setting, "name");
+  drawing.Add(
+      "<text class=\"name\" text-anchor=\"middle\" transform=\"translate(13 {:.0f}) "
+      "rotate(-90)\">{}</text>",
+      0.5 * (top + kHeight - kBottom), score.key);
+  for (std::size_t c = 0; c < controllers; ++c) {
+    std::string upper, lower, way;
+    std::string dots;
+    for (std::size_t v = 0; v < response.values.size(); ++v) {
+      const MeanInterval& mean = response.scores[v][c][metric];
+      if (!std::isfinite(mean.mean)) continue;
+      const double x = x_of(response.values[v]);
+      way += fmt::format("{}{:.1f} {:.1f}", way.empty() ? "M" : "L", x, y_of(mean.mean));
+      dots += fmt::format(
+          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"><title>{}, {} {}: {}</title></circle>", x,
+          y_of(mean.mean), EscapeHtml(response.controllers[c]), EscapeHtml(setting),
+          response.texts[v], IntervalText(mean));
+      if (!std::isfinite(mean.low) || !std::isfinite(mean.high)) continue;
+      upper += fmt::format("{}{:.1f} {:.1f}", upper.empty() ? "M" : "L", x, y_of(mean.high));
+      lower = fmt::format("L{:.1f} {:.1f}", x, y_of(mean.low)) + lower;
+    }
+    drawing.Add("<g style=\"--line-colour: var(--c{})\">", c);
+    if (!upper.empty()) drawing.Add("<path class=\"interval\" d=\"{}{}Z\"/>", upper, lower);
+    drawing.Add("<path class=\"curve\" d=\"{}\"/>{}", way, dots);
+    const double legend_x = kLeft + 230.0 * static_cast<double>(c % 2);
+    const double legend_y = 10.0 + 18.0 * static_cast<double>(c / 2);
+    drawing.Add("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"/>", legend_x + 5.0, legend_y);
+    drawing.Text(legend_x + 16.0, legend_y + 4.0, "start", Shortened(response.controllers[c], 28),
+                 "name");
+    drawing.Add("</g>");
+  }
+  return drawing.Done();
+}
+
 std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal) {
   constexpr double kWidth = 560.0, kLeft = 92.0, kRight = 118.0, kTop = 30.0, kEach = 32.0;
   Extent range;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/study/response.h"
 #include "sim/study/robust.h"
 
 namespace gauntlet::sim {
@@ -47,6 +48,9 @@ std::string HeatMapSvg(const HeatMap& map);
 std::string ParallelSvg(const std::vector<ChartAxis>& axes, const std::vector<ChartPoint>& points);
 /// Jitter against delay; the line joins what nothing is better than in both.
 std::string FrontSvg(const std::vector<ChartPoint>& points);
+/// A score over the one setting, of the place in the response's metrics: a curve and the band of its
+/// intervals for each controller.
+std::string ResponseSvg(const Response& response, std::size_t metric, const std::string& setting);
 std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal);
 
 }  // namespace gauntlet::sim

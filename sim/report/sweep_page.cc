@@ -3,12 +3,31 @@
 #include <fmt/format.h>
 
 #include "sim/report/cells_page.h"
+#include "sim/report/html_text.h"
 #include "sim/report/sweep_table.h"
 
 namespace gauntlet::sim {
+namespace {
+
+std::string ResponseSection(const SweepPlan& plan, const Response& response) {
+  if (response.values.empty()) return "";
+  std::string drawings;
+  for (std::size_t m = 0; m < response.metrics.size(); ++m) {
+    drawings += fmt::format(
+        "<figure class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">{}</figure>\n",
+        Metrics()[response.metrics[m]].key, ResponseSvg(response, m, ShortKey(plan, 0)));
+  }
+  return PageSection("response", fmt::format("Along {}", EscapeHtml(ShortKey(plan, 0))),
+                     fmt::format("Means over the seeds with their 95 % intervals. {}",
+                                 EscapeHtml(ResponseText(plan, response))),
+                     fmt::format("<div class=\"responses\">{}</div>\n", drawings));
+}
+
+}  // namespace
 
 std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
-                      const SweepSummary& summary, const std::string& table) {
+                      const SweepSummary& summary, const Response& response,
+                      const std::string& table) {
   std::vector<ChartAxis> axes;
   for (std::size_t a = 0; a < plan.file.axes.size(); ++a) {
     axes.push_back(ChartAxisOf(plan.file.axes[a], ShortKey(plan, a),
@@ -53,7 +72,8 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
                                          Metrics()[plan.best_by].key, BoundsText(plan.constraints),
                                          plan.file.physics ? "" : " · filters only, no hand"),
                     .verdict = verdict,
-                    .table = table});
+                    .table = table,
+                    .first_sections = ResponseSection(plan, response)});
 }
 
 }  // namespace gauntlet::sim

@@ -2,12 +2,14 @@
 
 #include <string>
 
+#include "sim/study/response.h"
 #include "sim/study/sweep_result.h"
 
 namespace gauntlet::sim {
 
 /// Page of `gauntlet sweep`.
 std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
-                      const SweepSummary& summary, const std::string& table);
+                      const SweepSummary& summary, const Response& response,
+                      const std::string& table);
 
 }  // namespace gauntlet::sim

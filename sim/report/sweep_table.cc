@@ -37,6 +37,20 @@ std::string CountsText(const SweepPlan& plan, const SweepSummary& summary) {
   return text;
 }
 
+/// Where a judgement holds: neighbouring values as one stretch, "0.5 to 2.5".
+std::vector<std::string> StretchesOf(const ResponseVerdict& verdict, Judgement judgement,
+                                     const std::vector<std::string>& values) {
+  std::vector<std::string> stretches;
+  for (std::size_t begin = 0; begin < values.size(); ++begin) {
+    if (verdict.judgements[begin] != judgement) continue;
+    std::size_t end = begin;
+    while (end + 1 < values.size() && verdict.judgements[end + 1] == judgement) ++end;
+    stretches.push_back(begin == end ? values[begin] : values[begin] + " to " + values[end]);
+    begin = end;
+  }
+  return stretches;
+}
+
 }  // namespace
 
 std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
@@ -65,7 +79,30 @@ std::string RepeatCommand(const SweepPlan& plan, const std::string& controller, 
   return CompareCommand(plan.file.scenario, plan.file.seeds, controller, sets);
 }
 
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
+std::string ResponseText(const SweepPlan& plan, const Response& response) {
+  std::string text;
+  for (const ResponseVerdict& verdict : response.verdicts) {
+    std::vector<std::string> parts;
+    for (const Judgement judgement :
+         {Judgement::kBetter, Judgement::kEqual, Judgement::kUndecided, Judgement::kWorse}) {
+      const std::vector<std::string> stretches = StretchesOf(verdict, judgement, response.texts);
+      if (stretches.empty()) continue;
+      parts.push_back(
+          fmt::format("{} at {}", JudgementText(judgement), fmt::join(stretches, ", ")));
+    }
+    if (parts.empty()) continue;
+    text += fmt::format("{} against {}, by {}: {}.\n", verdict.controller,
+                        response.controllers.front(), ShortKey(plan, 0), fmt::join(parts, "; "));
+  }
+  if (text.empty()) return "";
+  return text + fmt::format(
+                    "In {}, paired by seed; all {} comparisons hold together with 95 % "
+                    "(Bonferroni).\n",
+                    Metrics()[plan.best_by].key, response.comparisons);
+}
+
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary,
+                       const Response& response) {
   const Metric& best_by = Metrics()[plan.best_by];
   std::string text =
       fmt::format("{}: {}\n{}, {} seed{}{}; best by {}\n\n", plan.file.name, plan.file.question,
@@ -101,6 +138,7 @@ std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
         "(Bonferroni).\n",
         best_by.key, summary.results * (summary.results - 1) / 2);
   }
+  if (const std::string curve = ResponseText(plan, response); !curve.empty()) text += "\n" + curve;
   if (!plan.file.physics) text += "Without a hand: confirm with physics before it counts.\n";
   if (!summary.best.empty())
     text += fmt::format(

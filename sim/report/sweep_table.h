@@ -3,13 +3,19 @@
 #include <string>
 #include <vector>
 
+#include "sim/study/response.h"
 #include "sim/study/sweep_result.h"
 
 namespace gauntlet::sim {
 
 /// The best cells of a sweep for a person at a terminal, what became of the others, and the command
 /// that repeats the best as a comparison.
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary);
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary,
+                       const Response& response);
+
+/// "prediction is better than raw at frequency_hz 0.5 to 2.5, worse at 4", a line per controller;
+/// nothing of a sweep that has no such curve, or one controller.
+std::string ResponseText(const SweepPlan& plan, const Response& response);
 
 /// The last part of an axis' key that still tells the axes apart, and is not a score's.
 std::string ShortKey(const SweepPlan& plan, std::size_t axis);

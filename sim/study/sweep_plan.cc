@@ -49,6 +49,9 @@ void SweepFile::Visit(SettingsVisitor& visitor) {
                    .min = 1,
                    .max = 100000},
                   seeds);
+  visitor.Flag({.key = "all_seeds",
+                .help = "true: no early stop, also cells that cannot be the best get all seeds"},
+               all_seeds);
   visitor.Flag(
       {.key = "physics", .help = "false: no hand; what the filters give is scored as it is"},
       physics);
@@ -318,7 +321,7 @@ SweepPlan LoadSweepPlan(const std::filesystem::path& path, const SweepOverrides&
   reader.RejectUnknownKeys();
   if (overrides.seeds) file.seeds = *overrides.seeds;
   if (overrides.filter_only) file.physics = false;
-  plan.early_stop = !overrides.all_seeds;
+  plan.early_stop = !overrides.all_seeds && !file.all_seeds;
   try {
     if (const std::string problem = NameProblem(file.name); !problem.empty()) {
       throw SettingError("name", problem);

@@ -56,8 +56,9 @@ struct SweepFile {
   std::string scenario;                  // path of the base scenario
   std::vector<std::string> set;          // --set for all cells
   std::vector<std::string> controllers;  // empty: all of the scenario
-  int seeds = 8;        // the scenario's and those after it, the same for all cells
-  bool physics = true;  // see StudyOptions
+  int seeds = 8;           // the scenario's and those after it, the same for all cells
+  bool all_seeds = false;  // no early stop, where every cell is part of the answer
+  bool physics = true;     // see StudyOptions
   Design design = Design::kGrid;
   int cells = 0;  // of a random or a Sobol design
   int design_seed = 1;

@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "sim/report/sweep_table.h"
 #include "sim/report/tune_page.h"
 #include "tests/report/browser.h"
 
@@ -99,6 +100,36 @@ TEST(CellsPage, WritesSettingsAsAScenarioHasThem) {
             "controllers:\n  it:\n    filter:\n      q: 0.1\n      r: [1, 2]\n"
             "event:\n  delay_ms: 25\n"
             "# --set controllers.it.filter.0.q=3\n");
+}
+
+TEST(Response, SaysWhereAControllerIsBetterAndDrawsEachOne) {
+  SweepPlan plan;
+  plan.best_by = MetricIndex("tracking_rmse_deg");
+  plan.file.axes.emplace_back().key = "glove.motion.frequency_hz";
+  Response response;
+  response.values = {0.5, 1.0, 2.0, 4.0, 8.0};
+  response.texts = {"0.5", "1", "2", "4", "8"};
+  response.controllers = {"raw", "<b>"};
+  response.metrics = {plan.best_by};
+  response.comparisons = 5;
+  response.verdicts = {{.controller = "<b>",
+                        .judgements = {Judgement::kEqual, Judgement::kBetter, Judgement::kBetter,
+                                       Judgement::kWorse, Judgement::kNone}}};
+  for (int v = 0; v < 5; ++v) {
+    const MeanInterval some{.mean = 2.0 + v, .low = 1.5 + v, .high = 2.5 + v};
+    response.scores.push_back({{some}, {v < 4 ? some : MeanInterval{}}});
+  }
+  EXPECT_EQ(ResponseText(plan, response),
+            "<b> against raw, by frequency_hz: better at 1 to 2; equal at 0.5; worse at 4.\n"
+            "In tracking_rmse_deg, paired by seed; all 5 comparisons hold together with 95 % "
+            "(Bonferroni).\n");
+
+  const std::string svg = ResponseSvg(response, 0, "frequency_hz");
+  EXPECT_EQ(Count(svg, "class=\"curve\""), 2u);
+  EXPECT_EQ(Count(svg, "class=\"interval\""), 2u);
+  EXPECT_EQ(Count(svg, "<title>"), 9u);  // the last one has no score
+  EXPECT_EQ(Count(svg, "<b>") + Count(svg, "nan"), 0u);
+  EXPECT_THAT(svg, HasSubstr("<title>&lt;b&gt;, frequency_hz 4: 5±0.5</title>"));
 }
 
 /// Runs last: uses the page as a person does.

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "sim/base/error.h"
+#include "sim/study/response.h"
 #include "sim/study/sobol.h"
 #include "sim/study/sweep_result.h"
 #include "tests/support/program.h"
@@ -200,6 +201,52 @@ TEST_F(SweepTest, GivesTheSameBytesForAnyScheduleAndAfterAnyStop) {
   }
   EXPECT_EQ(Run(plan, "stopped.db"), whole);
   EXPECT_EQ(Run(plan, "stopped.db"), whole);  // nothing is left to do
+}
+
+TEST_F(SweepTest, FollowsEveryControllerAlongItsOneSetting) {
+  const SweepPlan plan = Plan(R"(
+question: How long may the mean be?
+scenario: base.yaml
+controllers: [raw, mean]
+seeds: 8
+all_seeds: true
+physics: false
+axes: [{key: controllers.mean.filter.window, values: [200, 1, 0, 3]}]
+scores: [tracking_rmse_deg]
+)");
+  SweepDatabase kept(Path("study.db"), HashOfSweep(plan), plan.metrics);
+  const CellRange all = ShardOf(plan, 1, 1);
+  RunSweep(plan, kept, {.jobs = 1, .cells = all});
+  const Response response = ReadResponse(plan, kept, all);
+
+  EXPECT_THAT(response.values, ElementsAre(1.0, 3.0, 200.0));  // 0 cannot be built
+  EXPECT_THAT(response.controllers, ElementsAre("raw", "mean"));
+  ASSERT_EQ(response.verdicts.size(), 1u);
+  EXPECT_EQ(response.verdicts[0].controller, "mean");
+  EXPECT_EQ(response.comparisons, 3u);
+  EXPECT_THAT(response.verdicts[0].judgements,
+              ElementsAre(Judgement::kEqual, Judgement::kEqual, Judgement::kWorse));
+  for (const auto& scores : response.scores) {
+    EXPECT_EQ(scores[0][0].mean, response.scores[0][0][0].mean);  // raw has no window
+    EXPECT_EQ(scores[0][0].count, 8);
+  }
+  EXPECT_EQ(response.scores[0][0][0].mean, response.scores[0][1][0].mean);  // a window of 1
+}
+
+TEST_F(SweepTest, HasNoCurveOfTwoSettingsOrOfNames) {
+  for (const char* axes : {"[{key: controllers.mean.filter.window, values: [1, 5]}, "
+                           "{key: glove.rate_hz, values: [500, 1000]}]",
+                           "[{key: controllers.mean.filter, values: [none, moving_average]}]"}) {
+    const SweepPlan plan =
+        Plan(fmt::format("question: Is there a curve?\nscenario: base.yaml\nseeds: 1\n"
+                         "physics: false\naxes: {}\nscores: [tracking_rmse_deg]\n",
+                         axes));
+    SweepDatabase kept(Path("study.db"), HashOfSweep(plan), plan.metrics);
+    const CellRange all = ShardOf(plan, 1, 1);
+    RunSweep(plan, kept, {.jobs = 1, .cells = all});
+    EXPECT_TRUE(ReadResponse(plan, kept, all).values.empty()) << axes;
+    fs::remove(Path("study.db"));
+  }
 }
 
 TEST_F(SweepTest, RunsRawOnceHoweverManyCellsHaveIt) {
