@@ -279,7 +279,7 @@ std::string ResponseSvg(const Response& response, std::size_t metric, const std:
     if (!upper.empty()) drawing.Add("<path class=\"interval\" d=\"{}{}Z\"/>", upper, lower);
     drawing.Add("<path class=\"curve\" d=\"{}\"/>{}", way, dots);
     const double legend_x = kLeft + 230.0 * static_cast<double>(c % 2);
-    const double legend_y = 10.0 + 18.0 * static_cast<double>(c / 2);
+    const double legend_y = 10.0 + 18.0 * std::floor(0.5 * static_cast<double>(c));
     drawing.Add("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"/>", legend_x + 5.0, legend_y);
     drawing.Text(legend_x + 16.0, legend_y + 4.0, "start", Shortened(response.controllers[c], 28),
                  "name");
