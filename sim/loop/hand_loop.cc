@@ -1,8 +1,15 @@
 #include "sim/loop/hand_loop.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace gauntlet::sim {
+namespace {
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
 
 HandLoop::HandLoop(const controller::ControllerConfig& config,
                    const controller::GloveCalibration& glove,
@@ -15,13 +22,15 @@ HandLoop::HandLoop(const controller::ControllerConfig& config,
       hand_(std::move(hand)),
       sensors_(hand_.hand_model().config().joint_sensors, hand_.hand_model().timing().controller,
                controller_.joint_count()),
-      joint_angle_rad_(static_cast<std::size_t>(controller_.joint_count())) {}
+      joint_angle_rad_(static_cast<std::size_t>(controller_.joint_count())),
+      measured_angle_rad_(sensors_.exist() ? joint_angle_rad_.size() : 0, kNothing) {}
 
 void HandLoop::Reset(std::span<const double> joint_angle_rad) {
   link_.Reset();
   hand_.Reset(joint_angle_rad);
   controller_.Reset(hand_.command());
   sensors_.Reset();
+  std::ranges::fill(measured_angle_rad_, kNothing);
   tick_ = 0;
 }
 
@@ -39,7 +48,9 @@ void HandLoop::ReadSensors() noexcept {
   if (!sensors_.exist()) return;
   hand_.ReadJointAngles(joint_angle_rad_);
   const std::span<const double> reading_rad = sensors_.Step(joint_angle_rad_);
-  if (!reading_rad.empty()) controller_.TakeJointAngles(reading_rad);
+  if (reading_rad.empty()) return;
+  std::ranges::copy(reading_rad, measured_angle_rad_.begin());
+  controller_.TakeJointAngles(reading_rad);
 }
 
 void HandLoop::Advance(const controller::Command& command) noexcept {

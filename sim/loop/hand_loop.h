@@ -34,6 +34,9 @@ class HandLoop {
 
   const controller::Controller& controller() const noexcept { return controller_; }
   const Hand& hand() const noexcept { return hand_; }
+  /// What the joint sensors said last, as the controller has it; NaN before their first reading,
+  /// empty without them. Shape: one per joint. Units: rad.
+  std::span<const double> measured_angle_rad() const noexcept { return measured_angle_rad_; }
 
  private:
   void ReadSensors() noexcept;
@@ -44,6 +47,7 @@ class HandLoop {
   Hand hand_;
   JointSensors sensors_;
   std::vector<double> joint_angle_rad_;
+  std::vector<double> measured_angle_rad_;
   std::int64_t tick_ = 0;
 };
 

@@ -31,6 +31,7 @@ struct Trace {
   Signal spool_speed_rad_s;      // ticks x motors
   FlagSignal motor_at_limit;     // ticks x motors: the servo gives all that it has
   Signal hand_angle_rad;         // ticks x joints
+  Signal measured_angle_rad;     // ticks x joints: by their sensors; no columns without them
   Signal tension_n;              // ticks x cables
   Signal grip_force_n;           // ticks x 1; no columns without an object
   Signal digit_overlap_m;        // ticks x 1; no columns without digits

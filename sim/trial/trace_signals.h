@@ -12,24 +12,26 @@
 namespace gauntlet::sim {
 
 /// What the columns of a signal are.
-enum class TraceColumns { kChannels, kJoints, kMotors, kCables, kGrip, kPose, kDigits };
+enum class TraceColumns { kChannels, kJoints, kMotors, kCables, kGrip, kPose, kDigits, kSensors };
 
 /// Names of the columns of all signals of one glove and hand.
 class TraceColumnNames {
  public:
   TraceColumnNames(std::vector<std::string> channels, const HandModel& hand)
       : names_{std::move(channels), hand.joint_names(), hand.motor_names(), hand.cable_names()} {
+    if (hand.transmission().joint_sensors)
+      names_[Place(TraceColumns::kSensors)] = hand.joint_names();
     if (hand.digits().exist()) names_[Place(TraceColumns::kDigits)] = {"deepest"};
     if (!hand.grasp().exists()) return;
     names_[Place(TraceColumns::kGrip)] = {"object"};
     names_[Place(TraceColumns::kPose)] = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
   }
-  /// Nothing for what the hand does not have: an object, digits.
+  /// Nothing for what the hand does not have: an object, digits, joint sensors.
   const std::vector<std::string>& Of(TraceColumns columns) const { return names_[Place(columns)]; }
 
  private:
   static std::size_t Place(TraceColumns columns) { return static_cast<std::size_t>(columns); }
-  std::vector<std::string> names_[7];
+  std::vector<std::string> names_[8];
 };
 
 /// One signal of a trace: what it is, and how its values of this tick are read from the loop.
@@ -43,8 +45,8 @@ struct TraceSignal {
 
 /// Shows every signal of a trace once: `visit(TraceSignal, matrix)`. The one list that the
 /// recorder, the writers and the reader of trace files share: a signal is a field of Trace and a
-/// row here. Those of an object or of digits have no columns, and no place in a file, unless there
-/// are any.
+/// row here. Those of an object, of digits or of joint sensors have no columns, and no place in a
+/// file, unless there are any.
 template <class TraceType, class Visit>
 void ForEachSignal(TraceType& trace, Visit&& visit) {
   using Loop = const HandLoop&;
@@ -81,6 +83,8 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
         trace.motor_at_limit);
   number("hand_angle_rad", "rad", TraceColumns::kJoints, trace.hand_angle_rad,
          [](Loop loop, Row row) { loop.hand().ReadJointAngles(row); });
+  number("measured_angle_rad", "rad", TraceColumns::kSensors, trace.measured_angle_rad,
+         [](Loop loop, Row row) { std::ranges::copy(loop.measured_angle_rad(), row.begin()); });
   number("tension_n", "N", TraceColumns::kCables, trace.tension_n,
          [](Loop loop, Row row) { loop.hand().ReadCableTensions(row); });
   number("grip_force_n", "N", TraceColumns::kGrip, trace.grip_force_n,

@@ -24,7 +24,7 @@ class TrialTest : public testing::Test {
             const std::function<bool()>& keep_going = {}) {
     glove_ = SynthesiseGlove(glove_config_, seed);
     hand_ = std::make_shared<const HandModel>(
-        HandConfig{}, MakeLoopTiming({.sample_rate_hz = glove_config_.rate_hz,
+        hand_config_, MakeLoopTiming({.sample_rate_hz = glove_config_.rate_hz,
                                       .event_delay_ms = event_delay_ms}));
     return RunTrial({.controller_name = "test",
                      .controller = controller_,
@@ -35,6 +35,7 @@ class TrialTest : public testing::Test {
   }
 
   GloveConfig glove_config_ = ShortRandomMotion();
+  HandConfig hand_config_;
   controller::ControllerConfig controller_;
   GloveSignal glove_;
   std::shared_ptr<const HandModel> hand_;
@@ -86,6 +87,29 @@ TEST_F(TrialTest, EveryNumberIsFiniteAndTheHandIsWell) {
   EXPECT_TRUE(trace.filtered_angle_rad.allFinite());
   EXPECT_TRUE(trace.spool_speed_rad_s.allFinite());
   EXPECT_GE(trace.tension_n.minCoeff(), 0.0);
+}
+
+TEST_F(TrialTest, RecordsWhatJointSensorsSaidWhereThereAreAny) {
+  EXPECT_EQ(Run().measured_angle_rad.cols(), 0);
+  hand_config_.joint_sensors = {.kind = JointSensorsKind::kEncoder,
+                                .resolution_bits = 24,
+                                .noise_deg = 0.0,
+                                .rate_hz = 100.0,
+                                .delay_ms = 5.0};
+  const Trace trace = Run();
+  ASSERT_EQ(trace.measured_angle_rad.cols(), 18);
+  for (Eigen::Index k = 0; k < trace.hand_angle_rad.rows(); ++k) {
+    const Eigen::Index read = (k - 5) / 10 * 10;  // at the beginning of this tick
+    if (k < 5) {
+      EXPECT_TRUE(trace.measured_angle_rad.row(k).array().isNaN().all()) << k;
+    } else if (read > 0) {
+      EXPECT_LT((trace.measured_angle_rad.row(k) - trace.hand_angle_rad.row(read - 1))
+                    .cwiseAbs()
+                    .maxCoeff(),
+                1e-6)
+          << k;
+    }
+  }
 }
 
 TEST_F(TrialTest, StopsWhenAsked) {
