@@ -75,7 +75,7 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
                        .facts = Facts(finished),
                        .verdict = Verdict(finished.summary),
                        .data = JsonForScript(PageData(finished, MeasureFirstSeed(finished))),
-                       .resolved_scenario = ResolvedScenario(finished.study),
+                       .resolved_scenario = ResolvedScenario(finished),
                        .video = video});
 }
 

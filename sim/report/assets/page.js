@@ -41,11 +41,8 @@ function startVideo(curves) {
 function showVersions() {
   const place = byId("versions");
   const block = /^made_with:\n((?:[ ].*\n?)+)/m.exec(byId("settings-text").textContent);
-  for (const line of block ? block[1].trim().split("\n") : []) {
-    const [key, ...rest] = line.trim().split(":");
-    if (key.startsWith("#")) continue;
-    place.append(element("dt", {}, key.replaceAll("_", " ")),
-      element("dd", {}, rest.join(":").replace(/\s+#.*$/, "").trim().replace(/^["']|["']$/g, "")));
+  for (const [, key, value] of (block ? block[1] : "").matchAll(/^  (\w+): "(.*)"$/gm)) {
+    place.append(element("dt", {}, key.replaceAll("_", " ")), element("dd", {}, value));
   }
 }
 
