@@ -66,6 +66,7 @@ std::string AssemblePage(const PageParts& parts) {
                        {"style", std::string(assets::kStyle)},
                        {"plot_style", std::string(assets::kPlotStyle)},
                        {"plot_library", std::string(assets::kPlotLibrary)},
+                       {"replay_library", std::string(assets::kReplayLibrary)},
                        {"script", std::string(assets::kScript)}});
 }
 

@@ -157,6 +157,7 @@ function start() {
     hidePart("curves");
     hidePart("spectra");
   }
+  const replay = startReplay(data, curves);
   startVideo(curves);
   if (curves) followAddress(curves);
   startSettings();
@@ -165,6 +166,7 @@ function start() {
     drawFrontChart(data);
     drawSeeds();
     curves?.show();
+    replay?.redraw();
   });
 }
 
