@@ -147,6 +147,9 @@ function start() {
   else hidePart("error");
   if (!data.latency) hidePart("latency");
   byId("scores-table").parentElement.after(saveButtons(data, "scores", null, () => scoreRows(data)));
+  if (data.latency) {
+    byId("latency-table").parentElement.after(saveButtons(data, "latency", null, () => latencyRows(data)));
+  }
   startFrontChart(data);
   let drawSeeds = () => {};
   if (data.seeds.length > 1) drawSeeds = startSeeds(data);
