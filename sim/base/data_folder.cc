@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdlib>
-#include <optional>
 
 #include "sim/base/error.h"
 
@@ -69,6 +68,22 @@ fs::path OwnOrDataFile(const fs::path& file) {
   std::error_code unreadable;
   if (file.is_absolute() || fs::exists(file, unreadable)) return file;
   return Find(file).value_or(file);
+}
+
+std::optional<fs::path> DataFile(const fs::path& name) {
+  const fs::path normal = name.lexically_normal();
+  if (normal.empty() || normal.is_absolute() || *normal.begin() == "..") return std::nullopt;
+  return Find(normal);
+}
+
+std::string DataName(const fs::path& file) {
+  for (const char* name : {"models", "scenarios", "studies"}) {
+    const std::optional<fs::path> folder = Find(name);
+    if (!folder) continue;
+    const fs::path rest = file.lexically_relative(*folder);
+    if (!rest.empty() && *rest.begin() != "..") return (name / rest).string();
+  }
+  return "";
 }
 
 }  // namespace gauntlet::sim

@@ -26,7 +26,7 @@ struct ReproduceOptions {
 
 void Reproduce(const ReproduceOptions& options) {
   OutputFolder folder(options.out);
-  const auto experiment = [&] {
+  auto experiment = [&] {
     Progress progress("the paper's experiments");
     return RunPaperExperiment(
         {.scenario = OwnOrDataFile("scenarios/paper_claims.yaml"),
@@ -35,6 +35,7 @@ void Reproduce(const ReproduceOptions& options) {
          .progress = [&](double done, double total) { return progress.Update(done, total); },
          .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
   }();
+  experiment.finished.folder = folder.path();
   const std::vector<PaperFigure> figures = PaperFigures(experiment);
   OutputFiles files(folder.path());
   files.Write([&](const std::filesystem::path& place) {

@@ -31,7 +31,8 @@ void RunRobustCommand(const RobustCommand& command) {
       {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
       command.robust);
   CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust");
-  WriteFileAtomically(folder.path() / "scenario.resolved.yaml", plan.sweep.scenario.text);
+  WriteFileAtomically(folder.path() / "scenario.resolved.yaml",
+                      ScenarioToYaml(ParseScenario(plan.sweep.scenario), folder.path()));
   // Commands that repeat a hand begin with what every controller is, whatever the glove.
   plan.sweep.file.scenario = (folder.path() / "scenario.resolved.yaml").string();
   folder.Run();

@@ -26,6 +26,7 @@
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_files.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/study/manifest.h"
 #include "sim/study/study_database.h"
@@ -148,6 +149,14 @@ void WarnIfOtherMathematics(const MadeWith& made) {
       "in the last bits (another kind of processor or system); so will the results\n");
 }
 
+void WarnIfFilesChanged(const Scenario& scenario) {
+  for (const auto& [then, now] : ChangedFiles(scenario)) {
+    Say("gauntlet: warning: {} is not as it was when this scenario was resolved (hash {}, now {}): "
+        "the results will be others\n",
+        now.file, then.hash, now.hash);
+  }
+}
+
 void WarnIfUnchecked(const std::string& folder, bool checked) {
   if (checked) return;
   Say("gauntlet: warning: {} has no manifest.json: its files are not checked\n", folder);
@@ -196,11 +205,13 @@ void RunStudyCommand(const StudyCommand& asked) {
   WarnIfMadeElsewhere(finished.study.scenario.made_with, *finished.study.hand,
                       "the run may differ");
   WarnIfOtherMathematics(finished.study.scenario.made_with);
+  WarnIfFilesChanged(finished.study.scenario);
   for (const std::string& remark : finished.study.remarks) {
     Say("gauntlet: {}\n", remark);
   }
   if (options.video) CheckVideo(finished.study.scenario.controllers.size(), VideoOf(out));
   OutputFolder folder(out);
+  finished.folder = folder.path();
 
   std::optional<std::string> not_kept;
   finished.result = RunTrials(finished.study, options, folder.path(), not_kept);

@@ -43,6 +43,9 @@ void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand, std::strin
 /// bits: bit for bit means on the same kind of processor.
 void WarnIfOtherMathematics(const MadeWith& made);
 
+/// Names on standard error each recording or other file of a resolved scenario that has changed.
+void WarnIfFilesChanged(const Scenario& scenario);
+
 /// Tells on standard error if an output folder has no manifest, so that its files are not checked.
 void WarnIfUnchecked(const std::string& folder, bool checked);
 

@@ -318,7 +318,7 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
                        {"filters", FilterTable(experiment)},
                        {"figures", FigureHtml(figures)},
                        {"rows", RowTable(experiment)},
-                       {"settings", EscapeHtml(ResolvedScenario(experiment.finished.study))}});
+                       {"settings", EscapeHtml(ResolvedScenario(experiment.finished))}});
 }
 
 std::string PaperTable(const PaperExperiment& experiment) {

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-/// The files of sim/report/assets and of Debian's libjs-dygraphs, built into the program by
+/// The files of sim/report/assets and of Debian's libjs-dygraphs and libjs-three, built into the program by
 /// embed_assets.cmake so that a report needs nothing beside it.
 namespace gauntlet::sim::assets {
 
@@ -14,5 +14,6 @@ extern const std::string_view kCellsStyle;   // cells.css, to stand behind kStyl
 extern const std::string_view kCellsScript;  // what it needs of *.js
 extern const std::string_view kPlotStyle;    // dygraph.min.css
 extern const std::string_view kPlotLibrary;  // dygraph.min.js
+extern const std::string_view kReplayLibrary;  // three.min.js and its OrbitControls.js
 
 }  // namespace gauntlet::sim::assets

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-#include "sim/report/chart_scale.h"
+#include "sim/base/chart_scale.h"
 #include "sim/report/html_text.h"
 #include "sim/report/table_text.h"
 

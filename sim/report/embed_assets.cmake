@@ -1,5 +1,5 @@
 # Writes OUTPUT, a .cc file that defines the strings of assets.h. Run at build time:
-#   cmake -D OUTPUT=.. -D ASSETS=<folder> -D DYGRAPHS=<folder> -D SCRIPTS=a.js,b.js
+#   cmake -D OUTPUT=.. -D ASSETS=<folder> -D DYGRAPHS=<folder> -D THREE=<folder> -D SCRIPTS=a.js,b.js
 #         -D CELLS_SCRIPTS=a.js,c.js -P embed_assets.cmake
 
 # GCC takes string literals of any length.
@@ -30,6 +30,10 @@ read_text("${DYGRAPHS}/dygraph.min.css")
 add_text(kPlotStyle "${text}")
 read_text("${DYGRAPHS}/dygraph.min.js")
 add_text(kPlotLibrary "${text}")
+read_text("${THREE}/three.min.js")
+set(three "${text}")
+read_text("${THREE}/examples/js/controls/OrbitControls.js")
+add_text(kReplayLibrary "${three}\n${text}")
 read_text("${ASSETS}/cells.html")
 add_text(kCellsHtml "${text}")
 read_text("${ASSETS}/cells.css")

@@ -7,6 +7,7 @@
 
 #include "sim/report/curve_codec.h"
 #include "sim/report/error_split_table.h"
+#include "sim/report/replay_data.h"
 #include "sim/report/score_table.h"
 
 namespace gauntlet::sim {
@@ -209,6 +210,7 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   json["latency"] = LatencyJson(first_seed.latency);
   json["curves"] = nullptr;
   if (!first_seed.controllers.empty()) json["curves"] = CurvesJson(first_seed);
+  json["replay"] = ReplayData(finished);
   return json;
 }
 

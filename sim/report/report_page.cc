@@ -66,6 +66,7 @@ std::string AssemblePage(const PageParts& parts) {
                        {"style", std::string(assets::kStyle)},
                        {"plot_style", std::string(assets::kPlotStyle)},
                        {"plot_library", std::string(assets::kPlotLibrary)},
+                       {"replay_library", std::string(assets::kReplayLibrary)},
                        {"script", std::string(assets::kScript)}});
 }
 
@@ -75,7 +76,7 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
                        .facts = Facts(finished),
                        .verdict = Verdict(finished.summary),
                        .data = JsonForScript(PageData(finished, MeasureFirstSeed(finished))),
-                       .resolved_scenario = ResolvedScenario(finished.study),
+                       .resolved_scenario = ResolvedScenario(finished),
                        .video = video});
 }
 

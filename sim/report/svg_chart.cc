@@ -7,7 +7,7 @@
 #include <iterator>
 #include <limits>
 
-#include "sim/report/chart_scale.h"
+#include "sim/base/chart_scale.h"
 #include "sim/report/curve_codec.h"
 #include "sim/report/html_text.h"
 

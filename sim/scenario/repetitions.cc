@@ -142,11 +142,11 @@ void CheckRepetitions(const std::vector<RepeatedSetting>& lists, const Repetitio
   }
 }
 
-std::string RepetitionsToYaml(const Repetitions& repetitions) {
+std::string RepetitionsToYaml(const Repetitions& repetitions, const std::filesystem::path& folder) {
   std::vector<YAML::Node> gloves;
   for (GloveConfig glove : repetitions.gloves) {  // a copy: a visitor may change what it sees
-    gloves.push_back(YAML::Load(
-        SettingsToYaml([&glove](controller::SettingsVisitor& visitor) { glove.Visit(visitor); })));
+    gloves.push_back(YAML::Load(SettingsToYaml(
+        [&glove](controller::SettingsVisitor& visitor) { glove.Visit(visitor); }, folder)));
   }
   YAML::Emitter emitter;
   emitter << YAML::BeginMap << YAML::Key << "repetitions" << YAML::Value << YAML::BeginMap;

@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,8 @@ void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, YAM
 void CheckRepetitions(const std::vector<RepeatedSetting>& lists, const Repetitions& repetitions,
                       const YamlSource& source);
 
-/// As it stands in a scenario, each value as the glove of its repetition has it.
-std::string RepetitionsToYaml(const Repetitions& repetitions);
+/// As it stands in a scenario of `folder` (see SettingsToYaml()), each value as the glove of its
+/// repetition has it.
+std::string RepetitionsToYaml(const Repetitions& repetitions, const std::filesystem::path& folder);
 
 }  // namespace gauntlet::sim

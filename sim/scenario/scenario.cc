@@ -47,6 +47,11 @@ void VideoConfig::Visit(SettingsVisitor& visitor) {
                   frames_per_s);
 }
 
+void NamedFile::Visit(SettingsVisitor& visitor) {
+  visitor.Path({.key = "file", .help = "recording or other file of the glove"}, file);
+  visitor.Text({.key = "hash", .help = "of its bytes"}, hash);
+}
+
 void MadeWith::Visit(SettingsVisitor& visitor) {
   visitor.Text({.key = "gauntlet_version", .help = "version of the program"}, gauntlet_version);
   visitor.Text({.key = "mujoco_version", .help = "version of the physics engine"}, mujoco_version);
@@ -55,6 +60,7 @@ void MadeWith::Visit(SettingsVisitor& visitor) {
       {.key = "mathematics",
        .help = "of sin, exp, ... to the last bit: they differ between kinds of processors"},
       mathematics);
+  controller::VisitList(visitor, {.key = "files", .help = "that the glove is made from"}, files);
 }
 
 void NamedController::Visit(SettingsVisitor& visitor) {
@@ -498,10 +504,11 @@ void CollectValues(const std::string& key, const YAML::Node& node,
 
 }  // namespace
 
-std::string ScenarioToYaml(const Scenario& scenario) {
+std::string ScenarioToYaml(const Scenario& scenario, const std::filesystem::path& folder) {
   Scenario copy = scenario;  // a visitor may change what it sees
-  std::string text = SettingsToYaml([&copy](SettingsVisitor& visitor) { copy.Visit(visitor); });
-  if (!copy.repetitions.gloves.empty()) text += RepetitionsToYaml(copy.repetitions);
+  std::string text =
+      SettingsToYaml([&copy](SettingsVisitor& visitor) { copy.Visit(visitor); }, folder);
+  if (!copy.repetitions.gloves.empty()) text += RepetitionsToYaml(copy.repetitions, folder);
   return text;
 }
 

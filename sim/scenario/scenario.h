@@ -42,12 +42,21 @@ struct VideoConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
+/// A file that a resolved scenario names, as it was then.
+struct NamedFile {
+  std::string file;
+  std::string hash;  // see HashOfFile()
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
 /// What made a resolved scenario; empty in one that a person wrote.
 struct MadeWith {
   std::string gauntlet_version;
   std::string mujoco_version;
   std::string model_hash;
   std::string mathematics;  // see HashOfMathematics()
+  std::vector<NamedFile> files;
 
   void Visit(controller::SettingsVisitor& visitor);
 };
@@ -116,7 +125,8 @@ std::string PlaceOfSetting(const ScenarioSource& source, const std::string& key)
 Scenario LoadScenario(const std::filesystem::path& file, const std::vector<std::string>& overrides);
 
 /// The scenario with every value used, as YAML that LoadScenario reads back to the same values.
-std::string ScenarioToYaml(const Scenario& scenario);
+/// `folder`: where the file will lie, see SettingsToYaml().
+std::string ScenarioToYaml(const Scenario& scenario, const std::filesystem::path& folder = {});
 
 /// One value of a scenario. The key is a path as --set takes it (`controllers.raw.filter.0.kind`).
 struct SettingValue {

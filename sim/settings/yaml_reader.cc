@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "sim/base/data_folder.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 
@@ -123,7 +124,9 @@ void YamlReader::Path(const Setting& setting, std::string& value) {
   const std::filesystem::path base = source_.OverrideOf(PathOf(setting.key)) != nullptr
                                          ? std::filesystem::current_path()
                                          : source_.file.parent_path();
-  value = std::filesystem::absolute(base / value).lexically_normal().string();
+  const std::filesystem::path file = std::filesystem::absolute(base / value).lexically_normal();
+  std::error_code unreadable;
+  value = std::filesystem::exists(file, unreadable) ? file : DataFile(value).value_or(file);
   // The folder that it is relative to has not been looked at, and results name the path.
   if (const std::string problem = TextProblem(value); !problem.empty()) {
     Fail(Find(setting), PathOf(setting.key), fmt::format("{}: the path {}", value, problem));

@@ -17,6 +17,9 @@ namespace gauntlet::sim {
 ///
 /// Two shorthands keep files short: `filter: none` stands for `filter: {kind: none}`, and a single
 /// item may stand where a list is expected.
+///
+/// A path is relative to the file that is read, or, where that has no such file, the name of one
+/// that Gauntlet brings along (`scenarios/recordings/a.csv`).
 class YamlReader final : public controller::SettingsVisitor {
  public:
   YamlReader(const YAML::Node& node, std::string path, const YamlSource& source);

@@ -3,13 +3,27 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <utility>
+
+#include "sim/base/data_folder.h"
+
 namespace gauntlet::sim {
 namespace {
 
 using controller::Setting;
 
+/// How a file in `folder` names the absolute path `file`.
+std::string PathInFile(const std::string& file, const std::filesystem::path& folder) {
+  if (folder.empty() || !std::filesystem::path(file).is_absolute()) return file;
+  if (const std::string name = DataName(file); !name.empty()) return name;
+  const auto base = std::filesystem::absolute(folder / "").lexically_normal().parent_path();
+  return std::filesystem::path(file).lexically_relative(base).string();
+}
+
 class YamlWriter final : public controller::SettingsVisitor {
  public:
+  explicit YamlWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
   void Number(const Setting& setting, double& value) override {
     Key(setting) << YAML::Value << Digits(value);
   }
@@ -22,7 +36,10 @@ class YamlWriter final : public controller::SettingsVisitor {
   void Text(const Setting& setting, std::string& value) override {
     Key(setting) << YAML::Value << YAML::DoubleQuoted << value;
   }
-  void Path(const Setting& setting, std::string& value) override { Text(setting, value); }
+  void Path(const Setting& setting, std::string& value) override {
+    std::string written = PathInFile(value, folder_);
+    Text(setting, written);
+  }
   void Numbers(const Setting& setting, std::vector<double>& value) override {
     Key(setting) << YAML::Value << YAML::Flow << YAML::BeginSeq;
     for (const double number : value) emitter_ << Digits(number);
@@ -71,13 +88,15 @@ class YamlWriter final : public controller::SettingsVisitor {
     return emitter_ << YAML::Key << std::string(setting.key);
   }
 
+  std::filesystem::path folder_;  // of the file that is written; empty: none
   YAML::Emitter emitter_;
 };
 
 }  // namespace
 
-std::string SettingsToYaml(const std::function<void(controller::SettingsVisitor&)>& visit) {
-  YamlWriter writer;
+std::string SettingsToYaml(const std::function<void(controller::SettingsVisitor&)>& visit,
+                           const std::filesystem::path& folder) {
+  YamlWriter writer(folder);
   writer.emitter() << YAML::BeginMap;
   visit(writer);
   writer.emitter() << YAML::EndMap;

@@ -8,6 +8,7 @@
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/mathematics.h"
+#include "sim/scenario/scenario_files.h"
 #include "sim/trial/trace_csv.h"
 #include "sim/trial/trace_file.h"
 
@@ -190,13 +191,14 @@ std::string ScoresCsv(const StudyResult& result) {
   return fmt::to_string(out);
 }
 
-std::string ResolvedScenario(const Study& study) {
-  Scenario scenario = study.scenario;
+std::string ResolvedScenario(const FinishedStudy& finished) {
+  Scenario scenario = finished.study.scenario;
   scenario.made_with = {.gauntlet_version = GAUNTLET_VERSION,
                         .mujoco_version = HandModel::EngineVersion(),
-                        .model_hash = study.hand->Hash(),
-                        .mathematics = HashOfMathematics()};
-  return ScenarioToYaml(scenario);
+                        .model_hash = finished.study.hand->Hash(),
+                        .mathematics = HashOfMathematics(),
+                        .files = FilesOf(scenario)};
+  return ScenarioToYaml(scenario, finished.folder);
 }
 
 void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
@@ -216,7 +218,7 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
     }
     trace_file.Commit();
   }
-  WriteFileAtomically(folder / "scenario.resolved.yaml", ResolvedScenario(study));
+  WriteFileAtomically(folder / "scenario.resolved.yaml", ResolvedScenario(finished));
   WriteFileAtomically(folder / "scores.csv", ScoresCsv(result));
   WriteFileAtomically(folder / "scores.json", ScoresJson(finished));
 }

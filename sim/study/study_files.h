@@ -15,8 +15,9 @@ std::string ScoresJson(const FinishedStudy& finished);
 /// a column per metric.
 std::string ScoresCsv(const StudyResult& result);
 
-/// The scenario with every value used, versions and model hash.
-std::string ResolvedScenario(const Study& study);
+/// The scenario with every value used, versions, hashes of the model and of the files that it names.
+/// Errors: RunError for one that cannot be read.
+std::string ResolvedScenario(const FinishedStudy& finished);
 
 /// Writes scores.json, scores.csv, scenario.resolved.yaml and trace.h5 (of the first seed) into
 /// `folder`, which should be that of OutputFiles: so they appear together. `trace_csv`: also a CSV

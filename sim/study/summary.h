@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,6 +76,7 @@ struct FinishedStudy {
   Summary summary;
   bool comparison = false;                       // of several seeds, as asked; else one run
   std::vector<PredictionCeiling> ceilings = {};  // of a comparison
+  std::filesystem::path folder = {};             // of its files: paths in them are relative to it
 };
 
 }  // namespace gauntlet::sim

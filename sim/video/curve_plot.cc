@@ -22,7 +22,7 @@ constexpr int kMaxTimeTicks = 8;
 constexpr double kLabelSize = 10.5;
 
 /// The smallest of the usual steps that is at least `step`.
-double NiceStep(double step, std::span<const double> steps) {
+double UsualStep(double step, std::span<const double> steps) {
   const auto found = std::lower_bound(steps.begin(), steps.end(), step);
   return found == steps.end() ? steps.back() : *found;
 }
@@ -63,7 +63,7 @@ AngleScale ChooseAngleScale(std::span<const std::span<const double>> whole,
   scale.low_deg = middle - (0.5 + kRangeMargin) * range;
   scale.high_deg = middle + (0.5 + kRangeMargin) * range;
   constexpr double kSteps[] = {0.5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 180};
-  scale.tick_deg = NiceStep(range / kTargetTicks, kSteps);
+  scale.tick_deg = UsualStep(range / kTargetTicks, kSteps);
   return scale;
 }
 
@@ -102,7 +102,7 @@ void CurvePlot::DrawTimes(Painter& painter, double scrolled_px) const {
   const double before_px = clock_.first_s() * px_per_s + scrolled_px;  // left of the plot
   constexpr double kSteps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60};
   const double step_s =
-      NiceStep(std::max(kMinTimeTick_px * unit_, area_.width / kMaxTimeTicks) / px_per_s, kSteps);
+      UsualStep(std::max(kMinTimeTick_px * unit_, area_.width / kMaxTimeTicks) / px_per_s, kSteps);
   const TextStyle label = {.size_px = kLabelSize * unit_,
                            .color = palette::kMutedInk,
                            .align = Align::kCenter,

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "sim/base/chart_scale.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/video/painter.h"
@@ -61,15 +61,6 @@ std::vector<Row> RowsOf(const Inspection& inspection) {
     if (rows.size() == kMostRows) break;
   }
   return rows;
-}
-
-/// 1, 2 or 5 times a power of ten.
-double NiceStep(double least) {
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double digit : {1.0, 2.0, 5.0}) {
-    if (digit * power >= least) return digit * power;
-  }
-  return 10.0 * power;
 }
 
 void DrawCurve(Painter& painter, const Rect& area, const Row& row,
@@ -130,10 +121,8 @@ Image DrawRecording(const Inspection& inspection) {
   const Rect plot = {kMargin + kNameWidth, kHead, width - kNameWidth - kFactWidth, table_height};
   const TextStyle tick = {
       .size_px = 13.0, .color = palette::kMutedInk, .align = Align::kCenter, .tabular = true};
-  const double step_s = NiceStep(end_s / 8.0);
-  const int ticks = static_cast<int>(end_s / step_s + 1e-6);
-  for (int tick_number = 0; tick_number <= ticks; ++tick_number) {
-    const double time_s = tick_number * step_s;
+  const Extent times = {.low = 0.0, .high = end_s};
+  for (const double time_s : Ticks(times, TickStep(times, 8))) {
     const double x = plot.x + plot.width * time_s / end_s;
     painter.Line({x, plot.y}, {x, plot.bottom()}, palette::kGrid, 1.0);
     painter.Text(fmt::format("{:g} s", time_s), {x, card.bottom() + 24.0}, tick);

@@ -71,5 +71,15 @@ TEST_F(DataFolderOfVariable, IsLookedIntoForFilesThatAreNotInTheWorkingFolder) {
   fs::current_path(before);
 }
 
+TEST_F(DataFolderOfVariable, FilesAreNamedWithoutTheFolder) {
+  EXPECT_EQ(DataName(root_ / "scenarios/mine.yaml"), "scenarios/mine.yaml");
+  EXPECT_EQ(DataFile("scenarios/mine.yaml"), root_ / "scenarios/mine.yaml");
+  EXPECT_EQ(DataName(root_ / "mine.yaml"), "");
+  EXPECT_EQ(DataName(root_.parent_path() / "mine.yaml"), "");
+  EXPECT_EQ(DataFile("scenarios/yours.yaml"), std::nullopt);
+  EXPECT_EQ(DataFile("scenarios/../../mine.yaml"), std::nullopt);
+  EXPECT_EQ(DataFile(root_ / "scenarios/mine.yaml"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace gauntlet::sim

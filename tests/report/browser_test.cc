@@ -202,6 +202,8 @@ class BrowserTest : public testing::Test {
     EXPECT_THAT(saved["curves.csv"][1].get<std::string>(),
                 testing::StartsWith("time_s,wearer_deg,glove_deg,raw_hand_deg"));
     EXPECT_THAT(saved["scores.csv"][1].get<std::string>(), testing::StartsWith("score,"));
+    EXPECT_THAT(saved["latency.csv"][1].get<std::string>(),
+                testing::StartsWith("stage_ms,filter_2,filter_1,raw\nfilter,5,4,3\n"));
     EXPECT_THAT(saved["channels.csv"][1].get<std::string>(),
                 testing::StartsWith("tracking_rmse_deg,"));
   }

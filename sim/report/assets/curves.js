@@ -20,6 +20,7 @@ class CurvesView {
     this.window = [0, this.store.duration_s];
     this.cursor = null;
     this.onTime = null;  // of a click: a video jumps there
+    this.onCursor = null;  // of every other moment, null where there is none: the hand follows
     this.onView = null;  // of another channel, view or moment: the address tells it
     data.channels.forEach((name) => this.select.append(element("option", {value: name}, name)));
     this.select.value = data.first_channel;
@@ -285,6 +286,7 @@ class CurvesView {
   // Values at a time, of all curves, drawn or not.
   readAt(time_s) {
     this.cursor = time_s;
+    this.onCursor?.(time_s);
     const none = time_s === null || time_s === undefined;
     this.time_place.textContent = none ? "deg" : `at ${time_s.toFixed(3)} s, deg`;
     const channel = this.store.channel(this.select.selectedIndex);

@@ -10,6 +10,14 @@ function latencyRow(data, label, values, largest, sum) {
         `width: calc((100% - 0.95em) * ${(value / largest).toFixed(4)})`}) : null)));
 }
 
+// For a file: a row per stage, then their sum and what was measured.
+function latencyRows(data) {
+  const {stages, sum_ms, total_ms} = data.latency;
+  const row = (name, values) => [name, ...data.order.map((c) => values[c])];
+  return [["stage_ms", ...data.order.map((c) => data.controllers[c].name)],
+    ...stages.map((stage) => row(stage.help, stage.ms)), row("sum", sum_ms), row("end to end", total_ms)];
+}
+
 function drawLatency(data) {
   const {stages, sum_ms, total_ms} = data.latency;
   const table = byId("latency-table");

@@ -41,11 +41,8 @@ function startVideo(curves) {
 function showVersions() {
   const place = byId("versions");
   const block = /^made_with:\n((?:[ ].*\n?)+)/m.exec(byId("settings-text").textContent);
-  for (const line of block ? block[1].trim().split("\n") : []) {
-    const [key, ...rest] = line.trim().split(":");
-    if (key.startsWith("#")) continue;
-    place.append(element("dt", {}, key.replaceAll("_", " ")),
-      element("dd", {}, rest.join(":").replace(/\s+#.*$/, "").trim().replace(/^["']|["']$/g, "")));
+  for (const [, key, value] of (block ? block[1] : "").matchAll(/^  (\w+): "(.*)"$/gm)) {
+    place.append(element("dt", {}, key.replaceAll("_", " ")), element("dd", {}, value));
   }
 }
 
@@ -150,6 +147,9 @@ function start() {
   else hidePart("error");
   if (!data.latency) hidePart("latency");
   byId("scores-table").parentElement.after(saveButtons(data, "scores", null, () => scoreRows(data)));
+  if (data.latency) {
+    byId("latency-table").parentElement.after(saveButtons(data, "latency", null, () => latencyRows(data)));
+  }
   startFrontChart(data);
   let drawSeeds = () => {};
   if (data.seeds.length > 1) drawSeeds = startSeeds(data);
@@ -160,6 +160,7 @@ function start() {
     hidePart("curves");
     hidePart("spectra");
   }
+  const replay = startReplay(data, curves);
   startVideo(curves);
   if (curves) followAddress(curves);
   startSettings();
@@ -168,6 +169,7 @@ function start() {
     drawFrontChart(data);
     drawSeeds();
     curves?.show();
+    replay?.redraw();
   });
 }
 

@@ -1,4 +1,4 @@
-#include "sim/report/chart_scale.h"
+#include "sim/base/chart_scale.h"
 
 #include <algorithm>
 #include <cmath>
