@@ -1,12 +1,14 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace gauntlet::sim {
 
-/// How text with one row a line is cut into cells. What the cells mean is the reader's matter.
+/// How text with one row a line is cut into cells and written. What cells mean is their reader's
+/// matter.
 
 /// Without the mark that spreadsheets write at the beginning of a file.
 std::string_view WithoutByteOrderMark(std::string_view text);
@@ -31,5 +33,12 @@ std::vector<std::string_view> SplitCells(std::string_view line, char separator =
 
 /// The lines of a text, without their ends and the byte order mark.
 std::vector<std::string_view> SplitLines(std::string_view text);
+
+/// A row of a CSV table with its end; what would be read as its structure stands in quotes (RFC
+/// 4180).
+std::string CsvLine(const std::vector<std::string>& cells);
+
+/// As text that reads back to the same; empty for what is not finite.
+std::string NumberOrNothing(double value);
 
 }  // namespace gauntlet::sim

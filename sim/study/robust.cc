@@ -8,9 +8,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/random.h"
-#include "sim/study/csv_line.h"
 
 namespace gauntlet::sim {
 namespace {

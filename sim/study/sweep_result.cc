@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "sim/study/csv_line.h"
+#include "sim/base/csv_line.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -10,10 +10,10 @@
 #include <numeric>
 #include <sstream>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/settings/yaml_writer.h"
-#include "sim/study/csv_line.h"
 #include "sim/study/optimise.h"
 
 namespace gauntlet::sim {

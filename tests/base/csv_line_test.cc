@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace gauntlet::sim {
 namespace {
 
@@ -39,6 +41,15 @@ TEST(Unquoted, TakesOnePairOfEqualQuotesAway) {
   EXPECT_EQ(Unquoted("'a'"), "a");
   EXPECT_EQ(Unquoted("\"a'"), "\"a'");
   EXPECT_EQ(Unquoted("\""), "\"");
+}
+
+TEST(CsvLine, ReadsBackWhatWasWritten) {
+  const std::vector<std::string> cells = {"a", "", "b,c", "say \"no\"", " d "};
+  EXPECT_EQ(CsvLine(cells), "a,,\"b,c\",\"say \"\"no\"\"\", d \n");
+  EXPECT_EQ(CsvLine({}), "\n");
+  EXPECT_EQ(NumberOrNothing(0.1), "0.1");
+  EXPECT_EQ(NumberOrNothing(1.0 / 3.0), "0.3333333333333333");
+  EXPECT_EQ(NumberOrNothing(std::nan("")), "");
 }
 
 }  // namespace
