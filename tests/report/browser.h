@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "tests/support/program.h"
@@ -37,6 +39,29 @@ inline std::string Decoded(const std::string& text) {
     i += 2;
   }
   return out;
+}
+
+/// How many pages the page has on paper (US letter, as the browser prints without a printer).
+inline int PagesOnPaper(const std::string& page) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder.path() / "report.html") << page;
+  const std::string paper = (folder.path() / "paper.pdf").string();
+  const ProgramResult result =
+      RunProgram({"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+                  "--disable-background-networking", "--disable-dev-shm-usage",
+                  "--user-data-dir=" + (folder.path() / "profile").string(),
+                  "--virtual-time-budget=10000", "--no-pdf-header-footer",
+                  "--print-to-pdf=" + paper, "file://" + (folder.path() / "report.html").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  std::ostringstream bytes;
+  bytes << std::ifstream(paper, std::ios::binary).rdbuf();
+  const std::string text = bytes.str();
+  const std::string mark = "/Count ";  // of pages below a node of their tree; the root has the most
+  int pages = 0;
+  for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + 1)) {
+    pages = std::max(pages, std::stoi(text.substr(at + mark.size(), 6)));
+  }
+  return pages;
 }
 
 /// What `script`, which runs last in the page, leaves as encoded JSON in the attribute data-seen.

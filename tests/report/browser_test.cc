@@ -338,6 +338,11 @@ TEST_F(BrowserTest, KeepsTheBestOfSixInSight) {
   }
 }
 
+TEST_F(BrowserTest, HasFourPagesOnPaper) {
+  const test::MadeUpStudy made = test::MakeUpStudy({.channels = 18, .controllers = 5});
+  EXPECT_LE(test::PagesOnPaper(Page(made)), 4);
+}
+
 TEST_F(BrowserTest, WorksOnAPhone) { ExpectItWorks(Use(Page(test::MakeUpStudy({})), 500)); }
 
 TEST_F(BrowserTest, WorksWithFewerPointsThanSamples) {
