@@ -122,7 +122,7 @@ void YamlReader::Path(const Setting& setting, std::string& value) {
   if (value == before || value.empty()) return;
   const std::filesystem::path base = source_.OverrideOf(PathOf(setting.key)) != nullptr
                                          ? std::filesystem::current_path()
-                                         : source_.file.parent_path();
+                                         : source_.FileOf(PathOf(setting.key)).parent_path();
   value = std::filesystem::absolute(base / value).lexically_normal().string();
   // The folder that it is relative to has not been looked at, and results name the path.
   if (const std::string problem = TextProblem(value); !problem.empty()) {
