@@ -1,13 +1,17 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <numeric>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/cli/cells_command.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
+#include "sim/cli/slurm.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
 #include "sim/report/sweep_page.h"
@@ -25,6 +29,11 @@ struct SweepCommand {
   bool filter_only = false;
   bool all_seeds = false;
   bool json = false;
+  bool slurm = false;
+  bool dry_run = false;
+  bool retry = false;
+  int tasks = 16;
+  std::vector<std::string> sbatch;
 };
 
 void CheckSize(const SweepPlan& plan, const SweepCommand& command) {
@@ -36,7 +45,84 @@ void CheckSize(const SweepPlan& plan, const SweepCommand& command) {
                                           command.max_cells)});
 }
 
+/// Errors: UserError for options that contradict each other.
+void CheckSlurmOptions(const SweepCommand& command) {
+  const auto fail = [](const std::string& option, const std::string& problem) {
+    throw UserError({.place = option, .problem = problem});
+  };
+  if (!command.slurm) {
+    if (command.dry_run) fail("--dry-run", "is of --slurm, which is not given");
+    if (command.retry) fail("--retry", "is of --slurm, which is not given");
+    if (!command.sbatch.empty()) fail("--sbatch", "is of --slurm, which is not given");
+    return;
+  }
+  if (!command.cells.shard.empty()) fail("--slurm", "and --shard contradict each other");
+  if (!command.cells.collect.empty()) fail("--slurm", "and --collect contradict each other");
+  for (const std::string& option : command.sbatch) {
+    if (option.starts_with("--") && option.find('\n') == std::string::npos) continue;
+    fail("--sbatch " + Shown(option), "must be an option of sbatch, as --sbatch=--partition=night");
+  }
+}
+
+SlurmArray ArrayOf(const SweepCommand& command, const SweepPlan& plan) {
+  const std::string study = std::filesystem::absolute(OwnOrDataFile(command.file)).string();
+  const std::string out = command.cells.out.empty() ? "out/" + plan.file.name : command.cells.out;
+  SlurmArray array{
+      .name = "gauntlet-" + plan.file.name,
+      .command = {std::filesystem::read_symlink("/proc/self/exe").string(), "sweep", study},
+      .folder = std::filesystem::absolute(out) / "slurm",
+      .hash = HashOfSweep(plan),
+      .options = command.sbatch};
+  array.jobs = std::max(1, command.cells.jobs);
+  array.shards = static_cast<int>(std::min<std::int64_t>(command.tasks, plan.cell_count()));
+  const auto add = [&array](const std::string& option, const std::string& value) {
+    array.command.insert(array.command.end(), {option, value});
+  };
+  add("--jobs", std::to_string(array.jobs));
+  add("--max-cells", std::to_string(command.max_cells));
+  if (command.seeds > 0) add("--seeds", std::to_string(command.seeds));
+  for (const std::string& set : command.set) add("--set", set);
+  if (command.filter_only) array.command.emplace_back("--filter-only");
+  if (command.all_seeds) array.command.emplace_back("--all-seeds");
+  return array;
+}
+
+/// Hands the sweep to Slurm, or says what would be handed over.
+void SubmitSweep(const SweepCommand& command, const SweepPlan& plan) {
+  if (!command.dry_run) CheckSlurm();
+  const SlurmArray array = ArrayOf(command, plan);
+  const std::string collect =
+      fmt::format("gauntlet sweep {} --collect {}", command.file,
+                  (array.folder / fmt::format("shard-*-of-{}", array.shards)).string());
+  std::vector<int> shards = MissingShards(array);
+  if (!command.retry) {
+    shards.resize(static_cast<std::size_t>(array.shards));
+    std::iota(shards.begin(), shards.end(), 1);
+  }
+  if (command.dry_run) {
+    PrintText(shards.empty() ? "" : SlurmScript(array, shards));
+    return FlushOutput();
+  }
+  const std::vector<int> queued = QueuedShards(array);
+  if (!queued.empty() && !command.retry) {
+    throw UserError({.place = "--slurm",
+                     .problem = fmt::format("{} tasks of this sweep are in Slurm's queue already; "
+                                            "--retry adds what is missing beside them",
+                                            queued.size())});
+  }
+  std::erase_if(shards, [&](int shard) { return std::ranges::count(queued, shard) > 0; });
+  if (shards.empty()) {
+    if (queued.empty()) return Say("nothing is missing; now: {}\n", collect);
+    return Say("nothing is missing beside {} tasks in Slurm's queue; then: {}\n", queued.size(),
+               collect);
+  }
+  const std::string job = SubmitShards(array, shards);
+  Say("job {}: {} of {} shards; when they have ended: {}\n", job, shards.size(), array.shards,
+      collect);
+}
+
 void RunSweepCommand(const SweepCommand& command) {
+  CheckSlurmOptions(command);
   SweepOverrides overrides{.seeds = {},
                            .filter_only = command.filter_only,
                            .all_seeds = command.all_seeds,
@@ -44,6 +130,7 @@ void RunSweepCommand(const SweepCommand& command) {
   if (command.seeds > 0) overrides.seeds = command.seeds;
   const SweepPlan plan = LoadSweepPlan(OwnOrDataFile(command.file), overrides);
   CheckSize(plan, command);
+  if (command.slurm) return SubmitSweep(command, plan);
   CellsFolder folder(plan, command.cells, "out/" + plan.file.name);
   folder.Run();
   const SweepSummary summary = folder.WriteCells();
@@ -90,11 +177,24 @@ void AddSweepCommand(CLI::App& app) {
                     "no early stop: also cells that cannot win any more get all seeds");
   AddCellsOptions(*command, options->cells);
   command->add_flag("--json", options->json, "print JSON instead of the table");
+  command->add_flag("--slurm", options->slurm,
+                    "submit the shards as an array of jobs to Slurm, which runs failed ones again");
+  command->add_option("--tasks", options->tasks, "how many shards --slurm makes at most [16]")
+      ->check(WholeNumber(1, 1000));
+  command->add_flag("--retry", options->retry,
+                    "with --slurm: only shards that have not ended well and are not in its queue");
+  command->add_flag("--dry-run", options->dry_run, "with --slurm: print the script and do nothing");
+  command
+      ->add_option("--sbatch", options->sbatch,
+                   "an option for sbatch, as in --sbatch=--partition=night; may be repeated")
+      ->type_name("--OPTION")
+      ->take_all();
   command->footer(
       "\nExamples:\n  gauntlet sweep studies/kalman_q.yaml\n"
       "  gauntlet sweep studies/kalman_q.yaml --shard 1/2   # on one machine, 2/2 on another, "
       "then\n"
-      "  gauntlet sweep studies/kalman_q.yaml --collect out/kalman_q.shard-*\n");
+      "  gauntlet sweep studies/kalman_q.yaml --collect out/kalman_q.shard-*\n"
+      "  gauntlet sweep studies/kalman_q.yaml --slurm --sbatch=--time=1:00:00\n");
   command->callback([options] { RunSweepCommand(*options); });
 }
 

@@ -15,9 +15,12 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
+#include "sim/report/tune_all_page.h"
+#include "sim/report/tune_all_table.h"
 #include "sim/report/tune_page.h"
 #include "sim/report/tune_table.h"
 #include "sim/settings/yaml_tree.h"
+#include "sim/study/tune_files.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -34,6 +37,7 @@ struct TuneCommand {
   int held_out = 8;
   int evaluations = 100;
   int jobs = 0;
+  bool all = false;
   bool filter_only = false;
   bool json = false;
 };
@@ -60,24 +64,50 @@ void CheckScores(const TunePlan& plan) {
   }
 }
 
-TunePlan PlanOf(const TuneCommand& command) {
-  TunePlan plan;
-  plan.scenario = {
-      .file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set};
-  plan.controller = command.controller;
-  plan.seeds = command.seeds;
-  plan.held_out = command.held_out;
-  plan.evaluations = command.evaluations;
-  plan.physics = !command.filter_only;
-  const Scenario scenario = ParseScenario(plan.scenario);
+/// Which one is tuned: with --all the baseline by default. Errors: UserError.
+std::string ControllerOf(const TuneCommand& command, const Scenario& scenario) {
+  const std::optional<std::size_t> baseline = BaselineOf(scenario);
+  if (command.controller.empty() && command.all && baseline) {
+    return scenario.controllers[*baseline].name;
+  }
+  if (command.controller.empty()) {
+    throw UserError({.place = "--controller",
+                     .problem = command.all ? "is needed, as the scenario has no baseline"
+                                            : "is needed, or --all for all kinds of filters"});
+  }
   std::vector<std::string> known;
   for (const NamedController& named : scenario.controllers) known.push_back(named.name);
   if (std::ranges::find(known, command.controller) == known.end()) {
     throw UserError({.place = "--controller " + command.controller,
                      .problem = "unknown controller" + Suggestion(command.controller, known)});
   }
+  return command.controller;
+}
+
+/// Errors: UserError where --all and --free are both there, or neither.
+void CheckWhatIsFree(const TuneCommand& command) {
+  if (command.all && !command.free.empty()) {
+    throw UserError({.place = "--free",
+                     .problem = "and --all contradict each other: --all has ranges for every kind "
+                                "of filter"});
+  }
+  if (!command.all && command.free.empty()) {
+    throw UserError({.place = "--free", .problem = "is needed, or --all for all kinds of filters"});
+  }
+}
+
+TunePlan PlanOf(const TuneCommand& command) {
+  CheckWhatIsFree(command);
+  TunePlan plan;
+  plan.scenario = {
+      .file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set};
+  plan.seeds = command.seeds;
+  plan.held_out = command.held_out;
+  plan.evaluations = command.evaluations;
+  plan.physics = !command.filter_only;
+  plan.controller = ControllerOf(command, ParseScenario(plan.scenario));
   for (const std::string& text : command.free) {
-    plan.free.push_back(ParseFree(text, command.controller));
+    plan.free.push_back(ParseFree(text, plan.controller));
     const SweepAxis& axis = plan.free.back();
     if (std::ranges::count(plan.free, axis.key, &SweepAxis::key) > 1) {
       throw UserError({.place = "--free", .key = axis.key, .problem = "is given twice"});
@@ -94,19 +124,19 @@ TunePlan PlanOf(const TuneCommand& command) {
   return plan;
 }
 
-void RunTuneCommand(const TuneCommand& asked) {
-  const TunePlan plan = PlanOf(asked);
-  const std::string name = plan.scenario.file.stem().string();
-  const std::string out = asked.out.empty() ? "out/" + name + ".tune" : asked.out;
-  SetSignalFolder(out);
-  OutputFolder folder(out);
-  const int jobs = JobsOrCores(asked.jobs);
+/// Where the answer is to be used.
+std::string IncludeText(const std::filesystem::path& file) {
+  return fmt::format("in a scenario, controllers: {{tuned: !include {}}}", file.string());
+}
+
+void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folder) {
   const TuneResult result = [&] {
     Progress progress(fmt::format("{} settings", plan.evaluations));
-    return Tune(plan, jobs, [&](double done, double all) { return progress.Update(done, all); });
+    return Tune(plan, JobsOrCores(asked.jobs),
+                [&](double done, double all) { return progress.Update(done, all); });
   }();
-  const std::string settings = ControllerYaml(result.controller);
-  WriteFileAtomically(folder.path() / (plan.controller + ".yaml"), settings);
+  const std::filesystem::path yaml = folder.path() / (plan.controller + ".yaml");
+  WriteFileAtomically(yaml, ControllerYaml(result.controller));
   WriteFileAtomically(folder.path() / "tune.csv", TuneCsv(plan, result));
   const std::string table = TuneTable(plan, result);
   WriteFileAtomically(folder.path() / "report.html", TunePage(plan, result, table));
@@ -117,8 +147,42 @@ void RunTuneCommand(const TuneCommand& asked) {
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
     sets += fmt::format(" --set {}={}", plan.free[a].key, result.tried[result.chosen].values[a]);
   }
-  Say("wrote {0}: {1}.yaml (for controllers: of a scenario, or{2}), tune.csv, report.html\n",
-      folder.path().string(), plan.controller, sets);
+  Say("wrote {}: {}.yaml ({}, or{}), tune.csv, report.html\n", folder.path().string(),
+      plan.controller, IncludeText(yaml), sets);
+}
+
+void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folder) {
+  const std::vector<TunedKind> kinds = [&] {
+    Progress progress("kinds of filters");
+    return TuneAll(plan, JobsOrCores(asked.jobs),
+                   [&](double done, double all) { return progress.Update(done, all); });
+  }();
+  for (const TunedKind& tuned : kinds) {
+    if (!tuned.has_answer()) continue;
+    WriteFileAtomically(folder.path() / (tuned.kind + ".yaml"),
+                        ControllerYaml(tuned.result.controller));
+  }
+  WriteFileAtomically(folder.path() / "tune.csv", TuneAllCsv(kinds));
+  const std::string table = TuneAllTable(plan, kinds);
+  WriteFileAtomically(folder.path() / "report.html", TuneAllPage(plan, kinds, table));
+  folder.Keep();
+  PrintText(asked.json ? TuneAllJson(plan, kinds) : table);
+  FlushOutput();
+  if (!kinds.front().has_answer()) {
+    Say("wrote {}: tune.csv, report.html\n", folder.path().string());
+    throw RunError("no kind of filter has an answer: " + kinds.front().result.problem);
+  }
+  Say("wrote {}: a YAML file of each kind ({}), tune.csv, report.html\n", folder.path().string(),
+      IncludeText(folder.path() / (kinds.front().kind + ".yaml")));
+}
+
+void RunTuneCommand(const TuneCommand& asked) {
+  const TunePlan plan = PlanOf(asked);
+  const std::string name = plan.scenario.file.stem().string();
+  const std::string out = asked.out.empty() ? "out/" + name + ".tune" : asked.out;
+  SetSignalFolder(out);
+  OutputFolder folder(out);
+  asked.all ? TuneEveryKind(plan, asked, folder) : TuneOne(plan, asked, folder);
 }
 
 }  // namespace
@@ -133,14 +197,17 @@ void AddTuneCommand(CLI::App& app) {
                    "scenario file (YAML), or the name of a ready one (gauntlet list scenarios)")
       ->required()
       ->transform(ScenarioFile);
-  command->add_option("--controller", options->controller, "which one of the scenario")->required();
+  command->add_option("--controller", options->controller,
+                      "which one of the scenario [with --all: its baseline]");
+  command->add_flag("--all", options->all,
+                    "every kind of filter as that controller's filter, each with the same number "
+                    "of evaluations over ranges of its own");
   command
       ->add_option(
           "--free", options->free,
           "a setting of the controller and its range; :log and :whole may stand behind; may "
           "be repeated")
       ->type_name("KEY=LOW:HIGH")
-      ->required()
       ->take_all();
   command->add_option("--minimise", options->minimise,
                       "score to make small, or large where that is better [tracking_rmse_deg]");
@@ -164,9 +231,11 @@ void AddTuneCommand(CLI::App& app) {
   AddOutOption(*command, options->out, "output folder [out/<scenario>.tune]", "DIR");
   command->add_flag("--json", options->json, "print JSON instead of the table");
   command->footer(
-      "\nExample:\n  gauntlet tune scenarios/random_motion.yaml --controller tuned_kalman \\\n"
+      "\nExamples:\n  gauntlet tune scenarios/random_motion.yaml --controller tuned_kalman \\\n"
       "    --free filter.q=1e-6:10:log --minimise delay_ms --subject-to "
-      "\"jitter_rms_deg<=0.2\"\n");
+      "\"jitter_rms_deg<=0.2\"\n"
+      "  gauntlet tune scenarios/random_motion.yaml --all --minimise delay_ms \\\n"
+      "    --subject-to \"jitter_rms_deg<=0.2\" --filter-only   # which filter should I use?\n");
   command->callback([options] { RunTuneCommand(*options); });
 }
 

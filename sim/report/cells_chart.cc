@@ -168,8 +168,52 @@ std::string ParallelSvg(const std::vector<ChartAxis>& axes, const std::vector<Ch
   return drawing.Done();
 }
 
+namespace {
+
+/// Axes of jitter against delay: ticks, lines and names, from (left, top) to (right, bottom).
+class FrontAxes {
+ public:
+  FrontAxes(const Extent& delay, const Extent& jitter, double right, double bottom)
+      : delay_(delay), jitter_(jitter), right_(right), bottom_(bottom) {
+    jitter_.Take(0.0);
+    const double margin = std::max(0.05 * (delay.high - delay.low), 1.0);
+    delay_ = {delay.low - margin, delay.high + margin};
+    jitter_.high *= 1.05;
+  }
+
+  double X(double delay_ms) const { return kLeft + delay_.Share(delay_ms) * (right_ - kLeft); }
+  double Y(double jitter_deg) const {
+    return bottom_ - jitter_.Share(jitter_deg) * (bottom_ - kTop);
+  }
+  double right() const { return right_; }
+  double bottom() const { return bottom_; }
+
+  void DrawOn(Drawing& drawing) const {
+    for (const double tick : Ticks(jitter_, TickStep(jitter_, 5))) {
+      drawing.Line(kLeft, Y(tick), right_, Y(tick), "grid");
+      drawing.Text(kLeft - 8.0, Y(tick) + 4.0, "end", fmt::format("{:.3g}", tick));
+    }
+    for (const double tick : Ticks(delay_, TickStep(delay_, 6))) {
+      drawing.Text(X(tick), bottom_ + 18.0, "middle", fmt::format("{:.4g}", tick));
+    }
+    drawing.Text(0.5 * (kLeft + right_ + 12.0), bottom_ + 40.0, "middle", "delay, ms", "name");
+    drawing.Add(
+        "<text class=\"name\" text-anchor=\"middle\" transform=\"translate(13 {:.0f}) "
+        "rotate(-90)\">jitter, deg RMS</text>",
+        0.5 * bottom_);
+  }
+
+  static constexpr double kLeft = 58.0, kTop = 12.0;
+
+ private:
+  Extent delay_, jitter_;
+  double right_, bottom_;
+};
+
+}  // namespace
+
 std::string FrontSvg(const std::vector<ChartPoint>& points) {
-  constexpr double kWidth = 460.0, kHeight = 320.0, kLeft = 58.0, kBottom = 46.0, kTop = 12.0;
+  constexpr double kWidth = 460.0, kHeight = 320.0;
   Extent delay, jitter;
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -179,29 +223,9 @@ std::string FrontSvg(const std::vector<ChartPoint>& points) {
     jitter.Take(points[i].jitter_deg);
   }
   if (order.empty()) return "";
-  jitter.Take(0.0);
-  const double margin = std::max(0.05 * (delay.high - delay.low), 1.0);
-  delay = {delay.low - margin, delay.high + margin};
-  jitter.high *= 1.05;
-  const auto x_of = [&](double value) {
-    return kLeft + delay.Share(value) * (kWidth - kLeft - 12.0);
-  };
-  const auto y_of = [&](double value) {
-    return kHeight - kBottom - jitter.Share(value) * (kHeight - kBottom - kTop);
-  };
+  const FrontAxes axes(delay, jitter, kWidth - 12.0, kHeight - 46.0);
   Drawing drawing(kWidth, kHeight, "front", "Jitter against delay");
-  for (const double tick : Ticks(jitter, TickStep(jitter, 5))) {
-    drawing.Line(kLeft, y_of(tick), kWidth - 12.0, y_of(tick), "grid");
-    drawing.Text(kLeft - 8.0, y_of(tick) + 4.0, "end", fmt::format("{:.3g}", tick));
-  }
-  for (const double tick : Ticks(delay, TickStep(delay, 6))) {
-    drawing.Text(x_of(tick), kHeight - kBottom + 18.0, "middle", fmt::format("{:.4g}", tick));
-  }
-  drawing.Text(0.5 * (kLeft + kWidth), kHeight - 6.0, "middle", "delay, ms", "name");
-  drawing.Add(
-      "<text class=\"name\" text-anchor=\"middle\" transform=\"translate(13 {:.0f}) "
-      "rotate(-90)\">jitter, deg RMS</text>",
-      0.5 * (kHeight - kBottom));
+  axes.DrawOn(drawing);
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return std::pair(points[a].delay_ms, points[a].jitter_deg) <
            std::pair(points[b].delay_ms, points[b].jitter_deg);
@@ -211,15 +235,69 @@ std::string FrontSvg(const std::vector<ChartPoint>& points) {
   for (const std::size_t i : order) {
     if (points[i].jitter_deg >= least) continue;
     least = points[i].jitter_deg;
-    way += fmt::format("{}{:.1f} {:.1f}", way.empty() ? "M" : "L", x_of(points[i].delay_ms),
-                       y_of(points[i].jitter_deg));
+    way += fmt::format("{}{:.1f} {:.1f}", way.empty() ? "M" : "L", axes.X(points[i].delay_ms),
+                       axes.Y(points[i].jitter_deg));
   }
   drawing.Add("<path class=\"front-line\" d=\"{}\"/>", way);
   std::ranges::sort(order, std::greater<>());  // the best last, over the others
   for (const std::size_t i : order) {
     drawing.Add("<circle data-point=\"{}\" class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"/>", i,
                 points[i].faint ? "faint" : (points[i].good ? "good" : ""),
-                x_of(points[i].delay_ms), y_of(points[i].jitter_deg));
+                axes.X(points[i].delay_ms), axes.Y(points[i].jitter_deg));
+  }
+  return drawing.Done();
+}
+
+std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_ms,
+                      double most_jitter_deg) {
+  constexpr double kWidth = 760.0, kLegend = 190.0, kEach = 20.0;
+  constexpr std::size_t kColours = 8;
+  const double height = std::max(420.0, 40.0 + kEach * static_cast<double>(series.size()));
+  Extent delay, jitter;
+  for (const FrontSeries& one : series) {
+    for (const FrontSeries::Place& place : one.front) {
+      delay.Take(place.delay_ms);
+      jitter.Take(place.jitter_deg);
+    }
+  }
+  if (!std::isfinite(delay.low)) return "";
+  const FrontAxes axes(delay, jitter, kWidth - kLegend - 12.0, height - 46.0);
+  Drawing drawing(kWidth, height, "fronts", "Jitter against delay of each kind of filter");
+  axes.DrawOn(drawing);
+  if (most_jitter_deg < jitter.high) {
+    drawing.Line(axes.kLeft, axes.Y(most_jitter_deg), axes.right(), axes.Y(most_jitter_deg),
+                 "bound");
+  }
+  if (most_delay_ms > delay.low && most_delay_ms < delay.high) {
+    drawing.Line(axes.X(most_delay_ms), axes.kTop, axes.X(most_delay_ms), axes.bottom(), "bound");
+  }
+  for (std::size_t i = series.size(); i-- > 0;) {  // the best last, over the others
+    const FrontSeries& one = series[i];
+    const std::string style =
+        fmt::format("series-{}{}", i % kColours, i < kColours ? "" : " dashed");
+    std::string way;
+    for (const FrontSeries::Place& place : one.front) {
+      way += fmt::format("{}{:.1f} {:.1f}", way.empty() ? "M" : "L", axes.X(place.delay_ms),
+                         axes.Y(place.jitter_deg));
+    }
+    drawing.Add("<g class=\"{}\"><title>{}</title><path d=\"{}\"/>", style, EscapeHtml(one.name),
+                way);
+    const auto mark = [&](const FrontSeries::Place& place, std::string_view kind, double radius) {
+      const std::string point =
+          place.point == kNoPoint ? "" : fmt::format(" data-point=\"{}\"", place.point);
+      drawing.Add("<circle{} class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>", point, kind,
+                  axes.X(place.delay_ms), axes.Y(place.jitter_deg), radius);
+    };
+    for (const FrontSeries::Place& place : one.front) mark(place, "place", 2.5);
+    if (one.answer) mark(*one.answer, "answer", 6.0);
+    const double y = axes.kTop + 10.0 + kEach * static_cast<double>(i);
+    const double x = kWidth - kLegend + 8.0;
+    drawing.Add("<path d=\"M{0:.1f} {2:.1f}L{1:.1f} {2:.1f}\"/>", x, x + 26.0, y);
+    if (one.answer) {
+      drawing.Add("<circle class=\"answer\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\"/>", x + 13.0, y);
+    }
+    drawing.Add("</g>");
+    drawing.Text(x + 34.0, y + 4.0, "start", one.name);
   }
   return drawing.Done();
 }

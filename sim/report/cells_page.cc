@@ -32,18 +32,12 @@ std::vector<std::size_t> DrawnScores(const CellPoints& gathered) {
   return places;
 }
 
-std::string Scrolled(const std::string& drawing, const std::string& label) {
-  return fmt::format(
-      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">{}</div>\n", label,
-      drawing);
-}
-
 std::string HeatSection(const CellPoints& gathered) {
   std::string drawings;
   for (const HeatMap& map : gathered.HeatMaps()) {
     drawings += fmt::format("<figure class=\"heat-figure\" data-name=\"{} and {}\">{}</figure>\n",
                             EscapeHtml(map.x_name), EscapeHtml(map.y_name),
-                            Scrolled(HeatMapSvg(map), "Heat map"));
+                            ScrolledDrawing(HeatMapSvg(map), "Heat map"));
   }
   if (drawings.empty()) return "";
   return PageSection(
@@ -57,6 +51,12 @@ std::string HeatSection(const CellPoints& gathered) {
 }
 
 }  // namespace
+
+std::string ScrolledDrawing(const std::string& drawing, const std::string& label) {
+  return fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">{}</div>\n", label,
+      drawing);
+}
 
 std::string PageSection(const std::string& id, const std::string& title, const std::string& note,
                         const std::string& drawing) {
@@ -148,9 +148,9 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
         "to let go. Press a line for its settings.</span>",
         "<p class=\"controls needs-script\"><span id=\"brushed\" role=\"status\"></span> <button "
         "type=\"button\" id=\"brush-none\" hidden>All</button></p>\n" +
-            Scrolled(ParallelSvg(axes, points), "Parallel coordinates"));
+            ScrolledDrawing(ParallelSvg(axes, points), "Parallel coordinates"));
   }
-  if (const std::string front = FrontSvg(points); !front.empty()) {
+  if (const std::string front = texts.front ? FrontSvg(points) : ""; !front.empty()) {
     sections +=
         PageSection("front", "Jitter against delay",
                     "Nearer to the lower left corner is better; the line joins what nothing "

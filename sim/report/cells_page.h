@@ -23,11 +23,14 @@ struct CellsPageTexts {
   std::string table;
   std::string first_sections = {};  // HTML of pictures before the others
   bool heat = true;
+  bool front = true;
 };
 
 /// `points`: finished.
 std::string CellsPage(const CellPoints& points, const CellsPageTexts& texts);
 
+/// Something wide that scrolls by itself; `label` says what it is.
+std::string ScrolledDrawing(const std::string& drawing, const std::string& label);
 /// A section of the page; `title` and `note` are HTML, as is `drawing`.
 std::string PageSection(const std::string& id, const std::string& title, const std::string& note,
                         const std::string& drawing);

@@ -17,11 +17,6 @@ std::string KeyInController(const TunePlan& plan, std::size_t axis) {
                                     1);
 }
 
-std::string Seeds(int first, int count) {
-  return count == 1 ? fmt::format("seed {}", first)
-                    : fmt::format("seeds {} to {}", first, first + count - 1);
-}
-
 std::string FrontTable(const TunePlan& plan, const TuneResult& result) {
   std::vector<std::vector<std::string>> rows(1);
   const std::size_t delay = MetricIndex("delay_ms");
@@ -43,6 +38,11 @@ std::string FrontTable(const TunePlan& plan, const TuneResult& result) {
 
 }  // namespace
 
+std::string SeedsText(int first, int count) {
+  return count == 1 ? fmt::format("seed {}", first)
+                    : fmt::format("seeds {} to {}", first, first + count - 1);
+}
+
 std::string TuneTable(const TunePlan& plan, const TuneResult& result) {
   const int first_seed = ParseScenario(plan.scenario).seed;
   const Metric& metric = Metrics()[plan.minimise];
@@ -52,8 +52,8 @@ std::string TuneTable(const TunePlan& plan, const TuneResult& result) {
                   metric.lower_is_better ? "least" : "most", metric.key);
   for (const Constraint& constraint : plan.constraints) text += ", " + constraint.Text();
   text += fmt::format("\n{} settings tried on {}; judged on {}, which the search has not seen\n\n",
-                      result.tried.size(), Seeds(first_seed, plan.seeds),
-                      Seeds(first_seed + plan.seeds, plan.held_out));
+                      result.tried.size(), SeedsText(first_seed, plan.seeds),
+                      SeedsText(first_seed + plan.seeds, plan.held_out));
   std::vector<std::vector<std::string>> rows = {
       {"setting", "tuned", "as good within what matters"}};
   for (std::size_t a = 0; a < plan.free.size(); ++a) {

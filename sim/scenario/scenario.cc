@@ -16,6 +16,7 @@
 #include "sim/base/text.h"
 #include "sim/calibrate/identified_chain.h"
 #include "sim/glove/glove.h"
+#include "sim/scenario/included_controllers.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
 
@@ -394,8 +395,9 @@ using RepeatedSettings = std::vector<RepeatedSetting>;
 /// The file, the values of one repetition, then what --set puts over both.
 YamlSource TreeOf(const ScenarioSource& text, const RepeatedSettings& lists, std::size_t repetition,
                   YAML::Node& root) {
-  root.reset(ParseYaml(text.file, text.text));
+  root.reset(ParseYaml(text.file, text.text, YamlIncludes::kAllowed));
   YamlSource source{.file = text.file};
+  IncludeControllers(root, source);
   PutRepetition(lists, repetition, root, source);
   for (const std::string& override : text.overrides) ApplyOverride(root, override, source);
   return source;
@@ -441,7 +443,8 @@ Repetitions AllRepetitions(const ScenarioSource& text, const RepeatedSettings& l
     repetitions.gloves.push_back(ReadScenario(text, lists, i, root, of_this).glove);
   }
   CheckRepetitions(lists, repetitions, source);
-  const YAML::Node seed_in_file = Find(ParseYaml(text.file, text.text), "seed");
+  const YAML::Node seed_in_file =
+      Find(ParseYaml(text.file, text.text, YamlIncludes::kAllowed), "seed");
   repetitions.Rotate(scenario.seed - (seed_in_file.IsDefined() && seed_in_file.IsScalar()
                                           ? seed_in_file.as<int>(Scenario{}.seed)
                                           : Scenario{}.seed));

@@ -123,7 +123,7 @@ void YamlReader::Path(const Setting& setting, std::string& value) {
   if (value == before || value.empty()) return;
   const std::filesystem::path base = source_.OverrideOf(PathOf(setting.key)) != nullptr
                                          ? std::filesystem::current_path()
-                                         : source_.file.parent_path();
+                                         : source_.FileOf(PathOf(setting.key)).parent_path();
   const std::filesystem::path file = std::filesystem::absolute(base / value).lexically_normal();
   std::error_code unreadable;
   value = std::filesystem::exists(file, unreadable) ? file : DataFile(value).value_or(file);

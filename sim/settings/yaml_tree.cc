@@ -72,15 +72,20 @@ const std::string* YamlSource::OverrideOf(const std::string& path) const {
   return Nearest(overrides, path);
 }
 
+const std::filesystem::path& YamlSource::FileOf(const std::string& path) const {
+  const std::filesystem::path* nearest = Nearest(included, path);
+  return nearest == nullptr ? file : *nearest;
+}
+
 std::string YamlSource::PlaceOf(const YAML::Node& node, const std::string& path) const {
   if (const std::string* text = OverrideOf(path)) return OverridePlace(*text);
   const YAML::Mark mark = node.Mark();
-  if (!mark.is_null()) return PlaceInFile(file, mark);
+  if (!mark.is_null()) return PlaceInFile(FileOf(path), mark);
   for (const auto& [key, text] : overrides) {  // made on the way to what an override sets
     if (!groups.contains(path) && IsAtOrBelow(key, path)) return OverridePlace(text);
   }
   const YAML::Mark* group = Nearest(groups, path);
-  return group == nullptr ? file.string() : PlaceInFile(file, *group);
+  return group == nullptr ? FileOf(path).string() : PlaceInFile(FileOf(path), *group);
 }
 
 UserError YamlSource::At(const YAML::Node& node, const SettingError& error) const {
@@ -157,7 +162,7 @@ void CheckBytes(std::string_view text, const FailAt& fail) {
 /// endless as a tree.
 class BoundsCheck final : public YAML::EventHandler {
  public:
-  explicit BoundsCheck(const FailAt& fail) : fail_(fail) {}
+  BoundsCheck(const FailAt& fail, YamlIncludes includes) : fail_(fail), includes_(includes) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (documents_++ > 0) fail_(mark, "a second document begins here, there must be one");
@@ -166,7 +171,7 @@ class BoundsCheck final : public YAML::EventHandler {
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { Leaf(mark, anchor); }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string&) override {
-    RefuseTag(mark, tag);
+    if (tag != kIncludeTag || includes_ == YamlIncludes::kRefused) RefuseTag(mark, tag);
     Leaf(mark, anchor);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
@@ -216,23 +221,25 @@ class BoundsCheck final : public YAML::EventHandler {
   /// Those of YAML itself say what is known anyhow.
   void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "!" || tag.starts_with("tag:yaml.org,2002:")) return;
+    if (tag == kIncludeTag) fail_(mark, std::string(kMisplacedInclude));
     fail_(mark, fmt::format("has the tag {}, tags have no meaning here", Shown(tag)));
   }
 
   const FailAt& fail_;
+  YamlIncludes includes_;
   int documents_ = 0;
   std::size_t values_ = 0;
   std::vector<Group> open_;
   std::map<YAML::anchor_t, std::size_t> values_of_;
 };
 
-YAML::Node ParseChecked(std::string_view text, const FailAt& fail) {
+YAML::Node ParseChecked(std::string_view text, YamlIncludes includes, const FailAt& fail) {
   CheckBytes(text, fail);
   const std::string copy(text);
   try {
     std::istringstream stream(copy);
     YAML::Parser parser(stream);
-    BoundsCheck bounds(fail);
+    BoundsCheck bounds(fail, includes);
     while (parser.HandleNextDocument(bounds)) {
     }
     return YAML::Load(copy);
@@ -244,10 +251,12 @@ YAML::Node ParseChecked(std::string_view text, const FailAt& fail) {
 
 }  // namespace
 
-YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text) {
-  YAML::Node root = ParseChecked(text, [&file](const YAML::Mark& mark, const std::string& problem) {
-    throw UserError({.place = PlaceInFile(file, mark), .problem = problem});
-  });
+YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text,
+                     YamlIncludes includes) {
+  YAML::Node root =
+      ParseChecked(text, includes, [&file](const YAML::Mark& mark, const std::string& problem) {
+        throw UserError({.place = PlaceInFile(file, mark), .problem = problem});
+      });
   if (!root.IsMap()) {
     throw UserError({.place = file.string() + ":1:1", .problem = "must be a map of keys"});
   }
@@ -404,7 +413,7 @@ void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source
   const std::vector<std::string> keys = KeysOf(std::string_view(text).substr(0, equals), override);
   RejectUnknownController(root, text, keys);
   const YAML::Node value = ParseChecked(
-      std::string_view(text).substr(equals + 1),
+      std::string_view(text).substr(equals + 1), YamlIncludes::kRefused,
       [&override](const YAML::Mark&, const std::string& problem) { override.Fail(problem); });
   root.reset(override.With(root, keys, value));
   const std::string path = override.path();

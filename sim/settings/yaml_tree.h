@@ -25,6 +25,10 @@ struct YamlSource {
   std::filesystem::path file;
   std::map<std::string, std::string> overrides = {};  // path of keys -> text of the --set
   std::map<std::string, YAML::Mark> groups = {};      // those of the file that an override changed
+  std::map<std::string, std::filesystem::path> included = {};  // path of keys -> its own file
+
+  /// The file of what stands at this path: an included one, or `file`.
+  const std::filesystem::path& FileOf(const std::string& path) const;
 
   /// The text of the --set that gave the value at this path; null if the file did.
   const std::string* OverrideOf(const std::string& path) const;
@@ -38,12 +42,22 @@ struct YamlSource {
 /// Errors: UserError for one that cannot be read or has more than 4 MB; Cancelled at an interrupt.
 std::string ReadYamlText(const std::filesystem::path& file);
 
+/// `!include FILE`, and what is said of it where it may not stand.
+inline constexpr std::string_view kIncludeTag = "!include";
+inline constexpr std::string_view kMisplacedInclude =
+    "!include stands for all settings of a controller in a scenario, "
+    "controllers: {tuned: !include FILE}, and nowhere else";
+
+/// Whether a text may have scalars with kIncludeTag.
+enum class YamlIncludes { kRefused, kAllowed };
+
 /// The tree of a text. It is bounded: 64 levels, 200,000 values with those of aliases counted where
 /// they are used.
 /// Errors: UserError `file:line:column` for a syntax error, a byte that is not UTF-8, a control
 /// character, an alias inside what it stands for, a tag, a second document, or a top level that is
 /// not a map.
-YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text);
+YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text,
+                     YamlIncludes includes = YamlIncludes::kRefused);
 
 /// ParseYaml() of ReadYamlText().
 YAML::Node ParseYamlFile(const std::filesystem::path& file);

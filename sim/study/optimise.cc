@@ -63,22 +63,45 @@ class Search {
   double scale_ = 0.0;
 };
 
+void Everywhere(Search& search, unsigned dimensions, int measurements) {
+  search.Run(nlopt::opt(nlopt::GN_DIRECT_L, dimensions), std::vector<double>(dimensions, 0.5),
+             measurements);
+}
+
+void Around(Search& search, const std::vector<double>& start, int measurements) {
+  nlopt::opt around(nlopt::LN_SBPLX, static_cast<unsigned>(start.size()));
+  around.set_initial_step(kFirstStep);
+  around.set_xtol_abs(kClose);
+  search.Run(around, start, measurements);
+}
+
 }  // namespace
+
+std::vector<MeasuredPoint> LookEverywhere(
+    int dimensions, int measurements,
+    const std::function<Measured(const std::vector<double>&)>& measure) {
+  Search search(measure);
+  Everywhere(search, static_cast<unsigned>(dimensions), measurements);
+  return search.points();
+}
+
+std::vector<MeasuredPoint> LookAround(
+    const std::vector<double>& start, int measurements,
+    const std::function<Measured(const std::vector<double>&)>& measure) {
+  Search search(measure);
+  Around(search, start, measurements);
+  return search.points();
+}
 
 std::vector<MeasuredPoint> Minimise(
     int dimensions, int measurements,
     const std::function<Measured(const std::vector<double>&)>& measure) {
-  const auto count = static_cast<unsigned>(dimensions);
   Search search(measure);
-  search.Run(nlopt::opt(nlopt::GN_DIRECT_L, count), std::vector<double>(count, 0.5),
-             (measurements + 1) / 2);
+  Everywhere(search, static_cast<unsigned>(dimensions), (measurements + 1) / 2);
   const MeasuredPoint best = *std::ranges::min_element(
       search.points(), {},
       [&search](const MeasuredPoint& point) { return search.Merit(point.measured); });
-  nlopt::opt around(nlopt::LN_SBPLX, count);
-  around.set_initial_step(kFirstStep);
-  around.set_xtol_abs(kClose);
-  search.Run(around, best.place, measurements - static_cast<int>(search.points().size()));
+  Around(search, best.place, measurements - static_cast<int>(search.points().size()));
   return search.points();
 }
 

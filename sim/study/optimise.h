@@ -29,6 +29,14 @@ std::vector<MeasuredPoint> Minimise(
     int dimensions, int measurements,
     const std::function<Measured(const std::vector<double>&)>& measure);
 
+/// The two halves of Minimise(), each by itself: all over the cube, and around a point of it.
+std::vector<MeasuredPoint> LookEverywhere(
+    int dimensions, int measurements,
+    const std::function<Measured(const std::vector<double>&)>& measure);
+std::vector<MeasuredPoint> LookAround(
+    const std::vector<double>& start, int measurements,
+    const std::function<Measured(const std::vector<double>&)>& measure);
+
 /// The best of them: of those without a violation, else of all. `points` is not empty.
 const MeasuredPoint& BestOf(const std::vector<MeasuredPoint>& points);
 

@@ -6,115 +6,17 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <numeric>
 #include <sstream>
 
-#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/settings/yaml_writer.h"
 #include "sim/study/optimise.h"
+#include "sim/study/tune_bench.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr std::size_t kMostVerdicts = 10;
-
-/// The seeds of one study, and the settings that were run on them.
-class Bench {
- public:
-  Bench(const TunePlan& plan, const std::vector<std::size_t>& metrics, int first_seed, int seeds,
-        int jobs)
-      : plan_(plan), metrics_(metrics), seeds_(seeds), jobs_(jobs), source_(plan.scenario) {
-    source_.overrides.push_back(fmt::format("seed={}", first_seed));
-    study_ = PrepareShared(ParseScenario(source_));
-  }
-
-  /// The controller with these values; as the scenario has it if there are none.
-  /// Errors: UserError, SettingError if it cannot be built.
-  NamedController ControllerWith(const std::vector<std::string>& values) const {
-    ScenarioSource source = source_;
-    for (std::size_t a = 0; a < values.size(); ++a) {
-      source.overrides.push_back(plan_.free[a].key + "=" + values[a]);
-    }
-    Scenario scenario = ParseScenario(source);
-    KeepControllers({plan_.controller}, scenario);
-    return scenario.controllers.front();
-  }
-
-  TunedSetting Run(const std::vector<std::string>& values,
-                   const std::function<bool(double, int)>& progress) const {
-    TunedSetting setting;
-    setting.values = values;
-    setting.scores.resize(metrics_.size());
-    Study study = study_;
-    try {
-      study.scenario.controllers = {ControllerWith(values)};
-      controller::WithinSetting("controllers." + plan_.controller, [&] {
-        return controller::Controller(
-            RobotOf(study.scenario, *study.hand, study.scenario.controllers.front().config));
-      });
-    } catch (const UserError& error) {
-      setting.problem = error.what();
-      return setting;
-    } catch (const controller::SettingError& error) {
-      setting.problem = error.what();
-      return setting;
-    }
-    Score(RunStudy(study, {.seeds = seeds_,
-                           .jobs = jobs_,
-                           .progress = progress,
-                           .keep_first_traces = false,
-                           .keep_rows = false,
-                           .physics = plan_.physics,
-                           .store = nullptr,
-                           .scores = metrics_}),
-          setting);
-    return setting;
-  }
-
- private:
-  void Score(const StudyResult& result, TunedSetting& setting) const {
-    std::vector<std::vector<double>> values(metrics_.size());
-    for (const SeedOutcome& seed : result.seeds) {
-      const TrialOutcome& outcome = seed.controllers.front();
-      setting.motions.push_back(seed.motion);
-      if (!outcome.health.ok && setting.problem.empty()) {
-        setting.problem = fmt::format("{} (seed {})", outcome.health.problem, seed.seed);
-      }
-      for (std::size_t m = 0; m < metrics_.size(); ++m) {
-        values[m].push_back(outcome.scores.summary[metrics_[m]]);
-      }
-    }
-    for (std::size_t m = 0; m < metrics_.size(); ++m) {
-      setting.scores[m] = EstimateMean(values[m], setting.motions).IntervalAt();
-    }
-    setting.minimised = values.front();
-    for (const Constraint& constraint : plan_.constraints) {
-      const auto place = std::ranges::find(metrics_, constraint.metric) - metrics_.begin();
-      setting.met = std::max(setting.met, IsMet(constraint, setting.scores[place]));
-    }
-  }
-
-  const TunePlan& plan_;
-  const std::vector<std::size_t>& metrics_;
-  int seeds_;
-  int jobs_;
-  ScenarioSource source_;
-  Study study_;
-};
-
-std::vector<std::size_t> MetricsOf(const TunePlan& plan) {
-  std::vector<std::size_t> metrics = {plan.minimise};
-  const auto add = [&metrics](std::size_t metric) {
-    if (std::ranges::find(metrics, metric) == metrics.end()) metrics.push_back(metric);
-  };
-  for (const Constraint& constraint : plan.constraints) add(constraint.metric);
-  add(MetricIndex("delay_ms"));
-  add(MetricIndex("jitter_rms_deg"));
-  return metrics;
-}
 
 }  // namespace
 
@@ -125,12 +27,18 @@ std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric) {
 
 namespace {
 
-/// What the search sees of a setting.
-Measured MeasuredOf(const TunePlan& plan, const TuneResult& result, const TunedSetting& setting) {
+/// A score that is to be good, within bounds of others.
+struct Aim {
+  std::size_t minimise = 0;  // in Metrics()
+  std::vector<Constraint> constraints;
+};
+
+/// What the search for an answer sees of a setting.
+Measured MeasuredOf(const Aim& aim, const TuneResult& result, const TunedSetting& setting) {
   if (!setting.problem.empty()) return {.objective = std::numeric_limits<double>::quiet_NaN()};
-  const double mean = setting.scores.front().mean;
-  Measured measured{.objective = Metrics()[plan.minimise].lower_is_better ? mean : -mean};
-  for (const Constraint& constraint : plan.constraints) {
+  const double mean = setting.scores[PlaceOfMetric(result, aim.minimise)].mean;
+  Measured measured{.objective = Metrics()[aim.minimise].lower_is_better ? mean : -mean};
+  for (const Constraint& constraint : aim.constraints) {
     const double score = setting.scores[PlaceOfMetric(result, constraint.metric)].mean;
     const double beyond = constraint.at_most ? score - constraint.bound : constraint.bound - score;
     const double size = std::max(std::abs(constraint.bound), 1e-9);
@@ -139,6 +47,84 @@ Measured MeasuredOf(const TunePlan& plan, const TuneResult& result, const TunedS
   }
   return measured;
 }
+
+Aim AimOf(const TunePlan& plan) { return {plan.minimise, plan.constraints}; }
+
+/// The bounds that a front keeps: those of other scores than its own two.
+std::vector<Constraint> BoundsOfFront(const TunePlan& plan) {
+  std::vector<Constraint> bounds = plan.constraints;
+  std::erase_if(bounds, [](const Constraint& constraint) {
+    return constraint.metric == MetricIndex("delay_ms") ||
+           constraint.metric == MetricIndex("jitter_rms_deg");
+  });
+  return bounds;
+}
+
+/// Tries settings, each once, within a number of evaluations.
+class SettingSearch {
+ public:
+  SettingSearch(const TunePlan& plan, const TuneBench& bench, const TuneBench::Progress& progress,
+                TuneResult& result)
+      : plan_(plan), bench_(bench), progress_(progress), result_(result) {}
+
+  /// Errors: Cancelled.
+  void Run() {
+    const int dimensions = static_cast<int>(plan_.free.size());
+    const Aim own = AimOf(plan_);
+    if (dimensions == 0) {
+      Try({});
+    } else if (plan_.front_jitter_deg.empty()) {
+      Minimise(dimensions, plan_.evaluations, For(own));
+    } else {
+      LookEverywhere(dimensions, (plan_.evaluations + 1) / 2, For(own));
+      std::vector<Aim> aims = {own};
+      for (const double level : plan_.front_jitter_deg) {
+        Aim aim{MetricIndex("delay_ms"), BoundsOfFront(plan_)};
+        aim.constraints.push_back({.metric = MetricIndex("jitter_rms_deg"), .bound = level});
+        aims.push_back(std::move(aim));
+      }
+      for (std::size_t i = 0; i < aims.size(); ++i) {
+        const int left = (plan_.evaluations - count_) / static_cast<int>(aims.size() - i);
+        LookAround(BestPlace(aims[i]), left, For(aims[i]));
+      }
+    }
+  }
+
+ private:
+  const TunedSetting& Try(const std::vector<double>& place) {
+    std::vector<std::string> values;
+    for (std::size_t a = 0; a < place.size(); ++a) {
+      values.push_back(plan_.free[a].ValueAt(place[a]));
+    }
+    const auto [at, is_new] = known_.insert({values, result_.tried.size()});
+    if (is_new) {
+      result_.tried.push_back(bench_.Run(values, progress_));
+      places_.push_back(place);
+    }
+    ++count_;
+    return result_.tried[at->second];
+  }
+  std::function<Measured(const std::vector<double>&)> For(const Aim& aim) {
+    return [this, aim](const std::vector<double>& place) {
+      return MeasuredOf(aim, result_, Try(place));
+    };
+  }
+  std::vector<double> BestPlace(const Aim& aim) const {
+    std::vector<MeasuredPoint> points;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      points.push_back({places_[i], MeasuredOf(aim, result_, result_.tried[i])});
+    }
+    return BestOf(points).place;
+  }
+
+  const TunePlan& plan_;
+  const TuneBench& bench_;
+  const TuneBench::Progress& progress_;
+  TuneResult& result_;
+  std::map<std::vector<std::string>, std::size_t> known_;  // whole numbers come again
+  std::vector<std::vector<double>> places_;                // of result_.tried
+  int count_ = 0;
+};
 
 /// Places in `tried` of different settings that keep all bounds, the best first.
 std::vector<std::size_t> BestFirst(const TunePlan& plan, const TuneResult& result) {
@@ -149,7 +135,7 @@ std::vector<std::size_t> BestFirst(const TunePlan& plan, const TuneResult& resul
     }
   }
   std::ranges::stable_sort(order, {}, [&](std::size_t i) {
-    return MeasuredOf(plan, result, result.tried[i]).objective;
+    return MeasuredOf(AimOf(plan), result, result.tried[i]).objective;
   });
   return order;
 }
@@ -175,13 +161,15 @@ void FindEqualRanges(const TunePlan& plan, const std::vector<std::size_t>& order
   }
 }
 
-void FindFront(TuneResult& result) {
+void FindFront(const TunePlan& plan, TuneResult& result) {
+  const Aim aim{MetricIndex("delay_ms"), BoundsOfFront(plan)};
   const std::size_t delay = PlaceOfMetric(result, MetricIndex("delay_ms"));
   const std::size_t jitter = PlaceOfMetric(result, MetricIndex("jitter_rms_deg"));
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < result.tried.size(); ++i) {
     const TunedSetting& setting = result.tried[i];
-    if (setting.problem.empty() && std::isfinite(setting.scores[delay].mean) &&
+    const Measured measured = MeasuredOf(aim, result, setting);
+    if (std::isfinite(measured.objective) && measured.violation == 0.0 &&
         std::isfinite(setting.scores[jitter].mean)) {
       order.push_back(i);
     }
@@ -200,9 +188,10 @@ void FindFront(TuneResult& result) {
   }
 }
 
-void ChooseByHeldOut(const TunePlan& plan, const Bench& bench,
-                     const std::vector<std::size_t>& order,
-                     const std::function<bool(double, int)>& progress, TuneResult& result) {
+/// Chooses, or says in result.problem why there is nothing to choose.
+void ChooseByHeldOut(const TunePlan& plan, const TuneBench& bench,
+                     const std::vector<std::size_t>& order, const TuneBench::Progress& progress,
+                     TuneResult& result) {
   for (std::size_t i = 0; i < std::min(order.size(), kMostVerdicts); ++i) {
     result.chosen = order[i];
     result.verdict = bench.Run(result.tried[order[i]].values, progress);
@@ -211,14 +200,14 @@ void ChooseByHeldOut(const TunePlan& plan, const Bench& bench,
   }
   std::vector<std::string> bounds;
   for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
-  throw RunError(
-      order.empty()
-          ? fmt::format("no setting of {} that was tried keeps {}", result.tried.size(),
-                        bounds.empty() ? "its hand going: " + result.tried.front().problem
-                                       : fmt::format("{}", fmt::join(bounds, ", ")))
-          : fmt::format("the {} best settings break {} on the held-out seeds by more than their "
-                        "intervals; more --seeds tell more",
-                        result.refused, fmt::join(bounds, ", ")));
+  result.problem =
+      order.empty() ? fmt::format("no setting of {} that was tried keeps {}", result.tried.size(),
+                                  bounds.empty() ? "its hand going: " + result.tried.front().problem
+                                                 : fmt::format("{}", fmt::join(bounds, ", ")))
+                    : fmt::format(
+                          "the {} best settings break {} on the held-out seeds by more than their "
+                          "intervals; more --seeds tell more",
+                          result.refused, fmt::join(bounds, ", "));
 }
 
 }  // namespace
@@ -263,120 +252,45 @@ SweepAxis ParseFree(const std::string& text, const std::string& controller) {
   return axis;
 }
 
-TuneResult Tune(const TunePlan& plan, int jobs,
-                const std::function<bool(double done, double all)>& progress) {
+TuneResult SearchSettings(const TunePlan& plan, int jobs,
+                          const std::function<bool(double done, double all)>& progress) {
   TuneResult result;
-  result.metrics = MetricsOf(plan);
+  result.metrics = TuneMetrics(plan);
   const int first_seed = ParseScenario(plan.scenario).seed;
-  const Bench search(plan, result.metrics, first_seed, plan.seeds, jobs);
-  const Bench verdict(plan, result.metrics, first_seed + plan.seeds, plan.held_out, jobs);
+  const TuneBench search(plan, result.metrics, first_seed, plan.seeds, jobs);
+  const TuneBench verdict(plan, result.metrics, first_seed + plan.seeds, plan.held_out, jobs);
   search.ControllerWith({});  // what is wrong with it is the user's mistake
   const double all = plan.evaluations + 2.0;
   double done = 0.0;
-  const auto within = [&](double share, int of) { return progress(done + share / of, all); };
-  std::map<std::vector<std::string>, std::size_t> known;  // whole numbers come again
-  Minimise(static_cast<int>(plan.free.size()), plan.evaluations,
-           [&](const std::vector<double>& place) {
-             std::vector<std::string> values;
-             for (std::size_t a = 0; a < place.size(); ++a) {
-               values.push_back(plan.free[a].ValueAt(place[a]));
-             }
-             const auto [at, is_new] = known.insert({values, result.tried.size()});
-             if (is_new) result.tried.push_back(search.Run(values, within));
-             done += 1.0;
-             return MeasuredOf(plan, result, result.tried[at->second]);
-           });
+  const TuneBench::Progress within = [&](double share, int of) {
+    return progress(std::min(done + share / of, all), all);
+  };
+  SettingSearch(
+      plan, search,
+      [&](double share, int of) {
+        done = static_cast<double>(result.tried.size());
+        return within(share, of);
+      },
+      result)
+      .Run();
+  done = plan.evaluations;
   const std::vector<std::size_t> order = BestFirst(plan, result);
+  FindFront(plan, result);
   ChooseByHeldOut(plan, verdict, order, within, result);
+  if (!result.problem.empty()) return result;
   result.before = verdict.Run({}, within);
   result.gain = ComparePaired(plan.minimise, result.verdict.minimised, result.before.minimised,
                               result.verdict.motions, 1.0);
   FindEqualRanges(plan, order, result);
-  FindFront(result);
   result.controller = search.ControllerWith(result.tried[result.chosen].values);
   return result;
 }
 
-std::string ControllerYaml(const NamedController& controller) {
-  NamedController copy = controller;  // a visitor may change what it sees
-  std::istringstream settings(
-      SettingsToYaml([&copy](controller::SettingsVisitor& visitor) { copy.Visit(visitor); }));
-  std::string text = "controllers:\n  " + controller.name + ":\n";
-  for (std::string line; std::getline(settings, line);) text += "    " + line + "\n";
-  return text;
-}
-
-namespace {
-
-nlohmann::ordered_json IntervalJson(const MeanInterval& interval) {
-  const auto number = [](double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-  };
-  return {{"mean", number(interval.mean)},
-          {"ci95_low", number(interval.low)},
-          {"ci95_high", number(interval.high)}};
-}
-
-nlohmann::ordered_json SettingJson(const TunePlan& plan, const TuneResult& result,
-                                   const TunedSetting& setting) {
-  nlohmann::ordered_json json;
-  for (std::size_t a = 0; a < setting.values.size(); ++a) {
-    json["settings"][plan.free[a].key] = setting.values[a];
-  }
-  for (std::size_t m = 0; m < result.metrics.size(); ++m) {
-    json["scores"][std::string(Metrics()[result.metrics[m]].key)] = IntervalJson(setting.scores[m]);
-  }
-  json["constraints_met"] = MetText(setting.met);
-  if (!setting.problem.empty()) json["problem"] = setting.problem;
-  return json;
-}
-
-}  // namespace
-
-std::string TuneCsv(const TunePlan& plan, const TuneResult& result) {
-  std::vector<std::string> head;
-  for (const SweepAxis& axis : plan.free) head.push_back(axis.key);
-  for (const std::size_t metric : result.metrics) {
-    for (const char* ending : {"", "_low", "_high"}) {
-      head.push_back(std::string(Metrics()[metric].key) + ending);
-    }
-  }
-  head.insert(head.end(), {"constraints_met", "problem"});
-  std::string text = CsvLine(head);
-  for (const TunedSetting& setting : result.tried) {
-    std::vector<std::string> row = setting.values;
-    for (const MeanInterval& score : setting.scores) {
-      for (const double value : {score.mean, score.low, score.high}) {
-        row.push_back(NumberOrNothing(value));
-      }
-    }
-    row.emplace_back(MetText(setting.met));
-    row.push_back(setting.problem);
-    text += CsvLine(row);
-  }
-  return text;
-}
-
-std::string TuneJson(const TunePlan& plan, const TuneResult& result) {
-  nlohmann::ordered_json json;
-  json["scenario"] = plan.scenario.file.string();
-  json["controller"] = plan.controller;
-  json["minimise"] = Metrics()[plan.minimise].key;
-  json["physics"] = plan.physics;
-  json["seeds"] = plan.seeds;
-  json["held_out_seeds"] = plan.held_out;
-  json["tried"] = result.tried.size();
-  json["tuned"] = SettingJson(plan, result, result.verdict);
-  json["before"] = SettingJson(plan, result, result.before);
-  json["gain"] = IntervalJson(result.gain.difference);
-  json["gain"]["verdict"] = JudgementText(result.gain.judgement);
-  for (std::size_t a = 0; a < plan.free.size(); ++a) {
-    json["as_good"][plan.free[a].key] = {result.equal[a].low, result.equal[a].high};
-  }
-  for (const std::size_t i : result.front) {
-    json["front"].push_back(SettingJson(plan, result, result.tried[i]));
-  }
-  return json.dump(1) + "\n";
+TuneResult Tune(const TunePlan& plan, int jobs,
+                const std::function<bool(double done, double all)>& progress) {
+  TuneResult result = SearchSettings(plan, jobs, progress);
+  if (!result.problem.empty()) throw RunError(result.problem);
+  return result;
 }
 
 }  // namespace gauntlet::sim

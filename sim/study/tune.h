@@ -19,6 +19,9 @@ struct TunePlan {
   int held_out = 8;  // for the verdict: those behind
   int evaluations = 100;
   bool physics = true;
+  /// Where there are some, half of the evaluations look around what is best for the question, and
+  /// around what has the least delay at each of these levels of jitter: for the front.
+  std::vector<double> front_jitter_deg = {};
 };
 
 /// `filter.q=1e-6:10:log`, as a range of the controller; `:whole` for whole numbers, alone or after
@@ -51,13 +54,20 @@ struct TuneResult {
   TunedSetting before;               // the controller as the scenario has it, on the same
   CellComparison gain;               // verdict against before
   std::vector<EqualRange> equal;     // per free setting: among what was tried
-  std::vector<std::size_t> front;    // of `tried`: nothing has less delay and less jitter
-  int refused = 0;                   // better ones that broke a bound on the held-out seeds
-  NamedController controller;        // with the chosen values
+  /// Of `tried`, what keeps the bounds of other scores: nothing has less delay and less jitter.
+  std::vector<std::size_t> front;
+  int refused = 0;             // better ones that broke a bound on the held-out seeds
+  NamedController controller;  // with the chosen values
+  /// Why there is no answer: then all of the above are empty but metrics, tried, front and refused.
+  std::string problem = {};
 };
 
 /// The place of a score in `metrics`.
 std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric);
+
+/// As Tune(), but where no setting keeps the bounds the result says so.
+TuneResult SearchSettings(const TunePlan& plan, int jobs,
+                          const std::function<bool(double done, double all)>& progress);
 
 /// Searches with Minimise() on `seeds` seeds, each setting with all of them, and judges on others,
 /// which the search has not seen. The answer is the best setting that keeps all bounds by its mean
@@ -66,11 +76,5 @@ std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric);
 /// Errors: UserError, SettingError; RunError if no setting keeps the bounds.
 TuneResult Tune(const TunePlan& plan, int jobs,
                 const std::function<bool(double done, double all)>& progress);
-
-/// A row per setting that was tried.
-std::string TuneCsv(const TunePlan& plan, const TuneResult& result);
-std::string TuneJson(const TunePlan& plan, const TuneResult& result);
-/// The controller with every value used, as it stands in a scenario below `controllers:`.
-std::string ControllerYaml(const NamedController& controller);
 
 }  // namespace gauntlet::sim

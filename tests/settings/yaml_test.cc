@@ -213,7 +213,8 @@ TEST_F(YamlReaderTest, AFileHasOneDocumentAndNoTags) {
   EXPECT_EQ(Complaint("title: t\n---\ntitle: u\n"),
             "file:2:1: a second document begins here, there must be one");
   EXPECT_EQ(Complaint("title: !include other.yaml\n"),
-            "file:1:8: has the tag !include, tags have no meaning here");
+            "file:1:8: !include stands for all settings of a controller in a scenario, "
+            "controllers: {tuned: !include FILE}, and nowhere else");
   EXPECT_EQ(Read("---\ntitle: !!str t\n...\n").title, "t");
 }
 

@@ -12,6 +12,7 @@
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
 #include "sim/study/optimise.h"
+#include "sim/study/tune_files.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {
@@ -140,8 +141,9 @@ TEST_F(TuneTest, GivesTheSameOnAnyNumberOfThreadsAndReadsBack) {
   EXPECT_LE(one.tried.size(), 30u);
   // What it writes is a controller with that value.
   std::string text = plan_.scenario.text;
-  text.erase(text.find("controllers:"));
-  std::ofstream(folder_.path() / "tuned.yaml") << text + ControllerYaml(one.controller);
+  text.replace(text.find("{filter"), std::string::npos, "!include it.yaml\n");
+  std::ofstream(folder_.path() / "it.yaml") << ControllerYaml(one.controller);
+  std::ofstream(folder_.path() / "tuned.yaml") << text;
   const Scenario tuned = LoadScenario(folder_.path() / "tuned.yaml", {});
   const auto& filter = std::get<controller::ExponentialConfig>(
       tuned.controllers.front().config.filters.front().settings);

@@ -1,0 +1,166 @@
+#include "sim/cli/slurm.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "sim/base/atomic_file.h"
+#include "sim/base/child_process.h"
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostRestarts = 3;
+
+/// As one word of a shell.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+/// In the quotes of an option behind #SBATCH; % would stand for numbers of the job.
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') escaped += '\\';
+    escaped += c == '%' ? "%%" : std::string(1, c);
+  }
+  return escaped;
+}
+
+/// What a program says on both of its outputs, and how it ended.
+struct Said {
+  ChildEnd end;
+  std::string text;
+
+  std::string FirstLine() const { return Shown(text.substr(0, text.find('\n'))); }
+  bool is_good() const { return end.signal == 0 && end.exit_code == 0; }
+};
+
+/// Runs a program of Slurm, found along PATH. Errors: std::system_error without a process.
+Said Ask(std::vector<std::string> command) {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) {
+    throw std::system_error(errno, std::generic_category(), "pipe");
+  }
+  ChildProcess child([&] {
+    dup2(ends[1], STDOUT_FILENO);
+    dup2(ends[1], STDERR_FILENO);
+    std::vector<char*> arguments;
+    for (std::string& word : command) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execvp(arguments[0], arguments.data());
+    _exit(127);
+  });
+  close(ends[1]);
+  Said said;
+  std::array<char, 4096> part{};
+  for (ssize_t got = 0; (got = read(ends[0], part.data(), part.size())) != 0;) {
+    if (got < 0 && errno != EINTR) break;
+    if (got > 0) said.text.append(part.data(), static_cast<std::size_t>(got));
+  }
+  close(ends[0]);
+  said.end = child.Wait().value_or(ChildEnd{.exit_code = 127});
+  return said;
+}
+
+std::string ReadText(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+fs::path ShardFolder(const SlurmArray& array, int shard) {
+  return array.folder / fmt::format("shard-{}-of-{}", shard, array.shards);
+}
+
+std::vector<int> MissingShards(const SlurmArray& array) {
+  std::vector<int> missing;
+  for (int shard = 1; shard <= array.shards; ++shard) {
+    if (ReadText(ShardFolder(array, shard) / "done") != array.hash + "\n") missing.push_back(shard);
+  }
+  return missing;
+}
+
+std::string SlurmScript(const SlurmArray& array, const std::vector<int>& shards) {
+  std::string options;
+  for (const std::string& option : array.options) options += "#SBATCH " + option + "\n";
+  std::vector<std::string> words;
+  for (const std::string& word : array.command) words.push_back(Quoted(word));
+  const std::string folder = array.folder.string();
+  return fmt::format(
+      "#!/bin/bash\n"
+      "#SBATCH --job-name=\"{0}\"\n"
+      "#SBATCH --array={1}\n"
+      "#SBATCH --cpus-per-task={2}\n"
+      "#SBATCH --requeue\n"
+      "#SBATCH --open-mode=append\n"
+      "#SBATCH --output=\"{3}/shard-%a-of-{6}.log\"\n"
+      "{4}"
+      "# Each task runs one shard. One that failed goes on from its study.db when it is run "
+      "again.\n"
+      "shard=$SLURM_ARRAY_TASK_ID\n"
+      "folder={5}/shard-$shard-of-{6}\n"
+      "{7} --shard \"$shard/{6}\" --out \"$folder\"\n"
+      "code=$?\n"
+      "if ((code == 0)); then\n"
+      "  echo {8} >\"$folder/done\"\n"
+      "elif ((code != 2 && ${{SLURM_RESTART_COUNT:-0}} < {9})); then\n"
+      "  scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_$shard\"\n"
+      "fi\n"
+      "exit $code\n",
+      Escaped(array.name), fmt::join(shards, ","), array.jobs, Escaped(folder), options,
+      Quoted(folder), array.shards, fmt::join(words, " "), array.hash, kMostRestarts);
+}
+
+void CheckSlurm() {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (access((fs::path(folder) / "sbatch").c_str(), X_OK) == 0) return;
+  }
+  throw UserError({.place = "--slurm",
+                   .problem = "there is no sbatch on PATH (Debian: slurm-client); --dry-run prints "
+                              "the script, --shard i/n serves other schedulers"});
+}
+
+std::vector<int> QueuedShards(const SlurmArray& array) {
+  std::vector<int> queued;
+  std::istringstream jobs(ReadText(array.folder / "jobs.txt"));
+  for (std::string job; std::getline(jobs, job);) {
+    const Said said = Ask({"squeue", "--noheader", "--array", "--format=%K", "--jobs=" + job});
+    if (said.text.find("Invalid job id") != std::string::npos) continue;  // long gone
+    if (!said.is_good()) throw RunError("squeue: " + said.FirstLine());
+    std::istringstream tasks(said.text);
+    for (int task = 0; tasks >> task;) queued.push_back(task);
+  }
+  return queued;
+}
+
+std::string SubmitShards(const SlurmArray& array, const std::vector<int>& shards) {
+  fs::create_directories(array.folder);
+  const fs::path script = array.folder / "sweep.sbatch";
+  WriteFileAtomically(script, SlurmScript(array, shards));
+  const Said said = Ask({"sbatch", "--parsable", script.string()});
+  if (!said.is_good()) throw RunError("sbatch: " + said.FirstLine());
+  const std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
+  WriteFileAtomically(array.folder / "jobs.txt", ReadText(array.folder / "jobs.txt") + job + "\n");
+  return job;
+}
+
+}  // namespace gauntlet::sim
