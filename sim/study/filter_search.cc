@@ -43,55 +43,55 @@ SweepAxis ProcessVariance(const std::vector<double>& r) {
   return Log("q", 1e-8 * mean, 10.0 * mean);
 }
 
-FilterSearch Search(const controller::NoFilterConfig&, const FilterInput&) { return {}; }
-FilterSearch Search(const controller::MovingAverageConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::NoFilterConfig&, const FilterInput&) { return {}; }
+FilterSearch SearchOf(const controller::MovingAverageConfig&, const FilterInput& input) {
   return {{Window(1, kLongest_s, input)}};
 }
-FilterSearch Search(const controller::MedianConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::MedianConfig&, const FilterInput& input) {
   return {{Window(1, kLongest_s, input)}};
 }
-FilterSearch Search(const controller::HampelConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::HampelConfig&, const FilterInput& input) {
   return {{Window(3, kLongest_s, input),
            Range("threshold_sigma", 0.0, 6.0, SweepAxis::Spacing::kLinear)}};
 }
-FilterSearch Search(const controller::ExponentialConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::ExponentialConfig&, const FilterInput& input) {
   return {{Log("alpha", GainOf(kLongest_s, input), 1.0)}};
 }
-FilterSearch Search(const controller::ButterworthConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::ButterworthConfig&, const FilterInput& input) {
   return {{Log("cutoff_hz", 0.5, 0.45 * input.rate_hz), Whole("order", 1, 4)}};
 }
-FilterSearch Search(const controller::SavitzkyGolayConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::SavitzkyGolayConfig&, const FilterInput& input) {
   return {{Window(5, 2.0 * kLongest_s, input), Whole("order", 0, 3)}};
 }
-FilterSearch Search(const controller::OneEuroConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::OneEuroConfig&, const FilterInput& input) {
   // With a finger at 5 rad/s the cutoff opens by 0.005 to 50 Hz.
   return {{Log("min_cutoff_hz", 0.1, 0.45 * input.rate_hz),
            Log("beta", 1e-3 / input.unit_per_rad, 10.0 / input.unit_per_rad)}};
 }
-FilterSearch Search(const controller::AlphaBetaConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::AlphaBetaConfig&, const FilterInput& input) {
   const double least = GainOf(kLongest_s, input);
   return {{Log("alpha", least, 1.0), Log("beta", 0.1 * least * least, 1.0)}};
 }
-FilterSearch Search(const controller::AlphaBetaGammaConfig&, const FilterInput& input) {
+FilterSearch SearchOf(const controller::AlphaBetaGammaConfig&, const FilterInput& input) {
   const double least = GainOf(kLongest_s, input);
   return {{Log("alpha", least, 1.0), Log("beta", 0.1 * least * least, 0.5),
            Log("gamma", 0.001 * least * least * least, 0.1)}};
 }
-FilterSearch Search(const controller::KalmanConfig& config, const FilterInput&) {
+FilterSearch SearchOf(const controller::KalmanConfig& config, const FilterInput&) {
   return {{ProcessVariance(config.noise.r)}};
 }
-FilterSearch Search(const controller::KalmanSteadyConfig& config, const FilterInput&) {
+FilterSearch SearchOf(const controller::KalmanSteadyConfig& config, const FilterInput&) {
   return {{ProcessVariance(config.noise.r), Whole("states", 2, 3)}};
 }
-FilterSearch Search(const controller::KalmanAdaptiveConfig& config, const FilterInput& input) {
+FilterSearch SearchOf(const controller::KalmanAdaptiveConfig& config, const FilterInput& input) {
   return {{ProcessVariance(config.noise.r), Log("range", 1.0, 1e6),
            Log("memory", std::max(2.0, 0.1 * input.rate_hz), std::max(4.0, 10.0 * input.rate_hz))}};
 }
-FilterSearch Search(const controller::KalmanDenseConfig&, const FilterInput&) {
+FilterSearch SearchOf(const controller::KalmanDenseConfig&, const FilterInput&) {
   return {{},
           "gives what kalman gives, at hundreds of times the cost, where channels share nothing"};
 }
-FilterSearch Search(const controller::FixedLagConfig& config, const FilterInput& input) {
+FilterSearch SearchOf(const controller::FixedLagConfig& config, const FilterInput& input) {
   const double longest = std::min(1000.0, std::round(0.5 * kLongest_s * input.rate_hz));
   return {{ProcessVariance(config.noise.r), Whole("lag", 0, std::max(1.0, longest))}};
 }
@@ -99,7 +99,7 @@ FilterSearch Search(const controller::FixedLagConfig& config, const FilterInput&
 }  // namespace
 
 FilterSearch SearchOf(const controller::FilterConfig& filter, const FilterInput& input) {
-  return std::visit([&input](const auto& config) { return Search(config, input); },
+  return std::visit([&input](const auto& config) { return SearchOf(config, input); },
                     filter.settings);
 }
 
