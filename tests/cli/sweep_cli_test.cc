@@ -1,4 +1,5 @@
 // gauntlet sweep from the outside: stopped and killed, in shards, and with mistakes.
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -53,6 +54,12 @@ class SweepCommandTest : public testing::Test {
     return text.str();
   }
 
+  /// How many trials the database of a folder holds.
+  int Trials(const std::string& out) const {
+    SQLite::Database database((folder_.path() / out / "study.db").string());
+    return database.execAndGet("SELECT count(*) FROM trial").getInt();
+  }
+
   TemporaryDirectory folder_;
 };
 
@@ -88,19 +95,40 @@ TEST_F(SweepCommandTest, StopsCellsThatCannotWinUnlessAllSeedsAreAskedFor) {
   EXPECT_THAT(all.standard_output, testing::Not(HasSubstr("stopped early")));
 }
 
-TEST_F(SweepCommandTest, KilledAtRandomMomentsItEndsWithTheSameBytes) {
+TEST_F(SweepCommandTest, KilledAtThirtyRandomMomentsItEndsWithTheSameBytes) {
   const auto start = std::chrono::steady_clock::now();
-  ASSERT_EQ(Sweep({"--out", "whole"}).exit_code, 0);
+  ASSERT_EQ(Sweep({"--filter-only", "--out", "whole"}).exit_code, 0);
   const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
   std::mt19937 random(20261122);  // moments only; no result depends on them
-  for (int kill = 0; kill < 8; ++kill) {
-    Program program(Command({"--out", "killed"}), {.working_directory = folder_.path()});
-    std::this_thread::sleep_for(whole * (static_cast<double>(random() % 1000) / 1000.0));
-    program.SendSignal(SIGKILL);
-    program.Wait();
+  for (int round = 0; round < 3; ++round) {
+    const std::string out = "killed_" + std::to_string(round);
+    for (int kill = 0; kill < 10; ++kill) {
+      Program program(Command({"--filter-only", "--out", out}),
+                      {.working_directory = folder_.path()});
+      std::this_thread::sleep_for(whole * (static_cast<double>(random() % 1000) / 1000.0));
+      program.SendSignal(SIGKILL);
+      program.Wait();
+    }
+    ASSERT_EQ(Sweep({"--filter-only", "--out", out, "--jobs", "2"}).exit_code, 0);
+    EXPECT_EQ(ReadFile(out + "/cells.csv"), ReadFile("whole/cells.csv"));
+    EXPECT_EQ(ReadFile(out + "/report.html"), ReadFile("whole/report.html"));
+    EXPECT_EQ(Trials(out), Trials("whole"));
   }
-  ASSERT_EQ(Sweep({"--out", "killed", "--jobs", "2"}).exit_code, 0);
-  EXPECT_EQ(ReadFile("killed/cells.csv"), ReadFile("whole/cells.csv"));
+}
+
+TEST_F(SweepCommandTest, ADatabaseThatAnotherProgramLocksOnlyWaits) {
+  ASSERT_EQ(Sweep({"--filter-only", "--out", "whole"}).exit_code, 0);
+  ASSERT_EQ(Sweep({"--filter-only", "--out", "locked", "--seeds", "1"}).exit_code, 0);
+  SQLite::Database other((folder_.path() / "locked/study.db").string(), SQLite::OPEN_READWRITE);
+  other.exec("BEGIN IMMEDIATE");  // it may be read, and nobody else writes
+  Program program(Command({"--filter-only", "--out", "locked"}),
+                  {.working_directory = folder_.path()});
+  ASSERT_TRUE(program.WaitForText("goes on from"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));  // longer than all trials take
+  other.exec("ROLLBACK");
+  EXPECT_EQ(program.Wait().exit_code, 0) << program.Wait().standard_error;
+  EXPECT_EQ(ReadFile("locked/cells.csv"), ReadFile("whole/cells.csv"));
+  EXPECT_EQ(Trials("locked"), Trials("whole"));
 }
 
 TEST_F(SweepCommandTest, ShardsMakeTheSameAsOneMachine) {
