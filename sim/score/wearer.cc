@@ -172,6 +172,7 @@ WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
 
   std::vector<Class> classes = ClassifyBySpeed(angle_rad, rate_hz);
   motion.movements = FindMovements(angle_rad, classes);
+  for (Movement& movement : motion.movements) movement.within = {0, samples};
 
   ApplyLabels(segments, classes);
   for (Range rest : Stretches(classes, kRestClass)) {
@@ -189,6 +190,32 @@ WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
     of(Regime::kReversal) = Reversals(motion.movements, in_samples(kReversal_s), samples);
   }
   return motion;
+}
+
+WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
+                           std::span<const Segment> segments, const CountedTicks& counted) {
+  WearerMotion all;
+  for (const Range& range : counted) {
+    std::vector<Segment> labels(segments.begin(), segments.end());
+    for (Segment& label : labels) {
+      label.begin -= range.begin;
+      label.end -= range.begin;
+    }
+    WearerMotion part =
+        AnalyseWearer(angle_rad.subspan(range.begin, range.end - range.begin), rate_hz, labels);
+    for (Movement& movement : part.movements) {
+      movement.begin += range.begin;
+      movement.end += range.begin;
+      movement.within = range;
+      all.movements.push_back(movement);
+    }
+    for (int regime = 0; regime < kRegimeCount; ++regime) {
+      for (const Range& found : part.regimes[regime]) {
+        all.regimes[regime].push_back({found.begin + range.begin, found.end + range.begin});
+      }
+    }
+  }
+  return all;
 }
 
 }  // namespace gauntlet::sim
