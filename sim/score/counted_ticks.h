@@ -8,14 +8,14 @@
 namespace gauntlet::sim {
 
 /// Ticks [begin, end).
-struct Range {
+struct TickRange {
   int begin = 0;
   int end = 0;
 };
 
 /// Which ticks of a trial count for the scores of one part of the hand: ranges that rise and do not
 /// touch. What the wearer did in all others is not known.
-using CountedTicks = std::vector<Range>;
+using CountedTicks = std::vector<TickRange>;
 
 /// Of all parts of a trial, in the order of the signals' columns.
 struct CountedParts {
@@ -35,7 +35,7 @@ CountedTicks CountTicks(std::span<const MaskedStretch> masked, const std::vector
                         int recovery_ticks, int ticks);
 
 /// What lies in both.
-CountedTicks Overlap(const std::vector<Range>& ranges, const CountedTicks& counted);
+CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& counted);
 
 /// How many ticks these are.
 int CountOf(const CountedTicks& counted);

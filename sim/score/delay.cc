@@ -22,13 +22,13 @@ constexpr double kNothingSaid = -2.0;
 /// Mean over the counted ranges.
 double MeanOf(std::span<const double> values, const CountedTicks& counted) {
   double sum = 0.0;
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     for (int n = range.begin; n < range.end; ++n) sum += values[n];
   }
   return sum / CountOf(counted);
 }
 
-std::span<const double> Part(std::span<const double> values, const Range& range) {
+std::span<const double> Part(std::span<const double> values, const TickRange& range) {
   return values.subspan(range.begin, range.end - range.begin);
 }
 
@@ -199,14 +199,14 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
                                    double rate_hz, const CountedTicks& counted, Fourier& fourier) {
   if (counted.empty()) return std::nullopt;
-  const auto length = [](const Range& range) { return range.end - range.begin; };
+  const auto length = [](const TickRange& range) { return range.end - range.begin; };
   const auto longest = std::ranges::max_element(counted, {}, length);
   const int largest_lag =
       std::min(length(*longest) / 4, static_cast<int>(kLargestDelay_s * rate_hz));
   if (largest_lag < 2) return std::nullopt;
   const double leader_mean = MeanOf(leader, counted);
   const double follower_mean = MeanOf(follower, counted);
-  const auto transform = [&](const Range& range) {
+  const auto transform = [&](const TickRange& range) {
     return Transform({.values = Part(leader, range), .mean = leader_mean},
                      {.values = Part(follower, range), .mean = follower_mean}, largest_lag,
                      fourier);
@@ -254,7 +254,7 @@ double AlignedRms(std::span<const double> leader, std::span<const double> follow
   const double fraction = delay_samples - whole;
   double squares = 0.0;
   int count = 0;
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     const int begin = std::max(range.begin, range.begin - lag);
     const int end = std::min(range.end, range.end - lag - 1);
     for (int n = begin; n < end; ++n) {

@@ -43,7 +43,7 @@ struct Following {
 /// 1 within the ranges, else 0.
 VectorXd Weights(const CountedTicks& counted, Index rows) {
   VectorXd weights = VectorXd::Zero(rows);
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     weights.segment(range.begin, range.end - range.begin).setOnes();
   }
   return weights;

@@ -18,7 +18,7 @@ double GripForceRipple(std::span<const double> force_n, double rate_hz, double a
   double squares = 0.0;
   Eigen::Index count = 0;
   const auto holds = [](double force) { return force >= kTouchN; };
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     const auto last = force_n.begin() + range.end;
     auto begin = std::find_if(force_n.begin() + range.begin, last, holds);
     while (begin != last) {

@@ -30,7 +30,7 @@ FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, double above_h
 CountedTicks TremblingWithin(const CountedTicks& counted, double rate_hz, double above_hz) {
   const LowPass low_pass = BelowTrembling(rate_hz, above_hz);
   CountedTicks inner;
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     if (range.end - range.begin < TicksFor(low_pass, rate_hz, above_hz)) continue;
     inner.push_back({range.begin + low_pass.reach(), range.end - low_pass.reach()});
   }

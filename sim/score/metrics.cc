@@ -18,10 +18,10 @@ namespace gauntlet::sim {
 namespace {
 
 /// Standard deviation about the mean of each range, pooled.
-double PooledDeviation(std::span<const double> values, const std::vector<Range>& ranges) {
+double PooledDeviation(std::span<const double> values, const std::vector<TickRange>& ranges) {
   double squares = 0.0;
   int count = 0;
-  for (const Range& range : ranges) {
+  for (const TickRange& range : ranges) {
     const auto part = values.subspan(range.begin, range.end - range.begin);
     double mean = 0.0;
     for (const double value : part) mean += value;
@@ -33,9 +33,9 @@ double PooledDeviation(std::span<const double> values, const std::vector<Range>&
 }
 
 /// Mean over ranges of the size of the mean of each.
-double MeanOffset(std::span<const double> error, const std::vector<Range>& ranges) {
+double MeanOffset(std::span<const double> error, const std::vector<TickRange>& ranges) {
   double offsets = 0.0;
-  for (const Range& range : ranges) {
+  for (const TickRange& range : ranges) {
     const auto part = error.subspan(range.begin, range.end - range.begin);
     offsets +=
         std::abs(std::accumulate(part.begin(), part.end(), 0.0)) / static_cast<double>(part.size());
@@ -50,7 +50,7 @@ double PeakTension(const ScoredCable& cable) {
 double OverlapShare(std::span<const double> overlap_m, const CountedTicks& counted) {
   constexpr double kDeepM = 2e-3;
   int deep = 0;
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     for (int n = range.begin; n < range.end; ++n) deep += overlap_m[n] > kDeepM ? 1 : 0;
   }
   const int count = CountOf(counted);

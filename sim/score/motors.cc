@@ -26,7 +26,7 @@ double SpectralCentroid(std::span<const double> speed, double rate_hz, const Cou
   const int samples = CountOf(counted);
   const int size = FastTransformSize(static_cast<int>(kPiece_s * rate_hz));
   double mean = 0.0;
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     for (int n = range.begin; n < range.end; ++n) mean += speed[n] / samples;
   }
 
@@ -34,7 +34,7 @@ double SpectralCentroid(std::span<const double> speed, double rate_hz, const Cou
   const int hop = std::max(1, size / 2);
   std::vector<double> power(size / 2 + 1);
   Fourier::Values pair;
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     for (int start = range.begin; start + size <= range.end; start += 2 * hop) {
       // Two pieces as real and imaginary part: |Z[k]|^2 + |Z[-k]|^2 is twice the sum of their
       // powers.
@@ -64,7 +64,7 @@ double SpectralCentroid(std::span<const double> speed, double rate_hz, const Cou
 
 double SlackShare(std::span<const double> tension_n, const CountedTicks& counted) {
   std::ptrdiff_t slack = 0;
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     slack += std::count_if(tension_n.begin() + range.begin, tension_n.begin() + range.end,
                            [](double tension) { return tension <= kSlackTension_n; });
   }

@@ -41,7 +41,7 @@ std::vector<double> VelocityIn(const Movement& movement, std::span<const double>
   const auto count = static_cast<Eigen::Index>(
       std::lround((movement.end - movement.begin) / static_cast<double>(step)));
   std::vector<double> velocity;
-  const Range& within = movement.within;
+  const TickRange& within = movement.within;
   if (begin < within.begin || begin + (count - 1) * step + weights.size() > within.end) {
     return velocity;
   }

@@ -25,7 +25,7 @@ double Mean(std::span<const double> values) {
 double MeanDifference(std::span<const double> wearer, std::span<const double> hand,
                       const CountedTicks& counted) {
   double sum = 0.0;
-  for (const Range& range : counted) {
+  for (const TickRange& range : counted) {
     for (int n = range.begin; n < range.end; ++n) sum += hand[n] - wearer[n];
   }
   return sum / CountOf(counted);

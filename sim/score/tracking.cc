@@ -13,10 +13,11 @@ double Rms(std::span<const double> values) {
   return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-double RmsWithin(std::span<const double> values, int first_tick, const std::vector<Range>& ranges) {
+double RmsWithin(std::span<const double> values, int first_tick,
+                 const std::vector<TickRange>& ranges) {
   double squares = 0.0;
   int count = 0;
-  for (const Range& range : ranges) {
+  for (const TickRange& range : ranges) {
     const int begin = std::max(0, range.begin - first_tick);
     const int end = std::min(static_cast<int>(values.size()), range.end - first_tick);
     for (int n = begin; n < end; ++n) squares += values[n] * values[n];
@@ -25,18 +26,18 @@ double RmsWithin(std::span<const double> values, int first_tick, const std::vect
   return count == 0 ? kNoScore : std::sqrt(squares / count);
 }
 
-double PeakWithin(std::span<const double> values, const std::vector<Range>& ranges) {
+double PeakWithin(std::span<const double> values, const std::vector<TickRange>& ranges) {
   double peak = kNoScore;
-  for (const Range& range : ranges) {
+  for (const TickRange& range : ranges) {
     for (int n = range.begin; n < range.end; ++n) peak = std::fmax(peak, std::abs(values[n]));
   }
   return peak;
 }
 
 double ReversalsPerSecond(std::span<const int> command, double rate_hz,
-                          const std::vector<Range>& ranges) {
+                          const std::vector<TickRange>& ranges) {
   int reversals = 0;
-  for (const Range& range : ranges) {
+  for (const TickRange& range : ranges) {
     int direction = 0;
     for (int n = range.begin + 1; n < range.end; ++n) {
       if (command[n] == command[n - 1]) continue;

@@ -11,14 +11,15 @@ namespace gauntlet::sim {
 double Rms(std::span<const double> values);
 
 /// The same of what lies within ranges; value 0 belongs to tick `first_tick`.
-double RmsWithin(std::span<const double> values, int first_tick, const std::vector<Range>& ranges);
+double RmsWithin(std::span<const double> values, int first_tick,
+                 const std::vector<TickRange>& ranges);
 
 /// max |values| within ranges; NaN of nothing.
-double PeakWithin(std::span<const double> values, const std::vector<Range>& ranges);
+double PeakWithin(std::span<const double> values, const std::vector<TickRange>& ranges);
 
 /// How often the increments of a command change their sign, per second. Samples at which the
 /// command stands still are passed over, so the count does not depend on how long a frame is held. Within ranges, each by itself.
 double ReversalsPerSecond(std::span<const int> command, double rate_hz,
-                          const std::vector<Range>& ranges);
+                          const std::vector<TickRange>& ranges);
 
 }  // namespace gauntlet::sim

@@ -18,7 +18,7 @@ struct Movement {
   double from_rad = 0.0;
   double to_rad = 0.0;
   bool from_rest = false;
-  Range within = {};  // the counted ticks around it: a score of the movement looks at no other
+  TickRange within = {};  // the counted ticks around it: a score of the movement looks at no other
 
   double direction() const { return to_rad > from_rad ? 1.0 : -1.0; }
   double amplitude_rad() const { return (to_rad - from_rad) * direction(); }
@@ -30,9 +30,11 @@ inline constexpr int kRegimeCount = 5;
 /// What the wearer does with one joint.
 struct WearerMotion {
   std::vector<Movement> movements;
-  std::array<std::vector<Range>, kRegimeCount> regimes;
+  std::array<std::vector<TickRange>, kRegimeCount> regimes;
 
-  const std::vector<Range>& Of(Regime regime) const { return regimes[static_cast<int>(regime)]; }
+  const std::vector<TickRange>& Of(Regime regime) const {
+    return regimes[static_cast<int>(regime)];
+  }
 };
 
 /// Splits the motion of one joint by its speed (central difference over 10 ms):

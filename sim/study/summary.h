@@ -6,6 +6,7 @@
 
 #include "sim/study/judgement.h"
 #include "sim/study/prediction_ceiling.h"
+#include "sim/study/smoothing_ranking.h"
 #include "sim/study/statistics.h"
 #include "sim/study/study_run.h"
 
@@ -75,6 +76,7 @@ struct FinishedStudy {
   Summary summary;
   bool comparison = false;                       // of several seeds, as asked; else one run
   std::vector<PredictionCeiling> ceilings = {};  // of a comparison
+  std::vector<SmoothingRank> smoothing = {};     // where the reference is a smoothed recording
 };
 
 }  // namespace gauntlet::sim

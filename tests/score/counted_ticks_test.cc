@@ -16,7 +16,7 @@ constexpr int kRecovery = 1000;
 
 std::vector<std::pair<int, int>> Pairs(const CountedTicks& counted) {
   std::vector<std::pair<int, int>> pairs;
-  for (const Range& range : counted) pairs.emplace_back(range.begin, range.end);
+  for (const TickRange& range : counted) pairs.emplace_back(range.begin, range.end);
   return pairs;
 }
 
@@ -91,7 +91,7 @@ struct Trial {
     return ComputeScores(input, rows);
   }
   /// Whatever a gap holds, nobody may see it.
-  void Spoil(const Range& range) {
+  void Spoil(const TickRange& range) {
     for (int n = range.begin; n < range.end; ++n) {
       reference.row(n).setConstant(0.3 + 0.2 * (n % 7));
       hand.row(n).setConstant(-1.0 - 0.1 * (n % 5));
