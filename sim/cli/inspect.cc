@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/inspect_hand.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
 #include "sim/inspect/inspection.h"
@@ -168,6 +169,10 @@ void Write(const std::string& target, const std::string& recording, const std::s
 }
 
 void RunInspect(const InspectOptions& options) {
+  if (IsHandFile(options.file)) {
+    PrintHand(options.file);
+    return;
+  }
   const Inspection inspection = Inspect(options.file, options.inspection);
   if (options.json) {
     PrintJson(inspection);
@@ -198,7 +203,7 @@ void AddInspectCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "inspect", "What a stranger's recording is, and a column map and scenario that run it");
   const auto options = std::make_shared<InspectOptions>();
-  command->add_option("file", options->file, "the recording")->required();
+  command->add_option("file", options->file, "the recording; or a hand as MJCF (.xml)")->required();
   command
       ->add_option("--write-map", options->map,
                    "write a column map, to be checked [beside the scenario]")
@@ -227,7 +232,8 @@ void AddInspectCommand(CLI::App& app) {
       "of the row before, clipped how often it is the lowest or highest of all.\n"
       "\nExample:\n  gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot "
       "my_glove.png\n"
-      "  gauntlet compare my_glove.yaml\n");
+      "  gauntlet compare my_glove.yaml\n"
+      "  gauntlet inspect my_hand.xml  # does it declare all that models/README.md asks for?\n");
   command->callback([options] { RunInspect(*options); });
 }
 

@@ -221,6 +221,7 @@ void RunStudyCommand(const StudyCommand& asked) {
         MeasurePredictionCeilings(finished.study, finished.result,
                                   [](const std::string& line) { Say("gauntlet: {}\n", line); });
   }
+  finished.smoothing = RankBySmoothing(finished.study, finished.result);
   OutputFiles files(folder.path());
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, finished, options.csv);

@@ -24,19 +24,26 @@ void ConvertAll(double full_scale_counts, Signal& counts) {
   }
 }
 
+/// Of what has a channel by itself, likewise.
+template <class Part>
+void KeepOfChannels(const std::vector<int>& indices, std::vector<Part>& parts) {
+  std::vector<Part> kept;
+  for (Part part : parts) {
+    const auto place = std::ranges::find(indices, part.channel);
+    if (place == indices.end()) continue;
+    part.channel = static_cast<int>(place - indices.begin());
+    kept.push_back(part);
+  }
+  parts = std::move(kept);
+}
+
 /// Keeps the channels that the glove has, in its order, everywhere.
 void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
   glove.true_angle_rad = glove.true_angle_rad(Eigen::all, indices);
   glove.counts = glove.counts(Eigen::all, indices);
   if (glove.tremor_rad.size() > 0) glove.tremor_rad = glove.tremor_rad(Eigen::all, indices);
-  std::vector<FaultEvent> faults;
-  for (FaultEvent event : glove.faults) {
-    const auto place = std::ranges::find(indices, event.channel);
-    if (place == indices.end()) continue;
-    event.channel = static_cast<int>(place - indices.begin());
-    faults.push_back(event);
-  }
-  glove.faults = std::move(faults);
+  KeepOfChannels(indices, glove.faults);
+  KeepOfChannels(indices, glove.masked);
 }
 
 /// The analog signal of all channels before noise, at every tick [counts].
@@ -135,6 +142,9 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
     }
   }
   glove.segments = std::move(motion.segments);
+  glove.masked = std::move(motion.masked);
+  glove.recording = std::move(motion.recording);
+  glove.recording_start_s = motion.recording_start_s;
   glove.reference_name = std::move(motion.reference_name);
   glove.remarks = std::move(motion.remarks);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,10 @@ struct GloveSignal {
   int ticks_per_sample = 1;
   Signal true_angle_rad;  // ticks x channels
   Signal counts;          // samples x channels, whole numbers; NaN where a sample is missing
-  std::vector<Segment> segments;   // that a person labelled, in ticks
+  std::vector<Segment> segments;               // that a person labelled, in ticks
+  std::vector<MaskedStretch> masked;           // of a recording: what nobody knows of, in ticks
+  std::shared_ptr<const Recording> recording;  // see Motion
+  double recording_start_s = 0.0;
   std::string reference_name;      // what the scores compare with, in words: "ground truth"
   bool is_recorded = false;        // counts are what a real glove said, its own noise included
   Signal tremor_rad;               // ticks x channels: part of the motion; no rows if there is none

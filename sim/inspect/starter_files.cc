@@ -168,6 +168,11 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
   const double gap_ms = std::max({100.0, 3e3 / rate_hz, 2.0 * inspection.time.long_ms});
   text += "    use: measured\n    problems: repair\n";
   if (gap_ms > 100.0) text += fmt::format("    longest_gap_ms: {:.4g}\n", gap_ms);
+  const TimeStatistics& time = inspection.time;
+  const double odd_rows = static_cast<double>(time.repeats + time.restarts + time.gaps);
+  if (odd_rows > 0.04 * static_cast<double>(inspection.rows)) {
+    text += "    repair_budget_percent: 100  # many times repeat, or are out of order\n";
+  }
   if (inspection.time.duration_s > kLongest_s) {
     text +=
         fmt::format("    duration_s: {:g}  # of {:.5g}\n", kLongest_s, inspection.time.duration_s);

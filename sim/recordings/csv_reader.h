@@ -59,6 +59,8 @@ class CsvReader {
   double Number(std::string_view cell, std::size_t column);
   /// Line of the row that NextRow() gave last, from 1.
   std::size_t row() const { return row_; }
+  /// Line of the first row of data.
+  std::size_t first_row() const { return first_row_line_; }
   const std::string& name() const { return name_; }
 
   /// A UserError at a place of this file: in the row that NextRow() gave last, or in `row`.

@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/recordings/glitches.h"
 #include "sim/recordings/pchip.h"
+#include "sim/recordings/repair_budget.h"
 #include "sim/recordings/table_source.h"
 
 namespace gauntlet::sim {
@@ -77,6 +78,8 @@ class RowTable {
                         recording.time_s.back(), start_s);
   const std::string found = reader.MostFrequentProblem();
   if (!found.empty()) problem += fmt::format(" (found: {})", found);
+  const std::string cause = LikelyCause(reader.MostFrequentRepair(), kMissing);
+  if (!cause.empty()) problem += "; " + cause;
   throw UserError(
       {.place = fmt::format("{}:{}:1", recording.name, std::max<std::size_t>(reader.row(), 1)),
        .problem = problem});
@@ -100,29 +103,84 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
   for (const auto [place, c] : glitches) {
     const std::string_view name = KnownChannels()[c].name;
     double& angle = recording.angle_rad(place, c);
-    reader.Report(fmt::format("{}: glitch, value left out", name), rows[place], c,
+    reader.Report("glitch, value left out", rows[place], c,
                   fmt::format("{} jumps to {:.6g} deg and back, faster than a hand", name,
                               angle * kDegPerRad));
     angle = kMissing;
   }
 }
 
-void RemarkRepeats(const std::vector<std::size_t>& rows, Recording& recording) {
+/// Radians in columns of degrees are no problem to a reader: a hand that hardly moves.
+void RemarkRadians(Recording& recording) {
+  constexpr double kHalfTurn = 3.2;   // as a number
+  constexpr double kLeastSpan = 0.3;  // likewise
+  double largest = 0.0;
+  double span = 0.0;
+  for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
+    if (!recording.has_channel[c]) continue;
+    double low = 0.0;
+    double high = 0.0;
+    bool any = false;
+    for (const double angle_rad : recording.angle_rad.col(c)) {
+      if (!std::isfinite(angle_rad)) continue;
+      const double angle_deg = angle_rad * kDegPerRad;
+      low = any ? std::min(low, angle_deg) : angle_deg;
+      high = any ? std::max(high, angle_deg) : angle_deg;
+      any = true;
+    }
+    largest = std::max({largest, -low, high});
+    span = std::max(span, high - low);
+    TrimSignals();
+  }
+  if (largest > kHalfTurn || span < kLeastSpan) return;
+  recording.remarks.push_back(
+      fmt::format("{}: no angle is above {:.2g} deg: are they radians? A column map says unit rad",
+                  recording.name, largest));
+}
+
+/// More repairs than that are no accident of a glove, but a mistake about the file.
+void CheckBudget(const RecordingReader& reader, const Recording& recording, double budget_percent) {
+  const double repaired_percent = 100.0 * reader.RepairedShare();
+  if (repaired_percent <= budget_percent) return;
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < recording.time_s.size(); ++i) {
+    steps_s.push_back(recording.time_s[i] - recording.time_s[i - 1]);
+  }
+  const auto median = steps_s.begin() + std::ssize(steps_s) / 2;
+  std::ranges::nth_element(steps_s, median);
+  const std::string problem = reader.MostFrequentRepair();
+  const std::string cause = LikelyCause(problem, *median);
+  throw UserError(
+      {.place = recording.name,
+       .problem = fmt::format(
+           "{:.2g} % of its rows would need repair, mostly \"{}\"; at most {:g} % "
+           "may (repair_budget_percent){}{}",
+           repaired_percent, problem, budget_percent, cause.empty() ? "" : "; ", cause)});
+}
+
+/// One line for all channels that hardly ever change.
+void RemarkRepeats(Recording& recording) {
+  std::string found;
+  Eigen::Index longest = 0;
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
     if (!recording.has_channel[c]) continue;
     const auto angle = recording.angle_rad.col(c);
-    Eigen::Index repeats = 0, run = 0, longest = 0, first = 0;
+    Eigen::Index repeats = 0, run = 0, longest_here = 0;
     for (Eigen::Index i = 1; i < angle.size(); ++i) {
       run = angle[i] == angle[i - 1] ? run + 1 : 0;
-      if (run > 0 && repeats++ == 0) first = i;
-      longest = std::max(longest, run);
+      if (run > 0) ++repeats;
+      longest_here = std::max(longest_here, run);
     }
     TrimSignals();
     if (2 * repeats < angle.size()) continue;
-    recording.remarks.push_back(fmt::format(
-        "{}: {}: {} of {} rows repeat the value before, first in row {}, {} rows in a row at most",
-        recording.name, KnownChannels()[c].name, repeats, angle.size(), rows[first], longest));
+    longest = std::max(longest, longest_here);
+    found += fmt::format("{}{} {:.2g} %", found.empty() ? "" : ", ", KnownChannels()[c].name,
+                         100.0 * static_cast<double>(repeats) / static_cast<double>(angle.size()));
   }
+  if (found.empty()) return;
+  recording.remarks.push_back(
+      fmt::format("{}: rows that repeat the value before: {} (at most {} in a row)", recording.name,
+                  found, longest));
 }
 
 /// The values of one channel that are not missing.
@@ -190,6 +248,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   while (reader.NextRow(time_s, angles)) {
     if (std::isnan(first_s)) first_s = time_s;
     const double since_start_s = time_s - first_s;
+    if (reader.restarted()) recording.restart_s.push_back(since_start_s);
     if (since_start_s <= start_s && rows.size() == kRowsBeside) {
       recording.time_s.erase(recording.time_s.begin());
       rows.erase(rows.begin());
@@ -209,8 +268,10 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   }
   recording.angle_rad = table.Take();
   HandleGlitches(reader, rows, ends, recording);
+  CheckBudget(reader, recording, format.repair_budget_percent);
   recording.remarks = reader.Remarks();
-  RemarkRepeats(rows, recording);
+  if (format.keeps_to_range) RemarkRadians(recording);
+  RemarkRepeats(recording);
   return recording;
 }
 

@@ -17,6 +17,7 @@ struct Recording {
   std::vector<double> time_s;        // rises strictly; 0 is the first row of the file
   Signal angle_rad;                  // rows x channels of KnownChannels(); NaN is missing
   std::vector<bool> has_channel;     // per channel
+  std::vector<double> restart_s;     // rows behind which the clock had started anew
   std::vector<std::string> remarks;  // what was repaired
 };
 
@@ -27,7 +28,8 @@ struct Recording {
 /// stops at the first of the stretch, repair makes them NaN. A remark tells where a channel hardly
 /// ever changes: a slow device that was polled fast, a sensor at its stop.
 ///
-/// Errors: UserError in one line, also if the stretch has fewer than two rows.
+/// Errors: UserError in one line, also if the stretch has fewer than two rows, and where more than
+/// repair_budget_percent of the rows would need a repair: with what most likely is wrong then.
 Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
                         double start_s = 0.0, double duration_s = 0.0);
 

@@ -9,6 +9,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
+#include "sim/recordings/repair_budget.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -18,6 +19,8 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kClockRestartS = 1.0;
 // Further outside the joint's range than this share of it no hand and no bad calibration gets.
 constexpr double kGlitchShare = 0.5;
+// Files are rounded: pi/2 as 1.571 is a hundredth of a degree more.
+constexpr double kRangeRounding_deg = 0.1;
 // Where the nominal sensor has the lower end of a joint's range, of a converter's full scale.
 constexpr double kNominalLowShare = 0.1;
 
@@ -103,13 +106,17 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
                        .is_last = true,
                        .factor = mapping.weight * factor * mapping.scale,
                        .offset_rad = mapping.weight * (zero_rad + factor * mapping.offset),
-                       .lowest_rad = min_rad - kGlitchShare * range_rad,
-                       .highest_rad = min_rad + (1.0 + kGlitchShare) * range_rad});
+                       .keeps_to_range = format.keeps_to_range});
 }
 
-void RecordingReader::Note(const std::string& kind, std::size_t row) {
+RecordingReader::Count& RecordingReader::Note(const std::string& kind, std::size_t row) {
   Count& count = problems_[kind];
   if (count.rows++ == 0) count.first_row = row;
+  if (NeedsRepair(kind) && row != last_repaired_row_) {
+    ++repaired_rows_;  // one row, whatever is wrong with it
+    last_repaired_row_ = row;
+  }
+  return count;
 }
 
 void RecordingReader::ReportHere(const std::string& kind, std::size_t column,
@@ -124,7 +131,20 @@ void RecordingReader::Report(const std::string& kind, std::size_t row, std::size
     const auto linear = std::ranges::find(channels_, channel, &Linear::channel);
     csv_->FailInRow(row, linear->column + 1, message);
   }
-  Note(kind, row);
+  ++Note(kind, row).rows_of_channel[channel];
+}
+
+void RecordingReader::CheckRange(const Linear& linear, double& angle_rad) {
+  const Channel& joint = KnownChannels()[linear.channel];
+  const double angle_deg = angle_rad * kDegPerRad;
+  const double beyond_deg = std::max(joint.min_deg - angle_deg, angle_deg - joint.max_deg);
+  const bool is_glitch = beyond_deg > kGlitchShare * (joint.max_deg - joint.min_deg);
+  if (!is_glitch && !(linear.keeps_to_range && beyond_deg > kRangeRounding_deg)) return;
+  Report(is_glitch ? "glitch far outside the joint's range" : "beyond the joint's range", row_,
+         linear.channel,
+         fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name, angle_deg,
+                     joint.min_deg, joint.max_deg));
+  if (is_glitch) angle_rad = kMissing;
 }
 
 double RecordingReader::GivenTimeS(std::span<const double> values) const {
@@ -169,6 +189,7 @@ bool RecordingReader::FixTime(double& time_s) {
     return false;
   }
   ReportHere("clock started anew", column, message);
+  restarted_ = true;
   const double expected_s = last_time_s_ + (last_step_s_ > 0.0 ? last_step_s_ : 0.01);
   clock_offset_s_ += expected_s - time_s;
   time_s = expected_s;
@@ -205,6 +226,7 @@ bool RecordingReader::ReadRow() {
 bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
   while (ReadRow()) {
     double now_s = 0.0;
+    restarted_ = false;
     if (!FixTime(now_s)) continue;
     if (good_rows_++ > 0) last_step_s_ = now_s - last_time_s_;
     last_time_s_ = time_s = now_s;
@@ -214,13 +236,7 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
       const double part = linear.factor * values_[linear.column] + linear.offset_rad;
       angle = linear.is_first ? part : angle + part;
       if (!linear.is_last) continue;
-      if (angle < linear.lowest_rad || angle > linear.highest_rad) {
-        const Channel& joint = KnownChannels()[linear.channel];
-        ReportHere("glitch far outside the joint's range", linear.column + 1,
-                   fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name,
-                               angle * kDegPerRad, joint.min_deg, joint.max_deg));
-        angle = kMissing;
-      }
+      CheckRange(linear, angle);
     }
     return true;
   }
@@ -235,6 +251,25 @@ std::vector<std::string> RecordingReader::Remarks() const {
   return remarks;
 }
 
+std::string RecordingReader::MostFrequentRepair() const {
+  std::size_t most = 0;
+  std::string kind;
+  for (const auto& [name, count] : problems_) {
+    if (!NeedsRepair(name)) continue;
+    // Whatever else is wrong with time makes gaps, too.
+    const std::size_t weight = name.starts_with("gap") ? count.rows / 10 : count.rows;
+    if (!kind.empty() && weight <= most) continue;
+    most = weight;
+    kind = name;
+  }
+  return kind;
+}
+
+double RecordingReader::RepairedShare() const {
+  const std::size_t rows = std::max<std::size_t>(csv_->row() - csv_->first_row() + 1, 1);
+  return static_cast<double>(repaired_rows_) / static_cast<double>(rows);
+}
+
 std::string RecordingReader::MostFrequentProblem() const {
   if (problems_.empty()) return "";
   const auto& [kind, count] = *std::ranges::max_element(
@@ -242,8 +277,16 @@ std::string RecordingReader::MostFrequentProblem() const {
   return Remark(kind, count);
 }
 
-std::string RecordingReader::Remark(const std::string& kind, const Count& count) {
-  return fmt::format("{}: {} times, first in row {}", kind, count.rows, count.first_row);
+std::string RecordingReader::Remark(const std::string& kind, const Count& count) const {
+  std::string remark =
+      fmt::format("{}: {} times, first in row {}", kind, count.rows, count.first_row);
+  const char* before = " (";
+  for (const auto& [channel, rows] : count.rows_of_channel) {
+    remark += fmt::format("{}{} {:.2g} %", before, KnownChannels()[channel].name,
+                          100.0 * static_cast<double>(rows) / static_cast<double>(good_rows_));
+    before = ", ";
+  }
+  return count.rows_of_channel.empty() ? remark : remark + " of the rows)";
 }
 
 }  // namespace gauntlet::sim

@@ -24,6 +24,8 @@ struct RecordingFormat {
   // For columns in counts: those at the ends of a joint's range. By default 10 and 90 % of 10 bits.
   double low_counts = 102.3;
   double high_counts = 920.7;
+  double repair_budget_percent = 5.0;  // of rows: more repairs are a mistake. See LoadRecording
+  bool keeps_to_range = true;          // an angle beyond the joint's range is a problem
 };
 
 /// Reads a recording row by row, in one pass and with flat memory: angles [rad] at times [s] that
@@ -33,9 +35,9 @@ struct RecordingFormat {
 /// that goes back by up to a second (left out) or by more (a new start of the clock: time goes on),
 /// gaps, a wild time (left out: one row far ahead or far back, while the next row goes on from the
 /// row before it; or the last row of the file, if it is more than a second away), and angles
-/// further outside the joint's range than half of that range (left out as a glitch). Strict reading
-/// stops at the first of them; repair counts them. Errors: UserError `file:row:column: ...` in one
-/// line.
+/// further outside the joint's range than half of that range (left out as a glitch) or outside it at all
+/// (only counted; a tenth of a degree is rounding). Strict reading stops at the first of them;
+/// repair counts them. Errors: UserError `file:row:column: ...` in one line.
 class RecordingReader {
  public:
   RecordingReader(std::string name, CsvReader::Source source, const RecordingFormat& format);
@@ -44,6 +46,8 @@ class RecordingReader {
   bool NextRow(double& time_s, std::span<double> angle_rad);
 
   const std::vector<bool>& has_channel() const { return has_channel_; }
+  /// Whether the clock started anew before the last row.
+  bool restarted() const { return restarted_; }
   /// Line of the last row, from 1.
   std::size_t row() const { return row_; }
   /// Notes a problem that was found in an earlier row of a channel; in a strict reading a
@@ -52,6 +56,10 @@ class RecordingReader {
               const std::string& message);
   /// One line per kind of problem: what, how often, and the first row.
   std::vector<std::string> Remarks() const;
+  /// The kind of problem that needs a repair most often; empty if none does.
+  std::string MostFrequentRepair() const;
+  /// Share of the rows read so far that needed a repair.
+  double RepairedShare() const;
   /// The problem found most often, as such a line without the file; empty if there is none.
   std::string MostFrequentProblem() const;
 
@@ -59,6 +67,7 @@ class RecordingReader {
   struct Count {
     std::size_t rows = 0;
     std::size_t first_row = 0;
+    std::map<std::size_t, std::size_t> rows_of_channel = {};  // of a problem of single channels
   };
   /// weight * unit(value): factor and offset to rad, found once.
   struct Linear {
@@ -68,13 +77,13 @@ class RecordingReader {
     bool is_last;
     double factor;
     double offset_rad;
-    double lowest_rad;
-    double highest_rad;
+    bool keeps_to_range;
   };
 
   void ReportHere(const std::string& kind, std::size_t column, const std::string& message);
-  static std::string Remark(const std::string& kind, const Count& count);
-  void Note(const std::string& kind, std::size_t row);
+  std::string Remark(const std::string& kind, const Count& count) const;
+  Count& Note(const std::string& kind, std::size_t row);
+  void CheckRange(const Linear& linear, double& angle_rad);
   bool ReadRow();
   /// In the file; NaN if a part of it is missing.
   double GivenTimeS(std::span<const double> values) const;
@@ -99,6 +108,9 @@ class RecordingReader {
   double last_step_s_ = 0.0;
   double clock_offset_s_ = 0.0;
   std::size_t good_rows_ = 0;
+  bool restarted_ = false;
+  std::size_t repaired_rows_ = 0;
+  std::size_t last_repaired_row_ = 0;  // in the file
 };
 
 }  // namespace gauntlet::sim

@@ -5,6 +5,7 @@
 #include "sim/report/assets.h"
 #include "sim/report/html_text.h"
 #include "sim/report/page_data.h"
+#include "sim/report/recording_section.h"
 #include "sim/report/score_table.h"
 #include "sim/study/study_files.h"
 #include "sim/trial/joint_angles.h"
@@ -62,6 +63,7 @@ std::string AssemblePage(const PageParts& parts) {
                        {"settings", EscapeHtml(parts.resolved_scenario)},
                        {"video", parts.video.exists ? "drawn" : "none"},
                        {"motion_starts_s", fmt::format("{:g}", parts.video.motion_starts_s)},
+                       {"recording", parts.recording},
                        {"data", parts.data},
                        {"style", std::string(assets::kStyle)},
                        {"plot_style", std::string(assets::kPlotStyle)},
@@ -75,6 +77,7 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
                        .question = finished.study.scenario.question,
                        .facts = Facts(finished),
                        .verdict = Verdict(finished.summary),
+                       .recording = RecordingSection(finished),
                        .data = JsonForScript(PageData(finished, MeasureFirstSeed(finished))),
                        .resolved_scenario = ResolvedScenario(finished),
                        .video = video});

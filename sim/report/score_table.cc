@@ -312,6 +312,26 @@ std::vector<std::string> NotesOnChance(const Summary& summary) {
   return notes;
 }
 
+/// Who follows best at each cut-off; empty where the reference is no smoothed recording.
+std::string SmoothingText(const FinishedStudy& finished) {
+  if (finished.smoothing.empty() || finished.result.controller_names.size() < 2) return "";
+  std::string best;
+  for (const SmoothingRank& rank : finished.smoothing) {
+    const auto least = std::ranges::min_element(rank.tracking_rmse_deg, [](double a, double b) {
+      return a < b || (std::isnan(b) && !std::isnan(a));
+    });
+    const auto index = static_cast<std::size_t>(least - rank.tracking_rmse_deg.begin());
+    if (std::isnan(*least)) return "";
+    best += fmt::format("{}{:g} Hz {} ({:.2f} deg RMS)", best.empty() ? "" : ", ",
+                        rank.smoothing_hz, finished.result.controller_names[index], *least);
+  }
+  return fmt::format(
+      "The reference is the recording itself, smoothed, and nobody knows at which cut-off it is "
+      "the "
+      "wearer's motion. Who follows it best at{}: {}.",
+      finished.study.repetitions.size() > 1 ? " (first recording)" : "", best);
+}
+
 }  // namespace
 
 std::vector<std::string> Notes(const FinishedStudy& finished) {
@@ -320,6 +340,9 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
       summary.one_run ? std::vector{ReasonForNoChance(finished.result)} : NotesOnChance(summary);
   for (const PredictionCeiling& ceiling : finished.ceilings) {
     notes.push_back(PredictionText(ceiling));
+  }
+  if (std::string smoothing = SmoothingText(finished); !smoothing.empty()) {
+    notes.push_back(std::move(smoothing));
   }
   if (std::string overlap = DigitsInEachOther(summary); !overlap.empty()) {
     notes.push_back(std::move(overlap));

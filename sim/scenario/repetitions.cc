@@ -1,8 +1,10 @@
 #include "sim/scenario/repetitions.h"
 
 #include <fmt/format.h>
+#include <glob.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 
 #include "sim/base/error.h"
@@ -62,6 +64,75 @@ RepeatedSetting ReadList(const YamlSource& source, const std::string& key, const
   return setting;
 }
 
+constexpr std::string_view kFile = "glove.motion.file";
+constexpr std::string_view kFiles = "glove.motion.files";
+
+/// The motion of the tree, if it is a group.
+YAML::Node MotionOf(const YAML::Node& root) {
+  const YAML::Node glove = root["glove"];
+  const YAML::Node none(YAML::NodeType::Undefined);
+  if (!glove || !glove.IsMap()) return none;
+  const YAML::Node motion = glove["motion"];
+  return motion && motion.IsMap() ? motion : none;
+}
+
+/// The files of a folder, or those that a pattern names, in the order of their names.
+std::vector<std::string> FilesOf(const std::filesystem::path& path) {
+  std::error_code none;
+  const std::string pattern =
+      std::filesystem::is_directory(path, none) ? (path / "*").string() : path.string();
+  std::vector<std::string> files;
+  glob_t found;
+  if (glob(pattern.c_str(), 0, nullptr, &found) == 0) {
+    for (std::size_t i = 0; i < found.gl_pathc; ++i) {
+      if (std::filesystem::is_regular_file(found.gl_pathv[i], none)) {
+        files.emplace_back(found.gl_pathv[i]);
+      }
+    }
+  }
+  globfree(&found);
+  return files;
+}
+
+/// Adds `glove.motion.files` as the list that it is short for.
+void ReadFiles(const YAML::Node& root, const YamlSource& source,
+               std::vector<RepeatedSetting>& lists) {
+  const YAML::Node motion = MotionOf(root);
+  if (!motion || !motion["files"]) return;
+  const YAML::Node files = motion["files"];
+  const auto fail = [&](const std::string& problem) {
+    throw source.At(files, controller::SettingError(std::string(kFiles), problem));
+  };
+  if (source.OverrideOf(std::string(kFile)) != nullptr) return;  // one for all repetitions
+  if (motion["file"]) fail("and file cannot both be given");
+  const std::string* set = source.OverrideOf(std::string(kFiles));
+  RepeatedSetting list{.key = std::string(kFile), .values = {}, .set = set == nullptr ? "" : *set};
+  if (files.IsScalar()) {
+    const std::filesystem::path base =
+        set == nullptr ? source.file.parent_path() : std::filesystem::current_path();
+    for (const std::string& file : FilesOf(std::filesystem::absolute(base / files.Scalar()))) {
+      list.values.emplace_back(file);
+    }
+    if (list.values.empty()) {
+      fail(fmt::format("{}: there is no such file", OneLine(files.Scalar())));
+    }
+  } else {
+    list = ReadList(source, std::string(kFiles), files);
+    list.key = kFile;
+    list.set = set == nullptr ? "" : *set;
+  }
+  for (const RepeatedSetting& other : lists) {
+    if (IsAtOrBelow(list.key, other.key)) {
+      fail(fmt::format("and repetitions of {} cannot both be given", other.key));
+    }
+    if (other.values.size() != list.values.size()) {
+      fail(fmt::format("has {} values, {} has {}: each repetition takes one of every list",
+                       list.values.size(), other.key, other.values.size()));
+    }
+  }
+  lists.push_back(std::move(list));
+}
+
 /// Why one controller, with one calibration, does not serve both gloves; empty if it does.
 std::string WhyNotAlike(const GloveConfig& first, const GloveConfig& other) {
   if (other.rate_hz != first.rate_hz) {
@@ -111,7 +182,14 @@ std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlS
   std::erase_if(lists, [&source](const RepeatedSetting& list) {
     return source.OverrideOf(list.key) != nullptr;
   });
+  ReadFiles(root, source, lists);
   return lists;
+}
+
+void RemoveRepetitions(YAML::Node& root) {
+  root.remove("repetitions");
+  YAML::Node motion = MotionOf(root);
+  if (motion) motion.remove("files");
 }
 
 void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, YAML::Node& root,

@@ -29,10 +29,15 @@ struct RepeatedSetting {
 };
 
 /// The lists below `repetitions` that --set leaves in force: a --set of the same setting, or of a
-/// group around it, is for all repetitions.
-/// Errors: UserError for what is no map from keys below `glove.` to lists of one length, and for a
-/// --set of a part of it.
+/// group around it, is for all repetitions. `glove.motion.files`, a list of recordings, a folder or
+/// a pattern (`monday/*.csv`) whose files are taken by name, is short for such a list of
+/// glove.motion.file.
+/// Errors: UserError for what is no map from keys below `glove.` to lists of one length, for a
+/// --set of a part of it, and for files that there are not.
 std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlSource& source);
+
+/// Takes all of that away, so that the tree has only what a scenario has.
+void RemoveRepetitions(YAML::Node& root);
 
 /// Puts the i-th value of each list over the tree, at the place where it stands.
 void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, YAML::Node& root,

@@ -412,7 +412,7 @@ RepeatedSettings ListsOf(const ScenarioSource& text) {
 /// What the tree of one repetition says.
 Scenario ReadScenario(const ScenarioSource& text, const RepeatedSettings& lists,
                       std::size_t repetition, YAML::Node& root, const YamlSource& source) {
-  root.remove("repetitions");
+  RemoveRepetitions(root);
   Scenario scenario;
   scenario.name = text.file.stem().string();
   try {

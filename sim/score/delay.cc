@@ -19,10 +19,17 @@ constexpr double kSmallestOverlapVariance = 0.1;
 /// Stands for the coefficient of such an overlap; below any that there is.
 constexpr double kNothingSaid = -2.0;
 
-double Mean(std::span<const double> values) {
+/// Mean over the counted ranges.
+double MeanOf(std::span<const double> values, const CountedTicks& counted) {
   double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
+  for (const TickRange& range : counted) {
+    for (int n = range.begin; n < range.end; ++n) sum += values[n];
+  }
+  return sum / CountOf(counted);
+}
+
+std::span<const double> Part(std::span<const double> values, const TickRange& range) {
+  return values.subspan(range.begin, range.end - range.begin);
 }
 
 /// Sums over the part of a signal that overlaps.
@@ -34,21 +41,23 @@ struct Moments {
     sum -= value;
     squares -= value * value;
   }
+  void Add(double value) {
+    sum += value;
+    squares += value * value;
+  }
   double Variation(int count) const { return squares - sum * sum / count; }
 };
 
-/// A signal without its mean.
+/// A counted range of a signal less the mean of all of them.
 struct Centred {
-  explicit Centred(std::span<const double> signal) : values(signal), mean(Mean(signal)) {}
-
   std::span<const double> values;
   double mean;
-  Moments moments;  // of the whole
+  Moments moments = {};
 
   double operator[](int n) const { return values[n] - mean; }
 };
 
-/// Leader and follower, and their common transform.
+/// A counted range of leader and follower, and their common transform.
 struct Pair {
   int samples = 0;
   int size = 0;  // of the transform
@@ -57,23 +66,20 @@ struct Pair {
   Values spectrum;  // of the leader as real, the follower as imaginary part
 };
 
-Pair Transform(std::span<const double> leader, std::span<const double> follower, int largest_lag,
-               Fourier& fourier) {
-  const int samples = static_cast<int>(leader.size());
+Pair Transform(Centred leader, Centred follower, int largest_lag, Fourier& fourier) {
+  const int samples = static_cast<int>(leader.values.size());
   Pair pair{.samples = samples,
             .size = FastTransformSize(samples + largest_lag),  // lags must not wrap around
-            .leader = Centred(leader),
-            .follower = Centred(follower),
+            .leader = leader,
+            .follower = follower,
             .spectrum = {}};
   pair.spectrum.resize(pair.size);
   for (int n = 0; n < pair.samples; ++n) {
     const double x = pair.leader[n];
     const double y = pair.follower[n];
     pair.spectrum[n] = {x, y};
-    pair.leader.moments.sum += x;
-    pair.leader.moments.squares += x * x;
-    pair.follower.moments.sum += y;
-    pair.follower.moments.squares += y * y;
+    pair.leader.moments.Add(x);
+    pair.follower.moments.Add(y);
   }
   fourier.Forward(pair.spectrum);
   return pair;
@@ -121,29 +127,50 @@ Values CrossProducts(Pair& pair, Fourier& fourier) {
   return std::move(pair.spectrum);
 }
 
-/// Pearson's coefficient at lags -bound .. bound; kNothingSaid where the overlap says nothing.
-std::vector<double> Correlations(const Pair& pair, const Values& products, int bound) {
-  std::vector<double> result(2 * bound + 1, kNothingSaid);
-  const int samples = pair.samples;
+/// What overlaps at one lag, of all counted ranges together.
+struct AtLag {
+  int count = 0;
+  Moments leader;
+  Moments follower;
+  double product = 0.0;
+};
+
+/// Adds the sums of one range at lags -bound .. bound.
+void AddOverlaps(const Pair& pair, const Values& products, int bound, std::vector<AtLag>& sums) {
   for (const int direction : {1, -1}) {
     Moments leader = pair.leader.moments;
     Moments follower = pair.follower.moments;
-    for (int lag = 0; lag <= bound; ++lag) {
+    for (int lag = 0; lag <= std::min(bound, pair.samples - 1); ++lag) {
       if (lag > 0) {  // a late follower loses its first samples, the leader its last
         const int first = lag - 1;
-        const int last = samples - lag;
+        const int last = pair.samples - lag;
         leader.Remove(pair.leader[direction > 0 ? last : first]);
         follower.Remove(pair.follower[direction > 0 ? first : last]);
       }
-      const int count = samples - lag;
-      const double x = leader.Variation(count);
-      const double y = follower.Variation(count);
-      if (x < kSmallestOverlapVariance * pair.leader.moments.squares) continue;
-      if (y < kSmallestOverlapVariance * pair.follower.moments.squares) continue;
-      const int at = direction > 0 || lag == 0 ? lag : pair.size - lag;
-      const double covariation = products[at].real() - leader.sum * follower.sum / count;
-      result[bound + direction * lag] = covariation / std::sqrt(x * y);
+      if (direction < 0 && lag == 0) continue;
+      AtLag& at = sums[bound + direction * lag];
+      at.count += pair.samples - lag;
+      at.leader.sum += leader.sum;
+      at.leader.squares += leader.squares;
+      at.follower.sum += follower.sum;
+      at.follower.squares += follower.squares;
+      at.product += products[direction > 0 || lag == 0 ? lag : pair.size - lag].real();
     }
+  }
+}
+
+/// Pearson's coefficient at these lags; kNothingSaid where the overlap says nothing. The moments
+/// are those of all that counts.
+std::vector<double> Correlations(const std::vector<AtLag>& sums, const Moments& leader,
+                                 const Moments& follower) {
+  std::vector<double> result;
+  for (const AtLag& at : sums) {
+    const double x = at.leader.Variation(at.count);
+    const double y = at.follower.Variation(at.count);
+    const bool says_something = x >= kSmallestOverlapVariance * leader.squares &&
+                                y >= kSmallestOverlapVariance * follower.squares;
+    const double covariation = at.product - at.leader.sum * at.follower.sum / at.count;
+    result.push_back(says_something ? covariation / std::sqrt(x * y) : kNothingSaid);
   }
   return result;
 }
@@ -166,16 +193,51 @@ double ParabolaPeak(double left, double middle, double right) {
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
                                    double rate_hz, Fourier& fourier) {
   const int samples = static_cast<int>(leader.size());
-  const int largest_lag = std::min(samples / 4, static_cast<int>(kLargestDelay_s * rate_hz));
-  if (largest_lag < 2) return std::nullopt;
-  Pair pair = Transform(leader, follower, largest_lag, fourier);
-  const double still = kStillRms_rad * kStillRms_rad * samples;
-  if (!(pair.leader.moments.squares > still)) return std::nullopt;
-  if (!(pair.follower.moments.squares > still)) return std::nullopt;
+  return DelaySamples(leader, follower, rate_hz, {{0, samples}}, fourier);
+}
 
-  const double period = StrongestPeriod(pair.size, [&pair](int k) { return LeaderBin(pair, k); });
-  const int bound = std::min(largest_lag, static_cast<int>(0.5 * period));
-  const auto correlations = Correlations(pair, CrossProducts(pair, fourier), bound);
+std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
+                                   double rate_hz, const CountedTicks& counted, Fourier& fourier) {
+  if (counted.empty()) return std::nullopt;
+  const auto length = [](const TickRange& range) { return range.end - range.begin; };
+  const auto longest = std::ranges::max_element(counted, {}, length);
+  const int largest_lag =
+      std::min(length(*longest) / 4, static_cast<int>(kLargestDelay_s * rate_hz));
+  if (largest_lag < 2) return std::nullopt;
+  const double leader_mean = MeanOf(leader, counted);
+  const double follower_mean = MeanOf(follower, counted);
+  const auto transform = [&](const TickRange& range) {
+    return Transform({.values = Part(leader, range), .mean = leader_mean},
+                     {.values = Part(follower, range), .mean = follower_mean}, largest_lag,
+                     fourier);
+  };
+  Moments leader_moments;
+  Moments follower_moments;
+  int bound = 0;
+  std::vector<AtLag> sums;
+  const auto add = [&](Pair pair) {
+    leader_moments.sum += pair.leader.moments.sum;
+    leader_moments.squares += pair.leader.moments.squares;
+    follower_moments.sum += pair.follower.moments.sum;
+    follower_moments.squares += pair.follower.moments.squares;
+    const Values products = CrossProducts(pair, fourier);
+    AddOverlaps(pair, products, bound, sums);
+  };
+  {
+    Pair pair = transform(*longest);
+    const double period = StrongestPeriod(pair.size, [&pair](int k) { return LeaderBin(pair, k); });
+    bound = std::min(largest_lag, static_cast<int>(0.5 * period));
+    sums.resize(2 * bound + 1);
+    add(std::move(pair));
+  }
+  for (auto range = counted.begin(); range != counted.end(); ++range) {
+    if (range != longest) add(transform(*range));
+  }
+  const double still = kStillRms_rad * kStillRms_rad * CountOf(counted);
+  if (!(leader_moments.squares > still)) return std::nullopt;
+  if (!(follower_moments.squares > still)) return std::nullopt;
+
+  const auto correlations = Correlations(sums, leader_moments, follower_moments);
   const auto peak = std::max_element(correlations.begin(), correlations.end());
   const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();
   if (at_the_bound || !(*peak > 0.0)) return std::nullopt;
@@ -186,21 +248,23 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
 }
 
 double AlignedRms(std::span<const double> leader, std::span<const double> follower,
-                  double delay_samples) {
-  const int samples = static_cast<int>(leader.size());
+                  double delay_samples, const CountedTicks& counted) {
   const double whole = std::floor(delay_samples);
   const int lag = static_cast<int>(whole);
   const double fraction = delay_samples - whole;
-  const int begin = std::max(0, -lag);
-  const int end = std::min(samples, samples - lag - 1);
-  if (end <= begin) return std::numeric_limits<double>::quiet_NaN();
   double squares = 0.0;
-  for (int n = begin; n < end; ++n) {
-    const double now = follower[n + lag];
-    const double error = now + fraction * (follower[n + lag + 1] - now) - leader[n];
-    squares += error * error;
+  int count = 0;
+  for (const TickRange& range : counted) {
+    const int begin = std::max(range.begin, range.begin - lag);
+    const int end = std::min(range.end, range.end - lag - 1);
+    for (int n = begin; n < end; ++n) {
+      const double now = follower[n + lag];
+      const double error = now + fraction * (follower[n + lag + 1] - now) - leader[n];
+      squares += error * error;
+    }
+    count += std::max(0, end - begin);
   }
-  return std::sqrt(squares / (end - begin));
+  return count == 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(squares / count);
 }
 
 }  // namespace gauntlet::sim

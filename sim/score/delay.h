@@ -4,6 +4,7 @@
 #include <span>
 
 #include "sim/base/signal.h"
+#include "sim/score/counted_ticks.h"
 #include "sim/score/fourier.h"
 
 namespace gauntlet::sim {
@@ -17,6 +18,8 @@ namespace gauntlet::sim {
 /// by 1/(duration omega^2), 63 ms for 0.2 Hz in 10 s. A parabola through the largest r and its
 /// neighbours refines below a sample. The lag is bounded by half the dominant period of the leader
 /// (a periodic motion has a second, equal peak beyond), by a quarter of the signal and by 2 s.
+/// Of several counted ranges each is compared with itself, and their sums are added; the longest
+/// stands for the signal then.
 ///
 /// None where there is nothing to find: a signal that moves by less than 0.1 deg RMS (a constant
 /// channel), no positive correlation, or no peak inside the bound and inside the lags whose overlap
@@ -27,6 +30,8 @@ namespace gauntlet::sim {
 /// Source: Knapp and Carter 1976 (delay by correlation); parabola: Jacovitti and Scarano 1993.
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
                                    double rate_hz, Fourier& fourier);
+std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
+                                   double rate_hz, const CountedTicks& counted, Fourier& fourier);
 
 /// Below this RMS a signal counts as still. Assumption: a tenth of what a servo resolves.
 inline constexpr double kStillRms_rad = 0.1 * kRadPerDeg;
@@ -37,8 +42,9 @@ double DominantPeriod(std::span<const double> signal, Fourier& fourier);
 /// Where the parabola through three equidistant values has its peak, relative to the middle one.
 double ParabolaPeak(double left, double middle, double right);
 
-/// RMS of follower[n + delay] - leader[n] where both exist, linear between samples.
+/// RMS of follower[n + delay] - leader[n] where both lie in the same counted range, linear between
+/// samples.
 double AlignedRms(std::span<const double> leader, std::span<const double> follower,
-                  double delay_samples);
+                  double delay_samples, const CountedTicks& counted);
 
 }  // namespace gauntlet::sim

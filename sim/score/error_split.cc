@@ -28,7 +28,9 @@ struct Joint {
   Column reference;
   Column hand;
   Column noise_free_hand;
-  VectorXd free;  // 0 while one of its motors is at its limit, and a while after; else 1
+  VectorXd counted;    // 1 in ticks that count, else 0
+  VectorXd trembling;  // 1 where only such ticks have a share in the high pass
+  VectorXd free;  // as counted, but 0 while one of its motors is at its limit, and a while after
 };
 
 /// hand(t) ~ constant + gain * reference(t - delay).
@@ -38,12 +40,21 @@ struct Following {
   double constant_rad = 0.0;
 };
 
-VectorXd FreeTicks(const ScoreInput& input, int joint, Index rows) {
+/// 1 within the ranges, else 0.
+VectorXd Weights(const CountedTicks& counted, Index rows) {
+  VectorXd weights = VectorXd::Zero(rows);
+  for (const TickRange& range : counted) {
+    weights.segment(range.begin, range.end - range.begin).setOnes();
+  }
+  return weights;
+}
+
+VectorXd FreeTicks(const ScoreInput& input, int joint, VectorXd free) {
+  const Index rows = free.size();
   const auto in_ticks = [&](double time_s) {
     return static_cast<Index>(std::lround(time_s * input.rate_hz));
   };
   const double shortest_s = std::max(kShortestLimit_s, 0.001 * input.frame_ms);
-  VectorXd free = VectorXd::Ones(rows);
   for (const int motor : input.motors_of_joint[static_cast<std::size_t>(joint)]) {
     const auto at_limit = input.noise_free_motor_at_limit->col(motor);
     Index begin = 0;
@@ -151,7 +162,7 @@ Following FitAt(double delay_ticks, const Joint& joint, const VectorXd& counting
 
 Following Fit(const Joint& joint, Fourier& fourier) {
   const bool enough = joint.free.sum() >= kLeastFit_s * joint.rate_hz;
-  const VectorXd counting = enough ? joint.free : VectorXd::Ones(joint.free.size());
+  const VectorXd& counting = enough ? joint.free : joint.counted;
   return FitAt(FindDelay(joint, counting, fourier), joint, counting);
 }
 
@@ -163,13 +174,13 @@ VectorXd Left(const Joint& joint, const Following& fit) {
 
 /// `above` is what the fit leaves, above the edge, of the ticks from `first` on.
 ErrorSplit Split(const Joint& joint, const Following& fit, const Column& above, Index first) {
-  const VectorXd error = joint.hand - joint.reference;
+  const VectorXd error = (joint.hand - joint.reference).cwiseProduct(joint.counted);
   const VectorXd delayed = Delayed(joint.reference, fit.delay_ticks);
   const VectorXd left_error = Left(joint, fit).cwiseProduct(error);
   const double mean = delayed.mean();
   const double free_left = left_error.dot(joint.free);
   const double free_above = above.dot(
-      error.segment(first, above.size()).cwiseProduct(joint.free.segment(first, above.size())));
+      error.cwiseProduct(joint.free.cwiseProduct(joint.trembling)).segment(first, above.size()));
   ErrorSplit split;
   split.Of(ErrorCause::kDelay) = (delayed - joint.reference).dot(error);
   split.Of(ErrorCause::kConstant) = (fit.constant_rad + (fit.gain - 1.0) * mean) * error.sum();
@@ -178,7 +189,7 @@ ErrorSplit Split(const Joint& joint, const Following& fit, const Column& above, 
   split.Of(ErrorCause::kFrames) = free_above;
   split.Of(ErrorCause::kNoise) = (joint.hand - joint.noise_free_hand).dot(error);
   split.Of(ErrorCause::kRest) = free_left - free_above;
-  for (double& part : split.mean_squares) part /= static_cast<double>(error.size());
+  for (double& part : split.mean_squares) part /= joint.counted.sum();
   return split;
 }
 
@@ -192,14 +203,20 @@ std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
   }
   const int joints = static_cast<int>(input.hand_angle_rad->cols());
   const auto signals_of = [&](int joint) {
+    const CountedTicks counted = input.counted != nullptr
+                                     ? input.counted->joints[static_cast<std::size_t>(joint)]
+                                     : CountedTicks{{0, static_cast<int>(rows)}};
     const auto column = [&](const Signal& signal) {
       return Column(signal.col(joint).data(), rows);
     };
-    return Joint{.rate_hz = input.rate_hz,
-                 .reference = column(*input.reference_angle_rad),
-                 .hand = column(*input.hand_angle_rad),
-                 .noise_free_hand = column(*input.noise_free_hand_angle_rad),
-                 .free = FreeTicks(input, joint, rows)};
+    return Joint{
+        .rate_hz = input.rate_hz,
+        .reference = column(*input.reference_angle_rad),
+        .hand = column(*input.hand_angle_rad),
+        .noise_free_hand = column(*input.noise_free_hand_angle_rad),
+        .counted = Weights(counted, rows),
+        .trembling = Weights(TremblingWithin(counted, input.rate_hz, input.jitter_above_hz), rows),
+        .free = FreeTicks(input, joint, Weights(counted, rows))};
   };
   std::vector<Following> fits;
   Signal left(rows, joints);

@@ -44,6 +44,8 @@ struct ErrorSplit {
 /// the signal and 0.5 s. Where there is no such delay (as for a hand or a reference that moves by
 /// less than 0.1 deg RMS) d is 0, and without a reference that moves b is 1.
 ///
+/// Means are over the ticks that count, and only these are fitted.
+///
 /// None without the noise-free hand, its motors' limits and the motors of each joint.
 /// Units: rad. Shapes: one split per joint of the input.
 std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier);

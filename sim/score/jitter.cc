@@ -27,6 +27,16 @@ FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, double above_h
   return Filter(low_pass, Band::kAbove, angle_rad, fourier);
 }
 
+CountedTicks TremblingWithin(const CountedTicks& counted, double rate_hz, double above_hz) {
+  const LowPass low_pass = BelowTrembling(rate_hz, above_hz);
+  CountedTicks inner;
+  for (const TickRange& range : counted) {
+    if (range.end - range.begin < TicksFor(low_pass, rate_hz, above_hz)) continue;
+    inner.push_back({range.begin + low_pass.reach(), range.end - low_pass.reach()});
+  }
+  return inner;
+}
+
 Eigen::Index TremblingTicks(double rate_hz, double above_hz) {
   return TicksFor(BelowTrembling(rate_hz, above_hz), rate_hz, above_hz);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sim/base/signal.h"
+#include "sim/score/counted_ticks.h"
 #include "sim/score/low_pass.h"
 
 namespace gauntlet::sim {
@@ -16,6 +17,10 @@ namespace gauntlet::sim {
 /// 2.4 times the edge, which cannot hold the band.
 FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, double above_hz,
                          Fourier& fourier);
+
+/// The ticks in whose trembling only ticks that count have a share: of each range all but the reach
+/// of the high pass at both ends; none of one that is too short.
+CountedTicks TremblingWithin(const CountedTicks& counted, double rate_hz, double above_hz);
 
 /// The shortest signal in which there is trembling, in ticks.
 Eigen::Index TremblingTicks(double rate_hz, double above_hz);

@@ -18,10 +18,10 @@ namespace gauntlet::sim {
 namespace {
 
 /// Standard deviation about the mean of each range, pooled.
-double PooledDeviation(std::span<const double> values, const std::vector<Range>& ranges) {
+double PooledDeviation(std::span<const double> values, const std::vector<TickRange>& ranges) {
   double squares = 0.0;
   int count = 0;
-  for (const Range& range : ranges) {
+  for (const TickRange& range : ranges) {
     const auto part = values.subspan(range.begin, range.end - range.begin);
     double mean = 0.0;
     for (const double value : part) mean += value;
@@ -33,9 +33,9 @@ double PooledDeviation(std::span<const double> values, const std::vector<Range>&
 }
 
 /// Mean over ranges of the size of the mean of each.
-double MeanOffset(std::span<const double> error, const std::vector<Range>& ranges) {
+double MeanOffset(std::span<const double> error, const std::vector<TickRange>& ranges) {
   double offsets = 0.0;
-  for (const Range& range : ranges) {
+  for (const TickRange& range : ranges) {
     const auto part = error.subspan(range.begin, range.end - range.begin);
     offsets +=
         std::abs(std::accumulate(part.begin(), part.end(), 0.0)) / static_cast<double>(part.size());
@@ -44,13 +44,17 @@ double MeanOffset(std::span<const double> error, const std::vector<Range>& range
 }
 
 double PeakTension(const ScoredCable& cable) {
-  return cable.tension_n.empty() ? kNoScore : *std::ranges::max_element(cable.tension_n);
+  return cable.tension_n.empty() ? kNoScore : PeakWithin(cable.tension_n, cable.counted);
 }
 
-double OverlapShare(std::span<const double> overlap_m) {
+double OverlapShare(std::span<const double> overlap_m, const CountedTicks& counted) {
   constexpr double kDeepM = 2e-3;
-  const auto deep = std::ranges::count_if(overlap_m, [](double m) { return m > kDeepM; });
-  return static_cast<double>(deep) / static_cast<double>(overlap_m.size());
+  int deep = 0;
+  for (const TickRange& range : counted) {
+    for (int n = range.begin; n < range.end; ++n) deep += overlap_m[n] > kDeepM ? 1 : 0;
+  }
+  const int count = CountOf(counted);
+  return count == 0 ? kNoScore : static_cast<double>(deep) / count;
 }
 
 double Degrees2(double radians2) { return kDegPerRad * kDegPerRad * radians2; }
@@ -110,7 +114,7 @@ constexpr MetricRow kRows[] = {
       .definition = "sqrt(mean((hand - reference)^2))",
       .main = true,
       .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * RmsDifference(j.reference_rad, j.hand_rad); }},
+     [](const ScoredJoint& j) { return kDegPerRad * RmsWithin(j.error_rad(), 0, j.counted); }},
     {{.key = "delay_ms",
       .help = "how late the hand is",
       .definition = "lag of the largest Pearson correlation over the overlap, within half the "
@@ -127,15 +131,15 @@ constexpr MetricRow kRows[] = {
       .main = true,
       .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) {
-       return kDegPerRad * (j.delay_ticks()
-                                ? AlignedRms(j.reference_rad, j.hand_rad, *j.delay_ticks())
-                                : RmsDifference(j.reference_rad, j.hand_rad));
+       return kDegPerRad * (j.delay_ticks() ? AlignedRms(j.reference_rad, j.hand_rad,
+                                                         *j.delay_ticks(), j.counted)
+                                            : RmsWithin(j.error_rad(), 0, j.counted));
      }},
     {{.key = "peak_error_deg",
       .help = "the largest distance between hand and wearer",
       .definition = "max |hand - reference|",
       .relevant_difference = kFeltPeak},
-     [](const ScoredJoint& j) { return kDegPerRad * PeakDifference(j.reference_rad, j.hand_rad); }},
+     [](const ScoredJoint& j) { return kDegPerRad * PeakWithin(j.error_rad(), j.counted); }},
     {{.key = "jitter_rms_deg",
       .help = "trembling of the hand: its angle above score.jitter_above_hz (10 Hz), RMS",
       .definition = "RMS behind a zero-phase high pass at score.jitter_above_hz: linear phase, "
@@ -143,7 +147,7 @@ constexpr MetricRow kRows[] = {
                     "s) at both ends left out",
       .main = true,
       .relevant_difference = kVisibleTrembling},
-     [](const ScoredJoint& j) { return kDegPerRad * Rms(j.trembling_rad()); }},
+     [](const ScoredJoint& j) { return kDegPerRad * j.jitter_rad(); }},
     {{.key = "noise_jitter_rms_deg",
       .help = "trembling that the glove's noise makes, RMS: not that of frames and limits",
       .definition = "jitter_rms_deg of the hand less the hand of the same trial with a noise-free "
@@ -158,7 +162,8 @@ constexpr MetricRow kRows[] = {
       .main = true,
       .relevant_difference = kReversals},
      [](const ScoredMotor& m) {
-       return m.command_counts.empty() ? kNoScore : ReversalsPerSecond(m.command_counts, m.rate_hz);
+       return m.command_counts.empty() ? kNoScore
+                                       : ReversalsPerSecond(m.command_counts, m.rate_hz, m.counted);
      }},
     {{.key = "rest_tracking_rmse_deg",
       .help = "distance to the wearer who holds still, RMS",
@@ -249,7 +254,7 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) {
        return kDegPerRad * Overshoot(j.reference_rad, j.hand_rad, j.rate_hz, j.wearer().movements,
-                                     j.delay_ticks().value_or(0.0));
+                                     j.delay_ticks().value_or(0.0), j.counted);
      }},
     {{.key = "onset_delay_ms",
       .help = "how late the hand leaves its rest",
@@ -264,27 +269,36 @@ constexpr MetricRow kRows[] = {
       .help = "how loud the motors are",
       .definition = "RMS of the speed of the spool",
       .relevant_difference = kLoudness},
-     [](const ScoredMotor& m) { return kDegPerRad * Rms(m.speed_rad_s); }},
+     [](const ScoredMotor& m) { return kDegPerRad * RmsWithin(m.speed_rad_s, 0, m.counted); }},
     {{.key = "motor_speed_centroid_hz",
       .help = "how high the motors sound, the wearer's own motion included",
       .definition = "centre of the power spectrum of the speed of the spool (Welch 1967); less "
                     "noise moves it to the motion: of noise motor_noise_centroid_hz tells",
       .relevant_difference = kPitch},
-     [](const ScoredMotor& m) { return SpectralCentroid(m.speed_rad_s, m.rate_hz, m.fourier); }},
+     [](const ScoredMotor& m) {
+       return m.speed_rad_s.empty()
+                  ? kNoScore
+                  : SpectralCentroid(m.speed_rad_s, m.rate_hz, m.counted, m.fourier);
+     }},
     {{.key = "motor_noise_rms_deg_s",
       .help = "how loud the glove's noise makes the motors",
       .definition = "RMS of the speed of the spool less that of the same trial with a noise-free "
                     "glove",
       .relevant_difference = kLoudness},
      [](const ScoredMotor& m) {
-       return m.noise_rad_s.empty() ? kNoScore : kDegPerRad * Rms(m.noise_rad_s);
+       return m.noise_rad_s.empty() ? kNoScore
+                                    : kDegPerRad * RmsWithin(m.noise_rad_s, 0, m.counted);
      }},
     {{.key = "motor_noise_centroid_hz",
       .help = "how high the noise of the motors is that the glove's noise makes",
       .definition = "centre of the power spectrum (Welch 1967) of the speed of the spool less that "
                     "of the same trial with a noise-free glove",
       .relevant_difference = kPitch},
-     [](const ScoredMotor& m) { return SpectralCentroid(m.noise_rad_s, m.rate_hz, m.fourier); }},
+     [](const ScoredMotor& m) {
+       return m.noise_rad_s.empty()
+                  ? kNoScore
+                  : SpectralCentroid(m.noise_rad_s, m.rate_hz, m.counted, m.fourier);
+     }},
     {{.key = "saturation_share",
       .help = "how often the servo gives all it has",
       .definition =
@@ -295,7 +309,9 @@ constexpr MetricRow kRows[] = {
       .help = "how often a cable is slack",
       .definition = "share of samples with 0.01 N or less, per cable",
       .relevant_difference = kShareOfTime},
-     [](const ScoredCable& c) { return c.tension_n.empty() ? kNoScore : SlackShare(c.tension_n); }},
+     [](const ScoredCable& c) {
+       return c.tension_n.empty() ? kNoScore : SlackShare(c.tension_n, c.counted);
+     }},
     {{.key = "tension_peak_n",
       .help = "the largest pull; of each cable only, as a finger's and a shoulder's are not alike",
       .definition = "largest tension, per cable",
@@ -319,9 +335,9 @@ constexpr MetricRow kRows[] = {
       .main = true,
       .relevant_difference = kFeltForce},
      [](const ScoredHand& h) {
-       return h.grip_force_n.empty()
-                  ? kNoScore
-                  : GripForceRipple(h.grip_force_n, h.rate_hz, h.jitter_above_hz, h.fourier);
+       return h.grip_force_n.empty() ? kNoScore
+                                     : GripForceRipple(h.grip_force_n, h.rate_hz, h.jitter_above_hz,
+                                                       h.counted, h.fourier);
      }},
     {{.key = "digit_overlap_share",
       .help = "how often digits of the hand are in each other, as none ever are",
@@ -330,7 +346,7 @@ constexpr MetricRow kRows[] = {
           "10 ms; of the whole hand",
       .relevant_difference = kShareOfTime},
      [](const ScoredHand& h) {
-       return h.digit_overlap_m.empty() ? kNoScore : OverlapShare(h.digit_overlap_m);
+       return h.digit_overlap_m.empty() ? kNoScore : OverlapShare(h.digit_overlap_m, h.counted);
      }},
     {{.key = "error_delay_deg2",
       .help = "error because the hand is late (or early), mean square",

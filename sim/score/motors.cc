@@ -21,28 +21,35 @@ std::vector<double> HannWindow(int size) {
 
 }  // namespace
 
-double SpectralCentroid(std::span<const double> speed, double rate_hz, Fourier& fourier) {
-  const int samples = static_cast<int>(speed.size());
+double SpectralCentroid(std::span<const double> speed, double rate_hz, const CountedTicks& counted,
+                        Fourier& fourier) {
+  const int samples = CountOf(counted);
   const int size = FastTransformSize(static_cast<int>(kPiece_s * rate_hz));
-  if (samples < size) return kNoScore;
   double mean = 0.0;
-  for (const double value : speed) mean += value / samples;
+  for (const TickRange& range : counted) {
+    for (int n = range.begin; n < range.end; ++n) mean += speed[n] / samples;
+  }
 
   const std::vector<double> window = HannWindow(size);
   const int hop = std::max(1, size / 2);
   std::vector<double> power(size / 2 + 1);
   Fourier::Values pair;
-  for (int start = 0; start + size <= samples; start += 2 * hop) {
-    // Two pieces as real and imaginary part: |Z[k]|^2 + |Z[-k]|^2 is twice the sum of their powers.
-    pair.assign(size, 0.0);
-    const bool two = start + hop + size <= samples;
-    for (int n = 0; n < size; ++n) {
-      const double first = window[n] * (speed[start + n] - mean);
-      const double second = two ? window[n] * (speed[start + hop + n] - mean) : 0.0;
-      pair[n] = {first, second};
+  for (const TickRange& range : counted) {
+    for (int start = range.begin; start + size <= range.end; start += 2 * hop) {
+      // Two pieces as real and imaginary part: |Z[k]|^2 + |Z[-k]|^2 is twice the sum of their
+      // powers.
+      pair.assign(size, 0.0);
+      const bool two = start + hop + size <= range.end;
+      for (int n = 0; n < size; ++n) {
+        const double first = window[n] * (speed[start + n] - mean);
+        const double second = two ? window[n] * (speed[start + hop + n] - mean) : 0.0;
+        pair[n] = {first, second};
+      }
+      fourier.Forward(pair);
+      for (int k = 1; k <= size / 2; ++k) {
+        power[k] += std::norm(pair[k]) + std::norm(pair[size - k]);
+      }
     }
-    fourier.Forward(pair);
-    for (int k = 1; k <= size / 2; ++k) power[k] += std::norm(pair[k]) + std::norm(pair[size - k]);
   }
   double sum = 0.0;
   double weighted = 0.0;
@@ -55,10 +62,14 @@ double SpectralCentroid(std::span<const double> speed, double rate_hz, Fourier& 
   return sum > floor ? weighted / sum * rate_hz / size : kNoScore;
 }
 
-double SlackShare(std::span<const double> tension_n) {
-  const auto slack = std::count_if(tension_n.begin(), tension_n.end(),
-                                   [](double tension) { return tension <= kSlackTension_n; });
-  return static_cast<double>(slack) / static_cast<double>(tension_n.size());
+double SlackShare(std::span<const double> tension_n, const CountedTicks& counted) {
+  std::ptrdiff_t slack = 0;
+  for (const TickRange& range : counted) {
+    slack += std::count_if(tension_n.begin() + range.begin, tension_n.begin() + range.end,
+                           [](double tension) { return tension <= kSlackTension_n; });
+  }
+  const int count = CountOf(counted);
+  return count == 0 ? kNoScore : static_cast<double>(slack) / count;
 }
 
 }  // namespace gauntlet::sim

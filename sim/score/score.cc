@@ -65,6 +65,10 @@ void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   Check(input.stall_tension_n.empty() || input.stall_tension_n.size() == table.cables.size(),
         "a stall tension is needed per cable");
   Check(input.jitter_above_hz > 0.0, "jitter begins above 0 Hz");
+  Check(input.counted == nullptr || (input.counted->joints.size() == table.joints.size() &&
+                                     input.counted->motors.size() == table.motors.size() &&
+                                     input.counted->cables.size() == table.cables.size()),
+        "what counts is needed of every joint, motor and cable");
   CheckNoiseFree(input, table, fits);
 }
 
@@ -167,6 +171,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                        .speed_rad_s = ColumnOrNothing(input.motor_speed_rad_s, motor, rows),
                        .noise_rad_s = {},
                        .saturation_share = {},
+                       .counted = all.CountedOf(&CountedParts::motors, static_cast<int>(motor)),
                        .fourier = fourier};
     scored.noise_rad_s = Difference(
         scored.speed_rad_s, ColumnOrNothing(input.noise_free_motor_speed_rad_s, motor, rows));
@@ -176,7 +181,8 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
   }
   for (std::size_t cable = 0; rows > 0 && cable < table.cables.size(); ++cable) {
     ScoredCable scored{.tension_n = ColumnOrNothing(input.tension_n, cable, rows),
-                       .stall_tension_n = {}};
+                       .stall_tension_n = {},
+                       .counted = all.CountedOf(&CountedParts::cables, static_cast<int>(cable))};
     if (!input.stall_tension_n.empty()) scored.stall_tension_n = input.stall_tension_n[cable];
     Score(scored, wanted, scores.channels[table.cables[cable]]);
     TrimSignals();
@@ -186,6 +192,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                    .jitter_above_hz = input.jitter_above_hz,
                    .grip_force_n = ColumnOrNothing(input.grip_force_n, 0, rows),
                    .digit_overlap_m = ColumnOrNothing(input.digit_overlap_m, 0, rows),
+                   .counted = all.CountedOfHand(),
                    .fourier = fourier},
         wanted, scores.summary);
   return scores;

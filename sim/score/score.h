@@ -8,6 +8,7 @@
 
 #include "sim/base/segment.h"
 #include "sim/base/signal.h"
+#include "sim/score/counted_ticks.h"
 #include "sim/score/score_config.h"
 
 namespace gauntlet::sim {
@@ -43,6 +44,7 @@ struct ScoreInput {
   const Signal* digit_overlap_m = nullptr;        // ticks x 1: of the digits that are deepest
   std::span<const double> saturation_share = {};  // per motor
   std::span<const Segment> segments = {};         // win over the split by the wearer's speed
+  const CountedParts* counted = nullptr;          // which ticks count; without it all do
 
   // Of the same trial with a noise-free glove: what noise adds, and the split of the error.
   const Signal* noise_free_hand_angle_rad = nullptr;         // ticks x joints

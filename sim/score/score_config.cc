@@ -19,6 +19,12 @@ void ScoreConfig::Visit(controller::SettingsVisitor& visitor) {
                         "for the causes of the error; false: half the time, and these scores are "
                         "missing"},
                noise_free_twin);
+  visitor.Number({.key = "recovery_s",
+                  .help = "after a gap or restart of a recording nothing counts for so long, as "
+                          "filters and hand come back",
+                  .min = 0,
+                  .max = 60},
+                 recovery_s);
 }
 
 void ScoreConfig::Check(double rate_hz, Eigen::Index ticks) const {

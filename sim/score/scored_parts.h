@@ -37,6 +37,11 @@ class Lazy {
 struct AllJoints {
   AllJoints(const ScoreInput& input, Fourier& fourier);
 
+  /// What counts of a part: its own, or all where nothing is left out.
+  CountedTicks CountedOf(const std::vector<CountedTicks> CountedParts::*parts, int part) const;
+  CountedTicks CountedOfHand() const;
+
+  const ScoreInput& input;
   Lazy<FilteredSignal> trembling;              // of the hand above jitter_above_hz
   Lazy<std::vector<double>> noise_jitter_rad;  // RMS of what noise adds to it; empty: not known
   Lazy<std::vector<ErrorSplit>> error_splits;  // empty: not known
@@ -51,13 +56,13 @@ struct ScoredJoint {
   double rate_hz;
   std::span<const double> reference_rad;
   std::span<const double> hand_rad;
+  CountedTicks counted;
   Lazy<std::vector<double>> error_rad;  // hand - reference
   Lazy<WearerMotion> wearer;
   Lazy<std::optional<double>> delay_ticks;
   Lazy<Smoothness> smoothness;
 
-  /// Of the hand above jitter_above_hz.
-  std::span<const double> trembling_rad() const;
+  double jitter_rad() const;        // RMS of the trembling, above jitter_above_hz
   double noise_jitter_rad() const;  // kNoScore: not known
 
   /// RMS of the error while the wearer does this [rad].
@@ -68,8 +73,12 @@ struct ScoredJoint {
   double PartOfError(ErrorCause cause) const;
 
  private:
+  /// Of the hand above jitter_above_hz; the first belongs to a tick of `all_`.
+  std::span<const double> trembling_rad() const;
+
   int column_;
   const AllJoints& all_;
+  CountedTicks trembling_counted_;
 };
 
 /// One motor. A signal that is not there is empty.
@@ -79,6 +88,7 @@ struct ScoredMotor {
   std::span<const double> speed_rad_s;
   std::vector<double> noise_rad_s;  // speed less that with a noise-free glove
   std::optional<double> saturation_share;
+  CountedTicks counted;
   Fourier& fourier;
 };
 
@@ -86,6 +96,7 @@ struct ScoredMotor {
 struct ScoredCable {
   std::span<const double> tension_n;
   std::optional<double> stall_tension_n;
+  CountedTicks counted;
 };
 
 /// What belongs to the hand as a whole; empty where it holds nothing, or has no digits.
@@ -94,6 +105,7 @@ struct ScoredHand {
   double jitter_above_hz;
   std::span<const double> grip_force_n;
   std::span<const double> digit_overlap_m;
+  CountedTicks counted;
   Fourier& fourier;
 };
 

@@ -31,7 +31,7 @@ Eigen::VectorXd DerivativeWeights(const LowPass& low_pass, double rate_hz) {
 }
 
 /// The hand's velocity in one movement, every `step` ticks from the movement's own begin on: the
-/// grid has no phase of its own. Empty where the filter reaches beyond the signal.
+/// grid has no phase of its own. Empty where the filter reaches beyond what counts.
 std::vector<double> VelocityIn(const Movement& movement, std::span<const double> angle,
                                const Eigen::VectorXd& weights, double delay_ticks, int step) {
   const Eigen::Map<const Eigen::VectorXd> signal(angle.data(),
@@ -41,7 +41,10 @@ std::vector<double> VelocityIn(const Movement& movement, std::span<const double>
   const auto count = static_cast<Eigen::Index>(
       std::lround((movement.end - movement.begin) / static_cast<double>(step)));
   std::vector<double> velocity;
-  if (begin < 0 || begin + (count - 1) * step + weights.size() > signal.size()) return velocity;
+  const TickRange& within = movement.within;
+  if (begin < within.begin || begin + (count - 1) * step + weights.size() > within.end) {
+    return velocity;
+  }
   for (Eigen::Index i = 0; i < count; ++i) {
     velocity.push_back(weights.dot(signal.segment(begin + i * step, weights.size())));
   }

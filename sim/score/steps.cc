@@ -22,10 +22,13 @@ double Mean(std::span<const double> values) {
   return sum / static_cast<double>(values.size());
 }
 
-double MeanDifference(std::span<const double> wearer, std::span<const double> hand) {
+double MeanDifference(std::span<const double> wearer, std::span<const double> hand,
+                      const CountedTicks& counted) {
   double sum = 0.0;
-  for (std::size_t n = 0; n < hand.size(); ++n) sum += hand[n] - wearer[n];
-  return sum / static_cast<double>(hand.size());
+  for (const TickRange& range : counted) {
+    for (int n = range.begin; n < range.end; ++n) sum += hand[n] - wearer[n];
+  }
+  return sum / CountOf(counted);
 }
 
 /// Share of the step from one sample to the next that lies below a level.
@@ -52,21 +55,21 @@ std::optional<double> SamplesBeforeOnset(std::span<const double> angle, const Mo
 }  // namespace
 
 double Overshoot(std::span<const double> wearer_rad, std::span<const double> hand_rad,
-                 double rate_hz, std::span<const Movement> movements, double delay_samples) {
-  const double offset = MeanDifference(wearer_rad, hand_rad);
-  const int samples = static_cast<int>(hand_rad.size());
+                 double rate_hz, std::span<const Movement> movements, double delay_samples,
+                 const CountedTicks& counted) {
+  const double offset = MeanDifference(wearer_rad, hand_rad, counted);
   const int delay = static_cast<int>(std::lround(std::max(0.0, delay_samples)));
   double sum = 0.0;
   int count = 0;
   for (std::size_t i = 0; i < movements.size(); ++i) {
     const Movement& movement = movements[i];
-    if (movement.end + delay + 1 >= samples) continue;  // the hand has not arrived
+    if (movement.end + delay + 1 >= movement.within.end) continue;  // the hand has not arrived
     int end = movement.end + static_cast<int>(kWaiting_s * rate_hz);
     if (i + 1 < movements.size()) {
       const Movement& next = movements[i + 1];
       end = std::min(end, next.direction() == movement.direction() ? next.begin : next.end);
     }
-    end = std::min(end + delay, samples);
+    end = std::min(end + delay, movement.within.end);
     double beyond = 0.0;
     for (int n = movement.begin; n < end; ++n) {
       beyond = std::max(beyond, movement.direction() * (hand_rad[n] - offset - movement.to_rad));
@@ -79,17 +82,17 @@ double Overshoot(std::span<const double> wearer_rad, std::span<const double> han
 
 double OnsetDelay(std::span<const double> wearer_rad, std::span<const double> hand_rad,
                   double rate_hz, std::span<const Movement> movements) {
-  const int samples = static_cast<int>(hand_rad.size());
   const int first = static_cast<int>(kBaselineBegin_s * rate_hz);
   const int last = std::min(first - 1, static_cast<int>(kBaselineEnd_s * rate_hz));
   double sum = 0.0;
   int count = 0;
   for (const Movement& movement : movements) {
-    if (!movement.from_rest || movement.begin < first) continue;
+    if (!movement.from_rest || movement.begin - movement.within.begin < first) continue;
     const auto baseline = [&](std::span<const double> angle) {
       return Mean(angle.subspan(movement.begin - first, first - last));
     };
-    const int end = std::min(samples, movement.end + static_cast<int>(kWaiting_s * rate_hz));
+    const int end =
+        std::min(movement.within.end, movement.end + static_cast<int>(kWaiting_s * rate_hz));
     const auto wearer = SamplesBeforeOnset(wearer_rad, movement, baseline(wearer_rad), end);
     const auto hand = SamplesBeforeOnset(hand_rad, movement, baseline(hand_rad), end);
     if (!wearer || !hand) continue;

@@ -9,14 +9,15 @@ namespace gauntlet::sim {
 /// How far the hand goes beyond the end of the wearer's movements, the mean over movements [rad].
 ///
 ///     overshoot = max(0, max over t of direction (hand(t) - offset - to))
-///     offset = mean(hand - wearer)
+///     offset = mean(hand - wearer) over all that counts
 ///
 /// The window lasts from the begin of the movement to the end of the next if that goes back, to the
 /// begin of the next if that goes on; at most 1 s beyond the movement's end; plus the delay.
 /// Movements at whose end the signal ends, too, do not count. A gain above 1 counts as overshoot,
 /// too. NaN without movements.
 double Overshoot(std::span<const double> wearer_rad, std::span<const double> hand_rad,
-                 double rate_hz, std::span<const Movement> movements, double delay_samples);
+                 double rate_hz, std::span<const Movement> movements, double delay_samples,
+                 const CountedTicks& counted);
 
 /// How much later than the wearer the hand leaves its rest, the mean over onsets [samples].
 ///

@@ -1,20 +1,25 @@
 #pragma once
 
 #include <span>
+#include <vector>
+
+#include "sim/score/counted_ticks.h"
 
 namespace gauntlet::sim {
 
-/// sqrt(mean((hand - reference)^2)). Shapes: the same length. Units: those of the input.
-double RmsDifference(std::span<const double> reference, std::span<const double> hand);
-
-/// max |hand - reference|.
-double PeakDifference(std::span<const double> reference, std::span<const double> hand);
-
-/// sqrt(mean(values^2)); NaN of nothing.
+/// sqrt(mean(values^2)); NaN of nothing. Units: those of the input.
 double Rms(std::span<const double> values);
 
+/// The same of what lies within ranges; value 0 belongs to tick `first_tick`.
+double RmsWithin(std::span<const double> values, int first_tick,
+                 const std::vector<TickRange>& ranges);
+
+/// max |values| within ranges; NaN of nothing.
+double PeakWithin(std::span<const double> values, const std::vector<TickRange>& ranges);
+
 /// How often the increments of a command change their sign, per second. Samples at which the
-/// command stands still are passed over, so the count does not depend on how long a frame is held.
-double ReversalsPerSecond(std::span<const int> command, double rate_hz);
+/// command stands still are passed over, so the count does not depend on how long a frame is held. Within ranges, each by itself.
+double ReversalsPerSecond(std::span<const int> command, double rate_hz,
+                          const std::vector<TickRange>& ranges);
 
 }  // namespace gauntlet::sim

@@ -47,8 +47,8 @@ std::vector<Class> ClassifyBySpeed(std::span<const double> angle, double rate_hz
 }
 
 /// Stretches of one class.
-std::vector<Range> Stretches(const std::vector<Class>& classes, Class wanted) {
-  std::vector<Range> ranges;
+std::vector<TickRange> Stretches(const std::vector<Class>& classes, Class wanted) {
+  std::vector<TickRange> ranges;
   const int samples = static_cast<int>(classes.size());
   for (int n = 0; n < samples; ++n) {
     if (classes[n] != wanted) continue;
@@ -59,7 +59,7 @@ std::vector<Range> Stretches(const std::vector<Class>& classes, Class wanted) {
 }
 
 /// Where the direction changes for good: by more than the smallest movement. With both ends.
-std::vector<int> TurningPoints(std::span<const double> angle, Range range) {
+std::vector<int> TurningPoints(std::span<const double> angle, TickRange range) {
   std::vector<int> points{range.begin};
   int lowest = range.begin;
   int highest = range.begin;
@@ -82,10 +82,10 @@ std::vector<int> TurningPoints(std::span<const double> angle, Range range) {
 }
 
 /// All that is not rest.
-std::vector<Range> Moving(const std::vector<Class>& classes) {
-  std::vector<Range> ranges;
+std::vector<TickRange> Moving(const std::vector<Class>& classes) {
+  std::vector<TickRange> ranges;
   int begin = 0;
-  for (const Range& rest : Stretches(classes, kRestClass)) {
+  for (const TickRange& rest : Stretches(classes, kRestClass)) {
     if (rest.begin > begin) ranges.push_back({begin, rest.begin});
     begin = rest.end;
   }
@@ -97,7 +97,7 @@ std::vector<Range> Moving(const std::vector<Class>& classes) {
 std::vector<Movement> FindMovements(std::span<const double> angle,
                                     const std::vector<Class>& classes) {
   std::vector<Movement> movements;
-  for (const Range& range : Moving(classes)) {
+  for (const TickRange& range : Moving(classes)) {
     const std::vector<int> points = TurningPoints(angle, range);
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
       const Movement movement{.begin = points[i],
@@ -125,9 +125,9 @@ void ApplyLabels(std::span<const Segment> segments, std::vector<Class>& classes)
   }
 }
 
-std::vector<Range> Labelled(std::span<const Segment> segments, std::string_view label,
-                            int samples) {
-  std::vector<Range> ranges;
+std::vector<TickRange> Labelled(std::span<const Segment> segments, std::string_view label,
+                                int samples) {
+  std::vector<TickRange> ranges;
   for (const Segment& segment : segments) {
     if (segment.label != label) continue;
     const int begin = std::clamp(segment.begin, 0, samples);
@@ -137,8 +137,8 @@ std::vector<Range> Labelled(std::span<const Segment> segments, std::string_view 
   return ranges;
 }
 
-std::vector<Range> Onsets(const std::vector<Movement>& movements, int length, int samples) {
-  std::vector<Range> ranges;
+std::vector<TickRange> Onsets(const std::vector<Movement>& movements, int length, int samples) {
+  std::vector<TickRange> ranges;
   for (const Movement& movement : movements) {
     if (!movement.from_rest) continue;
     ranges.push_back({movement.begin, std::min(samples, movement.begin + length)});
@@ -146,8 +146,8 @@ std::vector<Range> Onsets(const std::vector<Movement>& movements, int length, in
   return ranges;
 }
 
-std::vector<Range> Reversals(const std::vector<Movement>& movements, int reach, int samples) {
-  std::vector<Range> ranges;
+std::vector<TickRange> Reversals(const std::vector<Movement>& movements, int reach, int samples) {
+  std::vector<TickRange> ranges;
   for (std::size_t i = 1; i < movements.size(); ++i) {
     if (movements[i].begin != movements[i - 1].end) continue;  // a rest or a pause lies between
     int begin = std::max(0, movements[i].begin - reach);
@@ -166,15 +166,16 @@ WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
     return static_cast<int>(std::lround(time_s * rate_hz));
   };
   WearerMotion motion;
-  const auto of = [&](Regime regime) -> std::vector<Range>& {
+  const auto of = [&](Regime regime) -> std::vector<TickRange>& {
     return motion.regimes[static_cast<int>(regime)];
   };
 
   std::vector<Class> classes = ClassifyBySpeed(angle_rad, rate_hz);
   motion.movements = FindMovements(angle_rad, classes);
+  for (Movement& movement : motion.movements) movement.within = {0, samples};
 
   ApplyLabels(segments, classes);
-  for (Range rest : Stretches(classes, kRestClass)) {
+  for (TickRange rest : Stretches(classes, kRestClass)) {
     rest.begin += in_samples(kSettling_s);
     if (rest.begin < rest.end) of(Regime::kRest).push_back(rest);
   }
@@ -189,6 +190,32 @@ WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
     of(Regime::kReversal) = Reversals(motion.movements, in_samples(kReversal_s), samples);
   }
   return motion;
+}
+
+WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
+                           std::span<const Segment> segments, const CountedTicks& counted) {
+  WearerMotion all;
+  for (const TickRange& range : counted) {
+    std::vector<Segment> labels(segments.begin(), segments.end());
+    for (Segment& label : labels) {
+      label.begin -= range.begin;
+      label.end -= range.begin;
+    }
+    WearerMotion part =
+        AnalyseWearer(angle_rad.subspan(range.begin, range.end - range.begin), rate_hz, labels);
+    for (Movement& movement : part.movements) {
+      movement.begin += range.begin;
+      movement.end += range.begin;
+      movement.within = range;
+      all.movements.push_back(movement);
+    }
+    for (int regime = 0; regime < kRegimeCount; ++regime) {
+      for (const TickRange& found : part.regimes[regime]) {
+        all.regimes[regime].push_back({found.begin + range.begin, found.end + range.begin});
+      }
+    }
+  }
+  return all;
 }
 
 }  // namespace gauntlet::sim

@@ -5,15 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/score/score.h"
+#include "sim/base/segment.h"
+#include "sim/score/counted_ticks.h"
 
 namespace gauntlet::sim {
-
-/// Samples [begin, end).
-struct Range {
-  int begin = 0;
-  int end = 0;
-};
 
 /// One movement of the wearer in one direction, by at least 5 deg: from where a rest ends or the
 /// direction changes to where it changes again or the next rest begins.
@@ -23,6 +18,7 @@ struct Movement {
   double from_rad = 0.0;
   double to_rad = 0.0;
   bool from_rest = false;
+  TickRange within = {};  // the counted ticks around it: a score of the movement looks at no other
 
   double direction() const { return to_rad > from_rad ? 1.0 : -1.0; }
   double amplitude_rad() const { return (to_rad - from_rad) * direction(); }
@@ -34,9 +30,11 @@ inline constexpr int kRegimeCount = 5;
 /// What the wearer does with one joint.
 struct WearerMotion {
   std::vector<Movement> movements;
-  std::array<std::vector<Range>, kRegimeCount> regimes;
+  std::array<std::vector<TickRange>, kRegimeCount> regimes;
 
-  const std::vector<Range>& Of(Regime regime) const { return regimes[static_cast<int>(regime)]; }
+  const std::vector<TickRange>& Of(Regime regime) const {
+    return regimes[static_cast<int>(regime)];
+  }
 };
 
 /// Splits the motion of one joint by its speed (central difference over 10 ms):
@@ -54,7 +52,11 @@ struct WearerMotion {
 /// The limits are assumptions: 60 deg/s closes a finger in 1.5 s; 5 deg/s is what an eye still
 /// takes for rest. Units: rad. Source: turning points by hysteresis, as in rainflow counting (ASTM
 /// E1049).
+///
+/// Only ticks that count are looked at, and each range of them by itself.
 WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
                            std::span<const Segment> segments);
+WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
+                           std::span<const Segment> segments, const CountedTicks& counted);
 
 }  // namespace gauntlet::sim

@@ -5,6 +5,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/nearest_name.h"
+#include "sim/study/counted_parts.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -76,10 +77,17 @@ GloveFacts FactsOf(const GloveSignal& glove) {
   Add(glove.true_angle_rad, motion);
   Hash signal = motion;
   Add(glove.counts, signal);
+  for (const MaskedStretch& stretch : glove.masked) {
+    const double values[] = {static_cast<double>(stretch.reason),
+                             static_cast<double>(stretch.channel),
+                             static_cast<double>(stretch.begin), static_cast<double>(stretch.end)};
+    signal.Add(std::span<const double>(values));
+  }
   return {.signal_hash = signal.Text(),
           .motion_hash = motion.Text(),
           .ticks = glove.true_angle_rad.rows(),
-          .is_recorded = glove.is_recorded};
+          .is_recorded = glove.is_recorded,
+          .masked = glove.masked};
 }
 
 controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
@@ -154,6 +162,8 @@ Study PrepareStudy(Scenario scenario) {
   ChooseVideoChannel(study, scenario.video.channel);
   ChooseVideoCamera(*study.hand, scenario.video.camera);
   study.scenario = std::move(scenario);
+  const std::string counted = CountedRemark(study);
+  if (!counted.empty()) study.remarks.push_back(counted);
   return study;
 }
 

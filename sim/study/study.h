@@ -16,6 +16,7 @@ struct GloveFacts {
   std::string motion_hash;  // of the wearer's true angles alone
   Eigen::Index ticks = 0;
   bool is_recorded = false;  // see GloveSignal
+  std::vector<MaskedStretch> masked = {};
 };
 
 GloveFacts FactsOf(const GloveSignal& glove);

@@ -9,6 +9,7 @@
 #include "sim/base/atomic_file.h"
 #include "sim/base/mathematics.h"
 #include "sim/scenario/scenario_files.h"
+#include "sim/study/counted_parts.h"
 #include "sim/trial/trace_csv.h"
 #include "sim/trial/trace_file.h"
 
@@ -164,6 +165,21 @@ std::string ScoresJson(const FinishedStudy& finished) {
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
   json["measured_joints"] = finished.study.measured_joint_names;
+  const std::vector<double> counted_shares = CountedShares(finished.study);
+  if (std::ranges::any_of(counted_shares, [](double share) { return share < 1.0; })) {
+    for (std::size_t i = 0; i < counted_shares.size(); ++i) {
+      json["counted_share"][finished.study.measured_joint_names[i]] = counted_shares[i];
+    }
+  }
+  for (const SmoothingRank& rank : finished.smoothing) {
+    Json row;
+    row["smoothing_hz"] = rank.smoothing_hz;
+    for (std::size_t c = 0; c < rank.tracking_rmse_deg.size(); ++c) {
+      row["tracking_rmse_deg"][result.controller_names[c]] =
+          NumberOrNull(rank.tracking_rmse_deg[c]);
+    }
+    json["smoothing"].push_back(row);
+  }
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     json["controllers"].push_back(ControllerJson(finished, c));
     json["controllers"].back()["dominated"] = static_cast<bool>(summary.dominated[c]);

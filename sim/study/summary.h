@@ -7,6 +7,7 @@
 
 #include "sim/study/judgement.h"
 #include "sim/study/prediction_ceiling.h"
+#include "sim/study/smoothing_ranking.h"
 #include "sim/study/statistics.h"
 #include "sim/study/study_run.h"
 
@@ -77,6 +78,7 @@ struct FinishedStudy {
   bool comparison = false;                       // of several seeds, as asked; else one run
   std::vector<PredictionCeiling> ceilings = {};  // of a comparison
   std::filesystem::path folder = {};             // of its files: paths in them are relative to it
+  std::vector<SmoothingRank> smoothing = {};     // where the reference is a smoothed recording
 };
 
 }  // namespace gauntlet::sim

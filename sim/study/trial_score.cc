@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "sim/study/counted_parts.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -33,12 +35,17 @@ std::vector<std::vector<int>> MotorsOfJoints(const Study& study) {
   return motors_of_joints;
 }
 
-/// Per measured motor the share of ticks in which it gives all that it has.
-std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_limit) {
+/// Per measured motor the share of the ticks that count in which it gives all that it has.
+std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_limit,
+                                     const std::optional<CountedParts>& counted) {
   std::vector<double> shares;
-  const auto ticks = static_cast<double>(std::max<Eigen::Index>(at_limit.rows(), 1));
-  for (const int motor : study.measured_motors) {
-    shares.push_back(static_cast<double>(at_limit.col(motor).cast<std::int64_t>().sum()) / ticks);
+  for (std::size_t i = 0; i < study.measured_motors.size(); ++i) {
+    const CountedTicks ticks =
+        counted ? counted->motors[i] : CountedTicks{{0, static_cast<int>(at_limit.rows())}};
+    const auto column = at_limit.col(study.measured_motors[i]).cast<std::int64_t>();
+    std::int64_t sum = 0;
+    for (const auto& [begin, end] : ticks) sum += column.segment(begin, end - begin).sum();
+    shares.push_back(static_cast<double>(sum) / std::max(CountOf(ticks), 1));
   }
   return shares;
 }
@@ -48,12 +55,13 @@ bool HadMotors(const Trace& trace) { return trace.spool_speed_rad_s.cols() > 0; 
 
 /// What the motors and cables of a trial did, and of its twin, if there is one.
 struct MeasuredMotors {
-  MeasuredMotors(const Study& study, const Trace& trace, const std::optional<NoiseFreeTwin>& twin)
+  MeasuredMotors(const Study& study, const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
+                 const std::optional<CountedParts>& counted)
       : command(trace.command_counts, study.measured_motors),
         speed(trace.spool_speed_rad_s, study.measured_motors),
         tension(trace.tension_n, study.measured_cables),
         stall_tension_n(StallTensions(study)),
-        saturation_share(SaturationShares(study, trace.motor_at_limit)),
+        saturation_share(SaturationShares(study, trace.motor_at_limit, counted)),
         motors_of_joint(MotorsOfJoints(study)) {
     if (!twin) return;
     twin_speed.emplace(twin->spool_speed_rad_s, study.measured_motors);
@@ -89,11 +97,14 @@ Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& re
                   std::span<const std::size_t> metrics) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
+  const std::optional<CountedParts> counted =
+      CountedPartsOf(study, glove.masked, static_cast<int>(trace.hand_angle_rad.rows()));
   std::optional<MeasuredMotors> motors;
-  if (HadMotors(trace)) motors.emplace(study, trace, twin);
+  if (HadMotors(trace)) motors.emplace(study, trace, twin, counted);
   std::optional<Columns<Signal>> twin_hand;
   if (twin) twin_hand.emplace(twin->hand_angle_rad, study.measured_joints);
   ScoreInput input;
+  if (counted) input.counted = &*counted;
   input.rate_hz = glove.tick_rate_hz;
   input.reference_angle_rad = &*reference;
   input.hand_angle_rad = &*hand;

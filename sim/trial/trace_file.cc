@@ -149,6 +149,17 @@ void WriteSegments(H5::Group& group, const GloveSignal& glove) {
   WriteStretches(group, "segments", "label", stretches);
 }
 
+/// What nobody knows of, in ticks.
+void WriteMasked(H5::Group& group, const GloveSignal& glove) {
+  std::vector<Stretch> stretches;
+  for (const MaskedStretch& masked : glove.masked) {
+    const std::string& channel = glove.channel_names[static_cast<std::size_t>(masked.channel)];
+    const std::string_view reason = kMaskReasonNames[static_cast<std::size_t>(masked.reason)];
+    stretches.push_back({reason.data(), channel.c_str(), masked.begin, masked.end});
+  }
+  if (!stretches.empty()) WriteStretches(group, "masked", "reason", stretches);
+}
+
 /// Runs `action`; what HDF5 throws becomes a RunError about `path`.
 template <class Action>
 void Guarded(const std::filesystem::path& path, const Action& action) {
@@ -222,6 +233,7 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
                         glove.counts);
     WriteFaults(group, glove);
     WriteSegments(group, glove);
+    WriteMasked(group, glove);
     WriteTexts(group, "remarks", glove.remarks);
     state_->file->createGroup("controllers");
   });

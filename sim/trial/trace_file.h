@@ -13,7 +13,8 @@ namespace gauntlet::sim {
 /// every signal is a dataset, rows x columns, of 32-bit floats or integers (flags: 8 bits), with
 /// the attributes `unit`, `rate_hz` (of its rows: ticks, for `/glove/counts` samples) and `columns`
 /// (their names). `/glove/faults` and `/glove/segments` are tables: what was wrong with the glove
-/// in which samples, and which ticks of the motion the scenario labels. The file appears when
+/// in which samples, and which ticks of the motion the scenario labels; `/glove/masked`, where
+/// there is any, which ticks of a recording nobody knows of, and why. The file appears when
 /// Commit() has been called. Errors: RunError with the path when the disk does not take it.
 class TraceWriter {
  public:

@@ -13,6 +13,7 @@
 
 #include "tests/cli/glove_files.h"
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
 namespace {
@@ -196,6 +197,27 @@ TEST_F(InspectCommand, DrawsItsSensorsAndLeavesTheRecordingAlone) {
   const ProgramResult over = Gauntlet({"inspect", path.string(), "--write-map", path.string()});
   EXPECT_EQ(over.exit_code, 2);
   EXPECT_THAT(over.standard_error, HasSubstr("is the recording itself"));
+}
+
+TEST(InspectHand, TellsWhatAHandHasOrWhatItLacks) {
+  const std::string hand = SourceDir() + "/tests/support/three_joint_hand.xml";
+  const ProgramResult good = Gauntlet({"inspect", hand});
+  EXPECT_EQ(good.exit_code, 0) << good.standard_error;
+  EXPECT_THAT(good.standard_output, HasSubstr("a hand of 2 motors"));
+  EXPECT_THAT(good.standard_output, HasSubstr("and 3 joints"));
+  TemporaryDirectory folder;
+  const fs::path bad = folder.path() / "bad.xml";
+  {
+    std::ifstream from(hand);
+    std::string text{std::istreambuf_iterator<char>(from), {}};
+    const std::size_t at = text.find("base_drum\"");
+    ASSERT_NE(at, std::string::npos);
+    std::ofstream(bad) << text.replace(at, 10, "base_dram\"");
+  }
+  const ProgramResult lacking = Gauntlet({"inspect", bad.string()});
+  EXPECT_EQ(lacking.exit_code, 2);
+  EXPECT_THAT(lacking.standard_error, HasSubstr("bad.xml: the model has no geom"));
+  EXPECT_EQ(Gauntlet({"inspect", (folder.path() / "none.xml").string()}).exit_code, 2);
 }
 
 }  // namespace

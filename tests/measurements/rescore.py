@@ -90,32 +90,43 @@ def high_passed(x, edge_hz, rate_hz):
     return x[reach:-reach] - signal.fftconvolve(x, weights, mode="valid"), reach
 
 
-def delay_samples(reference, hand, rate_hz):
+def inner(counted, reach, least):
+    """Of each range of at least so many ticks what is farther than the reach of a filter from its ends."""
+    return [(b + reach, e - reach) for b, e in counted if e - b >= least]
+
+
+def delay_samples(reference, hand, rate_hz, counted):
     """The lag of the largest correlation, refined by a parabola; None if there is none."""
-    count = len(reference)
-    largest = min(count // 4, int(2.0 * rate_hz))
+    if not counted:
+        return None
+    begin, end = max(counted, key=lambda r: r[1] - r[0])
+    largest = min((end - begin) // 4, int(2.0 * rate_hz))
     if largest < 2:
         return None
-    x = reference - reference.mean()
-    y = hand - hand.mean()
+    x = reference - within(reference, 0, counted).mean()
+    y = hand - within(hand, 0, counted).mean()
     still = np.radians(0.1)
-    if not (rms(x) > still and rms(y) > still):
+    if not (rms(within(x, 0, counted)) > still and rms(within(y, 0, counted)) > still):
         return None
-    size = fast_size(count + largest)
-    power = np.abs(np.fft.rfft(x, size)) ** 2
+    size = fast_size(end - begin + largest)
+    power = np.abs(np.fft.rfft(x[begin:end], size)) ** 2
     bound = min(largest, int(0.5 * size / (1 + np.argmax(power[1:]))))
-    products = signal.correlate(y, x, mode="full", method="fft")  # lag 0 at count - 1
-    sums = [np.concatenate(([0.0], np.cumsum(values))) for values in (x, x * x, y, y * y)]
+    # Per lag: overlap, sums of x, x^2, y, y^2, x y over all ranges.
+    total = np.zeros((2 * bound + 1, 6))
+    for b, e in counted:
+        px, py, count = x[b:e], y[b:e], e - b
+        products = signal.correlate(py, px, mode="full", method="fft")  # lag 0 at count - 1
+        sums = [np.concatenate(([0.0], np.cumsum(values))) for values in (px, px * px, py, py * py)]
+        for lag in range(max(-bound, 1 - count), min(bound, count - 1) + 1):
+            first, last = max(0, -lag), count - max(0, lag)  # of the reference; the hand's is later by lag
+            total[lag + bound] += [last - first] + [s[last] - s[first] for s in sums[:2]] + [
+                s[last + lag] - s[first + lag] for s in sums[2:]] + [products[count - 1 + lag]]
+    whole = [np.sum(within(v * v, 0, counted)) for v in (x, y)]
     found = np.full(2 * bound + 1, -2.0)
-    for lag in range(-bound, bound + 1):
-        first, last = max(0, -lag), count - max(0, lag)  # of the reference; the hand's is later by lag
-        overlap = last - first
-        sx, sxx = (s[last] - s[first] for s in sums[:2])
-        sy, syy = (s[last + lag] - s[first + lag] for s in sums[2:])
+    for place, (overlap, sx, sxx, sy, syy, sxy) in enumerate(total):
         vx, vy = sxx - sx * sx / overlap, syy - sy * sy / overlap
-        if vx < 0.1 * sums[1][-1] or vy < 0.1 * sums[3][-1]:
-            continue
-        found[lag + bound] = (products[count - 1 + lag] - sx * sy / overlap) / np.sqrt(vx * vy)
+        if vx >= 0.1 * whole[0] and vy >= 0.1 * whole[1]:
+            found[place] = (sxy - sx * sy / overlap) / np.sqrt(vx * vy)
     peak = int(np.argmax(found))
     if peak in (0, 2 * bound) or not found[peak] > 0:
         return None
@@ -126,13 +137,15 @@ def delay_samples(reference, hand, rate_hz):
     return peak - bound + (0.5 * (left - right) / curvature if curvature < 0 else 0.0)
 
 
-def aligned_error(reference, hand, delay):
-    n = np.arange(len(reference))
+def aligned_error(reference, hand, delay, counted):
     whole = int(np.floor(delay))
-    inside = (n + whole >= 0) & (n + whole + 1 < len(hand))
-    at = n[inside] + whole
-    moved = hand[at] + (delay - whole) * (hand[at + 1] - hand[at])
-    return moved - reference[inside]
+    parts = []
+    for begin, end in counted:
+        n = np.arange(begin, end)
+        n = n[(n + whole >= begin) & (n + whole + 1 < end)]
+        moved = hand[n + whole] + (delay - whole) * (hand[n + whole + 1] - hand[n + whole])
+        parts.append(moved - reference[n])
+    return np.concatenate(parts)
 
 
 # What the wearer does
@@ -175,8 +188,23 @@ class Movement:
 
 
 class Wearer:
-    """Regimes as lists of [begin, end), and the movements of one joint."""
+    """Regimes as lists of [begin, end), and the movements of one joint, of each counted range by itself."""
 
+    def __init__(self, angle, rate_hz, segments, counted):
+        self.movements, self.regimes = [], {}
+        for begin, end in counted:
+            labels = [(name, max(0, b - begin), max(0, e - begin)) for name, b, e in segments]
+            part = WearerOfRange(angle[begin:end], rate_hz, labels)
+            for movement in part.movements:
+                movement.begin += begin
+                movement.end += begin
+                movement.within = (begin, end)
+                self.movements.append(movement)
+            for name, ranges in part.regimes.items():
+                self.regimes.setdefault(name, []).extend((b + begin, e + begin) for b, e in ranges)
+
+
+class WearerOfRange:
     def __init__(self, angle, rate_hz, segments):
         count = len(angle)
         reach = max(1, round(0.005 * rate_hz))
@@ -229,6 +257,10 @@ def within(values, first, ranges):
     return np.concatenate(parts) if parts else np.empty(0)
 
 
+def overlap(ranges, others):
+    return [(max(a, c), min(b, d)) for a, b in ranges for c, d in others if max(a, c) < min(b, d)]
+
+
 # Single movements
 
 
@@ -244,9 +276,10 @@ def smoothness(hand, rate_hz, movements, delay):
     rate = rate_hz / step
     found = []
     for movement in movements:
+        first, last = movement.within
         begin = movement.begin + half_up(delay) - reach
         at = begin + step * np.arange(half_up((movement.end - movement.begin) / step))
-        if begin < 0 or len(at) < int(0.2 * rate) or at[-1] >= len(velocity):
+        if begin < first or len(at) < int(0.2 * rate) or at[-1] + 2 * reach >= last:
             continue
         both = sparc(velocity[at], rate), ldlj(velocity[at], rate)
         if np.all(np.isfinite(both)):
@@ -271,18 +304,18 @@ def ldlj(velocity, rate_hz):
     return -np.log(duration**3 / np.max(np.abs(velocity)) ** 2 * integral)
 
 
-def overshoot(reference, hand, rate_hz, movements, delay):
-    offset = np.mean(hand - reference)
+def overshoot(reference, hand, rate_hz, movements, delay, counted):
+    offset = np.mean(within(hand - reference, 0, counted)) if counted else NAN
     late = half_up(max(0.0, delay or 0.0))
     found = []
     for i, movement in enumerate(movements):
-        if movement.end + late + 1 >= len(hand):
+        if movement.end + late + 1 >= movement.within[1]:
             continue
         end = movement.end + int(1.0 * rate_hz)
         if i + 1 < len(movements):
             after = movements[i + 1]
             end = min(end, after.begin if after.direction == movement.direction else after.end)
-        stretch = hand[movement.begin : min(end + late, len(hand))]
+        stretch = hand[movement.begin : min(end + late, movement.within[1])]
         found.append(max(0.0, np.max(movement.direction * (stretch - offset - movement.to))))
     return np.mean(found) if found else NAN
 
@@ -306,9 +339,9 @@ def onset_delay(reference, hand, rate_hz, movements):
     first, last = int(0.3 * rate_hz), min(int(0.3 * rate_hz) - 1, int(0.2 * rate_hz))
     found = []
     for movement in movements:
-        if not movement.from_rest or movement.begin < first:
+        if not movement.from_rest or movement.begin - movement.within[0] < first:
             continue
-        end = min(len(hand), movement.end + int(1.0 * rate_hz))
+        end = min(movement.within[1], movement.end + int(1.0 * rate_hz))
         times = [time_before_onset(angle, movement,
                                    angle[movement.begin - first : movement.begin - last].mean(), end)
                  for angle in (reference, hand)]
@@ -320,25 +353,35 @@ def onset_delay(reference, hand, rate_hz, movements):
 # Motors, cables, grip
 
 
-def centroid(speed, rate_hz):
+def centroid(speed, rate_hz, counted):
     size = fast_size(int(rate_hz))
-    if len(speed) < size:
+    hop, power, frequency = size // 2, 0.0, None
+    for begin, end in counted:
+        if end - begin < size:
+            continue
+        frequency, mean_power = signal.welch(speed[begin:end] - within(speed, 0, counted).mean(), rate_hz,
+                                             window="hann", nperseg=size, noverlap=size - hop, detrend=False)
+        power = power + mean_power * ((end - begin - size) // hop + 1)
+    if frequency is None:
         return NAN
-    frequency, power = signal.welch(speed - speed.mean(), rate_hz, window="hann", nperseg=size,
-                                    noverlap=size - size // 2, detrend=False)
     power[-1] *= 2 if size % 2 == 0 else 1  # one-sided densities halve neither end
     total = power[1:].sum()
     return np.sum(frequency[1:] * power[1:]) / total if total > 1e-24 else NAN
 
 
-def reversals_per_s(counts, rate_hz):
-    steps = np.sign(np.diff(counts))
-    steps = steps[steps != 0]
-    return np.sum(steps[1:] != steps[:-1]) * rate_hz / len(counts)
+def reversals_per_s(counts, rate_hz, counted):
+    reversals = ticks = 0
+    for begin, end in counted:
+        steps = np.sign(np.diff(counts[begin:end]))
+        steps = steps[steps != 0]
+        reversals += np.sum(steps[1:] != steps[:-1])
+        ticks += end - begin
+    return reversals * rate_hz / ticks if ticks else NAN
 
 
-def grip_ripple(force, edge_hz, rate_hz):
-    ripple = [high_passed(force[b:e], edge_hz, rate_hz)[0] for b, e in stretches(force >= 0.1)]
+def grip_ripple(force, edge_hz, rate_hz, counted):
+    ripple = [high_passed(force[begin + b : begin + e], edge_hz, rate_hz)[0]
+              for begin, end in counted for b, e in stretches(force[begin:end] >= 0.1)]
     return rms(np.concatenate(ripple)) if ripple else NAN
 
 
@@ -377,6 +420,13 @@ def following_delay(reference, hand, counting, rate_hz):
     return step * (peak - bound + (0.5 * (left - right) / curvature if curvature < 0 else 0.0))
 
 
+def ticks_of(ranges, count):
+    ticks = np.zeros(count, bool)
+    for begin, end in ranges:
+        ticks[begin:end] = True
+    return ticks
+
+
 def limit_ticks(at_limit, shortest, after):
     """Ticks with a motor at its limit for a frame on end, and some after; at_limit: one signal per motor."""
     limit = np.zeros(len(at_limit[0]), bool)
@@ -387,11 +437,13 @@ def limit_ticks(at_limit, shortest, after):
     return limit
 
 
-def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz):
+def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz, counted):
     """The mean square error by its cause [deg^2]: mean(signal of the cause times the error)."""
     reference, hand, quiet_hand = (np.degrees(x) for x in (reference, hand, quiet_hand))
     n = np.arange(len(hand))
-    counting = ~limit if np.sum(~limit) >= 0.5 * rate_hz else np.ones(len(hand), bool)
+    counts = ticks_of(counted, len(hand))
+    free = counts & ~limit
+    counting = free if np.sum(free) >= 0.5 * rate_hz else counts
     delay = following_delay(np.radians(reference), np.radians(quiet_hand), counting, rate_hz)
     late = np.interp(n - delay, n, reference)
     fitted = counting & (n - delay >= -1e-6) & (n - delay <= len(n) - 1 + 1e-6)
@@ -403,6 +455,8 @@ def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz):
     above, first = high_passed(left, edge_hz, rate_hz)
     frames = np.zeros(len(hand))
     frames[first : first + len(above)] = above
+    least = 2 * first + int(np.ceil(rate_hz / edge_hz))
+    frames[~ticks_of(inner(counted, first, least), len(hand))] = 0.0
     signals = {
         "delay": late - reference,
         "constant": constant + (gain - 1) * late.mean() + 0 * late,
@@ -413,7 +467,7 @@ def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz):
         "rest": np.where(limit, 0.0, left - frames),
     }
     error = hand - reference
-    return {f"error_{cause}_deg2": np.mean(x * error) for cause, x in signals.items()}
+    return {f"error_{cause}_deg2": np.mean((x * error)[counts]) for cause, x in signals.items()}
 
 
 # The project's hand, as its model card says
@@ -439,53 +493,62 @@ class ModelCard:
 # All scores of one part
 
 
-def joint_scores(reference, hand, quiet_hand, limited, context):
+def joint_scores(reference, hand, quiet_hand, limited, context, counted):
     """quiet_hand and limited: of the noise-free trial, None if there is none."""
     rate_hz = context.rate_hz
-    wearer = Wearer(reference, rate_hz, context.segments)
+    wearer = Wearer(reference, rate_hz, context.segments, counted)
     error = np.degrees(hand - reference)
+    all_error = within(error, 0, counted)
     trembling, first = high_passed(np.degrees(hand), context.jitter_above_hz, rate_hz)
-    delay = delay_samples(reference, hand, rate_hz)
+    # Ticks in whose trembling only ticks that count have a share.
+    trembles = inner(counted, first, 2 * first + int(np.ceil(rate_hz / context.jitter_above_hz)))
+    delay = delay_samples(reference, hand, rate_hz, counted)
     rests = [error[b:e] for b, e in wearer.regimes["rest"]]
     hand_rests = [np.degrees(hand[b:e]) for b, e in wearer.regimes["rest"]]
     scores = {
-        "tracking_rmse_deg": rms(error),
+        "tracking_rmse_deg": rms(all_error),
         "delay_ms": NAN if delay is None else 1000 * delay / rate_hz,
-        "aligned_rmse_deg": rms(error if delay is None
-                                else np.degrees(aligned_error(reference, hand, delay))),
-        "peak_error_deg": np.max(np.abs(error)),
-        "jitter_rms_deg": rms(trembling),
+        "aligned_rmse_deg": rms(all_error if delay is None
+                                else np.degrees(aligned_error(reference, hand, delay, counted))),
+        "peak_error_deg": np.max(np.abs(all_error)) if len(all_error) else NAN,
+        "jitter_rms_deg": rms(within(trembling, first, trembles)),
         "rest_jitter_deg": rms(np.concatenate([x - x.mean() for x in hand_rests])) if rests else NAN,
         "rest_offset_deg": np.mean([abs(x.mean()) for x in rests]) if rests else NAN,
-        "overshoot_deg": np.degrees(overshoot(reference, hand, rate_hz, wearer.movements, delay)),
+        "overshoot_deg": np.degrees(overshoot(reference, hand, rate_hz, wearer.movements, delay,
+                                               counted)),
         "onset_delay_ms": 1000 / rate_hz * onset_delay(reference, hand, rate_hz, wearer.movements),
     }
     scores["sparc"], scores["ldlj"] = smoothness(hand, rate_hz, wearer.movements, delay or 0.0)
     for regime, ranges in wearer.regimes.items():
         scores[regime + "_tracking_rmse_deg"] = rms(within(error, 0, ranges))
         if regime != "rest":
-            scores[regime + "_jitter_rms_deg"] = rms(within(trembling, first, ranges))
+            scores[regime + "_jitter_rms_deg"] = rms(within(trembling, first, overlap(ranges, trembles)))
     quiet = quiet_hand is not None
     noise = np.degrees(hand - quiet_hand) if quiet else np.empty(0)
-    scores["noise_jitter_rms_deg"] = rms(high_passed(noise, context.jitter_above_hz, rate_hz)[0])
-    scores |= (error_parts(reference, hand, quiet_hand, limited, context.jitter_above_hz, rate_hz)
+    noise = high_passed(noise, context.jitter_above_hz, rate_hz)[0]
+    scores["noise_jitter_rms_deg"] = rms(within(noise, first, trembles)) if quiet else NAN
+    scores |= (error_parts(reference, hand, quiet_hand, limited, context.jitter_above_hz, rate_hz, counted)
                if quiet else dict.fromkeys(ERROR_PARTS, NAN))
     return scores
 
 
-def motor_scores(counts, speed, at_limit, quiet_speed, context):
-    noise = speed - quiet_speed if quiet_speed is not None else np.empty(0)
+def motor_scores(counts, speed, at_limit, quiet_speed, context, counted):
+    noise = speed - quiet_speed if quiet_speed is not None else None
+    share = within(at_limit, 0, counted)
     return {
-        "motor_noise_rms_deg_s": rms(np.degrees(noise)),
-        "motor_noise_centroid_hz": centroid(noise, context.rate_hz),
-        "command_reversals_per_s": reversals_per_s(counts, context.rate_hz),
-        "motor_speed_rms_deg_s": rms(np.degrees(speed)),
-        "motor_speed_centroid_hz": centroid(speed, context.rate_hz),
-        "saturation_share": np.mean(at_limit),
+        "motor_noise_rms_deg_s": NAN if noise is None else rms(np.degrees(within(noise, 0, counted))),
+        "motor_noise_centroid_hz": NAN if noise is None else centroid(noise, context.rate_hz, counted),
+        "command_reversals_per_s": reversals_per_s(counts, context.rate_hz, counted),
+        "motor_speed_rms_deg_s": rms(np.degrees(within(speed, 0, counted))),
+        "motor_speed_centroid_hz": centroid(speed, context.rate_hz, counted),
+        "saturation_share": np.mean(share) if len(share) else NAN,
     }
 
 
-def cable_scores(tension, stall_n):
+def cable_scores(tension, stall_n, counted):
+    tension = within(tension, 0, counted)
+    if len(tension) == 0:
+        return dict.fromkeys(("slack_share", "tension_peak_n", "tension_peak_share"), NAN)
     return {"slack_share": np.mean(tension <= 0.01), "tension_peak_n": np.max(tension),
             "tension_peak_share": np.max(tension) / stall_n}
 
@@ -508,8 +571,25 @@ class Context:
         self.jitter_above_hz = setting("jitter_above_hz", 10.0)
         self.card = ModelCard()
         self.shortest_limit_s = max(20.0, setting("period_ms"), setting("frame_ms")) / 1000
+        self.recovery = half_up(setting("recovery_s", 1.0) * self.rate_hz)
+        self.masked = []
+        if "masked" in trace["glove"]:
+            self.masked = [(row["reason"].decode(), row["channel"].decode(), int(row["begin_sample"]),
+                            int(row["end_sample"])) for row in trace["glove/masked"][()]]
         self.segments = [(row["label"].decode(), int(row["begin_sample"]), int(row["end_sample"]))
                          for row in trace["glove/segments"][()]]
+
+
+    def counted(self, channels, count):
+        """Ranges of ticks that count for what follows these channels."""
+        ticks = np.ones(count, bool)
+        for reason, channel, begin, end in self.masked:
+            if channel in channels:
+                ticks[begin : end + (0 if reason == "clipped" else self.recovery)] = False
+        return [(int(b), int(e)) for b, e in stretches(ticks)]
+
+    def channels_of(self, motor, measured_joints):
+        return [joint for joint in measured_joints if motor in self.card.motors_of[joint]]
 
 
 def columns_of(group, name):
@@ -539,20 +619,25 @@ def rescore(trace, controller, measured_joints, context):
                                   round(context.shortest_limit_s * context.rate_hz),
                                   round(0.25 * context.rate_hz))
         rows.setdefault(name, {}).update(
-            joint_scores(reference[name][:count], hand[name], quiet, limited, context))
+            joint_scores(reference[name][:count], hand[name], quiet, limited, context,
+                         context.counted([name], count)))
     speed, at_limit = (columns_of(group, s) for s in ("spool_speed_rad_s", "motor_at_limit"))
     for name, counts in columns_of(group, "command_counts").items():
         quiet = quiet_speed[name][: len(counts)] if quiet_speed else None
         rows.setdefault(name, {}).update(
-            motor_scores(counts, speed[name], at_limit[name], quiet, context))
+            motor_scores(counts, speed[name], at_limit[name], quiet, context,
+                         context.counted(context.channels_of(name, measured_joints), len(counts))))
     for name, tension in columns_of(group, "tension_n").items():
-        stall_n = context.card.stall_n[re.sub("_(flexor|extensor)$", "", name)]
-        rows.setdefault(name, {}).update(cable_scores(tension, stall_n))
+        motor = re.sub("_(flexor|extensor)$", "", name)
+        counted = context.counted(context.channels_of(motor, measured_joints), len(tension))
+        rows.setdefault(name, {}).update(cable_scores(tension, context.card.stall_n[motor], counted))
     force = columns_of(group, "grip_force_n")
-    ripple = [grip_ripple(x, context.jitter_above_hz, context.rate_hz) for x in force.values()]
-    overlap = [np.mean(x > 2e-3) for x in columns_of(group, "digit_overlap_m").values()]
+    ripple = [grip_ripple(x, context.jitter_above_hz, context.rate_hz,
+                          context.counted(measured_joints, len(x))) for x in force.values()]
+    deep = [within(x > 2e-3, 0, context.counted(measured_joints, len(x)))
+            for x in columns_of(group, "digit_overlap_m").values()]
     return rows, {"grip_force_ripple_n": ripple[0] if ripple else NAN,
-                  "digit_overlap_share": overlap[0] if overlap else NAN}
+                  "digit_overlap_share": np.mean(deep[0]) if deep and len(deep[0]) else NAN}
 
 
 def difference(metric, theirs, ours):

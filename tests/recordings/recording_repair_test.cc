@@ -17,7 +17,6 @@
 #include "sim/base/random.h"
 #include "sim/glove/glove.h"
 #include "sim/glove/noise/box_muller.h"
-#include "sim/recordings/glitches.h"
 #include "sim/recordings/recording.h"
 #include "sim/recordings/zero_phase.h"
 #include "tests/support/source_dir.h"
@@ -219,59 +218,6 @@ TEST(RecordingRepair, LeavesOutUnknownColumnsAndSaysSo) {
               Contains("in.csv: unknown column 'label' left out: 1 times, first in row 1"));
 }
 
-/// Places of glitches in values of a joint with a range of 1, as a whole file.
-std::vector<std::size_t> Glitches(const std::vector<double>& values, double rate_hz = 100.0,
-                                  StretchEnds ends = {true, true}) {
-  std::vector<double> time_s;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    time_s.push_back(static_cast<double>(i) / rate_hz);
-  }
-  return FindGlitches(time_s, values, 1.0, ends);
-}
-
-TEST(Glitches, AreOneOrTwoWildValuesInARow) {
-  EXPECT_THAT(Glitches({0, 0, 0.3, 0, 0}), ElementsAre(2));
-  EXPECT_THAT(Glitches({0, 0, -0.3, 0, 0}), ElementsAre(2));
-  EXPECT_THAT(Glitches({0, 0, 0.9, 0.4, 0, 0}), ElementsAre(2, 3));
-  EXPECT_THAT(Glitches({0, 0, 0.9, -0.9, 0, 0}), ElementsAre(2, 3));
-  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.9, 0.9, 0, 0, 0}), ElementsAre());  // may be a movement
-  EXPECT_THAT(Glitches({0, 0.9, 0, 0.9, 0}), ElementsAre(1, 3));
-  EXPECT_THAT(Glitches({0, 0, 0.2, 0, 0}), ElementsAre());
-  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.9, 0.9, 0.9}), ElementsAre());  // a step
-}
-
-TEST(Glitches, AreFoundBesideMissingValues) {
-  const double nan = std::nan("");
-  EXPECT_THAT(Glitches({0, 0, nan, 0.9, nan, 0, 0}), ElementsAre(3));
-  EXPECT_THAT(Glitches({nan, nan}), ElementsAre());
-}
-
-TEST(Glitches, AreFoundAtTheEndsOfAFileButNotOfAStretchOfIt) {
-  EXPECT_THAT(Glitches({0.9, 0, 0, 0, 0}), ElementsAre(0));
-  EXPECT_THAT(Glitches({0.9, 0.8, 0, 0, 0}), ElementsAre(0, 1));
-  EXPECT_THAT(Glitches({0, 0, 0, 0, 0.9}), ElementsAre(4));
-  EXPECT_THAT(Glitches({0, 0, 0, 0.9, 0.8}), ElementsAre(3, 4));
-  EXPECT_THAT(Glitches({0.9, 0, 0.2, 0.4, 0.6}), ElementsAre());  // nothing to compare with
-  EXPECT_THAT(Glitches({0, 0.9}), ElementsAre());
-  EXPECT_THAT(Glitches({0.9, 0, 0, 0, 0.9}, 100.0, {false, false}), ElementsAre());
-}
-
-TEST(Glitches, AreNotWhatAHandCanDoBetweenTwoRows) {
-  EXPECT_THAT(Glitches({0, 0, 0.5, 0, 0}, 50.0), ElementsAre(2));
-  EXPECT_THAT(Glitches({0, 0, 0.5, 0, 0}, 20.0), ElementsAre());
-  // Opening and closing six times a second by 60 % of the range, with minimum jerk, at the rates of
-  // real files.
-  for (const double rate_hz : {12.0, 20.0, 25.0, 30.0, 50.0, 60.0, 100.0, 1000.0}) {
-    std::vector<double> bursts;
-    for (int i = 0; i < static_cast<int>(3 * rate_hz); ++i) {
-      const double cycle = std::fmod(i / rate_hz * 6.0, 1.0);
-      const double way = cycle < 0.5 ? 2.0 * cycle : 2.0 - 2.0 * cycle;
-      bursts.push_back(0.6 * way * way * way * (10.0 - 15.0 * way + 6.0 * way * way));
-    }
-    EXPECT_THAT(Glitches(bursts, rate_hz), ElementsAre()) << rate_hz;
-  }
-}
-
 TEST(Recording, FillsShortGapsAndMasksLongOnes) {
   Recording recording;
   recording.has_channel.assign(18, true);
@@ -338,8 +284,10 @@ TEST_F(Files, WithGlitchesStopAStrictReadingAndAreRepaired) {
   RecordingFormat repair;
   repair.handling = ProblemHandling::kRepair;
   const Recording recording = LoadRecording(file, repair);
-  EXPECT_THAT(recording.remarks,
-              ElementsAre(file + ": index_mcp: glitch, value left out: 4 times, first in row 2"));
+  EXPECT_THAT(
+      recording.remarks,
+      ElementsAre(file + ": glitch, value left out: 4 times, first in row 2 (index_mcp 1.3 % of "
+                         "the rows)"));
   const auto angle = recording.angle_rad.col(ChannelIndex("index_mcp"));
   EXPECT_EQ(angle.array().isNaN().count(), 4);
   EXPECT_TRUE(std::isnan(angle[99]));
@@ -370,16 +318,19 @@ TEST_F(Files, ThatAreTooShortSayWhy) {
   EXPECT_EQ(ErrorOf([&] { LoadRecording(repeats, repair); }),
             repeats +
                 ":301:1: the recording has 1 good rows, must have at least 2 (found: repeated "
-                "time, row left out: 299 times, first in row 3)");
+                "time, row left out: 299 times, first in row 3); is the time too coarse? Map its "
+                "column to "
+                "ignore, and give file_rate_hz");
 }
 
 TEST_F(Files, OfASlowDeviceAreRemarked) {
   std::string text = "time_s,index_mcp\n0,1\n";
-  for (int i = 1; i < 10; ++i) text += fmt::format("{},{}\n", 0.01 * i, i / 4);
+  for (int i = 1; i < 10; ++i) text += fmt::format("{},{}\n", 0.01 * i, i / 4 * 10);
   const std::string file = Write("in.csv", text);
-  EXPECT_THAT(LoadRecording(file, {}).remarks,
-              ElementsAre(file + ": index_mcp: 6 of 10 rows repeat the value before, first in row "
-                                 "4, 3 rows in a row at most"));
+  EXPECT_THAT(
+      LoadRecording(file, {}).remarks,
+      ElementsAre(file + ": rows that repeat the value before: index_mcp 60 % (at most 3 in a "
+                         "row)"));
 }
 
 TEST_F(Files, AreMappedByAMapFile) {
@@ -499,8 +450,7 @@ TEST_F(Files, OfNoiseHaveTheirGlitchesLeftOut) {
   config.noise.recording_problems = ProblemHandling::kRepair;
   EXPECT_NEAR(span_counts(40.0), clean_counts, 2.0);
   EXPECT_THAT(SynthesiseGlove(config, 1).remarks,
-              ElementsAre(HasSubstr("index_mcp: glitch, value left out: 1 times, first in row "
-                                    "202")));
+              ElementsAre(HasSubstr("glitch, value left out: 1 times, first in row 202")));
 }
 
 TEST_F(Files, AreHeldWhereAGloveMeasuredAndInterpolatedWhereTheyAreTheTruth) {
@@ -663,7 +613,7 @@ TEST(MeasuredRecording, OfAHomeMadeGloveNamesItsReference) {
   const GloveSignal glove = SynthesiseGlove(Played(recording), 1);
   EXPECT_EQ(glove.reference_name, "recording smoothed at 5 Hz, zero phase");
   EXPECT_EQ(glove.counts.rows(), 20000);
-  EXPECT_THAT(glove.remarks, Contains(HasSubstr("rows repeat the value before")));
+  EXPECT_THAT(glove.remarks, Contains(HasSubstr("rows that repeat the value before")));
   // The letter V: index and middle finger straight, ring and little finger bent.
   const auto mean_deg = [&](std::string_view name) {
     return glove.true_angle_rad.col(ChannelIndex(name)).mean() * kDegPerRad;

@@ -133,7 +133,7 @@ class RecordingFile : public ::testing::Test {
 };
 
 TEST_F(RecordingFile, GivesAnglesInRadiansUnderTheChannelsNames) {
-  Write("time_s,elbow_flexion,index_mcp\n0,90,-45\n0.01,180,45\n");
+  Write("time_s,elbow_flexion,index_mcp\n0,90,-45\n0.01,120,45\n");
   const Recording recording = LoadRecording(path_, {});
   EXPECT_EQ(recording.angle_rad.rows(), 2);
   EXPECT_NEAR(recording.angle_rad(0, ChannelIndex("elbow_flexion")), 1.5707963267948966, 1e-15);

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -68,6 +69,49 @@ TEST_F(RepetitionsTest, SeedsTakeThemInTurn) {
   EXPECT_THAT(Scales(scenario, 5, 7), ElementsAre(1, 4, 9, 1, 4, 9, 1));
   EXPECT_EQ(scenario.glove.noise.variance_scale, 1.0);
   EXPECT_EQ(GloveOf(scenario, 6).rate_hz, 500.0);  // all else is the glove's
+}
+
+TEST_F(RepetitionsTest, MayBeTheFilesOfARecordingAListAFolderOrAPattern) {
+  std::filesystem::create_directory(folder_.path() / "monday");
+  for (const char* name : {"b.csv", "a.csv", "c.txt"}) {
+    std::ofstream(folder_.path() / "monday" / name) << "time_s,index_mcp\n0,1\n1,2\n";
+  }
+  const auto names = [&](const std::string& files, const std::vector<std::string>& sets = {}) {
+    const Scenario scenario = Load("", sets, "  motion: {kind: recording, files: " + files + "}\n");
+    std::vector<std::string> found;
+    for (const GloveConfig& glove : scenario.repetitions.gloves) {
+      const std::filesystem::path file = std::get<RecordedMotionConfig>(glove.motion.settings).file;
+      EXPECT_EQ(file.parent_path(), folder_.path() / "monday");
+      found.push_back(file.filename());
+    }
+    return found;
+  };
+  EXPECT_THAT(names("[monday/b.csv, monday/a.csv]"), ElementsAre("b.csv", "a.csv"));
+  EXPECT_THAT(names("monday"), ElementsAre("a.csv", "b.csv", "c.txt"));
+  EXPECT_THAT(names("monday/*.csv"), ElementsAre("a.csv", "b.csv"));
+  EXPECT_THAT(names("monday", {"glove.motion.file=monday/a.csv"}), testing::IsEmpty());
+  // What is written is read back.
+  const Scenario scenario = Load("", {}, "  motion: {kind: recording, files: monday}\n");
+  const Scenario again = ParseScenario({.file = "again.yaml", .text = ScenarioToYaml(scenario)});
+  EXPECT_EQ(ScenarioToYaml(again), ScenarioToYaml(scenario));
+}
+
+TEST_F(RepetitionsTest, RefuseFilesThatAreNotThereOrAreGivenTwice) {
+  const auto refusal = [&](const std::string& motion, const std::string& repetitions = "") {
+    try {
+      Load(repetitions, {}, "  motion: {kind: recording, " + motion + "}\n");
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_THAT(refusal("files: tuesday"),
+              HasSubstr("s.yaml:4:36: glove.motion.files: tuesday: there is no such file"));
+  EXPECT_THAT(refusal("file: a.csv, files: [a.csv]"),
+              HasSubstr("glove.motion.files: and file cannot both be given"));
+  EXPECT_THAT(refusal("files: [a.csv, b.csv]", kScales),
+              HasSubstr("has 2 values, glove.noise.variance_scale has 3"));
+  EXPECT_THAT(refusal("files: []"), HasSubstr("must be a list of values"));
 }
 
 TEST_F(RepetitionsTest, WithoutThemEverySeedHasTheGlove) {

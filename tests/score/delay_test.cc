@@ -123,14 +123,14 @@ TEST(AlignedRms, VanishesForAPureDelay) {
   const auto leader = Sampled(5.0, kRate_hz, Motion);
   for (const double delay : {-12.0, 0.0, 37.0, 37.4}) {
     const auto follower = Sampled(5.0, kRate_hz, [&](double t) { return Motion(t - delay / 1e3); });
-    EXPECT_NEAR(AlignedRms(leader, follower, delay), 0.0, 1e-5);
+    EXPECT_NEAR(AlignedRms(leader, follower, delay, All(leader)), 0.0, 1e-5);
   }
 }
 
 TEST(AlignedRms, KeepsAnOffset) {
   const auto leader = Sampled(5.0, kRate_hz, Motion);
   const auto follower = Sampled(5.0, kRate_hz, [](double t) { return 0.25 + Motion(t - 0.05); });
-  EXPECT_NEAR(AlignedRms(leader, follower, 50.0), 0.25, 1e-9);
+  EXPECT_NEAR(AlignedRms(leader, follower, 50.0, All(leader)), 0.25, 1e-9);
 }
 
 }  // namespace

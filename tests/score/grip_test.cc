@@ -9,7 +9,7 @@ namespace {
 
 double Ripple(const std::vector<double>& force_n) {
   Fourier fourier;
-  return GripForceRipple(force_n, 1000.0, 10.0, fourier);
+  return GripForceRipple(force_n, 1000.0, 10.0, All(force_n), fourier);
 }
 
 /// A grip of 20 N from 1 to 6 s that rises and falls within 50 ms, with a slow swing of 2 N and a

@@ -9,7 +9,7 @@ namespace {
 
 double Centroid(const std::vector<double>& speed, double rate_hz = 1000.0) {
   Fourier fourier;
-  return SpectralCentroid(speed, rate_hz, fourier);
+  return SpectralCentroid(speed, rate_hz, All(speed), fourier);
 }
 
 TEST(SpectralCentroid, OfASineIsItsFrequency) {
@@ -39,7 +39,9 @@ TEST(SpectralCentroid, DoesNotExistForShortOrConstantSpeeds) {
 }
 
 TEST(SlackShare, CountsCablesThatHangThrough) {
-  EXPECT_DOUBLE_EQ(SlackShare(std::vector{0.0, 0.01, 0.02, 5.0}), 0.5);
+  const std::vector<double> tension_n{0.0, 0.01, 0.02, 5.0};
+  EXPECT_DOUBLE_EQ(SlackShare(tension_n, All(tension_n)), 0.5);
+  EXPECT_DOUBLE_EQ(SlackShare(tension_n, {{1, 4}}), 1.0 / 3.0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "sim/base/random.h"
 #include "sim/base/signal.h"
+#include "sim/score/counted_ticks.h"
 
 namespace gauntlet::sim {
 
@@ -31,6 +32,12 @@ inline std::vector<double> Noise(std::size_t count, std::uint64_t seed) {
     for (int i = 0; i < 12; ++i) value += random.Uniform();
   }
   return values;
+}
+
+/// All of a signal counts.
+template <class Values>
+CountedTicks All(const Values& values) {
+  return {{0, static_cast<int>(values.size())}};
 }
 
 /// One column of a Signal.

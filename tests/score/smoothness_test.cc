@@ -54,7 +54,8 @@ TEST(Smoothness, DoesNotDependOnAmplitudeOrDuration) {
 }
 
 Smoothness OfHand(const std::function<double(double)>& hand, double delay_samples = 0.0) {
-  const std::vector<Movement> movements{{.begin = 1000, .end = 2000, .to_rad = 1.0}};
+  const std::vector<Movement> movements{
+      {.begin = 1000, .end = 2000, .to_rad = 1.0, .within = {0, 3000}}};
   Fourier fourier;
   return MovementSmoothness(Sampled(3.0, 1000.0, hand), 1000.0, movements, delay_samples, fourier);
 }
@@ -174,7 +175,8 @@ TEST(Smoothness, DoesNotExistWithoutMotion) {
   EXPECT_TRUE(std::isnan(LogDimensionlessJerk(std::vector<double>(50, 0.0), 100.0)));
   EXPECT_TRUE(std::isnan(OfHand([](double) { return 0.2; }).sparc));
   EXPECT_TRUE(std::isnan(MovementSmoothness(Noise(3000, 1), 1000.0, {}, 0.0, fourier).ldlj));
-  const std::vector<Movement> outside{{.begin = 0, .end = 1000}, {.begin = 2500, .end = 3000}};
+  const std::vector<Movement> outside{{.begin = 0, .end = 1000, .within = {0, 3000}},
+                                      {.begin = 2500, .end = 3000, .within = {0, 3000}}};
   EXPECT_TRUE(std::isnan(MovementSmoothness(Noise(3000, 1), 1000.0, outside, 0.0, fourier).sparc));
 }
 

@@ -27,7 +27,7 @@ StepScores Score(const std::function<double(double)>& wearer_at,
   const auto random = Noise(hand.size(), 9);
   for (std::size_t n = 0; n < hand.size(); ++n) hand[n] += noise * random[n];
   const auto movements = AnalyseWearer(wearer, kRate_hz, {}).movements;
-  return {Overshoot(wearer, hand, kRate_hz, movements, delay_samples),
+  return {Overshoot(wearer, hand, kRate_hz, movements, delay_samples, All(hand)),
           OnsetDelay(wearer, hand, kRate_hz, movements)};
 }
 

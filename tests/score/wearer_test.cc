@@ -21,9 +21,9 @@ std::vector<double> RampsAndRests() {
   return Sampled(7.3, kRate_hz, [](double t) { return kRadPerDeg * RampsAndRests_deg(t); });
 }
 
-int Length(const std::vector<Range>& ranges) {
+int Length(const std::vector<TickRange>& ranges) {
   int sum = 0;
-  for (const Range& range : ranges) sum += range.end - range.begin;
+  for (const TickRange& range : ranges) sum += range.end - range.begin;
   return sum;
 }
 
@@ -94,7 +94,7 @@ TEST(Wearer, RegimesOfEverySampleAreAtMostOneOfRestSlowFast) {
   const auto motion = AnalyseWearer(angle, kRate_hz, {});
   std::vector<int> seen(angle.size());
   for (const Regime regime : {Regime::kRest, Regime::kSlow, Regime::kFast}) {
-    for (const Range& range : motion.Of(regime)) {
+    for (const TickRange& range : motion.Of(regime)) {
       for (int n = range.begin; n < range.end; ++n) ++seen.at(n);
     }
   }

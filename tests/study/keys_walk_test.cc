@@ -45,6 +45,11 @@ const std::vector<std::string> kHum = {"glove.noise.mains_amplitude_counts=20"};
 const std::vector<std::string> kDrift = {"glove.sensor.drift_deviation_percent=20"};
 const std::vector<std::string> kNoiseOfRecording = {"glove.noise.recording=" + kRecording,
                                                     "glove.noise.recording_scale=100"};
+// Nothing was recorded from 4.47 to 4.87 s.
+const std::vector<std::string> kGap = {"glove.motion={kind: recording, file: " + SourceDir() +
+                                       "/scenarios/recordings/door_opening/targets.csv, use: "
+                                       "measured, problems: repair, start_s: 3.2, "
+                                       "duration_s: 3}"};
 const std::vector<std::string> kJumps = {kOf + "untrusted.jump_share=0.01"};
 const std::vector<std::string> kStill = {"glove.motion={kind: hold, duration_s: 1.5}",
                                          "glove.noise.kind=none"};
@@ -163,6 +168,10 @@ const std::vector<Step>& Walk() {
       {"score.noise_free_twin=false", kChanges},
       {"score.noise_free_twin=true", kKeeps},
       {"score.noise_free_twin=2", kRefused},
+      {"score.recovery_s=0", kKeeps},  // without a gap
+      {"score.recovery_s=0", kChanges, {}, kGap},
+      {"score.recovery_s=60", kChanges, {}, kGap},
+      {"score.recovery_s=61", kRefused},
       // Channels and joints.
       {"glove.channels=[]", kKeeps},
       {"glove.channels=[index_mcp]", kChanges},

@@ -1,15 +1,19 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "sim/base/masked_stretch.h"
 #include "sim/base/segment.h"
 #include "sim/base/signal.h"
 #include "sim/glove/sensor/converter.h"
 #include "sim/glove/sensor/sensor_config.h"
 
 namespace gauntlet::sim {
+
+struct Recording;
 
 /// True joint angles of the wearer over time. Channels are all of KnownChannels().
 struct Motion {
@@ -19,6 +23,9 @@ struct Motion {
   std::vector<Segment> segments;  // that a person labelled
   /// What a recorded glove said, where the recording is of a glove; else empty. NaN is missing.
   Signal measured_rad;
+  std::vector<MaskedStretch> masked;           // of a recording: what nobody knows of, in samples
+  std::shared_ptr<const Recording> recording;  // what it was made from, if it was
+  double recording_start_s = 0.0;              // of the stretch that is played
   std::string reference_name = "ground truth";
   std::vector<std::string> remarks;  // what was repaired in a recording, one line each
 

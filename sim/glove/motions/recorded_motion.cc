@@ -11,14 +11,16 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/glove/motions/postures.h"
+#include "sim/glove/motions/recorded_reference.h"
+#include "sim/glove/motions/recording_mask.h"
 #include "sim/glove/motions/settings_of_motions.h"
 #include "sim/recordings/recording.h"
-#include "sim/recordings/zero_phase.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr std::array<std::string_view, 2> kUseNames = {"truth", "measured"};
+constexpr std::array<std::string_view, 2> kOffsetNames = {"given", "auto"};
 
 RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext& context) {
   RecordingFormat format;
@@ -27,41 +29,50 @@ RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext
   format.skipped_lines = config.skip_lines;
   format.handling = config.problems;
   format.longest_gap_ms = config.longest_gap_ms;
+  format.repair_budget_percent = config.repair_budget_percent;
   format.low_counts = context.sensor.low_counts(context.converter.full_scale_counts());
   format.high_counts = context.sensor.high_counts(context.converter.full_scale_counts());
   return format;
 }
 
 Recording Load(const RecordedMotionConfig& config, const RecordingFormat& format,
-               const std::string& file) {
+               const std::string& file, double start_s) {
   // Reading ends where no motion goes, so that memory does not grow with the file.
   const double duration_s = config.duration_s > 0.0 ? config.duration_s : kLongestMotionS + 1.0;
-  return LoadRecording(file, format, config.start_s, duration_s);
+  return LoadRecording(file, format, start_s, duration_s);
 }
 
 /// The stretch at the sampling rate; channels that the recording lacks hold the posture `rest`.
-/// Where `masked`, a sample in a long gap is NaN; else it is made like all others.
+/// Where nothing was recorded for long a sample is made like all others, and `masked`.
 Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recording,
-                      std::size_t samples, double rate_hz, Resampling how, bool masked = false) {
+                      const PlayedStretch& stretch, Resampling how,
+                      std::vector<MaskedStretch>& masked) {
   const std::vector<double> rest = PostureAngles(0);
-  Signal angle_rad(static_cast<Eigen::Index>(samples), static_cast<Eigen::Index>(rest.size()));
-  for (std::size_t channel = 0; channel < rest.size(); ++channel) {
-    auto column = angle_rad.col(static_cast<Eigen::Index>(channel));
+  Signal angle_rad(static_cast<Eigen::Index>(stretch.ticks), std::ssize(rest));
+  for (int channel = 0; channel < std::ssize(rest); ++channel) {
+    auto column = angle_rad.col(channel);
     if (!recording.has_channel[channel]) {
       column.setConstant(rest[channel]);
       continue;
     }
-    const Resampled resampled =
-        Resample(recording, static_cast<Eigen::Index>(channel), config.start_s, rate_hz, samples,
-                 1e-3 * config.longest_gap_ms, how);
-    for (std::size_t i = 0; i < samples; ++i) {
-      column[static_cast<Eigen::Index>(i)] = masked && resampled.mask[i]
-                                                 ? std::numeric_limits<double>::quiet_NaN()
-                                                 : resampled.value[i];
-    }
+    const Resampled resampled = Resample(recording, channel, stretch.start_s, stretch.rate_hz,
+                                         stretch.ticks, 1e-3 * config.longest_gap_ms, how);
+    std::ranges::copy(resampled.value, column.begin());
+    AddGapsAndRestarts(recording, channel, stretch, resampled.mask, masked);
     TrimSignals();
   }
   return angle_rad;
+}
+
+/// In a gap the glove says nothing.
+void LeaveOutGaps(const std::vector<MaskedStretch>& masked, Signal& angle_rad) {
+  for (const MaskedStretch& stretch : masked) {
+    if (stretch.reason != MaskReason::kGap) continue;
+    angle_rad.col(stretch.channel)
+        .segment(stretch.begin, stretch.end - stretch.begin)
+        .setConstant(std::numeric_limits<double>::quiet_NaN());
+    TrimSignals();
+  }
 }
 
 /// No joint leaves its range, whatever a file says.
@@ -113,6 +124,25 @@ void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config
   if (config.use == RecordingUse::kTruth) return;
   visitor.Path({.key = "reference", .help = "recording of the truth at the same times, if any"},
                config.reference);
+  visitor.Path({.key = "reference_map", .help = "column map of the reference; by default as map"},
+               config.reference_map);
+  visitor.Number({.key = "reference_rate_hz",
+                  .help = "rows per second of a reference without a time column; 0: as "
+                          "file_rate_hz",
+                  .min = 0,
+                  .max = 100000},
+                 config.reference_rate_hz);
+  controller::VisitEnum(visitor,
+                        {.key = "reference_offset",
+                         .help = "how the times of both files fit: given, by reference_offset_s; "
+                                 "auto, found by correlation within 10 s"},
+                        kOffsetNames, config.reference_offset);
+  visitor.Number({.key = "reference_offset_s",
+                  .help = "by how much later the same moment is in the reference than in the "
+                          "recording, each counted from its first row",
+                  .min = -1e6,
+                  .max = 1e6},
+                 config.reference_offset_s);
   visitor.Number({.key = "smoothing_hz",
                   .help = "without one the reference is the recording, smoothed at this cut-off",
                   .min = 0.1,
@@ -124,7 +154,10 @@ void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config
 
 void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Path(
-      {.key = "file", .help = "a table of any format: time and channels by name", .required = true},
+      {.key = "file",
+       .help = "a table of any format: time and channels by name; in its place files, a list or a "
+               "folder, whose recordings are the repetitions of a comparison",
+       .required = true},
       file);
   visitor.Path(
       {.key = "map", .help = "column map for a file with other names or units, or a preset"}, map);
@@ -146,6 +179,12 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
                   .min = 0,
                   .max = 1e7},
                  longest_gap_ms);
+  visitor.Number({.key = "repair_budget_percent",
+                  .help = "rows that may need a repair; with more the file is refused, with the "
+                          "likeliest cause",
+                  .min = 0,
+                  .max = 100},
+                 repair_budget_percent);
   visitor.Number(
       {.key = "start_s", .help = "where in the recording to start", .min = 0, .max = 1e9}, start_s);
   visitor.Number({.key = "duration_s",
@@ -156,33 +195,80 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitUse(visitor, *this);
 }
 
+namespace {
+
+/// The wearer's true angles from a recording of their own, at the moments of the stretch.
+void TakeReference(const RecordedMotionConfig& config, const RecordingFormat& recording_format,
+                   const Recording& recording, const PlayedStretch& stretch, Motion& motion) {
+  constexpr double kSearched_s = 10.0;
+  RecordingFormat format = recording_format;
+  if (!config.reference_map.empty()) format.map = config.reference_map;
+  if (config.reference_rate_hz > 0.0) format.rate_hz = config.reference_rate_hz;
+  const bool is_given = config.reference_offset == ReferenceOffset::kGiven;
+  RecordedMotionConfig wider = config;
+  if (!is_given && config.duration_s > 0.0) wider.duration_s += 2.0 * kSearched_s;
+  const double first_s = stretch.start_s + (is_given ? config.reference_offset_s : -kSearched_s);
+  const Recording truth = Load(wider, format, config.reference, std::max(0.0, first_s));
+  PlayedStretch shifted = stretch;
+  if (is_given) {
+    shifted.start_s += config.reference_offset_s;
+  } else {
+    const double offset_s = FindReferenceOffset(recording, truth, stretch);
+    shifted.start_s += offset_s;
+    motion.remarks.push_back(
+        fmt::format("{}: found {:.3f} s later than in the recording", truth.name, offset_s));
+  }
+  CheckReferenceCovers(truth, shifted, 1e-3 * config.longest_gap_ms);
+  motion.angle_rad = AtSamplingRate(config, truth, shifted, Resampling::kCubic, motion.masked);
+  for (int channel = 0; channel < std::ssize(truth.has_channel); ++channel) {
+    if (!recording.has_channel[channel] || truth.has_channel[channel]) continue;
+    motion.masked.push_back({MaskReason::kGap, channel, 0, static_cast<int>(stretch.ticks)});
+    motion.remarks.push_back(fmt::format("{}: has no {}, whose following is not known", truth.name,
+                                         KnownChannels()[channel].name));
+  }
+  motion.reference_name = "recorded reference";
+  motion.remarks.insert(motion.remarks.end(), truth.remarks.begin(), truth.remarks.end());
+}
+
+}  // namespace
+
 Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context) {
   const RecordingFormat format = FormatOf(config, context);
-  const Recording recording = Load(config, format, config.file);
-  const std::size_t samples = SampleCount(config, recording, context);
+  const auto loaded =
+      std::make_shared<const Recording>(Load(config, format, config.file, config.start_s));
+  const Recording& recording = *loaded;
+  const PlayedStretch stretch{.start_s = config.start_s,
+                              .rate_hz = context.rate_hz,
+                              .ticks = SampleCount(config, recording, context)};
   Motion motion;
+  motion.recording = loaded;
+  motion.recording_start_s = config.start_s;
   motion.remarks = recording.remarks;
-  const bool is_truth = config.use == RecordingUse::kTruth;
-  motion.angle_rad = AtSamplingRate(config, recording, samples, context.rate_hz,
-                                    is_truth ? config.resampling() : Resampling::kCubic);
-  if (!is_truth) {
-    motion.measured_rad =
-        AtSamplingRate(config, recording, samples, context.rate_hz, config.resampling(), true);
-    if (!config.reference.empty()) {
-      const Recording truth = Load(config, format, config.reference);
-      motion.angle_rad =
-          AtSamplingRate(config, truth, samples, context.rate_hz, Resampling::kCubic);
-      motion.reference_name = "recorded reference";
-      motion.remarks.insert(motion.remarks.end(), truth.remarks.begin(), truth.remarks.end());
-    } else {
-      for (Eigen::Index c = 0; c < motion.angle_rad.cols(); ++c) {
-        SmoothZeroPhase(config.smoothing_hz, context.rate_hz,
-                        {motion.angle_rad.col(c).data(), samples});
-        TrimSignals();
-      }
-      motion.reference_name =
-          fmt::format("recording smoothed at {:g} Hz, zero phase", config.smoothing_hz);
+  if (config.use == RecordingUse::kTruth) {
+    motion.angle_rad =
+        AtSamplingRate(config, recording, stretch, config.resampling(), motion.masked);
+    KeepInRange(motion.angle_rad);
+    return motion;
+  }
+  motion.measured_rad =
+      AtSamplingRate(config, recording, stretch, config.resampling(), motion.masked);
+  LeaveOutGaps(motion.masked, motion.measured_rad);
+  if (!config.reference.empty()) {
+    TakeReference(config, format, recording, stretch, motion);
+  } else {
+    std::vector<MaskedStretch> same;  // what the glove does not say is known already
+    motion.angle_rad = AtSamplingRate(config, recording, stretch, Resampling::kCubic, same);
+    for (int channel = 0; channel < motion.angle_rad.cols(); ++channel) {
+      SmoothBetween(motion.masked, channel, config.smoothing_hz, context.rate_hz,
+                    {motion.angle_rad.col(channel).data(), stretch.ticks});
+      TrimSignals();
     }
+    motion.reference_name =
+        fmt::format("recording smoothed at {:g} Hz, zero phase", config.smoothing_hz);
+  }
+  for (int channel = 0; channel < std::ssize(recording.has_channel); ++channel) {
+    if (recording.has_channel[channel]) AddClipped(recording, channel, stretch, motion.masked);
+    TrimSignals();
   }
   KeepInRange(motion.angle_rad);
   return motion;

@@ -17,6 +17,12 @@ enum class RecordingUse {
   kMeasured,  // what a real glove said: it goes to the converter as it is
 };
 
+/// Where the time of the reference comes from.
+enum class ReferenceOffset {
+  kGiven,  // reference_offset_s
+  kAuto,   // found by correlation
+};
+
 /// Joint angles from a text file, brought to the sampling rate.
 struct RecordedMotionConfig {
   static constexpr std::string_view kKind = "recording";
@@ -28,12 +34,17 @@ struct RecordedMotionConfig {
   int skip_lines = 0;
   ProblemHandling problems = ProblemHandling::kStrict;
   double longest_gap_ms = 100.0;
+  double repair_budget_percent = 5.0;
   double start_s = 0.0;
   double duration_s = 0.0;  // 0: to the end
   RecordingUse use = RecordingUse::kTruth;
   std::optional<Resampling> resample = {};  // none: what fits the use
   std::string reference = {};               // for measured: a recording of the truth
-  double smoothing_hz = 5.0;                // for measured without one
+  std::string reference_map = {};           // of that file; empty: as `map`
+  double reference_rate_hz = 0.0;           // rows per second of that file; 0: as file_rate_hz
+  ReferenceOffset reference_offset = ReferenceOffset::kGiven;
+  double reference_offset_s = 0.0;  // by how much later the same moment is in that file
+  double smoothing_hz = 5.0;        // for measured without one
 
   /// A person moves smoothly between two rows; a glove's newest row is all that is known of it.
   Resampling resampling() const {
@@ -43,7 +54,8 @@ struct RecordedMotionConfig {
 };
 
 /// For `measured`, angle_rad is the reference, always by interpolation, and measured_rad what the
-/// glove said.
+/// glove said. What nobody knows is `masked`: gaps and restarts, of a measured recording also where
+/// a sensor stands at its stop, and what the reference lacks.
 /// The columns in counts are those of the default sensor and converter unless given.
 /// Errors: UserError for a file that cannot be read or is too short.
 Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context);

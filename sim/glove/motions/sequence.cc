@@ -145,6 +145,11 @@ void AppendMotion(Motion next, double blend_s, double rate_hz, Motion& motion) {
   for (const Segment& segment : next.segments) {
     motion.segments.push_back({segment.label, segment.begin + offset, segment.end + offset});
   }
+  for (MaskedStretch stretch : next.masked) {
+    stretch.begin += offset;
+    stretch.end += offset;
+    motion.masked.push_back(stretch);
+  }
   motion.velocity_rad_s = Stacked(motion.velocity_rad_s, next.velocity_rad_s);
   motion.acceleration_rad_s2 = Stacked(motion.acceleration_rad_s2, next.acceleration_rad_s2);
   motion.angle_rad = Stacked(motion.angle_rad, next.angle_rad);

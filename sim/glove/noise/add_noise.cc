@@ -80,6 +80,8 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
   format.rate_key = "recording_rate_hz";
   format.handling = config.recording_problems;
   format.longest_gap_ms = config.recording_longest_gap_ms;
+  format.repair_budget_percent = 100.0;  // of noise, any part will do
+  format.keeps_to_range = false;         // only its noise is wanted
   format.low_counts = sensor.low_counts(converter.full_scale_counts());
   format.high_counts = sensor.high_counts(converter.full_scale_counts());
   // No more of the file than the signal can use, and a little for the smoothing at its end.

@@ -265,7 +265,9 @@ class CurvesView {
     const single = (key, label, colour, width) => body.append(element("tr", {},
       element("th", {scope: "row"}, this.choice(true, (on) => { this.shown[key] = on; },
         this.lineSample(colour, {width}), label)), this.cells[key]));
-    single("true", "wearer (true)", "var(--ink)", 1.5);
+    const reference = this.data.reference.startsWith("recording smoothed") ? "smoothed recording"
+      : this.data.reference === "ground truth" ? "wearer (true)" : this.data.reference;
+    single("true", reference, "var(--ink)", 1.5);
     single("raw", "glove (raw)", "var(--glove)", 1);
     this.data.controllers.forEach((controller, i) => {
       const cells = {};

@@ -6,7 +6,7 @@ function showProblems(data) {
   for (const controller of data.controllers) {
     if (controller.untrusted_samples > 0) {
       list.append(element("li", {}, `${controller.name}: ${controller.untrusted_samples} glove ` +
-        "samples were missing or out of range and replaced by the last good value"));
+        "samples were missing, out of range, wild or unchanged for a second: the last good value was held"));
     }
   }
   list.hidden = list.children.length === 0;
@@ -146,6 +146,7 @@ function start() {
   if (data.error_split) startErrorSplit(data);
   else hidePart("error");
   if (!data.latency) hidePart("latency");
+  if (!byId("recording")) document.querySelector('nav a[href="#recording"]').hidden = true;
   byId("scores-table").parentElement.after(saveButtons(data, "scores", null, () => scoreRows(data)));
   if (data.latency) {
     byId("latency-table").parentElement.after(saveButtons(data, "latency", null, () => latencyRows(data)));

@@ -1,0 +1,43 @@
+#include "sim/score/counted_ticks.h"
+
+#include <algorithm>
+
+namespace gauntlet::sim {
+
+CountedTicks CountTicks(std::span<const MaskedStretch> masked, const std::vector<bool>& follows,
+                        int recovery_ticks, int ticks) {
+  std::vector<TickRange> left_out;
+  for (const MaskedStretch& stretch : masked) {
+    if (!follows[static_cast<std::size_t>(stretch.channel)]) continue;
+    const int recovery = stretch.reason == MaskReason::kClipped ? 0 : recovery_ticks;
+    left_out.push_back({stretch.begin, std::min(ticks, stretch.end + recovery)});
+  }
+  std::ranges::sort(left_out, {}, &TickRange::begin);
+  CountedTicks counted;
+  int begin = 0;
+  for (const TickRange& range : left_out) {
+    if (range.begin > begin) counted.push_back({begin, std::min(ticks, range.begin)});
+    begin = std::max(begin, range.end);
+  }
+  if (begin < ticks) counted.push_back({begin, ticks});
+  return counted;
+}
+
+CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& counted) {
+  CountedTicks overlap;
+  for (const TickRange& range : ranges) {
+    for (const TickRange& other : counted) {
+      const TickRange both{std::max(range.begin, other.begin), std::min(range.end, other.end)};
+      if (both.begin < both.end) overlap.push_back(both);
+    }
+  }
+  return overlap;
+}
+
+int CountOf(const CountedTicks& counted) {
+  int count = 0;
+  for (const TickRange& range : counted) count += range.end - range.begin;
+  return count;
+}
+
+}  // namespace gauntlet::sim

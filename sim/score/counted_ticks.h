@@ -1,0 +1,43 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sim/base/masked_stretch.h"
+
+namespace gauntlet::sim {
+
+/// Ticks [begin, end).
+struct TickRange {
+  int begin = 0;
+  int end = 0;
+};
+
+/// Which ticks of a trial count for the scores of one part of the hand: ranges that rise and do not
+/// touch. What the wearer did in all others is not known.
+using CountedTicks = std::vector<TickRange>;
+
+/// Of all parts of a trial, in the order of the signals' columns.
+struct CountedParts {
+  std::vector<CountedTicks> joints;
+  std::vector<CountedTicks> motors;
+  std::vector<CountedTicks> cables;
+  CountedTicks hand;  // for what belongs to the hand as a whole
+};
+
+/// What counts of the ticks 0 .. `ticks` of a part that follows these channels:
+///
+///     gap      not from its begin until `recovery_ticks` after its end, for filters and hand
+///              have held on to what was before and need time to come back
+///     restart  not for `recovery_ticks`, likewise
+///     clipped  not while it lasts: what the sensor says goes on from its stop, without a jump
+CountedTicks CountTicks(std::span<const MaskedStretch> masked, const std::vector<bool>& follows,
+                        int recovery_ticks, int ticks);
+
+/// What lies in both.
+CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& counted);
+
+/// How many ticks these are.
+int CountOf(const CountedTicks& counted);
+
+}  // namespace gauntlet::sim

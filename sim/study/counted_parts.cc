@@ -1,0 +1,97 @@
+#include "sim/study/counted_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+namespace gauntlet::sim {
+namespace {
+
+using Follows = std::vector<bool>;  // per channel
+
+void Join(const Follows& other, Follows& follows) {
+  for (std::size_t c = 0; c < follows.size(); ++c) follows[c] = follows[c] || other[c];
+}
+
+/// Of every joint of the hand, which channels move it.
+std::vector<Follows> ChannelsOfJoints(const Study& study) {
+  const controller::JointMap joint_map = study.joint_map();
+  std::vector<Follows> joints(study.joint_count, Follows(study.channel_names().size()));
+  for (int joint = 0; joint < study.joint_count; ++joint) {
+    for (const controller::JointMap::Term& term : joint_map.terms(joint)) {
+      joints[joint][term.channel] = true;
+    }
+  }
+  return joints;
+}
+
+}  // namespace
+
+std::optional<CountedParts> CountedPartsOf(const Study& study,
+                                           std::span<const MaskedStretch> masked, int ticks) {
+  if (masked.empty()) return std::nullopt;
+  const auto recovery = static_cast<int>(
+      std::lround(study.scenario.score.recovery_s * study.hand->timing().tick_rate_hz()));
+  const auto count = [&](const Follows& follows) {
+    return CountTicks(masked, follows, recovery, ticks);
+  };
+  const std::vector<Follows> joints = ChannelsOfJoints(study);
+  const controller::TendonTransmission& hand = study.hand->transmission();
+  CountedParts counted;
+  Follows all(study.channel_names().size());
+  for (const int joint : study.measured_joints) {
+    Join(joints[joint], all);
+    counted.joints.push_back(count(joints[joint]));
+  }
+  for (const int motor : study.measured_motors) {
+    Follows follows(all.size());
+    for (int joint = 0; joint < study.joint_count; ++joint) {
+      if (hand.coupling[motor * study.joint_count + joint] != 0.0) Join(joints[joint], follows);
+    }
+    counted.motors.push_back(count(follows));
+    const std::size_t cables = study.hand->drives()[static_cast<std::size_t>(motor)].cables.size();
+    counted.cables.insert(counted.cables.end(), cables, counted.motors.back());
+  }
+  counted.hand = count(all);
+  return counted;
+}
+
+std::vector<double> CountedShares(const Study& study) {
+  std::vector<double> shares(study.measured_joints.size());
+  double all = 0.0;
+  for (const GloveFacts& facts : study.repetitions) {
+    const int ticks = static_cast<int>(facts.ticks);
+    const auto counted = CountedPartsOf(study, facts.masked, ticks);
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      shares[i] += counted ? CountOf(counted->joints[i]) : ticks;
+    }
+    all += ticks;
+  }
+  for (double& share : shares) share /= all;
+  return shares;
+}
+
+std::string CountedRemark(const Study& study) {
+  const auto is_whole = [](const GloveFacts& facts) { return facts.masked.empty(); };
+  if (std::ranges::all_of(study.repetitions, is_whole)) return "";
+  const std::vector<double> shares = CountedShares(study);
+  std::map<int, std::vector<std::string>> joints_of_share;  // those that share a gap are one
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    joints_of_share[static_cast<int>(100.0 * shares[i])].push_back(study.measured_joint_names[i]);
+  }
+  std::string text;
+  for (const auto& [percent, names] : joints_of_share) {
+    const bool all = names.size() == shares.size();
+    text += fmt::format("{}{} % of {}", text.empty() ? "" : ", ", percent,
+                        all ? "every joint" : fmt::format("{}", fmt::join(names, " ")));
+  }
+  return fmt::format(
+      "scores leave out gaps and restarts of the recording, {:g} s after each, and where a sensor "
+      "stands at its stop: {} counts",
+      study.scenario.score.recovery_s, text);
+}
+
+}  // namespace gauntlet::sim
