@@ -35,9 +35,9 @@ struct RecordingFormat {
 /// that goes back by up to a second (left out) or by more (a new start of the clock: time goes on),
 /// gaps, a wild time (left out: one row far ahead or far back, while the next row goes on from the
 /// row before it; or the last row of the file, if it is more than a second away), and angles
-/// further outside the joint's range than half of that range (left out as a glitch) or outside it at all
-/// (only counted; a tenth of a degree is rounding). Strict reading stops at the first of them;
-/// repair counts them. Errors: UserError `file:row:column: ...` in one line.
+/// further outside the joint's range than half of that range (left out as a glitch) or outside it
+/// at all (only counted; a tenth of a degree is rounding). Strict reading stops at the first of
+/// them; repair counts them. Errors: UserError `file:row:column: ...` in one line.
 class RecordingReader {
  public:
   RecordingReader(std::string name, CsvReader::Source source, const RecordingFormat& format);

@@ -11,9 +11,9 @@ namespace gauntlet::sim {
 ///
 ///     centroid = sum f P(f) / sum P(f),   0 < f <= rate/2
 ///
-/// P by Welch's method: pieces of about 1 s that overlap by half within what counts, Hann window, mean removed. NaN
-/// for less than one piece or a constant speed. Source: Welch 1967; Peeters 2004 (spectral
-/// centroid).
+/// P by Welch's method: pieces of about 1 s that overlap by half within what counts, Hann window,
+/// mean removed. NaN for less than one piece or a constant speed. Source: Welch 1967; Peeters 2004
+/// (spectral centroid).
 double SpectralCentroid(std::span<const double> speed, double rate_hz, const CountedTicks& counted,
                         Fourier& fourier);
 

@@ -17,7 +17,7 @@ struct ScoreConfig {
   /// Before every trial the same one runs with a noise-free glove: noise adds the difference.
   bool noise_free_twin = true;
 
-  /// After a gap or restart of a recording nothing counts for so long: filters and hand have held on
+  /// After a gap or restart of a recording nothing counts for so long: filters and hand held on
   /// to what was before. It is the same for all controllers. 1 s is a hand's delay and way (0.5 s,
   /// as at rest) and four time constants of the slowest filter of field_presets.yaml (133 ms).
   double recovery_s = 1.0;

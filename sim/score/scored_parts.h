@@ -36,6 +36,8 @@ class Lazy {
 /// What is found for all joints together.
 struct AllJoints {
   AllJoints(const ScoreInput& input, Fourier& fourier);
+  AllJoints(const AllJoints&) = delete;  // its parts refer to it
+  AllJoints& operator=(const AllJoints&) = delete;
 
   /// What counts of a part: its own, or all where nothing is left out.
   CountedTicks CountedOf(const std::vector<CountedTicks> CountedParts::*parts, int part) const;

@@ -18,7 +18,8 @@ double RmsWithin(std::span<const double> values, int first_tick,
 double PeakWithin(std::span<const double> values, const std::vector<TickRange>& ranges);
 
 /// How often the increments of a command change their sign, per second. Samples at which the
-/// command stands still are passed over, so the count does not depend on how long a frame is held. Within ranges, each by itself.
+/// command stands still are passed over, so the count does not depend on how long a frame is held.
+/// Within ranges, each by itself.
 double ReversalsPerSecond(std::span<const int> command, double rate_hz,
                           const std::vector<TickRange>& ranges);
 

@@ -16,6 +16,7 @@ std::vector<SmoothingRank> RankBySmoothing(const Study& study, const StudyResult
                            recording->reference.empty();
   if (!is_smoothed || result.first_traces.empty()) return {};
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const std::size_t wanted[] = {tracking};
   std::vector<SmoothingRank> ranks;
   for (const double smoothing_hz : {0.5, 1.0, 2.0, 5.0}) {
     recording->smoothing_hz = smoothing_hz;
@@ -26,7 +27,7 @@ std::vector<SmoothingRank> RankBySmoothing(const Study& study, const StudyResult
     for (const Trace& trace : result.first_traces) {
       rank.tracking_rmse_deg.push_back(
           trace.health.ok
-              ? ScoreTrial(study, glove, reference_rad, trace, {}, {{tracking}}).summary[tracking]
+              ? ScoreTrial(study, glove, reference_rad, trace, {}, wanted).summary[tracking]
               : kNoScore);
     }
   }

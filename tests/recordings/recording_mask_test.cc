@@ -1,4 +1,4 @@
-// What nobody knows of a recording is masked and told: gaps, restarts, stops, what a reference lacks.
+// What nobody knows of a recording is masked and told: gaps, restarts, stops, lacks of a reference
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
