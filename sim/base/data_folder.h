@@ -27,4 +27,8 @@ std::optional<std::filesystem::path> DataFile(const std::filesystem::path& name)
 /// `file` is absolute.
 std::string DataName(const std::filesystem::path& file);
 
+/// How a file in `folder` names an absolute path, so that both can be moved together: relative to
+/// it, or as DataName(). Without a folder, and of a relative path, as it is.
+std::string PathFrom(const std::filesystem::path& folder, const std::filesystem::path& file);
+
 }  // namespace gauntlet::sim

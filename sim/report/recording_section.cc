@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/base/channels.h"
+#include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/recordings/recording.h"
@@ -62,8 +63,10 @@ std::string RateText(const std::vector<double>& time_s, const Rows& rows) {
   }
   const double usual_ms = QuantileOf(steps_ms, 0.5);
   if (!(usual_ms > 0.0)) return "not known";
-  return fmt::format("{:.4g} Hz; nine of ten intervals last {:.3g} to {:.3g} ms", 1e3 / usual_ms,
-                     QuantileOf(steps_ms, 0.05), QuantileOf(steps_ms, 0.95));
+  const std::string shortest = fmt::format("{:.3g}", QuantileOf(steps_ms, 0.05));
+  const std::string longest = fmt::format("{:.3g}", QuantileOf(steps_ms, 0.95));
+  return fmt::format("{:.4g} Hz; nine of ten intervals last {}{} ms", 1e3 / usual_ms, shortest,
+                     shortest == longest ? "" : " to " + longest);
 }
 
 /// Of every channel, for which share of the time it is masked, by the reason: one line for each.
@@ -167,9 +170,9 @@ std::string RecordingSection(const FinishedStudy& finished) {
   std::string html =
       "<section id=\"recording\" aria-labelledby=\"recording-title\">\n"
       "<h2 id=\"recording-title\">Recording</h2>\n<dl class=\"versions\">\n";
-  html += Fact("File", recording.name);
+  html += Fact("File", PathFrom(finished.folder, recording.name));
   html += Fact("Hash", HashText(recording.name));
-  html += Fact("Rows", fmt::format("{} of {:.4g} s on", rows.count(), glove.recording_start_s));
+  html += Fact("Rows", fmt::format("{}, from {:.4g} s on", rows.count(), glove.recording_start_s));
   html += Fact("Rate", RateText(recording.time_s, rows));
   html += Fact("Taken as", glove.is_recorded ? "what a real glove measured"
                                              : "the wearer's true motion, under a simulated glove");

@@ -12,14 +12,6 @@ namespace {
 
 using controller::Setting;
 
-/// How a file in `folder` names the absolute path `file`.
-std::string PathInFile(const std::string& file, const std::filesystem::path& folder) {
-  if (folder.empty() || !std::filesystem::path(file).is_absolute()) return file;
-  if (const std::string name = DataName(file); !name.empty()) return name;
-  const auto base = std::filesystem::absolute(folder / "").lexically_normal().parent_path();
-  return std::filesystem::path(file).lexically_relative(base).string();
-}
-
 class YamlWriter final : public controller::SettingsVisitor {
  public:
   explicit YamlWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -37,7 +29,7 @@ class YamlWriter final : public controller::SettingsVisitor {
     Key(setting) << YAML::Value << YAML::DoubleQuoted << value;
   }
   void Path(const Setting& setting, std::string& value) override {
-    std::string written = PathInFile(value, folder_);
+    std::string written = PathFrom(folder_, value);
     Text(setting, written);
   }
   void Numbers(const Setting& setting, std::vector<double>& value) override {
