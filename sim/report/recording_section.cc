@@ -137,10 +137,10 @@ std::string DotsOf(const GloveSignal& glove, const Rows& rows, std::size_t chann
       "style=\"width:100%;height:auto\">"
       "<path d=\"{}\" style=\"stroke:var(--glove);stroke-width:2;stroke-linecap:round\"/>"
       "<path d=\"{}\" style=\"stroke:var(--ink);stroke-width:1\"/></svg>\n"
-      "<p class=\"note small\">{}: every {} row of the file, {:.3g} to {:.3g} deg over {:.4g} s. A "
+      "<p class=\"note small\">{}: every {}row of the file, {:.3g} to {:.3g} deg over {:.4g} s. A "
       "mark below: nothing there, or left out.</p>\n",
       kWidth + 8.0, kHeight + 20.0, KnownChannels()[channel].name, dots, marks,
-      KnownChannels()[channel].name, every == 1 ? "single" : fmt::format("{}th", every),
+      KnownChannels()[channel].name, every == 1 ? "" : fmt::format("{}th ", every),
       low * kDegPerRad, high * kDegPerRad, span_s);
 }
 
@@ -169,7 +169,7 @@ std::string RecordingSection(const FinishedStudy& finished) {
       "<h2 id=\"recording-title\">Recording</h2>\n<dl class=\"versions\">\n";
   html += Fact("File", recording.name);
   html += Fact("Hash", HashText(recording.name));
-  html += Fact("Rows", fmt::format("{} of {:.4g} s on", rows.count(), glove.recording_start_s));
+  html += Fact("Rows", fmt::format("{}, from {:.4g} s on", rows.count(), glove.recording_start_s));
   html += Fact("Rate", RateText(recording.time_s, rows));
   html += Fact("Taken as", glove.is_recorded ? "what a real glove measured"
                                              : "the wearer's true motion, under a simulated glove");
