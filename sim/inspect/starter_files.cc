@@ -85,6 +85,23 @@ double VarianceCounts2(const Inspection& inspection) {
   return std::clamp(variances[variances.size() / 2], 0.1, 1e4);
 }
 
+/// Whether rows of a mapped angle are glitches of the joint that it is taken for: more than half of
+/// the joint's range outside it.
+bool LeavesItsJoint(const Inspection& inspection) {
+  const bool is_angle =
+      inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
+  const double deg = inspection.unit == RawUnit::kRadians ? 180.0 / 3.14159265358979323846 : 1.0;
+  return is_angle && std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
+           const InspectedColumn& column = inspection.columns[c];
+           const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+           const double sign = column.is_inverted ? -deg : deg;
+           const auto [low, high] =
+               std::minmax({sign * column.statistics.low, sign * column.statistics.high});
+           return std::max(joint.min_deg - low, high - joint.max_deg) >
+                  0.5 * (joint.max_deg - joint.min_deg);
+         });
+}
+
 /// The text of a name within a YAML string of double quotes.
 std::string YamlText(const std::string& text) {
   std::string quoted = "\"";
@@ -172,6 +189,9 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
   const double odd_rows = static_cast<double>(time.repeats + time.restarts + time.gaps);
   if (odd_rows > 0.04 * static_cast<double>(inspection.rows)) {
     text += "    repair_budget_percent: 100  # many times repeat, or are out of order\n";
+  } else if (LeavesItsJoint(inspection)) {
+    text +=
+        "    repair_budget_percent: 100  # angles far beyond their joints' ranges: see the map\n";
   }
   if (inspection.time.duration_s > kLongest_s) {
     text +=

@@ -174,7 +174,7 @@ void RemarkRepeats(Recording& recording) {
     TrimSignals();
     if (2 * repeats < angle.size()) continue;
     longest = std::max(longest, longest_here);
-    found += fmt::format("{}{} {:.2g} %", found.empty() ? "" : ", ", KnownChannels()[c].name,
+    found += fmt::format("{}{} {:.3g} %", found.empty() ? "" : ", ", KnownChannels()[c].name,
                          100.0 * static_cast<double>(repeats) / static_cast<double>(angle.size()));
   }
   if (found.empty()) return;

@@ -282,7 +282,7 @@ std::string RecordingReader::Remark(const std::string& kind, const Count& count)
       fmt::format("{}: {} times, first in row {}", kind, count.rows, count.first_row);
   const char* before = " (";
   for (const auto& [channel, rows] : count.rows_of_channel) {
-    remark += fmt::format("{}{} {:.2g} %", before, KnownChannels()[channel].name,
+    remark += fmt::format("{}{} {:.3g} %", before, KnownChannels()[channel].name,
                           100.0 * static_cast<double>(rows) / static_cast<double>(good_rows_));
     before = ", ";
   }

@@ -140,10 +140,10 @@ std::string DotsOf(const GloveSignal& glove, const Rows& rows, std::size_t chann
       "style=\"width:100%;height:auto\">"
       "<path d=\"{}\" style=\"stroke:var(--glove);stroke-width:2;stroke-linecap:round\"/>"
       "<path d=\"{}\" style=\"stroke:var(--ink);stroke-width:1\"/></svg>\n"
-      "<p class=\"note small\">{}: every {} row of the file, {:.3g} to {:.3g} deg over {:.4g} s. A "
+      "<p class=\"note small\">{}: every {}row of the file, {:.3g} to {:.3g} deg over {:.4g} s. A "
       "mark below: nothing there, or left out.</p>\n",
       kWidth + 8.0, kHeight + 20.0, KnownChannels()[channel].name, dots, marks,
-      KnownChannels()[channel].name, every == 1 ? "single" : fmt::format("{}th", every),
+      KnownChannels()[channel].name, every == 1 ? "" : fmt::format("{}th ", every),
       low * kDegPerRad, high * kDegPerRad, span_s);
 }
 

@@ -286,7 +286,7 @@ TEST_F(Files, WithGlitchesStopAStrictReadingAndAreRepaired) {
   const Recording recording = LoadRecording(file, repair);
   EXPECT_THAT(
       recording.remarks,
-      ElementsAre(file + ": glitch, value left out: 4 times, first in row 2 (index_mcp 1.3 % of "
+      ElementsAre(file + ": glitch, value left out: 4 times, first in row 2 (index_mcp 1.33 % of "
                          "the rows)"));
   const auto angle = recording.angle_rad.col(ChannelIndex("index_mcp"));
   EXPECT_EQ(angle.array().isNaN().count(), 4);
