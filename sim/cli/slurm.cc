@@ -158,7 +158,7 @@ std::string SubmitShards(const SlurmArray& array, const std::vector<int>& shards
   WriteFileAtomically(script, SlurmScript(array, shards));
   const Said said = Ask({"sbatch", "--parsable", script.string()});
   if (!said.is_good()) throw RunError("sbatch: " + said.FirstLine());
-  const std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
+  std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
   WriteFileAtomically(array.folder / "jobs.txt", ReadText(array.folder / "jobs.txt") + job + "\n");
   return job;
 }

@@ -45,6 +45,28 @@ std::string ChecksumOf(const SweepTrialKey& key, const TrialOutcome& outcome,
 
 }  // namespace
 
+namespace {
+
+/// A statement that is asked for every trial or cell: made once, and at rest again at the end of
+/// the scope, or it would hold the file.
+class Prepared {
+ public:
+  Prepared(std::optional<SQLite::Statement>& statement, const SQLite::Database& database,
+           const char* sql)
+      : statement_(statement ? *statement : statement.emplace(database, sql)) {}
+  ~Prepared() { statement_.tryReset(); }
+  Prepared(const Prepared&) = delete;
+  Prepared& operator=(const Prepared&) = delete;
+
+  SQLite::Statement& operator*() { return statement_; }
+  SQLite::Statement* operator->() { return &statement_; }
+
+ private:
+  SQLite::Statement& statement_;
+};
+
+}  // namespace
+
 struct SweepDatabase::State {
   struct KeptTrial {
     SweepTrialKey key;
@@ -65,7 +87,8 @@ struct SweepDatabase::State {
   const std::vector<std::size_t> metrics;
   std::mutex mutex;
   std::optional<SQLite::Database> database;
-  std::vector<KeptTrial> trials;  // not yet written
+  std::optional<SQLite::Statement> take, cell_at, add_trial, add_score;  // of `database`
+  std::vector<KeptTrial> trials;                                         // not yet written
   std::vector<KeptCell> cells;
   std::vector<std::pair<std::string, std::string>> studies;
   Clock::time_point written = Clock::now();
@@ -87,23 +110,23 @@ void SweepDatabase::State::Open() {
 void SweepDatabase::State::WriteTrial(const KeptTrial& kept) {
   const TrialColumns columns = ColumnsOf(kept.key);
   RemoveTrial(columns, *database);  // a damaged one
-  SQLite::Statement add(*database,
-                        "INSERT INTO trial (study, controller, settings, seed, problem, newest, "
-                        "checksum) VALUES (?, ?, ?, ?, ?, 1, ?)");
-  Bind(columns, add);
-  add.bind(5, kept.outcome.health.problem);
-  add.bind(6, ChecksumOf(kept.key, kept.outcome, metrics));
-  add.exec();
+  Prepared add(add_trial, *database,
+               "INSERT INTO trial (study, controller, settings, seed, problem, newest, "
+               "checksum) VALUES (?, ?, ?, ?, ?, 1, ?)");
+  Bind(columns, *add);
+  add->bind(5, kept.outcome.health.problem);
+  add->bind(6, ChecksumOf(kept.key, kept.outcome, metrics));
+  add->exec();
   const std::int64_t trial = database->getLastInsertRowid();
-  SQLite::Statement score(*database, "INSERT INTO score VALUES (?, 'summary', ?, ?)");
+  Prepared score(add_score, *database, "INSERT INTO score VALUES (?, 'summary', ?, ?)");
   for (const std::size_t metric : metrics) {
     const double value = kept.outcome.scores.summary[metric];
     if (!std::isfinite(value)) continue;  // what is not there is no score
-    score.bind(1, trial);
-    score.bind(2, std::string(Metrics()[metric].key));
-    score.bind(3, value);
-    score.exec();
-    score.reset();
+    score->bind(1, trial);
+    score->bind(2, std::string(Metrics()[metric].key));
+    score->bind(3, value);
+    score->exec();
+    score->reset();
   }
 }
 
@@ -156,6 +179,10 @@ SweepDatabase::SweepDatabase(fs::path file, std::string sweep, std::vector<std::
                        .metrics = std::move(metrics),
                        .mutex = {},
                        .database = {},
+                       .take = {},
+                       .cell_at = {},
+                       .add_trial = {},
+                       .add_score = {},
                        .trials = {},
                        .cells = {},
                        .studies = {}}) {
@@ -174,33 +201,55 @@ SweepDatabase::~SweepDatabase() {
 }
 
 std::optional<TrialOutcome> SweepDatabase::Take(const SweepTrialKey& key) {
+  return TakeSeeds(key, 1).front();
+}
+
+std::vector<std::optional<TrialOutcome>> SweepDatabase::TakeSeeds(const SweepTrialKey& first,
+                                                                  int seeds) {
   State& state = *state_;
   const std::lock_guard lock(state.mutex);
+  std::vector<std::optional<TrialOutcome>> outcomes(static_cast<std::size_t>(seeds));
+  std::vector<std::string> checksums(outcomes.size());
   try {
-    SQLite::Statement query(*state.database,
-                            "SELECT problem, checksum, metric, value FROM trial "
-                            "LEFT JOIN score ON score.trial = trial.id AND channel = 'summary' "
-                            "WHERE study = ? AND controller = ? AND settings = ? AND seed = ?");
-    Bind(ColumnsOf(key), query);
-    std::optional<TrialOutcome> outcome;
-    std::string checksum;
-    while (query.executeStep()) {
+    Prepared query(state.take, *state.database,
+                   "SELECT problem, checksum, metric, value, seed FROM trial "
+                   "LEFT JOIN score ON score.trial = trial.id AND channel = 'summary' WHERE "
+                   "study = ? AND controller = ? AND settings = ? AND seed >= ? AND seed < ?");
+    Bind(ColumnsOf(first), *query);
+    query->bind(5, std::int64_t{first.seed} + seeds);
+    while (query->executeStep()) {
+      const auto place = static_cast<std::size_t>(query->getColumn(4).getInt64() - first.seed);
+      std::optional<TrialOutcome>& outcome = outcomes[place];
       if (!outcome) {
         outcome.emplace();
         outcome->scores.summary.assign(Metrics().size(), std::numeric_limits<double>::quiet_NaN());
-        outcome->health.problem = query.getColumn(0).getString();
+        outcome->health.problem = query->getColumn(0).getString();
         outcome->health.ok = outcome->health.problem.empty();
-        checksum = query.getColumn(1).getString();
+        checksums[place] = query->getColumn(1).getString();
       }
-      if (query.isColumnNull(2)) continue;
-      const std::optional<std::size_t> metric = FindMetric(TextOf(query.getColumn(2)));
-      if (metric) outcome->scores.summary[*metric] = query.getColumn(3).getDouble();
+      if (query->isColumnNull(2)) continue;
+      const std::optional<std::size_t> metric = FindMetric(TextOf(query->getColumn(2)));
+      if (metric) outcome->scores.summary[*metric] = query->getColumn(3).getDouble();
     }
-    if (!outcome || ChecksumOf(key, *outcome, state.metrics) == checksum) return outcome;
-    ++state.damaged;
-    return std::nullopt;
   } catch (const SQLite::Exception& error) {
     ThrowCannotOpen(state.file, error);
+  }
+  SweepTrialKey key = first;
+  for (std::size_t i = 0; i < outcomes.size(); ++i, ++key.seed) {
+    if (!outcomes[i] || ChecksumOf(key, *outcomes[i], state.metrics) == checksums[i]) continue;
+    ++state.damaged;
+    outcomes[i].reset();
+  }
+  return outcomes;
+}
+
+void SweepDatabase::ReadTogether(const std::function<void()>& work) {
+  try {
+    SQLite::Transaction transaction(*state_->database, SQLite::TransactionBehavior::DEFERRED);
+    work();
+    transaction.commit();
+  } catch (const SQLite::Exception& error) {
+    ThrowCannotOpen(state_->file, error);
   }
 }
 
@@ -239,20 +288,20 @@ std::vector<SweepCellRecord> SweepDatabase::CellAt(std::int64_t number) {
   const std::lock_guard lock(state.mutex);
   std::vector<SweepCellRecord> records;
   try {
-    SQLite::Statement query(*state.database,
-                            "SELECT controller, study, settings, motions, problem FROM cell "
-                            "WHERE sweep = ? AND number = ? ORDER BY controller");
-    query.bind(1, state.sweep);
-    query.bind(2, number);
-    while (query.executeStep()) {
+    Prepared query(state.cell_at, *state.database,
+                   "SELECT controller, study, settings, motions, problem FROM cell "
+                   "WHERE sweep = ? AND number = ? ORDER BY controller");
+    query->bind(1, state.sweep);
+    query->bind(2, number);
+    while (query->executeStep()) {
       SweepCellRecord& record =
           records.emplace_back(SweepCellRecord{.number = number,
-                                               .controller = query.getColumn(0).getString(),
-                                               .study = query.getColumn(1).getString(),
-                                               .settings = query.getColumn(2).getString(),
+                                               .controller = query->getColumn(0).getString(),
+                                               .study = query->getColumn(1).getString(),
+                                               .settings = query->getColumn(2).getString(),
                                                .motions = {},
-                                               .problem = query.getColumn(4).getString()});
-      std::istringstream motions(query.getColumn(3).getString());
+                                               .problem = query->getColumn(4).getString()});
+      std::istringstream motions(query->getColumn(3).getString());
       for (int motion = 0; motions >> motion;) record.motions.push_back(motion);
     }
   } catch (const SQLite::Exception& error) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,6 +47,10 @@ class SweepDatabase {
 
   /// With the means of the kept scores alone.
   std::optional<TrialOutcome> Take(const SweepTrialKey& key);
+  /// That of `first`, and the same with the seeds behind it.
+  std::vector<std::optional<TrialOutcome>> TakeSeeds(const SweepTrialKey& first, int seeds);
+  /// Runs `work`, for which the file is locked once and not for every question. It only reads.
+  void ReadTogether(const std::function<void()>& work);
   void Keep(const SweepTrialKey& key, const TrialOutcome& outcome);
   /// What trials of `study` share, as a scenario's YAML.
   void AddStudy(const std::string& study, const std::string& scenario);

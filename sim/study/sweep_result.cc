@@ -50,9 +50,10 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
   result.by_seed.resize(plan.metrics.size());
   const int seeds = std::min<int>(plan.file.seeds, static_cast<int>(record.motions.size()));
   result.motions.assign(record.motions.begin(), record.motions.begin() + seeds);
+  const auto outcomes =
+      database.TakeSeeds({record.study, record.controller, record.settings, first_seed}, seeds);
   for (int i = 0; i < seeds; ++i) {
-    const std::optional<TrialOutcome> outcome =
-        database.Take({record.study, record.controller, record.settings, first_seed + i});
+    const std::optional<TrialOutcome>& outcome = outcomes[static_cast<std::size_t>(i)];
     const bool ok = outcome && outcome->health.ok;
     if (!ok && ++result.failed_trials == 1) {
       result.problem = outcome
@@ -190,11 +191,13 @@ Met IsMet(const Constraint& constraint, const MeanInterval& score) {
 void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
                  const std::function<void(const CellResult&)>& see) {
   const int first_seed = ParseScenario(plan.scenario).seed;
-  for (std::int64_t number = cells.first; number < cells.end; ++number) {
-    for (const SweepCellRecord& record : database.CellAt(number)) {
-      see(ResultOf(plan, database, first_seed, record));
+  database.ReadTogether([&] {
+    for (std::int64_t number = cells.first; number < cells.end; ++number) {
+      for (const SweepCellRecord& record : database.CellAt(number)) {
+        see(ResultOf(plan, database, first_seed, record));
+      }
     }
-  }
+  });
 }
 
 SweepSummary SummariseSweep(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
