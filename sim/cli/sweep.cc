@@ -47,16 +47,16 @@ void RunSweepCommand(const SweepCommand& command) {
   CellsFolder folder(plan, command.cells, "out/" + plan.file.name);
   folder.Run();
   const SweepSummary summary = folder.WriteCells();
-  const std::string table = SweepTable(plan, summary);
   WriteFileAtomically(folder.path() / "report.html",
-                      SweepPage(plan, folder.database(), folder.cells(), summary, table));
+                      SweepPage(plan, folder.database(), folder.cells(), summary,
+                                SweepTable(plan, summary, TerminalStyle::Unlimited())));
   if (command.json) {
     Print("{{\n{},\n \"cells\": ", SweepJsonHead(plan, summary));
     SummariseSweep(plan, folder.database(), folder.cells(), {},
                    [](std::string_view text) { PrintText(text); });
     PrintText("\n}\n");
   } else {
-    PrintText(table);
+    PrintText(SweepTable(plan, summary, StyleOf(command.cells.terminal)));
   }
   FlushOutput();
   Say("wrote {}: report.html, cells.csv, study.db\n", folder.path().string());

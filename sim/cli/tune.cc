@@ -36,6 +36,7 @@ struct TuneCommand {
   int jobs = 0;
   bool filter_only = false;
   bool json = false;
+  TerminalOptions terminal;
 };
 
 /// Runs `work`; what it says of a setting is said of this option.
@@ -108,10 +109,10 @@ void RunTuneCommand(const TuneCommand& asked) {
   const std::string settings = ControllerYaml(result.controller);
   WriteFileAtomically(folder.path() / (plan.controller + ".yaml"), settings);
   WriteFileAtomically(folder.path() / "tune.csv", TuneCsv(plan, result));
-  const std::string table = TuneTable(plan, result);
-  WriteFileAtomically(folder.path() / "report.html", TunePage(plan, result, table));
+  WriteFileAtomically(folder.path() / "report.html",
+                      TunePage(plan, result, TuneTable(plan, result, TerminalStyle::Unlimited())));
   folder.Keep();
-  PrintText(asked.json ? TuneJson(plan, result) : table);
+  PrintText(asked.json ? TuneJson(plan, result) : TuneTable(plan, result, StyleOf(asked.terminal)));
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
@@ -163,6 +164,7 @@ void AddTuneCommand(CLI::App& app) {
                     "without a hand: score what the filters give");
   AddOutOption(*command, options->out, "output folder [out/<scenario>.tune]", "DIR");
   command->add_flag("--json", options->json, "print JSON instead of the table");
+  AddTableOptions(*command, options->terminal);
   command->footer(
       "\nExample:\n  gauntlet tune scenarios/random_motion.yaml --controller tuned_kalman \\\n"
       "    --free filter.q=1e-6:10:log --minimise delay_ms --subject-to "

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "sim/report/table_text.h"
-
 namespace gauntlet::sim {
 namespace {
 
@@ -65,7 +63,8 @@ std::string RepeatCommand(const SweepPlan& plan, const std::string& controller, 
   return CompareCommand(plan.file.scenario, plan.file.seeds, controller, sets);
 }
 
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary,
+                       const TerminalStyle& style) {
   const Metric& best_by = Metrics()[plan.best_by];
   std::string text =
       fmt::format("{}: {}\n{}, {} seed{}{}; best by {}\n\n", plan.file.name, plan.file.question,
@@ -92,7 +91,7 @@ std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary) {
     const std::string_view judgement = JudgementText(comparison.judgement);
     row.emplace_back(&result == &shown.front() ? "best" : judgement);
   }
-  if (!shown.empty()) text += AlignedTable(rows) + "\n";
+  if (!shown.empty()) text += AlignedTable(rows, style, 2) + "\n";
   if (summary.best.empty()) text += "No cell keeps all constraints.\n";
   text += CountsText(plan, summary);
   if (shown.size() > 1) {

@@ -3,13 +3,15 @@
 #include <string>
 #include <vector>
 
+#include "sim/report/table_text.h"
 #include "sim/study/sweep_result.h"
 
 namespace gauntlet::sim {
 
 /// The best cells of a sweep for a person at a terminal, what became of the others, and the command
 /// that repeats the best as a comparison.
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary);
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary,
+                       const TerminalStyle& style);
 
 /// The last part of an axis' key that still tells the axes apart, and is not a score's.
 std::string ShortKey(const SweepPlan& plan, std::size_t axis);

@@ -2,11 +2,12 @@
 
 #include <string>
 
+#include "sim/report/table_text.h"
 #include "sim/study/tune.h"
 
 namespace gauntlet::sim {
 
 /// What tuning found, for a person at a terminal: values, scores on the held-out seeds, the front.
-std::string TuneTable(const TunePlan& plan, const TuneResult& result);
+std::string TuneTable(const TunePlan& plan, const TuneResult& result, const TerminalStyle& style);
 
 }  // namespace gauntlet::sim
