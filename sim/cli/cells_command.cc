@@ -90,6 +90,7 @@ void AddCellsOptions(CLI::App& command, CellsCommand& options) {
                   "take over the trials in these folders of shards, then run what is missing")
       ->type_name("DIR")
       ->take_all();
+  AddTableOptions(command, options.terminal);
 }
 
 CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, const std::string& out)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/cli/output_folder.h"
+#include "sim/cli/terminal_option.h"
 #include "sim/study/sweep_result.h"
 
 namespace gauntlet::sim {
@@ -17,9 +18,10 @@ struct CellsCommand {
   int jobs = 0;     // 0: one per core
   std::string shard;
   std::vector<std::string> collect;
+  TerminalOptions terminal;
 };
 
-/// --jobs, --shard and --collect.
+/// --jobs, --shard, --collect, --color and --wide.
 void AddCellsOptions(CLI::App& command, CellsCommand& options);
 
 /// The folder of a sweep, locked, with its database and what shards have brought.

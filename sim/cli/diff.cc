@@ -32,8 +32,8 @@ void Diff(const DiffOptions& options) {
   if (options.json) {
     PrintText(StudyDifferenceJson(a, b, difference));
   } else {
-    const TerminalStyle style = StyleOf(options.terminal);
-    PrintText(DifferenceTable(a, b, difference, {.all = options.all, .colour = style.colour}));
+    PrintText(DifferenceTable(a, b, difference,
+                              {.all = options.all, .style = StyleOf(options.terminal)}));
   }
   if (!difference.Same()) throw CLI::RuntimeError(kDifferent);
 }
@@ -48,7 +48,7 @@ void AddDiffCommand(CLI::App& app) {
   command->add_option("B", options->b, "another")->required();
   command->add_flag("--all", options->all, "also show the scores that are the same");
   command->add_flag("--json", options->json, "print JSON, with all scores");
-  AddColourOption(*command, options->terminal);
+  AddTableOptions(*command, options->terminal);
   command->footer(
       "\nSeeds that both have are compared, pair by pair; so a run can be held beside a "
       "comparison.\n"

@@ -16,6 +16,7 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/terminal_option.h"
 #include "sim/settings/yaml_writer.h"
 #include "sim/trial/trace_reader.h"
 
@@ -30,6 +31,7 @@ struct IdentifyOptions {
   std::string from = "wearer";
   std::string out;  // empty: out/<log>.chain.yaml
   bool json = false;
+  TerminalOptions terminal;
 };
 
 /// One controller of a trace, the whole hand.
@@ -70,35 +72,57 @@ ChainLog LoadLog(const IdentifyOptions& options) {
   return LoadChainLog(path);
 }
 
-std::string Cell(const ChainEstimate& estimate, int digits) {
-  if (!std::isfinite(estimate.value)) return "-";
-  return fmt::format("{:.{}f} ({:.{}f}..{:.{}f})", estimate.value, digits, estimate.low, digits,
-                     estimate.high, digits);
+/// A value and its interval, below each other or beside.
+std::vector<TableColumn::Line> Cell(const ChainEstimate& estimate, int digits, bool below) {
+  if (!std::isfinite(estimate.value)) return {{"-"}};
+  const std::string value = fmt::format("{:.{}f}", estimate.value, digits);
+  const std::string interval =
+      fmt::format("({:.{}f}..{:.{}f})", estimate.low, digits, estimate.high, digits);
+  if (below) return {{value}, {interval}};
+  return {{value + " " + interval}};
 }
 
-void PrintTable(const ChainLog& log, const std::vector<ChainFit>& fits) {
-  std::size_t width = 5;
-  for (const std::string& part : log.parts) width = std::max(width, part.size());
+/// A quantity of a chain as a column, with so many digits behind the point.
+struct ChainColumn {
+  std::vector<std::string> head;
+  ChainEstimate ChainFit::*estimate;
+  int digits;
+};
+
+std::vector<TableColumn> TableColumns(const std::vector<ChainFit>& fits, bool below) {
+  const std::vector<ChainColumn> quantities = {
+      {{"delay", "ms"}, &ChainFit::delay_ms, 1},
+      {{"dead time", "ms"}, &ChainFit::dead_time_ms, 1},
+      {{"lag", "ms"}, &ChainFit::lag_ms, 1},
+      {{"frequency", "Hz"}, &ChainFit::natural_frequency_hz, 1},
+      {{"damping"}, &ChainFit::damping_ratio, 2},
+      {{"gain"}, &ChainFit::gain, 3},
+      {{"hysteresis", "deg"}, &ChainFit::hysteresis_deg, 2}};
+  std::vector<TableColumn> columns;
+  for (const auto& [head, estimate, digits] : quantities) {
+    TableColumn& column = columns.emplace_back(TableColumn{.head = head, .rows = {}});
+    for (const ChainFit& fit : fits) column.rows.push_back(Cell(fit.*estimate, digits, below));
+  }
+  TableColumn& left = columns.emplace_back(TableColumn{.head = {"left", "deg"}, .rows = {}});
+  for (const ChainFit& fit : fits) {
+    const bool known = fit.problem.empty() && fit.split_problem.empty();
+    left.rows.push_back({{known ? fmt::format("{:.2f}", fit.residual_rms_deg) : "-"}});
+  }
+  return columns;
+}
+
+void PrintTable(const ChainLog& log, const std::vector<ChainFit>& fits,
+                const TerminalStyle& style) {
   Print("{:.1f} s at {:.6g} Hz; in brackets the 95 % interval\n\n",
         static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
-  Print("{:<{}}  {:>19}  {:>19}  {:>19}  {:>17}  {:>17}  {:>17}  {:>17}  {:>5}\n", "", width,
-        "delay", "dead time", "lag", "frequency", "damping", "gain", "hysteresis", "left");
-  Print("{:<{}}  {:>19}  {:>19}  {:>19}  {:>17}  {:>17}  {:>17}  {:>17}  {:>5}\n", "part", width,
-        "ms", "ms", "ms", "Hz", "", "", "deg", "deg");
+  std::vector<TableColumn> columns = TableColumns(fits, false);
+  const bool fits_beside = TableWidth("part", log.parts, columns) <= style.table_width;
+  if (!fits_beside) columns = TableColumns(fits, true);
+  PrintText(TableText("part", log.parts, columns, style));
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    const ChainFit& fit = fits[i];
-    if (!fit.problem.empty()) {
-      Print("{:<{}}  {}\n", log.parts[i], width, fit.problem);
-      continue;
-    }
-    Print("{:<{}}  {:>19}  ", log.parts[i], width, Cell(fit.delay_ms, 1));
-    if (!fit.split_problem.empty()) {
-      Print("{}\n", fit.split_problem);
-      continue;
-    }
-    Print("{:>19}  {:>19}  {:>17}  {:>17}  {:>17}  {:>17}  {:>5.2f}\n", Cell(fit.dead_time_ms, 1),
-          Cell(fit.lag_ms, 1), Cell(fit.natural_frequency_hz, 1), Cell(fit.damping_ratio, 2),
-          Cell(fit.gain, 3), Cell(fit.hysteresis_deg, 2), fit.residual_rms_deg);
+    const std::string& problem = fits[i].problem.empty() ? fits[i].split_problem : fits[i].problem;
+    if (problem.empty()) continue;
+    Print("{}\n", Wrapped(fmt::format("{}: {}", log.parts[i], problem), style.width));
   }
 }
 
@@ -163,7 +187,7 @@ void RunIdentify(const IdentifyOptions& options) {
   if (options.json) {
     PrintJson(log, fits);
   } else {
-    PrintTable(log, fits);
+    PrintTable(log, fits, StyleOf(options.terminal));
   }
   FlushOutput();
   if (log.values_missing > 0) {
@@ -197,6 +221,7 @@ void AddIdentifyCommand(CLI::App& app) {
                    "of an output folder [the scenario's first]")
       ->type_name("NAME");
   command->add_flag("--json", options->json, "print JSON instead of the table");
+  AddTableOptions(*command, options->terminal);
   command->footer(
       "\nThe delay is the shift in time that makes command and angle most alike. The model behind "
       "the\n"

@@ -46,10 +46,11 @@ void RunRobustCommand(const RobustCommand& command) {
   const RobustResult result = ConcludeRobust(plan, folder.database());
   WriteFileAtomically(folder.path() / "robust.csv", RobustCsv(result));
   WriteFileAtomically(folder.path() / "tornado.csv", TornadoCsv(plan, result));
-  const std::string table = RobustTable(plan, result);
   WriteFileAtomically(folder.path() / "report.html",
-                      RobustPage(plan, folder.database(), result, table));
-  PrintText(command.json ? RobustJson(plan, result) : table);
+                      RobustPage(plan, folder.database(), result,
+                                 RobustTable(plan, result, TerminalStyle::Unlimited())));
+  PrintText(command.json ? RobustJson(plan, result)
+                         : RobustTable(plan, result, StyleOf(command.cells.terminal)));
   FlushOutput();
   Say("wrote {}: report.html, robust.csv, tornado.csv, {}\n", folder.path().string(), written);
 }

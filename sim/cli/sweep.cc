@@ -135,16 +135,16 @@ void RunSweepCommand(const SweepCommand& command) {
   folder.Run();
   const SweepSummary summary = folder.WriteCells();
   const Response response = ReadResponse(plan, folder.database(), folder.cells());
-  const std::string table = SweepTable(plan, summary, response);
   WriteFileAtomically(folder.path() / "report.html",
-                      SweepPage(plan, folder.database(), folder.cells(), summary, response, table));
+                      SweepPage(plan, folder.database(), folder.cells(), summary, response,
+                                SweepTable(plan, summary, response, TerminalStyle::Unlimited())));
   if (command.json) {
     Print("{{\n{},\n \"cells\": ", SweepJsonHead(plan, summary));
     SummariseSweep(plan, folder.database(), folder.cells(), {},
                    [](std::string_view text) { PrintText(text); });
     PrintText("\n}\n");
   } else {
-    PrintText(table);
+    PrintText(SweepTable(plan, summary, response, StyleOf(command.cells.terminal)));
   }
   FlushOutput();
   Say("wrote {}: report.html, cells.csv, study.db\n", folder.path().string());

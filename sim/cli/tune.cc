@@ -40,6 +40,7 @@ struct TuneCommand {
   bool all = false;
   bool filter_only = false;
   bool json = false;
+  TerminalOptions terminal;
 };
 
 /// Runs `work`; what it says of a setting is said of this option.
@@ -138,10 +139,10 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
   const std::filesystem::path yaml = folder.path() / (plan.controller + ".yaml");
   WriteFileAtomically(yaml, ControllerYaml(result.controller));
   WriteFileAtomically(folder.path() / "tune.csv", TuneCsv(plan, result));
-  const std::string table = TuneTable(plan, result);
-  WriteFileAtomically(folder.path() / "report.html", TunePage(plan, result, table));
+  WriteFileAtomically(folder.path() / "report.html",
+                      TunePage(plan, result, TuneTable(plan, result, TerminalStyle::Unlimited())));
   folder.Keep();
-  PrintText(asked.json ? TuneJson(plan, result) : table);
+  PrintText(asked.json ? TuneJson(plan, result) : TuneTable(plan, result, StyleOf(asked.terminal)));
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
@@ -163,10 +164,12 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
                         ControllerYaml(tuned.result.controller));
   }
   WriteFileAtomically(folder.path() / "tune.csv", TuneAllCsv(kinds));
-  const std::string table = TuneAllTable(plan, kinds);
-  WriteFileAtomically(folder.path() / "report.html", TuneAllPage(plan, kinds, table));
+  WriteFileAtomically(
+      folder.path() / "report.html",
+      TuneAllPage(plan, kinds, TuneAllTable(plan, kinds, TerminalStyle::Unlimited())));
   folder.Keep();
-  PrintText(asked.json ? TuneAllJson(plan, kinds) : table);
+  PrintText(asked.json ? TuneAllJson(plan, kinds)
+                       : TuneAllTable(plan, kinds, StyleOf(asked.terminal)));
   FlushOutput();
   if (!kinds.front().has_answer()) {
     Say("wrote {}: tune.csv, report.html\n", folder.path().string());
@@ -230,6 +233,7 @@ void AddTuneCommand(CLI::App& app) {
                     "without a hand: score what the filters give");
   AddOutOption(*command, options->out, "output folder [out/<scenario>.tune]", "DIR");
   command->add_flag("--json", options->json, "print JSON instead of the table");
+  AddTableOptions(*command, options->terminal);
   command->footer(
       "\nExamples:\n  gauntlet tune scenarios/random_motion.yaml --controller tuned_kalman \\\n"
       "    --free filter.q=1e-6:10:log --minimise delay_ms --subject-to "

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
-#include "sim/report/table_text.h"
 #include "sim/score/score.h"
 
 namespace gauntlet::sim {
@@ -89,6 +89,30 @@ std::string Coloured(const std::string& text, ScoreChange change, bool colour) {
   return change == ScoreChange::kBetter ? Good(text) : Warning(text);
 }
 
+/// Rows below the names of their controllers, for terminals on which a whole row is too wide.
+void AppendByController(const std::vector<Row>& rows, const std::vector<ScoreChange>& changes,
+                        const TerminalStyle& style, std::string& out) {
+  for (std::size_t first = 1; first < rows.size();) {
+    std::size_t end = first;
+    std::vector<std::string> scores;
+    while (end < rows.size() && rows[end][0] == rows[first][0]) scores.push_back(rows[end++][1]);
+    std::vector<TableColumn> columns;
+    for (std::size_t c = 2; c < rows[0].size(); ++c) {
+      TableColumn& column = columns.emplace_back(TableColumn{.head = {rows[0][c]}, .rows = {}});
+      const bool judges = c + 1 == rows[0].size();
+      for (std::size_t r = first; r < end; ++r) {
+        const char mark = !judges || changes[r] == ScoreChange::kNone ? ' '
+                          : changes[r] == ScoreChange::kBetter        ? '*'
+                                                                      : '!';
+        column.rows.push_back({TableColumn::Line{.text = rows[r][c], .mark = mark}});
+      }
+    }
+    if (first > 1) out += "\n";
+    out += TableText(rows[first][0], scores, columns, style);
+    first = end;
+  }
+}
+
 void AppendScores(const StudyDifference& difference, const std::string& of_seeds,
                   const DifferenceTableOptions& options, std::string& out) {
   std::vector<Row> rows = {{"controller", "score", "A", "B", "B - A", "95 % interval", "B is"}};
@@ -104,11 +128,16 @@ void AppendScores(const StudyDifference& difference, const std::string& of_seeds
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], Width(row[i]));
   }
   out += fmt::format("\nscores{}, {}:\n", of_seeds, MethodText(difference));
+  if (std::accumulate(widths.begin(), widths.end(), 2 * (widths.size() - 1)) >
+      options.style.table_width) {
+    AppendByController(rows, changes, options.style, out);
+    return;
+  }
   for (std::size_t r = 0; r < rows.size(); ++r) {
     for (std::size_t i = 0; i + 1 < rows[r].size(); ++i) {
       out += Padded(rows[r][i], widths[i], i >= 2) + "  ";
     }
-    out += Coloured(rows[r].back(), changes[r], options.colour) + "\n";
+    out += Coloured(rows[r].back(), changes[r], options.style.colour) + "\n";
   }
 }
 

@@ -2,13 +2,14 @@
 
 #include <string>
 
+#include "sim/report/table_text.h"
 #include "sim/study/study_difference.h"
 
 namespace gauntlet::sim {
 
 struct DifferenceTableOptions {
-  bool all = false;     // also the scores that are the same
-  bool colour = false;  // mark better and worse with terminal colours besides words
+  bool all = false;  // also the scores that are the same
+  TerminalStyle style = TerminalStyle::Unlimited();
 };
 
 /// What differs between two output folders, for a person at a terminal: settings, versions, names,

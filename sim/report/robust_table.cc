@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/report/table_text.h"
-
 namespace gauntlet::sim {
 namespace {
 
@@ -16,7 +14,8 @@ std::string ShareText(const Share& share) {
                      std::floor(100.0 * share.low), std::ceil(100.0 * share.high));
 }
 
-std::string ScoreTableOf(const RobustResult& result, const RobustScore& score) {
+std::string ScoreTableOf(const RobustResult& result, const RobustScore& score,
+                         const TerminalStyle& style) {
   std::vector<std::vector<std::string>> rows = {
       {std::string(Metrics()[score.metric].key), "own hand", "verdict", "best", "as good"}};
   for (std::size_t c = 0; c < score.controllers.size(); ++c) {
@@ -27,10 +26,11 @@ std::string ScoreTableOf(const RobustResult& result, const RobustScore& score) {
                     std::string(best ? "best" : verdict), ShareText(score.controllers[c].best),
                     ShareText(score.controllers[c].near_best)});
   }
-  return AlignedTable(rows);
+  return AlignedTable(rows, style);
 }
 
-std::string TornadoRows(const RobustPlan& plan, const RobustScore& score) {
+std::string TornadoRows(const RobustPlan& plan, const RobustScore& score,
+                        const TerminalStyle& style) {
   if (score.bars.empty()) return "";
   std::vector<std::vector<std::string>> rows = {{"parameter", "low", "high", "high - low", ""}};
   for (const TornadoBar& bar : score.bars) {
@@ -47,7 +47,7 @@ std::string TornadoRows(const RobustPlan& plan, const RobustScore& score) {
   return fmt::format("What matters: {} - {} in {}, one parameter at a time\n{}\n",
                      score.controllers[score.two_best[0]].name,
                      score.controllers[score.two_best[1]].name, Metrics()[score.metric].key,
-                     AlignedTable(rows));
+                     AlignedTable(rows, style));
 }
 
 }  // namespace
@@ -79,17 +79,18 @@ std::vector<std::string> RobustVerdicts(const RobustResult& result) {
   return verdicts;
 }
 
-std::string RobustTable(const RobustPlan& plan, const RobustResult& result) {
+std::string RobustTable(const RobustPlan& plan, const RobustResult& result,
+                        const TerminalStyle& style) {
   std::string text = fmt::format("{}: {}\n{}\n\n", plan.sweep.file.name, plan.sweep.file.question,
                                  HandsText(plan));
-  for (const RobustScore& score : result.scores) text += ScoreTableOf(result, score) + "\n";
+  for (const RobustScore& score : result.scores) text += ScoreTableOf(result, score, style) + "\n";
   text +=
       "verdict: on the scenario's own hand, against the best there, as gauntlet compare gives it.\n"
       "best: hands on which no mean is better; as good: nearer to the best mean than the smallest\n"
       "difference that matters. In brackets the 95 % interval of that share, for other hands and\n"
       "the same seeds (Clopper and Pearson), each by itself.\n\n";
   for (const RobustScore& score : result.scores) {
-    if (score.metric == plan.sweep.best_by) text += TornadoRows(plan, score);
+    if (score.metric == plan.sweep.best_by) text += TornadoRows(plan, score, style);
   }
   text +=
       "high - low: seed by seed; all such intervals of all scores hold together with 95 %\n"

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "sim/report/table_text.h"
-
 namespace gauntlet::sim {
 namespace {
 
@@ -101,8 +99,8 @@ std::string ResponseText(const SweepPlan& plan, const Response& response) {
                     Metrics()[plan.best_by].key, response.comparisons);
 }
 
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary,
-                       const Response& response) {
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary, const Response& response,
+                       const TerminalStyle& style) {
   const Metric& best_by = Metrics()[plan.best_by];
   std::string text =
       fmt::format("{}: {}\n{}, {} seed{}{}; best by {}\n\n", plan.file.name, plan.file.question,
@@ -129,7 +127,7 @@ std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary,
     const std::string_view judgement = JudgementText(comparison.judgement);
     row.emplace_back(&result == &shown.front() ? "best" : judgement);
   }
-  if (!shown.empty()) text += AlignedTable(rows) + "\n";
+  if (!shown.empty()) text += AlignedTable(rows, style, 2) + "\n";
   if (summary.best.empty()) text += "No cell keeps all constraints.\n";
   text += CountsText(plan, summary);
   if (shown.size() > 1) {

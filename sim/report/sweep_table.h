@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/report/table_text.h"
 #include "sim/study/response.h"
 #include "sim/study/sweep_result.h"
 
@@ -10,8 +11,8 @@ namespace gauntlet::sim {
 
 /// The best cells of a sweep for a person at a terminal, what became of the others, and the command
 /// that repeats the best as a comparison.
-std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary,
-                       const Response& response);
+std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary, const Response& response,
+                       const TerminalStyle& style);
 
 /// "prediction is better than raw at frequency_hz 0.5 to 2.5, worse at 4", a line per controller;
 /// nothing of a sweep that has no such curve, or one controller.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 namespace gauntlet::sim {
@@ -165,6 +166,32 @@ std::string TableText(const std::string& corner, const std::vector<std::string>&
     begin = end;
   }
   return out;
+}
+
+std::string AlignedTable(const std::vector<std::vector<std::string>>& rows,
+                         const TerminalStyle& style, std::size_t names) {
+  const std::size_t count = rows.front().size();
+  std::vector<std::size_t> widths(count);
+  for (const auto& row : rows) {
+    for (std::size_t c = 0; c < count; ++c) widths[c] = std::max(widths[c], Width(row[c]));
+  }
+  const std::size_t whole = std::accumulate(widths.begin(), widths.end(), kGap * (count - 1));
+  if (whole <= style.table_width) return AlignedTable(rows);
+  std::vector<std::string> row_names;
+  for (const auto& row : rows) {
+    std::string& name = row_names.emplace_back();
+    for (std::size_t c = 0; c < names; ++c) {
+      name += std::string(c == 0 ? 0 : kGap, ' ') + Padded(row[c], widths[c], false);
+    }
+  }
+  std::vector<TableColumn> columns;
+  for (std::size_t c = names; c < count; ++c) {
+    TableColumn& column = columns.emplace_back(TableColumn{.head = {rows[0][c]}, .rows = {}});
+    for (std::size_t r = 1; r < rows.size(); ++r) {
+      column.rows.push_back({TableColumn::Line{.text = rows[r][c]}});
+    }
+  }
+  return TableText(row_names.front(), {row_names.begin() + 1, row_names.end()}, columns, style);
 }
 
 }  // namespace gauntlet::sim

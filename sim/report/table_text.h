@@ -33,6 +33,9 @@ struct TerminalStyle {
   std::size_t width = 80;        // columns of running text
   std::size_t table_width = 80;  // of tables; kNoLimit: in one piece
   bool colour = false;           // marks have terminal colours, too
+
+  /// Of a page or a file, where lines may be as long as they are.
+  static constexpr TerminalStyle Unlimited() { return {.table_width = kNoLimit}; }
 };
 
 /// In lines of at most `width` columns, broken at spaces; a longer word has its own line.
@@ -58,5 +61,10 @@ std::size_t TableWidth(const std::string& corner, const std::vector<std::string>
 /// with the names again. A name longer than a third of the width stands in a line of its own.
 std::string TableText(const std::string& corner, const std::vector<std::string>& names,
                       const std::vector<TableColumn>& columns, const TerminalStyle& style);
+
+/// AlignedTable() with the first row as heads. Where it is wider than `style.table_width`, it is a
+/// TableText() whose rows have the first `names` fields as their name.
+std::string AlignedTable(const std::vector<std::vector<std::string>>& rows,
+                         const TerminalStyle& style, std::size_t names = 1);
 
 }  // namespace gauntlet::sim

@@ -25,7 +25,8 @@ std::string TuneAllVerdict(const TunePlan& plan, const std::vector<TunedKind>& k
   return text + ".";
 }
 
-std::string TuneAllTable(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
+std::string TuneAllTable(const TunePlan& plan, const std::vector<TunedKind>& kinds,
+                         const TerminalStyle& style) {
   const Metric& metric = Metrics()[plan.minimise];
   std::string text = fmt::format("{} of {}{}, each kind of filter as its filter: {} {}",
                                  plan.controller, plan.scenario.file.stem().string(),
@@ -57,8 +58,8 @@ std::string TuneAllTable(const TunePlan& plan, const std::vector<TunedKind>& kin
     row.emplace_back(&tuned == &kinds.front() ? "best" : JudgementText(tuned.to_best.judgement));
     row.push_back(SettingsText(tuned.plan, tuned.result.verdict.values));
   }
-  if (rows.size() > 1) text += AlignedTable(rows) + "\n";
-  return text + others + Wrapped(TuneAllVerdict(plan, kinds), 80) + "\n";
+  if (rows.size() > 1) text += AlignedTable(rows, style) + "\n";
+  return text + others + Wrapped(TuneAllVerdict(plan, kinds), style.width) + "\n";
 }
 
 }  // namespace gauntlet::sim

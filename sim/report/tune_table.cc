@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "sim/report/table_text.h"
-
 namespace gauntlet::sim {
 namespace {
 
@@ -17,7 +15,7 @@ std::string KeyInController(const TunePlan& plan, std::size_t axis) {
                                     1);
 }
 
-std::string FrontTable(const TunePlan& plan, const TuneResult& result) {
+std::string FrontTable(const TunePlan& plan, const TuneResult& result, const TerminalStyle& style) {
   std::vector<std::vector<std::string>> rows(1);
   const std::size_t delay = MetricIndex("delay_ms");
   const std::size_t jitter = MetricIndex("jitter_rms_deg");
@@ -33,7 +31,7 @@ std::string FrontTable(const TunePlan& plan, const TuneResult& result) {
       row.push_back(IntervalText(setting.scores[PlaceOfMetric(result, metric)]));
     }
   }
-  return AlignedTable(rows);
+  return AlignedTable(rows, style);
 }
 
 }  // namespace
@@ -43,7 +41,7 @@ std::string SeedsText(int first, int count) {
                     : fmt::format("seeds {} to {}", first, first + count - 1);
 }
 
-std::string TuneTable(const TunePlan& plan, const TuneResult& result) {
+std::string TuneTable(const TunePlan& plan, const TuneResult& result, const TerminalStyle& style) {
   const int first_seed = ParseScenario(plan.scenario).seed;
   const Metric& metric = Metrics()[plan.minimise];
   std::string text =
@@ -60,7 +58,7 @@ std::string TuneTable(const TunePlan& plan, const TuneResult& result) {
     rows.push_back({KeyInController(plan, a), result.tried[result.chosen].values[a],
                     fmt::format("{} to {}", result.equal[a].low, result.equal[a].high)});
   }
-  text += AlignedTable(rows) + "\n";
+  text += AlignedTable(rows, style) + "\n";
   rows = {{"held-out seeds", "before", "tuned"}};
   for (std::size_t m = 0; m < result.metrics.size(); ++m) {
     rows.push_back({std::string(Metrics()[result.metrics[m]].key),
@@ -70,7 +68,7 @@ std::string TuneTable(const TunePlan& plan, const TuneResult& result) {
     rows.push_back({"constraints", std::string(MetText(result.before.met)),
                     std::string(MetText(result.verdict.met))});
   }
-  text += AlignedTable(rows);
+  text += AlignedTable(rows, style);
   if (result.before.problem.empty()) {
     const std::string_view judgement = JudgementText(result.gain.judgement);
     text += fmt::format("tuned - before, paired by seed: {} {} (95 %): {}\n",
@@ -82,8 +80,8 @@ std::string TuneTable(const TunePlan& plan, const TuneResult& result) {
         fmt::format("{} better on the first seeds broke a bound on the others.\n", result.refused);
   }
   if (!result.front.empty()) {
-    text +=
-        "\nno setting that was tried has less delay and less jitter:\n" + FrontTable(plan, result);
+    text += "\nno setting that was tried has less delay and less jitter:\n" +
+            FrontTable(plan, result, style);
   }
   return text;
 }

@@ -47,6 +47,18 @@ ProgramResult Filter(std::vector<std::string> arguments, const std::string& inpu
 /// Compares without printing a whole file when it fails.
 bool SameBytes(const fs::path& a, const fs::path& b) { return ReadFile(a) == ReadFile(b); }
 
+/// In columns of a terminal.
+std::size_t WidestLine(const std::string& text) {
+  std::size_t width = 0;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    width = std::max<std::size_t>(width, std::ranges::count_if(line, [](unsigned char c) {
+                                    return c >= ' ' && (c & 0xC0U) != 0x80U;
+                                  }));
+  }
+  return width;
+}
+
 class CliTest : public testing::Test {
  protected:
   ProgramResult Gauntlet(std::vector<std::string> arguments) {
@@ -208,28 +220,18 @@ TEST_F(CliTest, TablesFitTheTerminalAndHaveColoursOnlyThere) {
     EXPECT_EQ(result.exit_code, 0) << result.standard_output;
     return result.standard_output;
   };
-  const auto widest = [](const std::string& text) {
-    std::size_t width = 0;
-    std::istringstream stream(text);
-    for (std::string line; std::getline(stream, line);) {
-      width = std::max<std::size_t>(width, std::ranges::count_if(line, [](unsigned char c) {
-                                      return c >= ' ' && (c & 0xC0U) != 0x80U;
-                                    }));
-    }
-    return width;
-  };
   const std::string plain = compare("NO_COLOR=1", "");
   EXPECT_THAT(plain, AllOf(HasSubstr("tracking"), Not(HasSubstr("\033["))));
-  EXPECT_LE(widest(plain), 60u);
-  EXPECT_GT(widest(compare("NO_COLOR=1", "--wide")), 60u);
-  EXPECT_GT(widest(compare("NO_COLOR=1 COLUMNS=90", "")), 60u);
+  EXPECT_LE(WidestLine(plain), 60u);
+  EXPECT_GT(WidestLine(compare("NO_COLOR=1", "--wide")), 60u);
+  EXPECT_GT(WidestLine(compare("NO_COLOR=1 COLUMNS=90", "")), 60u);
   EXPECT_THAT(compare("", ""), HasSubstr("\033["));
   EXPECT_THAT(compare("", "--color never"), Not(HasSubstr("\033[")));
   EXPECT_THAT(compare("NO_COLOR=1", "--color always"), HasSubstr("\033["));
 
   const ProgramResult piped = Gauntlet({"compare", scenario, "--seeds", "2"});
   EXPECT_THAT(piped.standard_output, Not(HasSubstr("\033[")));
-  EXPECT_LE(widest(piped.standard_output), 80u);
+  EXPECT_LE(WidestLine(piped.standard_output), 80u);
   EXPECT_THAT(Gauntlet({"compare", scenario, "--color", "yes"}).standard_error,
               HasSubstr("--color: yes not in {auto,always,never}"));
 }
@@ -687,7 +689,10 @@ std::vector<double> HorizonsIn(const std::string& text) {
 TEST_F(CliTest, ReadyScenariosLookAsFarAheadAsIdentifyFindsTheHandToBeLate) {
   Gauntlet({"run", kScenarios + "probe_chain.yaml", "--out", "b", "--set",
             "score.noise_free_twin=false"});
-  ASSERT_EQ(Gauntlet({"identify", "b", "--out", "chain.yaml"}).exit_code, 0);
+  const ProgramResult table = Gauntlet({"identify", "b", "--out", "chain.yaml"});
+  ASSERT_EQ(table.exit_code, 0) << table.standard_error;
+  EXPECT_THAT(table.standard_output, AllOf(HasSubstr("hysteresis"), HasSubstr("index_mcp")));
+  EXPECT_LE(WidestLine(table.standard_output), 80u);
   const std::vector<double> identified = HorizonsIn(ReadFile(folder_.path() / "chain.yaml"));
   ASSERT_EQ(identified.size(), 18u);
   for (const char* name : {"random_motion", "fast_bursts", "door_opening", "paper_claims"}) {

@@ -1,5 +1,5 @@
-// An output folder and what its scenario names, moved elsewhere together: the run can be repeated, and
-// nothing tells where it was.
+// An output folder and what its scenario names, moved elsewhere together: the run can be repeated,
+// and nothing tells where it was.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

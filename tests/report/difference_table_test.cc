@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "sim/score/score.h"
 
 namespace gauntlet::sim {
@@ -47,8 +49,26 @@ TEST(DifferenceTable, ShowsWhatDiffersAndTheVerdict) {
 TEST(DifferenceTable, ColoursBetterAndWorseOnATerminal) {
   const StudyFolder a = Folder("a", {0.5, 0.5});
   const StudyFolder b = Folder("b", {0.4, 0.4});
-  EXPECT_THAT(Table(a, b, {.colour = true}), HasSubstr("\033[1;32mbetter\033[0m"));
-  EXPECT_THAT(Table(b, a, {.colour = true}), HasSubstr("\033[33mworse\033[0m"));
+  EXPECT_THAT(Table(a, b, {.style = {.table_width = TerminalStyle::kNoLimit, .colour = true}}),
+              HasSubstr("\033[1;32mbetter\033[0m"));
+  EXPECT_THAT(Table(b, a, {.style = {.table_width = TerminalStyle::kNoLimit, .colour = true}}),
+              HasSubstr("\033[33mworse\033[0m"));
+}
+
+TEST(DifferenceTable, ScoresStandBelowTheirControllerWhereRowsAreTooWide) {
+  const StudyFolder a = Folder("a", {0.5, 0.52, 0.49});
+  const StudyFolder b = Folder("b", {0.4, 0.41, 0.38});
+  for (const std::size_t width : {60, 80}) {
+    std::istringstream table(Table(a, b, {.all = true, .style = {.table_width = width}}));
+    std::string line;
+    while (!line.starts_with("scores")) ASSERT_TRUE(std::getline(table, line));
+    bool judged = false;
+    while (std::getline(table, line) && !line.starts_with("A and B")) {
+      EXPECT_LE(Width(line), width) << line;
+      judged = judged || line.ends_with("better*");
+    }
+    EXPECT_TRUE(judged);
+  }
 }
 
 TEST(DifferenceTable, SaysThatOneSeedHasNoInterval) {

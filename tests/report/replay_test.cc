@@ -1,5 +1,5 @@
-// The hand that moves in the page, in a real browser, held against the physics engine and the trace. Skipped
-// where there is no chromium.
+// The hand that moves in the page, in a real browser, held against the physics engine and the
+// trace. Skipped where there is no chromium.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
