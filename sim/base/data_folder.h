@@ -19,12 +19,12 @@ std::filesystem::path DataFolder(const std::string& name);
 /// neither is there: `file`.
 std::filesystem::path OwnOrDataFile(const std::filesystem::path& file);
 
-/// The file of this name ("scenarios/recordings/a.csv") that Gauntlet brings along, if there is one.
-/// Names that lead out of its folders are none.
+/// The file of this name ("scenarios/recordings/a.csv") that Gauntlet brings along, if there is
+/// one. Names that lead out of its folders are none.
 std::optional<std::filesystem::path> DataFile(const std::filesystem::path& name);
 
-/// The name that DataFile() finds this file by; empty for a file that Gauntlet does not bring along.
-/// `file` is absolute.
+/// The name that DataFile() finds this file by; empty for a file that Gauntlet does not bring
+/// along. `file` is absolute.
 std::string DataName(const std::filesystem::path& file);
 
 /// How a file in `folder` names an absolute path, so that both can be moved together: relative to

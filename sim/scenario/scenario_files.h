@@ -7,8 +7,8 @@
 namespace gauntlet::sim {
 
 /// The files that the scenario's gloves are made from (recordings, references, column maps), each
-/// once, with its hash as it is now. What is no regular file, as a pipe, has no hash and is left out.
-/// Errors: as HashOfFile().
+/// once, with its hash as it is now. What is no regular file, as a pipe, has no hash and is left
+/// out. Errors: as HashOfFile().
 std::vector<NamedFile> FilesOf(const Scenario& scenario);
 
 /// A file that is not what it was when the scenario was resolved.
