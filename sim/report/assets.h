@@ -2,8 +2,8 @@
 
 #include <string_view>
 
-/// The files of sim/report/assets and of Debian's libjs-dygraphs and libjs-three, built into the program by
-/// embed_assets.cmake so that a report needs nothing beside it.
+/// The files of sim/report/assets and of Debian's libjs-dygraphs and libjs-three, built into the
+/// program by embed_assets.cmake so that a report needs nothing beside it.
 namespace gauntlet::sim::assets {
 
 extern const std::string_view kPageHtml;     // the page with {{places}} to fill

@@ -65,8 +65,8 @@ std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_
                       double most_jitter_deg);
 /// Jitter against delay; the line joins what nothing is better than in both.
 std::string FrontSvg(const std::vector<ChartPoint>& points);
-/// A score over the one setting, of the place in the response's metrics: a curve and the band of its
-/// intervals for each controller.
+/// A score, by its place in the response's metrics, over the one setting: a curve and the band of
+/// its intervals for each controller.
 std::string ResponseSvg(const Response& response, std::size_t metric, const std::string& setting);
 std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal);
 

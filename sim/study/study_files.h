@@ -15,8 +15,8 @@ std::string ScoresJson(const FinishedStudy& finished);
 /// a column per metric.
 std::string ScoresCsv(const StudyResult& result);
 
-/// The scenario with every value used, versions, hashes of the model and of the files that it names.
-/// Errors: RunError for one that cannot be read.
+/// The scenario with every value used, versions, hashes of the model and of the files that it
+/// names. Errors: RunError for one that cannot be read.
 std::string ResolvedScenario(const FinishedStudy& finished);
 
 /// Writes scores.json, scores.csv, scenario.resolved.yaml and trace.h5 (of the first seed) into
