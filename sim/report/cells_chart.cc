@@ -210,6 +210,30 @@ class FrontAxes {
   double right_, bottom_;
 };
 
+/// Where the answers are, and as much again: the ends of fronts would leave them no room. All where
+/// there are no answers.
+class PartInSight {
+ public:
+  explicit PartInSight(const std::vector<FrontSeries>& series) {
+    Extent delay, jitter;
+    for (const FrontSeries& one : series) {
+      if (!one.answer) continue;
+      delay.Take(one.answer->delay_ms);
+      jitter.Take(one.answer->jitter_deg);
+    }
+    if (!std::isfinite(delay.low)) return;
+    most_delay_ms_ = delay.high + std::max(delay.high - delay.low, 20.0);
+    most_jitter_deg_ = 2.0 * jitter.high;
+  }
+  bool Has(const FrontSeries::Place& place) const {
+    return place.delay_ms <= most_delay_ms_ && place.jitter_deg <= most_jitter_deg_;
+  }
+
+ private:
+  double most_delay_ms_ = std::numeric_limits<double>::infinity();
+  double most_jitter_deg_ = std::numeric_limits<double>::infinity();
+};
+
 }  // namespace
 
 std::string FrontSvg(const std::vector<ChartPoint>& points) {
@@ -253,9 +277,11 @@ std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_
   constexpr double kWidth = 760.0, kLegend = 190.0, kEach = 20.0;
   constexpr std::size_t kColours = 8;
   const double height = std::max(420.0, 40.0 + kEach * static_cast<double>(series.size()));
+  const PartInSight part(series);
   Extent delay, jitter;
   for (const FrontSeries& one : series) {
     for (const FrontSeries::Place& place : one.front) {
+      if (!part.Has(place)) continue;
       delay.Take(place.delay_ms);
       jitter.Take(place.jitter_deg);
     }
@@ -277,6 +303,7 @@ std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_
         fmt::format("series-{}{}", i % kColours, i < kColours ? "" : " dashed");
     std::string way;
     for (const FrontSeries::Place& place : one.front) {
+      if (!part.Has(place)) continue;
       way += fmt::format("{}{:.1f} {:.1f}", way.empty() ? "M" : "L", axes.X(place.delay_ms),
                          axes.Y(place.jitter_deg));
     }
@@ -288,7 +315,9 @@ std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_
       drawing.Add("<circle{} class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>", point, kind,
                   axes.X(place.delay_ms), axes.Y(place.jitter_deg), radius);
     };
-    for (const FrontSeries::Place& place : one.front) mark(place, "place", 2.5);
+    for (const FrontSeries::Place& place : one.front) {
+      if (part.Has(place)) mark(place, "place", 2.5);
+    }
     if (one.answer) mark(*one.answer, "answer", 6.0);
     const double y = axes.kTop + 10.0 + kEach * static_cast<double>(i);
     const double x = kWidth - kLegend + 8.0;
