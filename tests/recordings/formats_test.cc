@@ -158,7 +158,9 @@ TEST(TableSource, GivesEveryNumberOfAnArrayToTheBit) {
 TEST(FormatOfBytes, KnowsTextFromWhatIsNone) {
   EXPECT_EQ(FormatOfBytes("[Header]\nrate=100\n"), FileFormat::kText);
   EXPECT_EQ(FormatOfBytes("[[1,2]]"), FileFormat::kJson);
-  EXPECT_EQ(FormatOfBytes("1,2\n3,\0004\n"s + std::string(50, '1')), FileFormat::kText);
+  std::string one_zero = "1,2\n3,\0004\n"s;
+  one_zero.append(50, '1');
+  EXPECT_EQ(FormatOfBytes(one_zero), FileFormat::kText);
   EXPECT_EQ(FormatOfBytes(std::string(50, '\0')), FileFormat::kBinary);
   EXPECT_EQ(FormatOfBytes(""), FileFormat::kEmpty);
 }
