@@ -88,7 +88,7 @@ std::string DataName(const fs::path& file) {
 
 std::string PathFrom(const fs::path& folder, const fs::path& file) {
   if (folder.empty() || !file.is_absolute()) return file.string();
-  if (const std::string name = DataName(file); !name.empty()) return name;
+  if (std::string name = DataName(file); !name.empty()) return name;
   const fs::path base = fs::absolute(folder / "").lexically_normal().parent_path();
   return file.lexically_relative(base).string();
 }
