@@ -78,7 +78,9 @@ void Measure(const std::filesystem::path& folder, int cells) {
              database.TrialCount() * 4, size / static_cast<double>(database.TrialCount()));
   const SweepSummary summary =
       Timed("summary and cells.csv", [&] { return SummariseSweep(plan, database, all, {}, {}); });
-  Timed("page", [&] { return SweepPage(plan, database, all, summary, "").size(); });
+  Timed("page", [&] {
+    return SweepPage(plan, database, all, summary, ReadResponse(plan, database, all), "").size();
+  });
   SQLite::Database reader(file.string());
   Timed("mean of a score per cell, by SQL", [&] {
     SQLite::Statement query(reader,
