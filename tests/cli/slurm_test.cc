@@ -132,7 +132,12 @@ class Cluster {
   std::string Ask(const std::vector<std::string>& command) const {
     return RunProgram(command, {.environment = environment()}).standard_output;
   }
-  std::string Queue() const { return Ask({"squeue", "-h", "-r", "-o", "%A_%a %T"}); }
+  /// Not empty, either, while the controller does not answer.
+  std::string Queue() const {
+    const ProgramResult squeue =
+        RunProgram({"squeue", "-h", "-r", "-o", "%A_%a %T"}, {.environment = environment()});
+    return squeue.exit_code == 0 ? squeue.standard_output : "no answer: " + squeue.standard_error;
+  }
   /// Tasks that run again wait until what they were given before is void; these do not.
   void HurryTheQueue() const {
     std::istringstream tasks(Ask({"squeue", "-h", "-r", "-t", "PENDING", "-o", "%i"}));
@@ -197,23 +202,28 @@ TEST_F(SlurmTest, LosesNothingWhenATaskIsKilledAndItsNodeGoesDown) {
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_THAT(again.standard_error, HasSubstr("in Slurm's queue already"));
   cluster.Ask({"scontrol", "update", "NodeName=node", "State=DOWN", "Reason=test"});
-  ASSERT_TRUE(WaitUntil([&] { return !Has("RUNNING", cluster.Queue()); }));
+  // A node that comes back while its old tasks still end refuses the new ones.
+  ASSERT_TRUE(WaitUntil(
+      [&] { return !Has("RUNNING", cluster.Queue()) && ProcessesWith({"slurmstepd:"}).empty(); }));
   cluster.Ask({"scontrol", "update", "NodeName=node", "State=RESUME"});
   ASSERT_TRUE(WaitUntil([&] {
     cluster.HurryTheQueue();
     return cluster.Queue().empty();
   })) << cluster.Queue();
 
-  // A shard that is lost altogether is the only one that --retry runs.
+  // A shard that is lost altogether. Slurm does not always queue a task again whose node went down
+  // under it; --retry runs what is missing, whatever the reason, and nothing else.
   fs::remove_all(In("out/short/slurm/shard-3-of-3"));
-  const ProgramResult retry = Sweep({"--slurm", "--tasks", "3", "--retry"}, cluster.environment());
-  ASSERT_EQ(retry.exit_code, 0) << retry.standard_error;
-  EXPECT_THAT(retry.standard_error, HasSubstr("1 of 3 shards"));
-  EXPECT_THAT(ReadFile(In("out/short/slurm/sweep.sbatch")), HasSubstr("--array=3\n"));
-  ASSERT_TRUE(WaitUntil([&] { return cluster.Queue().empty(); }));
-  const ProgramResult nothing =
-      Sweep({"--slurm", "--tasks", "3", "--retry"}, cluster.environment());
-  EXPECT_THAT(nothing.standard_error, HasSubstr("nothing is missing; now: gauntlet sweep"));
+  std::vector<std::string> said;
+  do {
+    ASSERT_LT(said.size(), 4u) << testing::PrintToString(said);
+    const ProgramResult retry =
+        Sweep({"--slurm", "--tasks", "3", "--retry"}, cluster.environment());
+    said.push_back(retry.standard_error);
+    ASSERT_TRUE(WaitUntil([&] { return cluster.Queue().empty(); }));
+  } while (!Has("nothing is missing; now: gauntlet sweep", said.back()));
+  EXPECT_GT(said.size(), 1u);
+  EXPECT_THAT(said.front(), HasSubstr(" of 3 shards"));
 
   const ProgramResult merged = Sweep(
       {"--out", "merged", "--collect", In("out/short/slurm/shard-1-of-3").string(),
@@ -224,6 +234,10 @@ TEST_F(SlurmTest, LosesNothingWhenATaskIsKilledAndItsNodeGoesDown) {
   EXPECT_EQ(ReadFile(In("merged/report.html")), ReadFile(In("whole/report.html")));
   SQLite::Database database(In("merged/study.db").string());
   EXPECT_EQ(database.execAndGet("SELECT count(*) FROM trial").getInt(), 9 * 4);
+
+  fs::remove_all(In("out/short/slurm/shard-3-of-3"));
+  const ProgramResult script = Sweep({"--slurm", "--tasks", "3", "--retry", "--dry-run"});
+  EXPECT_THAT(script.standard_output, HasSubstr("#SBATCH --array=3\n"));
 }
 
 TEST_F(SlurmTest, ADryRunPrintsTheScriptAndLeavesNothing) {
