@@ -42,7 +42,7 @@ struct Rates {
 /// A sample at m standard deviations, m > 5, counts as one at 25 / m.
 constexpr double kMostTimes = 25.0;
 
-/// After a step: `innovation` is what the step corrected.
+/// After a step: `innovation` is what the step corrected, no subnormal number.
 GAUNTLET_VECTORISED void Learn(double* r, double* q, double* before, double* c0, double* c1,
                                const double* p11, const double* r_min, const double* r_max,
                                const double* q_min, const double* q_max, Rates rates,
@@ -55,7 +55,7 @@ GAUNTLET_VECTORISED void Learn(double* r, double* q, double* before, double* c0,
     const double r_most = r_max[i];
     const double q_least = q_min[i];
     const double q_most = q_max[i];
-    const double innovated = WithoutSubnormal(innovation[i]);
+    const double innovated = innovation[i];
     // P_11 = K_1 R and 1 - K_1 = R / S give S back.
     const double s = r_old * r_old / (r_old - p11[i]);
     const double ratio = kMostTimes * s / (innovated * innovated);
@@ -130,7 +130,7 @@ class LearningKalmanFilter final : public StateFilter<KalmanAdaptiveFilter> {
   }
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
     for (int i = 0; i < channel_count(); ++i) {
-      innovation_[i] = input[i] - (arrays_[kX][i] + arrays_[kW][i]);
+      innovation_[i] = WithoutSubnormal(input[i] - (arrays_[kX][i] + arrays_[kW][i]));
     }
     StepKalman2(arrays_, factors_, input.data(), output.data());
     Learn(arrays_[kR], arrays_[kQ], arrays_[kBefore], arrays_[kC0], arrays_[kC1], arrays_[kP11],
