@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -30,12 +31,6 @@ const std::vector<std::string> kShort = {"--set", "glove.motion.duration_s=1.5"}
 
 const std::string kGood =
     "question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\ncontrollers: {raw: {}}\n";
-
-std::string ReadFile(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 ProgramResult Filter(std::vector<std::string> arguments, const std::string& input) {
   arguments.insert(arguments.begin(), {kProgram, "filter"});

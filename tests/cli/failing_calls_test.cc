@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -17,12 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::StartsWith;
-
-std::string ReadFile(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 class FailingCalls : public testing::TestWithParam<std::string> {
  protected:

@@ -8,18 +8,13 @@
 #include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 
 namespace gauntlet::test {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-std::string ReadFile(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 class RepetitionsCliTest : public testing::Test {
  protected:

@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
-#include <sstream>
 #include <thread>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -19,12 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-std::string ReadFile(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 class ResumeTest : public testing::Test {
  protected:

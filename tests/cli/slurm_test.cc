@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -28,12 +29,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string kDebianPath = "/usr/sbin:/usr/bin:/sbin:/bin";
-
-std::string ReadFile(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 bool Has(const std::string& part, const std::string& text) {
   return text.find(part) != std::string::npos;

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -20,12 +20,6 @@ const std::string kProgram = GAUNTLET_PROGRAM;
 const std::string kScenario = SourceDir() +
                               "/scenarios/hold_still.yaml --controllers raw "
                               "--set glove.motion.duration_s=0.2 ";
-
-std::string ReadFile(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 class StandardStreamsTest : public testing::Test {
  protected:
