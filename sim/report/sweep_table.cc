@@ -4,6 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
+
+#include "sim/base/data_folder.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -65,7 +68,8 @@ std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
 
 std::string CompareCommand(const std::string& scenario, int seeds, const std::string& controller,
                            const std::vector<std::string>& sets) {
-  std::string command = fmt::format("gauntlet compare {} --seeds {}", scenario, seeds);
+  std::string command = fmt::format("gauntlet compare {} --seeds {}",
+                                    PathFrom(std::filesystem::current_path(), scenario), seeds);
   if (!controller.empty()) command += " --controllers " + controller;
   for (const std::string& set : sets) command += fmt::format(" \\\n  --set '{}'", set);
   return command + "\n";

@@ -21,7 +21,8 @@ std::string ResponseText(const SweepPlan& plan, const Response& response);
 /// The last part of an axis' key that still tells the axes apart, and is not a score's.
 std::string ShortKey(const SweepPlan& plan, std::size_t axis);
 
-/// The command that repeats a setting as a comparison; of no `controller` with all of them.
+/// The command that repeats a setting as a comparison, in the folder where the program runs; of no
+/// `controller` with all of them.
 std::string CompareCommand(const std::string& scenario, int seeds, const std::string& controller,
                            const std::vector<std::string>& sets);
 std::string RepeatCommand(const SweepPlan& plan, const std::string& controller, std::int64_t cell);
