@@ -7,13 +7,8 @@ namespace {
 
 constexpr double kTransitionShare = 0.4;  // of the edge, centred on it
 
-LowPass BelowTrembling(double rate_hz, double above_hz) {
-  return DesignLowPass(above_hz, kTransitionShare * above_hz, rate_hz);
-}
-
-Eigen::Index TicksFor(const LowPass& low_pass, double rate_hz, double above_hz) {
-  // And one period of the slowest trembling.
-  return 2 * low_pass.reach() + static_cast<Eigen::Index>(std::ceil(rate_hz / above_hz));
+int Reach(double rate_hz, double above_hz) {
+  return LowPassReach(kTransitionShare * above_hz, rate_hz);
 }
 
 }  // namespace
@@ -22,23 +17,24 @@ FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, double above_h
                          Fourier& fourier) {
   FilteredSignal none{0, Signal(0, angle_rad.cols())};
   if (rate_hz <= (2.0 + kTransitionShare) * above_hz) return none;
-  const LowPass low_pass = BelowTrembling(rate_hz, above_hz);
-  if (angle_rad.rows() < TicksFor(low_pass, rate_hz, above_hz)) return none;
+  if (angle_rad.rows() < TremblingTicks(rate_hz, above_hz)) return none;
+  const LowPass low_pass = DesignLowPass(above_hz, kTransitionShare * above_hz, rate_hz);
   return Filter(low_pass, Band::kAbove, angle_rad, fourier);
 }
 
 CountedTicks TremblingWithin(const CountedTicks& counted, double rate_hz, double above_hz) {
-  const LowPass low_pass = BelowTrembling(rate_hz, above_hz);
+  const int reach = Reach(rate_hz, above_hz);
   CountedTicks inner;
   for (const TickRange& range : counted) {
-    if (range.end - range.begin < TicksFor(low_pass, rate_hz, above_hz)) continue;
-    inner.push_back({range.begin + low_pass.reach(), range.end - low_pass.reach()});
+    if (range.end - range.begin < TremblingTicks(rate_hz, above_hz)) continue;
+    inner.push_back({range.begin + reach, range.end - reach});
   }
   return inner;
 }
 
 Eigen::Index TremblingTicks(double rate_hz, double above_hz) {
-  return TicksFor(BelowTrembling(rate_hz, above_hz), rate_hz, above_hz);
+  // And one period of the slowest trembling.
+  return 2 * Reach(rate_hz, above_hz) + static_cast<Eigen::Index>(std::ceil(rate_hz / above_hz));
 }
 
 }  // namespace gauntlet::sim

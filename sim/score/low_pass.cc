@@ -9,6 +9,9 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kAttenuation_db = 80.0;
+/// Of a block in lengths of the filter: a seventh of it is then computed twice. Longer ones leave
+/// the cache.
+constexpr int kBlockLengths = 8;
 
 /// The filter's transform, which is real because the weights are symmetric.
 std::vector<double> Response(const LowPass& low_pass, int size, Fourier& fourier) {
@@ -26,11 +29,14 @@ std::vector<double> Response(const LowPass& low_pass, int size, Fourier& fourier
 
 }  // namespace
 
-LowPass DesignLowPass(double cutoff_hz, double transition_hz, double rate_hz) {
-  // Kaiser's rules for the length and for the shape of the window.
+// Kaiser's rules for the length and, below, for the shape of the window.
+int LowPassReach(double transition_hz, double rate_hz) {
   const double transition_rad = 2.0 * std::numbers::pi * transition_hz / rate_hz;
-  const int reach =
-      static_cast<int>(std::ceil(0.5 * (kAttenuation_db - 7.95) / (2.285 * transition_rad)));
+  return static_cast<int>(std::ceil(0.5 * (kAttenuation_db - 7.95) / (2.285 * transition_rad)));
+}
+
+LowPass DesignLowPass(double cutoff_hz, double transition_hz, double rate_hz) {
+  const int reach = LowPassReach(transition_hz, rate_hz);
   const double beta = 0.1102 * (kAttenuation_db - 8.7);
 
   LowPass low_pass;
@@ -56,8 +62,10 @@ FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, 
   FilteredSignal result{reach, Signal(rows, channels)};
   if (rows == 0) return result;
 
-  // The transform may wrap around: it spoils only rows that the filter's reach takes away anyhow.
-  const int size = FastTransformSize(samples);
+  // A transform wraps around: that spoils only as much of a block as the next one gives anew, and
+  // of the last one what the filter's reach takes away anyhow.
+  const int size = FastTransformSize(std::min(samples, kBlockLengths * (2 * reach + 1)));
+  const int good = size - 2 * reach;  // rows of a block
   std::vector<double> response = Response(low_pass, size, fourier);
   if (band == Band::kAbove) {
     for (double& gain : response) gain = 1.0 - gain;
@@ -65,19 +73,21 @@ FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, 
   Fourier::Values values;
   for (int a = 0; a < channels; a += 2) {  // two real channels in one complex transform
     const int b = std::min(a + 1, channels - 1);
-    values.assign(size, 0.0);
     // A value that is not finite spoils its own channel, not the one that shares the transform.
     const bool good_a = signal.col(a).allFinite();
     const bool good_b = signal.col(b).allFinite();
-    for (int n = 0; n < samples; ++n) {
-      values[n] = {good_a ? signal(n, a) : 0.0, good_b ? signal(n, b) : 0.0};
-    }
-    fourier.Forward(values);
-    for (int k = 0; k < size; ++k) values[k] *= response[k];
-    fourier.Inverse(values);
-    for (int n = 0; n < rows; ++n) {
-      result.values(n, a) = values[n + reach].real();
-      result.values(n, b) = values[n + reach].imag();
+    for (int first = 0; first < rows; first += good) {
+      values.assign(size, 0.0);
+      for (int n = 0; n < std::min(size, samples - first); ++n) {
+        values[n] = {good_a ? signal(first + n, a) : 0.0, good_b ? signal(first + n, b) : 0.0};
+      }
+      fourier.Forward(values);
+      for (int k = 0; k < size; ++k) values[k] *= response[k];
+      fourier.Inverse(values);
+      for (int n = 0; n < std::min(good, rows - first); ++n) {
+        result.values(first + n, a) = values[n + reach].real();
+        result.values(first + n, b) = values[n + reach].imag();
+      }
     }
     if (!good_a) result.values.col(a).setConstant(std::numeric_limits<double>::quiet_NaN());
     if (!good_b) result.values.col(b).setConstant(std::numeric_limits<double>::quiet_NaN());

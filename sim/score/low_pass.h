@@ -22,6 +22,9 @@ struct LowPass {
 
 LowPass DesignLowPass(double cutoff_hz, double transition_hz, double rate_hz);
 
+/// The reach of that filter, which its weights are not needed for.
+int LowPassReach(double transition_hz, double rate_hz);
+
 /// Part of some signals behind a filter. What lies outside a signal is unknown, so samples nearer
 /// to an end than the filter's reach have no value here: no padding, no edge effect.
 struct FilteredSignal {
@@ -31,6 +34,9 @@ struct FilteredSignal {
 
 /// What passes the low pass, or what it takes away.
 enum class Band { kBelow, kAbove };
+/// By transforms of blocks that overlap by the filter's length (overlap-save: Oppenheim and
+/// Schafer, section 8.7.3), so that a block stays in the processor's cache however long the signal
+/// is.
 FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, Fourier& fourier);
 
 }  // namespace gauntlet::sim

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/score/signals.h"
 
 namespace gauntlet::sim {
@@ -30,22 +32,54 @@ TEST(LowPass, HasItsBandsAndHalfTheAmplitudeAtTheCutoff) {
   }
 }
 
-TEST(LowPass, FilterIsTheConvolutionWhereItHasAValue) {
-  const auto noise = Noise(900, 21);
-  const LowPass low_pass = DesignLowPass(20.0, 40.0, 1000.0);
+/// Channel by channel, row by row.
+void ExpectConvolutions(const LowPass& low_pass, const Signal& signal) {
   Fourier fourier;
-  const FilteredSignal below = Filter(low_pass, Band::kBelow, OneChannel(noise), fourier);
-  const FilteredSignal above = Filter(low_pass, Band::kAbove, OneChannel(noise), fourier);
+  const FilteredSignal below = Filter(low_pass, Band::kBelow, signal, fourier);
+  const FilteredSignal above = Filter(low_pass, Band::kAbove, signal, fourier);
   ASSERT_EQ(below.first_sample, low_pass.reach());
-  ASSERT_EQ(below.values.rows(), 900 - 2 * low_pass.reach());
-  for (int row = 0; row < below.values.rows(); ++row) {
-    const int n = row + below.first_sample;
-    double sum = low_pass.weights[0] * noise[n];
-    for (int k = 1; k <= low_pass.reach(); ++k) {
-      sum += low_pass.weights[k] * (noise[n + k] + noise[n - k]);
+  ASSERT_EQ(below.values.rows(), signal.rows() - 2 * low_pass.reach());
+  for (int channel = 0; channel < signal.cols(); ++channel) {
+    const auto values = signal.col(channel);
+    for (int row = 0; row < below.values.rows(); ++row) {
+      const int n = row + below.first_sample;
+      double sum = low_pass.weights[0] * values[n];
+      for (int k = 1; k <= low_pass.reach(); ++k) {
+        sum += low_pass.weights[k] * (values[n + k] + values[n - k]);
+      }
+      ASSERT_NEAR(below.values(row, channel), sum, 1e-12) << n;
+      ASSERT_NEAR(below.values(row, channel) + above.values(row, channel), values[n], 1e-12) << n;
     }
-    ASSERT_NEAR(below.values(row, 0), sum, 1e-12);
-    ASSERT_NEAR(below.values(row, 0) + above.values(row, 0), noise[n], 1e-12);
+  }
+}
+
+TEST(LowPass, FilterIsTheConvolutionWhereItHasAValue) {
+  const LowPass low_pass = DesignLowPass(20.0, 40.0, 1000.0);
+  const int block = FastTransformSize(8 * (2 * low_pass.reach() + 1));
+  for (const int samples : {900, block - 1, block, block + 1, 2 * block, 5000}) {
+    Signal signal(samples, 3);
+    for (int c = 0; c < 3; ++c) signal.col(c) = OneChannel(Noise(samples, 21 + c)).col(0);
+    SCOPED_TRACE(samples);
+    ExpectConvolutions(low_pass, signal);
+  }
+}
+
+TEST(LowPass, FilterKeepsWhatIsNotANumberToItsChannel) {
+  const LowPass low_pass = DesignLowPass(20.0, 40.0, 1000.0);
+  Signal signal(5000, 2);
+  for (int c = 0; c < 2; ++c) signal.col(c) = OneChannel(Noise(5000, 21 + c)).col(0);
+  Fourier fourier;
+  const Signal good = Filter(low_pass, Band::kBelow, signal, fourier).values;
+  signal(4999, 1) = std::numeric_limits<double>::quiet_NaN();
+  const Signal spoilt = Filter(low_pass, Band::kBelow, signal, fourier).values;
+  EXPECT_LT((good.col(0) - spoilt.col(0)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_TRUE(spoilt.col(1).array().isNaN().all());
+}
+
+TEST(LowPass, ReachIsThatOfTheDesign) {
+  for (const double transition_hz : {4.0, 10.0, 40.0}) {
+    EXPECT_EQ(LowPassReach(transition_hz, 1000.0),
+              DesignLowPass(20.0, transition_hz, 1000.0).reach());
   }
 }
 
