@@ -111,20 +111,15 @@ double StrongestPeriod(int size, const Bin& bin) {
   return static_cast<double>(size) / strongest;
 }
 
-/// products[lag] = sum over n of leader[n] follower[n + lag]; negative lags from the end. Takes the
-/// place of the pair's spectrum: in a long trial that is large.
-Values CrossProducts(Pair& pair, Fourier& fourier) {
-  const auto product = [&pair](int k) {
-    return std::conj(LeaderBin(pair, k)) * FollowerBin(pair, k);
-  };
-  pair.spectrum[0] = product(0);
-  for (int k = 1; k <= pair.size - k; ++k) {  // a bin needs its mirror image
-    const auto lower = product(k);
-    pair.spectrum[pair.size - k] = product(pair.size - k);
-    pair.spectrum[k] = lower;
+/// products[lag] = sum over n of leader[n] follower[n + lag]; negative lags from the end. They take
+/// the place of the pair's spectrum: in a long trial that is large.
+std::vector<double> CrossProducts(Pair& pair, Fourier& fourier) {
+  for (int k = 0; k <= pair.size / 2; ++k) {  // its mirror image stays for it
+    pair.spectrum[k] = std::conj(LeaderBin(pair, k)) * FollowerBin(pair, k);
   }
-  fourier.Inverse(pair.spectrum);
-  return std::move(pair.spectrum);
+  std::vector<double> products(pair.size);
+  fourier.Inverse(std::move(pair.spectrum), products);
+  return products;
 }
 
 /// What overlaps at one lag, of all counted ranges together.
@@ -136,7 +131,8 @@ struct AtLag {
 };
 
 /// Adds the sums of one range at lags -bound .. bound.
-void AddOverlaps(const Pair& pair, const Values& products, int bound, std::vector<AtLag>& sums) {
+void AddOverlaps(const Pair& pair, std::span<const double> products, int bound,
+                 std::vector<AtLag>& sums) {
   for (const int direction : {1, -1}) {
     Moments leader = pair.leader.moments;
     Moments follower = pair.follower.moments;
@@ -154,7 +150,7 @@ void AddOverlaps(const Pair& pair, const Values& products, int bound, std::vecto
       at.leader.squares += leader.squares;
       at.follower.sum += follower.sum;
       at.follower.squares += follower.squares;
-      at.product += products[direction > 0 || lag == 0 ? lag : pair.size - lag].real();
+      at.product += products[direction > 0 || lag == 0 ? lag : pair.size - lag];
     }
   }
 }
@@ -220,7 +216,7 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
     leader_moments.squares += pair.leader.moments.squares;
     follower_moments.sum += pair.follower.moments.sum;
     follower_moments.squares += pair.follower.moments.squares;
-    const Values products = CrossProducts(pair, fourier);
+    const std::vector<double> products = CrossProducts(pair, fourier);
     AddOverlaps(pair, products, bound, sums);
   };
   {

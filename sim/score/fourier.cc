@@ -32,6 +32,11 @@ void Fourier::Forward(const std::vector<double>& values, Values& lower_half) {
   ForgetLong(values.size());
 }
 
+void Fourier::Inverse(Values lower_half, std::vector<double>& values) {
+  transform_.inv(values.data(), lower_half.data(), static_cast<Eigen::Index>(values.size()));
+  ForgetLong(values.size());
+}
+
 void Fourier::ForgetLong(std::size_t size) {
   if (size <= kLongestKept) return;
   transform_.impl().clear();

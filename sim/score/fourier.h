@@ -23,6 +23,8 @@ class Fourier {
   void Inverse(Values& values);
   /// The lower half, k = 0 .. N/2, of the transform of real values, in half the time.
   void Forward(const std::vector<double>& values, Values& lower_half);
+  /// The other way; what lies above the lower half does not matter.
+  void Inverse(Values lower_half, std::vector<double>& values);
 
  private:
   void ForgetLong(std::size_t size);

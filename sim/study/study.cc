@@ -100,9 +100,23 @@ controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
 }
 
 std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
-  if (seed == study.scenario.seed) return study.first_glove;
+  const auto place = static_cast<std::size_t>(seed - study.scenario.seed);
+  if (place < study.gloves.size()) return study.gloves[place];
   return std::make_shared<const GloveSignal>(
       SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed)));
+}
+
+void KeepGloves(int seeds, Study& study) {
+  constexpr Eigen::Index kMostBytes = 64 << 20;
+  Eigen::Index bytes = 0;
+  while (std::ssize(study.gloves) < seeds) {
+    const GloveSignal& last = *study.gloves.back();
+    bytes += static_cast<Eigen::Index>(sizeof(double)) *
+             (last.true_angle_rad.size() + last.counts.size() + last.tremor_rad.size());
+    if (bytes > kMostBytes) return;
+    study.gloves.push_back(
+        GloveOfSeed(study, study.scenario.seed + static_cast<int>(study.gloves.size())));
+  }
 }
 
 TrialSetup SetupOf(const Study& study, const NamedController& named) {
@@ -136,7 +150,7 @@ Study PrepareStudy(Scenario scenario) {
       for (const std::string& remark : glove.remarks) {  // the same of many is said once
         if (!Has(study.remarks, remark)) study.remarks.push_back(remark);
       }
-      if (i == 0) study.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
+      if (i == 0) study.gloves = {std::make_shared<const GloveSignal>(std::move(glove))};
     }
   });
   study.hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));

@@ -32,11 +32,12 @@ struct Study {
   std::vector<int> measured_motors;
   std::vector<int> measured_cables;
   std::vector<std::string> measured_joint_names;
-  int joint_count = 0;                             // of the hand, measured or not
-  ScoreRows rows;                                  // of these joints, motors and cables
-  std::vector<std::string> remarks;                // what was repaired or replaced, a line each
-  std::shared_ptr<const GloveSignal> first_glove;  // the signal of the first seed
-  std::vector<GloveFacts> repetitions;             // of the first seed of each; one if none differ
+  int joint_count = 0;               // of the hand, measured or not
+  ScoreRows rows;                    // of these joints, motors and cables
+  std::vector<std::string> remarks;  // what was repaired or replaced, a line each
+  std::vector<std::shared_ptr<const GloveSignal>>
+      gloves;                           // signals of the first seeds, one at least
+  std::vector<GloveFacts> repetitions;  // of the first seed of each; one if none differ
 
   const std::vector<std::string>& channel_names() const { return calibration.channel_names; }
   /// From the glove's channels to the hand's joints.
@@ -51,6 +52,10 @@ controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
 
 /// The glove's signal of a seed.
 std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed);
+
+/// For a study that runs many times: makes the signals of its first `seeds` seeds now, as many as
+/// take 64 MB. Errors: UserError, SettingError.
+void KeepGloves(int seeds, Study& study);
 
 /// The trial of one controller of the study.
 TrialSetup SetupOf(const Study& study, const NamedController& named);

@@ -17,6 +17,7 @@ TuneBench::TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, int
       source_(plan.scenario) {
   source_.overrides.push_back(fmt::format("seed={}", first_seed));
   study_ = PrepareShared(ParseScenario(source_));
+  KeepGloves(seeds, study_);
 }
 
 NamedController TuneBench::ControllerWith(const std::vector<std::string>& values) const {

@@ -48,6 +48,18 @@ TEST(Fourier, OfRealValuesIsTheLowerHalf) {
   }
 }
 
+TEST(Fourier, InverseOfTheLowerHalfGivesRealValuesBack) {
+  for (const int size : {4, 30, 75, 1024, 48600}) {
+    const auto real = Noise(size, 7);
+    Fourier::Values half;
+    Fourier fourier;
+    fourier.Forward(real, half);
+    std::vector<double> back(size);
+    fourier.Inverse(half, back);
+    for (int n = 0; n < size; ++n) ASSERT_NEAR(back[n], real[n], 1e-12) << size;
+  }
+}
+
 TEST(Fourier, FastSizesAreLargeEnoughNearAndSmooth) {
   for (int size = 1; size < 200000; size = size * 5 / 4 + 1) {
     const int fast = FastTransformSize(size);

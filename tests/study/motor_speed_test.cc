@@ -16,9 +16,9 @@ namespace {
 /// its no-load speed: coupling x (joint angles now - joint angles a frame ago).
 double LargestSpeedShare(const Study& study) {
   const controller::TendonTransmission& hand = study.hand->transmission();
-  const Signal joints = JointAngles(study.joint_map(), study.first_glove->true_angle_rad);
+  const Signal joints = JointAngles(study.joint_map(), study.gloves.front()->true_angle_rad);
   const double frame_s = 1e-3 * study.scenario.event.period_ms;
-  const auto frame = static_cast<Eigen::Index>(study.first_glove->tick_rate_hz * frame_s);
+  const auto frame = static_cast<Eigen::Index>(study.gloves.front()->tick_rate_hz * frame_s);
   const Eigen::Index rows = joints.rows() - frame;
   const Signal moved = joints.bottomRows(rows) - joints.topRows(rows);
   double largest_share = 0.0;
