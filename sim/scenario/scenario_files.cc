@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "sim/base/hash.h"
 
@@ -16,14 +17,16 @@ namespace {
 using controller::Setting;
 using controller::SettingsVisitor;
 
-/// Collects every path of a config struct.
-class PathCollector final : public SettingsVisitor {
+/// Shows every path of a config struct.
+class PathVisitor final : public SettingsVisitor {
  public:
+  explicit PathVisitor(std::function<void(std::string&)> see) : see_(std::move(see)) {}
+
   void Number(const Setting& /*setting*/, double& /*value*/) override {}
   void Integer(const Setting& /*setting*/, int& /*value*/) override {}
   void Flag(const Setting& /*setting*/, bool& /*value*/) override {}
   void Text(const Setting& /*setting*/, std::string& /*value*/) override {}
-  void Path(const Setting& /*setting*/, std::string& value) override { paths.insert(value); }
+  void Path(const Setting& /*setting*/, std::string& value) override { see_(value); }
   void Numbers(const Setting& /*setting*/, std::vector<double>& /*value*/) override {}
   void Texts(const Setting& /*setting*/, std::vector<std::string>& /*value*/) override {}
   void Choice(const Setting& /*setting*/, std::span<const std::string_view> /*names*/,
@@ -39,7 +42,8 @@ class PathCollector final : public SettingsVisitor {
     for (std::size_t i = 0; i < map.size(); ++i) map.visit(i, *this);
   }
 
-  std::set<std::string> paths;
+ private:
+  std::function<void(std::string&)> see_;
 };
 
 }  // namespace
@@ -47,15 +51,22 @@ class PathCollector final : public SettingsVisitor {
 std::vector<NamedFile> FilesOf(const Scenario& scenario) {
   std::vector<GloveConfig> gloves = scenario.repetitions.gloves;
   gloves.push_back(scenario.glove);
-  PathCollector collector;
+  std::set<std::string> paths;
+  PathVisitor collector([&paths](const std::string& path) { paths.insert(path); });
   for (GloveConfig& glove : gloves) glove.Visit(collector);
   std::vector<NamedFile> files;
-  for (const std::string& path : collector.paths) {
+  for (const std::string& path : paths) {
     std::error_code unreadable;
     if (!std::filesystem::is_regular_file(path, unreadable)) continue;
     files.push_back({.file = path, .hash = HashOfFile(path)});
   }
   return files;
+}
+
+void DropFolders(Scenario& scenario) {
+  PathVisitor drop([](std::string& path) { path = std::filesystem::path(path).filename(); });
+  scenario.Visit(drop);
+  for (GloveConfig& glove : scenario.repetitions.gloves) glove.Visit(drop);
 }
 
 std::vector<ChangedFile> ChangedFiles(const Scenario& scenario) {

@@ -11,6 +11,9 @@ namespace gauntlet::sim {
 /// out. Errors: as HashOfFile().
 std::vector<NamedFile> FilesOf(const Scenario& scenario);
 
+/// Leaves of every path its last name: for a scenario that is known by what is in its files.
+void DropFolders(Scenario& scenario);
+
 /// A file that is not what it was when the scenario was resolved.
 struct ChangedFile {
   NamedFile then;

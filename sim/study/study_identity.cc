@@ -5,6 +5,7 @@
 
 #include "sim/base/hash.h"
 #include "sim/base/mathematics.h"
+#include "sim/scenario/scenario_files.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -30,6 +31,7 @@ std::string SharedSettings(const Study& study) {
   scenario.made_with = {};
   scenario.controllers.clear();
   scenario.baseline.clear();  // judges trials, and changes none
+  DropFolders(scenario);      // what is in the files counts: in the signals and in the hand
   return ScenarioToYaml(scenario);
 }
 
@@ -46,6 +48,7 @@ std::string HashOfStudy(const Study& study) {
 std::string HashOfSettings(const NamedController& controller) {
   Scenario scenario;
   scenario.controllers = {controller};
+  DropFolders(scenario);  // what the files gave stands in the settings
   Hash hash;
   hash.Add(ScenarioToYaml(scenario));
   return hash.Text();

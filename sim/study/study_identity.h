@@ -10,7 +10,8 @@ namespace gauntlet::sim {
 // What decides a trial: its study, its controller's settings and its seed. Two trials that agree in
 // all three give the same bytes.
 
-/// What all trials of a study share, whatever their seed, as a scenario's YAML.
+/// What all trials of a study share, whatever their seed, as a scenario's YAML. Of paths the last
+/// name, so that a study that was moved is the same.
 std::string SharedSettings(const Study& study);
 
 /// Of glove, hand, event, the model, the glove signals of the first seed of every repetition and

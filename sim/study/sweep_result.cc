@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/base/csv_line.h"
+#include "sim/base/data_folder.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -248,7 +249,7 @@ std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary) {
   Json json;
   json["sweep"] = plan.file.name;
   json["question"] = plan.file.question;
-  json["scenario"] = plan.file.scenario;
+  json["scenario"] = PathFrom(std::filesystem::current_path(), plan.file.scenario);
   json["physics"] = plan.file.physics;
   json["seeds"] = plan.file.seeds;
   json["best_by"] = Metrics()[plan.best_by].key;

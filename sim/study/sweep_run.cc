@@ -380,9 +380,9 @@ std::string HashOfSweep(const SweepPlan& plan) {
     hash.Add(fmt::format("{}\n{} {} {} {} {}\n", axis.key, axis.low, axis.high, axis.count,
                          static_cast<int>(axis.spacing), axis.whole));
     for (const std::string& value : axis.values) {
-      hash.Add(value + "\n");
       std::error_code ignored;
-      if (std::filesystem::is_regular_file(value, ignored)) hash.Add(HashOfFile(value));
+      const bool is_file = std::filesystem::is_regular_file(value, ignored);
+      hash.Add((is_file ? HashOfFile(value) : value) + "\n");
     }
   }
   for (const std::vector<std::string>& values : plan.listed) {

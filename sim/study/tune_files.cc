@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/base/csv_line.h"
+#include "sim/base/data_folder.h"
 #include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
@@ -75,7 +76,7 @@ nlohmann::ordered_json ResultJson(const TunePlan& plan, const TuneResult& result
 
 nlohmann::ordered_json AskedJson(const TunePlan& plan) {
   nlohmann::ordered_json json;
-  json["scenario"] = plan.scenario.file.string();
+  json["scenario"] = PathFrom(std::filesystem::current_path(), plan.scenario.file);
   json["controller"] = plan.controller;
   json["minimise"] = Metrics()[plan.minimise].key;
   json["physics"] = plan.physics;

@@ -61,6 +61,18 @@ TEST_F(MovedFolderTest, RepeatsToTheSameBytesAndNamesNoPlaceOfTheMachine) {
   }
 }
 
+TEST_F(MovedFolderTest, TheDatabaseStillKnowsItsTrialsUntilAFileIsAnother) {
+  const std::vector<std::string> compare = {"compare", "scenario.yaml", "--seeds",
+                                            "2",       "--out",         "out"};
+  ASSERT_EQ(Run(compare, "first").exit_code, 0);
+  fs::rename(In("first"), In("second"));
+  const ProgramResult again = Run(compare, "second");
+  ASSERT_EQ(again.exit_code, 0) << again.standard_error;
+  EXPECT_THAT(again.standard_error, HasSubstr("which holds 4 trials"));
+  std::ofstream(In("second/data/b.csv"), std::ios::app) << "0.4,21\n";
+  EXPECT_THAT(Run(compare, "second").standard_error, Not(HasSubstr("which holds")));
+}
+
 TEST_F(MovedFolderTest, ARecordingThatChangedIsNamed) {
   ASSERT_EQ(Run({"run", "scenario.yaml", "--out", "out"}, "first").exit_code, 0);
   std::ofstream(In("first/data/b.csv"), std::ios::app) << "0.4,21\n";

@@ -75,6 +75,7 @@ TEST_F(SweepCommandTest, TellsItsTimeAndThenTheBestCells) {
   const ProgramResult json = Sweep({"--json"});
   ASSERT_EQ(json.exit_code, 0) << json.standard_error;
   const auto parsed = nlohmann::json::parse(json.standard_output);
+  EXPECT_EQ(parsed["scenario"], "scenarios/hold_still.yaml");
   EXPECT_EQ(parsed["cells"].size(), 6u);
   ASSERT_EQ(parsed["best"].size(), 6u);
   for (std::size_t i = 1; i < 6; ++i) {
