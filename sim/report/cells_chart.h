@@ -1,12 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
-
-#include "sim/study/response.h"
-#include "sim/study/robust.h"
 
 namespace gauntlet::sim {
 
@@ -47,27 +43,5 @@ inline constexpr std::size_t kNoPoint = static_cast<std::size_t>(-1);
 
 std::string HeatMapSvg(const HeatMap& map);
 std::string ParallelSvg(const std::vector<ChartAxis>& axes, const std::vector<ChartPoint>& points);
-/// What one kind of filter can do: its settings with nothing of the same kind better in both.
-struct FrontSeries {
-  struct Place {
-    double delay_ms = 0.0;
-    double jitter_deg = 0.0;
-    std::size_t point = kNoPoint;
-  };
-  std::string name;
-  std::vector<Place> front;     // by delay
-  std::optional<Place> answer;  // within the bounds
-};
-
-/// The fronts of many kinds in one drawing, in the order of its legend, each answer as a ring. The
-/// bounds are drawn as lines where they are numbers.
-std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_ms,
-                      double most_jitter_deg);
-/// Jitter against delay; the line joins what nothing is better than in both.
-std::string FrontSvg(const std::vector<ChartPoint>& points);
-/// A score, by its place in the response's metrics, over the one setting: a curve and the band of
-/// its intervals for each controller.
-std::string ResponseSvg(const Response& response, std::size_t metric, const std::string& setting);
-std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal);
 
 }  // namespace gauntlet::sim

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/report/assets.h"
+#include "sim/report/front_chart.h"
 #include "sim/report/html_text.h"
 
 namespace gauntlet::sim {

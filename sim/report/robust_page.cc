@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "sim/report/cells_page.h"
+#include "sim/report/interval_chart.h"
 #include "sim/report/robust_table.h"
 #include "sim/report/sweep_table.h"
 

@@ -4,6 +4,7 @@
 
 #include "sim/report/cells_page.h"
 #include "sim/report/html_text.h"
+#include "sim/report/interval_chart.h"
 #include "sim/report/sweep_table.h"
 
 namespace gauntlet::sim {

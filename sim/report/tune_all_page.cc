@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sim/report/cells_page.h"
+#include "sim/report/front_chart.h"
 #include "sim/report/sweep_table.h"
 #include "sim/report/tune_all_table.h"
 
