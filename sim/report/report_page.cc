@@ -7,6 +7,7 @@
 #include "sim/report/page_data.h"
 #include "sim/report/recording_section.h"
 #include "sim/report/score_table.h"
+#include "sim/study/counted_parts.h"
 #include "sim/study/study_files.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/latency_of_trace.h"
@@ -41,12 +42,15 @@ FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
   const Study& study = finished.study;
   const std::vector<Trace>& traces = finished.result.first_traces;
   const Columns reference(finished.result.first_reference_rad, study.measured_joints);
+  const auto counted = CountedPartsOf(study, finished.result.first_glove->masked,
+                                      static_cast<int>(reference->rows()));
   FirstSeed first(*reference, traces.size());
   for (const Trace& trace : traces) {
     const WayOfAngles way = MeasuredWay(study, trace);
     const Columns hand(trace.hand_angle_rad, study.measured_joints);
-    first.latency.push_back(trace.health.ok ? LatencyOfTrace(*study.hand, *reference, way, *hand)
-                                            : std::nullopt);
+    first.latency.push_back(trace.health.ok
+                                ? LatencyOfTrace(*study.hand, *reference, way, *hand, counted)
+                                : std::nullopt);
     first.Add(way, *hand);
   }
   return first;

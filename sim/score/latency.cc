@@ -103,6 +103,18 @@ std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fouri
   return behind;
 }
 
+/// The rows of a joint's stations in which only ticks that count have a share.
+CountedTicks CountedRows(const CountedTicks& counted, int step, int reach) {
+  CountedTicks rows;
+  for (const TickRange& range : counted) {
+    const TickRange blocks{(range.begin + step - 1) / step, range.end / step};
+    if (blocks.end - 2 * reach > blocks.begin) {
+      rows.push_back({blocks.begin, blocks.end - 2 * reach});
+    }
+  }
+  return rows;
+}
+
 std::span<const double> ColumnOf(const Signal& signal, Eigen::Index channel) {
   return {signal.col(channel).data(), static_cast<std::size_t>(signal.rows())};
 }
@@ -115,9 +127,14 @@ LatencyBudget MeasureLatency(const LatencyInput& input) {
   const int step = std::max(1, static_cast<int>(input.rate_hz / kStationRate_hz));
   const double rate_hz = input.rate_hz / step;
   const std::vector<Signal> stations = Stations(input, step, fourier);
+  const int reach = LowPassReach(kTransition_hz, rate_hz);
+  const CountedTicks all{{0, static_cast<int>(input.hand_angle_rad->rows())}};
   const auto delay_ms = [&](int from, int to, Eigen::Index channel) {
-    const auto delay = DelaySamples(ColumnOf(stations[from], channel),
-                                    ColumnOf(stations[to], channel), rate_hz, fourier);
+    const CountedTicks& counted =
+        input.counted == nullptr ? all : (*input.counted)[static_cast<std::size_t>(channel)];
+    const auto delay =
+        DelaySamples(ColumnOf(stations[from], channel), ColumnOf(stations[to], channel), rate_hz,
+                     CountedRows(counted, step, reach), fourier);
     return delay ? 1000.0 * *delay / rate_hz : kNoScore;
   };
 

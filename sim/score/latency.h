@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/base/signal.h"
+#include "sim/score/counted_ticks.h"
 
 namespace gauntlet::sim {
 
@@ -21,6 +22,7 @@ struct LatencyInput {
   double ticks_per_event = 20.0;        // the controller sends a frame every so many ticks
   double ticks_per_servo_frame = 20.0;  // the servo takes one every so many; up to 1: at once
   int first_servo_frame = 0;            // the tick of one of the servo's frames, where they begin
+  const std::vector<CountedTicks>* counted = nullptr;  // of each joint; null: all ticks of all
 };
 
 /// One stage of the way from the wearer's joint to the hand's.
@@ -48,6 +50,8 @@ struct LatencyBudget {
 /// filter's own impulse response. So these are delays of the motion and not of its noise. What the
 /// controller sends and what the servo takes is what was there at the last event (a multiple of the
 /// period) or frame.
+///
+/// Only ticks that count have a share, also through the low pass.
 ///
 /// Means are over the channels in which every stage and the whole has a value.
 /// Errors: std::invalid_argument for signals that do not fit each other.

@@ -1,8 +1,5 @@
 #include "sim/study/study_identity.h"
 
-#include <fstream>
-#include <iterator>
-
 #include "sim/base/hash.h"
 #include "sim/base/mathematics.h"
 #include "sim/scenario/scenario_files.h"
@@ -12,12 +9,7 @@ namespace {
 
 /// The program's own bytes: another build may compute other bytes.
 const std::string& HashOfProgram() {
-  static const std::string kHash = [] {
-    std::ifstream file("/proc/self/exe", std::ios::binary);
-    Hash content;
-    content.Add(std::string(std::istreambuf_iterator<char>(file), {}));
-    return content.Text();
-  }();
+  static const std::string kHash = HashOfFile("/proc/self/exe");
   return kHash;
 }
 

@@ -11,7 +11,8 @@ constexpr double kShortest_s = 2.0;
 }  // namespace
 
 std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand, const Signal& reference_rad,
-                                            const WayOfAngles& way, const Signal& hand_angle_rad) {
+                                            const WayOfAngles& way, const Signal& hand_angle_rad,
+                                            const std::optional<CountedParts>& counted) {
   const LoopTiming& timing = hand.timing();
   if (static_cast<double>(hand_angle_rad.rows()) < kShortest_s * timing.tick_rate_hz()) {
     return std::nullopt;
@@ -25,6 +26,7 @@ std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand, const Signal&
   input.command_angle_rad = &way.command;
   input.hand_angle_rad = &hand_angle_rad;
   input.ticks_per_event = timing.controller.TicksOf(timing.controller.event_period_ms);
+  if (counted) input.counted = &counted->joints;
   const ServoNumbers& servo = hand.config().servo.numbers();
   input.ticks_per_servo_frame = timing.controller.TicksOf(servo.frame_ms);
   // The servo's clock starts with the first command that arrives. Of those that run free, each has

@@ -87,6 +87,22 @@ TEST(Latency, OfTheMotionIsNotThatOfTheNoise) {
   ExpectKnownLatencies(MeasureLatency(Chain(2.0 * kRadPerDeg).Input()), 0.6);
 }
 
+TEST(Latency, IsMeasuredWhereTicksCount) {
+  Chain chain(0.0);
+  constexpr int kGap = 8000, kGapTicks = 1500, kRecovery = 1000;
+  chain.wearer.middleRows(kGap, kGapTicks).array() += 1.0;  // nobody knows what the wearer did
+  chain.hand.middleRows(kGap, kGapTicks).setZero();
+  const CountedTicks known = {{0, kGap}, {kGap + kGapTicks + kRecovery, kSamples}};
+  const std::vector<CountedTicks> counted(3, known);
+  LatencyInput input = chain.Input();
+  EXPECT_GT(std::abs(MeasureLatency(input).total_ms - 118.5), 5.0);
+  input.counted = &counted;
+  ExpectKnownLatencies(MeasureLatency(input), 0.6);
+  const std::vector<CountedTicks> nothing(3, CountedTicks{{100, 600}});
+  input.counted = &nothing;  // shorter than the low pass
+  EXPECT_TRUE(std::isnan(MeasureLatency(input).total_ms));
+}
+
 TEST(Latency, OfTheServosFrameDependsOnWhereFramesBegin) {
   const Chain chain(0.0);
   LatencyInput input = chain.Input();
