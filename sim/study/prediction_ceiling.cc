@@ -6,12 +6,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <variant>
 
 #include "controller/calibration/predictor_fit.h"
 #include "controller/prediction/horizon.h"
+#include "sim/score/tracking.h"
+#include "sim/study/counted_parts.h"
 #include "sim/study/summary.h"
 #include "sim/trial/filter_trial.h"
 #include "sim/trial/joint_angles.h"
@@ -43,6 +46,19 @@ Signal Ahead(const Signal& channels, std::span<const Index> horizon_ticks) {
         channels.col(c).segment(horizon_ticks[static_cast<std::size_t>(c)], ahead.rows());
   }
   return ahead;
+}
+
+/// Adds the stretches in which no sample is missing, and gives how many samples they have.
+Index AddWhole(const Signal& counts, std::vector<Eigen::MatrixXd>& stretches) {
+  Index added = 0;
+  Index begin = 0;
+  for (Index n = 0; n <= counts.rows(); ++n) {
+    if (n < counts.rows() && counts.row(n).allFinite()) continue;
+    if (n > begin) stretches.emplace_back(counts.middleRows(begin, n - begin));
+    added += n - begin;
+    begin = n + 1;
+  }
+  return added;
 }
 
 /// The errors of one repetition, mean over joints of the RMS [deg].
@@ -80,8 +96,8 @@ class Ceiling {
     double fitted_s = 0.0;
     for (const int seed : seeds) {
       if (!recordings.empty() && fitted_s >= kMostFitted_s) break;
-      recordings.emplace_back(GloveOfSeed(study_, seed)->counts);
-      fitted_s += static_cast<double>(recordings.back().rows()) / rate_hz;
+      const std::shared_ptr<const GloveSignal> glove = GloveOfSeed(study_, seed);
+      fitted_s += static_cast<double>(AddWhole(glove->counts, recordings)) / rate_hz;
     }
     const double tap_samples = std::max(1.0, std::round(kTap_ms * 1e-3 * rate_hz));
     controller::ControllerConfig config = Plain(named_.config);
@@ -98,10 +114,11 @@ class Ceiling {
     const Signal now = ReferenceAngles(joint_map, glove->true_angle_rad);
     const Signal future = ReferenceAngles(joint_map, Ahead(glove->true_angle_rad, horizon_ticks_));
     const Signal plain = AskedBy(Plain(named_.config), *glove);
-    return {.now = MeanRms_deg(plain, future),
-            .ours = MeanRms_deg(AskedBy(named_.config, *glove), future),
-            .fitted = MeanRms_deg(AskedBy(fitted, *glove), future),
-            .known = MeanRms_deg(plain, now)};
+    const std::vector<CountedTicks> counted = CountedWithFuture(*glove, future.rows());
+    return {.now = MeanRms_deg(plain, future, counted),
+            .ours = MeanRms_deg(AskedBy(named_.config, *glove), future, counted),
+            .fitted = MeanRms_deg(AskedBy(fitted, *glove), future, counted),
+            .known = MeanRms_deg(plain, now, counted)};
   }
 
  private:
@@ -109,14 +126,33 @@ class Ceiling {
     return RunFilterTrial(SetupOf(study_, {.name = named_.name, .config = config}), glove)
         .hand_angle_rad;
   }
-  double MeanRms_deg(const Signal& asked_rad, const Signal& wanted_rad) const {
+  /// The ticks of each measured joint that count, and with them what is ahead of them.
+  std::vector<CountedTicks> CountedWithFuture(const GloveSignal& glove, Index ticks) const {
+    const auto longest = static_cast<int>(std::ranges::max(horizon_ticks_));
+    const auto all = static_cast<int>(ticks);
+    const auto counted = CountedPartsOf(study_, glove.masked, all + longest);
+    std::vector<CountedTicks> joints(study_.measured_joints.size(), CountedTicks{{0, all}});
+    for (std::size_t i = 0; counted && i < joints.size(); ++i) {
+      joints[i].clear();
+      for (const TickRange& range : counted->joints[i]) {
+        if (range.end - longest > range.begin) {
+          joints[i].push_back({range.begin, range.end - longest});
+        }
+      }
+    }
+    return joints;
+  }
+  double MeanRms_deg(const Signal& asked_rad, const Signal& wanted_rad,
+                     const std::vector<CountedTicks>& counted) const {
     double sum = 0.0;
     const Index rows = std::min(asked_rad.rows(), wanted_rad.rows());
-    for (const int joint : study_.measured_joints) {
-      const auto error = asked_rad.col(joint).head(rows) - wanted_rad.col(joint).head(rows);
-      sum += std::sqrt(error.squaredNorm() / static_cast<double>(rows));
+    for (std::size_t i = 0; i < counted.size(); ++i) {
+      const int joint = study_.measured_joints[i];
+      const Eigen::VectorXd error =
+          asked_rad.col(joint).head(rows) - wanted_rad.col(joint).head(rows);
+      sum += RmsWithin({error.data(), static_cast<std::size_t>(rows)}, 0, counted[i]);
     }
-    return kDegPerRad * sum / static_cast<double>(study_.measured_joints.size());
+    return kDegPerRad * sum / static_cast<double>(counted.size());
   }
 
   const Study& study_;

@@ -19,12 +19,7 @@ class PredictionCeilingTest : public testing::Test {
   std::vector<PredictionCeiling> Measure(const std::string& controllers, int seeds = 4,
                                          const std::vector<std::string>& overrides = {}) {
     const auto file = folder_.path() / "scenario.yaml";
-    std::ofstream(file) << "question: q\n"
-                           "glove:\n"
-                           "  channels: [index_mcp, index_pip, wrist_flexion]\n"
-                           "  motion: {kind: random, duration_s: 6, bandwidth_hz: 1}\n"
-                           "controllers:\n" +
-                               controllers;
+    std::ofstream(file) << "question: q\nglove:\n" + glove_ + "controllers:\n" + controllers;
     const Study study = PrepareStudy(LoadScenario(file, overrides));
     StudyResult result;
     for (int i = 0; i < seeds; ++i) {
@@ -37,6 +32,9 @@ class PredictionCeilingTest : public testing::Test {
 
   test::TemporaryDirectory folder_;
   std::vector<std::string> remarks_;
+  std::string glove_ =
+      "  channels: [index_mcp, index_pip, wrist_flexion]\n"
+      "  motion: {kind: random, duration_s: 6, bandwidth_hz: 1}\n";
 };
 
 TEST_F(PredictionCeilingTest, IsOnlyForPredictionsWithAHorizonOnSeveralRepetitions) {
@@ -74,6 +72,33 @@ TEST_F(PredictionCeilingTest, OrdersWhatKnowsMore) {
     EXPECT_EQ(other.fitted.mean, ours.fitted.mean);
     EXPECT_EQ(other.known.mean, ours.known.mean);
   }
+}
+
+TEST_F(PredictionCeilingTest, LeavesOutWhatNobodyKnowsOfARecording) {
+  glove_ =
+      "  rate_hz: 100\n  channels: [index_mcp]\n  noise: none\n"
+      "  motion: {kind: recording, files: [glove_1.csv, glove_2.csv], use: measured, "
+      "problems: repair}\n";
+  const auto measure = [this](bool cut) {
+    for (const int number : {1, 2}) {
+      std::ofstream rows(folder_.path() / ("glove_" + std::to_string(number) + ".csv"));
+      rows << "time_s,index_mcp\n";
+      for (int i = 0; i < 1200; ++i) {
+        const double t = 0.01 * i;
+        if (cut && t > 5.5 && t < 6.5) continue;
+        rows << t << ',' << 30.0 + 20.0 * std::sin(1.4 * t) + 9.0 * std::sin((2.0 + number) * t)
+             << '\n';
+      }
+    }
+    const auto ceilings =
+        Measure("  a: {prediction: {kind: kalman, states: 3, horizon_ms: 100}}\n", 2);
+    EXPECT_THAT(remarks_, testing::IsEmpty());
+    return ceilings.at(0);
+  };
+  const PredictionCeiling whole = measure(false);
+  const PredictionCeiling rest = measure(true);
+  EXPECT_NEAR(rest.now.mean, whole.now.mean, 0.1 * whole.now.mean);
+  EXPECT_NEAR(rest.known.mean, whole.known.mean, 0.1 * whole.known.mean);
 }
 
 TEST_F(PredictionCeilingTest, MeasuresWeightsOnWhatTheyWereNotFittedTo) {
