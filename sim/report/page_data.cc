@@ -169,6 +169,29 @@ Json ErrorSplitJson(const Summary& summary) {
   return any ? json : Json(nullptr);
 }
 
+/// Per joint where the first seed does not count: [from, to] in seconds; null where all does.
+Json UncountedJson(const FinishedStudy& finished, const FirstSeed& first_seed) {
+  if (!first_seed.counted) return nullptr;
+  const double rate_hz = finished.result.first_glove->tick_rate_hz;
+  Json joints = Json::array();
+  for (const CountedTicks& counted : first_seed.counted->joints) {
+    Json stretches = Json::array();
+    std::int64_t begin = 0;
+    const auto add = [&](std::int64_t end) {
+      if (end <= begin) return;
+      stretches.push_back(
+          {static_cast<double>(begin) / rate_hz, static_cast<double>(end) / rate_hz});
+    };
+    for (const TickRange& range : counted) {
+      add(range.begin);
+      begin = range.end;
+    }
+    add(first_seed.samples);
+    joints.push_back(stretches);
+  }
+  return joints;
+}
+
 }  // namespace
 
 FirstSeed::FirstSeed(const Signal& reference_rad, std::size_t controller_count)
@@ -210,6 +233,7 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   json["latency"] = LatencyJson(first_seed.latency);
   json["curves"] = nullptr;
   if (!first_seed.controllers.empty()) json["curves"] = CurvesJson(first_seed);
+  json["uncounted_s"] = UncountedJson(finished, first_seed);
   json["replay"] = ReplayData(finished);
   return json;
 }

@@ -36,6 +36,7 @@ struct FirstSeed {
   Curves raw;  // before its filter every controller sees the same
   std::vector<ControllerCurves> controllers;
   std::vector<std::optional<LatencyBudget>> latency;  // as LatencyOfTrace() gives them
+  std::optional<CountedParts> counted;                // none: all
 };
 
 /// Everything that the scripts of a report page show, besides the settings: scores of controllers,

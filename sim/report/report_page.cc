@@ -42,14 +42,14 @@ FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
   const Study& study = finished.study;
   const std::vector<Trace>& traces = finished.result.first_traces;
   const Columns reference(finished.result.first_reference_rad, study.measured_joints);
-  const auto counted = CountedPartsOf(study, finished.result.first_glove->masked,
-                                      static_cast<int>(reference->rows()));
   FirstSeed first(*reference, traces.size());
+  first.counted = CountedPartsOf(study, finished.result.first_glove->masked,
+                                 static_cast<int>(reference->rows()));
   for (const Trace& trace : traces) {
     const WayOfAngles way = MeasuredWay(study, trace);
     const Columns hand(trace.hand_angle_rad, study.measured_joints);
     first.latency.push_back(trace.health.ok
-                                ? LatencyOfTrace(*study.hand, *reference, way, *hand, counted)
+                                ? LatencyOfTrace(*study.hand, *reference, way, *hand, first.counted)
                                 : std::nullopt);
     first.Add(way, *hand);
   }

@@ -58,6 +58,26 @@ constexpr const char* kSaveFrequencies = R"(<script>
   });
 </script>)";
 
+/// Runs last: where the curves have a ground of their own, on the screen and as saved.
+constexpr const char* kFindShade = R"(<script>
+  window.addEventListener("load", async () => {
+    const select = document.getElementById("curves-channel");
+    const look = async (channel) => {
+      select.value = channel;
+      select.dispatchEvent(new Event("change"));
+      await wait(50);
+      const canvas = document.querySelector("#curves-plot canvas");
+      const row = canvas.getContext("2d").getImageData(0, 3, canvas.width, 1).data;
+      let shaded = 0;
+      for (let i = 3; i < row.length; i += 4) shaded += row[i] === 255;
+      const svg = await saved(document.querySelector('[title="Save as made_up.curves.svg"]'));
+      return [shaded / canvas.width, svg.split('class="band"').length - 1];
+    };
+    leave({problems, note: document.getElementById("curves-note").textContent,
+      first: await look("channel_0"), second: await look("channel_1")});
+  });
+</script>)";
+
 /// Runs last: uses the page as a person does, and leaves what it saw in an attribute.
 constexpr const char* kUse = R"(<script>
   const seen = {};
@@ -260,6 +280,18 @@ TEST_F(BrowserTest, ColumnsStandInTheOrderOfTheVerdictOrOfAScore) {
   EXPECT_EQ(seen["columns"], (std::vector<std::string>{"filter_2", "filter_1", "raw"}));
   EXPECT_EQ(seen["sorted"], seen["columns"]);  // by tracking
   EXPECT_EQ(seen["order_of_verdict"], seen["columns"]);
+}
+
+TEST_F(BrowserTest, WhatDoesNotCountStandsOnGrey) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  made.counted.emplace();
+  made.counted->joints = {{{0, 500}, {900, 1500}}, {{0, 1500}}, {}};
+  const auto seen = Use(Page(made), 1200, kFindShade);
+  ASSERT_EQ(seen["problems"], nlohmann::json::array());
+  EXPECT_THAT(seen["note"].get<std::string>(), testing::HasSubstr("Grey is what no score counts"));
+  EXPECT_NEAR(seen["first"][0], 400.0 / 1500.0, 0.03);
+  EXPECT_EQ(seen["first"][1], 1);
+  EXPECT_EQ(seen["second"], nlohmann::json::array({0, 0}));
 }
 
 /// A table that was saved: rows of numbers.

@@ -17,11 +17,13 @@ struct MadeUpStudy : sim::FinishedStudy {
   std::vector<sim::WayOfAngles> ways;
   std::vector<sim::Signal> hand_rad;
   std::vector<std::optional<sim::LatencyBudget>> latency;
+  std::optional<sim::CountedParts> counted;
 
   sim::FirstSeed first_seed() const {
     sim::FirstSeed first(result.first_glove->true_angle_rad, ways.size());
     for (std::size_t i = 0; i < ways.size(); ++i) first.Add(ways[i], hand_rad[i]);
     first.latency = latency;
+    first.counted = counted;
     return first;
   }
 };

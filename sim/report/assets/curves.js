@@ -192,8 +192,21 @@ class CurvesView {
       },
       highlightCallback: (_, time) => this.readAt(time),
       unhighlightCallback: () => this.readAt(null),
+      underlayCallback: (canvas, area, plot) => this.shade(canvas, area, plot),
       drawCallback: (plot, first) => this.onDraw(plot, first),
     };
+  }
+
+  // Where the channel does not count in the scores: [[from, to]..], in seconds.
+  uncounted() { return this.data.uncounted_s?.[this.select.selectedIndex] ?? []; }
+
+  shade(canvas, area, plot) {
+    canvas.fillStyle = resolvedColour("var(--line)");
+    for (const [from, to] of this.uncounted()) {
+      const left = Math.max(area.x, plot.toDomXCoord(from));
+      const right = Math.min(area.x + area.w, plot.toDomXCoord(to));
+      if (right > left) canvas.fillRect(left, area.y, right - left, area.h);
+    }
   }
 
   onDraw(plot, first) {
@@ -223,6 +236,7 @@ class CurvesView {
       x: {label: "time, s", low: this.window[0], high: this.window[1]},
       y: {label: this.yLabel(), low: low - margin, high: high + margin},
       label: `Curves of ${this.select.value}`,
+      bands: this.uncounted(),
       lines: this.current.map((line, i) => ({...line, points: inside.map((row) => [row[0], row[i + 1]])}))});
     this.place.after(svg);  // styles are those of a figure of the page
     setTimeout(() => svg.remove());
@@ -315,5 +329,9 @@ function curvesNote(data) {
     ? `This page keeps the smallest and the largest value of every ${formatNumber(bucket_ms)} ms, so ` +
       "that no peak is lost; trace.h5 has every sample."
     : `Every sample, rounded to ${step_deg} deg.`;
-  return seed + detail;
+  const uncounted = data.uncounted_s?.some((stretches) => stretches.length > 0)
+    ? " Grey is what no score counts: gaps and restarts of the recording and the time after them, and where the " +
+      "channel's sensor stands at its stop."
+    : "";
+  return seed + detail + uncounted;
 }

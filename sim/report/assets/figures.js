@@ -26,13 +26,20 @@ function axisTicks(axis, wanted) {
 }
 
 // Lines over one another: {points: [[x, y]..], colour, dash, width, name}. A gap is a point without y.
-function lineFigure({width, height, x: x_axis, y: y_axis, lines, label}) {
+// Behind them bands [[from, to]..] of x.
+function lineFigure({width, height, x: x_axis, y: y_axis, lines, label, bands = []}) {
   const right = width - FIGURE_MARGIN.right;
   const bottom = height - FIGURE_MARGIN.bottom;
   const x = scaleOf(x_axis, FIGURE_MARGIN.left, right);
   const y = scaleOf(y_axis, bottom, FIGURE_MARGIN.top);
   const inside = (px) => Math.min(bottom, Math.max(FIGURE_MARGIN.top, px)).toFixed(1);
   const shapes = [];
+  for (const [from, to] of bands) {
+    const [left, end] = [Math.max(from, x_axis.low), Math.min(to, x_axis.high)];
+    if (end <= left) continue;
+    shapes.push(element("rect", {class: "band", x: x(left), width: x(end) - x(left), y: FIGURE_MARGIN.top,
+      height: bottom - FIGURE_MARGIN.top}));
+  }
   for (const [value, text] of axisTicks(y_axis, 5)) {
     shapes.push(element("line", {class: "grid", x1: FIGURE_MARGIN.left, x2: right, y1: y(value), y2: y(value)}),
       element("text", {x: FIGURE_MARGIN.left - 10, y: y(value) + 4, "text-anchor": "end"}, text));
