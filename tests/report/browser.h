@@ -26,6 +26,29 @@ inline constexpr const char* kListen = R"(<script>
   }
 </script>)";
 
+/// For scripts that save: `await saved(button)` is the text of the file that a button saves, and
+/// `leave(seen)` gives what a script saw to UsePage().
+inline constexpr const char* kSaved = R"(<script>
+  const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+  let files = [];
+  // What is saved can be read at once: the browser's virtual time does not wait for a real blob.
+  window.Blob = class { constructor(parts, {type}) { this.type = type; this.text = parts.join(""); } };
+  HTMLCanvasElement.prototype.toBlob = function (take) {
+    take(new Blob([this.toDataURL()], {type: "image/png"}));
+  };
+  URL.createObjectURL = (blob) => { files.push(blob); return "about:blank"; };
+  HTMLAnchorElement.prototype.click = () => {};
+  const saved = async (button) => {
+    files = [];
+    button.click();
+    for (let i = 0; i < 50000 && files.length === 0; ++i) await wait(1);
+    return files[0]?.text;
+  };
+  const leave = (seen) =>
+    document.documentElement.setAttribute("data-seen", encodeURIComponent(JSON.stringify(seen)));
+  window.addEventListener("unhandledrejection", (e) => leave({problems: [String(e.reason.stack)]}));
+</script>)";
+
 inline bool HasBrowser() { return RunProgram({"sh", "-c", "command -v chromium"}).exit_code == 0; }
 
 inline std::string Decoded(const std::string& text) {

@@ -25,28 +25,6 @@
 namespace gauntlet::sim {
 namespace {
 
-/// What both scripts below use: the file that a button saves.
-constexpr const char* kSaved = R"(<script>
-  const wait = (ms) => new Promise((done) => setTimeout(done, ms));
-  let files = [];
-  // What is saved can be read at once: the browser's virtual time does not wait for a real blob.
-  window.Blob = class { constructor(parts, {type}) { this.type = type; this.text = parts.join(""); } };
-  HTMLCanvasElement.prototype.toBlob = function (take) {
-    take(new Blob([this.toDataURL()], {type: "image/png"}));
-  };
-  URL.createObjectURL = (blob) => { files.push(blob); return "about:blank"; };
-  HTMLAnchorElement.prototype.click = () => {};
-  const saved = async (button) => {
-    files = [];
-    button.click();
-    for (let i = 0; i < 50000 && files.length === 0; ++i) await wait(1);
-    return files[0]?.text;
-  };
-  const leave = (seen) =>
-    document.documentElement.setAttribute("data-seen", encodeURIComponent(JSON.stringify(seen)));
-  window.addEventListener("unhandledrejection", (e) => leave({problems: [String(e.reason.stack)]}));
-</script>)";
-
 /// Runs last: saves what the frequencies are made of.
 constexpr const char* kSaveFrequencies = R"(<script>
   window.addEventListener("load", async () => {
@@ -197,7 +175,7 @@ class BrowserTest : public testing::Test {
   }
 
   static nlohmann::json Use(const std::string& page, int width_px, const char* script = kUse) {
-    return test::UsePage(page, std::string(kSaved) + script, width_px);
+    return test::UsePage(page, std::string(test::kSaved) + script, width_px);
   }
 
   static std::string Page(const test::MadeUpStudy& made) {

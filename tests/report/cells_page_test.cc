@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
+#include "sim/report/interval_chart.h"
 #include "sim/report/sweep_table.h"
 #include "sim/report/tune_page.h"
 #include "tests/report/browser.h"
@@ -136,7 +138,7 @@ TEST(Response, SaysWhereAControllerIsBetterAndDrawsEachOne) {
 constexpr const char* kUse = R"(<script>
   const seen = {};
   const get = (id) => document.getElementById(id);
-  window.addEventListener("load", () => {
+  window.addEventListener("load", async () => {
     seen.lines = document.querySelectorAll(".parallel path").length;
     seen.first = get("point-name").textContent;
     const circle = document.querySelector(".front circle[data-point='7']");
@@ -158,8 +160,12 @@ constexpr const char* kUse = R"(<script>
     get("brush-none").click();
     seen.all_again = document.querySelectorAll(".off").length;
     seen.wide = document.documentElement.scrollWidth - window.innerWidth;
+    seen.saved = {};
+    for (const button of document.querySelectorAll(".save button")) {
+      seen.saved[button.title] = (await saved(button))?.slice(0, 40);
+    }
     seen.problems = problems;
-    document.documentElement.setAttribute("data-seen", encodeURIComponent(JSON.stringify(seen)));
+    leave(seen);
   });
 </script>)";
 
@@ -169,7 +175,8 @@ TEST(CellsPage, BrushesAndShowsWhatIsClicked) {
   const TuneResult result = MadeUpResult(plan, 40);
   int upper = 0;
   for (const TunedSetting& setting : result.tried) upper += std::stod(setting.values[0]) >= 1.0;
-  const nlohmann::json seen = test::UsePage(TunePage(plan, result, "table"), kUse, 500);
+  const nlohmann::json seen =
+      test::UsePage(TunePage(plan, result, "table"), std::string(test::kSaved) + kUse, 500);
   EXPECT_EQ(seen["problems"], nlohmann::json::array());
   EXPECT_EQ(seen["lines"], 40);
   EXPECT_EQ(seen["first"], "try 0, the answer");
@@ -181,6 +188,12 @@ TEST(CellsPage, BrushesAndShowsWhatIsClicked) {
   EXPECT_EQ(seen["circles_off"], 40 - upper);
   EXPECT_EQ(seen["all_again"], 0);
   EXPECT_LE(seen["wide"], 0) << "the page must not scroll sideways";
+  const auto saved = seen["saved"].get<std::map<std::string, std::string>>();
+  for (const std::string name : {"heat-map", "parallel", "front"}) {
+    const std::string file = "Save as it_of_made_up." + name;
+    EXPECT_THAT(saved.at(file + ".svg"), testing::StartsWith("<svg"));
+    EXPECT_NE(saved.at(file + ".png"), "");
+  }
 }
 
 }  // namespace

@@ -112,10 +112,23 @@ class Brushes {
   }
 }
 
+// Each drawing saves as it stands; its numbers are in the CSV beside the page.
+function startSaving() {
+  const scenario = byId("title").textContent.replace(/[^\w.-]+/g, "_").replace(/_+$/, "");
+  const seen = new Map();
+  for (const svg of document.querySelectorAll("main svg[role=img]")) {
+    const kind = svg.classList[0];
+    seen.set(kind, (seen.get(kind) ?? 0) + 1);
+    const name = seen.get(kind) > 1 ? `${kind}_${seen.get(kind)}` : kind;
+    (svg.closest(".scroll") ?? svg).after(saveButtons({scenario}, name, () => svg, null));
+  }
+}
+
 function startCells() {
   const points = JSON.parse(byId("data").textContent);
   document.documentElement.classList.add("scripts");
   startHeatMaps();
+  startSaving();
   if (points.length === 0) return;
   startPoints(points);
   new Brushes(points);

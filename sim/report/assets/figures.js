@@ -117,7 +117,8 @@ function csvText(rows) {
   return rows.map((row) => row.map(field).join(",")).join("\n") + "\n";
 }
 
-// Below a figure: buttons that save it. `figure()` gives the SVG, none for a table; `rows()` the data.
+// Below a figure: buttons that save it. `figure()` gives the SVG, none for a table; `rows()` the data,
+// none where another file has them.
 function saveButtons(data, name, figure, rows) {
   const file = `${data.scenario}.${name}`;
   const button = (kind, save) => element("button", {type: "button", title: `Save as ${file}.${kind.toLowerCase()}`,
@@ -125,5 +126,5 @@ function saveButtons(data, name, figure, rows) {
   return element("p", {class: "save"}, "Save as ", ...(figure ? [
     button("SVG", () => saveFile(`${file}.svg`, "image/svg+xml", [svgText(figure())])),
     button("PNG", () => savePng(`${file}.png`, figure()))] : []),
-    button("CSV", () => saveFile(`${file}.csv`, "text/csv", [csvText(rows())])));
+    ...(rows ? [button("CSV", () => saveFile(`${file}.csv`, "text/csv", [csvText(rows())]))] : []));
 }
