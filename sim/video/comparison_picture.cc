@@ -97,7 +97,7 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
   for (const VideoPane& pane : input_.panes) {
     scores_.push_back(ComputeRunningScores(*Measured(*input_.true_angle_rad),
                                            *Measured(*pane.hand_angle_rad), input_.rate_hz,
-                                           input_.jitter_above_hz, clock_));
+                                           input_.jitter_above_hz, clock_, input_.counted));
     errors_.emplace_back(
         pane.hand_angle_rad->col(input_.joint) -
         input_.true_angle_rad->col(input_.joint).head(pane.hand_angle_rad->rows()));

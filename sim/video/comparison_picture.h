@@ -34,6 +34,7 @@ class ComparisonPicture {
   /// Of the pictures of hands that Draw() expects.
   int view_width_px() const;
   int view_height_px() const;
+  const RunningScores& scores(int pane) const { return scores_[pane]; }
   /// The sample that a pane shows: its last one where a trial was stopped before.
   int SampleOf(int pane, int frame) const;
 

@@ -7,6 +7,7 @@
 
 #include "sim/base/signal.h"
 #include "sim/hand/hand.h"
+#include "sim/score/counted_ticks.h"
 #include "sim/video/frame_clock.h"
 #include "sim/video/verdict.h"
 #include "sim/video/video_encoder.h"
@@ -35,9 +36,10 @@ struct VideoInput {
   const Signal* true_angle_rad = nullptr;  // ticks x joints: what the wearer asks of the hand
   const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered
   std::vector<VideoPane> panes;
-  std::vector<int> measured_joints;  // whose scores count; empty: all
-  double jitter_above_hz = 10.0;     // where trembling begins: score.jitter_above_hz
-  int joint = 0;                     // whose curves are drawn
+  std::vector<int> measured_joints;   // whose scores count; empty: all
+  std::vector<CountedTicks> counted;  // of each of these joints, which ticks do; none: all
+  double jitter_above_hz = 10.0;      // where trembling begins: score.jitter_above_hz
+  int joint = 0;                      // whose curves are drawn
   std::string joint_name;
   std::string camera;
   int width_px = 1280;
