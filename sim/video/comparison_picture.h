@@ -56,6 +56,8 @@ class ComparisonPicture {
   void DrawHeader(Painter& painter) const;
   void DrawLegend(Painter& painter, double right, double baseline) const;
   void DrawClock(Painter& painter, int frame) const;
+  /// The name of the part of the motion that is shown, if it has one.
+  void DrawPart(Painter& painter, int frame, Point right_end) const;
   void DrawPane(Painter& painter, int pane, int frame, const DrawnHands& hands) const;
   void DrawFingertip(Painter& painter, const Rect& view, int pane, int frame,
                      const FingertipWay& way, const Color& color) const;
