@@ -16,40 +16,51 @@ void Join(const Follows& other, Follows& follows) {
   for (std::size_t c = 0; c < follows.size(); ++c) follows[c] = follows[c] || other[c];
 }
 
-/// Of every joint of the hand, which channels move it.
-std::vector<Follows> ChannelsOfJoints(const Study& study) {
-  const controller::JointMap joint_map = study.joint_map();
-  std::vector<Follows> joints(study.joint_count, Follows(study.channel_names().size()));
-  for (int joint = 0; joint < study.joint_count; ++joint) {
-    for (const controller::JointMap::Term& term : joint_map.terms(joint)) {
-      joints[joint][term.channel] = true;
-    }
+/// Which channels move a joint of the hand.
+Follows ChannelsOf(int joint, const controller::JointMap& joint_map) {
+  Follows follows(static_cast<std::size_t>(joint_map.channel_count()));
+  for (const controller::JointMap::Term& term : joint_map.terms(joint)) {
+    follows[term.channel] = true;
   }
-  return joints;
+  return follows;
 }
 
 }  // namespace
 
+int RecoveryTicks(const Scenario& scenario, double tick_rate_hz) {
+  return static_cast<int>(std::lround(scenario.score.recovery_s * tick_rate_hz));
+}
+
+std::vector<CountedTicks> CountedTicksOfJoints(std::span<const int> joints,
+                                               const controller::JointMap& joint_map,
+                                               std::span<const MaskedStretch> masked,
+                                               int recovery_ticks, int ticks) {
+  std::vector<CountedTicks> counted;
+  for (const int joint : joints) {
+    counted.push_back(CountTicks(masked, ChannelsOf(joint, joint_map), recovery_ticks, ticks));
+  }
+  return counted;
+}
+
 std::optional<CountedParts> CountedPartsOf(const Study& study,
                                            std::span<const MaskedStretch> masked, int ticks) {
   if (masked.empty()) return std::nullopt;
-  const auto recovery = static_cast<int>(
-      std::lround(study.scenario.score.recovery_s * study.hand->timing().tick_rate_hz()));
+  const int recovery = RecoveryTicks(study.scenario, study.hand->timing().tick_rate_hz());
   const auto count = [&](const Follows& follows) {
     return CountTicks(masked, follows, recovery, ticks);
   };
-  const std::vector<Follows> joints = ChannelsOfJoints(study);
+  const controller::JointMap joint_map = study.joint_map();
   const controller::TendonTransmission& hand = study.hand->transmission();
   CountedParts counted;
+  counted.joints = CountedTicksOfJoints(study.measured_joints, joint_map, masked, recovery, ticks);
   Follows all(study.channel_names().size());
-  for (const int joint : study.measured_joints) {
-    Join(joints[joint], all);
-    counted.joints.push_back(count(joints[joint]));
-  }
+  for (const int joint : study.measured_joints) Join(ChannelsOf(joint, joint_map), all);
   for (const int motor : study.measured_motors) {
     Follows follows(all.size());
     for (int joint = 0; joint < study.joint_count; ++joint) {
-      if (hand.coupling[motor * study.joint_count + joint] != 0.0) Join(joints[joint], follows);
+      if (hand.coupling[motor * study.joint_count + joint] != 0.0) {
+        Join(ChannelsOf(joint, joint_map), follows);
+      }
     }
     counted.motors.push_back(count(follows));
     const std::size_t cables = study.hand->drives()[static_cast<std::size_t>(motor)].cables.size();

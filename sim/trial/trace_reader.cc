@@ -84,6 +84,40 @@ void SendMatrix(const H5::DataSet& dataset, TraceSender& sender) {
   }
 }
 
+/// A row of a table of stretches. Its texts stay as long as the helper.
+struct StretchRow {
+  const char* name = nullptr;
+  const char* channel = nullptr;
+  int begin = 0;
+  int end = 0;
+};
+
+/// Sends a table of stretches: the ticks of all, then their names and channels. A file may lack it.
+void SendStretches(const H5::Group& group, const char* table, const char* name_column,
+                   TraceSender& sender) {
+  std::vector<StretchRow> rows;
+  if (group.nameExists(table)) {
+    H5::StrType text(H5::PredType::C_S1, H5T_VARIABLE);
+    text.setCset(H5T_CSET_UTF8);
+    const H5::CompType row(sizeof(StretchRow));
+    row.insertMember(name_column, HOFFSET(StretchRow, name), text);
+    row.insertMember("channel", HOFFSET(StretchRow, channel), text);
+    row.insertMember("begin_sample", HOFFSET(StretchRow, begin), H5::PredType::NATIVE_INT);
+    row.insertMember("end_sample", HOFFSET(StretchRow, end), H5::PredType::NATIVE_INT);
+    const H5::DataSet dataset = group.openDataSet(table);
+    rows.resize(static_cast<std::size_t>(dataset.getSpace().getSimpleExtentNpoints()));
+    if (!rows.empty()) dataset.read(rows.data(), row);
+  }
+  std::vector<int> ticks;
+  for (const StretchRow& row : rows) ticks.insert(ticks.end(), {row.begin, row.end});
+  sender.Size(rows.size(), 2);
+  sender.Values(std::span<const int>(ticks));
+  for (const StretchRow& row : rows) {
+    sender.Text(row.name != nullptr ? row.name : "");
+    sender.Text(row.channel != nullptr ? row.channel : "");
+  }
+}
+
 void SendController(const H5::H5File& input, const std::string& name, TraceSender& sender) {
   sender.Text(name);
   const H5::Group group = input.openGroup("controllers/" + name);
@@ -115,6 +149,8 @@ void SendTrace(const std::filesystem::path& file, const std::vector<std::string>
   SendMatrix<float>(truth, sender);
   SendMatrix<float>(reference, sender);
   SendMatrix<float>(glove.openDataSet("counts"), sender);
+  SendStretches(glove, "segments", "label", sender);
+  SendStretches(glove, "masked", "reason", sender);
   std::vector<std::string> controllers = ReadTexts(input, "controllers");
   if (!only.empty()) {
     std::erase_if(controllers, [&only](const std::string& name) {
@@ -160,6 +196,47 @@ void CheckGlove(const TraceFile& file) {
     Fail("glove", fmt::format("{} rows of true angles, {} of reference angles, {} of counts", ticks,
                               file.reference_angle_rad.rows(), file.counts.rows()));
   }
+}
+
+/// Takes a table of stretches, row by row, each within the glove's ticks.
+void ReceiveStretches(const std::string& table, TraceReceiver& receiver, const TraceFile& file,
+                      const std::function<void(const std::string& name, const std::string& channel,
+                                               int begin, int end)>& take) {
+  IntegerSignal ticks;
+  receiver.Matrix(ticks);
+  if (ticks.cols() != 2) Fail(table, fmt::format("has {} numbers in a row", ticks.cols()));
+  const Eigen::Index all = file.true_angle_rad.rows();
+  for (Eigen::Index row = 0; row < ticks.rows(); ++row) {
+    const int begin = ticks(row, 0), end = ticks(row, 1);
+    if (begin < 0 || begin > end || end > all) {
+      Fail(table, fmt::format("has ticks {} to {}, the motion {}", begin, end, all));
+    }
+    const std::string name = receiver.Text();
+    take(name, receiver.Text(), begin, end);
+  }
+}
+
+void ReceiveSegments(TraceReceiver& receiver, TraceFile& file) {
+  ReceiveStretches("glove.segments", receiver, file,
+                   [&file](const std::string& label, const std::string&, int begin, int end) {
+                     file.segments.push_back({.label = label, .begin = begin, .end = end});
+                   });
+}
+
+void ReceiveMasked(TraceReceiver& receiver, TraceFile& file) {
+  const std::string table = "glove.masked";
+  ReceiveStretches(
+      table, receiver, file,
+      [&](const std::string& reason, const std::string& channel, int begin, int end) {
+        const auto known = std::ranges::find(kMaskReasonNames, reason);
+        if (known == kMaskReasonNames.end()) Fail(table, "has a reason that is none");
+        const auto named = std::ranges::find(file.channel_names, channel);
+        if (named == file.channel_names.end()) Fail(table, "has a channel that the glove lacks");
+        file.masked.push_back({.reason = static_cast<MaskReason>(known - kMaskReasonNames.begin()),
+                               .channel = static_cast<int>(named - file.channel_names.begin()),
+                               .begin = begin,
+                               .end = end});
+      });
 }
 
 /// The same names as in a scenario.
@@ -251,6 +328,8 @@ TraceFile ReceiveTrace(const TraceReceiver::Receive& receive, std::uintmax_t fil
   receiver.Matrix(file.reference_angle_rad);
   receiver.Matrix(file.counts);
   CheckGlove(file);
+  ReceiveSegments(receiver, file);
+  ReceiveMasked(receiver, file);
   const double controllers = receiver.Number();
   if (!(controllers >= 0.0 && controllers <= kMostControllers)) {
     Fail("controllers", fmt::format("has {} names", controllers));

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/masked_stretch.h"
+#include "sim/base/segment.h"
 #include "sim/trial/trace.h"
 #include "sim/trial/trace_stream.h"
 
@@ -19,10 +21,12 @@ struct TraceFile {
   double tick_rate_hz = 1000.0;
   std::vector<std::string> channel_names;
   std::vector<std::string> joint_names;
-  Signal true_angle_rad;       // ticks x channels
-  Signal reference_angle_rad;  // ticks x joints: what the wearer's angles ask of the hand
-  Signal counts;               // samples x channels
-  std::vector<Trace> traces;   // in the order of writing
+  Signal true_angle_rad;              // ticks x channels
+  Signal reference_angle_rad;         // ticks x joints: what the wearer's angles ask of the hand
+  Signal counts;                      // samples x channels
+  std::vector<Segment> segments;      // that a person labelled, in ticks
+  std::vector<MaskedStretch> masked;  // of a recording: what nobody knows of, in ticks
+  std::vector<Trace> traces;          // in the order of writing
 };
 
 /// Which part of a trace file is read, and how.

@@ -16,6 +16,7 @@ namespace {
 constexpr double kCardRadius = 10.0;
 constexpr double kFingertipWay_s = 1.0;
 constexpr int kFadingParts = 8;
+constexpr double kTitleShare = 0.8;       // of the header's width
 constexpr double kRankingStarts_s = 1.0;  // before, the first samples decide, and marks would jump
 
 std::span<const double> Column(const Signal& signal, int channel) {
@@ -97,7 +98,7 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
   for (const VideoPane& pane : input_.panes) {
     scores_.push_back(ComputeRunningScores(*Measured(*input_.true_angle_rad),
                                            *Measured(*pane.hand_angle_rad), input_.rate_hz,
-                                           input_.jitter_above_hz, clock_));
+                                           input_.jitter_above_hz, clock_, input_.counted));
     errors_.emplace_back(
         pane.hand_angle_rad->col(input_.joint) -
         input_.true_angle_rad->col(input_.joint).head(pane.hand_angle_rad->rows()));
@@ -191,7 +192,7 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
       "Numbers: mean over {} joints, up to now.  Lines in the pictures: way of a "
       "fingertip, its trembling x {:g}.",
       measured_joints_.size(), HandView::kTremblingGain);
-  painter.Text(painter.Elide(input_.title, 0.8 * header.width, title),
+  painter.Text(painter.Elide(input_.title, kTitleShare * header.width, title),
                {header.x, header.y + 28.0 * unit}, title);
   painter.Text(painter.Elide(curves, 0.62 * header.width, subtitle),
                {header.x, header.y + 48.0 * unit}, subtitle);
@@ -234,10 +235,24 @@ void ComparisonPicture::DrawClock(Painter& painter, int frame) const {
   const std::string time =
       clock_.speed() == 1.0 ? fmt::format("{:.1f} s", clock_.Time_s(frame))
                             : fmt::format("{:.2f} s, {:g} x", clock_.Time_s(frame), clock_.speed());
-  painter.Text(time, {layout_.header.right(), layout_.header.y + 28.0 * unit}, style);
+  const double right = layout_.header.right(), baseline = layout_.header.y + 28.0 * unit;
+  painter.Text(time, {right, baseline}, style);
+  DrawPart(painter, frame, {right - painter.TextWidth(time, style) - 14.0 * unit, baseline});
   Rect done = layout_.progress;
   done.width *= static_cast<double>(frame + 1) / frame_count();
   painter.Fill(done, palette::kHand);
+}
+
+void ComparisonPicture::DrawPart(Painter& painter, int frame, Point right_end) const {
+  const int sample = clock_.Sample(frame);
+  const auto part = std::ranges::find_if(input_.parts, [sample](const Segment& one) {
+    return one.begin <= sample && sample < one.end;
+  });
+  if (part == input_.parts.end()) return;
+  const TextStyle style = {
+      .size_px = 15.0 * layout_.unit, .color = palette::kMutedInk, .align = Align::kRight};
+  const double left = layout_.header.x + (kTitleShare + 0.01) * layout_.header.width;
+  painter.Text(painter.Elide(part->label, right_end.x - left, style), right_end, style);
 }
 
 void ComparisonPicture::DrawStop(Painter& painter, int pane) const {

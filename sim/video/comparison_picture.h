@@ -34,6 +34,7 @@ class ComparisonPicture {
   /// Of the pictures of hands that Draw() expects.
   int view_width_px() const;
   int view_height_px() const;
+  const RunningScores& scores(int pane) const { return scores_[pane]; }
   /// The sample that a pane shows: its last one where a trial was stopped before.
   int SampleOf(int pane, int frame) const;
 
@@ -55,6 +56,8 @@ class ComparisonPicture {
   void DrawHeader(Painter& painter) const;
   void DrawLegend(Painter& painter, double right, double baseline) const;
   void DrawClock(Painter& painter, int frame) const;
+  /// The name of the part of the motion that is shown, if it has one.
+  void DrawPart(Painter& painter, int frame, Point right_end) const;
   void DrawPane(Painter& painter, int pane, int frame, const DrawnHands& hands) const;
   void DrawFingertip(Painter& painter, const Rect& view, int pane, int frame,
                      const FingertipWay& way, const Color& color) const;

@@ -34,6 +34,50 @@ double LargestTension_n(const VideoInput& input) {
   return largest_n;
 }
 
+/// Which frames of a video show what: first the question, then the motion, then the verdict.
+struct FrameRanges {
+  int motion;   // the first of these
+  int verdict;  // the first of these
+  int end;
+};
+
+FrameRanges FrameRangesOf(const VideoInput& input, const FrameClock& clock) {
+  // Cards stand still: before and after the motion, where there is something to say.
+  const auto card = [&](bool exists, double time_s) {
+    return exists ? static_cast<int>(std::lround(time_s * input.frames_per_s)) : 0;
+  };
+  const int motion = card(!input.question.empty(), kTitle_s);
+  const int verdict = motion + clock.FrameCount();
+  return {.motion = motion,
+          .verdict = verdict,
+          .end = verdict + card(!input.verdict.rows.empty(), kVerdict_s)};
+}
+
+/// Chapters without a gap, where the video shows any named part of the motion: players of MP4 know
+/// no end of a chapter but the beginning of the next.
+std::vector<Chapter> ChaptersOf(const VideoInput& input, const FrameClock& clock,
+                                const FrameRanges& frames) {
+  std::vector<Chapter> chapters;
+  int end = 0;  // of those that there are
+  const auto add_until = [&](const std::string& title, int until) {
+    if (until <= end) return;
+    chapters.push_back({.title = title, .begin = end, .end = until});
+    end = until;
+  };
+  add_until("question", frames.motion);
+  bool any_named = false;
+  for (const Segment& part : input.parts) {
+    add_until("unlabelled", frames.motion + clock.FirstFrameFrom(part.begin));
+    const std::size_t before = chapters.size();
+    add_until(part.label, frames.motion + clock.FirstFrameFrom(part.end));
+    any_named = any_named || chapters.size() > before;
+  }
+  if (!any_named) return {};
+  add_until("unlabelled", frames.verdict);
+  add_until("verdict", frames.end);
+  return chapters;
+}
+
 /// What one process needs to draw frames: its own context, posture and pictures of hands.
 class FrameArtist {
  public:
@@ -113,27 +157,21 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
   const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
   const double largest_tension_n = LargestTension_n(input);
   AtomicFile file(target);
-  // Cards stand still: before and after the motion, where there is something to say.
-  const auto card = [&](bool exists, double time_s) {
-    return exists ? static_cast<int>(std::lround(time_s * input.frames_per_s)) : 0;
-  };
-  const int first = card(!input.question.empty(), kTitle_s);
-  const int end = first + picture.frame_count();
-  const int frames = end + card(!input.verdict.rows.empty(), kVerdict_s);
+  const FrameRanges frames = FrameRangesOf(input, picture.clock());
   const bool complete = DrawFramesInOrder(
-      {.frame_count = frames,
+      {.frame_count = frames.end,
        .width_px = input.width_px,
        .height_px = input.height_px,
        .jobs = input.jobs},
       [&](Frames& todo) {
         FrameArtist artist(input, hand, picture, view, largest_tension_n);
         while (const auto frame = todo.Next()) {
-          if (frame->number < first) {
+          if (frame->number < frames.motion) {
             picture.DrawTitle(frame->image);
-          } else if (frame->number >= end) {
+          } else if (frame->number >= frames.verdict) {
             picture.DrawVerdict(frame->image);
           } else {
-            artist.Draw(frame->number - first, frame->image);
+            artist.Draw(frame->number - frames.motion, frame->image);
           }
         }
       },
@@ -142,11 +180,12 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                                     .height_px = input.height_px,
                                     .frames_per_s = input.frames_per_s,
                                     .container = ContainerOf(target),
-                                    .rate_factor = input.rate_factor});
+                                    .rate_factor = input.rate_factor,
+                                    .chapters = ChaptersOf(input, picture.clock(), frames)});
         while (const auto frame = drawn.Next()) encoder.Add(frame->image);
         encoder.Finish();
       },
-      [&](int done) { return !progress || progress(done, frames); });
+      [&](int done) { return !progress || progress(done, frames.end); });
   if (!complete) throw Cancelled{};
   file.Commit();
 }

@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/segment.h"
 #include "sim/base/signal.h"
 #include "sim/hand/hand.h"
+#include "sim/score/counted_ticks.h"
 #include "sim/video/frame_clock.h"
 #include "sim/video/verdict.h"
 #include "sim/video/video_encoder.h"
@@ -35,9 +37,11 @@ struct VideoInput {
   const Signal* true_angle_rad = nullptr;  // ticks x joints: what the wearer asks of the hand
   const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered
   std::vector<VideoPane> panes;
-  std::vector<int> measured_joints;  // whose scores count; empty: all
-  double jitter_above_hz = 10.0;     // where trembling begins: score.jitter_above_hz
-  int joint = 0;                     // whose curves are drawn
+  std::vector<Segment> parts;         // of the motion that have a name, in ticks: chapters
+  std::vector<int> measured_joints;   // whose scores count; empty: all
+  std::vector<CountedTicks> counted;  // of each of these joints, which ticks do; none: all
+  double jitter_above_hz = 10.0;      // where trembling begins: score.jitter_above_hz
+  int joint = 0;                      // whose curves are drawn
   std::string joint_name;
   std::string camera;
   int width_px = 1280;
@@ -52,7 +56,8 @@ struct VideoInput {
 /// library works in processes of its own (ordered_frames.h): no other thread may run meanwhile.
 /// The file appears under its name only when it is whole.
 /// Errors: RunError for a missing encoder, a full disk, too little memory, a process that crashed.
-/// A target that ends in .webm is VP9 in WebM, .gif a GIF, any other H.264 in MP4.
+/// A target that ends in .webm is VP9 in WebM, .gif a GIF, any other H.264 in MP4. Where parts of
+/// the motion have names, MP4 and WebM have chapters.
 /// `progress` gets frames done and frames in all; false stops and throws Cancelled.
 void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                           const std::filesystem::path& target,

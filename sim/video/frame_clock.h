@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -40,9 +41,12 @@ struct FrameClock {
                                         (1'000'000 * frames_per_s));
   }
   /// Every frame that has a sample.
-  int FrameCount() const {
+  int FrameCount() const { return FirstFrameFrom(end); }
+  /// The first frame that shows `sample` or a later one, of those that there are and one more.
+  int FirstFrameFrom(std::int64_t sample) const {
     const std::int64_t per_frame = rate_millihertz * speed_thousandths;
-    return static_cast<int>(((end - first) * 1'000'000 * frames_per_s + per_frame - 1) / per_frame);
+    const std::int64_t shown = std::clamp(sample, first, std::max(first, end)) - first;
+    return static_cast<int>((shown * 1'000'000 * frames_per_s + per_frame - 1) / per_frame);
   }
   double rate_hz() const { return static_cast<double>(rate_millihertz) / 1000.0; }
   double speed() const { return static_cast<double>(speed_thousandths) / 1000.0; }

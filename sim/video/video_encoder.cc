@@ -147,10 +147,31 @@ struct VideoEncoder::State {
     stream->time_base = codec->time_base;
     stream->avg_frame_rate = codec->framerate;
     Check(avcodec_parameters_from_context(stream->codecpar, codec), "write a video");
+    if (!is_gif()) AddChapters();
     Check(avio_open(&container->pb, path.c_str(), AVIO_FLAG_WRITE), "write");
     av_opt_set(container->priv_data, "movflags", "+faststart", 0);
     container->flags |= AVFMT_FLAG_BITEXACT;  // no library versions, no times in the file
     Check(avformat_write_header(container, nullptr), "write");
+  }
+
+  /// They and their list belong to the container, which frees them.
+  void AddChapters() {
+    const std::vector<Chapter>& chapters = settings.chapters;
+    if (chapters.empty()) return;
+    container->chapters = static_cast<AVChapter**>(av_calloc(chapters.size(), sizeof(AVChapter*)));
+    for (const Chapter& chapter : chapters) {
+      auto* added = static_cast<AVChapter*>(av_mallocz(sizeof(AVChapter)));
+      if (container->chapters == nullptr || added == nullptr) {
+        av_free(added);
+        throw RunError(Target() + ": not enough memory for chapters");
+      }
+      container->chapters[container->nb_chapters++] = added;
+      added->id = container->nb_chapters;
+      added->time_base = codec->time_base;
+      added->start = chapter.begin;
+      added->end = chapter.end;
+      av_dict_set(&added->metadata, "title", chapter.title.c_str(), 0);
+    }
   }
 
   /// A null frame empties the encoder.

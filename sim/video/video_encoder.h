@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sim/base/atomic_file.h"
 #include "sim/video/image.h"
@@ -13,6 +14,13 @@ enum class Container { kMp4, kWebm, kGif };
 /// By the ending of the file's name: .webm, .gif, or anything else.
 Container ContainerOf(const std::filesystem::path& file);
 
+/// A part of a video that players can jump to: frames [begin, end).
+struct Chapter {
+  std::string title;
+  int begin = 0;
+  int end = 0;
+};
+
 struct VideoFormat {
   int width_px = 1280;  // even: two neighbours share their colour
   int height_px = 720;  // even
@@ -22,6 +30,9 @@ struct VideoFormat {
   std::string preset = "veryfast";
   /// The encoder's constant rate factor: lower is better; 20 keeps thin curves and text crisp.
   int rate_factor = 20;
+  /// In their order. In MP4 the first begins with the video, and one lasts until the next; a GIF has
+  /// none.
+  std::vector<Chapter> chapters{};
 };
 
 /// An MP4 file with H.264, or a WebM file with VP9; yuv420p in BT.709; the index of MP4 in front:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uintmax_t kFileBytes = 100'000;
 
-/// A good one: two channels, two joints, three ticks, two controllers.
+/// A good one: two channels, two joints, three ticks, a labelled part, a gap, two controllers.
 std::string Whole() {
   std::string bytes;
   TraceSender sender(
@@ -30,6 +30,15 @@ std::string Whole() {
   sender.Texts({"index_mcp", "index_pip"});
   sender.Texts({"index_mcp", "index_pip"});
   for (int i = 0; i < 3; ++i) send(std::span(values));
+  const auto send_stretch = [&sender](const std::vector<int>& ticks, const char* name,
+                                      const char* channel) {
+    sender.Size(1, 2);
+    sender.Values(std::span<const int>(ticks));
+    sender.Text(name);
+    sender.Text(channel);
+  };
+  send_stretch({0, 2}, "fast", "all");
+  send_stretch({1, 3}, "gap", "index_pip");
   sender.Number(2);
   for (const char* name : {"raw", "kalman"}) {
     sender.Text(name);
@@ -62,6 +71,9 @@ void Read(const std::string& bytes) {
     const TraceFile file = ReceiveTrace(receive, kFileBytes);
     const Eigen::Index ticks = file.true_angle_rad.rows();
     if (!file.true_angle_rad.allFinite() || !file.reference_angle_rad.allFinite()) std::abort();
+    for (const MaskedStretch& stretch : file.masked) {
+      if (stretch.channel >= std::ssize(file.channel_names) || stretch.end > ticks) std::abort();
+    }
     for (const Trace& trace : file.traces) {
       if (!trace.hand_angle_rad.allFinite() || trace.hand_angle_rad.rows() > ticks) std::abort();
       if (trace.hand_angle_rad.cols() != std::ssize(file.joint_names)) std::abort();

@@ -164,6 +164,28 @@ TEST_F(DamagedTrace, MustHaveSizesThatFitEachOther) {
   EXPECT_THAT(ProblemAfter([](auto& file) { file.unlink("glove"); }), HasSubstr("H5Gopen2 failed"));
 }
 
+TEST_F(DamagedTrace, MustHaveStretchesOfItsOwnMotion) {
+  const auto problem_of = [&](const Segment& segment, const MaskedStretch& masked) {
+    glove_.segments = {segment};
+    glove_.masked = {masked};
+    TraceWriter(file_, glove_, Signal::Random(kTicks, 18), hand_, "test", 42).Commit();
+    return Problem();
+  };
+  const Segment part = {"slow", 0, kTicks};
+  const MaskedStretch gap = {MaskReason::kGap, 3, 4, kTicks};
+  EXPECT_EQ(problem_of(part, gap), "");
+  EXPECT_THAT(problem_of({"slow", 0, kTicks + 1}, gap),
+              HasSubstr("glove.segments: has ticks 0 to 21, the motion 20"));
+  EXPECT_THAT(problem_of({"slow", 3, 2}, gap), HasSubstr("glove.segments: has ticks 3 to 2"));
+  EXPECT_THAT(problem_of(part, {MaskReason::kGap, 3, -1, 4}),
+              HasSubstr("glove.masked: has ticks -1 to 4"));
+  EXPECT_THAT(ProblemAfter([](auto& file) {
+                file.unlink("glove/masked");
+                file.move("glove/segments", "glove/masked");
+              }),
+              HasSubstr("glove.masked: has a reason that is none"));
+}
+
 TEST_F(DamagedTrace, MustNotSayThatItHasMoreThanFitsIntoIt) {
   H5::DSetCreatPropList packed;
   const hsize_t chunk[2] = {1'000'000, 18};

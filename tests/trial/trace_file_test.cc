@@ -194,9 +194,31 @@ TEST_F(TraceFileTest, TellsTheTruthOfEveryFaultAndWhatTheWearerDid) {
   EXPECT_EQ(ReadStretches(file_, "segments", "label"),
             (std::vector<std::string>{"rest all 0 3", "fast all 3 5"}));
 
+  const std::vector<Segment> segments = ReadTraceFile(file_).segments;
+  ASSERT_EQ(segments.size(), 2u);
+  EXPECT_EQ(segments[1].label, "fast");
+  EXPECT_EQ(segments[1].begin, 3);
+  EXPECT_EQ(segments[1].end, 5);
+  EXPECT_TRUE(ReadTraceFile(file_).masked.empty());
+
   glove_.faults.clear();
   TraceWriter(file_, glove_, reference_, hand_, "test", 1).Commit();
   EXPECT_TRUE(ReadStretches(file_, "faults", "kind").empty());
+}
+
+TEST_F(TraceFileTest, TellsWhatNobodyKnowsOfARecording) {
+  glove_.masked = {{MaskReason::kGap, 3, 10, 400},
+                   {MaskReason::kRestart, 0, 700, 700},
+                   {MaskReason::kClipped, 17, 4000, kSamples}};
+  TraceWriter(file_, glove_, reference_, hand_, "test", 1).Commit();
+  const std::vector<MaskedStretch> masked = ReadTraceFile(file_).masked;
+  ASSERT_EQ(masked.size(), glove_.masked.size());
+  for (std::size_t i = 0; i < masked.size(); ++i) {
+    EXPECT_EQ(masked[i].reason, glove_.masked[i].reason);
+    EXPECT_EQ(masked[i].channel, glove_.masked[i].channel);
+    EXPECT_EQ(masked[i].begin, glove_.masked[i].begin);
+    EXPECT_EQ(masked[i].end, glove_.masked[i].end);
+  }
 }
 
 TEST_F(TraceFileTest, LeavesNothingWithoutCommit) {

@@ -1,9 +1,11 @@
 #include "sim/video/comparison_video.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -173,6 +175,47 @@ TEST(ComparisonVideo, QuestionAndVerdictStandBeforeAndAfterTheMotion) {
       .remark = "One run."};
   WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
   EXPECT_EQ(ReadVideo(folder.path() / "a.mp4").frames, 45 + 15 + 75);
+}
+
+/// As ` title begin end` in frames of 30 a second.
+std::string ChaptersIn(const std::filesystem::path& file) {
+  std::string text;
+  for (const auto& [title, begin_s, end_s] : ReadVideo(file).chapters) {
+    text += fmt::format(" {} {:g} {:g}", title, std::round(1e3 * 30.0 * begin_s) / 1e3,
+                        std::round(1e3 * 30.0 * end_s) / 1e3);
+  }
+  return text;
+}
+
+TEST(ComparisonVideo, NamedPartsOfTheMotionAreChapters) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  comparison.input.parts = {{"slow", 0, 200}, {"fast", 300, 500}};
+  for (const char* name : {"a.mp4", "a.webm"}) {
+    WriteComparisonVideo(comparison.input, TheHand(), folder.path() / name);
+    EXPECT_EQ(ChaptersIn(folder.path() / name), " slow 0 6 unlabelled 6 9 fast 9 15") << name;
+  }
+  // Those of an excerpt, from its own beginning.
+  comparison.input.excerpt = {.from_s = 0.4, .speed = 0.5};
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "b.webm");
+  EXPECT_EQ(ChaptersIn(folder.path() / "b.webm"), " fast 0 6");
+  comparison.input.excerpt = {.from_s = 0.2, .to_s = 0.3};  // has none of them
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "c.webm");
+  EXPECT_EQ(ChaptersIn(folder.path() / "c.webm"), "");
+  comparison.input.excerpt = {};
+  // A GIF has none, and is a GIF all the same.
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "b.gif");
+  EXPECT_EQ(ChaptersIn(folder.path() / "b.gif"), "");
+}
+
+TEST(ComparisonVideo, ChaptersBeginBehindTheQuestion) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  comparison.input.question = "Which one follows?";
+  comparison.input.parts = {{"slow", 200, 300}};
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
+  EXPECT_EQ(ChaptersIn(folder.path() / "a.mp4"),
+            " question 0 45 unlabelled 45 51 slow 51 54 unlabelled 54 60");
 }
 
 TEST(ComparisonVideo, AnExcerptInSlowMotionHasItsFrames) {

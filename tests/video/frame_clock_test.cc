@@ -43,6 +43,19 @@ TEST(FrameClock, AnExcerptAtItsSpeed) {
   EXPECT_EQ(hour.Sample(43'199'988), 3'599'999);
 }
 
+TEST(FrameClock, FindsTheFirstFrameFromASample) {
+  const FrameClock clock(1000.0, 30, 10'000, {.from_s = 2.0, .to_s = 3.0, .speed = 0.7});
+  for (int sample = 2000; sample < 3000; ++sample) {
+    const int frame = clock.FirstFrameFrom(sample);
+    EXPECT_GE(clock.Sample(frame), sample);
+    if (frame > 0) {
+      EXPECT_LT(clock.Sample(frame - 1), sample);
+    }
+  }
+  EXPECT_EQ(clock.FirstFrameFrom(0), 0);
+  EXPECT_EQ(clock.FirstFrameFrom(9999), clock.FrameCount());
+}
+
 TEST(FrameClock, TenSecondsAreThreeHundredFrames) {
   EXPECT_EQ(FrameClock(1000.0, 30, 10'000).FrameCount(), 300);
 }

@@ -48,6 +48,30 @@ TEST(RunningScores, EndAtTheScoresOfTheTable) {
   EXPECT_NEAR(scores.jitter_rms_deg.back(), SummaryOf(input, "jitter_rms_deg"), 1e-9);
 }
 
+TEST(RunningScores, EndAtTheScoresOfTheTableWhereARecordingHasGaps) {
+  const Signal truth = Motion(9017, 0.0, 0.0);
+  Signal hand = Motion(9017, 0.02, 0.005);
+  hand.col(0).segment(3000, 500).array() += 1.0;  // what nobody knows of, of one channel
+  hand.col(2).array() += 1.0;                     // and all of another
+  CountedParts counted;
+  counted.joints = {{{0, 3000}, {3700, 9017}}, {{0, 9017}}, {}};
+  counted.hand = counted.joints[0];
+  const RunningScores scores =
+      ComputeRunningScores(truth, hand, kRate_hz, kJitterAbove_hz,
+                           FrameClock(kRate_hz, 30, truth.rows()), counted.joints);
+  ScoreInput input;
+  input.rate_hz = kRate_hz;
+  input.jitter_above_hz = kJitterAbove_hz;
+  input.reference_angle_rad = &truth;
+  input.hand_angle_rad = &hand;
+  input.counted = &counted;
+  EXPECT_NEAR(scores.tracking_rmse_deg.back(), SummaryOf(input, "tracking_rmse_deg"), 1e-9);
+  EXPECT_NEAR(scores.jitter_rms_deg.back(), SummaryOf(input, "jitter_rms_deg"), 1e-9);
+  EXPECT_NEAR(scores.tracking_rmse_deg.back(), 0.03 * kDegPerRad, 0.05);  // 0.02 and 0.04 rad
+  // Within the gap nothing is added but what the other channel says.
+  EXPECT_NEAR(scores.tracking_rmse_deg[105], scores.tracking_rmse_deg[89], 0.05);
+}
+
 TEST(RunningScores, GrowWhereTheHandGoesAstray) {
   const Signal truth = Motion(4000, 0.0, 0.0);
   Signal hand = truth;

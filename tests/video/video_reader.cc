@@ -58,7 +58,11 @@ VideoContent ReadVideo(const std::filesystem::path& file) {
   Decoder decoder;
   Check(avformat_open_input(&decoder.container, file.c_str(), nullptr, nullptr), "open");
   Check(avformat_find_stream_info(decoder.container, nullptr), "streams");
-  if (decoder.container->nb_streams != 1) throw std::runtime_error("more than one stream");
+  // MP4 has chapters as a text of their own beside the video.
+  const bool has_chapters = decoder.container->nb_chapters > 0;
+  if (decoder.container->nb_streams > (has_chapters ? 2u : 1u)) {
+    throw std::runtime_error("too many streams");
+  }
   const AVStream& stream = *decoder.container->streams[0];
   const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
   decoder.codec = avcodec_alloc_context3(codec);
@@ -71,7 +75,18 @@ VideoContent ReadVideo(const std::filesystem::path& file) {
                        .width_px = stream.codecpar->width,
                        .height_px = stream.codecpar->height,
                        .frames_per_s = av_q2d(stream.avg_frame_rate)};
+  for (unsigned i = 0; i < decoder.container->nb_chapters; ++i) {
+    const AVChapter& chapter = *decoder.container->chapters[i];
+    const AVDictionaryEntry* title = av_dict_get(chapter.metadata, "title", nullptr, 0);
+    content.chapters.push_back({.title = title != nullptr ? title->value : "",
+                                .begin_s = chapter.start * av_q2d(chapter.time_base),
+                                .end_s = chapter.end * av_q2d(chapter.time_base)});
+  }
   while (av_read_frame(decoder.container, decoder.packet) >= 0) {
+    if (decoder.packet->stream_index != stream.index) {
+      av_packet_unref(decoder.packet);
+      continue;
+    }
     Check(avcodec_send_packet(decoder.codec, decoder.packet), "decode");
     av_packet_unref(decoder.packet);
     decoder.Take(content, stream);

@@ -16,6 +16,12 @@ struct VideoContent {
   int height_px = 0;
   double frames_per_s = 0.0;
   int frames = 0;
+  struct Chapter {
+    std::string title;
+    double begin_s = 0.0;
+    double end_s = 0.0;
+  };
+  std::vector<Chapter> chapters{};
   bool times_are_even = true;  // frame k is shown at exactly k / frames_per_s
   /// Of each frame, the mean brightness in 0 .. 255 of its left and right half.
   std::vector<std::array<double, 2>> brightness{};
