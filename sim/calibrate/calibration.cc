@@ -205,11 +205,16 @@ std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
 
 /// Still stretches in which no channel reaches an end of the converter's scale: noise is cut there.
 std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& recording) {
-  auto stretches = controller::FindStillStretches(recording.counts, recording.rate_hz);
+  std::vector<controller::StillStretch> stretches = recording.still;
+  if (stretches.empty()) {
+    stretches = controller::FindStillStretches(recording.counts, recording.rate_hz);
+  }
   if (stretches.empty()) {
     throw UserError({.place = recording.name,
-                     .problem = "the hand never holds still for half a second, R cannot be "
-                                "estimated: record it at rest for a second or more"});
+                     .problem =
+                         "the hand never holds still for half a second, R cannot be "
+                         "estimated: record it at rest for a second or more, or say where it is "
+                         "still (--still 2:5)"});
   }
   Index at_the_end = 0;  // a channel that spoils stretches
   std::erase_if(stretches, [&](const controller::StillStretch& stretch) {

@@ -2,129 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
+#include "sim/calibrate/pose_columns.h"
+#include "sim/calibrate/pose_table.h"
+#include "sim/calibrate/resolution.h"
 #include "sim/recordings/csv_reader.h"
-#include "sim/recordings/time_columns.h"
+#include "sim/recordings/table_source.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFewestRows = 10;
-
-/// A column of a channel's counts or angle; `scale` brings the angle to degrees.
-struct ChannelColumn {
-  std::size_t column = 0;
-  std::string channel;
-  double scale = 1.0;
-};
-
-/// Which column of the file is what.
-struct PoseColumns {
-  std::optional<std::size_t> time;
-  double time_scale_s = 1.0;
-  std::vector<ChannelColumn> counts;
-  std::vector<ChannelColumn> angles;  // in the order of `counts` once sorted
-  std::size_t left_out = 0;
-};
-
-struct NamePattern {
-  std::string_view before;
-  std::string_view after;
-  bool is_angle;
-  double scale;
-};
-constexpr NamePattern kPatterns[] = {{"", "_counts", false, 1.0},
-                                     {"counts.", "", false, 1.0},
-                                     {"", "_deg", true, 1.0},
-                                     {"true_angle_rad.", "", true, kDegPerRad},
-                                     {"", "_rad", true, kDegPerRad}};
-
-bool AddChannel(const std::string& name, std::size_t column, PoseColumns& columns) {
-  for (const NamePattern& pattern : kPatterns) {
-    if (!name.starts_with(pattern.before) || !name.ends_with(pattern.after) ||
-        name.size() <= pattern.before.size() + pattern.after.size()) {
-      continue;
-    }
-    const std::string channel = name.substr(
-        pattern.before.size(), name.size() - pattern.before.size() - pattern.after.size());
-    // `target_angle_rad.NAME` and its like are other signals of a trace.
-    if (pattern.after.empty() && channel.find('.') != std::string::npos) continue;
-    (pattern.is_angle ? columns.angles : columns.counts)
-        .push_back({column, channel, pattern.scale});
-    return true;
-  }
-  return false;
-}
-
-bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) {
-  const auto scale_s = TimeScaleS(name);
-  if (!scale_s) return IsSampleNumber(name);
-  columns.time = column;
-  columns.time_scale_s = *scale_s;
-  return true;
-}
-
-void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (columns[i].channel != columns[j].channel) continue;
-      csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", Quoted(columns[i].channel)));
-    }
-  }
-}
-
-/// Puts the angles in the order of the counts.
-void PairUp(const CsvReader& csv, PoseColumns& columns) {
-  if (columns.angles.empty()) return;
-  std::vector<std::string> channels;
-  std::vector<ChannelColumn> ordered;
-  for (const ChannelColumn& counts : columns.counts) {
-    channels.push_back(counts.channel);
-    const auto found = std::ranges::find(columns.angles, counts.channel, &ChannelColumn::channel);
-    if (found == columns.angles.end()) {
-      csv.Fail(counts.column + 1,
-               fmt::format("{} has counts but no known angle, add a column {}_deg",
-                           Quoted(counts.channel), counts.channel));
-    }
-    ordered.push_back(*found);
-  }
-  for (const ChannelColumn& angle : columns.angles) {
-    if (std::ranges::find(channels, angle.channel) != channels.end()) continue;
-    csv.Fail(angle.column + 1,
-             fmt::format("{} has a known angle but no counts{}", Quoted(angle.channel),
-                         Suggestion(angle.channel, channels)));
-  }
-  columns.angles = std::move(ordered);
-}
-
-PoseColumns FindColumns(const CsvReader& csv) {
-  if (csv.header().empty()) csv.Fail(1, "the first line must name the columns");
-  PoseColumns columns;
-  for (std::size_t column = 0; column < csv.column_count(); ++column) {
-    const std::string& name = csv.header()[column];
-    if (AddTime(name, column, columns) || AddChannel(name, column, columns)) continue;
-    if (name.find('.') == std::string::npos) {
-      csv.Fail(column + 1,
-               fmt::format("unknown column {}, must be a time (as t_s or time_ms), k, or a "
-                           "channel's name with _counts, _deg or _rad behind it",
-                           Quoted(name)));
-    }
-    ++columns.left_out;
-  }
-  if (columns.counts.empty()) csv.Fail(1, "there is no column of counts (as index_mcp_counts)");
-  RejectRepeats(csv, columns.counts);
-  RejectRepeats(csv, columns.angles);
-  PairUp(csv, columns);
-  return columns;
-}
 
 /// Values that no converter of this scale gives: glitches of its line, or it has another scale.
 struct BeyondScale {
@@ -141,6 +35,7 @@ struct Rows {
   std::vector<double> angle_deg;
   double first_s = kMissing;
   double last_s = kMissing;
+  std::vector<double> time_s;  // of those with counts, since the first row
   std::size_t count = 0;
   std::vector<std::size_t> distances;  // from each row with counts to the next, in rows of the file
   BeyondScale beyond_scale;
@@ -156,13 +51,14 @@ std::size_t RowsPerSample(std::vector<std::size_t> distances) {
 
 void TakeTime(const CsvReader& csv, const PoseColumns& columns, const std::vector<double>& values,
               Rows& rows) {
-  if (!columns.time) return;
-  const double time_s = values[*columns.time] * columns.time_scale_s;
-  if (std::isnan(time_s)) csv.Fail(*columns.time + 1, "the time is missing");
+  if (columns.time.empty()) return;
+  double time_s = 0.0;
+  for (const TimeMapping& time : columns.time) time_s += values[time.column] * time.scale_s;
+  const std::size_t place = columns.time.front().column + 1;
+  if (std::isnan(time_s)) csv.Fail(place, "the time is missing");
   if (time_s <= rows.last_s) {
-    csv.Fail(*columns.time + 1,
-             fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
-                         rows.last_s));
+    csv.Fail(place, fmt::format("the time is {} s, must be above the {} s of the row before",
+                                time_s, rows.last_s));
   }
   if (std::isnan(rows.first_s)) rows.first_s = time_s;
   rows.last_s = time_s;
@@ -196,6 +92,66 @@ void RejectAnotherScale(const CsvReader& csv, const Rows& rows, double full_scal
                   beyond.counts, full_scale_counts, beyond.rows, beyond.rows + rows.count));
 }
 
+/// All columns are read that `columns` has, no other.
+void ReadOnly(const PoseColumns& columns, CsvReader& csv) {
+  std::vector<bool> used(csv.column_count(), false);
+  for (const TimeMapping& time : columns.time) {
+    used[time.column] = true;
+    if (time.is_text) csv.ReadAsTime(time.column);
+  }
+  for (const ChannelColumn& c : columns.counts) used[c.column] = true;
+  for (const ChannelColumn& c : columns.angles) used[c.column] = true;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) csv.Ignore(i);
+  }
+}
+
+/// The angles of a table of poses, not known between them.
+Signal AnglesOf(const std::vector<KnownPose>& poses, const std::vector<double>& time_s,
+                std::size_t channels) {
+  Signal angle_deg(std::ssize(time_s), channels);
+  auto pose = poses.begin();
+  for (std::size_t k = 0; k < time_s.size(); ++k) {
+    while (pose != poses.end() && pose->end_s <= time_s[k]) ++pose;
+    const bool known = pose != poses.end() && pose->start_s <= time_s[k];
+    for (std::size_t c = 0; c < channels; ++c) {
+      angle_deg(k, c) = known ? pose->angle_deg[c] : kMissing;
+    }
+  }
+  return angle_deg;
+}
+
+/// Samples of the stretches that were said to be still.
+std::vector<controller::StillStretch> SamplesOf(const std::vector<TimeStretch>& stretches,
+                                                const std::vector<double>& time_s) {
+  constexpr Eigen::Index kFewestSamples = 10;
+  std::vector<controller::StillStretch> samples;
+  for (const TimeStretch& stretch : stretches) {
+    const auto begin = std::ranges::lower_bound(time_s, stretch.start_s);
+    const auto end = std::ranges::lower_bound(time_s, stretch.end_s);
+    const controller::StillStretch found = {.begin = begin - time_s.begin(),
+                                            .end = end - time_s.begin()};
+    const auto complain = [&](const std::string& problem) {
+      throw UserError({.place = fmt::format("--still {}:{}", stretch.start_s, stretch.end_s),
+                       .problem = problem});
+    };
+    // It may name the end of the last row, which lasts as long as the others.
+    const double last_s = time_s.back() * (1.0 + 1.0 / static_cast<double>(time_s.size() - 1));
+    if (stretch.end_s > last_s + 1e-6) {
+      complain(fmt::format("the recording ends at {:.6g} s", time_s.back()));
+    }
+    if (found.end - found.begin < kFewestSamples) {
+      complain(fmt::format("holds {} samples, must have {} or more", found.end - found.begin,
+                           kFewestSamples));
+    }
+    for (const controller::StillStretch& other : samples) {
+      if (found.begin < other.end && other.begin < found.end) complain("overlaps another");
+    }
+    samples.push_back(found);
+  }
+  return samples;
+}
+
 }  // namespace
 
 void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> angle_deg) {
@@ -211,21 +167,25 @@ void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> a
 
 PoseRecording LoadPoseRecording(const std::filesystem::path& file,
                                 const PoseRecordingFormat& format) {
-  CsvReader csv(file.string(), FileSource(file), ProblemHandling::kAllowMissing);
-  const PoseColumns columns = FindColumns(csv);
-  std::vector<bool> used(csv.column_count(), false);
-  if (columns.time) used[*columns.time] = true;
-  for (const ChannelColumn& c : columns.counts) used[c.column] = true;
-  for (const ChannelColumn& c : columns.angles) used[c.column] = true;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) csv.Ignore(i);
-  }
+  CsvReader csv(file.string(), TableSource(file), ProblemHandling::kAllowMissing);
+  const PoseColumns columns = FindPoseColumns(csv, format.map);
+  ReadOnly(columns, csv);
 
   PoseRecording recording;
   recording.name = OneLine(file.string());  // as results have it, too
   recording.columns_left_out = columns.left_out;
-  recording.resolution_counts = 1.0;
+  recording.columns_unknown = columns.unknown;
+  recording.full_scale_counts =
+      columns.full_scale_counts > 0.0 ? columns.full_scale_counts : format.full_scale_counts;
   for (const ChannelColumn& c : columns.counts) recording.channel_names.push_back(c.channel);
+  std::vector<KnownPose> poses;
+  if (!format.poses.empty()) {
+    if (!columns.angles.empty()) {
+      csv.Fail(columns.angles.front().column + 1,
+               "is a known angle: leave it out of the recording, or --poses");
+    }
+    poses = LoadPoseTable(format.poses, recording.channel_names);
+  }
 
   Rows rows;
   std::size_t row = 0;         // of the file
@@ -235,39 +195,46 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
     TakeTime(csv, columns, values, rows);
     const bool whole = std::ranges::none_of(
         columns.counts, [&](const ChannelColumn& c) { return std::isnan(values[c.column]); });
-    if (!whole || IsBeyondScale(csv, columns, values, format.full_scale_counts, rows)) continue;
+    if (!whole || IsBeyondScale(csv, columns, values, recording.full_scale_counts, rows)) continue;
     if (rows.count++ > 0) rows.distances.push_back(row - last_whole);
     last_whole = row;
-    for (const ChannelColumn& c : columns.counts) {
-      const double counts = values[c.column];
-      rows.counts.push_back(counts);
-      if (counts != std::round(counts)) recording.resolution_counts = 0.0;
-    }
+    rows.time_s.push_back(columns.time.empty() ? row / format.rate_hz : rows.last_s - rows.first_s);
+    for (const ChannelColumn& c : columns.counts) rows.counts.push_back(values[c.column]);
     for (const ChannelColumn& c : columns.angles) {
       rows.angle_deg.push_back(values[c.column] * c.scale);
     }
   }
-  RejectAnotherScale(csv, rows, format.full_scale_counts);
+  RejectAnotherScale(csv, rows, recording.full_scale_counts);
   if (rows.count < kFewestRows) {
     csv.Fail(1,
              fmt::format("the recording has {} rows without missing counts, must have at least {}",
                          rows.count, kFewestRows));
   }
-  const std::size_t rows_per_sample = columns.time ? RowsPerSample(rows.distances) : 1;
+  const std::size_t rows_per_sample = columns.time.empty() ? 1 : RowsPerSample(rows.distances);
   const std::size_t samples_expected = (row - 1) / rows_per_sample + 1;
   recording.rows_left_out = std::max(samples_expected, rows.count) - rows.count;
   recording.rows_beyond_scale = rows.beyond_scale.rows;
   recording.rows_left_out -= std::min(recording.rows_left_out, recording.rows_beyond_scale);
-  recording.full_scale_counts = format.full_scale_counts;
   recording.settle_ms = format.settle_ms;
   recording.rate_hz = format.rate_hz;
-  if (columns.time) {
+  if (!columns.time.empty()) {
     recording.rate_hz = (row - 1) / (rows.last_s - rows.first_s) / rows_per_sample;
   }
   using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   recording.counts = Eigen::Map<const Table>(rows.counts.data(), rows.count, columns.counts.size());
   recording.angle_deg =
       Eigen::Map<const Table>(rows.angle_deg.data(), rows.count, columns.angles.size());
+  recording.resolution_counts = ResolutionOf(recording.counts);
+  recording.still = SamplesOf(format.still, rows.time_s);
+  if (!poses.empty()) {
+    if (poses.back().start_s > rows.time_s.back()) {
+      throw UserError(
+          {.place = format.poses,
+           .problem = fmt::format("a pose begins at {} s, the recording ends at {:.6g} s",
+                                  poses.back().start_s, rows.time_s.back())});
+    }
+    recording.angle_deg = AnglesOf(poses, rows.time_s, columns.counts.size());
+  }
   const Eigen::Index settle = std::lround(format.settle_ms * 1e-3 * recording.rate_hz);
   for (Eigen::Index c = 0; c < recording.angle_deg.cols(); ++c) {
     KeepSettledPoses(settle, recording.angle_deg.col(c));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/calibration/still_stretches.h"
 #include "sim/base/signal.h"
 
 namespace gauntlet::sim {
@@ -23,13 +24,24 @@ struct PoseRecording {
   Signal angle_deg;                   // NaN where the pose is not known or not yet settled
   std::size_t rows_left_out = 0;      // a count was missing
   std::size_t rows_beyond_scale = 0;  // left out, too: a count was below 0 or above full scale
-  double resolution_counts = 0.0;     // 1 if all counts are whole numbers
+  double resolution_counts = 0.0;     // see ResolutionOf
   std::size_t columns_left_out = 0;   // other signals of a trace
+  std::vector<std::string> columns_unknown;     // left out, too
+  std::vector<controller::StillStretch> still;  // as was said; empty: to be found
+};
+
+/// In seconds since the first row.
+struct TimeStretch {
+  double start_s = 0.0;
+  double end_s = 0.0;
 };
 
 struct PoseRecordingFormat {
-  double rate_hz = 1000.0;            // of a file without a column of time
-  double full_scale_counts = 1023.0;  // of the converter
+  double rate_hz = 1000.0;              // of a file without a column of time
+  double full_scale_counts = 1023.0;    // of the converter, where the map does not say its bits
+  std::string map = {};                 // column map; empty: columns by their names
+  std::string poses = {};               // table of known poses; empty: known angles are columns
+  std::vector<TimeStretch> still = {};  // in which the hand is still; empty: they are found
   /// A pose counts from so long after its angle last changed.
   double settle_ms = 200.0;
 };
@@ -38,11 +50,12 @@ struct PoseRecordingFormat {
 /// rounded to 1e-6 deg, so that a pose that was computed twice is one pose.
 void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> angle_deg);
 
-/// Reads a table with a header. Per channel `NAME_counts`, and `NAME_deg` or `NAME_rad` for its
-/// known angle, empty where it is not known; all channels or none have known angles. Time is a
-/// column of time (see TimeScaleS), or not there (`k` is passed over). The CSV of a trace is such a
-/// table, too: `counts.NAME`, `true_angle_rad.NAME`; its other signals are left out. NAME is any
-/// name.
+/// Reads a table of any format of TableSource. Per channel `NAME_counts`, and `NAME_deg` or
+/// `NAME_rad` for its known angle, empty where it is not known; all channels or none have known
+/// angles. Time is a column of time (see TimeScaleS), or not there (`k` is passed over). The CSV of
+/// a trace is such a table, too: `counts.NAME`, `true_angle_rad.NAME`; its other signals are left
+/// out. NAME is any name. With a map, its columns are the counts (or volts) of its channels. Known
+/// angles may also be in a table of poses, see LoadPoseTable.
 /// Errors: UserError `file:row:column: ...`; a few counts beyond the scale are none, but more than
 /// 5 % of the rows with such are.
 PoseRecording LoadPoseRecording(const std::filesystem::path& file,

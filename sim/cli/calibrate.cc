@@ -5,12 +5,16 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "controller/calibration/predictor_fit.h"
 #include "controller/prediction/prediction_config.h"
 #include "sim/base/atomic_file.h"
 #include "sim/base/channels.h"
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
@@ -30,6 +34,7 @@ struct CalibrateOptions {
   std::string out;  // empty: out/<recording>.calibration.yaml
   std::string curve = "table";
   PoseRecordingFormat format;
+  std::vector<std::string> still;
   CalibrationOptions calibration;
   bool predictor = false;
   controller::PredictorFitOptions fit;
@@ -111,8 +116,15 @@ void Remark(const PoseRecording& recording, const Calibration& calibration) {
     Say("gauntlet: {}: {} rows with a missing count left out\n", recording.name,
         recording.rows_left_out);
   }
+  if (!recording.columns_unknown.empty()) {
+    std::vector<std::string> names;
+    for (const std::string& name : recording.columns_unknown) names.push_back(Shown(name));
+    Say("gauntlet: {}: left out, as no counts nor angles: {}\n", recording.name,
+        OneLine(fmt::format("{}", fmt::join(names, ", ")), 400));
+  }
   if (recording.angle_deg.cols() == 0) {
-    Say("gauntlet: {}: no known angles (columns as index_mcp_deg), so no linearisation\n",
+    Say("gauntlet: {}: no known angles (columns as index_mcp_deg, or --poses), so no "
+        "linearisation\n",
         recording.name);
   }
   if (recording.rows_beyond_scale > 0) {
@@ -131,6 +143,21 @@ void Remark(const PoseRecording& recording, const Calibration& calibration) {
         "connected?\n",
         recording.name, Shown(channel.channel), channel.variance_high_counts2);
   }
+}
+
+/// `2:5`, from 2 to 5 s.
+TimeStretch StretchOf(const std::string& text) {
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const auto number = [](std::string_view part) {
+    return part.empty() ? std::nullopt : NumberOrMissing(part);
+  };
+  const auto start_s = number(std::string_view(text).substr(0, colon));
+  const auto end_s = number(std::string_view(text).substr(std::min(colon + 1, text.size())));
+  if (!start_s || !end_s || !(*start_s >= 0.0) || !(*end_s > *start_s)) {
+    throw UserError({.place = "--still " + text,
+                     .problem = "must be two times in seconds from the first row, as 2:5"});
+  }
+  return {.start_s = *start_s, .end_s = *end_s};
 }
 
 std::filesystem::path TargetOf(const CalibrateOptions& options) {
@@ -217,7 +244,7 @@ void AddCalibrateCommand(CLI::App& app) {
   command
       ->add_option("recording", options->recording,
                    "CSV with NAME_counts and NAME_deg per channel, or a "
-                   "trace of run --csv")
+                   "trace of run --csv; with --map any table that inspect reads")
       ->required();
   AddOutOption(*command, options->out, "file to write [out/<recording>.calibration.yaml]",
                "FILE.yaml");
@@ -236,6 +263,24 @@ void AddCalibrateCommand(CLI::App& app) {
       ->check(Number(1.0, 99.9999))
       ->capture_default_str();
   command
+      ->add_option(
+          "--map", options->format.map,
+          "column map, or the name of a preset: which columns are sensors of which "
+          "channels, and the time; what it says of scales does not matter, of bits it does")
+      ->type_name("FILE.csv");
+  CLI::Option* still =
+      command
+          ->add_option("--still", options->still,
+                       "from a to b seconds after the first row the hand is still; may be repeated "
+                       "[stretches are found in which no sensor moves]")
+          ->type_name("a:b")
+          ->take_all();
+  CLI::Option* poses =
+      command
+          ->add_option("--poses", options->format.poses,
+                       "table of the known poses: start_s, end_s (or until the next), NAME_deg")
+          ->type_name("FILE.csv");
+  command
       ->add_option("--settle-ms", options->format.settle_ms,
                    "a pose counts from so long after its angle last changed; 0 if angles were "
                    "measured and never stand still")
@@ -246,13 +291,18 @@ void AddCalibrateCommand(CLI::App& app) {
       ->check(Number(1.0, 1e6))
       ->capture_default_str();
   command
-      ->add_option("--full-scale", options->format.full_scale_counts,
-                   "of the converter, in counts; values at either end are not used")
+      ->add_option(
+          "--full-scale", options->format.full_scale_counts,
+          "of the converter, in counts (or volts), unless the map says its bits; values at "
+          "either end are not used")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  CLI::Option* predictor = command->add_flag("--predictor", options->predictor,
-                                             "fit the weights of a prediction {kind: fitted} "
-                                             "instead, to motions like those that will come");
+  CLI::Option* predictor = command
+                               ->add_flag("--predictor", options->predictor,
+                                          "fit the weights of a prediction {kind: fitted} "
+                                          "instead, to motions like those that will come")
+                               ->excludes(still)
+                               ->excludes(poses);
   command
       ->add_option("--horizon-ms", options->fit.horizon_ms,
                    "how far it looks ahead, one for all channels or one for each")
@@ -280,14 +330,22 @@ void AddCalibrateCommand(CLI::App& app) {
       "half\n"
       "a second or more give R; spikes and values beyond the scale are left out and counted. A\n"
       "scenario takes channels by the names of gauntlet list channels.\n"
+      "\nA table of poses, in seconds from the recording's first row:\n"
+      "  name,start_s,end_s,index_mcp_deg,index_pip_deg\n"
+      "  flat hand,1.0,4.0,0,0\n"
+      "  fist,5.5,8.5,85,100\n"
       "\nExample:\n  gauntlet run scenarios/known_poses.yaml --csv\n"
       "  gauntlet calibrate out/known_poses/trace.raw.csv --out out/my_glove.yaml\n"
       "  gauntlet run scenarios/calibrated_glove.yaml --set "
       "controllers.calibrated_kalman.calibration=out/my_glove.yaml\n"
+      "\n  gauntlet calibrate glove.csv --map map.csv --poses poses.csv --still 1:4 --still 10:15\n"
       "\n  gauntlet run scenarios/random_motion.yaml --csv --controllers raw\n"
       "  gauntlet calibrate out/random_motion/trace.raw.csv --predictor --horizon-ms 100\n");
   command->callback([options] {
     options->calibration.curve = KindOf(options->curve);
+    for (const std::string& text : options->still) {
+      options->format.still.push_back(StretchOf(text));
+    }
     RunCalibrate(*options);
   });
 }

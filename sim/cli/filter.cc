@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <iostream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "controller/filters/filter_registry.h"
@@ -23,8 +22,7 @@
 #include "sim/cli/interrupt.h"
 #include "sim/cli/row_clock.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/recordings/csv_reader.h"
-#include "sim/recordings/time_columns.h"
+#include "sim/cli/stream_table.h"
 #include "sim/settings/yaml_reader.h"
 
 namespace gauntlet::sim {
@@ -34,6 +32,7 @@ struct FilterOptions {
   std::string kind;
   std::vector<std::string> settings;
   std::vector<std::string> columns;  // to filter; empty: all but the time
+  std::string map;                   // empty: columns as their names say
 };
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -121,40 +120,28 @@ StreamFilter ReadFilter(const FilterOptions& options) {
 /// until they have told the rate, if the filter needs it and nobody gave it.
 class FilterStream {
  public:
-  FilterStream(const StreamFilter& settings, const std::vector<std::string>& columns)
-      : settings_(settings), asked_(columns) {}
-
-  void ReadHeader(std::string_view line) {
-    // A blank may be part of a name: `sensor 3` is one column.
-    separator_ = SeparatorOf(line) == ' ' ? ',' : SeparatorOf(line);
-    const std::vector<std::string_view> names = SplitCells(line, separator_);
-    columns_ = names.size();
-    FindAsked(names);
-    for (std::size_t column = 0; column < columns_; ++column) AddColumn(names[column], column);
-    if (std::ranges::all_of(names, IsNumber)) {  // data frames do so; or the header was forgotten
-      Say("gauntlet: warning: standard input:1: numbers only, taken as the header\n");
-    }
-    if (channels_.empty()) Fail(1, "has no channel besides the time");
+  FilterStream(const StreamFilter& settings, StreamTable table)
+      : settings_(settings), table_(std::move(table)) {
+    if (table_.has_time()) clock_.emplace(table_.time_scale_s());
     StartIfRateIsKnown();
-    Print("{}\n", Trimmed(line));
+    PrintText(table_.header());
     CheckOutput();
   }
 
+  bool has_header() const { return !table_.header().empty(); }
+
   void ReadRow(std::string_view line, std::size_t row) {
-    const std::vector<std::string_view> fields = SplitCells(line, separator_);
-    if (fields.size() != columns_) {
-      Fail(row, fmt::format("has {} fields, must have {}", fields.size(), columns_));
-    }
-    const bool has_time = clock_ && clock_->Add(Plain(fields[time_column_]));
+    table_.Read(line, row);
+    const bool has_time = clock_ && clock_->Add(table_.Time());
     if (filter_ != nullptr) {
-      FilterRow(fields, row);
+      FilterRow();
       return;
     }
     if (!has_time) {
-      Fail(row, time_column_,
-           fmt::format("is \"{}\", must be a time above that of the row before, from which the "
-                       "rate follows; --set rate_hz=HZ gives it otherwise",
-                       Shown(fields[time_column_])));
+      StreamTable::Fail(row, table_.time_column(),
+                        fmt::format("is \"{}\", must be a time above that of the row before, from "
+                                    "which the rate follows; --set rate_hz=HZ gives it otherwise",
+                                    Shown(table_.TimeText())));
     }
     waiting_.push_back({std::string(line), row});
     if (clock_->rows() == RowClock::kRowsForRate) StartAtRateOfClock();
@@ -176,72 +163,9 @@ class FilterStream {
   }
 
  private:
-  /// The first column of time is the clock; `k`, the number of the sample, is no channel in the
-  /// first column only.
-  void AddColumn(std::string_view cell, std::size_t column) {
-    const std::string_view name = Unquoted(cell);
-    if (std::ranges::find(is_asked_, true) != is_asked_.end()) {
-      if (is_asked_[column]) {
-        channels_.push_back(column);
-      } else if (const auto scale_s = TimeScaleS(name); scale_s && !clock_) {
-        clock_.emplace(*scale_s);
-        time_column_ = column;
-      }
-      return;
-    }
-    if (name.empty()) Fail(1, column, "has no name");
-    if (const auto scale_s = TimeScaleS(name)) {
-      if (!clock_) {
-        clock_.emplace(*scale_s);
-        time_column_ = column;
-      }
-    } else if (!IsSampleNumber(name) || column > 0) {
-      channels_.push_back(column);
-      if (!MayBeTime(name)) return;
-      Say("gauntlet: warning: standard input:1:{}: {} is filtered as a channel; if it is the time, "
-          "call it time_s or time_ms\n",
-          column + 1, Shown(name));
-    }
-  }
-
-  /// Columns that --columns names, by their names or by their numbers from 1.
-  void FindAsked(const std::vector<std::string_view>& names) {
-    is_asked_.assign(columns_, false);
-    for (const std::string& asked : asked_) {
-      const auto found = std::ranges::find(names, std::string_view(asked), Unquoted);
-      std::size_t column = static_cast<std::size_t>(found - names.begin());
-      if (found == names.end()) {
-        std::from_chars(asked.data(), asked.data() + asked.size(), column);
-        if (column < 1 || column > columns_ || asked != std::to_string(column)) {
-          std::vector<std::string> known;
-          for (const std::string_view name : names) known.emplace_back(Unquoted(name));
-          throw UserError({.place = "--columns",
-                           .problem = fmt::format("standard input has no column {}{}", Shown(asked),
-                                                  Suggestion(asked, known))});
-        }
-        --column;
-      }
-      is_asked_[column] = true;
-    }
-  }
-
-  /// The text of a number with a decimal point.
-  std::string Plain(std::string_view field) const {
-    std::string text(Unquoted(field));
-    if (separator_ != ',') std::ranges::replace(text, ',', '.');
-    return text;
-  }
-
-  static bool IsNumber(std::string_view text) {
-    text = Trimmed(text);
-    double number = 0.0;
-    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    return error == std::errc() && rest == text.data() + text.size();
-  }
-
   void StartIfRateIsKnown() {
     constexpr double kAnyRateHz = 1000.0;
-    const int count = static_cast<int>(channels_.size());
+    const int count = table_.channel_count();
     needs_rate_ = DependsOnRate(settings_.config, count);
     if (!needs_rate_ || std::isfinite(settings_.rate_hz)) {
       Start(needs_rate_ ? settings_.rate_hz : kAnyRateHz);
@@ -253,11 +177,12 @@ class FilterStream {
   }
 
   void Start(double rate_hz) {
+    const std::size_t count = table_.channel_count();
     rate_hz_ = rate_hz;
-    filter_ = controller::MakeFilter(settings_.config, static_cast<int>(channels_.size()), rate_hz);
-    values_.assign(channels_.size(), 0.0);
-    filtered_.assign(channels_.size(), 0.0);
-    started_.assign(channels_.size(), false);
+    filter_ = controller::MakeFilter(settings_.config, static_cast<int>(count), rate_hz);
+    values_.assign(count, 0.0);
+    filtered_.assign(count, 0.0);
+    started_.assign(count, false);
   }
 
   void StartAtRateOfClock() {
@@ -265,70 +190,44 @@ class FilterStream {
     constexpr double kHighestHz = 10e3;
     const double rate_hz = clock_->RateHz();
     if (!(rate_hz >= kLowestHz && rate_hz <= kHighestHz)) {
-      Fail(1, time_column_,
-           clock_->rows() < 2 ? "has one row, from which no rate follows; give --set rate_hz=HZ"
-                              : fmt::format("gives {:.5g} Hz, must be {:g} to {:g} Hz; name the "
-                                            "unit (as time_ms), or give --set rate_hz=HZ",
-                                            rate_hz, kLowestHz, kHighestHz));
+      StreamTable::Fail(1, table_.time_column(),
+                        clock_->rows() < 2
+                            ? "has one row, from which no rate follows; give --set rate_hz=HZ"
+                            : fmt::format("gives {:.5g} Hz, must be {:g} to {:g} Hz; name the "
+                                          "unit (as time_ms), or give --set rate_hz=HZ",
+                                          rate_hz, kLowestHz, kHighestHz));
     }
     Start(rate_hz);
-    for (const auto& [line, row] : waiting_) FilterRow(SplitCells(line, separator_), row);
+    for (const auto& [line, row] : waiting_) {
+      table_.Read(line, row);
+      FilterRow();
+    }
     waiting_.clear();
   }
 
-  void FilterRow(const std::vector<std::string_view>& fields, std::size_t row) {
-    for (std::size_t i = 0; i < channels_.size(); ++i) ReadValue(fields[channels_[i]], row, i);
+  void FilterRow() {
+    for (std::size_t i = 0; i < values_.size(); ++i) TakeValue(i);
     filter_->Step(values_, filtered_);
-    Write(fields);
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      if (!started_[i]) filtered_[i] = kUnknown;
+    }
+    PrintText(table_.Written(filtered_));
+    CheckOutput();
   }
 
   /// A filter gets finite numbers only, and none so large that a sum of them is not: another is
   /// the last good one again. Before a channel's first good one its filter does not count; it
   /// starts there.
-  void ReadValue(std::string_view field, std::size_t row, std::size_t channel) {
-    const std::optional<double> value = NumberOrMissing(Plain(field));
-    if (!value) {
-      Fail(row, channels_[channel], fmt::format("is \"{}\", must be a number", Shown(field)));
-    }
+  void TakeValue(std::size_t channel) {
+    const double value = table_.Value(channel);
     constexpr double kLargest = 1e100;
-    if (std::abs(*value) <= kLargest) {
-      values_[channel] = *value;
+    if (std::abs(value) <= kLargest) {
+      values_[channel] = value;
       if (!started_[channel]) filter_->ResetChannel(static_cast<int>(channel));
       started_[channel] = true;
     } else {
       ++missing_;
     }
-  }
-
-  void Write(const std::vector<std::string_view>& fields) {
-    text_.clear();
-    const auto out = std::back_inserter(text_);
-    std::size_t channel = 0;
-    for (std::size_t column = 0; column < columns_; ++column) {
-      if (column > 0) text_.push_back(separator_);
-      if (channel < channels_.size() && channels_[channel] == column) {
-        const double value = started_[channel] ? filtered_[channel] : kUnknown;
-        const std::size_t begin = text_.size();
-        fmt::format_to(out, "{}", value);  // the fewest digits that read back to the same bits
-        if (separator_ != ',' && fields[column].find(',') != std::string_view::npos) {
-          std::replace(text_.begin() + begin, text_.end(), '.', ',');
-        }
-        ++channel;
-      } else {
-        fmt::format_to(out, "{}", Trimmed(fields[column]));
-      }
-    }
-    text_.push_back('\n');
-    PrintText({text_.data(), text_.size()});
-    CheckOutput();
-  }
-
-  [[noreturn]] static void Fail(std::size_t row, const std::string& problem) {
-    throw UserError({.place = fmt::format("standard input:{}", row), .problem = problem});
-  }
-  [[noreturn]] static void Fail(std::size_t row, std::size_t column, const std::string& problem) {
-    throw UserError(
-        {.place = fmt::format("standard input:{}:{}", row, column + 1), .problem = problem});
   }
 
   struct WaitingRow {
@@ -337,22 +236,16 @@ class FilterStream {
   };
 
   const StreamFilter& settings_;
-  const std::vector<std::string>& asked_;
-  std::vector<bool> is_asked_;
-  char separator_ = ',';
+  StreamTable table_;
   std::unique_ptr<controller::Filter> filter_;  // none until the rate is known
   bool needs_rate_ = false;
   double rate_hz_ = kUnknown;
-  std::size_t columns_ = 0;
   std::optional<RowClock> clock_;
-  std::size_t time_column_ = 0;
   std::vector<WaitingRow> waiting_;
-  std::vector<std::size_t> channels_;  // columns that are filtered
   std::vector<double> values_;
   std::vector<double> filtered_;
   std::vector<bool> started_;  // had a good value
   std::size_t missing_ = 0;
-  fmt::memory_buffer text_;
 };
 
 /// A read that failed is no end: what comes behind it is missing.
@@ -365,7 +258,6 @@ void CheckInput() {
 void RunFilter(const FilterOptions& options) {
   EndAtSignals();  // it waits for its source, and has nothing to tidy up
   const StreamFilter settings = ReadFilter(options);
-  FilterStream stream(settings, options.columns);
   std::ios::sync_with_stdio(false);
   std::string line;
   errno = 0;
@@ -373,7 +265,9 @@ void RunFilter(const FilterOptions& options) {
     CheckInput();
     throw UserError({.place = "standard input", .problem = "is empty, needs a header"});
   }
-  stream.ReadHeader(WithoutByteOrderMark(line));
+  const std::string first(WithoutByteOrderMark(line));
+  FilterStream stream(settings, StreamTable(first, options.map, options.columns));
+  if (!stream.has_header()) stream.ReadRow(first, 1);
   for (std::size_t row = 2; std::getline(std::cin, line); ++row) {
     if (!Trimmed(line).empty()) stream.ReadRow(line, row);
   }
@@ -401,6 +295,12 @@ void AddFilterCommand(CLI::App& app) {
           "text [all but the time]")
       ->type_name("NAME,..")
       ->delimiter(',');
+  command
+      ->add_option("--map", options->map,
+                   "column map, or the name of a preset, as a scenario's glove.motion.map: its "
+                   "channels are filtered, in degrees, and come out as NAME_deg; with --columns "
+                   "those named, as NAME")
+      ->type_name("FILE.csv");
   command->footer(
       "\nCells stand between commas, semicolons or tabs, and come out so. A column of\n"
       "time (time, timestamp, t, with a unit as in time_ms; in s without) passes through, and k,\n"
@@ -408,7 +308,14 @@ void AddFilterCommand(CLI::App& app) {
       "The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that\n"
       "only count samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is\n"
       "held at the last good one.\n"
-      "\nExample:\n  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv\n");
+      "\nA map's columns need no such names, nor a header. Each channel comes out where the first\n"
+      "column stood that it is made of, not cut to the joint's range; columns without a row in "
+      "the\n"
+      "map pass through. Counts whose bits the map does not say are of 10 bits.\n"
+      "\nExample:\n  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv\n"
+      "\n  gauntlet inspect glove.csv --write-map map.csv\n"
+      "  gauntlet filter one_euro --map map.csv < glove.csv > angles.csv\n"
+      "  gauntlet filter butterworth --map map.csv --columns index_mcp,index_pip < glove.csv\n");
   command->callback([options] { RunFilter(*options); });
 }
 

@@ -1,10 +1,8 @@
 #include "sim/cli/row_clock.h"
 
-#include <charconv>
 #include <cmath>
 
 #include "controller/calibration/robust_statistics.h"
-#include "sim/base/csv_line.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -15,11 +13,7 @@ bool IsNear(double interval_s, double usual_s) {
 
 }  // namespace
 
-bool RowClock::Add(std::string_view cell) {
-  cell = Unquoted(cell);
-  double time = 0.0;
-  const auto [rest, error] = std::from_chars(cell.data(), cell.data() + cell.size(), time);
-  if (error != std::errc() || rest != cell.data() + cell.size()) return false;
+bool RowClock::Add(double time) {
   if (!std::isfinite(time) || time <= last_) return false;
   if (rows_++ > 0) Count((time - last_) * scale_s_);
   last_ = time;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <limits>
-#include <string_view>
 #include <vector>
 
 namespace gauntlet::sim {
@@ -19,7 +18,7 @@ class RowClock {
   explicit RowClock(double scale_s) : scale_s_(scale_s) {}
 
   /// The time of the next row. False, and nothing changed, if it is not a number above the last.
-  bool Add(std::string_view cell);
+  bool Add(double time);
   int rows() const { return rows_; }
   /// Of all rows so far; NaN for fewer than two.
   double RateHz() const;

@@ -11,6 +11,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/nearest_name.h"
+#include "sim/recordings/column_scale.h"
 #include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
@@ -201,9 +202,9 @@ void AddChannel(MapFile& file, std::size_t column, const std::string& channel, C
   map.channels.push_back(mapping);
 }
 
-std::size_t ColumnOf(const MapFile& map, const CsvReader& recording) {
+std::size_t ColumnOf(const MapFile& map, const RecordingColumns& recording) {
   const std::string name = map.Text("column", "");
-  const auto& header = recording.header();
+  const auto& header = recording.header;
   const auto found = std::ranges::find(header, name);
   if (!name.empty() && found != header.end()) {
     return found - header.begin();
@@ -211,11 +212,11 @@ std::size_t ColumnOf(const MapFile& map, const CsvReader& recording) {
   std::size_t number = 0;
   const auto result = std::from_chars(name.data(), name.data() + name.size(), number);
   if (result.ec == std::errc() && result.ptr == name.data() + name.size() && number >= 1 &&
-      number <= recording.column_count()) {
+      number <= recording.count) {
     return number - 1;
   }
   map.FailAt("column", fmt::format("{} has no column {}, must be one of its names or 1 to {}",
-                                   recording.name(), Quoted(name), recording.column_count()));
+                                   recording.name, Quoted(name), recording.count));
 }
 
 }  // namespace
@@ -252,6 +253,12 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
 }
 
 ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& recording) {
+  return ReadColumnMap(
+      path,
+      {.name = recording.name(), .header = recording.header(), .count = recording.column_count()});
+}
+
+ColumnMap ReadColumnMap(const std::filesystem::path& path, const RecordingColumns& recording) {
   MapFile file(FileOfMap(path));
   ColumnMap map;
   while (file.NextRow()) {

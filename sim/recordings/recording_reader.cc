@@ -9,6 +9,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
+#include "sim/recordings/column_scale.h"
 #include "sim/recordings/repair_budget.h"
 
 namespace gauntlet::sim {
@@ -21,8 +22,6 @@ constexpr double kClockRestartS = 1.0;
 constexpr double kGlitchShare = 0.5;
 // Files are rounded: pi/2 as 1.571 is a hundredth of a degree more.
 constexpr double kRangeRounding_deg = 0.1;
-// Where the nominal sensor has the lower end of a joint's range, of a converter's full scale.
-constexpr double kNominalLowShare = 0.1;
 
 }  // namespace
 
@@ -71,27 +70,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
 }
 
 void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFormat& format) {
-  const Channel& joint = KnownChannels()[mapping.channel];
-  const double min_rad = joint.min_deg * kRadPerDeg;
-  const double range_rad = (joint.max_deg - joint.min_deg) * kRadPerDeg;
-  double factor = kRadPerDeg;  // rad per unit
-  double zero_rad = 0.0;       // angle at 0
-  if (mapping.unit == RecordedUnit::kRadians) {
-    factor = 1.0;
-  } else if (mapping.unit == RecordedUnit::kShare) {
-    factor = range_rad;
-    zero_rad = min_rad;
-  } else if (mapping.unit == RecordedUnit::kCounts) {
-    double low_counts = format.low_counts;
-    double high_counts = format.high_counts;
-    if (mapping.bits > 0) {
-      const double full_scale_counts = std::ldexp(1.0, mapping.bits) - 1.0;
-      low_counts = kNominalLowShare * full_scale_counts;
-      high_counts = (1.0 - kNominalLowShare) * full_scale_counts;
-    }
-    factor = range_rad / (high_counts - low_counts);
-    zero_rad = min_rad - low_counts * factor;
-  }
+  const AngleScale scale = ScaleOf(mapping, format.low_counts, format.high_counts);
   const std::size_t channel = mapping.channel;
   // A sum ends with the last of its rows.
   bool is_first = true;
@@ -104,8 +83,8 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
                        .channel = channel,
                        .is_first = is_first,
                        .is_last = true,
-                       .factor = mapping.weight * factor * mapping.scale,
-                       .offset_rad = mapping.weight * (zero_rad + factor * mapping.offset),
+                       .factor = scale.factor,
+                       .offset_rad = scale.offset_rad,
                        .keeps_to_range = format.keeps_to_range});
 }
 

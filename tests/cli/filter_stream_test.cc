@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "sim/base/channels.h"
+#include "sim/base/signal.h"
+#include "sim/recordings/recording_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::test {
@@ -188,6 +193,130 @@ TEST(FilterColumns, ThatAreNotAskedForPassThroughAsText) {
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.standard_error, HasSubstr("--columns: standard input has no column c"));
   EXPECT_EQ(Filter({"none", "--columns", "5"}, input).exit_code, 2);
+}
+
+/// `gauntlet filter` with a map of this text.
+ProgramResult FilterMapped(std::vector<std::string> arguments, const std::string& map,
+                           const std::string& input) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "map.csv").string();
+  std::ofstream(file) << map;
+  arguments.insert(arguments.end(), {"--map", file});
+  return Filter(arguments, input);
+}
+
+TEST(FilterMap, BringsColumnsToDegreesInTheirPlaces) {
+  const std::string map =
+      "column,channel,unit,sign,offset,raw_low,raw_high,deg_low,deg_high\n"
+      "clock,time,ms,,,,,,\n"
+      "bend,index_pip,counts,,,312,766,0,90\n"
+      "thumb,thumb_ip,rad,-1,,,,,\n"
+      "wrist,ignore,,,,,,,\n";
+  const ProgramResult result = FilterMapped({"none"}, map,
+                                            "label,thumb,clock,bend,wrist,note\n"
+                                            "a b,-0.5,0,312,7,x\n"
+                                            "V,0.25,10,766,8,y\n"
+                                            "V,,20,539,9,\n");
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  std::istringstream lines(result.standard_output);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "label,thumb_ip_deg,clock,index_pip_deg,wrist,note");
+  const double thumb_deg[] = {0.5 * 180.0 / std::numbers::pi, -0.25 * 180.0 / std::numbers::pi,
+                              -0.25 * 180.0 / std::numbers::pi};  // the last one is held
+  const double index_deg[] = {0.0, 90.0, 45.0};
+  const std::string others[][3] = {{"a b", "0", "7,x"}, {"V", "10", "8,y"}, {"V", "20", "9,"}};
+  for (int row = 0; row < 3; ++row) {
+    std::getline(lines, line);
+    double thumb = 0.0;
+    double index = 0.0;
+    const std::string pattern =
+        others[row][0] + ",%lf," + others[row][1] + ",%lf," + others[row][2];
+    ASSERT_EQ(std::sscanf(line.c_str(), pattern.c_str(), &thumb, &index), 2) << line;
+    EXPECT_NEAR(thumb, thumb_deg[row], 1e-9);
+    EXPECT_NEAR(index, index_deg[row], 1e-9);
+    EXPECT_THAT(line, EndsWith(others[row][2]));
+  }
+}
+
+TEST(FilterMap, AddsColumnsUpAndGivesOneToSeveral) {
+  const std::string map =
+      "column,channel,weight\na,index_mcp,0.25\nb,index_mcp,0.75\nc,ring_mcp,\nc,ring_pip,\n";
+  EXPECT_EQ(FilterMapped({"none"}, map, "c;b;a\n10,5;20;40\n").standard_output,
+            "ring_mcp_deg;ring_pip_deg;index_mcp_deg\n10,5;10,5;25\n");
+}
+
+TEST(FilterMap, FiltersTheChannelsThatAreAskedForAndScalesAll) {
+  const std::string map = "column,channel,sign\na,index_mcp,1\nb,index_pip,-1\n";
+  const std::string input = "a,b\n0,0\n10,-20\n";
+  const std::vector<std::string> mean = {"moving_average", "--set", "window=2"};
+  EXPECT_EQ(FilterMapped(mean, map, input).standard_output,
+            "index_mcp_deg,index_pip_deg\n0,0\n5,10\n");
+  std::vector<std::string> only = mean;
+  only.insert(only.end(), {"--columns", "index_pip"});
+  EXPECT_EQ(FilterMapped(only, map, input).standard_output,
+            "index_mcp_deg,index_pip_deg\n0,0\n10,10\n");
+  const ProgramResult unknown = FilterMapped({"none", "--columns", "index_pi"}, map, input);
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.standard_error,
+              HasSubstr("--columns: the map names no channel index_pi (did you mean index_pip?)"));
+}
+
+TEST(FilterMap, NamesTheTimeOfWhichTheRateFollows) {
+  const std::string map =
+      "column,channel,unit\nclock,time,date\nmilli,time,ms\nvalue,index_mcp,deg\n";
+  std::string input = "clock,milli,value\n";
+  for (int k = 0; k < 400; ++k) {
+    input += fmt::format("10:00:{:02d},{},{}\n", k / 100, 10 * (k % 100),
+                         std::sin(10.0 * std::numbers::pi * k / 100.0));
+  }
+  const ProgramResult result = FilterMapped(kFiveHz, map, input);
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_EQ(result.standard_error, "");
+  std::string last_column;
+  std::istringstream lines(result.standard_output);
+  for (std::string line; std::getline(lines, line);) {
+    last_column += "," + line.substr(line.rfind(',') + 1) + "\n";
+  }
+  EXPECT_NEAR(AmplitudeOf(last_column), kHalfPower, 0.01);
+}
+
+TEST(FilterMap, OfAPresetTakesNumbersWithoutAHeader) {
+  const ProgramResult result =
+      Filter({"none", "--map", "manus20"}, "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20\n");
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_EQ(std::ranges::count(result.standard_output, '\n'), 1) << "no header in, none out";
+  EXPECT_THAT(FilterMapped({"none"}, "column,channel\nc,index_mcp\n", "a,b\n1,2\n").standard_error,
+              HasSubstr("standard input has no column 'c', must be one of its names or 1 to 2"));
+}
+
+TEST(FilterMap, GivesTheAnglesThatARecordingHasByIt) {
+  // The same file by the same map, the one as a stream and the other as a motion.
+  const std::string map =
+      "column,channel,unit,bits,raw_low,raw_high,deg_low,deg_high\n1,thumb_ip,counts,12,,,,\n"
+      "2,index_pip,volts,,2.41,1.12,5,80\n3,middle_pip,share,,,,,\n4,ring_mcp,counts,,,,,\n";
+  const std::string input = "1000,2.0,0.25,511.5\n2000,1.5,0.5,300\n";
+  const ProgramResult result = FilterMapped({"none"}, map, input);
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  const TemporaryDirectory folder;
+  sim::RecordingFormat format;
+  format.rate_hz = 100.0;
+  format.map = (folder.path() / "map.csv").string();
+  std::ofstream(format.map) << map;
+  sim::RecordingReader reader("in.csv", sim::TextSource(input), format);
+  double time_s = 0.0;
+  std::vector<double> angle_rad(sim::KnownChannels().size());
+  std::istringstream lines(result.standard_output);
+  for (std::string line; std::getline(lines, line);) {
+    ASSERT_TRUE(reader.NextRow(time_s, angle_rad));
+    double deg[4] = {};
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &deg[0], &deg[1], &deg[2], &deg[3]), 4);
+    const char* names[] = {"thumb_ip", "index_pip", "middle_pip", "ring_mcp"};
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_NEAR(deg[i], angle_rad[sim::ChannelIndex(names[i])] * sim::kDegPerRad, 1e-9)
+          << names[i];
+    }
+  }
 }
 
 TEST(FilterInput, ThatCannotBeReadIsNoEnd) {

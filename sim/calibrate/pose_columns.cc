@@ -1,0 +1,162 @@
+#include "sim/calibrate/pose_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "sim/base/channels.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/signal.h"
+#include "sim/recordings/column_map.h"
+#include "sim/recordings/time_columns.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct NamePattern {
+  std::string_view before;
+  std::string_view after;
+  bool is_angle;
+  double scale;
+};
+constexpr NamePattern kPatterns[] = {{"", "_counts", false, 1.0},
+                                     {"counts.", "", false, 1.0},
+                                     {"", "_deg", true, 1.0},
+                                     {"true_angle_rad.", "", true, kDegPerRad},
+                                     {"", "_rad", true, kDegPerRad}};
+
+bool AddChannel(const std::string& name, std::size_t column, PoseColumns& columns) {
+  for (const NamePattern& pattern : kPatterns) {
+    if (!name.starts_with(pattern.before) || !name.ends_with(pattern.after) ||
+        name.size() <= pattern.before.size() + pattern.after.size()) {
+      continue;
+    }
+    const std::string channel = name.substr(
+        pattern.before.size(), name.size() - pattern.before.size() - pattern.after.size());
+    // `target_angle_rad.NAME` and its like are other signals of a trace.
+    if (pattern.after.empty() && channel.find('.') != std::string::npos) continue;
+    (pattern.is_angle ? columns.angles : columns.counts)
+        .push_back({column, channel, pattern.scale});
+    return true;
+  }
+  return false;
+}
+
+bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) {
+  const auto scale_s = TimeScaleS(name);
+  if (!scale_s) return IsSampleNumber(name);
+  columns.time = {TimeMapping{.column = column, .scale_s = *scale_s}};  // the last of several
+  return true;
+}
+
+void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (columns[i].channel != columns[j].channel) continue;
+      csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", Quoted(columns[i].channel)));
+    }
+  }
+}
+
+/// Puts the angles in the order of the counts.
+void PairUp(const CsvReader& csv, PoseColumns& columns) {
+  if (columns.angles.empty()) return;
+  std::vector<std::string> channels;
+  std::vector<ChannelColumn> ordered;
+  for (const ChannelColumn& counts : columns.counts) {
+    channels.push_back(counts.channel);
+    const auto found = std::ranges::find(columns.angles, counts.channel, &ChannelColumn::channel);
+    if (found == columns.angles.end()) {
+      csv.Fail(counts.column + 1,
+               fmt::format("{} has counts but no known angle, add a column {}_deg",
+                           Quoted(counts.channel), counts.channel));
+    }
+    ordered.push_back(*found);
+  }
+  for (const ChannelColumn& angle : columns.angles) {
+    if (std::ranges::find(channels, angle.channel) != channels.end()) continue;
+    csv.Fail(angle.column + 1,
+             fmt::format("{} has a known angle but no counts{}", Quoted(angle.channel),
+                         Suggestion(angle.channel, channels)));
+  }
+  columns.angles = std::move(ordered);
+}
+
+PoseColumns ColumnsByName(const CsvReader& csv) {
+  PoseColumns columns;
+  std::size_t first_unknown = 0;
+  for (std::size_t column = 0; column < csv.column_count(); ++column) {
+    const std::string& name = csv.header()[column];
+    if (AddTime(name, column, columns) || AddChannel(name, column, columns)) continue;
+    if (name.find('.') != std::string::npos) {
+      ++columns.left_out;
+    } else {
+      if (columns.unknown.empty()) first_unknown = column;
+      columns.unknown.push_back(name);
+    }
+  }
+  if (columns.counts.empty() && !columns.unknown.empty()) {
+    csv.Fail(first_unknown + 1,
+             fmt::format("unknown column {}, must be a time (as t_s or time_ms), k, or a channel's "
+                         "name with _counts, _deg or _rad behind it; or --map says what it is",
+                         Quoted(csv.header()[first_unknown])));
+  }
+  return columns;
+}
+
+/// Of the map only counts which columns are times and sensors, and their bits: scale and offset are
+/// what the calibration is to find. Known angles have the names of the channels.
+PoseColumns ColumnsByMap(const CsvReader& csv, const std::string& file) {
+  const ColumnMap map = ReadColumnMap(file, csv);
+  PoseColumns columns;
+  columns.time = map.time;
+  std::vector<bool> used(csv.column_count(), false);
+  for (const TimeMapping& time : map.time) used[time.column] = true;
+  for (const ColumnMapping& mapping : map.channels) {
+    const std::string channel(KnownChannels()[mapping.channel].name);
+    used[mapping.column] = true;
+    if (std::ranges::find(columns.counts, channel, &ChannelColumn::channel) !=
+        columns.counts.end()) {
+      csv.Fail(mapping.column + 1,
+               fmt::format("is a second column of {} in the map, a calibration is of one sensor "
+                           "per channel",
+                           channel));
+    }
+    const double full_scale = mapping.bits > 0 ? std::ldexp(1.0, mapping.bits) - 1.0 : 0.0;
+    if (!columns.counts.empty() && full_scale != columns.full_scale_counts) {
+      csv.Fail(mapping.column + 1,
+               fmt::format("has other bits than {} in the map, a calibration is of one converter",
+                           columns.counts.front().channel));
+    }
+    columns.full_scale_counts = full_scale;
+    columns.counts.push_back({mapping.column, channel});
+  }
+  for (std::size_t column = 0; column < csv.header().size(); ++column) {
+    if (used[column]) continue;
+    PoseColumns one;
+    const bool is_angle = AddChannel(csv.header()[column], column, one) && !one.angles.empty() &&
+                          std::ranges::find(columns.counts, one.angles.front().channel,
+                                            &ChannelColumn::channel) != columns.counts.end();
+    if (is_angle) columns.angles.push_back(one.angles.front());
+  }
+  return columns;
+}
+
+}  // namespace
+
+PoseColumns FindPoseColumns(const CsvReader& csv, const std::string& map) {
+  if (map.empty() && csv.header().empty()) {
+    csv.Fail(1, "the first line must name the columns, or --map");
+  }
+  PoseColumns columns = map.empty() ? ColumnsByName(csv) : ColumnsByMap(csv, map);
+  if (columns.counts.empty()) csv.Fail(1, "there is no column of counts (as index_mcp_counts)");
+  RejectRepeats(csv, columns.counts);
+  RejectRepeats(csv, columns.angles);
+  PairUp(csv, columns);
+  return columns;
+}
+
+}  // namespace gauntlet::sim

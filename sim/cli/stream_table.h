@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/recordings/column_map.h"
+
+namespace gauntlet::sim {
+
+/// The table that runs through `gauntlet filter`, line by line: which columns are the time, which
+/// make channels, and which pass through.
+///
+/// Without a map every column but the time is a channel, in its own unit. With one (see
+/// ReadColumnMap) the channels are those of the map, in degrees, each in the place of the first
+/// column that it is made of and called `NAME_deg`; all other columns pass through, and a first
+/// line of numbers is a row. `asked` names the channels to filter, without a map their columns by
+/// names or numbers from 1; empty: all.
+///
+/// Errors: UserError `standard input:row:column: ...`, or of the map.
+class StreamTable {
+ public:
+  StreamTable(std::string_view first_line, const std::string& map,
+              const std::vector<std::string>& asked);
+
+  /// The line that comes out first, with its end; empty if the stream has no header.
+  std::string_view header() const { return header_; }
+  /// Of the channels to filter.
+  std::size_t channel_count() const { return filtered_.size(); }
+  bool has_time() const { return !time_.empty(); }
+  /// Seconds per unit of Time().
+  double time_scale_s() const { return time_.front().scale_s; }
+  std::size_t time_column() const { return time_.front().column; }
+
+  /// Cuts the next line, the row `row` from 1, into cells. It must outlive their use.
+  void Read(std::string_view line, std::size_t row);
+  /// NaN if it is not to be read.
+  double Time() const;
+  /// The cell that Time() begins with.
+  std::string_view TimeText() const { return fields_[time_column()]; }
+  /// Of a channel to filter; NaN if a part of it is missing.
+  double Value(std::size_t channel) const { return ValueOf(channels_[filtered_[channel]]); }
+  /// The row, with these values of the channels to filter, and its end.
+  std::string_view Written(std::span<const double> values);
+
+  [[noreturn]] static void Fail(std::size_t row, const std::string& problem);
+  [[noreturn]] static void Fail(std::size_t row, std::size_t column, const std::string& problem);
+
+ private:
+  /// -0 added to a number leaves it as it is, a zero's sign included.
+  struct Part {
+    std::size_t column = 0;
+    double factor = 1.0;
+    double offset = -0.0;
+  };
+  using StreamChannel = std::vector<Part>;  // their sum
+  /// Of the rows that come out: a channel, or a column that passes through.
+  struct OutputCell {
+    std::size_t column = 0;
+    std::optional<std::size_t> channel = {};
+  };
+
+  void TakeColumns(std::string_view line, const std::vector<std::string>& asked);
+  void TakeMap(std::string_view line, const std::string& map,
+               const std::vector<std::string>& asked);
+  void TakeTime(std::size_t column, double scale_s);
+  void TakeChannel(std::size_t column);
+  std::string Plain(std::string_view field) const;
+  double ValueOf(const StreamChannel& channel) const;
+  void WriteNumber(const StreamChannel& channel, double value);
+
+  char separator_ = ',';
+  std::size_t columns_ = 0;
+  std::vector<TimeMapping> time_;  // its sum
+  std::vector<StreamChannel> channels_;
+  std::vector<std::size_t> filtered_;  // of the channels
+  std::vector<OutputCell> output_;
+  std::string header_;
+
+  std::size_t row_ = 0;
+  std::vector<std::string_view> fields_;
+  std::string text_;
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,40 @@
+#include "sim/recordings/column_scale.h"
+
+#include <cmath>
+
+#include "sim/base/channels.h"
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+namespace {
+
+// Where the nominal sensor has the lower end of a joint's range, of a converter's full scale.
+constexpr double kNominalLowShare = 0.1;
+
+}  // namespace
+
+AngleScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high_counts) {
+  const Channel& joint = KnownChannels()[mapping.channel];
+  const double min_rad = joint.min_deg * kRadPerDeg;
+  const double range_rad = (joint.max_deg - joint.min_deg) * kRadPerDeg;
+  double factor = kRadPerDeg;  // rad per unit
+  double zero_rad = 0.0;       // angle at 0
+  if (mapping.unit == RecordedUnit::kRadians) {
+    factor = 1.0;
+  } else if (mapping.unit == RecordedUnit::kShare) {
+    factor = range_rad;
+    zero_rad = min_rad;
+  } else if (mapping.unit == RecordedUnit::kCounts) {
+    if (mapping.bits > 0) {
+      const double full_scale_counts = std::ldexp(1.0, mapping.bits) - 1.0;
+      low_counts = kNominalLowShare * full_scale_counts;
+      high_counts = (1.0 - kNominalLowShare) * full_scale_counts;
+    }
+    factor = range_rad / (high_counts - low_counts);
+    zero_rad = min_rad - low_counts * factor;
+  }
+  return {.factor = mapping.weight * factor * mapping.scale,
+          .offset_rad = mapping.weight * (zero_rad + factor * mapping.offset)};
+}
+
+}  // namespace gauntlet::sim
