@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -29,6 +30,7 @@ struct RenderChoices {
   std::string folder;
   std::string out;
   std::vector<std::string> controllers;
+  std::vector<std::string> overlay;
   std::string channel;
   std::string camera;
   std::string size;
@@ -80,7 +82,21 @@ void CheckNumber(const char* option, double value, double low, double high, cons
   throw UserError({.place = fmt::format("{} {:g}", option, value), .problem = allowed});
 }
 
+/// Errors: UserError for an overlay of other than two controllers, or with others.
+void CheckOverlay(const RenderChoices& options) {
+  const std::vector<std::string>& names = options.overlay;
+  if (names.empty()) return;
+  const auto fail = [&names](const char* problem) {
+    throw UserError(
+        {.place = fmt::format("--overlay {}", fmt::join(names, ",")), .problem = problem});
+  };
+  if (names.size() != 2) fail("must be two controllers, as raw,tuned_kalman");
+  if (names[0] == names[1]) fail("must be two controllers, not one twice");
+  if (!options.controllers.empty()) fail("says which controllers: leave --controllers out");
+}
+
 RenderOptions CheckedOptions(const RenderChoices& options) {
+  CheckOverlay(options);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Excerpt& excerpt = options.excerpt;
   CheckNumber("--speed", excerpt.speed, 0.01, 100.0, "must be from 0.01 to 100");
@@ -104,7 +120,8 @@ RenderOptions CheckedOptions(const RenderChoices& options) {
                                     : "must end in .mp4, .webm or .gif, or in .png with --frame"});
   }
   return {.folder = options.folder,
-          .controllers = options.controllers,
+          .controllers = options.overlay.empty() ? options.controllers : options.overlay,
+          .overlay = !options.overlay.empty(),
           .overrides = {},
           .excerpt = excerpt,
           .rate_factor = RateFactorOf(options.quality),
@@ -128,6 +145,9 @@ std::filesystem::path Render(const RenderChoices& given,
       if (error.key() != replacement.setting) continue;
       throw UserError({.place = replacement.option, .problem = error.problem()});
     }
+    if (error.place() == "--controllers" && options.overlay) {
+      throw UserError({.place = "--overlay", .key = error.key(), .problem = error.problem()});
+    }
     throw;
   }
 }
@@ -140,6 +160,12 @@ void AddRenderCommand(CLI::App& app) {
   const auto options = std::make_shared<RenderChoices>();
   command->add_option("folder", options->folder, "output folder of run or compare")->required();
   AddControllersOption(*command, options->controllers);
+  command
+      ->add_option("--overlay", options->overlay,
+                   "two controllers in one picture, the second hand translucent behind the first")
+      ->type_name("A,B")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--channel", options->channel, "joint whose curves are drawn")
       ->type_name("JOINT");
   command->add_option("--camera", options->camera, "camera of the model, as hand or arm")
@@ -163,6 +189,7 @@ void AddRenderCommand(CLI::App& app) {
   command->footer(
       "\nExamples:\n"
       "  gauntlet render out/door_opening --controllers raw,tuned_kalman\n"
+      "  gauntlet render out/door_opening --overlay raw,tuned_kalman --speed 0.5\n"
       "  gauntlet render out/door_opening --from 2 --to 3 --speed 0.25 --out slow.webm\n"
       "  gauntlet render out/door_opening --size 640x360 --fps 20 --out door.gif\n"
       "  gauntlet render out/door_opening --frame 2.6 --size 1920x1080 --out door.png\n");

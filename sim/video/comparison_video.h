@@ -37,6 +37,7 @@ struct VideoInput {
   const Signal* true_angle_rad = nullptr;  // ticks x joints: what the wearer asks of the hand
   const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered
   std::vector<VideoPane> panes;
+  bool overlay = false;  // two panes as one picture, the second hand translucent behind the first
   std::vector<Segment> parts;         // of the motion that have a name, in ticks: chapters
   std::vector<int> measured_joints;   // whose scores count; empty: all
   std::vector<CountedTicks> counted;  // of each of these joints, which ticks do; none: all
