@@ -35,6 +35,7 @@ struct RenderChoices {
   std::string camera;
   std::string size;
   std::string frames_per_s;
+  std::string look{kGoodLook.name};
   std::string quality = "good";
   Excerpt excerpt;
   std::optional<double> frame_s;
@@ -75,6 +76,12 @@ int RateFactorOf(const std::string& quality) {
   if (quality == "best") return 14;
   throw UserError(
       {.place = "--quality " + quality, .problem = "must be one of small, good and best"});
+}
+
+const Look& LookNamed(const std::string& name) {
+  const auto look = std::ranges::find(kLooks, name, &Look::name);
+  if (look != kLooks.end()) return *look;
+  throw UserError({.place = "--look " + name, .problem = "must be one of fast, good and best"});
 }
 
 void CheckNumber(const char* option, double value, double low, double high, const char* allowed) {
@@ -124,6 +131,7 @@ RenderOptions CheckedOptions(const RenderChoices& options) {
           .overlay = !options.overlay.empty(),
           .overrides = {},
           .excerpt = excerpt,
+          .look = LookNamed(options.look),
           .rate_factor = RateFactorOf(options.quality),
           .frame_s = options.frame_s,
           .target = options.out,
@@ -177,6 +185,8 @@ void AddRenderCommand(CLI::App& app) {
   command->add_option("--size", options->size, "width and height in pixels, even")
       ->type_name("WIDTHxHEIGHT");
   command->add_option("--fps", options->frames_per_s, "frames per second")->type_name("N");
+  command->add_option("--look", options->look, "how finely hands are drawn, and how fast [good]")
+      ->type_name("{fast,good,best}");
   command->add_option("--quality", options->quality, "of the encoding [good]")
       ->type_name("{small,good,best}");
   command->add_option("--frame", options->frame_s, "no video, but the frame at this moment")

@@ -10,6 +10,7 @@
 #include "sim/hand/hand.h"
 #include "sim/score/counted_ticks.h"
 #include "sim/video/frame_clock.h"
+#include "sim/video/look.h"
 #include "sim/video/verdict.h"
 #include "sim/video/video_encoder.h"
 
@@ -49,6 +50,7 @@ struct VideoInput {
   int height_px = 720;
   int frames_per_s = 30;
   Excerpt excerpt;
+  Look look = kGoodLook;
   int rate_factor = VideoFormat{}.rate_factor;
   int jobs = 2;
 };

@@ -57,6 +57,7 @@ FolderVideo::FolderVideo(const RenderOptions& options, const std::function<bool(
   input_.height_px = scenario_.video.height_px;
   input_.frames_per_s = scenario_.video.frames_per_s;
   input_.excerpt = options.excerpt;
+  input_.look = options.look;
   input_.rate_factor = options.rate_factor;
   input_.parts = file_.segments;
   input_.jobs = options.jobs;

@@ -8,6 +8,7 @@
 
 #include "sim/scenario/scenario.h"
 #include "sim/video/frame_clock.h"
+#include "sim/video/look.h"
 #include "sim/video/video_encoder.h"
 
 namespace gauntlet::sim {
@@ -18,6 +19,7 @@ struct RenderOptions {
   bool overlay = false;  // two controllers in one picture, in the order of `controllers`
   std::vector<std::string> overrides{};  // of the scenario, as video.camera=arm
   Excerpt excerpt{};
+  Look look = kGoodLook;
   int rate_factor = VideoFormat{}.rate_factor;
   std::optional<double> frame_s{};  // a picture of this moment and no video
   std::filesystem::path target{};   // empty: VideoOf(folder) or PictureOf(folder)

@@ -303,6 +303,7 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
   EXPECT_THAT(refusal({"--from", "99"}), HasSubstr("nothing to show from"));
   EXPECT_THAT(refusal({"--frame", "99"}), HasSubstr("--frame 99: must be from 0 to"));
   EXPECT_THAT(refusal({"--quality", "x"}), HasSubstr("small, good and best"));
+  EXPECT_THAT(refusal({"--look", "x"}), HasSubstr("--look x: must be one of fast, good and best"));
   EXPECT_THAT(refusal({"--frame", "1", "--out", "x.mp4"}), HasSubstr("must end in .png"));
   EXPECT_EQ(Gauntlet({"render", "nowhere"}).exit_code, 2);
 }

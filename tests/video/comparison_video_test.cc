@@ -304,6 +304,33 @@ TEST(ComparisonVideo, AnOverlayShowsTheSecondHandWhereItIsElsewhere) {
             "RunError: video: an overlay is of two hands");
 }
 
+/// Mean difference of two pictures, per part of a pixel.
+double DifferenceOf(const Image& a, const Image& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    for (const int part : {0, 8, 16}) {
+      sum += std::abs(static_cast<int>(a.pixels[i] >> part & 255u) -
+                      static_cast<int>(b.pixels[i] >> part & 255u));
+    }
+  }
+  return sum / (3.0 * static_cast<double>(a.pixels.size()));
+}
+
+TEST(ComparisonVideo, AFinerLookIsNearerToTheHandsTrueShape) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  const auto frame = [&](const Look& look) {
+    comparison.input.look = look;
+    WriteComparisonPng(comparison.input, TheHand(), 0.2, folder.path() / "a.png");
+    return ReadPng(folder.path() / "a.png");
+  };
+  const Image fast = frame(kFastLook), good = frame(kGoodLook), best = frame(kBestLook);
+  const Image smooth =
+      frame({.name = "", .supersampling = 8, .sides = 96, .plain_cables = false, .shadows = false});
+  EXPECT_LT(1.3 * DifferenceOf(good, smooth), DifferenceOf(fast, smooth));
+  EXPECT_NE(best.pixels, good.pixels);
+}
+
 TEST(HandPicture, ShowsThePostureOnTheBackgroundAskedFor) {
   const TemporaryFolder folder;
   std::vector<double> open(kChannels.size(), 0.0), fist = open;
