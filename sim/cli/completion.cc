@@ -155,7 +155,7 @@ Candidates ForValue(const CLI::App& command, const CLI::Option& option, const st
                                           : ScenarioKeys(ScenarioOf(arguments));
   }
   if (name == "--controller") return Controllers(ScenarioOf(arguments));
-  if (name == "--controllers") {
+  if (name == "--controllers" || name == "--overlay") {
     return Controllers(ScenarioOf(arguments), current.substr(0, current.rfind(',') + 1));
   }
   if (name == "--channel") return Channels();

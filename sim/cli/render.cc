@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -29,10 +30,12 @@ struct RenderChoices {
   std::string folder;
   std::string out;
   std::vector<std::string> controllers;
+  std::vector<std::string> overlay;
   std::string channel;
   std::string camera;
   std::string size;
   std::string frames_per_s;
+  std::string look{kGoodLook.name};
   std::string quality = "good";
   Excerpt excerpt;
   std::optional<double> frame_s;
@@ -75,12 +78,32 @@ int RateFactorOf(const std::string& quality) {
       {.place = "--quality " + quality, .problem = "must be one of small, good and best"});
 }
 
+const Look& LookNamed(const std::string& name) {
+  const auto look = std::ranges::find(kLooks, name, &Look::name);
+  if (look != kLooks.end()) return *look;
+  throw UserError({.place = "--look " + name, .problem = "must be one of fast, good and best"});
+}
+
 void CheckNumber(const char* option, double value, double low, double high, const char* allowed) {
   if (value >= low && value <= high) return;
   throw UserError({.place = fmt::format("{} {:g}", option, value), .problem = allowed});
 }
 
+/// Errors: UserError for an overlay of other than two controllers, or with others.
+void CheckOverlay(const RenderChoices& options) {
+  const std::vector<std::string>& names = options.overlay;
+  if (names.empty()) return;
+  const auto fail = [&names](const char* problem) {
+    throw UserError(
+        {.place = fmt::format("--overlay {}", fmt::join(names, ",")), .problem = problem});
+  };
+  if (names.size() != 2) fail("must be two controllers, as raw,tuned_kalman");
+  if (names[0] == names[1]) fail("must be two controllers, not one twice");
+  if (!options.controllers.empty()) fail("says which controllers: leave --controllers out");
+}
+
 RenderOptions CheckedOptions(const RenderChoices& options) {
+  CheckOverlay(options);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Excerpt& excerpt = options.excerpt;
   CheckNumber("--speed", excerpt.speed, 0.01, 100.0, "must be from 0.01 to 100");
@@ -104,9 +127,11 @@ RenderOptions CheckedOptions(const RenderChoices& options) {
                                     : "must end in .mp4, .webm or .gif, or in .png with --frame"});
   }
   return {.folder = options.folder,
-          .controllers = options.controllers,
+          .controllers = options.overlay.empty() ? options.controllers : options.overlay,
+          .overlay = !options.overlay.empty(),
           .overrides = {},
           .excerpt = excerpt,
+          .look = LookNamed(options.look),
           .rate_factor = RateFactorOf(options.quality),
           .frame_s = options.frame_s,
           .target = options.out,
@@ -128,6 +153,9 @@ std::filesystem::path Render(const RenderChoices& given,
       if (error.key() != replacement.setting) continue;
       throw UserError({.place = replacement.option, .problem = error.problem()});
     }
+    if (error.place() == "--controllers" && options.overlay) {
+      throw UserError({.place = "--overlay", .key = error.key(), .problem = error.problem()});
+    }
     throw;
   }
 }
@@ -140,6 +168,12 @@ void AddRenderCommand(CLI::App& app) {
   const auto options = std::make_shared<RenderChoices>();
   command->add_option("folder", options->folder, "output folder of run or compare")->required();
   AddControllersOption(*command, options->controllers);
+  command
+      ->add_option("--overlay", options->overlay,
+                   "two controllers in one picture, the second hand translucent behind the first")
+      ->type_name("A,B")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--channel", options->channel, "joint whose curves are drawn")
       ->type_name("JOINT");
   command->add_option("--camera", options->camera, "camera of the model, as hand or arm")
@@ -151,6 +185,8 @@ void AddRenderCommand(CLI::App& app) {
   command->add_option("--size", options->size, "width and height in pixels, even")
       ->type_name("WIDTHxHEIGHT");
   command->add_option("--fps", options->frames_per_s, "frames per second")->type_name("N");
+  command->add_option("--look", options->look, "how finely hands are drawn, and how fast [good]")
+      ->type_name("{fast,good,best}");
   command->add_option("--quality", options->quality, "of the encoding [good]")
       ->type_name("{small,good,best}");
   command->add_option("--frame", options->frame_s, "no video, but the frame at this moment")
@@ -163,6 +199,7 @@ void AddRenderCommand(CLI::App& app) {
   command->footer(
       "\nExamples:\n"
       "  gauntlet render out/door_opening --controllers raw,tuned_kalman\n"
+      "  gauntlet render out/door_opening --overlay raw,tuned_kalman --speed 0.5\n"
       "  gauntlet render out/door_opening --from 2 --to 3 --speed 0.25 --out slow.webm\n"
       "  gauntlet render out/door_opening --size 640x360 --fps 20 --out door.gif\n"
       "  gauntlet render out/door_opening --frame 2.6 --size 1920x1080 --out door.png\n");

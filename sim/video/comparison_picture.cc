@@ -17,6 +17,8 @@ constexpr double kCardRadius = 10.0;
 constexpr double kFingertipWay_s = 1.0;
 constexpr int kFadingParts = 8;
 constexpr double kTitleShare = 0.8;       // of the header's width
+constexpr double kNameShare = 0.1;        // the same, of a name in the legend
+constexpr double kSecondOpacity = 0.55;   // of an overlay
 constexpr double kRankingStarts_s = 1.0;  // before, the first samples decide, and marks would jump
 
 std::span<const double> Column(const Signal& signal, int channel) {
@@ -45,6 +47,7 @@ std::string JointTitle(const std::string& name) {
 void CheckSignals(const VideoInput& input) {
   if (input.true_angle_rad == nullptr || input.raw_angle_rad == nullptr)
     Fail("signals are missing");
+  if (input.overlay && input.panes.size() != 2) Fail("an overlay is of two hands");
   const auto samples = input.true_angle_rad->rows(), joints = input.true_angle_rad->cols();
   if (samples == 0) Fail("there is no motion to show");
   if (!(input.rate_hz >= 1.0)) Fail(fmt::format("a rate of {} Hz", input.rate_hz));
@@ -89,7 +92,8 @@ FrameClock ClockOf(const VideoInput& input) {
 ComparisonPicture::ComparisonPicture(const VideoInput& input)
     : input_(input),
       clock_(ClockOf(input)),
-      layout_(LayOutVideo(input.width_px, input.height_px, input.panes.size())),
+      layout_(input.overlay ? LayOutOverlay(input.width_px, input.height_px)
+                            : LayOutVideo(input.width_px, input.height_px, input.panes.size())),
       measured_joints_(input.measured_joints) {
   if (measured_joints_.empty()) {
     measured_joints_.resize(static_cast<std::size_t>(input.true_angle_rad->cols()));
@@ -170,7 +174,10 @@ void ComparisonPicture::DrawBackground() {
     painter.Unclip();
     painter.Outline(pane.card, palette::kCardEdge, std::max(1.0, std::round(unit)),
                     kCardRadius * unit);
-    painter.Text(painter.Elide(input_.panes[i].title, pane.title.width, title),
+    const std::string name = input_.overlay
+                                 ? input_.panes[0].title + ", behind it " + input_.panes[1].title
+                                 : input_.panes[i].title;
+    painter.Text(painter.Elide(name, pane.title.width, title),
                  {pane.title.x, pane.title.y + 26.0 * unit}, title);
     const std::string joint = JointTitle(input_.joint_name);
     if (!angle_plots_.empty()) {
@@ -194,37 +201,44 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
       measured_joints_.size(), HandView::kTremblingGain);
   painter.Text(painter.Elide(input_.title, kTitleShare * header.width, title),
                {header.x, header.y + 28.0 * unit}, title);
-  painter.Text(painter.Elide(curves, 0.62 * header.width, subtitle),
-               {header.x, header.y + 48.0 * unit}, subtitle);
-  DrawLegend(painter, header.right(), header.y + 48.0 * unit);
+  const double legend = DrawLegend(painter, header.right(), header.y + 48.0 * unit);
+  const double width = std::min(0.62 * header.width, legend - 12.0 * unit - header.x);
+  painter.Text(painter.Elide(curves, width, subtitle), {header.x, header.y + 48.0 * unit},
+               subtitle);
 }
 
-void ComparisonPicture::DrawLegend(Painter& painter, double right, double baseline) const {
+double ComparisonPicture::DrawLegend(Painter& painter, double right, double baseline) const {
   const Signal& command_rad = *input_.panes.front().command_angle_rad;
   // Commands do not decide the angle of a joint that springs move.
   const bool angles = !angle_plots_.empty();
   const bool decided =
       angles && (command_rad.rows() == 0 || !std::isnan(command_rad(0, input_.joint)));
   struct Entry {
-    const char* name;
+    std::string name;
     Color color;
     bool shown = true;
   };
-  const Entry entries[] = {{"hand", palette::kHand},
-                           {"command", palette::kCommand, decided},
+  const auto hand = [&](int pane) {
+    return input_.overlay ? input_.panes[pane].title : std::string("hand");
+  };
+  const Entry entries[] = {{input_.overlay ? hand(1) : "", palette::kSecondHand, input_.overlay},
+                           {hand(0), palette::kHand},
+                           {"command", palette::kCommand, decided && !input_.overlay},
                            {"glove, raw", palette::kRaw, angles},
                            {"wearer, true", palette::kTrue}};
   const double unit = layout_.unit;
   const TextStyle style = {.size_px = 12.5 * unit};
   for (const Entry& entry : entries) {  // from the right
     if (!entry.shown) continue;
-    const double width = painter.TextWidth(entry.name, style);
-    painter.Text(entry.name, {right - width, baseline}, style);
+    const std::string name = painter.Elide(entry.name, kNameShare * layout_.header.width, style);
+    const double width = painter.TextWidth(name, style);
+    painter.Text(name, {right - width, baseline}, style);
     const double y = baseline - 4.5 * unit;
     const double end = right - width - 7.0 * unit;
     painter.Line({end - 20.0 * unit, y}, {end, y}, entry.color, 3.0 * unit);
     right = end - 20.0 * unit - 18.0 * unit;
   }
+  return right;
 }
 
 void ComparisonPicture::DrawClock(Painter& painter, int frame) const {
@@ -256,18 +270,24 @@ void ComparisonPicture::DrawPart(Painter& painter, int frame, Point right_end) c
 }
 
 void ComparisonPicture::DrawStop(Painter& painter, int pane) const {
-  const Rect& view = layout_.panes[pane].view;
-  painter.Fill(view, Rgb(0xffffff, 0.6));
-  painter.Text(fmt::format("stopped at {:.3f} s", SampleCount(pane) / input_.rate_hz),
-               {view.x + view.width / 2.0, view.y + 24.0 * layout_.unit},
+  const Rect& view = PlaceOf(pane).view;
+  std::string text = fmt::format("stopped at {:.3f} s", SampleCount(pane) / input_.rate_hz);
+  double baseline = view.y + 24.0 * layout_.unit;
+  if (input_.overlay) {  // the other one may go on
+    text = input_.panes[pane].title + " " + text;
+    baseline += 20.0 * layout_.unit * pane;
+  } else {
+    painter.Fill(view, Rgb(0xffffff, 0.6));
+  }
+  painter.Text(text, {view.x + view.width / 2.0, baseline},
                {.size_px = 14.0 * layout_.unit,
                 .color = palette::kWarning,
                 .bold = true,
                 .align = Align::kCenter});
 }
 
-void ComparisonPicture::DrawScore(Painter& painter, const Rect& rect, int pane, int frame,
-                                  const char* label,
+void ComparisonPicture::DrawScore(Painter& painter, Rect rect, int pane, int frame,
+                                  std::string label,
                                   std::vector<double> RunningScores::*score) const {
   const double unit = layout_.unit;
   const double value = (scores_[pane].*score)[frame];
@@ -285,8 +305,15 @@ void ComparisonPicture::DrawScore(Painter& painter, const Rect& rect, int pane, 
                     shown(value) == shown(lowest);
   const Color& accent = best ? palette::kGood : palette::kMutedInk;
 
-  painter.Text(best ? std::string(label) + ", lowest" : label, {rect.x, rect.y + 17.0 * unit},
-               {.size_px = 11.0 * unit, .color = accent});
+  if (best) label += ", lowest";
+  const TextStyle caption = {.size_px = 11.0 * unit, .color = accent};
+  Point at = {rect.x, rect.y + 17.0 * unit};
+  if (input_.overlay) {
+    painter.Dot({at.x + 4.0 * unit, at.y - 4.0 * unit}, 4.0 * unit, ColorOf(pane));
+    at.x += 12.0 * unit;
+    label = painter.Elide(input_.panes[pane].title + ": " + label, rect.right() - at.x, caption);
+  }
+  painter.Text(label, at, caption);
   painter.Text(shown(value), {rect.x, rect.y + 39.0 * unit},
                {.size_px = 19.0 * unit, .bold = true, .tabular = true});
   const Rect bar = {rect.x, rect.y + 46.0 * unit, rect.width, 3.0 * unit};
@@ -323,36 +350,62 @@ void ComparisonPicture::DrawFingertip(Painter& painter, const Rect& view, int pa
   }
 }
 
-void ComparisonPicture::DrawCurves(Painter& painter, int pane, int frame) const {
-  const VideoPane& signals = input_.panes[pane];
-  if (!angle_plots_.empty()) {
-    const Curve curves[] = {
-        {Column(*input_.raw_angle_rad, input_.joint), palette::kRaw, 1.0, false},
-        {Column(*signals.command_angle_rad, input_.joint), palette::kCommand, 1.3, false},
-        {Column(*input_.true_angle_rad, input_.joint), palette::kTrue, 1.5, true},
-        {Column(*signals.hand_angle_rad, input_.joint), palette::kHand, 2.0, true}};
-    angle_plots_[pane].Draw(painter, frame, curves);
+void ComparisonPicture::DrawCurves(Painter& painter, int place, int frame) const {
+  std::vector<Curve> angles = {
+      {Column(*input_.raw_angle_rad, input_.joint), palette::kRaw, 1.0, false}};
+  if (!input_.overlay) {
+    angles.push_back({Column(*input_.panes[place].command_angle_rad, input_.joint),
+                      palette::kCommand, 1.3, false});
   }
-  const Curve error[] = {{Column(errors_[pane], 0), palette::kHand, 2.0, true}};
-  error_plots_[pane].Draw(painter, frame, error);
+  angles.push_back({Column(*input_.true_angle_rad, input_.joint), palette::kTrue, 1.5, true});
+  std::vector<Curve> errors;
+  for (int pane = input_.overlay ? 1 : place; pane >= place; --pane) {  // the first one on top
+    const Signal& hand_rad = *input_.panes[pane].hand_angle_rad;
+    angles.push_back({Column(hand_rad, input_.joint), ColorOf(pane), 2.0, true});
+    errors.push_back({Column(errors_[pane], 0), ColorOf(pane), 2.0, true});
+  }
+  if (!angle_plots_.empty()) angle_plots_[place].Draw(painter, frame, angles);
+  error_plots_[place].Draw(painter, frame, errors);
+}
+
+void ComparisonPicture::DrawView(Painter& painter, int pane, const DrawnHands& hands) const {
+  const Rect& view = PlaceOf(pane).view;
+  const int x = static_cast<int>(view.x), y = static_cast<int>(view.y);
+  painter.Picture(hands.wearer.shape(), x, y);
+  painter.Picture(hands.panes[pane], x, y);
+  painter.Picture(hands.wearer.OutlineOver(hands.panes[pane]), x, y);
+}
+
+void ComparisonPicture::DrawOverlay(Painter& painter, const DrawnHands& hands) const {
+  const Rect& view = PlaceOf(0).view;
+  const int x = static_cast<int>(view.x), y = static_cast<int>(view.y);
+  painter.Picture(hands.wearer.shape(), x, y);
+  painter.Picture(hands.panes[1], x, y, kSecondOpacity);
+  painter.Picture(hands.panes[0], x, y);
+  painter.Picture(hands.second.OutlineOver(hands.panes[0]), x, y);
+  painter.Picture(hands.wearer.OutlineOver(hands.panes[0]), x, y);
 }
 
 void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame,
                                  const DrawnHands& hands) const {
-  const PaneLayout& place = layout_.panes[pane];
-  const int x = static_cast<int>(place.view.x), y = static_cast<int>(place.view.y);
-  painter.Picture(hands.wearer.shape(), x, y);
-  painter.Picture(hands.panes[pane], x, y);
-  painter.Picture(hands.wearer.OutlineOver(hands.panes[pane]), x, y);
+  const PaneLayout& place = PlaceOf(pane);
   painter.Clip(place.view);
-  DrawFingertip(painter, place.view, pane, frame, hands.view.wearers_fingertip(), palette::kTrue);
-  DrawFingertip(painter, place.view, pane, frame, hands.view.fingertip(pane), palette::kHand);
+  if (pane == 0 || !input_.overlay) {
+    DrawFingertip(painter, place.view, pane, frame, hands.view.wearers_fingertip(), palette::kTrue);
+  }
+  DrawFingertip(painter, place.view, pane, frame, hands.view.fingertip(pane), ColorOf(pane));
   painter.Unclip();
   if (HasStopped(pane, frame)) DrawStop(painter, pane);
 
-  DrawScore(painter, place.tracking, pane, frame, "RMSE so far", &RunningScores::tracking_rmse_deg);
-  DrawScore(painter, place.jitter, pane, frame, "Jitter so far", &RunningScores::jitter_rms_deg);
-  DrawCurves(painter, pane, frame);
+  const auto part_of = [&](const Rect& rect) {
+    if (!input_.overlay) return rect;
+    const double gap = 16.0 * layout_.unit, width = 0.5 * (rect.width - gap);
+    return Rect{rect.x + pane * (width + gap), rect.y, width, rect.height};
+  };
+  DrawScore(painter, part_of(place.tracking), pane, frame, "RMSE so far",
+            &RunningScores::tracking_rmse_deg);
+  DrawScore(painter, part_of(place.jitter), pane, frame, "Jitter so far",
+            &RunningScores::jitter_rms_deg);
 }
 
 int ComparisonPicture::outline_px() const {
@@ -372,7 +425,14 @@ void ComparisonPicture::DrawVerdict(ImageView image) const {
 void ComparisonPicture::Draw(int frame, const DrawnHands& hands, ImageView image) const {
   std::ranges::copy(background_.pixels, image.pixels);
   Painter painter(image);
-  for (std::size_t i = 0; i < hands.panes.size(); ++i) DrawPane(painter, i, frame, hands);
+  if (input_.overlay) DrawOverlay(painter, hands);
+  for (int pane = static_cast<int>(hands.panes.size()) - 1; pane >= 0; --pane) {  // 0 on top
+    if (!input_.overlay) DrawView(painter, pane, hands);
+    DrawPane(painter, pane, frame, hands);
+  }
+  for (int place = 0; place < std::ssize(layout_.panes); ++place) {
+    DrawCurves(painter, place, frame);
+  }
   DrawClock(painter, frame);
 }
 

@@ -18,6 +18,7 @@ namespace gauntlet::sim {
 struct DrawnHands {
   std::span<const Image> panes;
   Ghost& wearer;
+  Ghost& second;  // of an overlay: the second hand
   const HandView& view;
 };
 
@@ -47,6 +48,10 @@ class ComparisonPicture {
   void Draw(int frame, const DrawnHands& hands, ImageView image) const;
 
  private:
+  const PaneLayout& PlaceOf(int pane) const { return layout_.panes[input_.overlay ? 0 : pane]; }
+  const Color& ColorOf(int pane) const {
+    return input_.overlay && pane == 1 ? palette::kSecondHand : palette::kHand;
+  }
   Columns<Signal> Measured(const Signal& all_joints) const;
   int SampleCount(int pane) const;
   bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }
@@ -54,16 +59,19 @@ class ComparisonPicture {
   AngleScale ScaleOfErrors() const;
   void DrawBackground();
   void DrawHeader(Painter& painter) const;
-  void DrawLegend(Painter& painter, double right, double baseline) const;
+  /// Returns where it begins.
+  double DrawLegend(Painter& painter, double right, double baseline) const;
   void DrawClock(Painter& painter, int frame) const;
   /// The name of the part of the motion that is shown, if it has one.
   void DrawPart(Painter& painter, int frame, Point right_end) const;
+  void DrawView(Painter& painter, int pane, const DrawnHands& hands) const;
+  void DrawOverlay(Painter& painter, const DrawnHands& hands) const;
   void DrawPane(Painter& painter, int pane, int frame, const DrawnHands& hands) const;
   void DrawFingertip(Painter& painter, const Rect& view, int pane, int frame,
                      const FingertipWay& way, const Color& color) const;
-  void DrawCurves(Painter& painter, int pane, int frame) const;
+  void DrawCurves(Painter& painter, int place, int frame) const;
   void DrawStop(Painter& painter, int pane) const;
-  void DrawScore(Painter& painter, const Rect& rect, int pane, int frame, const char* label,
+  void DrawScore(Painter& painter, Rect rect, int pane, int frame, std::string label,
                  std::vector<double> RunningScores::*score) const;
 
   const VideoInput& input_;
@@ -72,7 +80,7 @@ class ComparisonPicture {
   std::vector<int> measured_joints_;  // all, where the input names none
   std::vector<RunningScores> scores_;
   std::vector<Signal> errors_;  // per pane: of the joint that is drawn, hand less wearer [rad]
-  std::vector<CurvePlot> angle_plots_;  // none where there is no room
+  std::vector<CurvePlot> angle_plots_;  // per place of the layout; none where there is no room
   std::vector<CurvePlot> error_plots_;
   Image background_;
 };

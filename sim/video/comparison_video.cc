@@ -87,14 +87,10 @@ class FrameArtist {
         hand_(hand),
         picture_(picture),
         view_(view),
-        renderer_(hand.model(), {.width_px = picture.view_width_px(),
-                                 .height_px = picture.view_height_px(),
-                                 .camera = input.camera,
-                                 .window = view.window(),
-                                 .ground = false,
-                                 .plain_cables = true}),
+        renderer_(hand.model(), view.RendererOf(input)),
         data_(MakeData(hand)),
         ghost_(palette::kTrue, picture.outline_px()),
+        second_(palette::kSecondHand, picture.outline_px()),
         largest_tension_n_(largest_tension_n),
         hands_(input.panes.size()) {
     for (const std::string& cable : hand.cable_names()) {
@@ -116,7 +112,9 @@ class FrameArtist {
       SetPane(input_.panes[i], hand_, picture_.SampleOf(i, frame), *data_);
       renderer_.Draw(*data_, hands_[i], SharesOfPull(input_.panes[i], picture_.SampleOf(i, frame)));
     }
-    picture_.Draw(frame, {.panes = hands_, .wearer = ghost_, .view = view_}, image);
+    if (input_.overlay) second_.Take(hands_[1]);
+    picture_.Draw(frame, {.panes = hands_, .wearer = ghost_, .second = second_, .view = view_},
+                  image);
   }
 
  private:
@@ -142,6 +140,7 @@ class FrameArtist {
   DataOfModel data_;
   Image drawn_;
   Ghost ghost_;
+  Ghost second_;
   double largest_tension_n_;
   std::vector<Image> hands_;
   std::vector<int> tendon_of_cable_;  // -1: the model draws none

@@ -10,6 +10,7 @@
 #include "sim/hand/hand.h"
 #include "sim/score/counted_ticks.h"
 #include "sim/video/frame_clock.h"
+#include "sim/video/look.h"
 #include "sim/video/verdict.h"
 #include "sim/video/video_encoder.h"
 
@@ -37,6 +38,7 @@ struct VideoInput {
   const Signal* true_angle_rad = nullptr;  // ticks x joints: what the wearer asks of the hand
   const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered
   std::vector<VideoPane> panes;
+  bool overlay = false;  // two panes as one picture, the second hand translucent behind the first
   std::vector<Segment> parts;         // of the motion that have a name, in ticks: chapters
   std::vector<int> measured_joints;   // whose scores count; empty: all
   std::vector<CountedTicks> counted;  // of each of these joints, which ticks do; none: all
@@ -48,6 +50,7 @@ struct VideoInput {
   int height_px = 720;
   int frames_per_s = 30;
   Excerpt excerpt;
+  Look look = kGoodLook;
   int rate_factor = VideoFormat{}.rate_factor;
   int jobs = 2;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
@@ -42,12 +43,21 @@ FolderVideo::FolderVideo(const RenderOptions& options, const std::function<bool(
     throw UserError({.place = trace_.string(), .problem = "holds no controller"});
   }
   CheckTraceIsOfHand();
+  input_.overlay = options.overlay;
+  if (options.overlay) {
+    if (file_.traces.size() != 2) {
+      throw UserError({.place = trace_.string(), .problem = "holds only one of the two hands"});
+    }
+    const bool in_order = file_.traces[0].controller_name == options.controllers[0];
+    if (!in_order) std::swap(file_.traces[0], file_.traces[1]);
+  }
   input_.rate_hz = file_.tick_rate_hz;
   input_.camera = scenario_.video.camera;
   input_.width_px = scenario_.video.width_px;
   input_.height_px = scenario_.video.height_px;
   input_.frames_per_s = scenario_.video.frames_per_s;
   input_.excerpt = options.excerpt;
+  input_.look = options.look;
   input_.rate_factor = options.rate_factor;
   input_.parts = file_.segments;
   input_.jobs = options.jobs;

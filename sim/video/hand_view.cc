@@ -232,6 +232,18 @@ HandView::HandView(const VideoInput& input, const HandModel& hand, int width_px,
   }
 }
 
+RendererConfig HandView::RendererOf(const VideoInput& input) const {
+  return {.width_px = width_px_,
+          .height_px = height_px_,
+          .camera = input.camera,
+          .window = window_,
+          .supersampling = input.look.supersampling,
+          .shadows = input.look.shadows,
+          .ground = false,
+          .sides = input.look.sides,
+          .plain_cables = input.look.plain_cables};
+}
+
 std::optional<CameraWindow> HandView::FrameWhatMoves(const VideoInput& input, const HandModel& hand,
                                                      mjData& data) const {
   const std::vector<int> shapes = ShapesThatMatter(input, hand, *camera_, bodies_, data);

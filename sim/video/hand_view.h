@@ -10,6 +10,7 @@
 #include "sim/hand/hand_model.h"
 #include "sim/video/camera_window.h"
 #include "sim/video/comparison_video.h"
+#include "sim/video/osmesa_renderer.h"
 
 namespace gauntlet::sim {
 
@@ -48,6 +49,8 @@ class HandView {
 
   /// None for the free camera, and where nothing moves: all that the camera sees.
   const std::optional<CameraWindow>& window() const { return window_; }
+  /// How hands are drawn for it.
+  RendererConfig RendererOf(const VideoInput& input) const;
   /// Per body of the model, whether it is of the hand and moves against the camera's own; none for
   /// the free camera.
   const std::vector<bool>& bodies() const { return bodies_; }

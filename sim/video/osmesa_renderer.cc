@@ -213,7 +213,9 @@ struct OsmesaRenderer::Context {
       const std::uint32_t* source =
           drawn.data() + std::ptrdiff_t{config.height_px - 1 - y} * n * stride;
       std::uint32_t* out = picture.Row(y);
-      if (n == 2) {
+      if (n == 1) {
+        std::copy_n(source, config.width_px, out);
+      } else if (n == 2) {
         HalveRow(source, source + stride, config.width_px, out);
       } else {
         for (int x = 0; x < config.width_px; ++x) out[x] = MeanPixel(source + x * n, stride, n);

@@ -132,7 +132,7 @@ void Painter::Dot(Point center, double radius, const Color& color) {
   cairo_fill(cairo_);
 }
 
-void Painter::Picture(const Image& picture, int x, int y) {
+void Painter::Picture(const Image& picture, int x, int y, double opacity) {
   // Cairo only reads it.
   auto* pixels =
       reinterpret_cast<unsigned char*>(const_cast<std::uint32_t*>(picture.pixels.data()));
@@ -140,7 +140,11 @@ void Painter::Picture(const Image& picture, int x, int y) {
       pixels, CAIRO_FORMAT_ARGB32, picture.width_px, picture.height_px, 4 * picture.width_px);
   cairo_set_source_surface(cairo_, source, x, y);
   cairo_pattern_set_filter(cairo_get_source(cairo_), CAIRO_FILTER_NEAREST);
-  cairo_paint(cairo_);
+  if (opacity < 1.0) {
+    cairo_paint_with_alpha(cairo_, opacity);
+  } else {
+    cairo_paint(cairo_);
+  }
   cairo_surface_destroy(source);
 }
 

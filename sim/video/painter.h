@@ -55,7 +55,7 @@ class Painter {
   void Polyline(std::span<const Point> points, const Color& color, double line_width);
   void Dot(Point center, double radius, const Color& color);
   /// `picture` over what is there, its top left corner at whole pixels.
-  void Picture(const Image& picture, int x, int y);
+  void Picture(const Image& picture, int x, int y, double opacity = 1.0);
   /// From the baseline at `at`.
   void Text(std::string_view text, Point at, const TextStyle& style);
   double TextWidth(std::string_view text, const TextStyle& style);

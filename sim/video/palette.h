@@ -34,6 +34,8 @@ inline constexpr Color kTrue = Rgb(0xb3124f);
 inline constexpr Color kRaw = Rgb(0xb3bfcb);
 inline constexpr Color kCommand = Rgb(0xd97a06);
 inline constexpr Color kHand = Rgb(0x1d6fd8);
+/// The second hand of two in one picture, where no commands are drawn (contrast: 3.3).
+inline constexpr Color kSecondHand = Rgb(0x0f9d7a);
 }  // namespace palette
 
 }  // namespace gauntlet::sim

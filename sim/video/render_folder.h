@@ -8,18 +8,21 @@
 
 #include "sim/scenario/scenario.h"
 #include "sim/video/frame_clock.h"
+#include "sim/video/look.h"
 #include "sim/video/video_encoder.h"
 
 namespace gauntlet::sim {
 
 struct RenderOptions {
-  std::filesystem::path folder;          // of a finished run or comparison
-  std::vector<std::string> controllers;  // empty: all
-  std::vector<std::string> overrides;    // of the scenario, as video.camera=arm
-  Excerpt excerpt;
+  std::filesystem::path folder;            // of a finished run or comparison
+  std::vector<std::string> controllers{};  // empty: all
+  bool overlay = false;  // two controllers in one picture, in the order of `controllers`
+  std::vector<std::string> overrides{};  // of the scenario, as video.camera=arm
+  Excerpt excerpt{};
+  Look look = kGoodLook;
   int rate_factor = VideoFormat{}.rate_factor;
-  std::optional<double> frame_s;  // a picture of this moment and no video
-  std::filesystem::path target;   // empty: VideoOf(folder) or PictureOf(folder)
+  std::optional<double> frame_s{};  // a picture of this moment and no video
+  std::filesystem::path target{};   // empty: VideoOf(folder) or PictureOf(folder)
   int jobs = 1;
 };
 

@@ -30,8 +30,8 @@ struct VideoFormat {
   std::string preset = "veryfast";
   /// The encoder's constant rate factor: lower is better; 20 keeps thin curves and text crisp.
   int rate_factor = 20;
-  /// In their order. In MP4 the first begins with the video, and one lasts until the next; a GIF has
-  /// none.
+  /// In their order. In MP4 the first begins with the video, and one lasts until the next begins; a
+  /// GIF has none.
   std::vector<Chapter> chapters{};
 };
 

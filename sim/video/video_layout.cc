@@ -64,8 +64,8 @@ PaneLayout LayOutTallPane(const Rect& card, double unit) {
   return pane;
 }
 
-/// Below the title the hand on the left; on the right the two numbers and the error.
-PaneLayout LayOutLowPane(const Rect& card, double unit) {
+/// Below the title the hand on the left; on the right the two numbers and the error, or both plots.
+PaneLayout LayOutBesideHand(const Rect& card, bool both_plots, double unit) {
   const double padding = kPadding * unit;
   PaneLayout pane = {.card = card, .title = TitleOf(card, unit)};
   pane.view = Rounded(
@@ -75,8 +75,24 @@ PaneLayout LayOutLowPane(const Rect& card, double unit) {
   pane.tracking = Rounded({left, pane.title.bottom(), right - left, height});
   pane.jitter = Rounded({left, pane.tracking.bottom(), right - left, height});
   PlacePlots(left - 0.5 * padding, right, pane.jitter.bottom(), card.bottom() - 0.5 * padding,
-             false, unit, pane);
+             both_plots, unit, pane);
   return pane;
+}
+
+/// All but the panes.
+VideoLayout LayOutFrame(int width_px, int height_px) {
+  if (width_px < VideoConfig::kMinWidth_px || height_px < VideoConfig::kMinHeight_px) {
+    throw UserError(fmt::format("video: {} x {} px is too small, at least {} x {} px are needed",
+                                width_px, height_px, VideoConfig::kMinWidth_px,
+                                VideoConfig::kMinHeight_px));
+  }
+  VideoLayout layout;
+  layout.unit = std::min(width_px / 1280.0, height_px / 720.0);
+  const double unit = layout.unit, margin = kMargin * unit;
+  layout.header = Rounded({margin, 0.0, width_px - 2.0 * margin, kHeaderHeight * unit});
+  layout.progress = Rounded({0.0, height_px - kProgressHeight * unit, static_cast<double>(width_px),
+                             kProgressHeight * unit});
+  return layout;
 }
 
 }  // namespace
@@ -91,19 +107,9 @@ void CheckPaneCount(int pane_count) {
 
 VideoLayout LayOutVideo(int width_px, int height_px, int pane_count) {
   CheckPaneCount(pane_count);
-  if (width_px < VideoConfig::kMinWidth_px || height_px < VideoConfig::kMinHeight_px) {
-    throw UserError(fmt::format("video: {} x {} px is too small, at least {} x {} px are needed",
-                                width_px, height_px, VideoConfig::kMinWidth_px,
-                                VideoConfig::kMinHeight_px));
-  }
-  VideoLayout layout;
-  layout.unit = std::min(width_px / 1280.0, height_px / 720.0);
+  VideoLayout layout = LayOutFrame(width_px, height_px);
   const double unit = layout.unit;
   const double margin = kMargin * unit, gap = kGap * unit;
-  layout.header = Rounded({margin, 0.0, width_px - 2.0 * margin, kHeaderHeight * unit});
-  layout.progress = Rounded({0.0, height_px - kProgressHeight * unit, static_cast<double>(width_px),
-                             kProgressHeight * unit});
-
   const int rows = pane_count <= 4 ? 1 : 2;
   const int columns = (pane_count + rows - 1) / rows;
   const double width = (width_px - 2.0 * margin - (columns - 1) * gap) / columns;
@@ -113,8 +119,18 @@ VideoLayout LayOutVideo(int width_px, int height_px, int pane_count) {
     const double x = margin + column * (width + gap);
     const double y = layout.header.height + row * (height + gap);
     const Rect card = {std::round(x), std::round(y), std::floor(width), std::floor(height)};
-    layout.panes.push_back(rows == 1 ? LayOutTallPane(card, unit) : LayOutLowPane(card, unit));
+    layout.panes.push_back(rows == 1 ? LayOutTallPane(card, unit)
+                                     : LayOutBesideHand(card, false, unit));
   }
+  return layout;
+}
+
+VideoLayout LayOutOverlay(int width_px, int height_px) {
+  VideoLayout layout = LayOutFrame(width_px, height_px);
+  const double margin = kMargin * layout.unit, top = layout.header.height;
+  const Rect card = {std::round(margin), std::round(top), std::floor(width_px - 2.0 * margin),
+                     std::floor(height_px - top - margin)};
+  layout.panes = {LayOutBesideHand(card, true, layout.unit)};
   return layout;
 }
 

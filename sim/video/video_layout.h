@@ -35,4 +35,8 @@ struct VideoLayout {
 /// UserError for a size or a number of panes that cannot be laid out.
 VideoLayout LayOutVideo(int width_px, int height_px, int pane_count);
 
+/// For two hands in one picture: one pane, these beside their numbers and both curves. Errors: as
+/// above.
+VideoLayout LayOutOverlay(int width_px, int height_px);
+
 }  // namespace gauntlet::sim

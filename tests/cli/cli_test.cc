@@ -282,6 +282,16 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
     EXPECT_EQ(refused.exit_code, 2);
     return refused.standard_error;
   };
+  ASSERT_EQ(Gauntlet({"render", "--overlay", "mean_20,raw", "a", "--frame", "1", "--out", "o.png"})
+                .exit_code,
+            0);
+  EXPECT_NE(ReadFile(Out("o.png")), ReadFile(Out("a") / "comparison.png"));
+  EXPECT_THAT(refusal({"--overlay", "raw"}), HasSubstr("--overlay raw: must be two controllers"));
+  EXPECT_THAT(refusal({"--overlay", "raw,raw"}), HasSubstr("not one twice"));
+  EXPECT_THAT(refusal({"--overlay", "raw,mean_2"}),
+              HasSubstr("--overlay: mean_2: unknown controller (did you mean mean_20?)"));
+  EXPECT_THAT(refusal({"--overlay", "raw,mean_20", "--controllers", "raw"}),
+              HasSubstr("leave --controllers out"));
   EXPECT_THAT(refusal({"--camera", "amr"}), HasSubstr("--camera amr: amr is not a camera"));
   EXPECT_THAT(refusal({"--channel", "x"}), HasSubstr("--channel x: x is not"));
   EXPECT_THAT(refusal({"--size", "100x450"}), HasSubstr("--size 100x450: is 100, must be from"));
@@ -293,6 +303,7 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
   EXPECT_THAT(refusal({"--from", "99"}), HasSubstr("nothing to show from"));
   EXPECT_THAT(refusal({"--frame", "99"}), HasSubstr("--frame 99: must be from 0 to"));
   EXPECT_THAT(refusal({"--quality", "x"}), HasSubstr("small, good and best"));
+  EXPECT_THAT(refusal({"--look", "x"}), HasSubstr("--look x: must be one of fast, good and best"));
   EXPECT_THAT(refusal({"--frame", "1", "--out", "x.mp4"}), HasSubstr("must end in .png"));
   EXPECT_EQ(Gauntlet({"render", "nowhere"}).exit_code, 2);
 }

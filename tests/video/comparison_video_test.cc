@@ -11,6 +11,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/video/comparison_picture.h"
@@ -258,6 +259,76 @@ TEST(ComparisonVideo, OnlyAHandThatDoesNotFollowHasTheWearersBehindIt) {
               }),
               StartsWith("UserError: --frame 0.6: must be from 0 to 0.4"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "b.png"));
+}
+
+/// How many pixels of the left part of a picture, where an overlay has its hands, are of the colour
+/// of the second one.
+int SecondHandsPixels(const Image& image) {
+  int count = 0;
+  for (int y = 0; y < image.height_px; ++y) {
+    for (int x = 0; x < 2 * image.width_px / 5; ++x) {
+      const std::uint32_t pixel = image.Row(y)[x];
+      const int red = pixel >> 16 & 255, green = pixel >> 8 & 255, blue = pixel & 255;
+      count += green > red + 60 && green > blue + 15;
+    }
+  }
+  return count;
+}
+
+TEST(ComparisonVideo, AnOverlayShowsTheSecondHandWhereItIsElsewhere) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  comparison.input.overlay = true;
+  const auto frame = [&](const char* name) {
+    WriteComparisonPng(comparison.input, TheHand(), 0.25, folder.path() / name);
+    return ReadPng(folder.path() / name);
+  };
+  const Image both = frame("both.png");
+  std::swap(comparison.input.panes[0], comparison.input.panes[1]);
+  const Image swapped = frame("swapped.png");
+  EXPECT_NE(both.pixels, swapped.pixels);
+  comparison.input.panes[1] = comparison.input.panes[0];
+  const Image same = frame("same.png");
+  EXPECT_GT(SecondHandsPixels(both), 50);
+  EXPECT_GT(SecondHandsPixels(both), 4 * SecondHandsPixels(same));
+  EXPECT_GT(SecondHandsPixels(swapped), 4 * SecondHandsPixels(same));
+
+  for (const char* name : {"a.mp4", "a.webm", "a.gif"}) {
+    WriteComparisonVideo(comparison.input, TheHand(), folder.path() / name);
+    EXPECT_EQ(ReadVideo(folder.path() / name).frames, 15) << name;
+  }
+  comparison.input.panes.pop_back();
+  EXPECT_EQ(MessageOf([&] {
+              WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "b.mp4");
+            }),
+            "RunError: video: an overlay is of two hands");
+}
+
+/// Mean difference of two pictures, per part of a pixel.
+double DifferenceOf(const Image& a, const Image& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    for (const int part : {0, 8, 16}) {
+      sum += std::abs(static_cast<int>(a.pixels[i] >> part & 255u) -
+                      static_cast<int>(b.pixels[i] >> part & 255u));
+    }
+  }
+  return sum / (3.0 * static_cast<double>(a.pixels.size()));
+}
+
+TEST(ComparisonVideo, AFinerLookIsNearerToTheHandsTrueShape) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  const auto frame = [&](const Look& look) {
+    comparison.input.look = look;
+    WriteComparisonPng(comparison.input, TheHand(), 0.2, folder.path() / "a.png");
+    return ReadPng(folder.path() / "a.png");
+  };
+  const Image fast = frame(kFastLook), good = frame(kGoodLook), best = frame(kBestLook);
+  const Image smooth =
+      frame({.name = "", .supersampling = 8, .sides = 96, .plain_cables = false, .shadows = false});
+  EXPECT_LT(1.3 * DifferenceOf(good, smooth), DifferenceOf(fast, smooth));
+  EXPECT_NE(best.pixels, good.pixels);
 }
 
 TEST(HandPicture, ShowsThePostureOnTheBackgroundAskedFor) {

@@ -53,6 +53,24 @@ TEST_P(EveryVideoLayout, PartsAreLargeEnoughAndDoNotOverlap) {
   }
 }
 
+TEST(VideoLayout, AnOverlayHasItsHandsBesideNumbersAndBothCurves) {
+  for (const auto& [width, height] : {std::pair(1280, 720), {480, 270}, {1000, 1000}}) {
+    const VideoLayout layout = LayOutOverlay(width, height);
+    ASSERT_EQ(layout.panes.size(), 1u);
+    const PaneLayout& pane = layout.panes[0];
+    const Rect parts[] = {pane.title,  pane.view,  pane.tracking,
+                          pane.jitter, pane.angle, pane.error};
+    for (const Rect& part : parts) {
+      EXPECT_TRUE(Inside(part, pane.card));
+      EXPECT_GE(part.height, 12.0 * layout.unit);
+      for (const Rect& other : parts) EXPECT_TRUE(&part == &other || Apart(part, other));
+    }
+    EXPECT_GT(pane.view.height, 0.8 * pane.card.height);
+    EXPECT_TRUE(Apart(pane.card, layout.header));
+    EXPECT_TRUE(Apart(pane.card, layout.progress));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Sizes, EveryVideoLayout,
     testing::Combine(testing::Values(std::pair(1280, 720), std::pair(1920, 1080),
