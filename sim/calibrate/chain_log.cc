@@ -178,6 +178,8 @@ ChainLog LoadChainLog(const std::filesystem::path& file) {
   ChainLog log;
   log.name = OneLine(file.string());
   for (const PartColumn& command : columns.commands) log.parts.push_back(command.part);
+  log.from_wearer =
+      csv.header()[columns.commands.front().column].starts_with(kChainPatterns[0].before);
   std::vector<Series> series(all.size());
   std::vector<double> steps_s;
   double first_s = 0.0;

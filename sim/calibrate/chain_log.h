@@ -18,6 +18,7 @@ struct ChainLog {
   double rate_hz = 1000.0;
   Signal command_deg;
   Signal angle_deg;
+  bool from_wearer = false;        // the command is what the wearer did, not what a motor was told
   std::size_t values_missing = 0;  // a straight line goes over them
 };
 

@@ -13,10 +13,12 @@
 #include "sim/base/text.h"
 #include "sim/calibrate/chain_log.h"
 #include "sim/calibrate/identified_chain.h"
+#include "sim/calibrate/identified_servo.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
+#include "sim/report/chain_page.h"
 #include "sim/settings/yaml_writer.h"
 #include "sim/trial/trace_reader.h"
 
@@ -56,6 +58,7 @@ ChainLog LogOfTrace(const fs::path& file, const IdentifyOptions& options) {
   log.name = OneLine(file.string());
   log.parts = trace_file.joint_names;
   log.rate_hz = trace_file.tick_rate_hz;
+  log.from_wearer = from_wearer;
   log.command_deg = command.topRows(ticks) * kDegPerRad;
   log.angle_deg = trace.hand_angle_rad * kDegPerRad;
   return log;
@@ -111,19 +114,21 @@ std::vector<TableColumn> TableColumns(const std::vector<ChainFit>& fits, bool be
   return columns;
 }
 
-void PrintTable(const ChainLog& log, const std::vector<ChainFit>& fits,
-                const TerminalStyle& style) {
-  Print("{:.1f} s at {:.6g} Hz; in brackets the 95 % interval\n\n",
-        static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
+std::string Table(const ChainLog& log, const std::vector<ChainFit>& fits,
+                  const TerminalStyle& style) {
+  std::string text =
+      fmt::format("{:.1f} s at {:.6g} Hz; in brackets the 95 % interval\n\n",
+                  static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
   std::vector<TableColumn> columns = TableColumns(fits, false);
   const bool fits_beside = TableWidth("part", log.parts, columns) <= style.table_width;
   if (!fits_beside) columns = TableColumns(fits, true);
-  PrintText(TableText("part", log.parts, columns, style));
+  text += TableText("part", log.parts, columns, style);
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const std::string& problem = fits[i].problem.empty() ? fits[i].split_problem : fits[i].problem;
     if (problem.empty()) continue;
-    Print("{}\n", Wrapped(fmt::format("{}: {}", log.parts[i], problem), style.width));
+    text += Wrapped(fmt::format("{}: {}", log.parts[i], problem), style.width) + "\n";
   }
+  return text;
 }
 
 void PrintJson(const ChainLog& log, const std::vector<ChainFit>& fits) {
@@ -170,7 +175,18 @@ fs::path TargetOf(const IdentifyOptions& options) {
   if (fs::equivalent(options.out, options.log, none)) {
     throw UserError({.place = "--out " + options.out, .problem = "is the log itself"});
   }
+  if (fs::path(options.out).extension() == ".html") {
+    throw UserError({.place = "--out " + options.out,
+                     .problem = "is the page's name, must be that of a YAML file beside it"});
+  }
   return options.out;
+}
+
+/// `my_hand.html` of `my_hand.chain.yaml`.
+fs::path BesideTarget(fs::path target, const std::string& ending) {
+  target.replace_extension();
+  if (target.extension() == ".chain") target.replace_extension();
+  return target += ending;
 }
 
 void RunIdentify(const IdentifyOptions& options) {
@@ -178,23 +194,33 @@ void RunIdentify(const IdentifyOptions& options) {
   const ChainLog log = LoadLog(options);
   const std::vector<ChainFit> fits = FitChains(log);
   IdentifiedChain chain = MakeIdentifiedChain(log, fits);
+  const std::string servo =
+      log.from_wearer ? "" : ServoSettingsText(log, fits, HandModel(HandConfig()));
   if (target.has_parent_path()) MakeDirectory(target.parent_path());
   WriteFileAtomically(
       target,
       "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
       "expected_delay_ms\n# and friction_deg are for its joint_loop; in the order of parts.\n" +
           SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); }));
+  std::string written = target.string();
+  if (!servo.empty()) {
+    const fs::path file = BesideTarget(target, ".hand.yaml");
+    WriteFileAtomically(file, servo);
+    written += ", " + file.string();
+  }
+  const fs::path page = BesideTarget(target, ".html");
+  WriteFileAtomically(page, ChainPage(log, fits, Table(log, fits, TerminalStyle::Unlimited())));
   if (options.json) {
     PrintJson(log, fits);
   } else {
-    PrintTable(log, fits, StyleOf(options.terminal));
+    PrintText(Table(log, fits, StyleOf(options.terminal)));
   }
   FlushOutput();
   if (log.values_missing > 0) {
     Say("gauntlet: {}: {} missing values, straight lines go over them\n", log.name,
         log.values_missing);
   }
-  Say("wrote {}\n", target.string());
+  Say("wrote {} and {}\n", written, page.string());
 }
 
 }  // namespace
@@ -230,8 +256,14 @@ void AddIdentifyCommand(CLI::App& app) {
       "of 10 s or more of motion at several speeds tells them apart; a command that is sent in "
       "steps is\n"
       "to be logged at 200 Hz or more, as between rows it counts as a straight line.\n"
+      "\nBeside FILE.chain.yaml stand FILE.html, what was measured beside what the model makes of "
+      "the same\n"
+      "command, and FILE.hand.yaml, the servo with which the simulated hand answers so; not where "
+      "the\n"
+      "log begins with the wearer (--from wearer), as that chain is more than the hand.\n"
       "\nExample:\n  gauntlet run scenarios/probe_chain.yaml\n"
-      "  gauntlet identify out/probe_chain\n");
+      "  gauntlet identify out/probe_chain\n"
+      "  gauntlet identify out/probe_chain --from target --out out/my_hand.yaml\n");
   command->callback([options] { RunIdentify(*options); });
 }
 

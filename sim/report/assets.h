@@ -10,6 +10,7 @@ extern const std::string_view kPageHtml;     // the page with {{places}} to fill
 extern const std::string_view kStyle;        // page.css
 extern const std::string_view kScript;       // all *.js of the folder, in the order of CMake's list
 extern const std::string_view kCellsHtml;    // the page of a sweep, of tuning and of robust
+extern const std::string_view kChainHtml;    // the page of identify
 extern const std::string_view kCellsStyle;   // cells.css, to stand behind kStyle
 extern const std::string_view kCellsScript;  // what it needs of *.js
 extern const std::string_view kPlotStyle;    // dygraph.min.css

@@ -36,6 +36,8 @@ read_text("${THREE}/examples/js/controls/OrbitControls.js")
 add_text(kReplayLibrary "${three}\n${text}")
 read_text("${ASSETS}/cells.html")
 add_text(kCellsHtml "${text}")
+read_text("${ASSETS}/chain.html")
+add_text(kChainHtml "${text}")
 read_text("${ASSETS}/cells.css")
 add_text(kCellsStyle "${text}")
 

@@ -248,6 +248,30 @@ void WriteHdf5(const fs::path& file, double rate_hz, int sensors, const Values& 
   AddDataset(group, "qpos", RowsOf(rate_hz), sensors, Matrix(rate_hz, sensors, values));
 }
 
+/// As MATLAB saves `-v7.3`: HDF5 behind 512 bytes of its own, matrices column by column, so that
+/// rows and columns are swapped for everybody else.
+void WriteMat73(const fs::path& file, double rate_hz, int sensors, const Values& values) {
+  constexpr hsize_t kUserBlock = 512;
+  {
+    H5::FileCreatPropList properties;
+    properties.setUserblock(kUserBlock);
+    const H5::H5File output(file.string(), H5F_ACC_TRUNC, properties);
+    std::vector<double> angles;
+    for (int sensor = 0; sensor < sensors; ++sensor) {
+      for (int row = 0; row < RowsOf(rate_hz); ++row) angles.push_back(values(row, sensor));
+    }
+    const H5::Group root = output.openGroup("/");
+    AddDataset(root, "angles", sensors, RowsOf(rate_hz), angles);
+    AddDataset(root, "t", 1, RowsOf(rate_hz), Times(rate_hz));
+  }
+  std::string head =
+      "MATLAB 7.3 MAT-file, Platform: GLNXA64, Created on: Mon Nov 23 05:00:00 2026 "
+      "HDF5 schema 1.00 .";
+  head.resize(124, ' ');
+  head += std::string("\x00\x02IM", 4);
+  std::fstream(file, std::ios::binary | std::ios::in | std::ios::out) << head;
+}
+
 // --- JSON ----------------------------------------------------------------------------------------
 
 std::string JsonRows(double rate_hz, const Values& values, bool lines) {
@@ -405,6 +429,8 @@ std::vector<GloveFile> GloveFiles() {
                    [](const fs::path& file) { WriteStructMat(file, 100, 5, Degrees(100)); }});
   files.push_back({"turned.mat", 100, "volts", 5,
                    [](const fs::path& file) { WriteTurnedMat(file, 100, 5, Volts(100)); }});
+  files.push_back({"seven_three.mat", 100, "rad", 5,
+                   [](const fs::path& file) { WriteMat73(file, 100, 5, Radians(100)); }});
   files.push_back({"robot.hdf5", 50, "rad", 14,
                    [](const fs::path& file) { WriteHdf5(file, 50, 14, Radians(50)); }});
   files.back().sensors = 12;  // a 14-sensor glove: two abductions drive no joint

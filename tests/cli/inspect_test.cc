@@ -184,6 +184,28 @@ TEST_F(InspectCommand, TakesARateAndAPreset) {
   EXPECT_EQ(unknown.exit_code, 2);
 }
 
+TEST_F(InspectCommand, RunsATraceOfOurOwn) {
+  const auto in = [this](const char* name) { return (folder_.path() / name).string(); };
+  std::ofstream(in("s.yaml")) << "question: q\nseed: 1\nglove:\n  motion: {kind: sine, duration_s: "
+                                 "2}\ncontrollers:\n  raw: "
+                                 "{filter: none}\n";
+  ASSERT_EQ(Gauntlet({"run", in("s.yaml"), "--out", in("first")}).exit_code, 0);
+  const nlohmann::json found = Inspect(in("first") + "/trace.h5");
+  EXPECT_EQ(found["unit"], "rad");
+  EXPECT_NEAR(found["rate_hz"].get<double>(), 1000.0, 1.0);
+  EXPECT_EQ(std::ranges::count_if(found["columns"],
+                                  [](const auto& column) { return column.contains("channel"); }),
+            18);
+  ASSERT_EQ(Gauntlet({"inspect", in("first") + "/trace.h5", "--write-scenario", in("again.yaml")})
+                .exit_code,
+            0);
+  const ProgramResult run =
+      Gauntlet({"run", in("again.yaml"), "--controllers", "raw", "--out", in("second"), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.standard_error;
+  const auto scores = nlohmann::json::parse(run.standard_output);
+  EXPECT_LT(scores["controllers"][0]["summary"]["tracking_rmse_deg"], 12.0);
+}
+
 TEST_F(InspectCommand, DrawsItsSensorsAndLeavesTheRecordingAlone) {
   const GloveFile file = GloveFiles().front();
   const fs::path path = folder_.path() / file.name;

@@ -1,0 +1,139 @@
+#include "sim/report/chain_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/report/assets.h"
+#include "sim/report/cells_page.h"
+#include "sim/report/html_text.h"
+#include "sim/report/svg_chart.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kShown_s = 5.0;
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+std::vector<double> ValuesOf(const Signal& signal, std::size_t part) {
+  const auto column = signal.col(static_cast<Eigen::Index>(part));
+  return {column.begin(), column.end()};
+}
+
+/// The first sample of the stretch in which the command goes the longest way.
+std::size_t BusiestStart(const std::vector<double>& command_deg, std::size_t samples) {
+  double way = 0.0;
+  double longest = -1.0;
+  std::size_t start = 0;
+  for (std::size_t k = 1; k < command_deg.size(); ++k) {
+    way += std::abs(command_deg[k] - command_deg[k - 1]);
+    if (k < samples) continue;
+    if (way > longest) {
+      longest = way;
+      start = k - samples;
+    }
+    way -= std::abs(command_deg[k - samples + 1] - command_deg[k - samples]);
+  }
+  return start;
+}
+
+ChartCurve PartCurve(const std::string& name, const std::vector<double>& values, std::size_t start,
+                     std::size_t samples, double rate_hz) {
+  const auto begin = values.begin() + static_cast<std::ptrdiff_t>(start);
+  return {.name = name,
+          .first_x = static_cast<double>(start) / rate_hz,
+          .step_x = 1.0 / rate_hz,
+          .values = {begin, begin + static_cast<std::ptrdiff_t>(samples)}};
+}
+
+std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t part) {
+  const std::vector<double> command_deg = ValuesOf(log.command_deg, part);
+  const std::vector<double> angle_deg = ValuesOf(log.angle_deg, part);
+  const std::size_t samples = std::min(
+      command_deg.size(), static_cast<std::size_t>(std::lround(kShown_s * log.rate_hz)) + 1);
+  const std::size_t start = BusiestStart(command_deg, samples);
+  const bool has_model = fit.problem.empty() && fit.split_problem.empty();
+  Chart curves{.title = log.parts[part] + ", where it moves most",
+               .x_label = "time [s]",
+               .y_label = "angle [deg]",
+               .bars = {},
+               .curves = {PartCurve("command", command_deg, start, samples, log.rate_hz),
+                          PartCurve("measured", angle_deg, start, samples, log.rate_hz)}};
+  std::string html;
+  std::string caption = has_model ? "" : fit.problem.empty() ? fit.split_problem : fit.problem;
+  if (has_model) {
+    std::vector<double> simulated_deg(command_deg.size());
+    SimulateChain(fit.model, command_deg, log.rate_hz, simulated_deg);
+    curves.curves.push_back(PartCurve("simulated", simulated_deg, start, samples, log.rate_hz));
+    std::vector<double> difference_deg;
+    for (std::size_t k = 0; k < angle_deg.size(); ++k) {
+      difference_deg.push_back(angle_deg[k] - simulated_deg[k]);
+    }
+    // The model begins at rest, the hand in the middle of something.
+    const auto settling = static_cast<std::size_t>(log.rate_hz);
+    const Chart difference{.title = log.parts[part] + ", what the model leaves",
+                           .x_label = "time [s]",
+                           .y_label = "angle [deg]",
+                           .bars = {},
+                           .curves = {PartCurve("measured less simulated", difference_deg, settling,
+                                                difference_deg.size() - settling, log.rate_hz)}};
+    html = SvgChart(curves) + SvgChart(difference);
+    caption = fmt::format(
+        "Simulated: the log's own command through the model. It leaves {:.2f} "
+        "deg RMS, a shift in time alone {:.2f}.",
+        fit.residual_rms_deg, fit.shifted_rms_deg);
+  } else {
+    html = SvgChart(curves);
+  }
+  return fmt::format("<figure><div class=\"pair\">{}</div><figcaption>{}</figcaption></figure>\n",
+                     html, EscapeHtml(caption));
+}
+
+std::string ChainVerdict(const std::vector<ChainFit>& fits) {
+  double low_ms = kEndless;
+  double high_ms = -kEndless;
+  double least_deg = kEndless;
+  double most_deg = -kEndless;
+  for (const ChainFit& fit : fits) {
+    if (!fit.problem.empty()) continue;
+    low_ms = std::min(low_ms, fit.delay_ms.value);
+    high_ms = std::max(high_ms, fit.delay_ms.value);
+    if (!fit.split_problem.empty()) continue;
+    least_deg = std::min(least_deg, fit.residual_rms_deg);
+    most_deg = std::max(most_deg, fit.residual_rms_deg);
+  }
+  std::string text = fmt::format("{:.0f} to {:.0f} ms late.", low_ms, high_ms);
+  if (std::isfinite(most_deg)) {
+    text += fmt::format(" The model leaves {:.2f} to {:.2f} deg RMS.", least_deg, most_deg);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits,
+                      const std::string& table) {
+  std::string figures;
+  for (std::size_t part = 0; part < fits.size(); ++part)
+    figures += PartFigures(log, fits[part], part);
+  const std::string facts = fmt::format(
+      "{} part{} · {:.1f} s at {:.6g} Hz", log.parts.size(), log.parts.size() == 1 ? "" : "s",
+      static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
+  return FillTemplate(
+      assets::kChainHtml,
+      {{"title", EscapeHtml(log.name)},
+       {"style", std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
+       {"verdict", EscapeHtml(ChainVerdict(fits))},
+       {"facts", EscapeHtml(facts)},
+       {"table", EscapeHtml(table)},
+       {"figures",
+        PageSection("parts", "Measured beside simulated",
+                    "Both follow the same command. Where they part, the hand does what no model of "
+                    "dead time, play and a lag of second order has: it touches something, a motor "
+                    "gives all that it has, a cable is slack.",
+                    figures)}});
+}
+
+}  // namespace gauntlet::sim

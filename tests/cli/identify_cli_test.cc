@@ -1,0 +1,116 @@
+// What gauntlet identify writes beside the chain: a servo for the simulated hand, and a page.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/program.h"
+#include "tests/support/read_file.h"
+
+namespace gauntlet::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class IdentifyCliTest : public testing::Test {
+ protected:
+  ProgramResult Run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), GAUNTLET_PROGRAM);
+    return RunProgram(arguments, {.working_directory = folder_.path()});
+  }
+  std::string Read(const std::string& name) const { return ReadFile(folder_.path() / name); }
+
+  /// A hand of this servo follows a motion; what is found from its targets to its joints.
+  nlohmann::json Identified(const std::string& hand, const std::string& name) const {
+    std::ofstream(folder_.path() / (name + ".yaml"))
+        << "question: How late?\nseed: 1\nglove:\n  motion: {kind: random, duration_s: 12, "
+           "bandwidth_hz: 1.2, range_percent: 40}\nscore: {noise_free_twin: false}\n"
+           "controllers:\n  raw:\n    filter: {kind: butterworth, cutoff_hz: 8}\n"
+        << hand;
+    const ProgramResult run = Run({"run", name + ".yaml", "--out", name});
+    EXPECT_EQ(run.exit_code, 0) << run.standard_error << hand;
+    const ProgramResult result =
+        Run({"identify", name, "--from", "target", "--json", "--out", name + ".chain.yaml"});
+    EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+    return nlohmann::json::parse(result.standard_output)["parts"];
+  }
+
+  TemporaryDirectory folder_;
+};
+
+/// The median over the parts of a quantity that they all have.
+double MedianOf(const nlohmann::json& parts, const std::string& key) {
+  std::vector<double> values;
+  for (const auto& part : parts) {
+    if (part[key]["value"].is_number()) values.push_back(part[key]["value"].get<double>());
+  }
+  EXPECT_GT(values.size(), parts.size() / 2) << key;
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+TEST_F(IdentifyCliTest, GivesAServoWithWhichTheHandAnswersAsTheLogsDid) {
+  const nlohmann::json hidden = Identified("hand: {servo: {kind: rc_analog}}\n", "hidden");
+  const std::string servo = Read("hidden.hand.yaml");
+  EXPECT_THAT(servo,
+              AllOf(HasSubstr("# Made by gauntlet identify of hidden"), HasSubstr("kind: ideal"),
+                    HasSubstr("dead_time_ms: "), HasSubstr("What no key of the hand has")));
+  const nlohmann::json again = Identified(servo, "again");
+  for (const char* key : {"delay_ms", "dead_time_ms", "lag_ms"}) {
+    const double was = MedianOf(hidden, key);
+    EXPECT_NEAR(MedianOf(again, key), was, 0.15 * was + 2.0) << key << "\n" << servo;
+  }
+}
+
+TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
+  std::string log = "t_s,claw<b>_command_deg,claw<b>_deg\n";
+  for (int k = 0; k < 2000; ++k) {
+    const auto command = [](double t) {
+      return 20.0 * std::sin(3.0 * t) + 12.0 * std::sin(8.3 * t + 1.0) + 6.0 * std::sin(14.7 * t);
+    };
+    const double t = 0.005 * k;
+    log += std::to_string(t) + "," + std::to_string(command(t)) + "," +
+           std::to_string(0.9 * command(t - 0.06)) + "\n";
+  }
+  std::ofstream(folder_.path() / "claw.csv") << log;
+  const ProgramResult result = Run({"identify", "claw.csv"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_EQ(result.standard_error,
+            "wrote out/claw.chain.yaml, out/claw.hand.yaml and out/claw.html\n");
+  const std::string page = Read("out/claw.html");
+  for (const char* text : {"claw&lt;b&gt;", "command", "measured", "simulated", "hysteresis",
+                           "measured less simulated", "60 to 60 ms late"}) {
+    EXPECT_THAT(page, HasSubstr(text));
+  }
+  EXPECT_EQ(page.find("claw<b>"), std::string::npos);
+  EXPECT_EQ(page.find("<script"), std::string::npos);
+  // Command, measured, simulated; and the difference.
+  std::size_t curves = 0;
+  for (std::size_t at = 0; (at = page.find("<polyline", at)) != std::string::npos; ++at) ++curves;
+  EXPECT_EQ(curves, 4u);
+
+  EXPECT_EQ(Run({"identify", "claw.csv", "--out", "other.html"}).exit_code, 2);
+}
+
+TEST_F(IdentifyCliTest, GivesNoServoForALogThatBeginsWithTheWearer) {
+  std::string log = "t_s,true_angle_rad.index_mcp,hand_angle_rad.index_mcp\n";
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.005 * k;
+    log += std::to_string(t) + "," + std::to_string(std::sin(3.0 * t)) + "," +
+           std::to_string(std::sin(3.0 * (t - 0.06))) + "\n";
+  }
+  std::ofstream(folder_.path() / "trace.csv") << log;
+  const ProgramResult result = Run({"identify", "trace.csv", "--out", "t.yaml"});
+  EXPECT_EQ(result.standard_error, "wrote t.yaml and t.html\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "t.hand.yaml"));
+}
+
+}  // namespace
+}  // namespace gauntlet::test
