@@ -83,9 +83,9 @@ int Run(int argc, char** argv) {
 int main(int argc, char** argv) {
   sim::OpenStandardStreams();
   sim::CatchSignals();
-  // Trial by trial the same megabytes are asked for and freed. To get them from the system each time,
-  // zeroed page by page, took a fifth of trials of 1 s. So what a thread frees is kept up to the
-  // second number; what is larger than the first goes back at once.
+  // Trial by trial the same megabytes are asked for and freed. To get them from the system each
+  // time, zeroed page by page, took a fifth of trials of 1 s. So what a thread frees is kept up to
+  // the second number; what is larger than the first goes back at once.
   mallopt(M_MMAP_THRESHOLD, 8 << 20);
   mallopt(M_TRIM_THRESHOLD, 32 << 20);
   try {

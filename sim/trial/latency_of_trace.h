@@ -10,7 +10,8 @@ namespace gauntlet::sim {
 
 /// Where the delay of one trial comes from, stage by stage. None where there is nothing to measure:
 /// a wearer who did not move, or a hand that was stopped within two seconds. All angles are those
-/// of the same joints, ticks x joints [rad]; `counted` has what counts of each, all if there is none.
+/// of the same joints, ticks x joints [rad]; `counted` has what counts of each, all if there is
+/// none.
 std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand, const Signal& reference_rad,
                                             const WayOfAngles& way, const Signal& hand_angle_rad,
                                             const std::optional<CountedParts>& counted);
