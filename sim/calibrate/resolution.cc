@@ -16,8 +16,7 @@ std::optional<double> StepOf(std::span<const double> values) {
   constexpr double kTolerance = 0.25;  // steps
   std::vector<double> levels(values.begin(), values.end());
   std::ranges::sort(levels);
-  const auto repeats = std::ranges::unique(levels);
-  levels.erase(repeats.begin(), repeats.end());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   if (levels.size() < kFewestLevels) return std::nullopt;
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < levels.size(); ++i) step = std::min(step, levels[i] - levels[i - 1]);
