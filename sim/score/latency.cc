@@ -54,6 +54,14 @@ void CheckShapes(const LatencyInput& input) {
       throw std::invalid_argument("MeasureLatency: a signal is missing or has another shape");
     }
   }
+  if (input.counted == nullptr) return;
+  const auto is_within = [&input](const CountedTicks& counted) {
+    return counted.empty() || counted.back().end <= input.hand_angle_rad->rows();
+  };
+  if (std::ssize(*input.counted) != input.hand_angle_rad->cols() ||
+      !std::ranges::all_of(*input.counted, is_within)) {
+    throw std::invalid_argument("MeasureLatency: what counts is of other signals");
+  }
 }
 
 /// Where a signal is on the way from the wearer to the hand, and the clock that holds it there.

@@ -153,6 +153,12 @@ TEST(Latency, RefusesSignalsThatDoNotFit) {
   input = chain.Input();
   input.hand_angle_rad = nullptr;
   EXPECT_THROW(MeasureLatency(input), std::invalid_argument);
+  for (const std::vector<CountedTicks>& counted :
+       {std::vector<CountedTicks>(2), std::vector<CountedTicks>(3, {{0, kSamples + 1}})}) {
+    input = chain.Input();
+    input.counted = &counted;
+    EXPECT_THROW(MeasureLatency(input), std::invalid_argument);
+  }
 }
 
 }  // namespace
