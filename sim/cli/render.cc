@@ -176,7 +176,11 @@ void AddRenderCommand(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--channel", options->channel, "joint whose curves are drawn")
       ->type_name("JOINT");
-  command->add_option("--camera", options->camera, "camera of the model, as hand or arm")
+  command
+      ->add_option(
+          "--camera", options->camera,
+          "hand, fingers, close_up (the finger of the channel), arm or another camera of the "
+          "model")
       ->type_name("NAME");
   command->add_option("--from", options->excerpt.from_s, "begin here [0]")->type_name("S");
   command->add_option("--to", options->excerpt.to_s, "end here [the end]")->type_name("S");

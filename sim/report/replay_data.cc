@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/hand/camera_view.h"
 #include "sim/hand/hand_shapes.h"
 #include "sim/report/curve_codec.h"
 
@@ -119,7 +120,7 @@ Json ReplayData(const FinishedStudy& finished) {
   const Study& study = finished.study;
   const std::vector<Trace>& traces = finished.result.first_traces;
   if (study.hand == nullptr || traces.empty()) return nullptr;
-  const HandShapes shapes = ShapesOf(*study.hand, study.scenario.video.camera);
+  const HandShapes shapes = ShapesOf(*study.hand, CameraViewOf(study.scenario.video.camera).camera);
   Json json = ShapesJson(shapes);
   json["joints"] = study.hand->joint_names();
   json["held_deg"]["wearer"] = Rounded(MeansOf(finished.result.first_reference_rad));

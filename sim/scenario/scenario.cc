@@ -32,7 +32,8 @@ void VideoConfig::Visit(SettingsVisitor& visitor) {
        .help = "joint whose curves are drawn below the hands; empty: index_mcp, or the first"},
       channel);
   visitor.Text({.key = "camera",
-                .help = "camera of the model, as hand or arm; empty: the whole model, as also "
+                .help = "camera of the model, as hand or arm; fingers, close_up: what hand sees of "
+                        "the fingers, or of that of the channel; empty: the whole model, as also "
                         "where hand is not in it"},
                camera);
   visitor.Integer(

@@ -5,6 +5,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/nearest_name.h"
+#include "sim/hand/camera_view.h"
 #include "sim/study/counted_parts.h"
 
 namespace gauntlet::sim {
@@ -128,11 +129,11 @@ TrialSetup SetupOf(const Study& study, const NamedController& named) {
 }
 
 void ChooseVideoCamera(const HandModel& hand, std::string& camera) {
-  const std::vector<std::string> cameras = hand.CameraNames();
-  if (camera.empty() || Has(cameras, camera)) return;
+  const std::vector<std::string> views = CameraViewNames(hand.CameraNames());
+  if (camera.empty() || Has(views, camera)) return;
   if (camera != VideoConfig{}.camera) {
     throw controller::SettingError(
-        "video.camera", camera + " is not a camera of the hand" + Suggestion(camera, cameras));
+        "video.camera", camera + " is not a camera of the hand" + Suggestion(camera, views));
   }
   camera.clear();  // the default: a model need not have it
 }

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/score/jitter.h"
 #include "sim/video/card.h"
 
 namespace gauntlet::sim {
@@ -16,9 +16,10 @@ namespace {
 constexpr double kCardRadius = 10.0;
 constexpr double kFingertipWay_s = 1.0;
 constexpr int kFadingParts = 8;
-constexpr double kTitleShare = 0.8;       // of the header's width
-constexpr double kNameShare = 0.1;        // the same, of a name in the legend
-constexpr double kSecondOpacity = 0.55;   // of an overlay
+constexpr double kSmallestTrembling_deg = 0.1;  // that its plot shows
+constexpr double kTitleShare = 0.8;             // of the header's width
+constexpr double kNameShare = 0.1;              // the same, of a name in the legend
+constexpr double kSecondOpacity = 0.55;         // of an overlay
 constexpr double kRankingStarts_s = 1.0;  // before, the first samples decide, and marks would jump
 
 std::span<const double> Column(const Signal& signal, int channel) {
@@ -94,11 +95,8 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
       clock_(ClockOf(input)),
       layout_(input.overlay ? LayOutOverlay(input.width_px, input.height_px)
                             : LayOutVideo(input.width_px, input.height_px, input.panes.size())),
-      measured_joints_(input.measured_joints) {
-  if (measured_joints_.empty()) {
-    measured_joints_.resize(static_cast<std::size_t>(input.true_angle_rad->cols()));
-    std::iota(measured_joints_.begin(), measured_joints_.end(), 0);
-  }
+      measured_joints_(MeasuredJointsOf(input)),
+      colour_scale_(ColourScaleOf(input)) {
   for (const VideoPane& pane : input_.panes) {
     scores_.push_back(ComputeRunningScores(*Measured(*input_.true_angle_rad),
                                            *Measured(*pane.hand_angle_rad), input_.rate_hz,
@@ -106,13 +104,16 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
     errors_.emplace_back(
         pane.hand_angle_rad->col(input_.joint) -
         input_.true_angle_rad->col(input_.joint).head(pane.hand_angle_rad->rows()));
+    trembling_.push_back(TremblingOf(pane));
   }
   const AngleScale angles = ScaleOfAngles(), errors = ScaleOfErrors();
+  const AngleScale trembling = ScaleOfTrembling();
   for (const PaneLayout& pane : layout_.panes) {
-    if (pane.angle.height > 0.0) {
-      angle_plots_.emplace_back(pane.angle, layout_.unit, angles, clock_, false);
-    }
-    error_plots_.emplace_back(pane.error, layout_.unit, errors, clock_);
+    const bool all = pane.angle.height > 0.0;
+    error_plots_.emplace_back(pane.error, layout_.unit, errors, clock_, /*times=*/!all);
+    if (!all) continue;
+    angle_plots_.emplace_back(pane.angle, layout_.unit, angles, clock_, /*times=*/false);
+    trembling_plots_.emplace_back(pane.trembling, layout_.unit, trembling, clock_);
   }
   DrawBackground();
 }
@@ -158,6 +159,26 @@ AngleScale ComparisonPicture::ScaleOfErrors() const {
   return scale;
 }
 
+AngleScale ComparisonPicture::ScaleOfTrembling() const {
+  const std::vector<double> none(1, 0.0);
+  const std::vector<std::span<const double>> whole = {none};
+  std::vector<std::span<const double>> noisy;
+  for (const Signal& trembling_rad : trembling_) noisy.push_back(Column(trembling_rad, 0));
+  const AngleScale scale = ChooseAngleScale(whole, noisy, kSmallestTrembling_deg);
+  TrimSignals();
+  return scale;
+}
+
+Signal ComparisonPicture::TremblingOf(const VideoPane& pane) const {
+  const Signal angle_rad = pane.hand_angle_rad->col(input_.joint);
+  Fourier fourier;
+  const FilteredSignal trembling =
+      Trembling(angle_rad, input_.rate_hz, input_.jitter_above_hz, fourier);
+  Signal whole = Signal::Constant(angle_rad.rows(), 1, std::nan(""));
+  whole.middleRows(trembling.first_sample, trembling.values.rows()) = trembling.values;
+  return whole;
+}
+
 void ComparisonPicture::DrawBackground() {
   background_ = Image(input_.width_px, input_.height_px);
   Painter painter(background_);
@@ -180,13 +201,17 @@ void ComparisonPicture::DrawBackground() {
     painter.Text(painter.Elide(name, pane.title.width, title),
                  {pane.title.x, pane.title.y + 26.0 * unit}, title);
     const std::string joint = JointTitle(input_.joint_name);
-    if (!angle_plots_.empty()) {
-      angle_plots_[i].DrawScale(painter);
-      painter.Text(joint, {pane.angle.x, pane.angle.y - 8.0 * unit}, caption);
-    }
-    error_plots_[i].DrawScale(painter);
-    painter.Text(painter.Elide(joint + ", error", pane.error.width, caption),
-                 {pane.error.x, pane.error.y - 8.0 * unit}, caption);
+    const auto draw_scale = [&](const std::vector<CurvePlot>& plots, const Rect& area,
+                                const std::string& what) {
+      if (plots.empty()) return;
+      plots[i].DrawScale(painter);
+      painter.Text(painter.Elide(joint + what, area.width, caption), {area.x, area.y - 8.0 * unit},
+                   caption);
+    };
+    draw_scale(angle_plots_, pane.angle, "");
+    draw_scale(error_plots_, pane.error, ", error");
+    draw_scale(trembling_plots_, pane.trembling,
+               fmt::format(", jitter (above {:g} Hz)", input_.jitter_above_hz));
   }
 }
 
@@ -217,15 +242,18 @@ double ComparisonPicture::DrawLegend(Painter& painter, double right, double base
     std::string name;
     Color color;
     bool shown = true;
+    bool from_white = false;
   };
   const auto hand = [&](int pane) {
     return input_.overlay ? input_.panes[pane].title : std::string("hand");
   };
+  const std::string off = fmt::format("link off by 0 to {:g}°", colour_scale_.full_error_deg);
   const Entry entries[] = {{input_.overlay ? hand(1) : "", palette::kSecondHand, input_.overlay},
                            {hand(0), palette::kHand},
                            {"command", palette::kCommand, decided && !input_.overlay},
                            {"glove, raw", palette::kRaw, angles},
-                           {"wearer, true", palette::kTrue}};
+                           {"wearer, true", palette::kTrue},
+                           {off, palette::kHand, true, true}};
   const double unit = layout_.unit;
   const TextStyle style = {.size_px = 12.5 * unit};
   for (const Entry& entry : entries) {  // from the right
@@ -235,7 +263,13 @@ double ComparisonPicture::DrawLegend(Painter& painter, double right, double base
     painter.Text(name, {right - width, baseline}, style);
     const double y = baseline - 4.5 * unit;
     const double end = right - width - 7.0 * unit;
-    painter.Line({end - 20.0 * unit, y}, {end, y}, entry.color, 3.0 * unit);
+    const Rect sample = {end - 20.0 * unit, y - 1.5 * unit, 20.0 * unit, 3.0 * unit};
+    if (entry.from_white) {
+      painter.FillGradientAcross({sample.x, y - 5.0 * unit, sample.width, 10.0 * unit},
+                                 palette::kCard, entry.color);
+    } else {
+      painter.Fill(sample, entry.color);
+    }
     right = end - 20.0 * unit - 18.0 * unit;
   }
   return right;
@@ -358,14 +392,17 @@ void ComparisonPicture::DrawCurves(Painter& painter, int place, int frame) const
                       palette::kCommand, 1.3, false});
   }
   angles.push_back({Column(*input_.true_angle_rad, input_.joint), palette::kTrue, 1.5, true});
-  std::vector<Curve> errors;
+  std::vector<Curve> errors, trembling;
   for (int pane = input_.overlay ? 1 : place; pane >= place; --pane) {  // the first one on top
     const Signal& hand_rad = *input_.panes[pane].hand_angle_rad;
     angles.push_back({Column(hand_rad, input_.joint), ColorOf(pane), 2.0, true});
-    errors.push_back({Column(errors_[pane], 0), ColorOf(pane), 2.0, true});
+    errors.push_back({Column(errors_[pane], 0), ColorOf(pane), 2.0, true, true});
+    trembling.push_back({Column(trembling_[pane], 0), ColorOf(pane), 1.0});
   }
-  if (!angle_plots_.empty()) angle_plots_[place].Draw(painter, frame, angles);
   error_plots_[place].Draw(painter, frame, errors);
+  if (angle_plots_.empty()) return;
+  angle_plots_[place].Draw(painter, frame, angles);
+  trembling_plots_[place].Draw(painter, frame, trembling);
 }
 
 void ComparisonPicture::DrawView(Painter& painter, int pane, const DrawnHands& hands) const {

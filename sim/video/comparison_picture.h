@@ -7,6 +7,7 @@
 #include "sim/video/curve_plot.h"
 #include "sim/video/frame_clock.h"
 #include "sim/video/ghost.h"
+#include "sim/video/hand_colours.h"
 #include "sim/video/hand_view.h"
 #include "sim/video/image.h"
 #include "sim/video/running_scores.h"
@@ -35,6 +36,7 @@ class ComparisonPicture {
   /// Of the pictures of hands that Draw() expects.
   int view_width_px() const;
   int view_height_px() const;
+  const ColourScale& colour_scale() const { return colour_scale_; }
   const RunningScores& scores(int pane) const { return scores_[pane]; }
   /// The sample that a pane shows: its last one where a trial was stopped before.
   int SampleOf(int pane, int frame) const;
@@ -57,6 +59,8 @@ class ComparisonPicture {
   bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }
   AngleScale ScaleOfAngles() const;
   AngleScale ScaleOfErrors() const;
+  AngleScale ScaleOfTrembling() const;
+  Signal TremblingOf(const VideoPane& pane) const;
   void DrawBackground();
   void DrawHeader(Painter& painter) const;
   /// Returns where it begins.
@@ -77,11 +81,15 @@ class ComparisonPicture {
   const VideoInput& input_;
   FrameClock clock_;
   VideoLayout layout_;
-  std::vector<int> measured_joints_;  // all, where the input names none
+  std::vector<int> measured_joints_;
+  ColourScale colour_scale_;
   std::vector<RunningScores> scores_;
-  std::vector<Signal> errors_;  // per pane: of the joint that is drawn, hand less wearer [rad]
-  std::vector<CurvePlot> angle_plots_;  // per place of the layout; none where there is no room
+  std::vector<Signal> errors_;     // per pane: of the joint that is drawn, hand less wearer [rad]
+  std::vector<Signal> trembling_;  // likewise: of the hand, not a number near the ends
+  // Per place of the layout.
   std::vector<CurvePlot> error_plots_;
+  std::vector<CurvePlot> angle_plots_;      // none where there is no room
+  std::vector<CurvePlot> trembling_plots_;  // likewise
   Image background_;
 };
 

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
+#include <numeric>
 #include <vector>
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
-#include "sim/base/signal_storage.h"
-#include "sim/score/motors.h"
 #include "sim/video/comparison_picture.h"
 #include "sim/video/ghost.h"
+#include "sim/video/hand_colours.h"
 #include "sim/video/hand_view.h"
 #include "sim/video/ordered_frames.h"
 #include "sim/video/osmesa_renderer.h"
@@ -21,18 +20,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-/// The largest pull of a cable in any pane, which the colours of all are measured by; 0 if no
-/// tension is known.
-double LargestTension_n(const VideoInput& input) {
-  double largest_n = 0.0;
-  for (const VideoPane& pane : input.panes) {
-    if (pane.tension_n == nullptr || pane.tension_n->size() == 0) continue;
-    largest_n = std::max(largest_n, pane.tension_n->maxCoeff());
-    TrimSignals();
-  }
-  return largest_n;
-}
 
 /// Which frames of a video show what: first the question, then the motion, then the verdict.
 struct FrameRanges {
@@ -82,7 +69,7 @@ std::vector<Chapter> ChaptersOf(const VideoInput& input, const FrameClock& clock
 class FrameArtist {
  public:
   FrameArtist(const VideoInput& input, const HandModel& hand, const ComparisonPicture& picture,
-              const HandView& view, double largest_tension_n)
+              const HandView& view)
       : input_(input),
         hand_(hand),
         picture_(picture),
@@ -91,11 +78,8 @@ class FrameArtist {
         data_(MakeData(hand)),
         ghost_(palette::kTrue, picture.outline_px()),
         second_(palette::kSecondHand, picture.outline_px()),
-        largest_tension_n_(largest_tension_n),
+        colours_(input, hand, picture.colour_scale()),
         hands_(input.panes.size()) {
-    for (const std::string& cable : hand.cable_names()) {
-      tendon_of_cable_.push_back(mj_name2id(&hand.model(), mjOBJ_TENDON, cable.c_str()));
-    }
     if (!hand.grasp().exists()) return;
     // The support stands where the object stood when the trial began.
     SetWearer(input, hand, 0, *data_);
@@ -109,8 +93,9 @@ class FrameArtist {
       ghost_.Take(drawn_);
     }
     for (std::size_t i = 0; i < input_.panes.size(); ++i) {
-      SetPane(input_.panes[i], hand_, picture_.SampleOf(i, frame), *data_);
-      renderer_.Draw(*data_, hands_[i], SharesOfPull(input_.panes[i], picture_.SampleOf(i, frame)));
+      const int pane = static_cast<int>(i), sample = picture_.SampleOf(pane, frame);
+      SetPane(input_.panes[i], hand_, sample, *data_);
+      renderer_.Draw(*data_, hands_[i], colours_.Of(pane, sample));
     }
     if (input_.overlay) second_.Take(hands_[1]);
     picture_.Draw(frame, {.panes = hands_, .wearer = ghost_, .second = second_, .view = view_},
@@ -118,20 +103,6 @@ class FrameArtist {
   }
 
  private:
-  /// Per cable of the model the share of the largest pull; 0 where it is slack, by the rule of
-  /// slack_share. Empty where no tension is known.
-  std::span<const float> SharesOfPull(const VideoPane& pane, int sample) {
-    shares_.clear();
-    if (pane.tension_n == nullptr || !(largest_tension_n_ > 0.0)) return shares_;
-    shares_.assign(hand_.model().ntendon, 0.0f);
-    for (std::size_t cable = 0; cable < tendon_of_cable_.size(); ++cable) {
-      const double tension_n = (*pane.tension_n)(sample, static_cast<Eigen::Index>(cable));
-      if (tendon_of_cable_[cable] < 0 || !(tension_n > kSlackTension_n)) continue;
-      shares_[tendon_of_cable_[cable]] = static_cast<float>(tension_n / largest_tension_n_);
-    }
-    return shares_;
-  }
-
   const VideoInput& input_;
   const HandModel& hand_;
   const ComparisonPicture& picture_;
@@ -141,20 +112,24 @@ class FrameArtist {
   Image drawn_;
   Ghost ghost_;
   Ghost second_;
-  double largest_tension_n_;
+  HandColours colours_;
   std::vector<Image> hands_;
-  std::vector<int> tendon_of_cable_;  // -1: the model draws none
-  std::vector<float> shares_;
 };
 
 }  // namespace
+
+std::vector<int> MeasuredJointsOf(const VideoInput& input) {
+  if (!input.measured_joints.empty()) return input.measured_joints;
+  std::vector<int> all(static_cast<std::size_t>(input.true_angle_rad->cols()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
 
 void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                           const std::filesystem::path& target,
                           const std::function<bool(int, int)>& progress) {
   const ComparisonPicture picture(input);
   const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
-  const double largest_tension_n = LargestTension_n(input);
   AtomicFile file(target);
   const FrameRanges frames = FrameRangesOf(input, picture.clock());
   const bool complete = DrawFramesInOrder(
@@ -163,7 +138,7 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
        .height_px = input.height_px,
        .jobs = input.jobs},
       [&](Frames& todo) {
-        FrameArtist artist(input, hand, picture, view, largest_tension_n);
+        FrameArtist artist(input, hand, picture, view);
         while (const auto frame = todo.Next()) {
           if (frame->number < frames.motion) {
             picture.DrawTitle(frame->image);
@@ -200,8 +175,7 @@ void WriteComparisonPng(const VideoInput& input, const HandModel& hand, double t
   }
   const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
   Image image(input.width_px, input.height_px);
-  FrameArtist(input, hand, picture, view, LargestTension_n(input))
-      .Draw(static_cast<int>(frame), image);
+  FrameArtist(input, hand, picture, view).Draw(static_cast<int>(frame), image);
   WritePng(image, target);
 }
 

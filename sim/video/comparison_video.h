@@ -55,6 +55,9 @@ struct VideoInput {
   int jobs = 2;
 };
 
+/// The joints whose scores count.
+std::vector<int> MeasuredJointsOf(const VideoInput& input);
+
 /// Draws off-screen and encodes frame by frame, so memory does not grow with the length. Each
 /// library works in processes of its own (ordered_frames.h): no other thread may run meanwhile.
 /// The file appears under its name only when it is whole.

@@ -15,7 +15,7 @@ constexpr double kWindow_s = 4.0;      // about: then jitter of 10 Hz is 7 px wi
 constexpr double kHeadRoom = 5.0;      // pixels right of the newest value
 constexpr double kNoisyShare = 0.005;  // of the noisiest values that may lie outside, each side
 constexpr double kRangeMargin = 0.06;  // of the range, free above and below
-constexpr double kSmallestRange_deg = 2.0;
+constexpr double kFillOpacity = 0.3;
 constexpr double kTargetTicks = 3.5;
 constexpr double kMinTimeTick_px = 52.0;
 constexpr int kMaxTimeTicks = 8;
@@ -50,7 +50,8 @@ void IncludeMost(std::span<const double> angle_rad, AngleScale& scale) {
 }  // namespace
 
 AngleScale ChooseAngleScale(std::span<const std::span<const double>> whole,
-                            std::span<const std::span<const double>> noisy) {
+                            std::span<const std::span<const double>> noisy,
+                            double smallest_range_deg) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   AngleScale scale{.low_deg = kInfinity, .high_deg = -kInfinity};
   for (const auto& curve : whole) {
@@ -59,10 +60,10 @@ AngleScale ChooseAngleScale(std::span<const std::span<const double>> whole,
   for (const auto& curve : noisy) IncludeMost(curve, scale);
   if (scale.low_deg > scale.high_deg) scale.low_deg = scale.high_deg = 0.0;
   const double middle = 0.5 * (scale.low_deg + scale.high_deg);
-  const double range = std::max(scale.high_deg - scale.low_deg, kSmallestRange_deg);
+  const double range = std::max(scale.high_deg - scale.low_deg, smallest_range_deg);
   scale.low_deg = middle - (0.5 + kRangeMargin) * range;
   scale.high_deg = middle + (0.5 + kRangeMargin) * range;
-  constexpr double kSteps[] = {0.5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 180};
+  constexpr double kSteps[] = {0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 180};
   scale.tick_deg = UsualStep(range / kTargetTicks, kSteps);
   return scale;
 }
@@ -166,6 +167,11 @@ void CurvePlot::Draw(Painter& painter, int frame, std::span<const Curve> curves)
     if (end > clock_.first) {
       const double x = area_.x + (end - 1 - clock_.first) * px_per_sample_ - scrolled_px;
       points.push_back({x, HeightOf(kDegPerRad * curve.angle_rad[end - 1])});
+    }
+    if (curve.filled) {
+      Color fill = curve.color;
+      fill.alpha = kFillOpacity;
+      painter.FillBetween(points, HeightOf(0.0), fill);
     }
     painter.Polyline(points, curve.color, curve.line_width * unit_);
     if (curve.head && end > clock_.first) painter.Dot(points.back(), 3.2 * unit_, curve.color);

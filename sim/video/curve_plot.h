@@ -22,11 +22,14 @@ struct Curve {
   Color color;
   double line_width = 1.5;  // at 1280 x 720
   bool head = false;        // a dot at the newest value
+  bool filled = false;      // down or up to zero
 };
 
-/// A range that shows all of `whole` and, of the noisy curves, all but the rarest peaks.
+/// A range that shows all of `whole` and, of the noisy curves, all but the rarest peaks; not less
+/// than `smallest_range_deg`.
 AngleScale ChooseAngleScale(std::span<const std::span<const double>> whole,
-                            std::span<const std::span<const double>> noisy);
+                            std::span<const std::span<const double>> noisy,
+                            double smallest_range_deg = 2.0);
 
 /// Curves over a window of about four seconds of the video, which first fills and then scrolls.
 ///

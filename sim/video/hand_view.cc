@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "sim/base/error.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr int kPosturesLookedAt = 25;  // evenly over the motion, of each hand
 constexpr double kMoves_m = 0.003;     // less is not seen
-constexpr double kMovesShare = 0.15;   // of what moves most: less is not what the picture is about
+constexpr double kMovesShare = 0.3;    // of what moves most: less is not what the picture is about
 constexpr double kFingertipRate_hz = 250.0;  // a trembling of 10 Hz is a wave of 25 points
 
 std::vector<double> Row(const Signal& signal, int sample) {
@@ -134,6 +135,27 @@ std::vector<int> ShapesThatMatter(const VideoInput& input, const HandModel& hand
   return shapes;
 }
 
+/// The first body beyond the palm on the way from it to a body; -1 where that is not beyond it.
+int FingerOf(const mjModel& model, int body) {
+  const int palm = mj_name2id(&model, mjOBJ_BODY, "palm");
+  while (body > 0 && model.body_parentid[body] != palm) body = model.body_parentid[body];
+  return body > 0 ? body : -1;
+}
+
+/// Of the shapes only those of all fingers, or of the one that a joint is in; all where that leaves
+/// none, as for a joint of the wrist.
+void KeepFramed(const HandModel& hand, Framed framed, int joint, std::vector<int>& shapes) {
+  if (framed == Framed::kWhatMoves) return;
+  const mjModel& model = hand.model();
+  const int chosen = FingerOf(model, model.jnt_bodyid[hand.joints()[joint].joint]);
+  std::vector<int> kept;
+  std::ranges::copy_if(shapes, std::back_inserter(kept), [&](int geom) {
+    const int finger = FingerOf(model, model.geom_bodyid[geom]);
+    return finger >= 0 && (framed == Framed::kFingers || finger == chosen);
+  });
+  if (!kept.empty()) shapes = kept;
+}
+
 /// Pixels of the tip of the finger of `joint`, for some samples of joint angles.
 class FingertipTracker {
  public:
@@ -213,7 +235,8 @@ void SetPane(const VideoPane& pane, const HandModel& hand, int sample, mjData& d
 HandView::HandView(const VideoInput& input, const HandModel& hand, int width_px, int height_px)
     : width_px_(width_px),
       height_px_(height_px),
-      camera_(FindCamera(hand.model(), input.camera, width_px < height_px)) {
+      view_(CameraViewOf(input.camera)),
+      camera_(FindCamera(hand.model(), view_.camera, width_px < height_px)) {
   fingertips_.resize(input.panes.size());
   const DataOfModel data = MakeData(hand);
   if (!camera_) return;
@@ -235,7 +258,7 @@ HandView::HandView(const VideoInput& input, const HandModel& hand, int width_px,
 RendererConfig HandView::RendererOf(const VideoInput& input) const {
   return {.width_px = width_px_,
           .height_px = height_px_,
-          .camera = input.camera,
+          .camera = view_.camera,
           .window = window_,
           .supersampling = input.look.supersampling,
           .shadows = input.look.shadows,
@@ -246,7 +269,8 @@ RendererConfig HandView::RendererOf(const VideoInput& input) const {
 
 std::optional<CameraWindow> HandView::FrameWhatMoves(const VideoInput& input, const HandModel& hand,
                                                      mjData& data) const {
-  const std::vector<int> shapes = ShapesThatMatter(input, hand, *camera_, bodies_, data);
+  std::vector<int> shapes = ShapesThatMatter(input, hand, *camera_, bodies_, data);
+  KeepFramed(hand, view_.framed, input.joint, shapes);
   if (shapes.empty()) return std::nullopt;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   CameraWindow shown = {kInfinity, -kInfinity, kInfinity, -kInfinity};

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/hand/camera_view.h"
 #include "sim/hand/hand_model.h"
 #include "sim/video/camera_window.h"
 #include "sim/video/comparison_video.h"
@@ -64,6 +65,7 @@ class HandView {
 
   int width_px_;
   int height_px_;
+  CameraView view_;
   std::optional<int> camera_;
   std::vector<bool> bodies_;
   std::optional<CameraWindow> window_;

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/video/scene_geoms.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -171,8 +170,7 @@ struct OsmesaRenderer::Context {
     mjv_makeScene(&model, &scene, kMaxGeoms);
   }
 
-  void UpdateScene(mjData& data, const std::vector<bool>* only,
-                   std::span<const float> cable_share) {
+  void UpdateScene(mjData& data, const std::vector<bool>* only, const SceneColours& colours) {
     mjv_updateScene(&model, &data, &option, nullptr, &camera, mjCAT_ALL, &scene);
     scene.flags[mjRND_SHADOW] = config.shadows;
     scene.flags[mjRND_REFLECTION] = 0;  // draws everything twice
@@ -181,7 +179,7 @@ struct OsmesaRenderer::Context {
     if (!config.ground) RemovePlanes(scene);
     if (only != nullptr) KeepBodies(scene, model, *only);
     if (config.plain_cables) FlattenCables(scene);
-    ColourCables(scene, cable_share);
+    ColourScene(scene, model, colours);
     if (config.window) {
       ShowWindow(scene, *config.window);
     } else if (IsTall(config) && !IsMadeForTall(model, config)) {
@@ -223,10 +221,10 @@ struct OsmesaRenderer::Context {
     }
   }
 
-  void Draw(mjData& data, const std::vector<bool>* only, std::span<const float> cable_share,
+  void Draw(mjData& data, const std::vector<bool>* only, const SceneColours& colours,
             Image& picture) {
     MakeCurrent();
-    UpdateScene(data, only, cable_share);
+    UpdateScene(data, only, colours);
     mjr_render({0, 0, drawn_width(), drawn_height()}, &scene, &drawing);
     drawn.resize(std::ptrdiff_t{drawn_width()} * drawn_height());
     glReadPixels(0, 0, drawn_width(), drawn_height(), GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
@@ -251,8 +249,8 @@ OsmesaRenderer::OsmesaRenderer(const mjModel& model, const RendererConfig& confi
 
 OsmesaRenderer::~OsmesaRenderer() = default;
 
-void OsmesaRenderer::Draw(mjData& data, Image& picture, std::span<const float> cable_share) {
-  context_->Draw(data, nullptr, cable_share, picture);
+void OsmesaRenderer::Draw(mjData& data, Image& picture, const SceneColours& colours) {
+  context_->Draw(data, nullptr, colours, picture);
 }
 
 void OsmesaRenderer::DrawBodies(mjData& data, const std::vector<bool>& chosen, Image& picture) {

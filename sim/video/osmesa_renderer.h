@@ -4,12 +4,12 @@
 
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "sim/video/camera_window.h"
 #include "sim/video/image.h"
+#include "sim/video/scene_geoms.h"
 
 namespace gauntlet::sim {
 
@@ -50,8 +50,7 @@ class OsmesaRenderer {
   OsmesaRenderer& operator=(const OsmesaRenderer&) = delete;
 
   /// The posture in `data`, whose kinematics are computed, as a picture of the configured size.
-  /// `cable_share`: see ColourCables().
-  void Draw(mjData& data, Image& picture, std::span<const float> cable_share = {});
+  void Draw(mjData& data, Image& picture, const SceneColours& colours = {});
   /// The same of some bodies only, chosen by their numbers, and without cables.
   void DrawBodies(mjData& data, const std::vector<bool>& chosen, Image& picture);
 

@@ -85,9 +85,18 @@ void Painter::Fill(const Rect& rect, const Color& color, double radius) {
 }
 
 void Painter::FillGradient(const Rect& rect, const Color& top, const Color& bottom) {
-  cairo_pattern_t* gradient = cairo_pattern_create_linear(0.0, rect.y, 0.0, rect.bottom());
-  cairo_pattern_add_color_stop_rgb(gradient, 0.0, top.red, top.green, top.blue);
-  cairo_pattern_add_color_stop_rgb(gradient, 1.0, bottom.red, bottom.green, bottom.blue);
+  FillGradient(rect, {rect.x, rect.y}, {rect.x, rect.bottom()}, top, bottom);
+}
+
+void Painter::FillGradientAcross(const Rect& rect, const Color& left, const Color& right) {
+  FillGradient(rect, {rect.x, rect.y}, {rect.right(), rect.y}, left, right);
+}
+
+void Painter::FillGradient(const Rect& rect, Point from, Point to, const Color& first,
+                           const Color& last) {
+  cairo_pattern_t* gradient = cairo_pattern_create_linear(from.x, from.y, to.x, to.y);
+  cairo_pattern_add_color_stop_rgb(gradient, 0.0, first.red, first.green, first.blue);
+  cairo_pattern_add_color_stop_rgb(gradient, 1.0, last.red, last.green, last.blue);
   cairo_set_source(cairo_, gradient);
   Trace(rect, 0.0);
   cairo_fill(cairo_);
@@ -122,6 +131,25 @@ void Painter::Polyline(std::span<const Point> points, const Color& color, double
   SetColor(cairo_, color);
   cairo_set_line_width(cairo_, line_width);
   cairo_stroke(cairo_);
+}
+
+void Painter::FillBetween(std::span<const Point> points, double y, const Color& color) {
+  const auto finite = [](const Point& point) {
+    return std::isfinite(point.x) && std::isfinite(point.y);
+  };
+  for (auto begin = points.begin(); begin != points.end();) {
+    const auto first = std::find_if(begin, points.end(), finite);
+    const auto end = std::find_if_not(first, points.end(), finite);
+    if (first != end) {
+      cairo_move_to(cairo_, first->x, y);
+      for (const Point& point : std::span(first, end)) cairo_line_to(cairo_, point.x, point.y);
+      cairo_line_to(cairo_, std::prev(end)->x, y);
+      cairo_close_path(cairo_);
+    }
+    begin = end;
+  }
+  SetColor(cairo_, color);
+  cairo_fill(cairo_);
 }
 
 void Painter::Dot(Point center, double radius, const Color& color) {

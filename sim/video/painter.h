@@ -49,10 +49,13 @@ class Painter {
 
   void Fill(const Rect& rect, const Color& color, double radius = 0.0);
   void FillGradient(const Rect& rect, const Color& top, const Color& bottom);
+  void FillGradientAcross(const Rect& rect, const Color& left, const Color& right);
   void Outline(const Rect& rect, const Color& color, double line_width, double radius);
   void Line(Point from, Point to, const Color& color, double line_width);
   /// A point that is not finite interrupts the line.
   void Polyline(std::span<const Point> points, const Color& color, double line_width);
+  /// Between a line and a height; a point that is not finite interrupts both.
+  void FillBetween(std::span<const Point> points, double y, const Color& color);
   void Dot(Point center, double radius, const Color& color);
   /// `picture` over what is there, its top left corner at whole pixels.
   void Picture(const Image& picture, int x, int y, double opacity = 1.0);
@@ -67,6 +70,7 @@ class Painter {
   void Unclip();
 
  private:
+  void FillGradient(const Rect& rect, Point from, Point to, const Color& first, const Color& last);
   void UseFont(const TextStyle& style);
   void Trace(const Rect& rect, double radius);
 

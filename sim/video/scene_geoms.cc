@@ -42,6 +42,24 @@ struct Cone {
   }
 };
 
+void ColourCable(mjvGeom& geom, float share) {
+  constexpr std::array<float, 3> kSlack = {1.0f, 1.0f, 1.0f};
+  constexpr std::array<float, 3> kPullsLittle = {0.45f, 0.38f, 0.20f};
+  constexpr std::array<float, 3> kPullsMost = {0.95f, 0.25f, 0.10f};
+  const float pull = std::min(share, 1.0f);
+  for (int i = 0; i < 3; ++i) {
+    geom.rgba[i] =
+        pull > 0.0f ? std::lerp(kPullsLittle[i], kPullsMost[i], std::sqrt(pull)) : kSlack[i];
+  }
+}
+
+void ColourLink(mjvGeom& geom, float share, const Color& full) {
+  const double parts[] = {full.red, full.green, full.blue};
+  for (int i = 0; i < 3; ++i) {
+    geom.rgba[i] = std::lerp(geom.rgba[i], static_cast<float>(parts[i]), share);
+  }
+}
+
 }  // namespace
 
 void RemovePlanes(mjvScene& scene) {
@@ -58,16 +76,12 @@ void FlattenCables(mjvScene& scene) {
   }
 }
 
-void ColourCables(mjvScene& scene, std::span<const float> share) {
-  constexpr std::array<float, 3> kSlack = {1.0f, 1.0f, 1.0f};
-  constexpr std::array<float, 3> kPullsLittle = {0.45f, 0.38f, 0.20f};
-  constexpr std::array<float, 3> kPullsMost = {0.95f, 0.25f, 0.10f};
+void ColourScene(mjvScene& scene, const mjModel& model, const SceneColours& colours) {
   for (mjvGeom& geom : std::span(scene.geoms, scene.ngeom)) {
-    if (geom.objtype != mjOBJ_TENDON || geom.objid >= std::ssize(share)) continue;
-    const float pull = std::min(share[geom.objid], 1.0f);
-    for (int i = 0; i < 3; ++i) {
-      geom.rgba[i] =
-          pull > 0.0f ? std::lerp(kPullsLittle[i], kPullsMost[i], std::sqrt(pull)) : kSlack[i];
+    if (geom.objtype == mjOBJ_TENDON && geom.objid < std::ssize(colours.cable_share)) {
+      ColourCable(geom, colours.cable_share[geom.objid]);
+    } else if (geom.objtype == mjOBJ_GEOM && !colours.link_share.empty()) {
+      ColourLink(geom, colours.link_share[model.geom_bodyid[geom.objid]], colours.link);
     }
   }
 }

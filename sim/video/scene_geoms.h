@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/video/camera_window.h"
+#include "sim/video/palette.h"
 
 namespace gauntlet::sim {
 
@@ -17,10 +18,17 @@ void RemovePlanes(mjvScene& scene);
 /// Cables as bars of four sides, not as round ones.
 void FlattenCables(mjvScene& scene);
 
-/// By how it pulls: white where it is slack, else from brown to red with the root of its share of
-/// the largest pull, so that small pulls differ, too. `share`: per cable of the model, 0 .. 1; 0 is
-/// slack. Empty: as the model has them.
-void ColourCables(mjvScene& scene, std::span<const float> share);
+/// What colours say in one drawing. Where nothing is given: as the model has them.
+struct SceneColours {
+  /// Per cable of the model, how it pulls, 0 .. 1: white where it is slack (0), else from brown to
+  /// red with the root of the share, so that small pulls differ, too.
+  std::span<const float> cable_share{};
+  /// Per body of the model, how far from the model's colour (0) to `link` (1).
+  std::span<const float> link_share{};
+  Color link = palette::kHand;
+};
+
+void ColourScene(mjvScene& scene, const mjModel& model, const SceneColours& colours);
 
 /// Leaves only shapes of the bodies chosen by their numbers.
 void KeepBodies(mjvScene& scene, const mjModel& model, const std::vector<bool>& chosen);

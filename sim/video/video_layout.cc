@@ -23,9 +23,10 @@ constexpr double kScoreGap = 16.0;
 constexpr double kAngleLabelWidth = 28.0;
 constexpr double kTimeLabelHeight = 18.0;
 constexpr double kPlotCaptionHeight = 22.0;
-constexpr double kPlotShare = 0.46;  // of what hand and curves have together
-constexpr double kMaxPlotHeight = 236.0;
-constexpr double kAngleShare = 0.3;  // of both plots, without their labels
+constexpr double kPlotShare = 0.5;  // of what hand and curves have together
+constexpr double kMaxPlotHeight = 280.0;
+constexpr double kAngleShare = 0.24;  // of all plots, without their labels
+constexpr double kTremblingShare = 0.3;
 constexpr double kViewShare = 0.45;  // of a pane's width, where the hand stands beside
 
 Rect Rounded(const Rect& rect) {
@@ -33,15 +34,25 @@ Rect Rounded(const Rect& rect) {
   return {x, y, std::round(rect.right()) - x, std::round(rect.bottom()) - y};
 }
 
-/// The plots' areas between two heights: captions above each, labels on the left and below.
-void PlacePlots(double left, double right, double top, double bottom, bool both, double unit,
+/// The plots' areas between two heights: captions above each, labels on the left and below. Either
+/// all of them, or only the error.
+void PlacePlots(double left, double right, double top, double bottom, bool all, double unit,
                 PaneLayout& pane) {
   const double x = left + kAngleLabelWidth * unit, caption = kPlotCaptionHeight * unit;
-  const double height = bottom - kTimeLabelHeight * unit - top - (both ? 2.0 : 1.0) * caption;
-  const double angle = both ? kAngleShare * height : 0.0;
-  pane.angle = Rounded({x, top + caption, right - x, angle});
-  const double below = both ? pane.angle.bottom() + caption : top + caption;
-  pane.error = Rounded({x, below, right - x, height - angle});
+  const double height = bottom - kTimeLabelHeight * unit - top - (all ? 3.0 : 1.0) * caption;
+  double y = top;
+  const auto place = [&](double share) {
+    const Rect plot = Rounded({x, y + caption, right - x, share * height});
+    y = plot.bottom();
+    return plot;
+  };
+  if (!all) {
+    pane.error = place(1.0);
+    return;
+  }
+  pane.angle = place(kAngleShare);
+  pane.error = place(1.0 - kAngleShare - kTremblingShare);
+  pane.trembling = place(kTremblingShare);
 }
 
 Rect TitleOf(const Rect& card, double unit) {
@@ -64,8 +75,8 @@ PaneLayout LayOutTallPane(const Rect& card, double unit) {
   return pane;
 }
 
-/// Below the title the hand on the left; on the right the two numbers and the error, or both plots.
-PaneLayout LayOutBesideHand(const Rect& card, bool both_plots, double unit) {
+/// Below the title the hand on the left; on the right the two numbers and the error, or all plots.
+PaneLayout LayOutBesideHand(const Rect& card, bool all_plots, double unit) {
   const double padding = kPadding * unit;
   PaneLayout pane = {.card = card, .title = TitleOf(card, unit)};
   pane.view = Rounded(
@@ -75,7 +86,7 @@ PaneLayout LayOutBesideHand(const Rect& card, bool both_plots, double unit) {
   pane.tracking = Rounded({left, pane.title.bottom(), right - left, height});
   pane.jitter = Rounded({left, pane.tracking.bottom(), right - left, height});
   PlacePlots(left - 0.5 * padding, right, pane.jitter.bottom(), card.bottom() - 0.5 * padding,
-             both_plots, unit, pane);
+             all_plots, unit, pane);
   return pane;
 }
 

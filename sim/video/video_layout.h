@@ -21,6 +21,7 @@ struct PaneLayout {
   // The plots' areas, without their labels.
   Rect angle{};  // no height where only the error has room
   Rect error{};
+  Rect trembling{};  // as the angle
 };
 
 struct VideoLayout {

@@ -205,6 +205,8 @@ const std::vector<Step>& Walk() {
       {"video.channel=nose", kRefused},
       {"video.channel=index_mcp", kKeeps, {}, kFive},
       {"video.camera=arm", kKeeps},
+      {"video.camera=fingers", kKeeps},
+      {"video.camera=close_up", kKeeps},
       {"video.camera=nose", kRefused},
       {"video.width_px=480", kKeeps},
       {"video.width_px=3840", kKeeps},

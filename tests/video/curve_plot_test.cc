@@ -100,6 +100,22 @@ TEST(CurvePlot, ShowsASpikeOfOneSample) {
   EXPECT_GT(highest, 80.0);
 }
 
+TEST(CurvePlot, FillsDownToZero) {
+  const std::vector<double> angle_rad(3000, kRadPerDeg * 50.0);
+  Image image(260, 140);
+  image.pixels.assign(image.pixels.size(), kWhite);
+  Painter painter(image);
+  const CurvePlot plot(kArea, 1.0, kScale, FrameClock(1000.0, 30, 3000, {}));
+  const Curve curves[] = {{.angle_rad = angle_rad, .color = kBlack, .filled = true}};
+  plot.Draw(painter, 60, curves);
+  const auto brightness = [&](double angle_deg) {
+    return image.Row(static_cast<int>(kArea.bottom() - angle_deg))[10 + 50] & 255;
+  };
+  EXPECT_EQ(brightness(60.0), 255u);
+  EXPECT_LT(brightness(50.0), 64u);
+  for (const double inside_deg : {40.0, 20.0, 2.0}) EXPECT_NEAR(brightness(inside_deg), 178, 2);
+}
+
 TEST(CurvePlot, LeavesAGapWhereValuesAreMissing) {
   std::vector<double> angle_deg(3000, 30.0);
   for (int i = 1000; i < 1500; ++i) angle_deg[i] = NAN;

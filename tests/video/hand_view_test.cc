@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "tests/video/small_comparison.h"
@@ -41,6 +43,36 @@ TEST(HandView, FingersThatMoveFillThePicture) {
   EXPECT_LT(bottom, kHeight_px);
   // From the middle of the last phalanx to that of the palm is less than the hand.
   EXPECT_GT(std::max((right - left) / kWidth_px, (bottom - top) / kHeight_px), 0.5);
+}
+
+// Four fingers bend at their first joint: all with the palm, without it, and the index alone.
+TEST(HandView, FramesTheFingersOrTheOneOfTheChannel) {
+  SmallComparison comparison;
+  const auto size_of = [&](const char* camera) {
+    comparison.input.camera = camera;
+    const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px);
+    return view.window().value().height();
+  };
+  const double hand = size_of("hand"), fingers = size_of("fingers"), finger = size_of("close_up");
+  EXPECT_LT(fingers, 0.95 * hand);
+  EXPECT_LT(finger, 0.95 * fingers);
+}
+
+TEST(HandView, WhereTheChannelIsOfNoFingerACloseUpShowsWhatMoves) {
+  SmallComparison comparison;
+  Signal bent = Signal::Zero(SmallComparison::kSamples, std::ssize(kChannels));
+  const auto wrist = std::ranges::find(kChannels, "wrist_flexion") - kChannels.begin();
+  ASSERT_LT(wrist, std::ssize(kChannels));
+  for (int i = 0; i < SmallComparison::kSamples; ++i) bent(i, wrist) = 0.001 * i;
+  comparison.input.true_angle_rad = &bent;
+  for (VideoPane& pane : comparison.input.panes) pane.hand_angle_rad = &bent;
+  comparison.input.joint = static_cast<int>(wrist);
+  comparison.input.camera = "hand";
+  const auto hand = HandView(comparison.input, TheHand(), kWidth_px, kHeight_px).window();
+  comparison.input.camera = "close_up";
+  const auto close_up = HandView(comparison.input, TheHand(), kWidth_px, kHeight_px).window();
+  ASSERT_TRUE(hand && close_up);
+  EXPECT_EQ(close_up->height(), hand->height());
 }
 
 TEST(HandView, NothingIsFramedWhereNothingMoves) {

@@ -175,14 +175,29 @@ TEST(OsmesaRenderer, CablesHaveTheColourOfTheirPull) {
   renderer.Draw(model.data(), picture);
   EXPECT_GT(Green(colour(25)), Red(colour(25)) + 50u);  // as the model has it
   const std::vector<float> slack_and_pulling = {0.0f, 1.0f};
-  renderer.Draw(model.data(), picture, slack_and_pulling);
+  renderer.Draw(model.data(), picture, {.cable_share = slack_and_pulling});
   EXPECT_NEAR(Red(colour(25)), Green(colour(25)), 2);
   EXPECT_NEAR(Red(colour(25)), Blue(colour(25)), 2);
   EXPECT_GT(Red(colour(75)), 2u * Green(colour(75)));
   const std::vector<float> hardly = {0.0f, 0.01f};
   const auto most = Red(colour(75));
-  renderer.Draw(model.data(), picture, hardly);
+  renderer.Draw(model.data(), picture, {.cable_share = hardly});
   EXPECT_LT(Red(colour(75)), most);
+}
+
+TEST(OsmesaRenderer, LinksHaveTheColourOfTheirError) {
+  TinyModel model(kShapes);  // a red box in a body of its own, a green ball in the world
+  mj_forward(&model.model(), &model.data());
+  OsmesaRenderer renderer(model.model(), {.width_px = 100, .height_px = 100, .camera = "front"});
+  Image picture;
+  const auto box = [&] { return picture.Row(50)[75]; };
+  for (const float share : {0.0f, 0.5f, 1.0f}) {
+    const std::vector<float> shares = {0.0f, share};
+    renderer.Draw(model.data(), picture, {.link_share = shares, .link = Rgb(0x0000ff)});
+    EXPECT_NEAR(Red(box()), 255 * (1.0 - share), 3);
+    EXPECT_NEAR(Blue(box()), 255 * share, 3);
+    EXPECT_GT(Green(picture.Row(25)[25]), 200);
+  }
 }
 
 TEST(OsmesaRenderer, AShadowDarkensTheGround) {

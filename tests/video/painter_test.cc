@@ -51,6 +51,26 @@ TEST(Painter, AValueThatIsMissingInterruptsALine) {
   EXPECT_EQ(image.Row(1)[25], 0xffffffffu);
 }
 
+TEST(Painter, FillsBetweenALineAndAHeightButNotWhereValuesAreMissing) {
+  Image image(40, 10);
+  const Point points[] = {{0.0, 2.0}, {10.0, 2.0}, {NAN, NAN}, {20.0, 8.0}, {30.0, 8.0}};
+  { Painter(image).FillBetween(points, 5.0, Rgb(0xffffff)); }
+  EXPECT_EQ(image.Row(1)[5], 0u);
+  EXPECT_EQ(image.Row(3)[5], 0xffffffffu);
+  EXPECT_EQ(image.Row(6)[5], 0u);
+  EXPECT_EQ(image.Row(3)[15], 0u);
+  EXPECT_EQ(image.Row(6)[15], 0u);
+  EXPECT_EQ(image.Row(6)[25], 0xffffffffu);
+  EXPECT_EQ(image.Row(3)[25], 0u);
+  EXPECT_EQ(image.Row(6)[35], 0u);
+}
+
+TEST(Painter, AGradientGoesFromLeftToRight) {
+  Image image(100, 2);
+  { Painter(image).FillGradientAcross({0.0, 0.0, 100.0, 2.0}, Rgb(0x000000), Rgb(0xffffff)); }
+  for (int x = 0; x < 100; ++x) EXPECT_NEAR(image.Row(1)[x] & 255, 2.55 * (x + 0.5), 3.0);
+}
+
 TEST(Painter, TabularNumbersDoNotMove) {
   Image image(10, 10);
   Painter painter(image);

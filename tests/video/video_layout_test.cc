@@ -34,8 +34,9 @@ TEST_P(EveryVideoLayout, PartsAreLargeEnoughAndDoNotOverlap) {
     EXPECT_TRUE(Apart(pane.card, layout.header));
     EXPECT_TRUE(Apart(pane.card, layout.progress));
     std::vector<Rect> parts = {pane.title, pane.view, pane.tracking, pane.jitter, pane.error};
-    if (pane.angle.height > 0.0) parts.push_back(pane.angle);
+    if (pane.angle.height > 0.0) parts.insert(parts.end(), {pane.angle, pane.trembling});
     EXPECT_EQ(pane.angle.height > 0.0, pane_count <= 4);
+    EXPECT_EQ(pane.trembling.height > 0.0, pane_count <= 4);
     for (const Rect& part : parts) {
       EXPECT_TRUE(Inside(part, pane.card));
       EXPECT_EQ(part.x, std::round(part.x));
@@ -53,13 +54,13 @@ TEST_P(EveryVideoLayout, PartsAreLargeEnoughAndDoNotOverlap) {
   }
 }
 
-TEST(VideoLayout, AnOverlayHasItsHandsBesideNumbersAndBothCurves) {
+TEST(VideoLayout, AnOverlayHasItsHandsBesideNumbersAndAllCurves) {
   for (const auto& [width, height] : {std::pair(1280, 720), {480, 270}, {1000, 1000}}) {
     const VideoLayout layout = LayOutOverlay(width, height);
     ASSERT_EQ(layout.panes.size(), 1u);
     const PaneLayout& pane = layout.panes[0];
-    const Rect parts[] = {pane.title,  pane.view,  pane.tracking,
-                          pane.jitter, pane.angle, pane.error};
+    const Rect parts[] = {pane.title, pane.view,  pane.tracking, pane.jitter,
+                          pane.angle, pane.error, pane.trembling};
     for (const Rect& part : parts) {
       EXPECT_TRUE(Inside(part, pane.card));
       EXPECT_GE(part.height, 12.0 * layout.unit);
