@@ -103,9 +103,12 @@ void ReadFiles(const YAML::Node& root, const YamlSource& source,
   const auto fail = [&](const std::string& problem) {
     throw source.At(files, controller::SettingError(std::string(kFiles), problem));
   };
-  if (source.OverrideOf(std::string(kFile)) != nullptr) return;  // one for all repetitions
-  if (motion["file"]) fail("and file cannot both be given");
   const std::string* set = source.OverrideOf(std::string(kFiles));
+  if (motion["file"]) {
+    const bool one_for_all = set == nullptr && source.OverrideOf(std::string(kFile)) != nullptr;
+    if (one_for_all) return;
+    fail("and file cannot both be given");
+  }
   RepeatedSetting list{.key = std::string(kFile), .values = {}, .set = set == nullptr ? "" : *set};
   if (files.IsScalar()) {
     const std::filesystem::path base =
@@ -120,6 +123,9 @@ void ReadFiles(const YAML::Node& root, const YamlSource& source,
     list = ReadList(source, std::string(kFiles), files);
     list.key = kFile;
     list.set = set == nullptr ? "" : *set;
+  }
+  if (set != nullptr) {  // in the place of those of the scenario
+    std::erase_if(lists, [](const RepeatedSetting& other) { return other.key == kFile; });
   }
   for (const RepeatedSetting& other : lists) {
     if (IsAtOrBelow(list.key, other.key)) {
@@ -192,9 +198,10 @@ void RemoveRepetitions(YAML::Node& root) {
   if (motion) motion.remove("files");
 }
 
-void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, YAML::Node& root,
-                   YamlSource& source) {
+void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, ListsFrom from,
+                   YAML::Node& root, YamlSource& source) {
   for (const RepeatedSetting& list : lists) {
+    if (list.set.empty() != (from == ListsFrom::kFile)) continue;
     const YAML::Node& value = list.values[i];
     const std::string place =
         list.set.empty() ? source.PlaceOf(value, list.key) : OverridePlace(list.set);

@@ -39,9 +39,12 @@ std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlS
 /// Takes all of that away, so that the tree has only what a scenario has.
 void RemoveRepetitions(YAML::Node& root);
 
-/// Puts the i-th value of each list over the tree, at the place where it stands.
-void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, YAML::Node& root,
-                   YamlSource& source);
+/// Where lists of values come from: the scenario's file, or --set.
+enum class ListsFrom { kFile, kSet };
+
+/// Puts the i-th value of each list from there over the tree, at the place where it stands.
+void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, ListsFrom from,
+                   YAML::Node& root, YamlSource& source);
 
 /// Errors: UserError at the first repetition whose glove has another rate, other channels or
 /// another nominal calibration than the first: one controller serves all.

@@ -393,14 +393,16 @@ namespace {
 
 using RepeatedSettings = std::vector<RepeatedSetting>;
 
-/// The file, the values of one repetition, then what --set puts over both.
+/// The file, the values of one repetition, then what --set puts over both: single values, then
+/// those of lists.
 YamlSource TreeOf(const ScenarioSource& text, const RepeatedSettings& lists, std::size_t repetition,
                   YAML::Node& root) {
   root.reset(ParseYaml(text.file, text.text, YamlIncludes::kAllowed));
   YamlSource source{.file = text.file};
   IncludeControllers(root, source);
-  PutRepetition(lists, repetition, root, source);
+  PutRepetition(lists, repetition, ListsFrom::kFile, root, source);
   for (const std::string& override : text.overrides) ApplyOverride(root, override, source);
+  PutRepetition(lists, repetition, ListsFrom::kSet, root, source);
   return source;
 }
 

@@ -169,6 +169,24 @@ TEST_F(RepetitionsTest, PathsOfASetAreRelativeToTheWorkingFolder) {
             std::filesystem::current_path() / "b.csv");
 }
 
+TEST_F(RepetitionsTest, FilesMayComeWithAnyPartOfTheGloveThatIsSet) {
+  const std::string motion = "{kind: recording, files: [a.csv, b.csv]}";
+  for (const std::string& set : {std::string("glove.motion.files=[a.csv, b.csv]"),
+                                 "glove.motion=" + motion, "glove={motion: " + motion + "}"}) {
+    const Scenario scenario = Load("repetitions:\n  glove.motion.file: [c.csv, d.csv, e.csv]\n",
+                                   {set}, "  motion: {kind: recording}\n");
+    ASSERT_EQ(scenario.repetitions.gloves.size(), 2u) << set;
+    EXPECT_EQ(std::get<RecordedMotionConfig>(scenario.repetitions.gloves[1].motion.settings).file,
+              std::filesystem::current_path() / "b.csv")
+        << set;
+  }
+  const auto both = [&](const std::vector<std::string>& sets) {
+    Load("", sets, "  motion: {kind: recording, file: c.csv}\n");
+  };
+  EXPECT_THROW(both({"glove.motion={kind: recording, file: c.csv, files: [a.csv]}"}), UserError);
+  EXPECT_THROW(both({"glove.motion.files=[a.csv]", "glove.motion.file=c.csv"}), UserError);
+}
+
 TEST_F(RepetitionsTest, ASetOfTheSettingIsForAllOfThem) {
   Scenario scenario = Load(kScales, {"glove.noise.variance_scale=2"});
   EXPECT_TRUE(scenario.repetitions.gloves.empty());
