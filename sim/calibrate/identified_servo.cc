@@ -85,86 +85,129 @@ std::vector<std::size_t> TellingParts(const ChainLog& log, const std::vector<Cha
   return parts;
 }
 
-/// A value within the range of its key, and a word about it if the log asks for another.
-struct ServoSetting {
-  double value = 0.0;
-  std::string note;
-};
-
-ServoSetting Within(double value, double low, double high) {
-  if (value >= low && value <= high) return {.value = value, .note = ""};
-  return {.value = std::clamp(value, low, high),
-          .note = fmt::format("; the log asks for {:.4g}, which the key does not take", value)};
-}
-
-std::string Line(const std::string& key, const ServoSetting& setting, const std::string& comment) {
-  return fmt::format("    {}: {:.4g}  # {}{}\n", key, setting.value, comment, setting.note);
-}
-
-}  // namespace
-
-std::string ServoSettingsText(const ChainLog& log, const std::vector<ChainFit>& fits,
-                              const HandModel& hand) {
+/// What the telling parts of a log say.
+struct LogOfServo {
   std::vector<double> dead_time_ms;
   std::vector<double> lag_ms;
   std::vector<double> inertia_s2;
-  std::vector<double> at_spool_deg;
+  std::vector<double> at_spool_deg;  // hysteresis
   std::vector<double> hysteresis_deg;
   std::vector<double> gain;
+};
+
+LogOfServo LogOfServoOf(const ChainLog& log, const std::vector<ChainFit>& fits,
+                        const HandModel& hand) {
+  LogOfServo of_log;
   for (const std::size_t i : TellingParts(log, fits, hand)) {
     const ChainFit& fit = fits[i];
     constexpr double kDampingOfFirstOrder = 1.5;
     const double slow_s = fit.model.lag_s / (2.0 * kDampingOfFirstOrder);
     const bool second_order = std::isfinite(fit.natural_frequency_hz.value);
-    dead_time_ms.push_back(fit.dead_time_ms.value);
-    lag_ms.push_back(fit.lag_ms.value);
-    inertia_s2.push_back(second_order ? fit.model.inertia_s2 : slow_s * slow_s);
-    hysteresis_deg.push_back(fit.hysteresis_deg.value);
-    at_spool_deg.push_back(fit.hysteresis_deg.value * SpoolPerJoint(hand, log.parts[i]));
-    gain.push_back(fit.gain.value);
+    of_log.dead_time_ms.push_back(fit.dead_time_ms.value);
+    of_log.lag_ms.push_back(fit.lag_ms.value);
+    of_log.inertia_s2.push_back(second_order ? fit.model.inertia_s2 : slow_s * slow_s);
+    of_log.hysteresis_deg.push_back(fit.hysteresis_deg.value);
+    of_log.at_spool_deg.push_back(fit.hysteresis_deg.value * SpoolPerJoint(hand, log.parts[i]));
+    of_log.gain.push_back(fit.gain.value);
   }
-  if (gain.empty()) return "";
-  const OverParts dead_time = Over(dead_time_ms);
-  const OverParts lag = Over(lag_ms);
-  const OverParts hysteresis = Over(hysteresis_deg);
-  const OverParts gains = Over(gain);
-  const UsualSpool spool = UsualSpoolOf(hand);
-  const double inertia_scale = hand.config().servo.numbers().inertia_scale;
-  const double inertia = controller::MedianOf(inertia_s2);
-  const ServoSetting error =
-      Within(inertia * spool.stall_per_inertia / inertia_scale * kDegPerRad, 0.5, 90.0);
-  // What moves the spool against its friction, as a share of the stall torque, is half the loop.
-  const double friction_share = 0.5 * controller::MedianOf(at_spool_deg) / error.value;
-  const auto parts = [](const OverParts& over) {
-    return fmt::format("{:.1f} to {:.1f} in the parts", over.low, over.high);
+  return of_log;
+}
+
+std::string Line(const std::string& key, double asked, double value, const std::string& comment) {
+  const bool within = std::abs(asked - value) <= 1e-9 * std::abs(value);
+  return fmt::format("    {}: {:.4g}  # {}{}\n", key, value, comment,
+                     within ? "" : fmt::format("; {:.4g}, which the key does not take", asked));
+}
+
+/// Per part, what the log has and what the simulated hand gives with these settings.
+std::string HysteresisOfParts(const ChainLog& log, const std::vector<ChainFit>& fits,
+                              const ServoTrial& trial) {
+  const auto value = [](const ChainFit& fit) {
+    return std::isfinite(fit.hysteresis_deg.value) ? fmt::format("{:.2f}", fit.hysteresis_deg.value)
+                                                   : "-";
   };
+  std::string text =
+      "# - What differs from part to part. Hysteresis of the log, and simulated [deg]:\n";
+  for (std::size_t i = 0; i < trial.fits.size(); ++i) {
+    const std::string& part = trial.answer.parts[i];
+    const auto in_log = std::ranges::find(log.parts, part) - log.parts.begin();
+    text += fmt::format("#     {}: {}, {}\n", part, value(fits[static_cast<std::size_t>(in_log)]),
+                        value(trial.fits[i]));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<AnsweringServo> UntriedServo(const ChainLog& log, const std::vector<ChainFit>& fits,
+                                           const HandModel& hand) {
+  const LogOfServo of_log = LogOfServoOf(log, fits, hand);
+  if (of_log.gain.empty()) return std::nullopt;
+  const UsualSpool spool = UsualSpoolOf(hand);
+  AnsweringServo servo;
+  servo.dead_time_ms = std::max(Over(of_log.dead_time_ms).median, 0.0);
+  servo.damping_ms = Over(of_log.lag_ms).median;
+  servo.inertia_scale = hand.config().servo.numbers().inertia_scale;
+  servo.full_torque_error_deg =
+      Over(of_log.inertia_s2).median * spool.stall_per_inertia / servo.inertia_scale * kDegPerRad;
+  // What moves the spool against its friction, as a share of the stall torque, is half the loop.
+  const double error_deg = servo.PutInto(hand.config()).servo.numbers().full_torque_error_deg;
+  servo.friction_scale =
+      0.5 * Over(of_log.at_spool_deg).median / error_deg / spool.friction_per_stall;
+  return servo;
+}
+
+std::string ServoSettingsText(const ChainLog& log, const std::vector<ChainFit>& fits,
+                              const HandModel& hand) {
+  const std::optional<AnsweringServo> untried = UntriedServo(log, fits, hand);
+  if (!untried) return "";
+  const std::optional<ServoTrial> trial = TryServos(log, fits, *untried, hand.config());
+  const AnsweringServo& servo = trial ? trial->servo : *untried;
+  const LogOfServo of_log = LogOfServoOf(log, fits, hand);
+  const HandConfig config = servo.PutInto(hand.config());
+  const ServoNumbers& numbers = config.servo.numbers();
+
+  const auto parts = [](const OverParts& over, int digits) {
+    return fmt::format("{:.{}f} to {:.{}f} in the parts", over.low, digits, over.high, digits);
+  };
+  const OverParts dead_time = Over(of_log.dead_time_ms);
+  const OverParts lag = Over(of_log.lag_ms);
+  const OverParts hysteresis = Over(of_log.hysteresis_deg);
+  const OverParts gain = Over(of_log.gain);
+  const double inertia_s2 = Over(of_log.inertia_s2).median;
   std::string text = fmt::format(
       "# Made by gauntlet identify of {}:\n"
-      "# the servo with which the simulated hand answers commands as that hand does. To be put "
-      "into "
-      "a\n# scenario. The hand has one servo for all its motors: each value is the median over {} "
-      "parts.\nhand:\n  servo:\n    kind: ideal\n",
-      log.name, gain.size());
-  text += Line("dead_time_ms", Within(std::max(dead_time.median, 0.0), 0.0, 500.0),
-               parts(dead_time) + "; a frame's wait is in it");
-  text += Line("damping_ms", Within(lag.median, 0.0, 100.0), "the lag, " + parts(lag));
-  text += Line("inertia_scale", {.value = inertia_scale, .note = ""}, "as a usual servo's");
-  text += Line("full_torque_error_deg", error,
-               inertia > 0.0 ? fmt::format("with it a natural frequency of {:.3g} Hz",
-                                           1.0 / (2.0 * std::numbers::pi * std::sqrt(inertia)))
-                             : "as stiff as may be");
-  text += Line("friction_scale", Within(friction_share / spool.friction_per_stall, 0.0, 100.0),
-               fmt::format("a loop of {:.2f} deg at the joint, {:.2f} to {:.2f} in the parts",
-                           hysteresis.median, hysteresis.low, hysteresis.high));
+      "# the servo with which the simulated hand answers commands as that hand does, to be put "
+      "into\n"
+      "# a scenario. The hand has one servo for all its motors; values are for the median of the\n"
+      "# parts, {}.\n"
+      "hand:\n  servo:\n    kind: ideal\n",
+      log.name,
+      trial ? "found by trials of the simulated hand with the log's commands"
+            : "not tried: the simulated hand has no such joints, or cannot be built so");
+  text += Line("dead_time_ms", servo.dead_time_ms, numbers.dead_time_ms,
+               fmt::format("the log's is {:.4g}, {}", dead_time.median, parts(dead_time, 1)));
+  text += Line("damping_ms", servo.damping_ms, numbers.damping_ms,
+               fmt::format("the log's lag is {:.4g}, {}", lag.median, parts(lag, 1)));
+  text += Line("inertia_scale", servo.inertia_scale, numbers.inertia_scale, "as a usual servo's");
   text +=
-      "  cable:\n    capstan_friction: 0  # is in friction_scale\n"
+      Line("full_torque_error_deg", servo.full_torque_error_deg, numbers.full_torque_error_deg,
+           inertia_s2 > 0.0 ? fmt::format("with it a natural frequency of {:.3g} Hz",
+                                          1.0 / (2.0 * std::numbers::pi * std::sqrt(inertia_s2)))
+                            : "as stiff as may be");
+  text += Line("friction_scale", servo.friction_scale, numbers.friction_scale,
+               fmt::format("a loop of {:.2f} deg at the joint, {}", hysteresis.median,
+                           parts(hysteresis, 2)));
+  text +=
+      "  cable:\n" + Line("capstan_friction", servo.capstan_friction, config.cable.capstan_friction,
+                          trial ? "grows with friction_scale" : "is in friction_scale");
+  text +=
       "event:\n  delay_ms: 0  # of the link; is in dead_time_ms\n"
       "# What no key of the hand has:\n"
       "# - Dry friction and backlash look alike in a log: all of it is friction here.\n";
-  text += fmt::format(
-      "# - The gain, {:.3f} ({:.3f} to {:.3f} in the parts), and the offset: a controller's "
-      "calibration.\n# - What differs from part to part.\n",
-      gains.median, gains.low, gains.high);
+  text += fmt::format("# - The gain, {:.3f} ({}), and the offset: a controller's calibration.\n",
+                      gain.median, parts(gain, 3));
+  text += trial ? HysteresisOfParts(log, fits, *trial) : "# - What differs from part to part.\n";
   return text;
 }
 

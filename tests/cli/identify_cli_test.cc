@@ -61,12 +61,15 @@ TEST_F(IdentifyCliTest, GivesAServoWithWhichTheHandAnswersAsTheLogsDid) {
   const std::string servo = Read("hidden.hand.yaml");
   EXPECT_THAT(servo,
               AllOf(HasSubstr("# Made by gauntlet identify of hidden"), HasSubstr("kind: ideal"),
-                    HasSubstr("dead_time_ms: "), HasSubstr("What no key of the hand has")));
+                    HasSubstr("dead_time_ms: "), HasSubstr("found by trials"),
+                    HasSubstr("What no key of the hand has"), HasSubstr("#     index_mcp: ")));
   const nlohmann::json again = Identified(servo, "again");
   for (const char* key : {"delay_ms", "dead_time_ms", "lag_ms"}) {
     const double was = MedianOf(hidden, key);
     EXPECT_NEAR(MedianOf(again, key), was, 0.15 * was + 2.0) << key << "\n" << servo;
   }
+  const double loop_deg = MedianOf(hidden, "hysteresis_deg");
+  EXPECT_NEAR(MedianOf(again, "hysteresis_deg"), loop_deg, 0.15 * loop_deg) << servo;
 }
 
 TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
@@ -84,6 +87,7 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_EQ(result.standard_error,
             "wrote out/claw.chain.yaml, out/claw.hand.yaml and out/claw.html\n");
+  EXPECT_THAT(Read("out/claw.hand.yaml"), HasSubstr("not tried: the simulated hand has no such"));
   const std::string page = Read("out/claw.html");
   for (const char* text : {"claw&lt;b&gt;", "command", "measured", "simulated", "hysteresis",
                            "measured less simulated", "60 to 60 ms late"}) {

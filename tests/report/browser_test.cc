@@ -28,8 +28,9 @@ namespace {
 /// Runs last: saves what the frequencies are made of.
 constexpr const char* kSaveFrequencies = R"(<script>
   window.addEventListener("load", async () => {
-    const seen = {problems};
+    const seen = {problems, said: {}};
     for (const name of ["spectrum", "gain", "phase"]) {
+      seen.said[name] = document.getElementById(`${name}-chart`).textContent;
       seen[name] = await saved(document.querySelector(`[title="Save as made_up.${name}.csv"]`));
     }
     leave(seen);
@@ -337,6 +338,63 @@ TEST_F(BrowserTest, FrequenciesAreThoseOfTheSignals) {
     EXPECT_NEAR(at(gain)[1 + c], kGain[c], 0.01);
     EXPECT_NEAR(at(phase)[1 + c], -360.0 * kFrequency_hz * (0.06 + 0.01 * c), 1.0);
   }
+}
+
+/// Of one channel over 20 s: a wearer's slow sine, a hand that follows at once and trembles by white
+/// noise of 0.002 rad; from 8 to 9 s both stand still, as where a gap of a recording is filled, and
+/// the hand jumps at its ends.
+test::MadeUpStudy StudyWithAGap() {
+  constexpr int kSamples = 20'000;
+  test::MadeUpStudy made =
+      test::MakeUpStudy({.samples = kSamples, .channels = 1, .controllers = 1});
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0.0, 0.002);
+  GloveSignal glove = *made.result.first_glove;
+  for (int k = 0; k < kSamples; ++k) {
+    const bool gap = k >= 8000 && k < 9000;
+    const double angle = 0.6 + 0.3 * std::sin(2.0 * std::numbers::pi * 0.7 * k / 1000.0);
+    glove.true_angle_rad(k, 0) = gap ? 0.1 : angle;
+    made.hand_rad[0](k, 0) = gap ? 1.5 : angle + noise(random);
+  }
+  made.result.first_glove = std::make_shared<const GloveSignal>(std::move(glove));
+  return made;
+}
+
+TEST_F(BrowserTest, FrequenciesLeaveOutWhatDoesNotCount) {
+  test::MadeUpStudy made = StudyWithAGap();
+  made.counted.emplace();
+  made.counted->joints = {{{0, 8000}, {9000, 20'000}}};
+  const auto seen = Use(Page(made), 1200, kSaveFrequencies);
+  ASSERT_EQ(seen["problems"], nlohmann::json::array());
+  double power = 0.0;
+  int count = 0;
+  for (const auto& row : Numbers(seen["spectrum"])) {
+    if (row[0] < 10.0) continue;
+    power += row[1] * row[1];
+    ++count;
+  }
+  ASSERT_GT(count, 40);
+  const double density = 0.002 * 180.0 / std::numbers::pi * std::sqrt(2.0 / 1000.0);
+  EXPECT_NEAR(std::sqrt(power / count), density, 0.1 * density);
+  const auto gain = Numbers(seen["gain"]);
+  const auto sine = std::ranges::min_element(gain, {}, [](const auto& row) {
+    return std::abs(row[0] - 0.7);  // Hz
+  });
+  EXPECT_NEAR((*sine)[1], 1.0, 0.01);
+}
+
+TEST_F(BrowserTest, SaysWhereTooLittleCountsForFrequencies) {
+  test::MadeUpStudy made = StudyWithAGap();
+  made.counted.emplace();
+  made.counted->joints = {{{0, 1500}, {9000, 10'500}}};
+  const auto seen = Use(Page(made), 1200, kSaveFrequencies);
+  ASSERT_EQ(seen["problems"], nlohmann::json::array());
+  EXPECT_THAT(seen["said"]["spectrum"].get<std::string>(),
+              testing::Not(testing::HasSubstr("Not known")));  // its windows are of 1 s
+  EXPECT_FALSE(std::isnan(Numbers(seen["spectrum"]).front()[1]));
+  EXPECT_EQ(seen["said"]["gain"], "Not known: fewer than 2 windows of 2.05 s in what counts.");
+  EXPECT_EQ(seen["said"]["phase"], seen["said"]["gain"]);
+  EXPECT_TRUE(std::isnan(Numbers(seen["gain"]).front()[1]));
 }
 
 TEST_F(BrowserTest, KeepsTheBestOfSixInSight) {

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <memory>
+
+#include "sim/calibrate/chain_log.h"
+#include "sim/hand/hand_model.h"
+
+namespace gauntlet::sim {
+
+/// No more of a log is given to the simulated hand, and no more rows of its answer are kept.
+inline constexpr double kLongestAnswer_s = 30.0;
+inline constexpr double kMostAnswerRows_hz = 250.0;
+
+/// What the simulated hand does when it is told what the log's hand was told: commands in frames as
+/// a scenario sends them, without a delay of the link, straight lines between the log's rows.
+///
+/// Only parts that are joints of the model with a motor of `hand.servo` are in the answer; its
+/// other joints stand in the middle of their ranges. Rows are about as far apart as the log's. Without rows: no part is such a joint, or the hand was stopped.
+ChainLog SimulatedAnswer(const ChainLog& log, const std::shared_ptr<const HandModel>& model);
+
+}  // namespace gauntlet::sim
