@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <utility>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
 #include "sim/calibrate/simulated_answer.h"
-#include "sim/hand/hand_model.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -87,8 +85,7 @@ std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<Chain
   const double delay_ms = std::max(first.dead_time_ms + first.damping_ms, 1.0);
   try {
     for (int trial = 0; trial < kTrials && least_miss > kCloseEnough; ++trial) {
-      ChainLog answer =
-          SimulatedAnswer(log, std::make_shared<const HandModel>(servo.PutInto(usual)));
+      ChainLog answer = SimulatedAnswer(log, servo.PutInto(usual));
       if (answer.angle_deg.rows() == 0) break;
       std::vector<ChainFit> answer_fits = FitChains(answer);
       std::vector<ChainFit> wanted;

@@ -2,16 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "controller/tendon_map.h"
-#include "controller/timing.h"
-#include "sim/hand/hand.h"
+#include "sim/base/timing.h"
+#include "sim/hand/hand_model.h"
+#include "sim/loop/hand_loop.h"
 
 namespace gauntlet::sim {
 namespace {
+
+constexpr double kFullScale_counts = 1e6;
+constexpr double kMostAngle_rad = 10.0;  // more than any joint turns
 
 struct MovedJoint {
   Eigen::Index part;
@@ -39,9 +43,26 @@ double CommandAt(const ChainLog& log, Eigen::Index part, double row) {
                    row - static_cast<double>(before));
 }
 
+/// A glove of these joints whose counts are angles, exactly: without a filter, what it says is what
+/// the hand is told.
+controller::GloveCalibration ExactGlove(const std::vector<std::string>& joints) {
+  return {.channel_names = joints,
+          .low_counts = std::vector<double>(joints.size(), 0.0),
+          .high_counts = std::vector<double>(joints.size(), kFullScale_counts),
+          .low_angle_rad = std::vector<double>(joints.size(), -kMostAngle_rad),
+          .high_angle_rad = std::vector<double>(joints.size(), kMostAngle_rad),
+          .full_scale_counts = kFullScale_counts};
+}
+
+double CountsOf(double angle_rad) {
+  return kFullScale_counts * 0.5 * (1.0 + angle_rad / kMostAngle_rad);
+}
+
 }  // namespace
 
-ChainLog SimulatedAnswer(const ChainLog& log, const std::shared_ptr<const HandModel>& model) {
+ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
+  const auto model =
+      std::make_shared<const HandModel>(hand, MakeLoopTiming({.event_delay_ms = 0.0}));
   ChainLog answer;
   answer.name = log.name;
   const std::vector<MovedJoint> moved = MovedJoints(log, *model);
@@ -57,38 +78,29 @@ ChainLog SimulatedAnswer(const ChainLog& log, const std::shared_ptr<const HandMo
   Signal command_deg(rows, std::ssize(moved));
   Signal angle_deg(rows, std::ssize(moved));
 
-  const controller::TendonTransmission& transmission = model->transmission();
-  controller::TendonMap map(transmission, true);
-  controller::PeriodicClock event(timing.TicksOf(timing.event_period_ms));
-  std::vector<double> told_rad = transmission.reference_angle_rad;
-  std::vector<double> angle_rad(told_rad.size());
-  std::vector<std::int32_t> counts(transmission.motor_names.size());
-  const auto tell = [&](Eigen::Index tick) {
-    const double row = static_cast<double>(tick) / timing.tick_rate_hz * log.rate_hz;
-    for (const auto& [part, joint] : moved) {
-      told_rad[joint] = CommandAt(log, part, row) * kRadPerDeg;
-    }
-  };
-  Hand hand(model);
-  tell(0);
-  hand.Reset(told_rad);
-  for (Eigen::Index tick = 0; tick < rows * ticks_per_row; ++tick) {
-    tell(tick);
-    if (event.Tick()) {
-      map.ToMotorCounts(told_rad, counts);
-      hand.SetCommand(counts);
-    }
-    if (tick % ticks_per_row == 0) {
-      hand.ReadJointAngles(angle_rad);
-      for (Eigen::Index i = 0; i < std::ssize(moved); ++i) {
-        const std::size_t joint = moved[static_cast<std::size_t>(i)].joint;
-        command_deg(tick / ticks_per_row, i) = told_rad[joint] * kDegPerRad;
-        angle_deg(tick / ticks_per_row, i) = angle_rad[joint] * kDegPerRad;
-      }
-    }
-    hand.Step();
+  HandLoop loop({}, ExactGlove(answer.parts), {}, model);
+  std::vector<double> joint_angle_rad = model->transmission().reference_angle_rad;
+  for (const auto& [part, joint] : moved) {
+    joint_angle_rad[joint] = log.command_deg(0, part) * kRadPerDeg;
   }
-  if (!hand.health().ok) return answer;
+  loop.Reset(joint_angle_rad);
+  std::vector<double> counts(moved.size());
+  for (Eigen::Index tick = 0; tick < rows * ticks_per_row; ++tick) {
+    const double log_row = static_cast<double>(tick) / timing.tick_rate_hz * log.rate_hz;
+    const Eigen::Index row = tick / ticks_per_row;
+    const bool kept = tick % ticks_per_row == 0;
+    if (kept) loop.hand().ReadJointAngles(joint_angle_rad);
+    for (Eigen::Index i = 0; i < std::ssize(moved); ++i) {
+      const auto& [part, joint] = moved[static_cast<std::size_t>(i)];
+      const double told_deg = CommandAt(log, part, log_row);
+      counts[static_cast<std::size_t>(i)] = CountsOf(told_deg * kRadPerDeg);
+      if (!kept) continue;
+      command_deg(row, i) = told_deg;
+      angle_deg(row, i) = joint_angle_rad[joint] * kDegPerRad;
+    }
+    loop.Step({.counts = counts});
+  }
+  if (!loop.hand().health().ok) return answer;
   answer.command_deg = std::move(command_deg);
   answer.angle_deg = std::move(angle_deg);
   return answer;

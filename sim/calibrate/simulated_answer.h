@@ -1,9 +1,7 @@
 #pragma once
 
-#include <memory>
-
 #include "sim/calibrate/chain_log.h"
-#include "sim/hand/hand_model.h"
+#include "sim/hand/hand_config.h"
 
 namespace gauntlet::sim {
 
@@ -15,7 +13,9 @@ inline constexpr double kMostAnswerRows_hz = 250.0;
 /// a scenario sends them, without a delay of the link, straight lines between the log's rows.
 ///
 /// Only parts that are joints of the model with a motor of `hand.servo` are in the answer; its
-/// other joints stand in the middle of their ranges. Rows are about as far apart as the log's. Without rows: no part is such a joint, or the hand was stopped.
-ChainLog SimulatedAnswer(const ChainLog& log, const std::shared_ptr<const HandModel>& model);
+/// other joints stand in the middle of their ranges. Rows are about as far apart as the log's.
+/// Without rows: no part is such a joint, or the hand was stopped. Errors: UserError for a hand that
+/// cannot be built.
+ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand);
 
 }  // namespace gauntlet::sim

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "controller/calibration/robust_statistics.h"
 #include "sim/calibrate/identified_servo.h"
 #include "sim/calibrate/simulated_answer.h"
+#include "sim/hand/hand_model.h"
 #include "tests/controller/test_signal.h"
 
 namespace gauntlet::sim {
@@ -50,7 +50,7 @@ ChainLog Commands(std::uint64_t seed) {
 }
 
 ChainLog AnswerOf(const HandConfig& hand, const ChainLog& commands) {
-  return SimulatedAnswer(commands, std::make_shared<const HandModel>(hand));
+  return SimulatedAnswer(commands, hand);
 }
 
 double Median(const std::vector<ChainFit>& fits, ChainEstimate ChainFit::*quantity) {
