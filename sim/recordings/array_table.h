@@ -38,8 +38,9 @@ std::string TextOf(const std::vector<ListedArray>& arrays);
 std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays, std::string_view chosen);
 
 /// One table of text with a line of names, of the arrays that ListArrays() takes, side by side in
-/// their order. What was chosen by its group has names without it, and so have times. A lone number called fs, rate or the like is the rate: the table begins with a time
-/// then, unless it has one. Errors: as ListArrays().
+/// their order. What was chosen by its group has names without it, and so have times. A lone number
+/// called fs, rate or the like is the rate: the table begins with a time then, unless it has one.
+/// Errors: as ListArrays().
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
                 const std::function<void(std::string_view)>& write);
 
