@@ -12,6 +12,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/table_source.h"
 #include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
@@ -163,8 +164,8 @@ void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& ser
 
 }  // namespace
 
-ChainLog LoadChainLog(const std::filesystem::path& file) {
-  CsvReader csv(file.string(), FileSource(file), ProblemHandling::kAllowMissing);
+ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array) {
+  CsvReader csv(file.string(), TableSource(file, array), ProblemHandling::kAllowMissing);
   const ChainColumns columns = FindChainColumns(csv);
   std::vector<PartColumn> all = columns.commands;
   all.insert(all.end(), columns.angles.begin(), columns.angles.end());

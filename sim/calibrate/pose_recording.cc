@@ -167,7 +167,7 @@ void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> a
 
 PoseRecording LoadPoseRecording(const std::filesystem::path& file,
                                 const PoseRecordingFormat& format) {
-  CsvReader csv(file.string(), TableSource(file), ProblemHandling::kAllowMissing);
+  CsvReader csv(file.string(), TableSource(file, format.array), ProblemHandling::kAllowMissing);
   const PoseColumns columns = FindPoseColumns(csv, format.map);
   ReadOnly(columns, csv);
 

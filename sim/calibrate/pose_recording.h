@@ -39,6 +39,7 @@ struct TimeStretch {
 struct PoseRecordingFormat {
   double rate_hz = 1000.0;              // of a file without a column of time
   double full_scale_counts = 1023.0;    // of the converter, where the map does not say its bits
+  std::string array = {};               // of a file with arrays, see ListArrays()
   std::string map = {};                 // column map; empty: columns by their names
   std::string poses = {};               // table of known poses; empty: known angles are columns
   std::vector<TimeStretch> still = {};  // in which the hand is still; empty: they are found

@@ -268,6 +268,11 @@ void AddCalibrateCommand(CLI::App& app) {
           "column map, or the name of a preset: which columns are sensors of which "
           "channels, and the time; what it says of scales does not matter, of bits it does")
       ->type_name("FILE.csv");
+  command
+      ->add_option("--array", options->format.array,
+                   "of a file with several arrays the one to take, or a group of them [those of "
+                   "the number of rows that holds the most values]")
+      ->type_name("NAME");
   CLI::Option* still =
       command
           ->add_option("--still", options->still,

@@ -29,6 +29,7 @@ namespace fs = std::filesystem;
 
 struct IdentifyOptions {
   std::string log;
+  std::string array;       // of a file with several
   std::string controller;  // empty: the first of a trace
   std::string from = "wearer";
   std::string out;  // empty: out/<log>.chain.yaml
@@ -67,12 +68,12 @@ ChainLog LogOfTrace(const fs::path& file, const IdentifyOptions& options) {
 ChainLog LoadLog(const IdentifyOptions& options) {
   const fs::path path = options.log;
   const fs::path trace = fs::is_directory(path) ? path / "trace.h5" : path;
-  if (trace.extension() == ".h5") return LogOfTrace(trace, options);
+  if (trace.extension() == ".h5" && options.array.empty()) return LogOfTrace(trace, options);
   if (!options.controller.empty()) {
     throw UserError({.place = "--controller " + options.controller,
                      .problem = "is for an output folder or its trace.h5, a CSV has but one"});
   }
-  return LoadChainLog(path);
+  return LoadChainLog(path, options.array);
 }
 
 /// A value and its interval, below each other or beside.
@@ -231,7 +232,7 @@ void AddIdentifyCommand(CLI::App& app) {
   const auto options = std::make_shared<IdentifyOptions>();
   command
       ->add_option("log", options->log,
-                   "CSV with a time, and NAME_command_deg and NAME_deg per joint or motor; or an "
+                   "table with a time, and NAME_command_deg and NAME_deg per joint or motor; or an "
                    "output folder of run, or its trace.h5")
       ->required();
   AddOutOption(*command, options->out, "file to write [out/<log>.chain.yaml]", "FILE.yaml");
@@ -245,6 +246,11 @@ void AddIdentifyCommand(CLI::App& app) {
   command
       ->add_option("--controller", options->controller,
                    "of an output folder [the scenario's first]")
+      ->type_name("NAME");
+  command
+      ->add_option("--array", options->array,
+                   "of a file with several arrays the one to take, or a group of them [those of "
+                   "the number of rows that holds the most values]")
       ->type_name("NAME");
   command->add_flag("--json", options->json, "print JSON instead of the table");
   AddTableOptions(*command, options->terminal);

@@ -50,6 +50,20 @@ std::string HeaderText(const TableLayout& layout) {
   return text + (layout.has_header ? "names in its first line" : "no line of names");
 }
 
+/// Which of a file's arrays are the table, and why.
+void PrintArrays(const Inspection& inspection) {
+  if (inspection.arrays.size() < 2) return;
+  std::vector<ListedArray> taken;
+  std::vector<ListedArray> left_out;
+  for (const ListedArray& array : inspection.arrays) {
+    (array.is_taken ? taken : left_out).push_back(array);
+  }
+  Print("arrays  {}: {}\n", TextOf(taken),
+        inspection.array.empty() ? "of this number of rows, which holds the most values"
+                                 : "what --array names, and its time");
+  if (!left_out.empty()) Print("        not {}; --array NAME takes them\n", TextOf(left_out));
+}
+
 void PrintTime(const Inspection& inspection) {
   const TimeStatistics& time = inspection.time;
   if (!inspection.has_time) {
@@ -96,6 +110,7 @@ void PrintInspection(const Inspection& inspection) {
   Print("format  {}, {} between cells{}; {}\n", NameOf(inspection.format),
         SeparatorText(layout.separator), layout.decimal_comma ? ", decimal comma" : "",
         HeaderText(layout));
+  PrintArrays(inspection);
   Print("size    {} rows of {} columns{}\n", inspection.rows, layout.columns,
         inspection.is_whole ? ""
                             : fmt::format(": the first {} of {} MB, the rest is not looked at",
@@ -131,8 +146,16 @@ void PrintJson(const Inspection& inspection) {
     }
     columns.push_back(std::move(row));
   }
+  nlohmann::ordered_json arrays = nlohmann::ordered_json::array();
+  for (const ListedArray& array : inspection.arrays) {
+    arrays.push_back({{"name", array.name},
+                      {"rows", array.rows},
+                      {"columns", array.columns},
+                      {"is_taken", array.is_taken}});
+  }
   nlohmann::ordered_json json = {{"file", OneLine(inspection.file)},
                                  {"format", NameOf(inspection.format)},
+                                 {"arrays", std::move(arrays)},
                                  {"separator", SeparatorText(inspection.layout.separator)},
                                  {"decimal_comma", inspection.layout.decimal_comma},
                                  {"skipped_lines", inspection.layout.skipped_lines},
@@ -218,6 +241,11 @@ void AddInspectCommand(CLI::App& app) {
                    "rows per second of a file without a time [50]")
       ->type_name("HZ")
       ->check(Number(0.01, 100000.0));
+  command
+      ->add_option("--array", options->inspection.array,
+                   "of a file with several arrays the one to take, or a group of them [those of "
+                   "the number of rows that holds the most values]")
+      ->type_name("NAME");
   command
       ->add_option("--preset", options->inspection.preset,
                    "the glove whose sensors the columns are, in its order, as cyberglove22, or a "

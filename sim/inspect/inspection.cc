@@ -41,7 +41,8 @@ TableStatistics ReadTable(const std::filesystem::path& file, const TimeGuess& ti
                           Inspection& inspection) {
   const auto is_whole = std::make_shared<bool>(true);
   CsvReader csv(
-      file.string(), BeginningOf(TableSource(file), is_whole), ProblemHandling::kRepair,
+      file.string(), BeginningOf(TableSource(file, inspection.array), is_whole),
+      ProblemHandling::kRepair,
       [&](std::string_view kind, std::size_t) { ++inspection.problems[std::string(kind)]; },
       inspection.layout.skipped_lines);
   for (std::size_t c = 0; c < csv.column_count(); ++c) {
@@ -296,7 +297,9 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   }
   inspection.format = FormatOfFile(file);
   inspection.file_bytes = std::filesystem::file_size(file);
-  inspection.layout = FindTable(file.string(), TableSource(file));
+  inspection.array = options.array;
+  inspection.arrays = ArraysIn(file, options.array);
+  inspection.layout = FindTable(file.string(), TableSource(file, options.array));
   inspection.columns.resize(inspection.layout.columns);
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     inspection.columns[c].name = inspection.layout.names[c];

@@ -8,6 +8,7 @@
 
 #include "sim/inspect/table_layout.h"
 #include "sim/inspect/table_statistics.h"
+#include "sim/recordings/array_table.h"
 #include "sim/recordings/file_format.h"
 
 namespace gauntlet::sim {
@@ -34,6 +35,8 @@ struct InspectedColumn {
 struct Inspection {
   std::string file;
   FileFormat format = FileFormat::kText;
+  std::string array;                // as it was chosen
+  std::vector<ListedArray> arrays;  // of a file that has any
   std::uintmax_t file_bytes = 0;
   bool is_whole = true;  // only the beginning of a large file is read
   TableLayout layout;
@@ -55,6 +58,7 @@ struct Inspection {
 
 struct InspectionOptions {
   double rate_hz = 0.0;  // of a file without time, if the user knows it; 0: unknown
+  std::string array;     // of a file with arrays, see ListArrays(); empty: by their sizes
   std::string preset;    // glove whose sensors the columns are, in its order; empty: by names
 };
 

@@ -174,6 +174,9 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
       "    file: {}\n"
       "    map: {}\n",
       glove_hz, channels, YamlText(recording), YamlText(map));
+  if (!inspection.array.empty()) {
+    text += fmt::format("    array: {}\n", YamlText(inspection.array));
+  }
   if (inspection.layout.skipped_lines > 0) {
     text += fmt::format("    skip_lines: {}\n", inspection.layout.skipped_lines);
   }

@@ -7,8 +7,10 @@
 #include <cctype>
 #include <iterator>
 #include <map>
+#include <optional>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
@@ -67,22 +69,129 @@ std::vector<std::string> NamesOf(const NamedArray& array) {
   return names;
 }
 
-}  // namespace
+/// Rows once it does not lie on its side.
+std::size_t RowsOf(const NamedArray& array) {
+  return LiesOnItsSide(array) ? array.columns : array.rows;
+}
 
-void WriteTable(std::vector<NamedArray> arrays,
-                const std::function<void(std::string_view)>& write) {
+/// What stands before the last word of a name: `glove_` of `glove_angles`.
+std::string GroupOf(const std::string& name) {
+  const std::size_t cut = name.rfind('_');
+  return cut == std::string::npos ? "" : name.substr(0, cut + 1);
+}
+
+/// The group of a time, `glove_` of `glove_time_s`; nothing of what is none.
+std::optional<std::string> GroupOfTime(const NamedArray& array) {
+  if (array.values.size() != RowsOf(array)) return std::nullopt;
+  const std::string name = Plain(array.name);
+  for (std::size_t begin = 0; begin < name.size(); ++begin) {
+    if (begin > 0 && name[begin - 1] != '_') continue;
+    if (TimeScaleS(name.substr(begin))) return name.substr(0, begin);
+  }
+  return std::nullopt;
+}
+
+/// Marks what `chosen` names.
+void MarkChosen(const std::vector<NamedArray>& arrays, std::string_view chosen,
+                std::vector<ListedArray>& listed) {
+  const std::string wanted = Plain(std::string(chosen));
+  const auto mark = [&](const auto& is_wanted) {
+    bool any = false;
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      listed[i].is_taken = is_wanted(Plain(arrays[i].name));
+      any = any || listed[i].is_taken;
+    }
+    return any;
+  };
+  if (mark([&](const std::string& name) { return name == wanted; })) return;
+  if (mark([&](const std::string& name) { return name.starts_with(wanted + "_"); })) return;
+  throw UserError(fmt::format("holds no array {}, but {}", Shown(chosen), TextOf(listed)));
+}
+
+/// Leaves marked what has the number of rows that holds the most values; gives that number.
+std::size_t KeepMostRows(const std::vector<NamedArray>& arrays, std::vector<ListedArray>& listed) {
   std::map<std::size_t, std::size_t> values_of_rows;
-  double rate_hz = 0.0;
-  for (NamedArray& array : arrays) {
-    if (LiesOnItsSide(array)) Turn(array);
-    if (array.rows > 1) values_of_rows[array.rows] += array.values.size();
-    if (array.values.size() == 1 && IsRate(array.name)) rate_hz = array.values.front();
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (!listed[i].is_taken || RowsOf(arrays[i]) < 2) continue;
+    values_of_rows[RowsOf(arrays[i])] += arrays[i].values.size();
   }
   const auto most =
       std::ranges::max_element(values_of_rows, {}, [](const auto& entry) { return entry.second; });
   if (most == values_of_rows.end()) throw UserError("holds no array of numbers with two rows");
-  const std::size_t rows = most->first;
-  std::erase_if(arrays, [rows](const NamedArray& array) { return array.rows != rows; });
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    listed[i].is_taken = listed[i].is_taken && RowsOf(arrays[i]) == most->first;
+  }
+  return most->first;
+}
+
+/// Marks times with so many rows, unless a time is marked already: those of the group of what is
+/// marked, or else the first.
+void AddTimes(const std::vector<NamedArray>& arrays, std::size_t rows,
+              std::vector<ListedArray>& listed) {
+  std::string group;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (!listed[i].is_taken) continue;
+    if (GroupOfTime(arrays[i])) return;
+    group = GroupOf(Plain(arrays[i].name));
+  }
+  std::vector<std::size_t> times;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (GroupOfTime(arrays[i]) && RowsOf(arrays[i]) == rows) times.push_back(i);
+  }
+  const auto is_of_group = [&](std::size_t i) { return GroupOfTime(arrays[i]) == group; };
+  const bool has_own = std::ranges::any_of(times, is_of_group);
+  if (!has_own && times.size() > 1) times.resize(1);
+  for (const std::size_t i : times) listed[i].is_taken = !has_own || is_of_group(i);
+}
+
+/// Without the group that was chosen, or the group of a time.
+std::string NameInTable(const NamedArray& array, std::string_view chosen) {
+  const std::string name = Plain(array.name);
+  const std::string group = Plain(std::string(chosen)) + "_";
+  if (name.starts_with(group)) return name.substr(group.size());
+  return name.substr(GroupOfTime(array).value_or("").size());
+}
+
+}  // namespace
+
+std::string TextOf(const std::vector<ListedArray>& arrays) {
+  constexpr std::size_t kMost = 20;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(arrays.size(), kMost); ++i) {
+    text += fmt::format("{}{} ({} x {})", i == 0 ? "" : ", ", OneLine(arrays[i].name, 60),
+                        arrays[i].rows, arrays[i].columns);
+  }
+  if (arrays.size() > kMost) text += fmt::format(" and {} more", arrays.size() - kMost);
+  return text;
+}
+
+std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays,
+                                    std::string_view chosen) {
+  std::vector<ListedArray> listed;
+  for (const NamedArray& array : arrays) {
+    listed.push_back(
+        {.name = array.name, .rows = array.rows, .columns = array.columns, .is_taken = true});
+  }
+  if (!chosen.empty()) MarkChosen(arrays, chosen, listed);
+  const std::size_t rows = KeepMostRows(arrays, listed);
+  if (!chosen.empty()) AddTimes(arrays, rows, listed);
+  return listed;
+}
+
+void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
+                const std::function<void(std::string_view)>& write) {
+  const std::vector<ListedArray> listed = ListArrays(arrays, chosen);
+  double rate_hz = 0.0;
+  std::vector<NamedArray> taken;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (arrays[i].values.size() == 1 && IsRate(arrays[i].name)) rate_hz = arrays[i].values.front();
+    if (!listed[i].is_taken) continue;
+    if (LiesOnItsSide(arrays[i])) Turn(arrays[i]);
+    if (!chosen.empty()) arrays[i].name = NameInTable(arrays[i], chosen);
+    taken.push_back(std::move(arrays[i]));
+  }
+  arrays = std::move(taken);
+  const std::size_t rows = arrays.front().rows;
 
   std::vector<std::string> names;
   for (const NamedArray& array : arrays)

@@ -17,11 +17,31 @@ struct NamedArray {
   std::vector<std::string> column_names = {};  // empty: name_1, name_2 ..
 };
 
-/// One table of text with a line of names, of arrays that belong together: of those with the same
-/// number of rows, the ones that hold the most values, side by side in their order. An array with
-/// far more columns than rows lies on its side. A lone number called fs, rate or the like is the
-/// rate: the table begins with a time then, unless it has one.
-/// Errors: UserError if there is none with two rows.
-void WriteTable(std::vector<NamedArray> arrays, const std::function<void(std::string_view)>& write);
+/// One of a file's arrays, and whether it is in the table that WriteTable() makes of them.
+struct ListedArray {
+  std::string name;
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  bool is_taken = false;
+};
+
+/// `name (rows x columns)`, of many the first ones.
+std::string TextOf(const std::vector<ListedArray>& arrays);
+
+/// Which arrays belong together: of those with the same number of rows, the ones that hold the most
+/// values. An array with far more columns than rows lies on its side.
+///
+/// `chosen` is the name of an array or, if there is none, of a group, with which the names of its
+/// arrays begin; `/` and `.` count as `_`. Then only these are taken and, unless one of them is a
+/// time, times with as many rows: those of the same group, or else the first.
+/// Errors: UserError that lists all if there is none of that name; one if none has two rows.
+std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays, std::string_view chosen);
+
+/// One table of text with a line of names, of the arrays that ListArrays() takes, side by side in
+/// their order. What was chosen by its group has names without it, and so have times. A lone number
+/// called fs, rate or the like is the rate: the table begins with a time then, unless it has one.
+/// Errors: as ListArrays().
+void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
+                const std::function<void(std::string_view)>& write);
 
 }  // namespace gauntlet::sim

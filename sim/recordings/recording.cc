@@ -233,7 +233,7 @@ void Hold(const GoodValues& good, double start_s, double rate_hz, double gap_s, 
 
 Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
                         double start_s, double duration_s) {
-  RecordingReader reader(file.string(), TableSource(file), format);
+  RecordingReader reader(file.string(), TableSource(file, format.array), format);
   Recording recording;
   recording.name = file.string();
   recording.has_channel = reader.has_channel();

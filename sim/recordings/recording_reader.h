@@ -15,9 +15,10 @@ namespace gauntlet::sim {
 
 /// What must be known to read a recording besides the file.
 struct RecordingFormat {
-  std::string map;        // column map; empty: the header's names
-  double rate_hz = 0.0;   // rows per second of a file without time; 0: the file has a time column
-  int skipped_lines = 0;  // at the beginning of the file, as headers of a sensor's software
+  std::string map;         // column map; empty: the header's names
+  std::string array = {};  // of a file with arrays, see ListArrays(); empty: by their sizes
+  double rate_hz = 0.0;    // rows per second of a file without time; 0: the file has a time column
+  int skipped_lines = 0;   // at the beginning of the file, as headers of a sensor's software
   std::string_view rate_key = "file_rate_hz";  // what messages call it
   ProblemHandling handling = ProblemHandling::kStrict;
   double longest_gap_ms = 100.0;  // a longer one is a problem

@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <sstream>
 #include <string>
 
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
-#include "sim/recordings/array_table.h"
+#include "sim/base/text.h"
 #include "sim/recordings/file_format.h"
 #include "sim/recordings/json_arrays.h"
 #include "sim/recordings/library_arrays.h"
@@ -51,13 +53,17 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format) {
   }
 }
 
+/// What a helper does with the arrays of a file: it writes a text in parts.
+using WriteText = std::function<void(std::vector<NamedArray> arrays,
+                                     const std::function<void(std::string_view)>& write)>;
+
 /// Text that comes in blocks from a helper, which makes it of a file with arrays. A block is its
 /// size, then its bytes; an empty one is the end.
 class HelperText {
  public:
-  HelperText(const fs::path& file, FileFormat format)
+  HelperText(const fs::path& file, FileFormat format, const WriteText& write_text)
       : place_(file.string()),
-        helper_([=](const HelperProcess::Send& send) { Work(file, format, send); },
+        helper_([=](const HelperProcess::Send& send) { Work(file, format, write_text, send); },
                 LimitsFor(fs::file_size(file))) {}
 
   std::size_t Read(char* buffer, std::size_t size) {
@@ -83,13 +89,14 @@ class HelperText {
   }
 
  private:
-  static void Work(const fs::path& file, FileFormat format, const HelperProcess::Send& send) {
+  static void Work(const fs::path& file, FileFormat format, const WriteText& write_text,
+                   const HelperProcess::Send& send) {
     const auto send_block = [&send](std::string_view text) {
       const auto size = static_cast<std::uint32_t>(text.size());
       send({reinterpret_cast<const char*>(&size), sizeof size});
       send(std::span(text));
     };
-    WriteTable(ArraysOf(file, format), send_block);
+    write_text(ArraysOf(file, format), send_block);
     send_block("");
   }
   static HelperLimits LimitsFor(std::uintmax_t file_bytes) {
@@ -107,29 +114,72 @@ class HelperText {
   bool at_end_ = false;
 };
 
-}  // namespace
+bool HasArrays(FileFormat format) {
+  return format != FileFormat::kText && format != FileFormat::kUtf16 &&
+         format != FileFormat::kEmpty;
+}
 
-CsvReader::Source TableSource(const fs::path& file) {
-  std::error_code unreadable;
-  // What has been looked at once, a pipe does not give again.
-  if (!fs::is_regular_file(file, unreadable)) return FileSource(file);
+/// Errors: UserError if it is a format that is not read.
+FileFormat ReadableFormat(const fs::path& file) {
   const FileFormat format = FormatOfFile(file);
   if (const std::string_view way_out = WayOut(format); !way_out.empty()) {
     throw UserError(
         {.place = file.string(),
          .problem = fmt::format("is {}, which is not read; {}", NameOf(format), way_out)});
   }
-  switch (format) {
-    case FileFormat::kText:
-    case FileFormat::kEmpty:
-      return FileSource(file);
-    case FileFormat::kUtf16:
-      return Utf8Of(FileSource(file));
-    default:
-      break;
+  return format;
+}
+
+[[noreturn]] void FailWithoutArrays(const fs::path& file, const std::string& array) {
+  throw UserError({.place = file.string(),
+                   .problem = fmt::format("is text, which has no array {}", Shown(array))});
+}
+
+}  // namespace
+
+CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
+  std::error_code unreadable;
+  // What has been looked at once, a pipe does not give again.
+  const FileFormat format =
+      fs::is_regular_file(file, unreadable) ? ReadableFormat(file) : FileFormat::kText;
+  if (!HasArrays(format)) {
+    CsvReader::Source source = FileSource(file);
+    if (!array.empty()) FailWithoutArrays(file, array);
+    return format == FileFormat::kUtf16 ? Utf8Of(std::move(source)) : source;
   }
-  const auto text = std::make_shared<HelperText>(file, format);
+  const auto write_table = [array](std::vector<NamedArray> arrays, const auto& write) {
+    WriteTable(std::move(arrays), array, write);
+  };
+  const auto text = std::make_shared<HelperText>(file, format, write_table);
   return [text](char* buffer, std::size_t size) { return text->Read(buffer, size); };
+}
+
+std::vector<ListedArray> ArraysIn(const fs::path& file, const std::string& array) {
+  std::error_code unreadable;
+  if (!fs::is_regular_file(file, unreadable)) return {};
+  const FileFormat format = ReadableFormat(file);
+  if (!HasArrays(format)) return {};
+  HelperText helper(file, format, [&array](const auto& arrays, const auto& write) {
+    for (const auto& [name, rows, columns, is_taken] : ListArrays(arrays, array)) {
+      write(fmt::format("{} {} {} {}\n", rows, columns, is_taken ? 1 : 0, OneLine(name)));
+    }
+  });
+  std::string text;
+  constexpr std::size_t kBlock = 4096;
+  for (std::size_t got = kBlock; got > 0;) {
+    const std::size_t size = text.size();
+    text.resize(size + kBlock);
+    got = helper.Read(text.data() + size, kBlock);
+    text.resize(size + got);
+  }
+  std::vector<ListedArray> listed;
+  std::istringstream lines(text);
+  for (ListedArray one; lines >> one.rows >> one.columns >> one.is_taken;) {
+    lines.get();  // the blank before the name
+    std::getline(lines, one.name);
+    listed.push_back(one);
+  }
+  return listed;
 }
 
 }  // namespace gauntlet::sim

@@ -1,14 +1,22 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
+#include "sim/recordings/array_table.h"
 #include "sim/recordings/csv_reader.h"
 
 namespace gauntlet::sim {
 
 /// The table in a recording of any format that Gauntlet reads (see FileFormat), as text for a
-/// CsvReader.
-/// Errors: UserError that says what the file is and what to do, if it is of no such format.
-CsvReader::Source TableSource(const std::filesystem::path& file);
+/// CsvReader. `array` chooses of a file with arrays, as in ListArrays().
+/// Errors: UserError that says what the file is and what to do, if it is of no such format, or has
+/// no arrays to choose from.
+CsvReader::Source TableSource(const std::filesystem::path& file, const std::string& array = {});
+
+/// All arrays of such a file, and which are in its table; none of a text.
+/// Errors: as TableSource().
+std::vector<ListedArray> ArraysIn(const std::filesystem::path& file, const std::string& array = {});
 
 }  // namespace gauntlet::sim

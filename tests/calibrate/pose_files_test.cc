@@ -93,6 +93,24 @@ class PoseFiles : public testing::Test {
   test::TemporaryDirectory folder_;
 };
 
+TEST_F(PoseFiles, AreTakenFromAnArrayOfSeveral) {
+  std::string t, angle, counts;
+  for (int row = 0; row < kPoses * kRowsPerPose; ++row) {
+    const char* const comma = row == 0 ? "" : ",";
+    t += fmt::format("{}{}", comma, row / kRate_hz);
+    counts += fmt::format("{}{}", comma, CountsOf(row, 0));
+    angle += comma + (IsMoving(row) ? std::string("null") : fmt::format("{}", AngleOf(row)));
+  }
+  const std::string file = Write(
+      "poses.json", fmt::format("{{\"camera\": [[1, 2, 3], [4, 5, 6]], \"glove\": {{\"t\": [{}], "
+                                "\"index_mcp_counts\": [{}], \"index_mcp_deg\": [{}]}}}}",
+                                t, counts, angle));
+  const PoseRecording recording = LoadPoseRecording(file, {.array = "glove"});
+  EXPECT_THAT(recording.channel_names, ElementsAre("index_mcp"));
+  EXPECT_EQ(recording.counts(5, 0), CountsOf(5, 0));
+  EXPECT_THAT(ErrorOf(file, {.array = "hand"}), HasSubstr("holds no array hand, but camera"));
+}
+
 TEST_F(PoseFiles, OfAStrangerGiveWhatOurOwnWouldGive) {
   const PoseRecording own = LoadPoseRecording(OwnNames(), {});
   const PoseRecording other = LoadPoseRecording(OfAStranger(), {.map = Map(), .poses = Poses()});

@@ -103,6 +103,27 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
   EXPECT_EQ(Run({"identify", "claw.csv", "--out", "other.html"}).exit_code, 2);
 }
 
+TEST_F(IdentifyCliTest, TakesAnArrayOfSeveral) {
+  nlohmann::json json;
+  for (int k = 0; k < 3000; ++k) json["camera"].push_back({k, 2 * k, 3 * k});
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.005 * k;
+    json["log"]["t_s"].push_back(t);
+    json["log"]["claw_command_deg"].push_back(20.0 * std::sin(3.0 * t));
+    json["log"]["claw_deg"].push_back(20.0 * std::sin(3.0 * (t - 0.06)));
+  }
+  std::ofstream(folder_.path() / "both.json") << json.dump();
+  const ProgramResult result = Run({"identify", "both.json", "--array", "log", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  const auto parts = nlohmann::json::parse(result.standard_output)["parts"];
+  ASSERT_EQ(parts.size(), 1);
+  EXPECT_EQ(parts[0]["part"], "claw");
+  EXPECT_NEAR(parts[0]["delay_ms"]["value"], 60.0, 1.0);
+  const ProgramResult none = Run({"identify", "both.json", "--array", "lob"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.standard_error, HasSubstr("holds no array lob, but camera"));
+}
+
 TEST_F(IdentifyCliTest, GivesNoServoForALogThatBeginsWithTheWearer) {
   std::string log = "t_s,true_angle_rad.index_mcp,hand_angle_rad.index_mcp\n";
   for (int k = 0; k < 2000; ++k) {

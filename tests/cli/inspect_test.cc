@@ -184,6 +184,38 @@ TEST_F(InspectCommand, TakesARateAndAPreset) {
   EXPECT_EQ(unknown.exit_code, 2);
 }
 
+TEST_F(InspectCommand, TakesAnArrayOfSeveral) {
+  nlohmann::json json;
+  for (int row = 0; row < 300; ++row) {
+    const double angle = 45.0 + 30.0 * std::sin(0.05 * row);
+    json["mocap"]["t"].push_back(0.01 * row);
+    json["mocap"]["markers"].push_back({angle, 2.0 * angle, 7.0, 8.0, angle * angle});
+    if (row >= 200) continue;
+    json["glove"]["t"].push_back(0.015 * row);
+    json["glove"]["index_mcp"].push_back(angle);
+    json["glove"]["index_pip"].push_back(angle - 20.0);
+  }
+  const fs::path file = Write("both.json", json.dump());
+  EXPECT_THAT(Gauntlet({"inspect", file.string()}).standard_output,
+              HasSubstr("which holds the most values\n        not glove_index_mcp (200 x 1)"));
+  const auto found = Inspect(file, {"--array", "glove"});
+  EXPECT_EQ(found["rows"], 200);
+  EXPECT_NEAR(found["rate_hz"].get<double>(), 1.0 / 0.015, 0.1);
+  EXPECT_EQ(found["arrays"].size(), 9);
+  EXPECT_EQ(std::ranges::count_if(found["arrays"], [](const auto& a) { return a["is_taken"]; }), 3);
+
+  const std::string scenario = (folder_.path() / "s.yaml").string();
+  ASSERT_EQ(Gauntlet({"inspect", file.string(), "--array", "glove", "--write-scenario", scenario})
+                .exit_code,
+            0);
+  const ProgramResult run = Gauntlet({"run", scenario, "--controllers", "raw", "--out",
+                                      (folder_.path() / "out").string(), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.standard_error;
+  const ProgramResult wrong = Gauntlet({"run", scenario, "--set", "glove.motion.array=gloves"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.standard_error, HasSubstr("holds no array gloves, but glove_index_mcp (200"));
+}
+
 TEST_F(InspectCommand, RunsATraceOfOurOwn) {
   const auto in = [this](const char* name) { return (folder_.path() / name).string(); };
   std::ofstream(in("s.yaml")) << "question: q\nseed: 1\nglove:\n  motion: {kind: sine, duration_s: "

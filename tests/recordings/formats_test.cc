@@ -83,9 +83,9 @@ TEST(Npy, ThatIsDamagedIsRefused) {
   EXPECT_THAT(ErrorOf([] { ReadNpz("PK\x03\x04"); }), HasSubstr("directory of the ZIP is missing"));
 }
 
-std::string TableOf(std::vector<NamedArray> arrays) {
+std::string TableOf(std::vector<NamedArray> arrays, std::string_view chosen = "") {
   std::string text;
-  WriteTable(std::move(arrays), [&text](std::string_view more) { text += more; });
+  WriteTable(std::move(arrays), chosen, [&text](std::string_view more) { text += more; });
   return text;
 }
 
@@ -106,6 +106,46 @@ TEST(WriteTable, TurnsWhatLiesOnItsSideAndMakesATimeOfARate) {
 TEST(WriteTable, NeedsTwoRows) {
   EXPECT_THAT(ErrorOf([] { TableOf({{.name = "a", .rows = 1, .values = {1}}}); }),
               HasSubstr("no array of numbers with two rows"));
+}
+
+/// Two systems in one file, the second with more values.
+std::vector<NamedArray> TwoSystems() {
+  return {{.name = "glove_t", .rows = 2, .values = {0, 0.1}},
+          {.name = "glove_angles", .rows = 2, .columns = 2, .values = {1, 2, 3, 4}},
+          {.name = "glove_raw", .rows = 2, .values = {5, 6}},
+          {.name = "mocap_t", .rows = 3, .values = {0, 0.2, 0.4}},
+          {.name = "mocap_angles", .rows = 3, .columns = 2, .values = {1, 2, 3, 4, 5, 6}},
+          {.name = "Fs", .rows = 1, .values = {50}}};
+}
+
+TEST(WriteTable, TakesTheArrayOrTheGroupThatIsChosenWithItsTime) {
+  EXPECT_THAT(TableOf(TwoSystems()), testing::StartsWith("time_s,mocap_t,mocap_angles_1"));
+  EXPECT_EQ(TableOf(TwoSystems(), "glove_angles"),
+            "t,glove_angles_1,glove_angles_2\n0,1,2\n0.1,3,4\n");
+  EXPECT_EQ(TableOf(TwoSystems(), "glove/raw"), "t,glove_raw\n0,5\n0.1,6\n");
+  EXPECT_THAT(TableOf(TwoSystems(), "glove"), testing::StartsWith("t,angles_1,angles_2,raw\n"));
+}
+
+TEST(WriteTable, OfAnArrayThatLacksATimeTakesThatWithAsManyRows) {
+  std::vector<NamedArray> arrays = TwoSystems();
+  arrays.push_back({.name = "left", .rows = 3, .values = {7, 8, 9}});
+  EXPECT_THAT(TableOf(arrays, "left"), testing::StartsWith("t,left\n0,7\n0.2,8\n"));
+  // Times as many as rows in two groups: the own group's.
+  arrays.push_back({.name = "right_time_s", .rows = 3, .values = {0, 1, 2}});
+  arrays.push_back({.name = "right_hand", .rows = 3, .values = {1, 1, 1}});
+  EXPECT_THAT(TableOf(arrays, "right_hand"), testing::StartsWith("time_s,right_hand\n"));
+}
+
+TEST(ListArrays, NamesAllThatThereAreWhereOneIsUnknown) {
+  EXPECT_EQ(ErrorOf([] { ListArrays(TwoSystems(), "hand"); }),
+            "holds no array hand, but glove_t (2 x 1), glove_angles (2 x 2), glove_raw (2 x 1), "
+            "mocap_t (3 x 1), mocap_angles (3 x 2), Fs (1 x 1)");
+  std::string taken;
+  for (const ListedArray& array : ListArrays(TwoSystems(), "mocap_angles")) {
+    if (array.is_taken) taken += array.name + " ";
+  }
+  EXPECT_EQ(taken, "mocap_t mocap_angles ");
+  EXPECT_THAT(ErrorOf([] { ListArrays(TwoSystems(), "Fs"); }), HasSubstr("with two rows"));
 }
 
 TEST(Json, OfEveryShapeIsATable) {
@@ -153,6 +193,26 @@ TEST(TableSource, GivesEveryNumberOfAnArrayToTheBit) {
     EXPECT_EQ(row[0], value);
   }
   EXPECT_FALSE(csv.NextRow(row));
+}
+
+TEST(TableSource, ChoosesAnArrayAndListsThemAll) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / "a.json";
+  std::ofstream(file)
+      << R"({"a": {"t": [0, 1], "x": [3, 4]}, "b": {"x": [[1, 2], [3, 4], [5, 6]]}})";
+  EXPECT_EQ(AllOf(TableSource(file)), "b_x_1,b_x_2\n1,2\n3,4\n5,6\n");
+  EXPECT_EQ(AllOf(TableSource(file, "a.x")), "t,a_x\n0,3\n1,4\n");
+  std::string listed;
+  for (const ListedArray& array : ArraysIn(file, "a")) {
+    listed += fmt::format("{}{} ", array.name, array.is_taken ? "+" : "");
+  }
+  EXPECT_EQ(listed, "a_t+ a_x+ b_x_1 b_x_2 ");
+  EXPECT_THAT(ErrorOf([&] { AllOf(TableSource(file, "c")); }),
+              HasSubstr("a.json: holds no array c, but a_t (2 x 1)"));
+  const std::filesystem::path text = folder.path() / "a.csv";
+  std::ofstream(text) << "t,x\n0,1\n";
+  EXPECT_THAT(ErrorOf([&] { TableSource(text, "x"); }), HasSubstr("is text, which has no array x"));
+  EXPECT_TRUE(ArraysIn(text).empty());
 }
 
 TEST(FormatOfBytes, KnowsTextFromWhatIsNone) {

@@ -25,6 +25,7 @@ constexpr std::array<std::string_view, 2> kOffsetNames = {"given", "auto"};
 RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext& context) {
   RecordingFormat format;
   format.map = config.map;
+  format.array = config.array;
   format.rate_hz = config.file_rate_hz;
   format.skipped_lines = config.skip_lines;
   format.handling = config.problems;
@@ -126,6 +127,9 @@ void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config
                config.reference);
   visitor.Path({.key = "reference_map", .help = "column map of the reference; by default as map"},
                config.reference_map);
+  visitor.Text({.key = "reference_array",
+                .help = "array of the reference, if it is a file with arrays; by default as array"},
+               config.reference_array);
   visitor.Number({.key = "reference_rate_hz",
                   .help = "rows per second of a reference without a time column; 0: as "
                           "file_rate_hz",
@@ -161,6 +165,11 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
       file);
   visitor.Path(
       {.key = "map", .help = "column map for a file with other names or units, or a preset"}, map);
+  visitor.Text(
+      {.key = "array",
+       .help = "of a file with arrays: the name of the one to take, or of a group of them; "
+               "by default those of the number of rows that holds the most values"},
+      array);
   visitor.Number({.key = "file_rate_hz",
                   .help = "rows per second of a file without a time column",
                   .min = 0,
@@ -203,6 +212,7 @@ void TakeReference(const RecordedMotionConfig& config, const RecordingFormat& re
   constexpr double kSearched_s = 10.0;
   RecordingFormat format = recording_format;
   if (!config.reference_map.empty()) format.map = config.reference_map;
+  if (!config.reference_array.empty()) format.array = config.reference_array;
   if (config.reference_rate_hz > 0.0) format.rate_hz = config.reference_rate_hz;
   const bool is_given = config.reference_offset == ReferenceOffset::kGiven;
   RecordedMotionConfig wider = config;

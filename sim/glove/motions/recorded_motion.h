@@ -30,6 +30,7 @@ struct RecordedMotionConfig {
 
   std::string file = {};
   std::string map = {};
+  std::string array = {};
   double file_rate_hz = 0.0;
   int skip_lines = 0;
   ProblemHandling problems = ProblemHandling::kStrict;
@@ -41,6 +42,7 @@ struct RecordedMotionConfig {
   std::optional<Resampling> resample = {};  // none: what fits the use
   std::string reference = {};               // for measured: a recording of the truth
   std::string reference_map = {};           // of that file; empty: as `map`
+  std::string reference_array = {};         // in that file; empty: as `array`
   double reference_rate_hz = 0.0;           // rows per second of that file; 0: as file_rate_hz
   ReferenceOffset reference_offset = ReferenceOffset::kGiven;
   double reference_offset_s = 0.0;  // by how much later the same moment is in that file
