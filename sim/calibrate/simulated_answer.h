@@ -14,8 +14,8 @@ inline constexpr double kMostAnswerRows_hz = 250.0;
 ///
 /// Only parts that are joints of the model with a motor of `hand.servo` are in the answer; its
 /// other joints stand in the middle of their ranges. Rows are about as far apart as the log's.
-/// Without rows: no part is such a joint, or the hand was stopped. Errors: UserError for a hand that
-/// cannot be built.
+/// Without rows: no part is such a joint, or the hand was stopped.
+/// Errors: UserError for a hand that cannot be built.
 ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand);
 
 }  // namespace gauntlet::sim
