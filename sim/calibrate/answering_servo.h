@@ -34,10 +34,10 @@ struct ServoTrial {
 /// are what they were, and hysteresis has the same median. Up to five trials, from `first` on: each
 /// corrects what the last one missed, the best counts.
 ///
-/// Friction begins with that of `usual`, and that of spools and cables grows and falls together. That of spools alone would not do: where
-/// cables pass several joints, a spool turns back at other moments than its joint, so that its
-/// friction is seen as error of all kinds, and only in part as hysteresis; that of cables is felt
-/// at the joint itself.
+/// Friction begins with that of `usual`, and that of spools and cables grows and falls together.
+/// That of spools alone would not do: where cables pass several joints, a spool turns back at other
+/// moments than its joint, so that its friction is seen as error of all kinds, and only in part as
+/// hysteresis; that of cables is felt at the joint itself.
 ///
 /// None if no part of the log is a joint of the model, or no such hand can be simulated.
 std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<ChainFit>& fits,

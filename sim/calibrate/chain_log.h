@@ -22,10 +22,11 @@ struct ChainLog {
   std::size_t values_missing = 0;  // a straight line goes over them
 };
 
-/// Reads a table of any format of TableSource with a header and a column of time (see TimeScaleS). Per part `NAME_command_deg`
-/// (or `_rad`), and `NAME_deg` (or `_rad`) for the angle that was measured; or the CSV of a trace:
-/// `true_angle_rad.NAME` and `hand_angle_rad.NAME`, whose other signals are left out. Other columns
-/// are an error. Times need not be even: values are brought to the median rate on straight lines.
+/// Reads a table of any format of TableSource with a header and a column of time (see TimeScaleS).
+/// Per part `NAME_command_deg` (or `_rad`), and `NAME_deg` (or `_rad`) for the angle that was
+/// measured; or the CSV of a trace: `true_angle_rad.NAME` and `hand_angle_rad.NAME`, whose other
+/// signals are left out. Other columns are an error. Times need not be even: values are brought to
+/// the median rate on straight lines.
 /// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows.
 /// `array` chooses of a file with arrays, see ListArrays().
 ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array = {});

@@ -15,7 +15,8 @@ inline constexpr double kMostAnswerRows_hz = 250.0;
 /// a scenario sends them, without a delay of the link, straight lines between the log's rows.
 ///
 /// Only parts that are joints of the model with a motor of `hand.servo` are in the answer; its
-/// other joints stand in the middle of their ranges. Rows are about as far apart as the log's. Without rows: no part is such a joint, or the hand was stopped.
+/// other joints stand in the middle of their ranges. Rows are about as far apart as the log's.
+/// Without rows: no part is such a joint, or the hand was stopped.
 ChainLog SimulatedAnswer(const ChainLog& log, const std::shared_ptr<const HandModel>& model);
 
 }  // namespace gauntlet::sim

@@ -340,9 +340,9 @@ TEST_F(BrowserTest, FrequenciesAreThoseOfTheSignals) {
   }
 }
 
-/// Of one channel over 20 s: a wearer's slow sine, a hand that follows at once and trembles by white
-/// noise of 0.002 rad; from 8 to 9 s both stand still, as where a gap of a recording is filled, and
-/// the hand jumps at its ends.
+/// Of one channel over 20 s: a wearer's slow sine, a hand that follows at once and trembles by
+/// white noise of 0.002 rad; from 8 to 9 s both stand still, as where a gap of a recording is
+/// filled, and the hand jumps at its ends.
 test::MadeUpStudy StudyWithAGap() {
   constexpr int kSamples = 20'000;
   test::MadeUpStudy made =
