@@ -153,6 +153,7 @@ constexpr MetricRow kRows[] = {
       .definition = "jitter_rms_deg of the hand less the hand of the same trial with a noise-free "
                     "glove",
       .main = true,
+      .needs_twin = true,
       .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.noise_jitter_rad(); }},
     {{.key = "command_reversals_per_s",
@@ -284,6 +285,7 @@ constexpr MetricRow kRows[] = {
       .help = "how loud the glove's noise makes the motors",
       .definition = "RMS of the speed of the spool less that of the same trial with a noise-free "
                     "glove",
+      .needs_twin = true,
       .relevant_difference = kLoudness},
      [](const ScoredMotor& m) {
        return m.noise_rad_s.empty() ? kNoScore
@@ -293,6 +295,7 @@ constexpr MetricRow kRows[] = {
       .help = "how high the noise of the motors is that the glove's noise makes",
       .definition = "centre of the power spectrum (Welch 1967) of the speed of the spool less that "
                     "of the same trial with a noise-free glove",
+      .needs_twin = true,
       .relevant_difference = kPitch},
      [](const ScoredMotor& m) {
        return m.noise_rad_s.empty()
@@ -352,16 +355,19 @@ constexpr MetricRow kRows[] = {
       .help = "error because the hand is late (or early), mean square",
       .definition = "mean(p (hand - reference)), p = reference(t - d) - reference(t): of the fit "
                     "a + b reference(t - d) to the hand with a noise-free glove",
+      .needs_twin = true,
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kDelay)); }},
     {{.key = "error_constant_deg2",
       .help = "error because the hand stands beside the wearer all the time, mean square",
       .definition = "the same with p = a + (b - 1) mean(reference(t - d))",
+      .needs_twin = true,
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kConstant)); }},
     {{.key = "error_gain_deg2",
       .help = "error because the hand moves too far or not far enough, mean square",
       .definition = "the same with p = (b - 1) (reference(t - d) less its mean)",
+      .needs_twin = true,
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kGain)); }},
     {{.key = "error_limit_deg2",
@@ -370,23 +376,27 @@ constexpr MetricRow kRows[] = {
           "the same with p = what the fit leaves of the hand with a noise-free glove, "
           "while one of the joint's motors gives all it has there for a whole command frame on "
           "end, and 250 ms after",
+      .needs_twin = true,
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kLimit)); }},
     {{.key = "error_frames_deg2",
       .help = "error of the staircase of command frames and counts, mean square",
       .definition = "the same with p = what the fit leaves at other times, behind the high pass of "
                     "jitter_rms_deg",
+      .needs_twin = true,
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kFrames)); }},
     {{.key = "error_noise_deg2",
       .help = "error of the glove's noise, mean square",
       .definition = "the same with p = hand less the hand of the same trial with a noise-free "
                     "glove",
+      .needs_twin = true,
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kNoise)); }},
     {{.key = "error_rest_deg2",
       .help = "error of friction, play, compliance, gravity and all else, mean square",
       .definition = "the same with p = all that is left; the seven sum to tracking_rmse_deg^2",
+      .needs_twin = true,
       .relevant_difference = kSquaredAngle},
      [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kRest)); }},
 };

@@ -140,12 +140,7 @@ Scores NoScores(const ScoreRows& rows) {
   return {.summary = none, .channels = {rows.names.size(), none}};
 }
 
-bool NeedsNoiseFreeTwin(std::size_t metric) {
-  const std::string_view key = Metrics()[metric].key;
-  return key.starts_with("noise_") || key.starts_with("motor_noise_") ||
-         std::ranges::find(TrackingErrorParts(), metric, &TrackingErrorPart::metric) !=
-             TrackingErrorParts().end();
-}
+bool NeedsNoiseFreeTwin(std::size_t metric) { return Metrics()[metric].needs_twin; }
 
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                      std::span<const std::size_t> metrics) {

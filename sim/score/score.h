@@ -73,6 +73,7 @@ struct Metric {
   ScoredPart part = ScoredPart::kJoint;
   bool main = false;  // of the main question: a column of the table at the terminal
   bool alike = true;  // false: a mean over parts would mix what is not alike, so there is none
+  bool needs_twin = false;  // no value without the noise-free signals
   RelevantDifference relevant_difference = {};
 };
 

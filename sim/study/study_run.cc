@@ -162,8 +162,10 @@ class Schedule {
       if (twin_source == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed.seed);
     });
     std::optional<NoiseFreeTwin> twin;
-    if (glove.noise_free) twin = AsTwin(Run(controller_index, *glove.noise_free));
-    Trace trace = Run(controller_index, *glove.signal);
+    if (glove.noise_free) twin = AsTwin(Run(controller_index, *glove.noise_free, kTwinSignals));
+    const bool keep = seed_index == 0 && options_.keep_first_traces;
+    Trace trace = Run(controller_index, *glove.signal,
+                      keep ? std::vector<std::string_view>() : SignalsOfScores(options_.scores));
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
     outcome.health = trace.health;
     outcome.scores = trace.health.ok ? ScoreTrial(study_, *glove.signal, glove.reference_rad, trace,
@@ -172,7 +174,6 @@ class Schedule {
     outcome.untrusted_samples = trace.untrusted_samples;
     if (options_.store != nullptr) options_.store->Keep(seed.seed, controller_index, outcome);
     if (!options_.keep_rows) outcome.scores.channels = {};
-    const bool keep = seed_index == 0 && options_.keep_first_traces;
     if (keep) {
       result_.first_traces[controller_index] = std::move(trace);
       result_.first_twins[controller_index] = std::move(twin);
@@ -180,7 +181,9 @@ class Schedule {
     LeaveGlove(seed_index);
   }
 
-  Trace Run(std::size_t controller_index, const GloveSignal& glove) {
+  /// Records these signals, or all if none is named.
+  Trace Run(std::size_t controller_index, const GloveSignal& glove,
+            std::span<const std::string_view> signals) {
     const TrialSetup setup = SetupOf(study_, study_.scenario.controllers[controller_index]);
     if (!options_.physics) {
       Trace trace = RunFilterTrial(setup, glove);
@@ -188,7 +191,9 @@ class Schedule {
       return trace;
     }
     const Eigen::Index blocks = glove.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
-    return RunTrial(setup, glove, [&] { return Progress(1.0 / static_cast<double>(blocks)); });
+    return RunTrial(setup, glove,
+                    {.keep_going = [&] { return Progress(1.0 / static_cast<double>(blocks)); },
+                     .signals = {signals.begin(), signals.end()}});
   }
 
   /// The last trial of a seed frees its signal, or hands out that of the first seed.

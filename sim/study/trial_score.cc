@@ -50,28 +50,41 @@ std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_li
   return shares;
 }
 
-/// Whether the trial had a hand; else there are only angles.
-bool HadMotors(const Trace& trace) { return trace.spool_speed_rad_s.cols() > 0; }
+/// Some columns of a signal that may not be recorded.
+template <class Matrix>
+class RecordedColumns {
+ public:
+  RecordedColumns(const Matrix& whole, const std::vector<int>& columns) {
+    if (whole.cols() > 0) columns_.emplace(whole, columns);
+  }
+  /// Null if it is not.
+  const Matrix* get() const { return columns_ ? &**columns_ : nullptr; }
 
-/// What the motors and cables of a trial did, and of its twin, if there is one.
+ private:
+  std::optional<Columns<Matrix>> columns_;
+};
+
+/// What the motors and cables of a trial did, as far as it is recorded, and of its twin.
 struct MeasuredMotors {
   MeasuredMotors(const Study& study, const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
                  const std::optional<CountedParts>& counted)
       : command(trace.command_counts, study.measured_motors),
         speed(trace.spool_speed_rad_s, study.measured_motors),
-        tension(trace.tension_n, study.measured_cables),
-        stall_tension_n(StallTensions(study)),
-        saturation_share(SaturationShares(study, trace.motor_at_limit, counted)),
-        motors_of_joint(MotorsOfJoints(study)) {
-    if (!twin) return;
+        tension(trace.tension_n, study.measured_cables) {
+    if (tension.get() != nullptr) stall_tension_n = StallTensions(study);
+    if (trace.motor_at_limit.cols() > 0) {
+      saturation_share = SaturationShares(study, trace.motor_at_limit, counted);
+    }
+    if (!twin || twin->motor_at_limit.cols() == 0) return;
     twin_speed.emplace(twin->spool_speed_rad_s, study.measured_motors);
     twin_at_limit = twin->motor_at_limit(Eigen::all, study.measured_motors).cast<int>();
+    motors_of_joint = MotorsOfJoints(study);
   }
 
   void PutInto(ScoreInput& input) const {
-    input.command_counts = &*command;
-    input.motor_speed_rad_s = &*speed;
-    input.tension_n = &*tension;
+    input.command_counts = command.get();
+    input.motor_speed_rad_s = speed.get();
+    input.tension_n = tension.get();
     input.saturation_share = saturation_share;
     input.stall_tension_n = stall_tension_n;
     input.motors_of_joint = motors_of_joint;
@@ -80,9 +93,9 @@ struct MeasuredMotors {
     input.noise_free_motor_at_limit = &twin_at_limit;
   }
 
-  Columns<IntegerSignal> command;
-  Columns<Signal> speed;
-  Columns<Signal> tension;
+  RecordedColumns<IntegerSignal> command;
+  RecordedColumns<Signal> speed;
+  RecordedColumns<Signal> tension;
   std::vector<double> stall_tension_n;
   std::vector<double> saturation_share;
   std::vector<std::vector<int>> motors_of_joint;
@@ -90,7 +103,38 @@ struct MeasuredMotors {
   IntegerSignal twin_at_limit;
 };
 
+/// What a metric of such a part is made of.
+std::vector<std::string_view> SignalsOf(ScoredPart part) {
+  switch (part) {
+    case ScoredPart::kJoint:
+      return {"hand_angle_rad"};
+    case ScoredPart::kMotor:
+      return {"command_counts", "spool_speed_rad_s", "motor_at_limit"};
+    case ScoredPart::kCable:
+      return {"tension_n"};
+    case ScoredPart::kHand:
+      return {"grip_force_n", "digit_overlap_m"};
+  }
+  return {};
+}
+
 }  // namespace
+
+std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metrics) {
+  std::vector<std::string_view> signals = SignalsOf(ScoredPart::kJoint);  // tell how long it was
+  const auto add = [&signals](std::span<const std::string_view> more) {
+    for (const std::string_view signal : more) {
+      if (std::ranges::find(signals, signal) == signals.end()) signals.push_back(signal);
+    }
+  };
+  const auto add_metric = [&](const Metric& metric) {
+    add(SignalsOf(metric.part));
+    if (metric.needs_twin) add(kTwinSignals);
+  };
+  for (const std::size_t metric : metrics) add_metric(Metrics()[metric]);
+  if (metrics.empty()) std::ranges::for_each(Metrics(), add_metric);
+  return signals;
+}
 
 Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
                   const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
@@ -99,8 +143,7 @@ Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& re
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const std::optional<CountedParts> counted =
       CountedPartsOf(study, glove.masked, static_cast<int>(trace.hand_angle_rad.rows()));
-  std::optional<MeasuredMotors> motors;
-  if (HadMotors(trace)) motors.emplace(study, trace, twin, counted);
+  const MeasuredMotors motors(study, trace, twin, counted);
   std::optional<Columns<Signal>> twin_hand;
   if (twin) twin_hand.emplace(twin->hand_angle_rad, study.measured_joints);
   ScoreInput input;
@@ -108,7 +151,7 @@ Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& re
   input.rate_hz = glove.tick_rate_hz;
   input.reference_angle_rad = &*reference;
   input.hand_angle_rad = &*hand;
-  if (motors) motors->PutInto(input);
+  motors.PutInto(input);
   if (twin_hand) input.noise_free_hand_angle_rad = &**twin_hand;
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   if (trace.digit_overlap_m.cols() > 0) input.digit_overlap_m = &trace.digit_overlap_m;

@@ -8,6 +8,15 @@
 
 namespace gauntlet::sim {
 
+namespace {
+
+/// Between two columns: few rows fill no memory, and are not worth the question.
+void TrimBeside(const Signal& signal) {
+  if (signal.rows() >= kTrimRows) TrimSignals();
+}
+
+}  // namespace
+
 Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_angle_rad) {
   Signal joints(channel_angle_rad.rows(), joint_map.joint_count());
   for (int joint = 0; joint < joint_map.joint_count(); ++joint) {
@@ -16,7 +25,7 @@ Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_
     for (const auto& term : joint_map.terms(joint)) {
       column += term.weight * channel_angle_rad.col(term.channel);
     }
-    TrimSignals();
+    TrimBeside(joints);
   }
   return joints;
 }
@@ -26,7 +35,7 @@ Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true
   for (Eigen::Index joint = 0; joint < reference.cols(); ++joint) {
     auto column = reference.col(joint);
     column = column.cast<Stored<double>>().cast<double>().eval();
-    TrimSignals();
+    TrimBeside(reference);
   }
   return reference;
 }

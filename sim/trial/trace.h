@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -47,5 +48,8 @@ struct NoiseFreeTwin {
   Signal spool_speed_rad_s;   // ticks x motors
   FlagSignal motor_at_limit;  // ticks x motors
 };
+/// The signals of a trace that it is made of.
+inline constexpr std::string_view kTwinSignals[] = {"hand_angle_rad", "spool_speed_rad_s",
+                                                    "motor_at_limit"};
 
 }  // namespace gauntlet::sim

@@ -1,11 +1,18 @@
 #include "sim/trial/trace_recorder.h"
 
+#include <algorithm>
+#include <stdexcept>
 #include <type_traits>
 
 namespace gauntlet::sim {
 
-TraceRecorder::TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumnNames& names) {
+TraceRecorder::TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumnNames& names,
+                             std::span<const std::string_view> signals) {
+  std::size_t found = 0;
   ForEachSignal(trace, [&]<class Scalar>(const TraceSignal<Scalar>& signal, auto& matrix) {
+    const bool is_named = std::ranges::find(signals, signal.name) != signals.end();
+    if (!signals.empty() && !is_named) return;
+    found += is_named ? 1 : 0;
     const auto width = static_cast<Eigen::Index>(names.Of(signal.columns).size());
     matrix = std::remove_reference_t<decltype(matrix)>(ticks, width);  // each row is written or cut
     if (width == 0) return;
@@ -25,6 +32,9 @@ TraceRecorder::TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumn
              },
          .cut = [&matrix](Eigen::Index rows) { matrix.KeepRows(rows); }});
   });
+  if (found != signals.size()) {
+    throw std::invalid_argument("TraceRecorder: a signal is named that is none, or twice");
+  }
 }
 
 bool TraceRecorder::Record(const HandLoop& loop) {

@@ -1,21 +1,25 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {
 
-/// Fills a trace tick by tick with every signal of ForEachSignal(). Rows are collected in blocks of
+/// Fills a trace tick by tick with signals of ForEachSignal(). Rows are collected in blocks of
 /// consecutive ticks and then moved to the column-major signals: a write per column and tick would
 /// touch one cache line each.
 class TraceRecorder {
  public:
   static constexpr Eigen::Index kBlockTicks = 64;
 
-  /// `trace` gets `ticks` rows of the columns that `names` has.
-  TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumnNames& names);
+  /// `trace` gets `ticks` rows of the columns that `names` has, of the signals that are named; of
+  /// all if none is. Others have no columns. Errors: std::invalid_argument for one that is none.
+  TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumnNames& names,
+                std::span<const std::string_view> signals = {});
 
   /// Takes the next row. True at the end of a block.
   bool Record(const HandLoop& loop);

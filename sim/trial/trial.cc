@@ -21,8 +21,7 @@ void StepLoop(const GloveSignal& glove, Eigen::Index tick, std::vector<double>& 
 
 }  // namespace
 
-Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove,
-               const std::function<bool()>& keep_going) {
+Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOptions& options) {
   HandLoop loop(setup.controller, setup.calibration, setup.joint_map, setup.hand);
   const controller::JointMap joint_map(setup.joint_map, glove.channel_names,
                                        setup.hand->transmission());
@@ -32,13 +31,15 @@ Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove,
   Trace trace;
   trace.controller_name = setup.controller_name;
   const Eigen::Index ticks = glove.true_angle_rad.rows();
-  TraceRecorder recorder(trace, ticks, TraceColumnNames(glove.channel_names, *setup.hand));
+  TraceRecorder recorder(trace, ticks, TraceColumnNames(glove.channel_names, *setup.hand),
+                         options.signals);
   std::vector<double> counts(glove.channel_names.size());
   for (Eigen::Index tick = 0; tick < ticks; ++tick) {
     ThrowIfStopped();
     StepLoop(glove, tick, counts, loop);
     if (!loop.hand().health().ok) break;  // the engine has put the joints back to 0
-    if (recorder.Record(loop) && keep_going && !keep_going()) throw Cancelled{};
+    const bool is_asked = recorder.Record(loop) && options.keep_going;
+    if (is_asked && !options.keep_going()) throw Cancelled{};
   }
   recorder.Finish();
   const auto untrusted = loop.controller().untrusted_samples();

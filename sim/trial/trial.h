@@ -3,6 +3,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "sim/glove/glove.h"
 #include "sim/loop/hand_loop.h"
@@ -19,10 +21,15 @@ struct TrialSetup {
   std::shared_ptr<const HandModel> hand;
 };
 
+struct TrialOptions {
+  std::function<bool()> keep_going = {};       // asked now and then; false throws Cancelled
+  std::vector<std::string_view> signals = {};  // to record, of ForEachSignal(); none named: all
+};
+
 /// The one loop in which simulated time advances: glove sample -> controller -> event -> hand. It
 /// begins in the posture that the wearer's first angles ask for. Deterministic: same arguments,
-/// same bytes. `keep_going` is asked now and then; false stops the trial by a Cancelled exception.
-Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove,
-               const std::function<bool()>& keep_going = {});
+/// same bytes; what is recorded changes none of them. Errors: std::invalid_argument for a signal
+/// that there is not (the caller's mistake).
+Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOptions& options = {});
 
 }  // namespace gauntlet::sim

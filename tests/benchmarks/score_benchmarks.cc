@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "sim/base/random.h"
 #include "sim/score/delay.h"
 #include "sim/score/error_split.h"
+#include "sim/score/fourier.h"
 #include "sim/score/jitter.h"
 #include "sim/score/latency.h"
 #include "sim/score/score.h"
@@ -139,11 +141,28 @@ void LatencyBudgetOf18Channels(benchmark::State& state) {
   const LatencyInput input{.wearer_angle_rad = &recording.wearer,
                            .raw_angle_rad = &recording.hand,
                            .filtered_angle_rad = &recording.hand,
+                           .target_angle_rad = &recording.hand,
                            .command_angle_rad = &recording.hand,
                            .hand_angle_rad = &recording.hand};
   for (auto _ : state) benchmark::DoNotOptimize(MeasureLatency(input).total_ms);
 }
 BENCHMARK(LatencyBudgetOf18Channels)->Unit(benchmark::kMillisecond);
+
+void ComplexTransform(benchmark::State& state) {
+  Fourier fourier;
+  Fourier::Values values(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) {
+    std::ranges::fill(values, 1.0);
+    fourier.Forward(values);
+    benchmark::DoNotOptimize(values.data());
+  }
+}
+BENCHMARK(ComplexTransform)
+    ->Arg(1024)
+    ->Arg(8192)
+    ->Arg(97200)
+    ->Arg(131072)
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace gauntlet::sim

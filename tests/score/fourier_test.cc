@@ -14,16 +14,43 @@ Fourier::Values NoiseValues(int size) {
   return values;
 }
 
-TEST(Fourier, AgreesWithTheDefinition) {
-  const int size = 60;
-  const Fourier::Values input = NoiseValues(size);
-  Fourier::Values output = input;
-  Fourier().Forward(output);
-  for (int k = 0; k < size; ++k) {
-    std::complex<double> sum = 0.0;
-    for (int n = 0; n < size; ++n) sum += input[n] * std::polar(1.0, -2.0 * kPi * k * n / size);
-    EXPECT_LT(std::abs(output[k] - sum), 1e-12);
+/// sum over n of values[n] exp(2 pi i turns k n / N).
+std::complex<double> Sum(const Fourier::Values& values, double turns, int k) {
+  const int size = static_cast<int>(values.size());
+  std::complex<double> sum = 0.0;
+  for (int n = 0; n < size; ++n) {
+    sum += values[n] * std::polar(1.0, 2.0 * kPi * turns * (k * n % size) / size);
   }
+  return sum;
+}
+
+TEST(Fourier, AgreesWithTheDefinitionAtLengthsOfAllKinds) {
+  Fourier fourier;
+  for (const int size : {1, 2, 3, 4, 5, 6, 7, 8, 9, 16, 25, 49, 60, 77, 97, 128, 135, 1000, 1001}) {
+    const Fourier::Values input = NoiseValues(size);
+    Fourier::Values forward = input;
+    fourier.Forward(forward);
+    Fourier::Values inverse = input;
+    fourier.Inverse(inverse);
+    for (int k = 0; k < size; ++k) {
+      EXPECT_LT(std::abs(forward[k] - Sum(input, -1.0, k)), 1e-13 * size) << size << " " << k;
+      EXPECT_LT(std::abs(inverse[k] - Sum(input, 1.0, k) / static_cast<double>(size)), 1e-13)
+          << size << " " << k;
+    }
+  }
+}
+
+TEST(Fourier, OfOneLengthDoesNotDependOnThoseBefore) {
+  Fourier used;
+  for (const int size : {97200, 1024, 7}) {
+    Fourier::Values values = NoiseValues(size);
+    used.Forward(values);
+  }
+  Fourier::Values first = NoiseValues(600);
+  Fourier::Values second = first;
+  used.Forward(first);
+  Fourier().Forward(second);
+  EXPECT_EQ(first, second);
 }
 
 TEST(Fourier, InverseGivesTheInputBack) {
@@ -36,7 +63,7 @@ TEST(Fourier, InverseGivesTheInputBack) {
 }
 
 TEST(Fourier, OfRealValuesIsTheLowerHalf) {
-  for (const int size : {2, 16, 30, 1024}) {
+  for (const int size : {1, 2, 7, 16, 30, 75, 1024}) {
     const auto real = Noise(size, 7);
     Fourier::Values complex(real.begin(), real.end());
     Fourier::Values half;
@@ -49,7 +76,7 @@ TEST(Fourier, OfRealValuesIsTheLowerHalf) {
 }
 
 TEST(Fourier, InverseOfTheLowerHalfGivesRealValuesBack) {
-  for (const int size : {4, 30, 75, 1024, 48600}) {
+  for (const int size : {1, 2, 4, 30, 75, 1024, 48600}) {
     const auto real = Noise(size, 7);
     Fourier::Values half;
     Fourier fourier;

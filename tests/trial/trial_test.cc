@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
@@ -21,7 +22,7 @@ class TrialTest : public testing::Test {
  protected:
   /// Frames of 20 ms with this delay.
   Trace Run(double event_delay_ms = 25.0, std::uint64_t seed = 1,
-            const std::function<bool()>& keep_going = {}) {
+            const TrialOptions& options = {}) {
     glove_ = SynthesiseGlove(glove_config_, seed);
     hand_ = std::make_shared<const HandModel>(
         hand_config_, MakeLoopTiming({.sample_rate_hz = glove_config_.rate_hz,
@@ -31,7 +32,7 @@ class TrialTest : public testing::Test {
                      .calibration = NominalCalibration(glove_config_),
                      .joint_map = {},
                      .hand = hand_},
-                    glove_, keep_going);
+                    glove_, options);
   }
 
   GloveConfig glove_config_ = ShortRandomMotion();
@@ -113,7 +114,19 @@ TEST_F(TrialTest, RecordsWhatJointSensorsSaidWhereThereAreAny) {
 }
 
 TEST_F(TrialTest, StopsWhenAsked) {
-  EXPECT_THROW(Run(25.0, 1, [] { return false; }), Cancelled);
+  EXPECT_THROW(Run(25.0, 1, {.keep_going = [] { return false; }}), Cancelled);
+}
+
+TEST_F(TrialTest, RecordsTheSignalsThatAreNamedAsIfAllWere) {
+  const Trace all = Run();
+  const Trace some = Run(25.0, 1, {.signals = {"tension_n", "motor_at_limit"}});
+  EXPECT_EQ(some.tension_n, all.tension_n);
+  EXPECT_EQ(some.motor_at_limit, all.motor_at_limit);
+  EXPECT_EQ(some.hand_angle_rad.size(), 0);
+  EXPECT_EQ(some.linearised_angle_rad.size(), 0);
+  EXPECT_EQ(some.untrusted_samples, all.untrusted_samples);
+  EXPECT_TRUE(some.health.ok);
+  EXPECT_THROW(Run(25.0, 1, {.signals = {"tension"}}), std::invalid_argument);
 }
 
 TEST_F(TrialTest, HoldsTheSampleOfASlowGloveAndSendsFramesOnTheirOwnClock) {
