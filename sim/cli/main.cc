@@ -84,9 +84,9 @@ int main(int argc, char** argv) {
   sim::OpenStandardStreams();
   sim::CatchSignals();
   // Trial by trial the same megabytes are asked for and freed. To get them from the system each
-  // time, zeroed page by page, took a fifth of trials of 1 s, and a third of those of 94 s without a
-  // hand. So what a thread frees is kept up to the second number, which is what signals may have on
-  // the heap (SignalStorageLimits); what is larger than the first goes back at once.
+  // time, zeroed page by page, took a fifth of trials of 1 s, and a third of those of 94 s without
+  // a hand. So what a thread frees is kept up to the second number, which is what signals may have
+  // on the heap (SignalStorageLimits); what is larger than the first goes back at once.
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 192 << 20);
   try {
