@@ -96,6 +96,10 @@ std::span<const double> Controller::target_angle_rad() const noexcept {
   if (!state_) return {};
   return state_->target_rad;
 }
+std::span<const std::int64_t> Controller::failed_plans() const noexcept {
+  if (!state_) return {};
+  return state_->model_predictive.failed_plans();
+}
 std::span<const std::int64_t> Controller::untrusted_samples() const noexcept {
   if (!state_) return {};
   return state_->guard.untrusted_samples();

@@ -24,6 +24,7 @@ struct Command {
 ///
 ///     counts -> [filter] -> linearisation -> [filter] -> [prediction]     per channel
 ///            -> joint map                                                 per joint
+///            -> [model predictive control]                                per joint
 ///            -> [joint loop, with measured joint angles]                  per joint
 ///            -> tendon map -> whole counts                                per motor
 ///
@@ -105,6 +106,9 @@ class Controller {
   /// How many samples of each channel could not be trusted since Reset(), in all or for one reason.
   std::span<const std::int64_t> untrusted_samples() const noexcept;
   std::span<const std::int64_t> untrusted_samples(Untrusted kind) const noexcept;
+  /// How often each joint's last command had to stay since Reset(), because no plan was found in
+  /// time (see ModelPredictive); empty where nothing is planned.
+  std::span<const std::int64_t> failed_plans() const noexcept;
 
  private:
   struct State;

@@ -169,6 +169,9 @@ void ControllerConfig::Visit(SettingsVisitor& visitor) {
              linearisation);
   VisitGroup(visitor, {.key = "prediction", .help = "look ahead to make up for the delay"},
              prediction);
+  VisitGroup(visitor,
+             {.key = "model_predictive", .help = "commands planned for how joints follow them"},
+             model_predictive);
   VisitGroup(visitor, {.key = "joint_loop", .help = "what it does with measured joint angles"},
              joint_loop);
   VisitGroup(visitor, {.key = "motor", .help = "how commands become whole motor counts"}, motor);

@@ -7,6 +7,7 @@
 #include "controller/joint_loop_config.h"
 #include "controller/joint_map.h"
 #include "controller/linearisation/linearisation_config.h"
+#include "controller/model_predictive/model_predictive_config.h"
 #include "controller/motor_rounding_config.h"
 #include "controller/prediction/prediction_config.h"
 #include "controller/sample_guard.h"
@@ -87,6 +88,7 @@ struct ControllerConfig {
   bool coupling_compensation = true;
   LinearisationConfig linearisation;
   PredictionConfig prediction;
+  ModelPredictiveConfig model_predictive;
   JointLoopConfig joint_loop;
   MotorRoundingConfig motor;
   SampleGuardConfig untrusted;

@@ -59,6 +59,19 @@ void CheckUnitOfR(const FilterConfig& filter, FilterOn filter_on) {
                      "counts^2");
 }
 
+/// A joint loop takes the command for what the joint shall do; a planned one leads it.
+void CheckPlanned(const ControllerConfig& config) {
+  const JointLoopConfig& loop = config.joint_loop;
+  if (config.model_predictive.kind == ModelPredictiveKind::kNone ||
+      loop.kind == JointLoopKind::kNone ||
+      (loop.proportional == 0.0 && loop.integral_per_s == 0.0)) {
+    return;
+  }
+  throw SettingError("joint_loop.kind",
+                     "pi with proportional or integral_per_s above 0 does not go with "
+                     "model_predictive, which plans commands ahead of the joint");
+}
+
 /// How often filters step.
 double StepRate(const ControllerConfig& config, const Timing& timing) {
   return config.filter_at == FilterAt::kSample ? timing.sample_rate_hz() : timing.event_rate_hz();
@@ -78,6 +91,17 @@ Controller::State::State(const RobotConfig& robot, const ControllerConfig& confi
       guard(config.untrusted, robot.glove.low_counts, robot.glove.full_scale_counts,
             robot.timing.sample_rate_hz(), robot.glove.frame_number_bits),
       tendon_map(robot.hand, config.coupling_compensation),
+      model_predictive(WithinSetting("model_predictive",
+                                     [&] {
+                                       return ModelPredictive(config.model_predictive, robot.hand,
+                                                              robot.timing.event_rate_hz());
+                                     })),
+      path(WithinSetting("prediction",
+                         [&] {
+                           return MotionPath(config.prediction, linearisation->channel_count(),
+                                             step_rate_hz, model_predictive.path_length(),
+                                             robot.timing.event_period_ms);
+                         })),
       joint_loop(WithinSetting(
           "joint_loop",
           [&] { return JointLoop(config.joint_loop, robot.hand, robot.timing.event_rate_hz()); })),
@@ -91,9 +115,13 @@ Controller::State::State(const RobotConfig& robot, const ControllerConfig& confi
       predicted_rad(active.size()),
       held_rad(active.size()),
       target_rad(robot.hand.reference_angle_rad),
+      path_rad(static_cast<std::size_t>(model_predictive.path_length()) * target_rad.size()),
+      planned_rad(target_rad),
       corrected_rad(target_rad),
+      sent_rad(target_rad),
       exact_motor_counts(robot.hand.counts_per_rad.size()),
       motor_counts(robot.hand.center_counts.begin(), robot.hand.center_counts.end()) {
+  CheckPlanned(config);
   const int channels = linearisation->channel_count();
   for (std::size_t i = 0; i < config.filters.size(); ++i) {
     chain.push_back(WithinSetting("filter[" + std::to_string(i) + "]", [&] {
@@ -117,16 +145,33 @@ Command Controller::State::StepEvent() noexcept {
   if (event) {
     if (filter_at == FilterAt::kEvent) StepFilters();
     joint_map.ToJoints(predicted_rad, target_rad);
-    if (joint_loop.on()) joint_loop.Step(target_rad, corrected_rad);
-    tendon_map.ToExactMotorCounts(joint_loop.on() ? corrected_rad : target_rad, exact_motor_counts);
+    if (model_predictive.on()) PlanCommands();
+    const std::vector<double>& wanted_rad = model_predictive.on() ? planned_rad : target_rad;
+    if (joint_loop.on()) joint_loop.Step(wanted_rad, corrected_rad);
+    const std::vector<double>& command_rad = joint_loop.on() ? corrected_rad : wanted_rad;
+    tendon_map.ToExactMotorCounts(command_rad, exact_motor_counts);
     rounding.Step(exact_motor_counts, motor_counts);
+    if (model_predictive.on()) {
+      tendon_map.ToJointAngles(motor_counts, sent_rad);
+      model_predictive.Sent(command_rad, sent_rad);
+    }
   }
   return {.motor_counts = motor_counts, .event = event};
+}
+
+void Controller::State::PlanCommands() noexcept {
+  const std::size_t joints = target_rad.size();
+  for (int row = 0; row < path.row_count(); ++row) {
+    joint_map.ToJoints(path.Row(row),
+                       {path_rad.data() + static_cast<std::size_t>(row) * joints, joints});
+  }
+  model_predictive.Step(path_rad, planned_rad);
 }
 
 void Controller::State::StartChannel(int channel) noexcept {
   for (const auto& filter : chain) filter->ResetChannel(channel);
   if (predictor) predictor->ResetChannel(channel);
+  path.ResetChannel(channel);
 }
 
 void Controller::State::StepFilters() noexcept {
@@ -144,12 +189,15 @@ void Controller::State::StepFilters() noexcept {
   } else {
     std::copy(filtered_rad.begin(), filtered_rad.end(), predicted_rad.begin());
   }
+  path.Step(filtered_rad, predicted_rad);
   if (inactive_count > 0) HoldInactiveChannels();
 }
 
 void Controller::State::HoldInactiveChannels() noexcept {
   for (std::size_t i = 0; i < active.size(); ++i) {
-    if (active[i] == 0) predicted_rad[i] = held_rad[i];
+    if (active[i] == 1) continue;
+    predicted_rad[i] = held_rad[i];
+    path.Hold(static_cast<int>(i), held_rad[i]);
   }
 }
 
@@ -181,6 +229,7 @@ void Controller::State::Reset() noexcept {
   guard.Reset(filtered_counts);
   for (const auto& filter : chain) filter->Reset();
   if (predictor) predictor->Reset();
+  path.Reset();
   rounding.Reset();
   event_clock.Reset();
   linearisation->ToAngles(guard.trusted_counts(), linearised_rad);
@@ -188,6 +237,8 @@ void Controller::State::Reset() noexcept {
   std::copy(linearised_rad.begin(), linearised_rad.end(), predicted_rad.begin());
   HoldInactiveChannels();
   joint_map.ToJoints(predicted_rad, target_rad);
+  for (std::size_t i = 0; i < active.size(); ++i) path.Hold(static_cast<int>(i), predicted_rad[i]);
+  model_predictive.Reset(target_rad);
   joint_loop.Reset(target_rad);
 }
 
@@ -206,6 +257,11 @@ void Controller::State::TakeOver(State& before) noexcept {
     const bool goes_on = same_step && before.predictor && predictor->TakeMemory(*before.predictor);
     if (!goes_on) predictor->StartAt(before.filtered_rad);
   }
+  path.TakeMemory(before.path, same_step, before.filtered_rad);
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    path.Hold(static_cast<int>(i), before.predicted_rad[i]);
+  }
+  model_predictive.TakeMemory(before.model_predictive, before.target_rad);
   guard.TakeMemory(before.guard, filtered_counts);
   joint_loop.TakeMemory(before.joint_loop, before.target_rad);
   rounding.TakeMemory(before.rounding);

@@ -9,7 +9,9 @@
 #include "controller/filters/filter.h"
 #include "controller/joint_loop.h"
 #include "controller/linearisation/linearisation.h"
+#include "controller/model_predictive/model_predictive.h"
 #include "controller/motor_rounding.h"
+#include "controller/prediction/motion_path.h"
 #include "controller/tendon_map.h"
 
 namespace gauntlet::controller {
@@ -23,6 +25,7 @@ struct Controller::State {
   Command StepEvent() noexcept;
   void StartChannel(int channel) noexcept;
   void StepFilters() noexcept;
+  void PlanCommands() noexcept;
   void HoldInactiveChannels() noexcept;
   void SetChannelActive(int channel, bool active) noexcept;
   void Reset() noexcept;
@@ -41,6 +44,8 @@ struct Controller::State {
   std::vector<std::unique_ptr<Filter>> chain;
   std::unique_ptr<Filter> predictor;  // may be null
   TendonMap tendon_map;
+  ModelPredictive model_predictive;
+  MotionPath path;  // empty where nothing is planned
   JointLoop joint_loop;
   MotorRounding rounding;
 
@@ -55,7 +60,10 @@ struct Controller::State {
   std::vector<double> predicted_rad;
   std::vector<double> held_rad;    // in place of what is predicted for inactive channels
   std::vector<double> target_rad;  // per joint
+  std::vector<double> path_rad;    // the rows of `path`, per joint
+  std::vector<double> planned_rad;
   std::vector<double> corrected_rad;
+  std::vector<double> sent_rad;  // what the motors were told, per joint
   std::vector<double> exact_motor_counts;
   std::vector<std::int32_t> motor_counts;
 };

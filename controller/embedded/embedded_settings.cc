@@ -172,6 +172,9 @@ class Builder {
     AddList("gain", {gains.data(), gains.data() + gains.size()}, EmbeddedValue::kFloat, channels_);
   }
   void AddJoints() {
+    if (config_.model_predictive.kind != ModelPredictiveKind::kNone) {
+      Refuse("model_predictive.kind", "is second_order, must be none");
+    }
     if (config_.joint_loop.kind != JointLoopKind::kNone) {
       Refuse("joint_loop.kind", "is pi, must be none");
     }

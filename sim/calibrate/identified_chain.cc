@@ -40,6 +40,16 @@ std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
   return values;
 }
 
+/// The same, but empty if there is none at all.
+std::vector<double> KnownValuesOf(const std::vector<IdentifiedPart>& parts,
+                                  std::vector<double> IdentifiedPart::*member) {
+  if (std::ranges::all_of(parts, [&](const auto& part) { return (part.*member).empty(); })) {
+    return {};
+  }
+  double mean = 0.0;
+  return ValuesOf(parts, member, mean);
+}
+
 /// None if the chain does not tell of it.
 std::optional<double> HorizonOfPart(const IdentifiedChain& chain, const std::string& name) {
   const auto part = std::ranges::find(chain.parts, name, &IdentifiedPart::part);
@@ -90,6 +100,12 @@ void IdentifiedChain::Visit(controller::SettingsVisitor& visitor) {
   visitor.Number({.key = "expected_delay_ms", .help = "for joint_loop.expected_delay_ms"},
                  expected_delay_ms);
   visitor.Numbers({.key = "friction_deg", .help = "for joint_loop.friction_deg"}, friction_deg);
+  visitor.Numbers({.key = "dead_time_ms", .help = "for model_predictive.dead_time_ms"},
+                  dead_time_ms);
+  visitor.Numbers({.key = "lag_ms", .help = "for model_predictive.lag_ms"}, lag_ms);
+  visitor.Numbers(
+      {.key = "natural_frequency_hz", .help = "for model_predictive.natural_frequency_hz"},
+      natural_frequency_hz);
   controller::VisitList(visitor, {.key = "parts", .help = "joints or motors"}, parts);
 }
 
@@ -117,6 +133,9 @@ IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<Chain
   }
   chain.friction_deg = ValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg, mean_hysteresis_deg);
   for (double& value : chain.friction_deg) value = std::round(value * 500.0) / 1e3;
+  chain.dead_time_ms = KnownValuesOf(chain.parts, &IdentifiedPart::dead_time_ms);
+  chain.lag_ms = KnownValuesOf(chain.parts, &IdentifiedPart::lag_ms);
+  chain.natural_frequency_hz = KnownValuesOf(chain.parts, &IdentifiedPart::natural_frequency_hz);
   return chain;
 }
 
@@ -126,6 +145,12 @@ void UseChain(const IdentifiedChain& chain, const std::vector<std::string>& chan
     throw controller::SettingError(
         "chain", fmt::format("horizon_ms has {} values, parts has {}", chain.horizon_ms.size(),
                              chain.parts.size()));
+  }
+  if (config.model_predictive.kind != controller::ModelPredictiveKind::kNone) {
+    throw controller::SettingError(
+        "chain",
+        "gives horizon_ms for commands that are not planned; with model_predictive it must be "
+        "given: 0, where dead_time_ms is all of the way");
   }
   std::vector<double>* const horizon_ms = std::visit(
       [](auto& settings) { return controller::HorizonOf(settings); }, config.prediction.settings);

@@ -37,6 +37,10 @@ struct IdentifiedChain {
   std::vector<double> horizon_ms;    // of a prediction: kHorizonShare of the delay
   double expected_delay_ms = 0.0;    // of a joint loop: its mean
   std::vector<double> friction_deg;  // of a joint loop: half the hysteresis
+  // Of model_predictive, for a log that begins with commands; empty if no part tells of it.
+  std::vector<double> dead_time_ms;
+  std::vector<double> lag_ms;
+  std::vector<double> natural_frequency_hz;
   std::vector<IdentifiedPart> parts;
 
   void Visit(controller::SettingsVisitor& visitor);
@@ -47,7 +51,7 @@ IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<Chain
 /// Lets the prediction of a controller look as far ahead as the chain is late: for each channel by
 /// the part of its name, or else by the mean of the joints that the joint map lets it move.
 /// Errors: SettingError for a channel of which the chain tells nothing, or a controller without a
-/// prediction that has a horizon.
+/// prediction that has a horizon, or with planned commands, which look ahead by themselves.
 void UseChain(const IdentifiedChain& chain, const std::vector<std::string>& channel_names,
               const controller::JointMapConfig& joint_map, controller::ControllerConfig& config);
 

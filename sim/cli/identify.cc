@@ -201,7 +201,9 @@ void RunIdentify(const IdentifyOptions& options) {
   WriteFileAtomically(
       target,
       "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
-      "expected_delay_ms\n# and friction_deg are for its joint_loop; in the order of parts.\n" +
+      "expected_delay_ms\n# and friction_deg are for its joint_loop, dead_time_ms, lag_ms and "
+      "natural_frequency_hz (of a log\n# that begins with commands) for its model_predictive; in "
+      "the order of parts.\n" +
           SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); }));
   std::string written = target.string();
   if (!servo.empty()) {

@@ -219,14 +219,20 @@ TEST(IdentifiedChain, GivesAPartThatStoodStillTheMeanOfTheOthers) {
   ChainFit a, b;
   a.delay_ms = {90.0, 88.0, 92.0};
   a.hysteresis_deg = {4.0, 3.0, 5.0};
+  a.dead_time_ms = {20.0, 18.0, 22.0};
+  a.natural_frequency_hz = {4.5, 4.0, 5.0};
   a.residual_rms_deg = 0.5;
   b.problem = "it does not move";
   ChainFit c = a;
   c.delay_ms = {110.0, 108.0, 112.0};
+  c.dead_time_ms = {40.0, 38.0, 42.0};
   const IdentifiedChain chain = MakeIdentifiedChain(log, {a, b, c});
   EXPECT_THAT(chain.horizon_ms, testing::ElementsAre(72.0, 80.0, 88.0));  // 0.8 of it
   EXPECT_EQ(chain.expected_delay_ms, 100.0);
   EXPECT_THAT(chain.friction_deg, testing::Each(2.0));
+  EXPECT_THAT(chain.dead_time_ms, testing::ElementsAre(20.0, 30.0, 40.0));
+  EXPECT_THAT(chain.lag_ms, testing::IsEmpty());  // of no part
+  EXPECT_THAT(chain.natural_frequency_hz, testing::Each(4.5));
   EXPECT_THAT(chain.parts[1].delay_ms, testing::IsEmpty());
   EXPECT_THAT(chain.parts[2].delay_ms, testing::ElementsAre(110.0, 108.0, 112.0));
 }

@@ -358,6 +358,9 @@ TEST_F(IncludedChain, NamesThePlaceOfAMistake) {
                         "needs the controller's chain"));
   EXPECT_THAT(ErrorOf("chain: no.yaml, prediction: adaptive"), HasSubstr("no.yaml: no such file"));
   EXPECT_THAT(ErrorOf("chain: hand.yaml"), HasSubstr("scenario.yaml:4:14: controllers.a.chain: "));
+  EXPECT_THAT(ErrorOf("chain: hand.yaml, prediction: adaptive, model_predictive: {kind: "
+                      "second_order}"),
+              HasSubstr("with model_predictive it must be given"));
   EXPECT_THAT(ErrorOf("chain: hand.yaml"), HasSubstr("a prediction of kind none does not have"));
   Write("hand.yaml", "horizon_ms: [80]\nparts: [{part: index_pip}]\n");
   EXPECT_THAT(ErrorOf("chain: hand.yaml, prediction: linear"),

@@ -226,6 +226,10 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
               r.controller.joint_loop.kind = JointLoopKind::kPi;
             }),
             "controller.joint_loop.kind: is pi, must be none in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) {
+              r.controller.model_predictive.kind = ModelPredictiveKind::kSecondOrder;
+            }),
+            "controller.model_predictive.kind: is second_order, must be none in the embedded form");
   EXPECT_EQ(complaint([](Robot r) { r.timing.event_period_ms = 2.5; }),
             "timing.event_period_ms: is 2.5 ticks, must be a whole number in the embedded form");
   EXPECT_EQ(complaint([](Robot r) {

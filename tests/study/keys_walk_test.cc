@@ -64,6 +64,8 @@ const std::vector<std::string> kFiveSlow = {kFive[0], "glove.rate_hz=33.3"};
 const std::vector<std::string> kJointLoop = {"hand.joint_sensors.kind=encoder",
                                              kOf + "joint_loop.kind=pi"};
 const std::vector<std::string> kSlowJointLoop = {kJointLoop[0], kJointLoop[1], kSlow[0]};
+const std::vector<std::string> kPlanned = {kOf + "model_predictive.kind=second_order",
+                                           kOf + "prediction={kind: kalman, horizon_ms: 0}"};
 const std::vector<std::string> kRareReadings = {kJointLoop[0], kJointLoop[1],
                                                 "hand.joint_sensors.rate_hz=5"};
 
@@ -305,6 +307,30 @@ const std::vector<Step>& Walk() {
       {kOf + "prediction={kind: fitted, tap_ms: 0.1, weights: [-1]}", kRefused,
        "tap_ms: is 0.1, must be a multiple of the step of the filter, 1 ms"},
       {kOf + "prediction={kind: fitted, tap_ms: 1000, weights: [-1]}", kChanges},
+      {kOf + "model_predictive.kind=second_order", kChanges},
+      {kOf + "model_predictive.kind=second_order",
+       kRefused,
+       "prediction.kind: is fitted, must be none or one with a horizon_ms",
+       {kOf + "prediction={kind: fitted, tap_ms: 5, weights: [-1]}"}},
+      {kOf + "model_predictive.kind=second_order", kRefused,
+       "joint_loop.kind: pi with proportional", kJointLoop},
+      {kOf + "model_predictive.dead_time_ms=0", kChanges, {}, kPlanned},
+      {kOf + "model_predictive.dead_time_ms=500", kChanges, {}, kPlanned},
+      {kOf + "model_predictive.dead_time_ms=501", kRefused, {}, kPlanned},
+      {kOf + "model_predictive.dead_time_ms=500",
+       kRefused,
+       "prediction.horizon_ms: and what model_predictive plans beyond it are 1",
+       {kPlanned[0], kPlanned[1], "event.period_ms=100"}},
+      {kOf + "model_predictive.lag_ms=0.1", kChanges, {}, kPlanned},
+      {kOf + "model_predictive.lag_ms=1000", kChanges, {}, kPlanned},
+      {kOf + "model_predictive.lag_ms=0", kRefused, {}, kPlanned},
+      {kOf + "model_predictive.natural_frequency_hz=0.1", kChanges, {}, kPlanned},
+      {kOf + "model_predictive.natural_frequency_hz=100", kChanges, {}, kPlanned},
+      {kOf + "model_predictive.natural_frequency_hz=0", kRefused, {}, kPlanned},
+      {kOf + "model_predictive.speed_limit_deg_s=0", kKeeps, {}, kPlanned},  // the default
+      {kOf + "model_predictive.speed_limit_deg_s=20", kChanges, {}, kPlanned},
+      {kOf + "model_predictive.speed_limit_deg_s=100000", kKeeps, {}, kPlanned},  // never reached
+      {kOf + "model_predictive.speed_limit_deg_s=-1", kRefused, {}, kPlanned},
       {kOf + "motor.speed_limit_rad_s=0", kKeeps},  // no limit: the default is never reached
       {kOf + "motor.speed_limit_rad_s=1", kChanges},
       {kOf + "motor.speed_limit_rad_s=10000", kKeeps},
@@ -419,7 +445,8 @@ TEST_F(KeysWalk, PassesEveryKeyAtBothEndsOfItsRange) {
     EXPECT_TRUE(passes([&](const Step& step) { return step.set.starts_with(row.key); })) << row.key;
     const std::size_t to = row.range.find(" to ");
     if (to == std::string::npos) continue;
-    for (const std::string& end : {row.range.substr(0, to), row.range.substr(to + 4)}) {
+    const std::string high = row.range.substr(to + 4, row.range.find(';') - to - 4);  // of a list
+    for (const std::string& end : {row.range.substr(0, to), high}) {
       const std::string setting = row.key + "=" + end;
       if (IsTooLong(setting)) continue;
       EXPECT_TRUE(passes([&](const Step& step) { return step.set == setting; })) << setting;

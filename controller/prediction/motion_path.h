@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "controller/filters/filter.h"
+#include "controller/prediction/prediction_config.h"
+
+namespace gauntlet::controller {
+
+/// Where each channel is expected at several times: as the prediction says, one event later, two
+/// events later, and so on, by a predictor of its own for each. Without a prediction all stay where
+/// they are.
+///
+/// Shapes: rows of one value per channel. Units: rad.
+/// Errors: SettingError for a prediction that cannot look so far, or has no horizon to change.
+class MotionPath {
+ public:
+  /// With 0 rows it does nothing.
+  MotionPath(const PredictionConfig& config, int channel_count, double rate_hz, int rows,
+             double event_period_ms);
+
+  int row_count() const noexcept { return row_count_; }
+  std::span<const double> Row(int row) const noexcept {
+    return {rows_rad_.data() + std::ptrdiff_t{row} * channel_count_,
+            static_cast<std::size_t>(channel_count_)};
+  }
+
+  /// `now_rad` is what the first row, the prediction itself, has made of `angle_rad`.
+  void Step(std::span<const double> angle_rad, std::span<const double> now_rad) noexcept;
+  /// The channel stays here.
+  void Hold(int channel, double angle_rad) noexcept;
+  void Reset() noexcept;
+  void ResetChannel(int channel) noexcept;
+  /// Goes on where another one stands, row by row; a row that cannot (see Filter::TakeMemory), or
+  /// whose steps were others, starts at these angles.
+  void TakeMemory(MotionPath& from, bool same_step, std::span<const double> angle_rad) noexcept;
+
+ private:
+  int channel_count_;
+  int row_count_;
+  std::vector<std::unique_ptr<Filter>> later_;  // of all rows but the first; may be empty
+  std::vector<double> rows_rad_;
+};
+
+}  // namespace gauntlet::controller
