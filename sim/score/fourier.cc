@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 namespace gauntlet::sim {
 namespace {
