@@ -140,7 +140,7 @@ void AddTimes(const std::vector<NamedArray>& arrays, std::size_t rows,
   }
   const auto is_of_group = [&](std::size_t i) { return GroupOfTime(arrays[i]) == group; };
   const bool has_own = std::ranges::any_of(times, is_of_group);
-  if (!has_own && times.size() > 1) times.resize(1);
+  if (!has_own && times.size() > 1) times.erase(times.begin() + 1, times.end());
   for (const std::size_t i : times) listed[i].is_taken = !has_own || is_of_group(i);
 }
 
