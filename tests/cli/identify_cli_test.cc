@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -23,7 +24,9 @@ class IdentifyCliTest : public testing::Test {
  protected:
   ProgramResult Run(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), GAUNTLET_PROGRAM);
-    return RunProgram(arguments, {.working_directory = folder_.path()});
+    return RunProgram(arguments, {.working_directory = folder_.path(),
+                                  // It simulates the hand some times, under sanitizers slowly.
+                                  .timeout = std::chrono::minutes(5)});
   }
   std::string Read(const std::string& name) const { return ReadFile(folder_.path() / name); }
 
