@@ -345,7 +345,7 @@ void ComparisonPicture::DrawScore(Painter& painter, Rect rect, int pane, int fra
   const TextStyle caption = {.size_px = 11.0 * unit, .color = accent};
   Point at = {rect.x, rect.y + 17.0 * unit};
   if (input_.overlay) {
-    painter.Dot({at.x + 4.0 * unit, at.y - 4.0 * unit}, 4.0 * unit, ColorOf(pane));
+    painter.Dot({at.x + 4.0 * unit, at.y - 4.0 * unit}, 4.0 * unit, ColourOfPane(input_, pane));
     at.x += 12.0 * unit;
     label = painter.Elide(input_.panes[pane].title + ": " + label, rect.right() - at.x, caption);
   }
@@ -397,9 +397,9 @@ void ComparisonPicture::DrawCurves(Painter& painter, int place, int frame) const
   std::vector<Curve> errors, trembling;
   for (int pane = input_.overlay ? 1 : place; pane >= place; --pane) {  // the first one on top
     const Signal& hand_rad = *input_.panes[pane].hand_angle_rad;
-    angles.push_back({Column(hand_rad, input_.joint), ColorOf(pane), 2.0, true});
-    errors.push_back({Column(errors_[pane], 0), ColorOf(pane), 2.0, true, true});
-    trembling.push_back({Column(trembling_[pane], 0), ColorOf(pane), 1.0});
+    angles.push_back({Column(hand_rad, input_.joint), ColourOfPane(input_, pane), 2.0, true});
+    errors.push_back({Column(errors_[pane], 0), ColourOfPane(input_, pane), 2.0, true, true});
+    trembling.push_back({Column(trembling_[pane], 0), ColourOfPane(input_, pane), 1.0});
   }
   error_plots_[place].Draw(painter, frame, errors);
   if (angle_plots_.empty()) return;
@@ -432,7 +432,8 @@ void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame,
   if (pane == 0 || !input_.overlay) {
     DrawFingertip(painter, place.view, pane, frame, hands.view.wearers_fingertip(), palette::kTrue);
   }
-  DrawFingertip(painter, place.view, pane, frame, hands.view.fingertip(pane), ColorOf(pane));
+  DrawFingertip(painter, place.view, pane, frame, hands.view.fingertip(pane),
+                ColourOfPane(input_, pane));
   painter.Unclip();
   if (HasStopped(pane, frame)) DrawStop(painter, pane);
 

@@ -51,9 +51,6 @@ class ComparisonPicture {
 
  private:
   const PaneLayout& PlaceOf(int pane) const { return layout_.panes[input_.overlay ? 0 : pane]; }
-  const Color& ColorOf(int pane) const {
-    return input_.overlay && pane == 1 ? palette::kSecondHand : palette::kHand;
-  }
   Columns<Signal> Measured(const Signal& all_joints) const;
   int SampleCount(int pane) const;
   bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }

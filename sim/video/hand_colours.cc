@@ -54,6 +54,10 @@ double FullError_deg(const VideoInput& input) {
 
 }  // namespace
 
+const Color& ColourOfPane(const VideoInput& input, int pane) {
+  return input.overlay && pane == 1 ? palette::kSecondHand : palette::kHand;
+}
+
 ColourScale ColourScaleOf(const VideoInput& input) {
   return {.largest_tension_n = LargestTension_n(input), .full_error_deg = FullError_deg(input)};
 }
@@ -73,9 +77,8 @@ HandColours::HandColours(const VideoInput& input, const HandModel& hand, const C
 SceneColours HandColours::Of(int pane, int sample) {
   ShareOfPull(input_.panes[pane], sample);
   ShareOfError(input_.panes[pane], sample);
-  return {.cable_share = cable_share_,
-          .link_share = link_share_,
-          .link = input_.overlay && pane == 1 ? palette::kSecondHand : palette::kHand};
+  return {
+      .cable_share = cable_share_, .link_share = link_share_, .link = ColourOfPane(input_, pane)};
 }
 
 void HandColours::ShareOfPull(const VideoPane& pane, int sample) {
