@@ -43,7 +43,9 @@ TableStatistics ReadTable(const std::filesystem::path& file, const TimeGuess& ti
   CsvReader csv(
       file.string(), BeginningOf(TableSource(file, inspection.array), is_whole),
       ProblemHandling::kRepair,
-      [&](std::string_view kind, std::size_t) { ++inspection.problems[std::string(kind)]; },
+      [&](RecordingProblem problem, std::size_t) {
+        ++inspection.problems[std::string(NameOf(problem))];
+      },
       inspection.layout.skipped_lines);
   for (std::size_t c = 0; c < csv.column_count(); ++c) {
     if (inspection.columns[c].kind == CellKind::kText) csv.Ignore(c);

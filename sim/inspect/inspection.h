@@ -41,7 +41,7 @@ struct Inspection {
   bool is_whole = true;  // only the beginning of a large file is read
   TableLayout layout;
   std::size_t rows = 0;
-  std::map<std::string, std::size_t> problems;  // in rows, by their kind
+  std::map<std::string, std::size_t> problems;  // in rows, by NameOf() them
   std::string time_why;                         // why these columns, or none, are the time
   bool has_time = false;
   bool rate_is_known = false;

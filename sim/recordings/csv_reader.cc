@@ -53,9 +53,9 @@ void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string
                    .problem = problem});
 }
 
-void CsvReader::Problem(std::string_view kind, std::size_t column, const std::string& message) {
+void CsvReader::Problem(RecordingProblem problem, std::size_t column, const std::string& message) {
   if (handling_ != ProblemHandling::kRepair) Fail(column, message);
-  if (listener_) listener_(kind, row_);
+  if (listener_) listener_(problem, row_);
 }
 
 void CsvReader::Refill() {
@@ -148,7 +148,7 @@ void CsvReader::ReadFirstRowOfData() {
   row_ = header_line;  // where the reader stands, for messages, until the first row is asked for
   const std::vector<std::string_view> cells = SplitCells(line, separator_);
   if (cells.size() != header_.size() + 1 || Trimmed(cells.back()).empty()) return;
-  Problem("header too short", header_.size(),
+  Problem(RecordingProblem::kShortHeader, header_.size(),
           fmt::format("the header has {} names for {} values", header_.size(), cells.size()));
   const bool time_is_first = TimeScaleS(header_.front()).has_value();
   header_.insert(time_is_first ? header_.end() : header_.begin(), std::string());
@@ -177,8 +177,9 @@ bool CsvReader::NextRow(std::vector<std::string>& cells) {
   for (const std::string_view cell : SplitCells(line, separator_))
     cells.emplace_back(Unquoted(cell));
   if (cells.size() != column_count_) {
-    Problem(cells.size() < column_count_ ? "truncated row" : "row too long", cells.size(),
-            fmt::format("the row has {} of {} values", cells.size(), column_count_));
+    Problem(cells.size() < column_count_ ? RecordingProblem::kTruncatedRow
+                                         : RecordingProblem::kRowTooLong,
+            cells.size(), fmt::format("the row has {} of {} values", cells.size(), column_count_));
     cells.resize(column_count_);
   }
   return true;
@@ -205,11 +206,11 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
     values[column] = meanings_[column] == Meaning::kIgnored ? kMissing : Number(cell, column + 1);
   }
   if (column < column_count_) {
-    Problem("truncated row", column,
+    Problem(RecordingProblem::kTruncatedRow, column,
             fmt::format("the row has {} of {} values", column, column_count_));
     for (; column < column_count_; ++column) values[column] = kMissing;
   } else if (more && !Trimmed(rest).empty()) {
-    Problem("row too long", column_count_ + 1,
+    Problem(RecordingProblem::kRowTooLong, column_count_ + 1,
             fmt::format("the row has more than {} values", column_count_));
   }
 }
@@ -219,7 +220,7 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
   if (separator_ != ',') std::ranges::replace(text, ',', '.');
   if (text.empty()) {
     if (handling_ != ProblemHandling::kAllowMissing) {
-      Problem("missing value", column, "the value is missing");
+      Problem(RecordingProblem::kMissingValue, column, "the value is missing");
     }
     return kMissing;
   }
@@ -227,22 +228,23 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
   if (!value && meanings_[column - 1] == Meaning::kTime) {
     value = SecondsOfText(text);
     if (!value) {
-      Problem("no time", column, Quoted(cell) + " is neither a date nor a clock");
+      Problem(RecordingProblem::kNoTime, column, Quoted(cell) + " is neither a date nor a clock");
       return kMissing;
     }
   }
   if (!value) {
-    Problem("not a number", column, Quoted(cell) + " is not a number");
+    Problem(RecordingProblem::kNotANumber, column, Quoted(cell) + " is not a number");
     return kMissing;
   }
   if (std::isnan(*value)) {
     if (handling_ != ProblemHandling::kAllowMissing) {
-      Problem("missing value", column, fmt::format("the value is missing ({})", text));
+      Problem(RecordingProblem::kMissingValue, column,
+              fmt::format("the value is missing ({})", text));
     }
     return kMissing;
   }
   if (std::isinf(*value)) {
-    Problem("not finite", column, Quoted(cell) + " is not a finite number");
+    Problem(RecordingProblem::kNotFinite, column, Quoted(cell) + " is not a finite number");
     return kMissing;
   }
   return *value;

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/recordings/recording_problem.h"
+
 namespace gauntlet::sim {
 
 /// What a reader does with a value or row that is not as it should be.
@@ -35,7 +37,7 @@ class CsvReader {
   /// Fills a buffer and says how many bytes it gave; 0 is the end.
   using Source = std::function<std::size_t(char* buffer, std::size_t size)>;
   /// Hears of every problem that was repaired.
-  using Listener = std::function<void(std::string_view kind, std::size_t row)>;
+  using Listener = std::function<void(RecordingProblem problem, std::size_t row)>;
 
   /// `name` stands for the file in messages; `skipped_lines` at its beginning are no part of the
   /// table.
@@ -76,7 +78,7 @@ class CsvReader {
   void ReadFirstRowOfData();
   bool NextLineOfData(std::string_view& line);
   void ParseRow(std::string_view line, std::span<double> values);
-  void Problem(std::string_view kind, std::size_t column, const std::string& message);
+  void Problem(RecordingProblem problem, std::size_t column, const std::string& message);
 
   std::string name_;
   Source source_;

@@ -11,7 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/recordings/glitches.h"
 #include "sim/recordings/pchip.h"
-#include "sim/recordings/repair_budget.h"
+#include "sim/recordings/recording_problem.h"
 #include "sim/recordings/table_source.h"
 
 namespace gauntlet::sim {
@@ -78,8 +78,10 @@ class RowTable {
                         recording.time_s.back(), start_s);
   const std::string found = reader.MostFrequentProblem();
   if (!found.empty()) problem += fmt::format(" (found: {})", found);
-  const std::string cause = LikelyCause(reader.MostFrequentRepair(), kMissing);
-  if (!cause.empty()) problem += "; " + cause;
+  if (const auto repair = reader.MostFrequentRepair()) {
+    const std::string cause = LikelyCause(*repair, kMissing);
+    if (!cause.empty()) problem += "; " + cause;
+  }
   throw UserError(
       {.place = fmt::format("{}:{}:1", recording.name, std::max<std::size_t>(reader.row(), 1)),
        .problem = problem});
@@ -103,7 +105,7 @@ void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& row
   for (const auto [place, c] : glitches) {
     const std::string_view name = KnownChannels()[c].name;
     double& angle = recording.angle_rad(place, c);
-    reader.Report("glitch, value left out", rows[place], c,
+    reader.Report(RecordingProblem::kGlitch, rows[place], c,
                   fmt::format("{} jumps to {:.6g} deg and back, faster than a hand", name,
                               angle * kDegPerRad));
     angle = kMissing;
@@ -148,14 +150,14 @@ void CheckBudget(const RecordingReader& reader, const Recording& recording, doub
   }
   const auto median = steps_s.begin() + std::ssize(steps_s) / 2;
   std::ranges::nth_element(steps_s, median);
-  const std::string problem = reader.MostFrequentRepair();
+  const RecordingProblem problem = *reader.MostFrequentRepair();
   const std::string cause = LikelyCause(problem, *median);
   throw UserError(
       {.place = recording.name,
        .problem = fmt::format(
            "{:.2g} % of its rows would need repair, mostly \"{}\"; at most {:g} % "
            "may (repair_budget_percent){}{}",
-           repaired_percent, problem, budget_percent, cause.empty() ? "" : "; ", cause)});
+           repaired_percent, NameOf(problem), budget_percent, cause.empty() ? "" : "; ", cause)});
 }
 
 /// One line for all channels that hardly ever change.

@@ -10,7 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/column_scale.h"
-#include "sim/recordings/repair_budget.h"
+#include "sim/recordings/recording_problem.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -30,20 +30,22 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
     : handling_(format.handling), longest_gap_s_(1e-3 * format.longest_gap_ms) {
   csv_ = std::make_unique<CsvReader>(
       std::move(name), std::move(source), format.handling,
-      [this](std::string_view kind, std::size_t row) { Note(std::string(kind), row); },
+      [this](RecordingProblem problem, std::size_t row) { Note(problem, row); },
       format.skipped_lines);
   row_ = csv_->row();
   std::vector<std::string> left_out;
   map_ = format.map.empty() ? MapByHeader(*csv_, format.handling, left_out)
                             : ReadColumnMap(format.map, *csv_);
   for (const std::string& column : left_out) {
-    problems_[fmt::format("unknown column {} left out", Quoted(column))] = {1, csv_->row()};
+    notes_.push_back(fmt::format("unknown column {} left out", Quoted(column)));
   }
   if (!map_.time.empty()) {
     if (format.rate_hz > 0.0) {
-      ReportHere(fmt::format("{} not used beside a column of time", format.rate_key),
-                 map_.time.front().column + 1,
-                 fmt::format("is a column of time, {} must not be given", format.rate_key));
+      if (handling_ == ProblemHandling::kStrict) {
+        csv_->Fail(map_.time.front().column + 1,
+                   fmt::format("is a column of time, {} must not be given", format.rate_key));
+      }
+      notes_.push_back(fmt::format("{} not used beside a column of time", format.rate_key));
     }
   } else if (format.rate_hz <= 0.0) {
     csv_->Fail(1, fmt::format("there is no column of time; without one {} must be given",
@@ -88,29 +90,29 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
                        .keeps_to_range = format.keeps_to_range});
 }
 
-RecordingReader::Count& RecordingReader::Note(const std::string& kind, std::size_t row) {
-  Count& count = problems_[kind];
+RecordingReader::Count& RecordingReader::Note(RecordingProblem problem, std::size_t row) {
+  Count& count = problems_[problem];
   if (count.rows++ == 0) count.first_row = row;
-  if (NeedsRepair(kind) && row != last_repaired_row_) {
+  if (NeedsRepair(problem) && row != last_repaired_row_) {
     ++repaired_rows_;  // one row, whatever is wrong with it
     last_repaired_row_ = row;
   }
   return count;
 }
 
-void RecordingReader::ReportHere(const std::string& kind, std::size_t column,
+void RecordingReader::ReportHere(RecordingProblem problem, std::size_t column,
                                  const std::string& message) {
   if (handling_ == ProblemHandling::kStrict) csv_->FailInRow(row_, column, message);
-  Note(kind, row_);
+  Note(problem, row_);
 }
 
-void RecordingReader::Report(const std::string& kind, std::size_t row, std::size_t channel,
+void RecordingReader::Report(RecordingProblem problem, std::size_t row, std::size_t channel,
                              const std::string& message) {
   if (handling_ == ProblemHandling::kStrict) {
     const auto linear = std::ranges::find(channels_, channel, &Linear::channel);
     csv_->FailInRow(row, linear->column + 1, message);
   }
-  ++Note(kind, row).rows_of_channel[channel];
+  ++Note(problem, row).rows_of_channel[channel];
 }
 
 void RecordingReader::CheckRange(const Linear& linear, double& angle_rad) {
@@ -119,7 +121,7 @@ void RecordingReader::CheckRange(const Linear& linear, double& angle_rad) {
   const double beyond_deg = std::max(joint.min_deg - angle_deg, angle_deg - joint.max_deg);
   const bool is_glitch = beyond_deg > kGlitchShare * (joint.max_deg - joint.min_deg);
   if (!is_glitch && !(linear.keeps_to_range && beyond_deg > kRangeRounding_deg)) return;
-  Report(is_glitch ? "glitch far outside the joint's range" : "beyond the joint's range", row_,
+  Report(is_glitch ? RecordingProblem::kFarBeyondRange : RecordingProblem::kBeyondRange, row_,
          linear.channel,
          fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name, angle_deg,
                      joint.min_deg, joint.max_deg));
@@ -141,33 +143,34 @@ bool RecordingReader::FixTime(double& time_s) {
   const double given_s = GivenTimeS(values_);
   if (!std::isfinite(given_s)) return false;  // the CSV reader has reported it
   if (std::abs(given_s) > 1e12) {
-    ReportHere("time out of range", column, fmt::format("the time is {} s", given_s));
+    ReportHere(RecordingProblem::kTimeOutOfRange, column, fmt::format("the time is {} s", given_s));
     return false;
   }
   time_s = given_s + clock_offset_s_;
   if (good_rows_ == 0) return true;
   const double step_s = time_s - last_time_s_;
   if (handling_ == ProblemHandling::kRepair && IsWildTime(step_s)) {
-    Note("wild time, row left out", row_);
+    Note(RecordingProblem::kWildTime, row_);
     return false;
   }
   if (step_s > 0.0) {
     if (step_s > longest_gap_s_) {
-      ReportHere("gap in time", column, fmt::format("nothing for {:.6g} ms", 1e3 * step_s));
+      ReportHere(RecordingProblem::kGap, column,
+                 fmt::format("nothing for {:.6g} ms", 1e3 * step_s));
     }
     return true;
   }
   const std::string message =
       fmt::format("the time is {} s, must be above {} s of the row before", time_s, last_time_s_);
   if (step_s == 0.0) {
-    ReportHere("repeated time, row left out", column, message);
+    ReportHere(RecordingProblem::kRepeatedTime, column, message);
     return false;
   }
   if (step_s > -kClockRestartS) {
-    ReportHere("row out of order, left out", column, message);
+    ReportHere(RecordingProblem::kOutOfOrder, column, message);
     return false;
   }
-  ReportHere("clock started anew", column, message);
+  ReportHere(RecordingProblem::kClockRestart, column, message);
   restarted_ = true;
   const double expected_s = last_time_s_ + (last_step_s_ > 0.0 ? last_step_s_ : 0.01);
   clock_offset_s_ += expected_s - time_s;
@@ -223,25 +226,25 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
 }
 
 std::vector<std::string> RecordingReader::Remarks() const {
-  std::vector<std::string> remarks;
-  for (const auto& [kind, count] : problems_) {
-    remarks.push_back(fmt::format("{}: {}", csv_->name(), Remark(kind, count)));
-  }
+  std::vector<std::string> remarks = notes_;
+  for (const auto& [problem, count] : problems_) remarks.push_back(Remark(problem, count));
+  std::ranges::sort(remarks);
+  for (std::string& remark : remarks) remark.insert(0, csv_->name() + ": ");
   return remarks;
 }
 
-std::string RecordingReader::MostFrequentRepair() const {
+std::optional<RecordingProblem> RecordingReader::MostFrequentRepair() const {
   std::size_t most = 0;
-  std::string kind;
-  for (const auto& [name, count] : problems_) {
-    if (!NeedsRepair(name)) continue;
+  std::optional<RecordingProblem> found;
+  for (const auto& [problem, count] : problems_) {
+    if (!NeedsRepair(problem)) continue;
     // Whatever else is wrong with time makes gaps, too.
-    const std::size_t weight = name.starts_with("gap") ? count.rows / 10 : count.rows;
-    if (!kind.empty() && weight <= most) continue;
+    const std::size_t weight = problem == RecordingProblem::kGap ? count.rows / 10 : count.rows;
+    if (found && weight <= most) continue;
     most = weight;
-    kind = name;
+    found = problem;
   }
-  return kind;
+  return found;
 }
 
 double RecordingReader::RepairedShare() const {
@@ -251,14 +254,14 @@ double RecordingReader::RepairedShare() const {
 
 std::string RecordingReader::MostFrequentProblem() const {
   if (problems_.empty()) return "";
-  const auto& [kind, count] = *std::ranges::max_element(
-      problems_, {}, [](const auto& problem) { return problem.second.rows; });
-  return Remark(kind, count);
+  const auto& [problem, count] =
+      *std::ranges::max_element(problems_, {}, [](const auto& entry) { return entry.second.rows; });
+  return Remark(problem, count);
 }
 
-std::string RecordingReader::Remark(const std::string& kind, const Count& count) const {
+std::string RecordingReader::Remark(RecordingProblem problem, const Count& count) const {
   std::string remark =
-      fmt::format("{}: {} times, first in row {}", kind, count.rows, count.first_row);
+      fmt::format("{}: {} times, first in row {}", NameOf(problem), count.rows, count.first_row);
   const char* before = " (";
   for (const auto& [channel, rows] : count.rows_of_channel) {
     remark += fmt::format("{}{} {:.3g} %", before, KnownChannels()[channel].name,

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,12 +54,12 @@ class RecordingReader {
   std::size_t row() const { return row_; }
   /// Notes a problem that was found in an earlier row of a channel; in a strict reading a
   /// UserError.
-  void Report(const std::string& kind, std::size_t row, std::size_t channel,
+  void Report(RecordingProblem problem, std::size_t row, std::size_t channel,
               const std::string& message);
-  /// One line per kind of problem: what, how often, and the first row.
+  /// One line per problem: what, how often, and the first row.
   std::vector<std::string> Remarks() const;
-  /// The kind of problem that needs a repair most often; empty if none does.
-  std::string MostFrequentRepair() const;
+  /// The problem that needs a repair most often; none if none does.
+  std::optional<RecordingProblem> MostFrequentRepair() const;
   /// Share of the rows read so far that needed a repair.
   double RepairedShare() const;
   /// The problem found most often, as such a line without the file; empty if there is none.
@@ -81,9 +82,9 @@ class RecordingReader {
     bool keeps_to_range;
   };
 
-  void ReportHere(const std::string& kind, std::size_t column, const std::string& message);
-  std::string Remark(const std::string& kind, const Count& count) const;
-  Count& Note(const std::string& kind, std::size_t row);
+  void ReportHere(RecordingProblem problem, std::size_t column, const std::string& message);
+  std::string Remark(RecordingProblem problem, const Count& count) const;
+  Count& Note(RecordingProblem problem, std::size_t row);
   void CheckRange(const Linear& linear, double& angle_rad);
   bool ReadRow();
   /// In the file; NaN if a part of it is missing.
@@ -93,7 +94,8 @@ class RecordingReader {
   void AddLinear(const ColumnMapping& mapping, const RecordingFormat& format);
 
   ProblemHandling handling_;
-  std::map<std::string, Count> problems_;
+  std::map<RecordingProblem, Count> problems_;
+  std::vector<std::string> notes_;  // about the header, for a repair
   std::unique_ptr<CsvReader> csv_;
   ColumnMap map_;
   std::vector<Linear> channels_;

@@ -1,6 +1,4 @@
 // A file that needs too many repairs is refused, with what most likely is wrong with it.
-#include "sim/recordings/repair_budget.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/recordings/recording.h"
+#include "sim/recordings/recording_problem.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {
@@ -70,6 +69,21 @@ TEST_F(RepairBudget, IsForAFewRowsAndAKeyAllowsMore) {
                                 : fmt::format("{},", 0.01 * i);
             }),
             "");
+}
+
+TEST_F(RepairBudget, IsForRowsThatHaveNoTimeToo) {
+  const std::string map = "column,channel,unit\ntime_s,time,date\nindex_mcp,index_mcp,deg\n";
+  const auto no_time_every = [](int rows) {
+    return [rows](int i, double deg) {
+      return i % rows == 3 ? fmt::format("soon,{}", deg)
+                           : fmt::format("12:00:{:05.2f},{}", 0.01 * i, deg);
+    };
+  };
+  EXPECT_EQ(Refusal(no_time_every(25), 5.0, map), "");
+  EXPECT_THAT(remarks_, Contains(HasSubstr("in.csv: no time: 12 times, first in row 5")));
+  EXPECT_THAT(Refusal(no_time_every(10), 5.0, map),
+              AllOf(HasSubstr("10 % of its rows would need repair, mostly \"no time\""),
+                    HasSubstr("is the column of time another?")));
 }
 
 TEST_F(RepairBudget, NamesTheLikeliestCause) {
