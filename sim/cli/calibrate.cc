@@ -219,12 +219,12 @@ void RunCalibrate(const CalibrateOptions& options) {
   const std::filesystem::path target = TargetOf(options);
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
   CurveErrors errors;
-  const Calibration calibration = Calibrate(recording, options.calibration, errors);
+  Calibration calibration = Calibrate(recording, options.calibration, errors);
   if (target.has_parent_path()) MakeDirectory(target.parent_path());
   WriteFileAtomically(target,
                       "# Made by gauntlet calibrate. A controller of a scenario includes it: "
                       "`calibration: FILE`.\n" +
-                          CalibrationToYaml(calibration));
+                          SettingsToYaml([&](auto& visitor) { calibration.Visit(visitor); }));
   if (options.json) {
     PrintJson(calibration, errors);
   } else {

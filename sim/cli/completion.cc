@@ -12,6 +12,7 @@
 #include "sim/base/data_folder.h"
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/setting_rows.h"
 
 namespace gauntlet::sim {

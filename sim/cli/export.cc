@@ -13,6 +13,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
 #include "sim/study/manifest.h"

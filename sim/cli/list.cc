@@ -19,6 +19,7 @@
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
 #include "sim/settings/setting_rows.h"
 

@@ -13,6 +13,7 @@
 #include "sim/cli/usage_error.h"
 #include "sim/report/robust_page.h"
 #include "sim/report/robust_table.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
 
 namespace gauntlet::sim {

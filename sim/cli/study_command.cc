@@ -27,6 +27,7 @@
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_files.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/study/manifest.h"
 #include "sim/study/study_database.h"

@@ -19,6 +19,7 @@
 #include "sim/report/tune_all_table.h"
 #include "sim/report/tune_page.h"
 #include "sim/report/tune_table.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/study/tune_files.h"
 

@@ -13,6 +13,7 @@
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/galton_board.h"
 #include "sim/report/table_text.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

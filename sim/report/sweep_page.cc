@@ -6,6 +6,7 @@
 #include "sim/report/html_text.h"
 #include "sim/report/interval_chart.h"
 #include "sim/report/sweep_table.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "sim/report/table_text.h"
 #include "sim/report/tune_table.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 

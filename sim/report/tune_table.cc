@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "sim/scenario/scenario_reader.h"
+
 namespace gauntlet::sim {
 namespace {
 

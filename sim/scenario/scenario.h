@@ -7,7 +7,6 @@
 
 #include "controller/controller_config.h"
 #include "sim/base/timing.h"
-#include "sim/calibrate/calibration.h"
 #include "sim/glove/glove_config.h"
 #include "sim/hand/hand_config.h"
 #include "sim/loop/event_config.h"
@@ -99,32 +98,7 @@ void CheckControllerNames(const std::vector<std::string>& names, const Scenario&
 /// Errors: as CheckControllerNames().
 std::string KeepControllers(const std::vector<std::string>& names, Scenario& scenario);
 
-/// Reads as strictly as LoadScenario().
-Calibration LoadCalibration(const std::filesystem::path& file);
-std::string CalibrationToYaml(const Calibration& calibration);
-
-/// A scenario file as it was read, and what --set puts over it: `key.path=value`, in order.
-struct ScenarioSource {
-  std::filesystem::path file;
-  std::string text;
-  std::vector<std::string> overrides = {};
-};
-
-/// Reads strictly: unknown, duplicate, missing or non-finite is a UserError with file:line:column,
-/// and so is what could not be a name or a text of the results. Paths in the scenario are relative
-/// to the file.
-///
-/// Where --set changes the seed, the repetitions begin with the one that the new seed has in the
-/// file: a seed is the same trial however it is asked for.
-Scenario ParseScenario(const ScenarioSource& source);
-
-/// Where a setting stands: `file:line:column` or `--set text`; the file if it has a default value.
-std::string PlaceOfSetting(const ScenarioSource& source, const std::string& key);
-
-/// ParseScenario() of what the file holds. Errors: UserError also for one that cannot be read.
-Scenario LoadScenario(const std::filesystem::path& file, const std::vector<std::string>& overrides);
-
-/// The scenario with every value used, as YAML that LoadScenario reads back to the same values.
+/// The scenario with every value used, as YAML that LoadScenario() reads back to the same values.
 /// `folder`: where the file will lie, see SettingsToYaml().
 std::string ScenarioToYaml(const Scenario& scenario, const std::filesystem::path& folder = {});
 

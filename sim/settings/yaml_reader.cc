@@ -48,11 +48,9 @@ std::string YamlReader::PathOf(std::string_view key) const {
 
 YAML::Node YamlReader::Find(const Setting& setting) {
   known_keys_.emplace_back(setting.key);
-  for (const auto& entry : node_) {
-    if (entry.first.Scalar() == setting.key) return entry.second;
-  }
-  if (setting.required) missing_.emplace_back(setting.key);
-  return YAML::Node(YAML::NodeType::Undefined);
+  YAML::Node found = ChildOf(node_, setting.key);
+  if (setting.required && !found.IsDefined()) missing_.emplace_back(setting.key);
+  return found;
 }
 
 std::string YamlReader::Scalar(const YAML::Node& node, const std::string& path,

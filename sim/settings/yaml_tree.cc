@@ -267,6 +267,15 @@ YAML::Node ParseYamlFile(const std::filesystem::path& file) {
   return ParseYaml(file, ReadYamlText(file));
 }
 
+YAML::Node ChildOf(const YAML::Node& group, std::string_view key) {
+  if (group.IsMap()) {
+    for (const auto& entry : group) {
+      if (entry.first.Scalar() == key) return entry.second;
+    }
+  }
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
 YAML::Node NodeAt(const YAML::Node& root, std::string_view path) {
   YAML::Node node = root;
   while (!path.empty()) {
@@ -279,10 +288,8 @@ YAML::Node NodeAt(const YAML::Node& root, std::string_view path) {
     if (node.IsSequence() &&
         std::from_chars(key.data(), key.data() + key.size(), index).ec == std::errc()) {
       if (index < node.size()) next.reset(node[index]);
-    } else if (node.IsMap()) {
-      for (const auto& entry : node) {
-        if (entry.first.Scalar() == key) next.reset(entry.second);
-      }
+    } else {
+      next.reset(ChildOf(node, key));
     }
     if (!next.IsDefined()) break;
     node.reset(next);

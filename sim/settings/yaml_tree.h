@@ -62,6 +62,9 @@ YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text,
 /// ParseYaml() of ReadYamlText().
 YAML::Node ParseYamlFile(const std::filesystem::path& file);
 
+/// The value of a key; undefined where the group is no map, or has no such key.
+YAML::Node ChildOf(const YAML::Node& group, std::string_view key);
+
 /// The part of the tree that a path of keys leads to, as far as the tree has it.
 YAML::Node NodeAt(const YAML::Node& root, std::string_view path);
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

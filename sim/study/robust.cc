@@ -11,6 +11,7 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/random.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -17,6 +17,7 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
 #include "sim/study/manifest.h"
 

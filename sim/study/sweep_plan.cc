@@ -12,6 +12,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/random.h"
 #include "sim/base/text.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/study/sobol.h"

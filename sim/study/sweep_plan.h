@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "controller/settings.h"
-#include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 

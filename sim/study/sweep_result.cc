@@ -9,6 +9,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/data_folder.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/early_stop.h"
 #include "sim/study/study_identity.h"
 

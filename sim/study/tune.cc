@@ -10,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/optimise.h"
 #include "sim/study/tune_bench.h"
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/sweep_result.h"
 
 namespace gauntlet::sim {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "sim/base/error.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/filter_search.h"
 #include "sim/study/tune_bench.h"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "sim/base/error.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 

@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/study.h"

@@ -17,6 +17,7 @@
 #include <functional>
 #include <vector>
 
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_files.h"
 
 namespace gauntlet::sim {

@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -42,9 +41,7 @@ class BaselineTest : public testing::Test {
   }
 
   std::string ReadFile(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(folder_.path() / "out" / name, std::ios::binary).rdbuf();
-    return text.str();
+    return test::ReadFile(folder_.path() / "out" / name);
   }
 
   static bool HasChromium() {

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -64,9 +64,7 @@ class OtherHandTest : public testing::Test {
     return RunProgram(arguments, options);
   }
   std::string ReadFile(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(folder_.path() / "out" / name, std::ios::binary).rdbuf();
-    return text.str();
+    return test::ReadFile(folder_.path() / "out" / name);
   }
   Json Scores() const { return Json::parse(ReadFile("scores.json")); }
   /// What the page of the run shows.

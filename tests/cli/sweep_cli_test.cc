@@ -9,10 +9,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
-#include <sstream>
 #include <thread>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -48,11 +48,7 @@ class SweepCommandTest : public testing::Test {
     command.insert(command.end(), more.begin(), more.end());
     return command;
   }
-  std::string ReadFile(const fs::path& file) const {
-    std::ostringstream text;
-    text << std::ifstream(folder_.path() / file, std::ios::binary).rdbuf();
-    return text.str();
-  }
+  std::string ReadFile(const fs::path& file) const { return test::ReadFile(folder_.path() / file); }
 
   /// How many trials the database of a folder holds.
   int Trials(const std::string& out) const {

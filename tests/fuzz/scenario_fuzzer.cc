@@ -5,6 +5,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "sim/base/error.h"
-#include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_database.h"
 #include "tests/fuzz/edited_copy.h"
 

@@ -14,6 +14,7 @@
 #include "controller/calibration/predictor_fit.h"
 #include "controller/prediction/horizon.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/study.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/joint_angles.h"

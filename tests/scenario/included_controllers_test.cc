@@ -8,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

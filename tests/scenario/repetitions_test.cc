@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/glove/motions/motion_config.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

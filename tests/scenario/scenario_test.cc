@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "sim/base/error.h"
+#include "sim/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 

@@ -7,6 +7,7 @@
 
 #include "controller/filters/filter_registry.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {

@@ -1,6 +1,7 @@
 // The scenario in which trembling is felt: a bottle is lifted and held.
 #include <gtest/gtest.h>
 
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 #include "tests/support/source_dir.h"
 

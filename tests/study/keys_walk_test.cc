@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/setting_rows.h"
 #include "sim/study/study_run.h"
 #include "tests/support/program.h"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_database.h"
 #include "sim/study/study_run.h"
 #include "tests/support/program.h"

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "sim/base/error.h"
+#include "sim/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

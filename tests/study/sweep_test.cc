@@ -9,6 +9,7 @@
 #include <set>
 
 #include "sim/base/error.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/response.h"
 #include "sim/study/sobol.h"
 #include "sim/study/sweep_result.h"

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "sim/base/random.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/study/filter_search.h"
 #include "sim/study/tune_files.h"

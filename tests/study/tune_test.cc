@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/optimise.h"
 #include "sim/study/tune_files.h"
 #include "tests/support/program.h"

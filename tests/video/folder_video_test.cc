@@ -8,6 +8,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_files.h"
 #include "sim/study/study_run.h"
 #include "sim/study/summary.h"
