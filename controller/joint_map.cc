@@ -8,6 +8,9 @@
 namespace gauntlet::controller {
 namespace {
 
+/// An end of a joint's range that was written in degrees is still in it.
+constexpr double kRounding_deg = 1e-9;
+
 /// Place of a name in a list, or -1.
 int IndexOf(const std::vector<std::string>& names, const std::string& name) {
   const auto found = std::find(names.begin(), names.end(), name);
@@ -80,12 +83,28 @@ JointMap::JointMap(const JointMapConfig& config, const std::vector<std::string>&
     }
     Joint& joint = joints_[Place(index)];
     joint = {.offset_rad = source.offset_deg * kRadPerDeg, .terms = {}};
+    if (source.channels.empty()) {
+      const double min_deg = hand.joint_min_rad[Place(index)] / kRadPerDeg;
+      const double max_deg = hand.joint_max_rad[Place(index)] / kRadPerDeg;
+      if (source.offset_deg < min_deg - kRounding_deg ||
+          source.offset_deg > max_deg + kRounding_deg) {
+        throw SettingError(source.joint + ".offset_deg",
+                           "holds the joint at " + NumberText(source.offset_deg) +
+                               ", must be in its range of " + NumberText(min_deg) + " to " +
+                               NumberText(max_deg));
+      }
+    }
     for (std::size_t k = 0; k < source.channels.size(); ++k) {
       const int channel = IndexOf(channel_names, source.channels[k]);
       if (channel < 0) {
         throw SettingError(source.joint + ".channels",
                            source.channels[k] + " is not a channel of the glove, which has " +
                                Joined(channel_names));
+      }
+      if (std::ranges::find(joint.terms, channel, &Term::channel) != joint.terms.end()) {
+        throw SettingError(
+            source.joint + ".channels",
+            "has " + source.channels[k] + " twice, must have it once, with the sum of its weights");
       }
       joint.terms.push_back(
           {.channel = channel, .weight = source.weights[source.weights.size() == 1 ? 0 : k]});

@@ -40,7 +40,8 @@ struct JointMapConfig {
 ///     joint = W channel + offset        (W: joints x channels, most of it 0)
 ///
 /// Shapes: one value per channel in, one per joint out. Units: rad.
-/// Errors: SettingError for a joint or a channel that there is not, or weights that do not fit.
+/// Errors: SettingError for a joint or a channel that there is not or that is named twice, weights
+/// that do not fit, and a joint that is held outside its range.
 class JointMap {
  public:
   JointMap(const JointMapConfig& config, const std::vector<std::string>& channel_names,

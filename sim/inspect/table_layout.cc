@@ -16,20 +16,20 @@
 namespace gauntlet::sim {
 namespace {
 
+constexpr std::size_t kChunkBytes = 1 << 14;
 constexpr std::size_t kHeadBytes = std::size_t{256} << 10;
 constexpr std::size_t kMostRows = 2000;
 
 std::string HeadOf(const CsvReader::Source& source) {
-  std::string head(kHeadBytes, '\0');
-  std::size_t size = 0;
-  while (size < head.size()) {
-    const std::size_t got = source(head.data() + size, head.size() - size);
-    if (got == 0) break;
-    size += got;
+  std::string head;
+  std::size_t got = 1;
+  while (got > 0 && head.size() < kHeadBytes) {
+    const std::size_t size = head.size();
+    head.resize(std::min(size + kChunkBytes, kHeadBytes));
+    got = source(head.data() + size, head.size() - size);
+    head.resize(size + got);
   }
-  const bool is_whole = size < head.size();
-  head.resize(size);
-  if (!is_whole) {
+  if (head.size() == kHeadBytes) {  // there may be more: the last line is not whole
     const std::size_t end = head.rfind('\n');
     if (end != std::string::npos) head.resize(end);
   }

@@ -236,7 +236,7 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
   const auto correlations = Correlations(sums, leader_moments, follower_moments);
   const auto peak = std::max_element(correlations.begin(), correlations.end());
   const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();
-  if (at_the_bound || !(*peak > 0.0)) return std::nullopt;
+  if (at_the_bound || !(*peak >= kLeastDelayCorrelation)) return std::nullopt;
   // Beside an overlap that says nothing the largest coefficient is an end, too, and no peak.
   if (peak[-1] == kNothingSaid || peak[1] == kNothingSaid) return std::nullopt;
   const double lag = static_cast<double>(peak - correlations.begin()) - bound;

@@ -22,8 +22,8 @@ namespace gauntlet::sim {
 /// stands for the signal then.
 ///
 /// None where there is nothing to find: a signal that moves by less than 0.1 deg RMS (a constant
-/// channel), no positive correlation, or no peak inside the bound and inside the lags whose overlap
-/// holds a tenth of each signal's variance. So it is for a finger that an object pushes against the
+/// channel), a largest correlation below kLeastDelayCorrelation, or no peak inside the bound and
+/// inside the lags whose overlap holds a tenth of each signal's variance. So it is for a finger that an object pushes against the
 /// wearer's motion.
 ///
 /// Units: signals in rad, the delay in samples. Shapes: both signals of the same length.
@@ -32,6 +32,10 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
                                    double rate_hz, Fourier& fourier);
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
                                    double rate_hz, const CountedTicks& counted, Fourier& fourier);
+
+/// Unrelated motions correlate at some lag, too: below this, the delayed leader explains less than a
+/// quarter of the follower's motion. Assumption.
+inline constexpr double kLeastDelayCorrelation = 0.5;
 
 /// Below this RMS a signal counts as still. Assumption: a tenth of what a servo resolves.
 inline constexpr double kStillRms_rad = 0.1 * kRadPerDeg;

@@ -74,6 +74,25 @@ TEST(JointMap, SaysWhatIsWrong) {
               HasSubstr("joint_0.channels: toe is not a channel of the glove"));
   EXPECT_THAT(problem_of({.joint = "joint_0", .channels = {"thumb"}, .weights = {1.0, 2.0}}),
               HasSubstr("joint_0.weights: has 2 values, must have 1"));
+  // Weights that cancel each other would count as measured.
+  EXPECT_THAT(
+      problem_of(
+          {.joint = "joint_0", .channels = {"thumb", "joint_1", "thumb"}, .weights = {1, 1, -1}}),
+      HasSubstr("joint_0.channels: has thumb twice, must have it once"));
+  EXPECT_THAT(problem_of({.joint = "joint_1", .channels = {}, .offset_deg = 86.0}),
+              HasSubstr("joint_1.offset_deg: holds the joint at 86, must be in its range of 0 to "
+                        "85.94"));
+  EXPECT_THAT(problem_of({.joint = "joint_1", .channels = {}, .offset_deg = -1.0}),
+              HasSubstr("holds the joint at -1"));
+}
+
+TEST(JointMap, HoldsAJointAtTheEndsOfItsRange) {
+  for (const double end_rad : {0.0, 1.5}) {
+    const JointMapConfig config = {
+        .joints = {{.joint = "joint_1", .channels = {}, .offset_deg = end_rad / kRadPerDeg}}};
+    const JointMap map(config, kChannels, CoupledHand(2));
+    EXPECT_NEAR(JointsOf(map, {0.1, 0.2, 0.3})[1], end_rad, 1e-12);
+  }
 }
 
 }  // namespace

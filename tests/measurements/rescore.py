@@ -128,7 +128,7 @@ def delay_samples(reference, hand, rate_hz, counted):
         if vx >= 0.1 * whole[0] and vy >= 0.1 * whole[1]:
             found[place] = (sxy - sx * sy / overlap) / np.sqrt(vx * vy)
     peak = int(np.argmax(found))
-    if peak in (0, 2 * bound) or not found[peak] > 0:
+    if peak in (0, 2 * bound) or not found[peak] >= 0.5:
         return None
     left, middle, right = found[peak - 1 : peak + 2]
     if left == -2.0 or right == -2.0:
@@ -413,7 +413,7 @@ def following_delay(reference, hand, counting, rate_hz):
              if np.std(reference[inside - lag]) > np.radians(0.1) else 0.0
              for lag in range(-bound, bound + 1)]
     peak = int(np.argmax(found))
-    if peak in (0, 2 * bound) or not found[peak] > 0:
+    if peak in (0, 2 * bound) or not found[peak] >= 0.5:
         return 0.0
     left, middle, right = found[peak - 1 : peak + 2]
     curvature = left - 2 * middle + right

@@ -93,6 +93,29 @@ TEST(Delay, DoesNotExistForConstantOrUnrelatedSignals) {
   EXPECT_FALSE(Delay_ms(ramp, falling));
 }
 
+TEST(Delay, DoesNotExistBetweenMotionsThatAreUnrelated) {
+  // They correlate a little at some lag.
+  for (const double hz : {0.29, 0.53, 0.83, 1.37}) {
+    const auto other = Sampled(30.0, kRate_hz, [hz](double t) {
+      return 0.4 * std::sin(2.0 * kPi * hz * t) + 0.2 * std::sin(2.0 * kPi * 1.7 * hz * t + 2.0);
+    });
+    EXPECT_FALSE(Delay_ms(Sampled(30.0, kRate_hz, Motion), other)) << hz;
+  }
+}
+
+TEST(Delay, NeedsAQuarterOfTheMotionToBeTheWearers) {
+  // Motions that do not correlate: the share of the first is the square of the coefficient.
+  const auto leader = Sampled(40.0, kRate_hz, [](double t) { return std::sin(2.0 * kPi * t); });
+  const auto with_other = [&](double amplitude) {
+    return Delay_ms(leader, Sampled(40.0, kRate_hz, [&](double t) {
+                      return std::sin(2.0 * kPi * (t - 0.05)) +
+                             amplitude * std::sin(2.0 * kPi * 7.3 * t);
+                    }));
+  };
+  EXPECT_NEAR(with_other(1.6).value(), 50.0, 2.0);  // 1 / (1 + 1.6^2) = 0.28
+  EXPECT_FALSE(with_other(1.9));                    // 0.22
+}
+
 /// From 0 before `begin_s` to 1 after `end_s`, smoothly.
 double Rise(double time_s, double begin_s, double end_s) {
   const double share = std::clamp((time_s - begin_s) / (end_s - begin_s), 0.0, 1.0);
