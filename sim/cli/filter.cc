@@ -109,10 +109,8 @@ StreamFilter ReadFilter(const FilterOptions& options) {
   root["kind"] = options.kind;
   YamlSource source{.file = "command line", .overrides = {}};
   for (const std::string& text : options.settings) ApplyOverride(root, WithList(text), source);
-  YamlReader reader(root, "", source);
   StreamFilter filter;
-  filter.Visit(reader);
-  reader.RejectUnknownKeys();
+  ReadAll(root, source, filter);
   return filter;
 }
 

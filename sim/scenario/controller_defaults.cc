@@ -43,25 +43,14 @@ std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YAML::No
   return names;
 }
 
-/// All that a file says, which holds nothing else.
-template <class Settings>
-Settings ReadWhole(const std::filesystem::path& file) {
-  const YAML::Node root = ParseYamlFile(file);
-  const YamlSource source{.file = file, .overrides = {}};
-  Settings settings;
-  YamlReader reader(root, "", source);
-  settings.Visit(reader);
-  reader.RejectUnknownKeys();
-  return settings;
-}
-
 /// What the file of a controller's calibration says becomes its settings; its own keys win.
 void IncludeCalibrations(const YAML::Node& root, const YamlSource& source,
                          const std::vector<std::string>& channels, Scenario& scenario) {
   for (NamedController& controller : scenario.controllers) {
     if (controller.calibration.empty()) continue;
     const YAML::Node node = ChildOf(ChildOf(root, "controllers"), controller.name);
-    const Calibration calibration = ReadWhole<Calibration>(controller.calibration);
+    Calibration calibration;
+    ReadAll(ParseYamlFile(controller.calibration), {.file = controller.calibration}, calibration);
     try {
       UseCalibration(calibration, channels, !ChildOf(node, "linearisation").IsDefined(),
                      WithoutR(ChildOf(node, "filter"), controller.config.filters.size()),
@@ -93,7 +82,8 @@ void IncludeChains(const YAML::Node& root, const YamlSource& source,
   for (NamedController& controller : scenario.controllers) {
     if (controller.chain.empty()) continue;
     const YAML::Node node = ChildOf(ChildOf(root, "controllers"), controller.name);
-    const auto chain = ReadWhole<IdentifiedChain>(controller.chain);
+    IdentifiedChain chain;
+    ReadAll(ParseYamlFile(controller.chain), {.file = controller.chain}, chain);
     try {
       const bool given = ChildOf(ChildOf(node, "prediction"), "horizon_ms").IsDefined();
       if (!given) UseChain(chain, channels, scenario.joint_map, controller.config);

@@ -92,9 +92,7 @@ Scenario ReadScenario(const ScenarioSource& text, const RepeatedSettings& lists,
   Scenario scenario;
   scenario.name = text.file.stem().string();
   try {
-    YamlReader reader(root, "", source);
-    scenario.Visit(reader);
-    reader.RejectUnknownKeys();
+    ReadAll(root, source, scenario);
   } catch (const UserError& error) {
     const auto list = std::ranges::find(lists, error.key(), &RepeatedSetting::key);
     if (list == lists.end()) throw;

@@ -96,9 +96,7 @@ RobotConfig LoadRobot(const std::filesystem::path& file) {
   const YAML::Node root = ParseYamlFile(file);
   const YamlSource source{.file = file, .overrides = {}};
   RobotConfig robot;
-  YamlReader reader(root, "", source);
-  robot.Visit(reader);
-  reader.RejectUnknownKeys();
+  ReadAll(root, source, robot);
   try {
     CheckMakesController(robot);
   } catch (const SettingError& error) {

@@ -61,4 +61,12 @@ class YamlReader final : public controller::SettingsVisitor {
   std::vector<std::string> missing_;  // with one, groups are not read: only its place is still open
 };
 
+/// All that a tree says, and it must say nothing else.
+template <class Settings>
+void ReadAll(const YAML::Node& root, const YamlSource& source, Settings& settings) {
+  YamlReader reader(root, "", source);
+  settings.Visit(reader);
+  reader.RejectUnknownKeys();
+}
+
 }  // namespace gauntlet::sim

@@ -317,9 +317,7 @@ SweepPlan LoadSweepPlan(const std::filesystem::path& path, const SweepOverrides&
   SweepPlan plan;
   SweepFile& file = plan.file;
   file.name = path.stem().string();
-  YamlReader reader(root, "", source);
-  file.Visit(reader);
-  reader.RejectUnknownKeys();
+  ReadAll(root, source, file);
   if (overrides.seeds) file.seeds = *overrides.seeds;
   if (overrides.filter_only) file.physics = false;
   plan.early_stop = !overrides.all_seeds && !file.all_seeds;
