@@ -18,6 +18,7 @@
 #include "controller/controller.h"
 #include "controller/filters/filter_registry.h"
 #include "controller/model_predictive/model_predictive.h"
+#include "controller/prediction/motion_path.h"
 #include "controller/prediction/predictor.h"
 #include "tests/controller/test_hand.h"
 #include "tests/controller/test_signal.h"
@@ -113,6 +114,22 @@ void PredictionBenchmark(benchmark::State& state, PredictionConfig config) {
     for (int k = 0; k < samples; ++k) {
       predictor->Step(RowOf(input, k), RowOf(output, k));
       benchmark::DoNotOptimize(output.data());
+      benchmark::ClobberMemory();
+    }
+  }
+  CountSamples(state, samples);
+}
+
+/// What a plan is made for: the same, and in so many events besides.
+void PathBenchmark(benchmark::State& state, const PredictionConfig& config) {
+  constexpr int n = 18;
+  MotionPath path(config, n, kRateHz, static_cast<int>(state.range(0)), 20.0);
+  const int samples = SampleCount(n);
+  const TestSignal input = GloveCounts(samples, n) / 500.0;
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      path.Step(RowOf(input, k), RowOf(input, k));
+      benchmark::DoNotOptimize(path.Row(0).data());
       benchmark::ClobberMemory();
     }
   }
@@ -368,6 +385,9 @@ void Register() {
     benchmark::RegisterBenchmark(("prediction/" + std::string(kind.name)).c_str(),
                                  PredictionBenchmark, kind.defaults);
   }
+  benchmark::RegisterBenchmark("prediction_path/adaptive", PathBenchmark,
+                               PredictionConfig{AdaptivePredictionConfig{}})
+      ->Arg(10);
   benchmark::RegisterBenchmark("eigen_2x2", PlainEigenBenchmark)->Arg(18);
   benchmark::RegisterBenchmark("eigen_dense_36", PlainDenseBenchmark)->Arg(18);
 

@@ -12,6 +12,7 @@
 
 #include "controller/filters/kalman_steady_filter.h"
 #include "controller/prediction/motion_model.h"
+#include "controller/prediction/motion_path.h"
 #include "controller/prediction/predictor.h"
 #include "tests/controller/allocation_counter.h"
 #include "tests/controller/test_signal.h"
@@ -250,6 +251,46 @@ TEST_P(PredictorProperties, RefusesNoChannelsAndRatesThatAreNone) {
 
 INSTANTIATE_TEST_SUITE_P(All, PredictorProperties, testing::ValuesIn(PredictionCases()),
                          [](const auto& tested) { return tested.param.name; });
+
+/// Row by row what a predictor of its own gives that looks so many events farther, bit for bit, and
+/// through a channel that starts again and one that goes on where another path stood.
+TEST(MotionPath, IsThePredictionSoManyEventsFartherAhead) {
+  constexpr int kRows = 4;
+  constexpr double kEvent_ms = 20.0;
+  const TestSignal input = GloveAngles(900, kChannels);
+  for (const PredictionCase& tested : PredictionCases()) {
+    if (tested.name.starts_with("fitted")) continue;  // has no horizon
+    MotionPath path(tested.config, kChannels, kRateHz, kRows, kEvent_ms);
+    MotionPath next(tested.config, kChannels, kRateHz, kRows, kEvent_ms);
+    std::vector<std::unique_ptr<Filter>> expected;
+    for (int row = 1; row < kRows; ++row) {
+      PredictionConfig later = tested.config;
+      std::visit(
+          [&](auto& settings) {
+            if constexpr (requires { settings.horizon_ms; }) {
+              for (double& value : settings.horizon_ms) value += row * kEvent_ms;
+            }
+          },
+          later.settings);
+      expected.push_back(MakePredictor(later, kChannels, kRateHz));
+    }
+    std::vector<double> now(kChannels, 7.0), of_row(kChannels);
+    for (int k = 0; k < input.rows(); ++k) {
+      if (k == 300) path.ResetChannel(5);
+      if (k == 600) next.TakeMemory(path, true, RowOf(input, k));
+      MotionPath& stepped = k < 600 ? path : next;
+      stepped.Step(RowOf(input, k), now);
+      EXPECT_TRUE(std::ranges::equal(stepped.Row(0), now));
+      for (int row = 1; row < kRows; ++row) {
+        Filter& predictor = *expected[static_cast<std::size_t>(row - 1)];
+        if (k == 300) predictor.ResetChannel(5);
+        predictor.Step(RowOf(input, k), of_row);
+        ASSERT_TRUE(std::ranges::equal(stepped.Row(row), of_row))
+            << tested.name << ", row " << row << ", sample " << k;
+      }
+    }
+  }
+}
 
 /// Of one channel, behind two seconds: what comes out against the truth `horizon` samples ahead.
 template <class Truth>
