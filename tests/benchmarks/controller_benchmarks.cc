@@ -98,13 +98,21 @@ void FilterBenchmark(benchmark::State& state, const FilterConfig& config) {
   CountSamples(state, samples);
 }
 
-/// On the angles of a moving hand; `fitted` without weights does nothing, so it gets 40.
-void PredictionBenchmark(benchmark::State& state, PredictionConfig config) {
-  constexpr int n = 18;
+/// `fitted` without weights does nothing, so it gets 40.
+PredictionConfig WithWeights(PredictionConfig config, int components) {
   if (auto* fitted = std::get_if<FittedPredictionConfig>(&config.settings)) {
     fitted->order = 40;
     fitted->weights.assign(40, 0.025);
+    fitted->components = components;
+    fitted->loadings.assign(18 * static_cast<std::size_t>(components), 0.2);
+    fitted->component_weights.assign(40 * static_cast<std::size_t>(components), 0.01);
   }
+  return config;
+}
+
+/// On the angles of a moving hand.
+void PredictionBenchmark(benchmark::State& state, const PredictionConfig& config) {
+  constexpr int n = 18;
   const auto predictor = MakePredictor(config, n, kRateHz);
   if (predictor == nullptr) return state.SkipWithError("is none");
   const int samples = SampleCount(n);
@@ -383,7 +391,12 @@ void Register() {
   for (const PredictionKind& kind : PredictionKinds()) {
     if (kind.name == "none") continue;
     benchmark::RegisterBenchmark(("prediction/" + std::string(kind.name)).c_str(),
-                                 PredictionBenchmark, kind.defaults);
+                                 PredictionBenchmark, WithWeights(kind.defaults, 0));
+  }
+  for (const int components : {1, 2, 4}) {
+    benchmark::RegisterBenchmark(
+        ("prediction/fitted/components:" + std::to_string(components)).c_str(), PredictionBenchmark,
+        WithWeights({FittedPredictionConfig{}}, components));
   }
   benchmark::RegisterBenchmark("prediction_path/adaptive", PathBenchmark,
                                PredictionConfig{AdaptivePredictionConfig{}})
