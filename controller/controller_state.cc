@@ -184,11 +184,9 @@ void Controller::State::StepFilters() noexcept {
     std::copy(linearised_rad.begin(), linearised_rad.end(), filtered_rad.begin());
     for (const auto& filter : chain) filter->Step(filtered_rad, filtered_rad);
   }
-  if (predictor) {
-    predictor->Step(filtered_rad, predicted_rad);
-  } else {
-    std::copy(filtered_rad.begin(), filtered_rad.end(), predicted_rad.begin());
-  }
+  std::copy(filtered_rad.begin(), filtered_rad.end(), predicted_rad.begin());
+  if (inactive_count > 0) HoldInactiveChannels();  // also for predictions of other channels
+  if (predictor) predictor->Step(predicted_rad, predicted_rad);
   path.Step(filtered_rad, predicted_rad);
   if (inactive_count > 0) HoldInactiveChannels();
 }

@@ -39,24 +39,21 @@ std::array<Expert, 6> Bank() {
 }
 constexpr int kExperts = std::tuple_size_v<decltype(Bank())>;
 
-/// What one filter of the bank keeps per channel: its state, its mean square miss, and constants.
-enum ExpertValue {
-  kX0,
-  kX1,
-  kX2,
-  kMiss,
-  kGain0,
-  kGain1,
-  kGain2,
-  kAhead0,
-  kAhead1,
-  kAhead2,
-  kExpertValues
+/// What one filter of the bank keeps per channel of the first row: its state and its gain.
+enum FilterValue { kX0, kX1, kX2, kGain0, kGain1, kGain2, kFilterValues };
+struct FilterArrays {
+  double *x0, *x1, *x2;
+  const double *k0, *k1, *k2;
 };
 
-struct ExpertState {
-  double *x0, *x1, *x2, *miss;
-  const double *k0, *k1, *k2, *c0, *c1, *c2;
+/// And per channel of every row: its mean square miss, and how it looks ahead.
+enum RowValue { kMiss, kAhead0, kAhead1, kAhead2, kRowValues };
+struct RowArrays {
+  double* miss;
+  const double *c0, *c1, *c2;
+  const double* was_expected;
+  const double* inverse_r;
+  double *expected, *sum, *shares;
 };
 
 /// A is the same for all channels.
@@ -65,21 +62,30 @@ struct Transition {
   double h0, h1;  // no model has its third state in the angle
 };
 
-/// One step of one filter of the bank; adds its share to `sum` and `shares`.
-GAUNTLET_VECTORISED void StepExpert(ExpertState s, Transition t, double forget, double least,
-                                    double most, const double* z, const double* was_expected,
-                                    const double* inverse_r, double* expected, double* sum,
-                                    double* shares, int channel_count) {
+/// What a filter at this state expects so far ahead as place `j` of the rows looks, and its share
+/// of the mixture.
+inline void Look(const RowArrays& row, int j, double forget, double measured, double x0, double x1,
+                 double x2) {
+  const double off = measured - row.was_expected[j];
+  const double square = off * off * row.inverse_r[j];
+  const double large = square > kLeastMiss ? square : kLeastMiss;
+  const double bounded = large < kMostMiss ? large : kMostMiss;
+  const double miss = row.miss[j] + forget * (bounded - row.miss[j]);
+  const double share = 1.0 / (miss * miss * miss);
+  const double y = row.c0[j] * x0 + row.c1[j] * x1 + row.c2[j] * x2;
+  row.miss[j] = miss;
+  row.expected[j] = y;
+  row.sum[j] += share * y;
+  row.shares[j] += share;
+}
+
+/// One step of one filter of the bank, and what the rows make of it.
+GAUNTLET_VECTORISED void StepFilter(FilterArrays s, Transition t, RowArrays row, double forget,
+                                    const double* z, int channel_count, int rows) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double measured = WithoutSubnormal(z[i]);
-    const double off = measured - was_expected[i];
-    const double square = off * off * inverse_r[i];
-    const double large = square > least ? square : least;
-    const double bounded = large < most ? large : most;
-    const double miss = s.miss[i] + forget * (bounded - s.miss[i]);
-    const double share = 1.0 / (miss * miss * miss);
-    // x^- = A x,  x = x^- + K (z - H x^-),  y = C x
+    // x^- = A x,  x = x^- + K (z - H x^-)
     const double x0_prior = t.a00 * s.x0[i] + t.a01 * s.x1[i] + t.a02 * s.x2[i];
     const double x1_prior = t.a10 * s.x0[i] + t.a11 * s.x1[i] + t.a12 * s.x2[i];
     const double x2_prior = t.a20 * s.x0[i] + t.a21 * s.x1[i] + t.a22 * s.x2[i];
@@ -87,14 +93,17 @@ GAUNTLET_VECTORISED void StepExpert(ExpertState s, Transition t, double forget, 
     const double x0 = WithoutSubnormal(x0_prior + s.k0[i] * innovation);
     const double x1 = WithoutSubnormal(x1_prior + s.k1[i] * innovation);
     const double x2 = WithoutSubnormal(x2_prior + s.k2[i] * innovation);
-    const double y = s.c0[i] * x0 + s.c1[i] * x1 + s.c2[i] * x2;
-    s.miss[i] = miss;
+    Look(row, i, forget, measured, x0, x1, x2);
     s.x0[i] = x0;
     s.x1[i] = x1;
     s.x2[i] = x2;
-    expected[i] = y;
-    sum[i] += share * y;
-    shares[i] += share;
+  }
+  for (int r = 1; r < rows; ++r) {
+    const int first = r * channel_count;
+    GAUNTLET_CHANNEL_LOOP
+    for (int i = 0; i < channel_count; ++i) {
+      Look(row, first + i, forget, WithoutSubnormal(z[i]), s.x0[i], s.x1[i], s.x2[i]);
+    }
   }
 }
 
@@ -107,13 +116,16 @@ GAUNTLET_VECTORISED void DivideByShares(const double* sum, const double* shares,
 class AdaptivePredictor final : public StateFilter<Filter> {
  public:
   AdaptivePredictor(const Eigen::ArrayXd& horizon_steps, const Eigen::ArrayXd& r_deg2,
-                    double memory_steps, double rate_hz)
+                    double memory_steps, double rate_hz, int rows)
       : StateFilter(Start::kFirst, horizon_steps.size()),
+        rows_(rows),
+        row_length_(channel_count() / rows),
         forget_(-std::expm1(-1.0 / memory_steps)),
         delay_(horizon_steps.size()),
         history_(1 + std::max(1, static_cast<int>(std::lround(horizon_steps.maxCoeff()))),
                  kExperts * channel_count()),
-        experts_(kExperts * kExpertValues, channel_count()),
+        filters_(kExperts * kFilterValues, row_length_),
+        row_values_(kExperts * kRowValues, channel_count()),
         scratch_(kScratchArrays, channel_count()) {
     for (int i = 0; i < channel_count(); ++i) {
       delay_[i] = std::max(1, static_cast<int>(std::lround(horizon_steps[i])));
@@ -122,27 +134,30 @@ class AdaptivePredictor final : public StateFilter<Filter> {
     const auto bank = Bank();
     for (int m = 0; m < kExperts; ++m) {
       const auto& [model, looks_ahead] = bank[m];
-      for (int i = 0; i < channel_count(); ++i) {
+      for (int i = 0; i < row_length_; ++i) {
         const bool same = i > 0 && r_deg2[i] == r_deg2[i - 1];
         const SettledFilter filter =
             same ? SettledFilter{} : Settle(model, r_deg2[i], 1.0 / rate_hz);
-        const Eigen::RowVector3d ahead =
-            LookAhead(model, looks_ahead ? horizon_steps[i] / rate_hz : 0.0);
         if (i == 0) SetTransition(m, filter.a, model.h);
         for (int state = 0; state < 3; ++state) {
-          double* gain = Of(m, kGain0 + state);
+          double* gain = OfFilter(m, kGain0 + state);
           gain[i] = same ? gain[i - 1] : filter.k[state];
-          Of(m, kAhead0 + state)[i] = ahead[state];
         }
+      }
+      for (int i = 0; i < channel_count(); ++i) {
+        const Eigen::RowVector3d ahead =
+            LookAhead(model, looks_ahead ? horizon_steps[i] / rate_hz : 0.0);
+        for (int state = 0; state < 3; ++state) OfRows(m, kAhead0 + state)[i] = ahead[state];
       }
     }
     Reset();
   }
 
  private:
-  enum Scratch { kWasExpected, kSum, kShares, kInverseR, kScratchArrays };
+  enum Scratch { kSum, kShares, kInverseR, kWasExpected, kScratchArrays = kWasExpected + kExperts };
 
-  double* Of(int expert, int array) noexcept { return experts_[expert * kExpertValues + array]; }
+  double* OfFilter(int m, int array) noexcept { return filters_[m * kFilterValues + array]; }
+  double* OfRows(int m, int array) noexcept { return row_values_[m * kRowValues + array]; }
 
   void SetTransition(int m, const Eigen::Matrix3d& a, const Eigen::RowVector3d& h) {
     transitions_[m] = {a(0, 0), a(0, 1), a(0, 2), a(1, 0), a(1, 1), a(1, 2),
@@ -152,47 +167,60 @@ class AdaptivePredictor final : public StateFilter<Filter> {
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
     const int n = channel_count();
     double* expected = history_.Push();
-    double* was_expected = scratch_[kWasExpected];
     double* sum = scratch_[kSum];
     double* shares = scratch_[kShares];
     std::fill_n(sum, n, 0.0);
     std::fill_n(shares, n, 0.0);
+    for (int i = 0; i < n; ++i) {
+      const double* then = history_.Row(delay_[i]) + i;
+      for (int m = 0; m < kExperts; ++m) scratch_[kWasExpected + m][i] = then[m * n];
+    }
     for (int m = 0; m < kExperts; ++m) {
-      for (int i = 0; i < n; ++i) was_expected[i] = history_.Row(delay_[i])[m * n + i];
-      const ExpertState arrays = {Of(m, kX0),     Of(m, kX1),    Of(m, kX2),    Of(m, kMiss),
-                                  Of(m, kGain0),  Of(m, kGain1), Of(m, kGain2), Of(m, kAhead0),
-                                  Of(m, kAhead1), Of(m, kAhead2)};
-      StepExpert(arrays, transitions_[m], forget_, kLeastMiss, kMostMiss, input.data(),
-                 was_expected, scratch_[kInverseR], expected + m * n, sum, shares, n);
+      const FilterArrays filter = {OfFilter(m, kX0),    OfFilter(m, kX1),    OfFilter(m, kX2),
+                                   OfFilter(m, kGain0), OfFilter(m, kGain1), OfFilter(m, kGain2)};
+      const RowArrays rows = {OfRows(m, kMiss),
+                              OfRows(m, kAhead0),
+                              OfRows(m, kAhead1),
+                              OfRows(m, kAhead2),
+                              scratch_[kWasExpected + m],
+                              scratch_[kInverseR],
+                              expected + m * n,
+                              sum,
+                              shares};
+      StepFilter(filter, transitions_[m], rows, forget_, input.data(), row_length_, rows_);
     }
     DivideByShares(sum, shares, output.data(), n);
   }
   void SetState(int channel, double position) noexcept override {
     const double settled = WithoutSubnormal(position);
     for (int m = 0; m < kExperts; ++m) {
-      Of(m, kX0)[channel] = settled;
-      Of(m, kX1)[channel] = 0.0;
-      Of(m, kX2)[channel] = 0.0;
-      Of(m, kMiss)[channel] = 1.0;
+      OfFilter(m, kX0)[channel % row_length_] = settled;
+      OfFilter(m, kX1)[channel % row_length_] = 0.0;
+      OfFilter(m, kX2)[channel % row_length_] = 0.0;
+      OfRows(m, kMiss)[channel] = 1.0;
       history_.Fill(m * channel_count() + channel, settled);
     }
   }
   bool TakeChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<AdaptivePredictor*>(&from);
-    if (other == nullptr || other->delay_ != delay_) return false;
+    if (other == nullptr || other->delay_ != delay_ || other->rows_ != rows_) return false;
     for (int m = 0; m < kExperts; ++m) {
-      experts_.Copy(other->experts_, m * kExpertValues, m * kExpertValues + kGain0);
+      filters_.Copy(other->filters_, m * kFilterValues, m * kFilterValues + kGain0);
+      row_values_.Copy(other->row_values_, m * kRowValues, m * kRowValues + kAhead0);
     }
     std::swap(history_, other->history_);
     TakeFresh(*other);
     return true;
   }
 
+  int rows_;
+  int row_length_;
   double forget_;
   std::vector<int> delay_;  // per channel, in steps
   History history_;         // what each filter expected of each channel
   std::array<Transition, kExperts> transitions_{};
-  ChannelArrays experts_;
+  ChannelArrays filters_;
+  ChannelArrays row_values_;
   ChannelArrays scratch_;
 };
 
@@ -207,13 +235,13 @@ void AdaptivePredictionConfig::Visit(SettingsVisitor& visitor) {
 }
 
 std::unique_ptr<Filter> MakePredictor(const AdaptivePredictionConfig& config, int channel_count,
-                                      double rate_hz) {
+                                      double rate_hz, int rows) {
   CheckFilter(config, channel_count, rate_hz);
   static_assert(std::size(kPredictionBank) == kExperts);
   return std::make_unique<AdaptivePredictor>(
       HorizonSteps(config.horizon_ms, channel_count, rate_hz),
       PerChannel("r_deg2", config.r_deg2, channel_count), config.memory_ms * 1e-3 * rate_hz,
-      rate_hz);
+      rate_hz, rows);
 }
 
 }  // namespace gauntlet::controller

@@ -38,9 +38,12 @@ struct AdaptivePredictionConfig {
   void Visit(SettingsVisitor& visitor);
 };
 
+/// With several `rows` the channels are so many rows of the same ones, which may differ in their
+/// horizon but not in `r_deg2` or input: the filters of the bank are those of the first row, and
+/// the others ask them.
 /// Errors: SettingError.
 std::unique_ptr<Filter> MakePredictor(const AdaptivePredictionConfig& config, int channel_count,
-                                      double rate_hz);
+                                      double rate_hz, int rows = 1);
 
 /// What the filters of the bank are called, in their order.
 inline constexpr std::string_view kPredictionBank[] = {"rest",       "free",       "swing_0.5_hz",

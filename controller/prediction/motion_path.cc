@@ -8,22 +8,43 @@
 namespace gauntlet::controller {
 namespace {
 
-/// The same prediction, so much farther ahead.
-PredictionConfig Later(PredictionConfig config, double by_ms) {
-  std::vector<double>* const horizon_ms =
-      std::visit([](auto& settings) { return HorizonOf(settings); }, config.settings);
-  if (horizon_ms == nullptr) {
-    throw SettingError("kind", "is " + std::string(config.kind()) +
+/// A value for each channel, behind each other for so many rows, each larger by `more`.
+std::vector<double> Rows(std::string_view key, const std::vector<double>& values, int channel_count,
+                         int rows, double more) {
+  const Eigen::ArrayXd of_each = PerChannel(key, values, channel_count);
+  std::vector<double> all;
+  for (int row = 1; row <= rows; ++row) {
+    for (const double value : of_each) all.push_back(value + row * more);
+  }
+  return all;
+}
+
+/// The same prediction for rows that look one, two, .. events farther ahead.
+template <class Settings>
+std::unique_ptr<Filter> MakeLater(Settings settings, int channel_count, double rate_hz, int rows,
+                                  double event_period_ms) {
+  if constexpr (requires { settings.horizon_ms; }) {
+    settings.horizon_ms =
+        Rows("horizon_ms", settings.horizon_ms, channel_count, rows, event_period_ms);
+    const double farthest_ms = std::ranges::max(settings.horizon_ms);
+    if (farthest_ms > kMostHorizon_ms) {
+      throw SettingError("horizon_ms", "and what model_predictive plans beyond it are " +
+                                           NumberText(farthest_ms) + ", must be at most " +
+                                           NumberText(kMostHorizon_ms));
+    }
+    if constexpr (requires { settings.r_deg2; }) {
+      settings.r_deg2 = Rows("r_deg2", settings.r_deg2, channel_count, rows, 0.0);
+    }
+    const int all = rows * channel_count;
+    if constexpr (requires { MakePredictor(settings, all, rate_hz, rows); }) {
+      return MakePredictor(settings, all, rate_hz, rows);
+    } else {
+      return MakePredictor(settings, all, rate_hz);
+    }
+  } else {
+    throw SettingError("kind", "is " + std::string(Settings::kKind) +
                                    ", must be none or one with a horizon_ms for model_predictive");
   }
-  for (double& value : *horizon_ms) {
-    value += by_ms;
-    if (value <= kMostHorizon_ms) continue;
-    throw SettingError("horizon_ms", "and what model_predictive plans beyond it are " +
-                                         NumberText(value) + ", must be at most " +
-                                         NumberText(kMostHorizon_ms));
-  }
-  return config;
 }
 
 }  // namespace
@@ -33,22 +54,30 @@ MotionPath::MotionPath(const PredictionConfig& config, int channel_count, double
     : channel_count_(channel_count),
       row_count_(rows),
       rows_rad_(static_cast<std::size_t>(std::ptrdiff_t{rows} * channel_count)) {
-  if (std::holds_alternative<NoPredictionConfig>(config.settings)) return;
-  for (int row = 1; row < rows; ++row) {
-    later_.push_back(MakePredictor(Later(config, row * event_period_ms), channel_count, rate_hz));
+  if (rows < 2 || std::holds_alternative<NoPredictionConfig>(config.settings)) return;
+  later_ = std::visit(
+      [&](const auto& settings) {
+        return MakeLater(settings, channel_count, rate_hz, rows - 1, event_period_ms);
+      },
+      config.settings);
+  later_input_rad_.resize(rows_rad_.size() - static_cast<std::size_t>(channel_count));
+}
+
+void MotionPath::RepeatInput(std::span<const double> angle_rad) noexcept {
+  for (auto to = later_input_rad_.begin(); to != later_input_rad_.end();) {
+    to = std::copy(angle_rad.begin(), angle_rad.end(), to);
   }
 }
 
 void MotionPath::Step(std::span<const double> angle_rad, std::span<const double> now_rad) noexcept {
-  for (int row = 0; row < row_count_; ++row) {
-    const std::span<double> path = {
-        rows_rad_.data() + static_cast<std::size_t>(row) * now_rad.size(), now_rad.size()};
-    if (row == 0 || later_.empty()) {
-      std::copy(now_rad.begin(), now_rad.end(), path.begin());
-    } else {
-      later_[static_cast<std::size_t>(row - 1)]->Step(angle_rad, path);
-    }
+  if (row_count_ == 0) return;
+  auto later = std::copy(now_rad.begin(), now_rad.end(), rows_rad_.begin());
+  if (later_) {
+    RepeatInput(angle_rad);
+    later_->Step(later_input_rad_, {later, rows_rad_.end()});
+    return;
   }
+  while (later != rows_rad_.end()) later = std::copy(now_rad.begin(), now_rad.end(), later);
 }
 
 void MotionPath::Hold(int channel, double angle_rad) noexcept {
@@ -58,20 +87,21 @@ void MotionPath::Hold(int channel, double angle_rad) noexcept {
 }
 
 void MotionPath::Reset() noexcept {
-  for (const auto& predictor : later_) predictor->Reset();
+  if (later_) later_->Reset();
 }
 
 void MotionPath::ResetChannel(int channel) noexcept {
-  for (const auto& predictor : later_) predictor->ResetChannel(channel);
+  if (!later_) return;
+  for (int at = channel; at < later_->channel_count(); at += channel_count_) {
+    later_->ResetChannel(at);
+  }
 }
 
 void MotionPath::TakeMemory(MotionPath& from, bool same_step,
                             std::span<const double> angle_rad) noexcept {
-  for (std::size_t i = 0; i < later_.size(); ++i) {
-    const bool goes_on =
-        same_step && i < from.later_.size() && later_[i]->TakeMemory(*from.later_[i]);
-    if (!goes_on) later_[i]->StartAt(angle_rad);
-  }
+  if (!later_ || (same_step && from.later_ && later_->TakeMemory(*from.later_))) return;
+  RepeatInput(angle_rad);
+  later_->StartAt(later_input_rad_);
 }
 
 }  // namespace gauntlet::controller

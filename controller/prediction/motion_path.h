@@ -11,8 +11,8 @@
 namespace gauntlet::controller {
 
 /// Where each channel is expected at several times: as the prediction says, one event later, two
-/// events later, and so on, by a predictor of its own for each. Without a prediction all stay where
-/// they are.
+/// events later, and so on: by one predictor for all later rows, to which each is further channels
+/// with a longer horizon. Without a prediction all stay where they are.
 ///
 /// Shapes: rows of one value per channel. Units: rad.
 /// Errors: SettingError for a prediction that cannot look so far, or has no horizon to change.
@@ -34,15 +34,18 @@ class MotionPath {
   void Hold(int channel, double angle_rad) noexcept;
   void Reset() noexcept;
   void ResetChannel(int channel) noexcept;
-  /// Goes on where another one stands, row by row; a row that cannot (see Filter::TakeMemory), or
-  /// whose steps were others, starts at these angles.
+  /// Goes on where another one stands; one that cannot (see Filter::TakeMemory), or whose steps
+  /// were others, starts at these angles.
   void TakeMemory(MotionPath& from, bool same_step, std::span<const double> angle_rad) noexcept;
 
  private:
+  void RepeatInput(std::span<const double> angle_rad) noexcept;
+
   int channel_count_;
   int row_count_;
-  std::vector<std::unique_ptr<Filter>> later_;  // of all rows but the first; may be empty
+  std::unique_ptr<Filter> later_;  // of all rows but the first; may be null
   std::vector<double> rows_rad_;
+  std::vector<double> later_input_rad_;  // the same angles for each of them
 };
 
 }  // namespace gauntlet::controller

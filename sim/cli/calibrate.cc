@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "controller/calibration/predictor_fit.h"
+#include "controller/linearisation/linearisation.h"
 #include "controller/prediction/prediction_config.h"
 #include "sim/base/atomic_file.h"
 #include "sim/base/channels.h"
@@ -37,6 +38,7 @@ struct CalibrateOptions {
   std::vector<std::string> still;
   CalibrationOptions calibration;
   bool predictor = false;
+  std::string curves;  // file of a calibration whose curves make angles; empty: counts stay counts
   controller::PredictorFitOptions fit;
   bool json = false;
 };
@@ -173,33 +175,73 @@ std::filesystem::path TargetOf(const CalibrateOptions& options) {
   return options.out;
 }
 
-controller::PredictorFit FitTo(const PoseRecording& recording,
-                               const controller::PredictorFitOptions& options) {
-  const Eigen::MatrixXd counts = recording.counts;
+/// The recording in degrees, by the curves of a calibration.
+Eigen::MatrixXd AnglesOf(const PoseRecording& recording, const std::string& file) {
+  controller::ControllerConfig config;
   try {
-    return FitPredictor({&counts, 1}, recording.rate_hz, options);
+    UseCalibration(LoadCalibration(file), recording.channel_names, true, {}, config);
+    if (config.linearisation.kind == controller::LinearisationKind::kGlove) {
+      throw controller::SettingError("linearisation", "has no curves from counts to angles");
+    }
+    const std::vector<double> zeros(recording.channel_names.size(), 0.0);
+    const std::vector<double> ones(recording.channel_names.size(), 1.0);
+    const controller::GloveCalibration any = {.channel_names = recording.channel_names,
+                                              .low_counts = zeros,
+                                              .high_counts = ones,
+                                              .low_angle_rad = zeros,
+                                              .high_angle_rad = ones};  // the curves count
+    const auto linearisation =
+        MakeLinearisation(config.linearisation, any, recording.channel_names);
+    Eigen::MatrixXd angles = recording.counts;
+    std::vector<double> sample(recording.channel_names.size());
+    Eigen::Map<Eigen::RowVectorXd> row(sample.data(), std::ssize(sample));
+    for (Eigen::Index k = 0; k < angles.rows(); ++k) {
+      row = angles.row(k);
+      linearisation->ToAngles(sample, sample);
+      angles.row(k) = row * kDegPerRad;
+    }
+    return angles;
+  } catch (const controller::SettingError& error) {
+    throw UserError({.place = file, .key = error.key(), .problem = error.problem()});
+  }
+}
+
+controller::PredictorFit FitTo(const PoseRecording& recording, const CalibrateOptions& options) {
+  if (options.fit.components > 0 && options.curves.empty()) {
+    throw UserError({.place = fmt::format("--components {}", options.fit.components),
+                     .problem = "are sums of angles, must have a --calibration FILE.yaml, whose "
+                                "curves make angles of counts"});
+  }
+  const Eigen::MatrixXd motion = options.curves.empty() ? Eigen::MatrixXd(recording.counts)
+                                                        : AnglesOf(recording, options.curves);
+  try {
+    return FitPredictor({&motion, 1}, recording.rate_hz, options.fit);
   } catch (const controller::SettingError& error) {
     throw UserError({.place = recording.name, .key = error.key(), .problem = error.problem()});
   }
 }
 
 /// What the fit takes away of the change within the horizon, noise included.
-void PrintFit(const PoseRecording& recording, const controller::PredictorFit& fit) {
+void PrintFit(const PoseRecording& recording, const controller::PredictorFit& fit,
+              std::string_view unit) {
   Print(
-      "{} samples at {:.6g} Hz\n\n{:<20}  noise  change in the horizon  left by the fit\n{:<20}  "
-      "[counts RMS]\n",
-      recording.counts.rows(), recording.rate_hz, "", "channel");
+      "{} samples at {:.6g} Hz\n\n{:<20}  noise  change in the horizon  left by the fit  left by "
+      "other fits\n{:<20}  [{} RMS]\n",
+      recording.counts.rows(), recording.rate_hz, "", "channel", unit);
   for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
     const auto channel = static_cast<Eigen::Index>(i);
-    Print("{:<20}  {:>5.2f}  {:>21.2f}  {:>15.2f}\n", recording.channel_names[i],
-          std::sqrt(fit.noise_variance[channel]), fit.hold_rms[channel], fit.fit_rms[channel]);
+    const double held_out = fit.held_out_rms[channel];
+    Print("{:<20}  {:>5.2f}  {:>21.2f}  {:>15.2f}  {:>18}\n", recording.channel_names[i],
+          std::sqrt(fit.noise_variance[channel]), fit.hold_rms[channel], fit.fit_rms[channel],
+          std::isfinite(held_out) ? fmt::format("{:.2f}", held_out) : "-");
   }
+  Print("Left by other fits: each fifth of the recording by weights fitted to the rest of it.\n");
 }
 
 void RunPredictorFit(const CalibrateOptions& options) {
   const std::filesystem::path target = TargetOf(options);
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
-  const controller::PredictorFit fit = FitTo(recording, options.fit);
+  const controller::PredictorFit fit = FitTo(recording, options);
   controller::PredictionConfig prediction = {fit.predictor};
   if (target.has_parent_path()) MakeDirectory(target.parent_path());
   WriteFileAtomically(
@@ -209,7 +251,7 @@ void RunPredictorFit(const CalibrateOptions& options) {
           SettingsToYaml([&](controller::SettingsVisitor& visitor) {
             VisitGroup(visitor, {.key = "prediction", .help = {}}, prediction);
           }));
-  PrintFit(recording, fit);
+  PrintFit(recording, fit, options.curves.empty() ? "counts" : "deg");
   FlushOutput();
   Say("wrote {}\n", target.string());
 }
@@ -328,6 +370,19 @@ void AddCalibrateCommand(CLI::App& app) {
       ->needs(predictor)
       ->check(Number(1.0, 1e6))
       ->capture_default_str();
+  command
+      ->add_option("--components", options->fit.components,
+                   "of all channels together, so many sums are looked at, too; worth it where "
+                   "fingers move together and what is left by other fits becomes less")
+      ->needs(predictor)
+      ->check(WholeNumber(0, 100))
+      ->capture_default_str();
+  command
+      ->add_option("--calibration", options->curves,
+                   "file of gauntlet calibrate, whose curves make angles of counts: for "
+                   "--components")
+      ->needs(predictor)
+      ->type_name("FILE.yaml");
   command->add_flag("--json", options->json, "print JSON instead of the table")
       ->excludes(predictor);
   command->footer(
@@ -345,7 +400,9 @@ void AddCalibrateCommand(CLI::App& app) {
       "controllers.calibrated_kalman.calibration=out/my_glove.yaml\n"
       "\n  gauntlet calibrate glove.csv --map map.csv --poses poses.csv --still 1:4 --still 10:15\n"
       "\n  gauntlet run scenarios/random_motion.yaml --csv --controllers raw\n"
-      "  gauntlet calibrate out/random_motion/trace.raw.csv --predictor --horizon-ms 100\n");
+      "  gauntlet calibrate out/random_motion/trace.raw.csv --predictor --horizon-ms 100\n"
+      "  gauntlet calibrate moving.csv --predictor --components 2 --calibration "
+      "out/my_glove.yaml\n");
   command->callback([options] {
     options->calibration.curve = KindOf(options->curve);
     for (const std::string& text : options->still) {

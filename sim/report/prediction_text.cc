@@ -22,8 +22,8 @@ std::string PredictionText(const PredictionCeiling& ceiling) {
   const std::string used =
       std::isfinite(ceiling.used.mean)
           ? fmt::format(
-                "uses {:.0f} % ({:.0f} to {:.0f}) of what weights fitted to other "
-                "repetitions can predict",
+                "uses {:.0f} % ({:.0f} to {:.0f}) of what weights of each channel, fitted to "
+                "other repetitions, can predict",
                 100.0 * ceiling.used.mean, 100.0 * ceiling.used.low, 100.0 * ceiling.used.high)
           : "has next to nothing to predict, as weights fitted to other repetitions show";
   return fmt::format(

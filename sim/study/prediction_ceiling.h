@@ -22,7 +22,7 @@ struct PredictionCeiling {
   double longest_horizon_ms = 0.0;
   MeanInterval now;     // of the glove's angles as they are: no filter, no prediction
   MeanInterval ours;    // of the controller
-  MeanInterval fitted;  // of 40 weights per channel, fitted to other repetitions
+  MeanInterval fitted;  // of 40 weights per channel on its own past, fitted to other repetitions
   MeanInterval known;   // of the glove's angles if they were known so far ahead: its own errors
   /// Of the way from `now` to `fitted`, how much `ours` goes. May be beyond 1: weights that do not
   /// change are the best of their kind for a motion like the others, and no limit of all kinds.

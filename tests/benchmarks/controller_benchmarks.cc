@@ -18,6 +18,7 @@
 #include "controller/controller.h"
 #include "controller/filters/filter_registry.h"
 #include "controller/model_predictive/model_predictive.h"
+#include "controller/prediction/motion_path.h"
 #include "controller/prediction/predictor.h"
 #include "tests/controller/test_hand.h"
 #include "tests/controller/test_signal.h"
@@ -97,13 +98,21 @@ void FilterBenchmark(benchmark::State& state, const FilterConfig& config) {
   CountSamples(state, samples);
 }
 
-/// On the angles of a moving hand; `fitted` without weights does nothing, so it gets 40.
-void PredictionBenchmark(benchmark::State& state, PredictionConfig config) {
-  constexpr int n = 18;
+/// `fitted` without weights does nothing, so it gets 40.
+PredictionConfig WithWeights(PredictionConfig config, int components) {
   if (auto* fitted = std::get_if<FittedPredictionConfig>(&config.settings)) {
     fitted->order = 40;
     fitted->weights.assign(40, 0.025);
+    fitted->components = components;
+    fitted->loadings.assign(18 * static_cast<std::size_t>(components), 0.2);
+    fitted->component_weights.assign(40 * static_cast<std::size_t>(components), 0.01);
   }
+  return config;
+}
+
+/// On the angles of a moving hand.
+void PredictionBenchmark(benchmark::State& state, const PredictionConfig& config) {
+  constexpr int n = 18;
   const auto predictor = MakePredictor(config, n, kRateHz);
   if (predictor == nullptr) return state.SkipWithError("is none");
   const int samples = SampleCount(n);
@@ -113,6 +122,22 @@ void PredictionBenchmark(benchmark::State& state, PredictionConfig config) {
     for (int k = 0; k < samples; ++k) {
       predictor->Step(RowOf(input, k), RowOf(output, k));
       benchmark::DoNotOptimize(output.data());
+      benchmark::ClobberMemory();
+    }
+  }
+  CountSamples(state, samples);
+}
+
+/// What a plan is made for: the same, and in so many events besides.
+void PathBenchmark(benchmark::State& state, const PredictionConfig& config) {
+  constexpr int n = 18;
+  MotionPath path(config, n, kRateHz, static_cast<int>(state.range(0)), 20.0);
+  const int samples = SampleCount(n);
+  const TestSignal input = GloveCounts(samples, n) / 500.0;
+  for (auto _ : state) {
+    for (int k = 0; k < samples; ++k) {
+      path.Step(RowOf(input, k), RowOf(input, k));
+      benchmark::DoNotOptimize(path.Row(0).data());
       benchmark::ClobberMemory();
     }
   }
@@ -366,8 +391,16 @@ void Register() {
   for (const PredictionKind& kind : PredictionKinds()) {
     if (kind.name == "none") continue;
     benchmark::RegisterBenchmark(("prediction/" + std::string(kind.name)).c_str(),
-                                 PredictionBenchmark, kind.defaults);
+                                 PredictionBenchmark, WithWeights(kind.defaults, 0));
   }
+  for (const int components : {1, 2, 4}) {
+    benchmark::RegisterBenchmark(
+        ("prediction/fitted/components:" + std::to_string(components)).c_str(), PredictionBenchmark,
+        WithWeights({FittedPredictionConfig{}}, components));
+  }
+  benchmark::RegisterBenchmark("prediction_path/adaptive", PathBenchmark,
+                               PredictionConfig{AdaptivePredictionConfig{}})
+      ->Arg(10);
   benchmark::RegisterBenchmark("eigen_2x2", PlainEigenBenchmark)->Arg(18);
   benchmark::RegisterBenchmark("eigen_dense_36", PlainDenseBenchmark)->Arg(18);
 

@@ -605,6 +605,37 @@ TEST_F(CliTest, CalibrateTakesATraceOfKnownPosesAndAScenarioIncludesTheResult) {
             0.6 * tracking({}));
 }
 
+TEST_F(CliTest, CalibrateFitsAPredictorWithComponentsThatAScenarioIncludes) {
+  const std::string motion = "glove.motion.duration_s=12";
+  ASSERT_EQ(Gauntlet({"run", kScenarios + "random_motion.yaml", "--csv", "--controllers", "raw",
+                      "--set", motion, "score.noise_free_twin=false"})
+                .exit_code,
+            0);
+  const auto fit = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"calibrate", "out/random_motion/trace.raw.csv", "--predictor",
+                               "--order", "10", "--tap-ms", "10", "--out", "ahead.yaml"});
+    return Gauntlet(more);
+  };
+  EXPECT_THAT(fit({}).standard_output, HasSubstr("[counts RMS]"));
+  const ProgramResult refused = fit({"--components", "2"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.standard_error,
+              HasSubstr("--components 2: are sums of angles, must have a --calibration FILE.yaml"));
+  const std::string curves = kScenarios + "calibrations/glove_of_seed_1.yaml";
+  const ProgramResult fitted = fit({"--components", "2", "--calibration", curves});
+  ASSERT_EQ(fitted.exit_code, 0) << fitted.standard_error;
+  EXPECT_THAT(fitted.standard_output, AllOf(HasSubstr("[deg RMS]"), HasSubstr("index_mcp"),
+                                            HasSubstr("left by other fits")));
+  std::ofstream(folder_.path() / "scenario.yaml")
+      << "question: q\nglove: {motion: {kind: random, duration_s: 2}}\n"
+         "controllers:\n  raw: {}\n  ahead: !include ahead.yaml\n";
+  const ProgramResult run = Gauntlet({"run", "scenario.yaml", "--json", "--out", "b"});
+  ASSERT_EQ(run.exit_code, 0) << run.standard_error;
+  const auto controllers = nlohmann::json::parse(run.standard_output)["controllers"];
+  const auto delay_ms = [&](int i) { return controllers[i]["summary"]["delay_ms"].get<double>(); };
+  EXPECT_LT(delay_ms(1), delay_ms(0) - 30.0);
+}
+
 TEST_F(CliTest, CalibrateRefusesBadInputInOneLineAndWritesNothing) {
   const auto refuse = [&](const std::string& csv, std::vector<std::string> more,
                           const std::string& message) {

@@ -32,7 +32,9 @@ score: {{noise_free_twin: false}}
 controllers:
   tuned:
     filter: [{{kind: hampel, window: 5}}, {{kind: kalman, q: 0.001}}]
-    prediction: {{kind: linear, horizon_ms: 30, window_ms: 40}}
+    prediction: {{kind: fitted, order: 2, tap_ms: 10, weights: [-1.4, -0.7], components: 1,
+      loadings: [1, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, -0.2, -0.3, -0.4, -0.5, -0.6, -0.7, -0.8, -0.9, -1],
+      component_weights: [-0.11, 0.03]}}
     motor: {{rounding: hysteresis}}
 )";
 

@@ -103,6 +103,46 @@ TEST(PredictionExactness, Fitted) {
             1e-12);
 }
 
+/// Three channels, two components, weights for each channel.
+TEST(PredictionExactness, FittedWithComponents) {
+  constexpr int kOrder = 7, kTap = 4, kChannels = 3, kComponents = 2;
+  FittedPredictionConfig config{
+      .order = kOrder, .tap_ms = kTap, .weights = {}, .components = kComponents};
+  TestNoise noise(4);
+  const auto fill = [&](std::vector<double>& values, int count) {
+    for (int i = 0; i < count; ++i) values.push_back(noise.Normal() / 10.0);
+  };
+  fill(config.weights, kOrder * kChannels);
+  fill(config.loadings, kComponents * kChannels);
+  fill(config.component_weights, kOrder * kComponents * kChannels);
+  const auto predictor = MakePredictor({config}, kChannels, kRateHz);
+  const TestSignal input = 0.003 * GloveCounts(2000, kChannels);
+  const auto at = [&](int k, int c) { return Real{input(std::max(k, 0), c)}; };
+  const auto component = [&](int k, int m) {
+    Real sum = 0;
+    for (int c = 0; c < kChannels; ++c) sum += config.loadings[m * kChannels + c] * at(k, c);
+    return sum;
+  };
+  double worst = 0.0;
+  for (int k = 0; k < input.rows(); ++k) {
+    std::vector<double> output(kChannels);
+    predictor->Step(RowOf(input, k), output);
+    for (int c = 0; c < kChannels; ++c) {
+      Real expected = at(k, c);
+      for (int i = 0; i < kOrder; ++i) {
+        const int then = k - (i + 1) * kTap;
+        expected += config.weights[c * kOrder + i] * (at(then, c) - at(k, c));
+        for (int m = 0; m < kComponents; ++m) {
+          expected += config.component_weights[(c * kComponents + m) * kOrder + i] *
+                      (component(then, m) - component(k, m));
+        }
+      }
+      worst = std::max(worst, static_cast<double>(std::abs((output[c] - expected) / expected)));
+    }
+  }
+  EXPECT_LE(worst, 1e-12);
+}
+
 /// The bank as its header says; gains are those of Settle(), which has tests of its own.
 TEST(PredictionExactness, Adaptive) {
   constexpr Real kMemory = 1000;

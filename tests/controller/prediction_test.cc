@@ -10,10 +10,13 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/controller.h"
 #include "controller/filters/kalman_steady_filter.h"
 #include "controller/prediction/motion_model.h"
+#include "controller/prediction/motion_path.h"
 #include "controller/prediction/predictor.h"
 #include "tests/controller/allocation_counter.h"
+#include "tests/controller/test_hand.h"
 #include "tests/controller/test_signal.h"
 
 namespace gauntlet::controller {
@@ -69,6 +72,22 @@ std::vector<PredictionCase> PredictionCases() {
        {AutoregressivePredictionConfig{.horizon_ms = horizons_ms, .order = 3}}}};
 }
 
+/// The same and three components: predictions that look at other channels, too.
+std::vector<PredictionCase> CoupledCases() {
+  FittedPredictionConfig fitted = AlongALine();
+  fitted.components = 3;
+  for (int i = 0; i < 3 * kChannels; ++i) fitted.loadings.push_back(std::sin(i + 1.0));
+  for (int i = 0; i < 3 * 20 * kChannels; ++i) {
+    fitted.component_weights.push_back(0.01 * std::cos(2.0 * i));
+  }
+  return {{"fitted_components", {fitted}}};
+}
+std::vector<PredictionCase> AllCases() {
+  std::vector<PredictionCase> cases = PredictionCases();
+  for (const PredictionCase& coupled : CoupledCases()) cases.push_back(coupled);
+  return cases;
+}
+
 /// Of one channel: settings with a value, or so many values, per channel keep only that channel's.
 PredictionConfig ForOneChannel(PredictionConfig config, int channel) {
   const auto pick = [channel](std::vector<double>& values) {
@@ -107,6 +126,9 @@ class PredictorProperties : public testing::TestWithParam<PredictionCase> {
   }
 };
 
+/// Of predictions that look at no other channel.
+class SeparateChannels : public PredictorProperties {};
+
 TEST_P(PredictorProperties, KeepsAConstant) {
   TestSignal input(500, kChannels);
   for (int i = 0; i < kChannels; ++i) input.col(i).setConstant(-1.0 + 0.13 * i);
@@ -121,7 +143,7 @@ TEST_P(PredictorProperties, StartsAgainAfterReset) {
   EXPECT_EQ(Predicted(*used, input), Predicted(*Make(), input));
 }
 
-TEST_P(PredictorProperties, KeepsChannelsApartBitForBit) {
+TEST_P(SeparateChannels, KeepsChannelsApartBitForBit) {
   const TestSignal input = GloveAngles(400, kChannels);
   TestSignal disturbed = input;
   constexpr int kQuiet = 7;
@@ -131,7 +153,7 @@ TEST_P(PredictorProperties, KeepsChannelsApartBitForBit) {
   EXPECT_EQ(Predicted(*Make(), input).col(kQuiet), Predicted(*Make(), disturbed).col(kQuiet));
 }
 
-TEST_P(PredictorProperties, GivesTheSameBitsForOneChannelAsForMany) {
+TEST_P(SeparateChannels, GivesTheSameBitsForOneChannelAsForMany) {
   const TestSignal input = GloveAngles(400, kChannels);
   const TestSignal together = Predicted(*Make(), input);
   for (const int channel : {0, 3, 17}) {
@@ -140,7 +162,7 @@ TEST_P(PredictorProperties, GivesTheSameBitsForOneChannelAsForMany) {
   }
 }
 
-TEST_P(PredictorProperties, ResetsOneChannelAndLeavesTheOthers) {
+TEST_P(SeparateChannels, ResetsOneChannelAndLeavesTheOthers) {
   const TestSignal before = GloveAngles(300, kChannels, 1);
   const TestSignal after = GloveAngles(300, kChannels, 2);
   const auto predictor = Make();
@@ -248,8 +270,50 @@ TEST_P(PredictorProperties, RefusesNoChannelsAndRatesThatAreNone) {
   for (const double rate_hz : {0.0, -1.0, HUGE_VAL, std::nan("")}) refuses(kChannels, rate_hz);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PredictorProperties, testing::ValuesIn(PredictionCases()),
+INSTANTIATE_TEST_SUITE_P(All, PredictorProperties, testing::ValuesIn(AllCases()),
                          [](const auto& tested) { return tested.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, SeparateChannels, testing::ValuesIn(PredictionCases()),
+                         [](const auto& tested) { return tested.param.name; });
+
+/// Row by row what a predictor of its own gives that looks so many events farther, bit for bit, and
+/// through a channel that starts again and one that goes on where another path stood.
+TEST(MotionPath, IsThePredictionSoManyEventsFartherAhead) {
+  constexpr int kRows = 4;
+  constexpr double kEvent_ms = 20.0;
+  const TestSignal input = GloveAngles(900, kChannels);
+  for (const PredictionCase& tested : PredictionCases()) {
+    if (tested.name.starts_with("fitted")) continue;  // has no horizon
+    MotionPath path(tested.config, kChannels, kRateHz, kRows, kEvent_ms);
+    MotionPath next(tested.config, kChannels, kRateHz, kRows, kEvent_ms);
+    std::vector<std::unique_ptr<Filter>> expected;
+    for (int row = 1; row < kRows; ++row) {
+      PredictionConfig later = tested.config;
+      std::visit(
+          [&](auto& settings) {
+            if constexpr (requires { settings.horizon_ms; }) {
+              for (double& value : settings.horizon_ms) value += row * kEvent_ms;
+            }
+          },
+          later.settings);
+      expected.push_back(MakePredictor(later, kChannels, kRateHz));
+    }
+    std::vector<double> now(kChannels, 7.0), of_row(kChannels);
+    for (int k = 0; k < input.rows(); ++k) {
+      if (k == 300) path.ResetChannel(5);
+      if (k == 600) next.TakeMemory(path, true, RowOf(input, k));
+      MotionPath& stepped = k < 600 ? path : next;
+      stepped.Step(RowOf(input, k), now);
+      EXPECT_TRUE(std::ranges::equal(stepped.Row(0), now));
+      for (int row = 1; row < kRows; ++row) {
+        Filter& predictor = *expected[static_cast<std::size_t>(row - 1)];
+        if (k == 300) predictor.ResetChannel(5);
+        predictor.Step(RowOf(input, k), of_row);
+        ASSERT_TRUE(std::ranges::equal(stepped.Row(row), of_row))
+            << tested.name << ", row " << row << ", sample " << k;
+      }
+    }
+  }
+}
 
 /// Of one channel, behind two seconds: what comes out against the truth `horizon` samples ahead.
 template <class Truth>
@@ -292,6 +356,67 @@ TEST(Predictor, LooksAheadExactlyOnAStraightLine) {
     }
     EXPECT_NEAR(output, 0.003 * (7999 + kHorizon), 1e-9) << config.kind();
   }
+}
+
+/// One that starts was always there, for all others; one that is held comes to rest for them.
+TEST(FittedPrediction, OthersFeelNothingOfAChannelThatStartsNorLongOfOneThatIsHeld) {
+  const PredictionConfig config = CoupledCases()[0].config;
+  const auto predictor = MakePredictor(config, kChannels, kRateHz);
+  const auto apart = MakePredictor(config, kChannels, kRateHz);
+  constexpr int kFaulty = 7;
+  const TestSignal input = GloveAngles(900, kChannels);
+  TestSignal faulty = input;
+  faulty.col(kFaulty).tail(600).setConstant(4.0);  // has jumped, and stays
+  TestSignal still = input;
+  still.col(kFaulty).setConstant(-2.0);
+  TestSignal output = Predicted(*predictor, faulty.topRows(600));
+  TestSignal expected = Predicted(*apart, still.topRows(600));
+  output.col(kFaulty) = expected.col(kFaulty);
+  EXPECT_GT((output - expected).middleRows(300, 100).cwiseAbs().maxCoeff(), 0.01);
+  EXPECT_LE((output - expected).bottomRows(200).cwiseAbs().maxCoeff(), 1e-12);
+
+  predictor->ResetChannel(kFaulty);
+  faulty.col(kFaulty).tail(300).setConstant(9.0);
+  output = Predicted(*predictor, faulty.bottomRows(300));
+  expected = Predicted(*apart, still.bottomRows(300));
+  output.col(kFaulty) = expected.col(kFaulty);
+  EXPECT_LE((output - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(FittedPrediction, OthersSeeNothingOfAChannelThatIsOff) {
+  ControllerConfig config;
+  config.prediction = CoupledCases()[0].config;
+  const auto commands = [&](double disturbance_counts, bool off) {
+    Controller controller(config, PlainGlove(kChannels), CoupledHand(kChannels));
+    const TestSignal counts = GloveCounts(600, kChannels);
+    std::vector<double> angles;
+    for (int k = 0; k < 600; ++k) {
+      if (off && k == 300) controller.SetChannelActive(7, false);
+      std::vector<double> sample(RowOf(counts, k).begin(), RowOf(counts, k).end());
+      if (k >= 300) sample[7] += disturbance_counts * std::sin(0.05 * k);
+      controller.Step({.counts = sample});
+      for (std::size_t i = 0; i < kChannels; ++i) {
+        if (i != 7) angles.push_back(controller.predicted_angle_rad()[i]);
+      }
+    }
+    return angles;
+  };
+  EXPECT_NE(commands(0.0, false), commands(60.0, false));
+  EXPECT_EQ(commands(0.0, true), commands(60.0, true));
+}
+
+TEST(FittedPrediction, GoesOnWithOtherComponents) {
+  FittedPredictionConfig config =
+      std::get<FittedPredictionConfig>(CoupledCases()[0].config.settings);
+  const auto before = MakePredictor(config, kChannels, kRateHz);
+  for (double& loading : config.loadings) loading *= -0.7;
+  const auto next = MakePredictor(config, kChannels, kRateHz);
+  const auto always = MakePredictor(config, kChannels, kRateHz);
+  const TestSignal input = GloveAngles(500, kChannels);
+  Predicted(*before, input.topRows(300));
+  Predicted(*always, input.topRows(300));
+  ASSERT_TRUE(next->TakeMemory(*before));
+  EXPECT_EQ(Predicted(*next, input.bottomRows(200)), Predicted(*always, input.bottomRows(200)));
 }
 
 TEST(KalmanPrediction, LooksAheadExactlyOnAParabolaWithThreeStates) {
@@ -478,6 +603,21 @@ TEST(Predictor, RefusesListsThatDoNotFit) {
             "r_deg2: has 2 values, must have 1 for all channels or 5, one for each");
   EXPECT_EQ(complaint({FittedPredictionConfig{.order = 3, .weights = {1.0, 2.0}}}),
             "weights: has 2 values, must have 3 for all channels or 15, 3 for each");
+  FittedPredictionConfig fitted = {.order = 3,
+                                   .weights = {0.0, 0.0, 0.0},
+                                   .components = 2,
+                                   .loadings = std::vector<double>(10),
+                                   .component_weights = std::vector<double>(7)};
+  EXPECT_EQ(complaint({fitted}),
+            "component_weights: has 7 values, must have 6 for all channels or 30, 6 for each");
+  fitted.component_weights.resize(30);
+  EXPECT_EQ(complaint({fitted}), "");
+  fitted.loadings.resize(9);
+  EXPECT_EQ(complaint({fitted}),
+            "loadings: has 9 values, must have 10, one per channel for each of the components");
+  fitted.components = 0;
+  EXPECT_EQ(complaint({fitted}),
+            "components: is 0, must be as many as loadings and component_weights are for");
   EXPECT_EQ(complaint({FittedPredictionConfig{.order = 1, .tap_ms = 2.5, .weights = {1.0}}}),
             "tap_ms: is 2.5, must be a multiple of the step of the filter, 1 ms");
   EXPECT_EQ(complaint({AutoregressivePredictionConfig{.tap_ms = 5.0}}, 50.0),

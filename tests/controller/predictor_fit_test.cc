@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -34,17 +35,51 @@ PredictorFit Fit(const Eigen::MatrixXd& recording, const PredictorFitOptions& op
   return FitPredictor({&recording, 1}, kRateHz, options);
 }
 
-/// What the weights of a channel make of white noise of deviation 1.
+/// What the predictor of two channels makes of white noise of deviation 1 on each, by what it
+/// answers to an impulse on either.
 double NoiseGain(const PredictorFit& fit, int channel) {
-  const std::size_t order = fit.predictor.order;
-  double newest = 1.0;
   double squares = 0.0;
-  for (std::size_t i = 0; i < order; ++i) {
-    const double weight = fit.predictor.weights[order * static_cast<std::size_t>(channel) + i];
-    newest -= weight;
-    squares += weight * weight;
+  for (int hit = 0; hit < 2; ++hit) {
+    const auto predictor = MakePredictor(fit.predictor, 2, kRateHz);
+    std::vector<double> value(2);
+    predictor->Step(value, value);
+    for (int k = 0; k <= fit.predictor.order * 10; ++k) {
+      value.assign(2, 0.0);
+      if (k == 0) value[static_cast<std::size_t>(hit)] = 1.0;
+      predictor->Step(value, value);
+      squares +=
+          value[static_cast<std::size_t>(channel)] * value[static_cast<std::size_t>(channel)];
+    }
   }
-  return std::sqrt(newest * newest + squares);
+  return std::sqrt(squares);
+}
+
+/// Two channels, the second of which does what the first did 80 ms before, and a little of its own.
+Eigen::MatrixXd Following(int samples, std::uint64_t seed) {
+  Eigen::MatrixXd angles(samples, 2);
+  TestNoise noise(seed);
+  const Eigen::ArrayXd free = [&] {
+    Eigen::ArrayXd smooth(samples + 80);
+    double speed = 0.0, angle = 0.0;
+    for (double& value : smooth) {  // a swing of about 1 Hz that noise drives
+      speed += 0.02 * noise.Normal() - 4e-5 * angle - 3e-3 * speed;
+      angle += speed;
+      value = angle;
+    }
+    return smooth;
+  }();
+  for (int k = 0; k < samples; ++k) {
+    angles(k, 0) = free[k + 80] + 0.05 * noise.Normal();
+    angles(k, 1) = 0.5 * free[k] + 0.05 * noise.Normal();
+  }
+  return angles;
+}
+
+PredictorFitOptions WithComponents(int components, double caution = 3.0) {
+  PredictorFitOptions options = kOptions;
+  options.components = components;
+  options.caution = caution;
+  return options;
 }
 
 /// RMS of z(k + h) - y(k) for a recording that the fit has not seen, per channel.
@@ -92,6 +127,88 @@ TEST(PredictorFit, IsAsCautiousAsWithSoMuchNoise) {
   for (int c = 0; c < 2; ++c) {
     EXPECT_NEAR(NoiseGain(cautious, c), NoiseGain(noisy, c), 0.1 * NoiseGain(noisy, c));
     EXPECT_LT(NoiseGain(cautious, c), 0.95 * NoiseGain(bold, c));
+  }
+}
+
+TEST(PredictorFit, IsAsCautiousWithComponentsAsWithSoMuchNoise) {
+  const PredictorFit cautious = Fit(Glove(40000, 3.0), WithComponents(1, 4.0));
+  const PredictorFit noisy = Fit(Glove(40000, 6.0), WithComponents(1, 1.0));
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_NEAR(NoiseGain(cautious, c), NoiseGain(noisy, c), 0.1 * NoiseGain(noisy, c));
+  }
+}
+
+TEST(PredictorFit, LearnsByComponentsFromAChannelThatIsAhead) {
+  const Eigen::MatrixXd recording = Following(30000, 1);
+  const Eigen::MatrixXd other = Following(20000, 2);
+  const PredictorFit alone = Fit(recording);
+  const PredictorFit together = Fit(recording, WithComponents(1));
+  EXPECT_LT(LeftOf(together, other)[1], 0.5 * LeftOf(alone, other)[1]);
+  EXPECT_LT(together.held_out_rms[1], 0.5 * alone.held_out_rms[1]);
+  for (const PredictorFit& fit : {alone, together}) {
+    const Eigen::Array2d left = LeftOf(fit, other);
+    for (int c = 0; c < 2; ++c) EXPECT_NEAR(left[c], fit.held_out_rms[c], 0.2 * left[c]) << c;
+  }
+}
+
+/// Of two channels the larger axis of an ellipse: tan 2 a = 2 c12 / (c11 - c22).
+TEST(PredictorFit, TakesThePrincipalComponentOfChanges) {
+  const Eigen::MatrixXd recording = Following(5000, 3);
+  const std::vector<double> loadings = Fit(recording, WithComponents(1)).predictor.loadings;
+  const Eigen::Index span = 200;  // order taps
+  const Eigen::MatrixXd change = recording.bottomRows(5000 - span) - recording.topRows(5000 - span);
+  const Eigen::Matrix2d c = change.transpose() * change;
+  const double angle = 0.5 * std::atan2(2.0 * c(0, 1), c(0, 0) - c(1, 1));
+  ASSERT_EQ(loadings.size(), 2u);
+  EXPECT_NEAR(loadings[1] / loadings[0], std::tan(angle), 1e-9);
+  EXPECT_NEAR(std::hypot(loadings[0], loadings[1]), 1.0, 1e-12);
+}
+
+/// The equation of the header with every regressor written out, solved another way.
+TEST(PredictorFit, SolvesTheEquationOfItsHeaderWithComponents) {
+  constexpr int kOrder = 3, kTap = 15, kAhead = 40;
+  const Eigen::MatrixXd z = Following(3000, 4);
+  const PredictorFit fit = Fit(
+      z,
+      {.horizon_ms = {kAhead}, .order = kOrder, .tap_ms = kTap, .caution = 2.5, .components = 1});
+  const Eigen::RowVector2d loading(fit.predictor.loadings[0], fit.predictor.loadings[1]);
+  const Eigen::VectorXd s = z * loading.transpose();
+  constexpr int kFirst = kOrder * kTap;
+  const int count = 3000 - kFirst - kAhead;
+  for (int c = 0; c < 2; ++c) {
+    Eigen::MatrixXd p(count, 2 * kOrder);
+    Eigen::VectorXd t(count);
+    for (int k = 0; k < count; ++k) {
+      const int now = kFirst + k;
+      t[k] = z(now + kAhead, c) - z(now, c);
+      for (int i = 0; i < kOrder; ++i) {
+        p(k, i) = z(now - (i + 1) * kTap, c) - z(now, c);
+        p(k, kOrder + i) = s[now - (i + 1) * kTap] - s[now];
+      }
+    }
+    // White noise n of each channel adds n(then) - n(now) to its own differences, and as much times
+    // the loadings to those of the component.
+    Eigen::MatrixXd added = Eigen::MatrixXd::Zero(2 * kOrder, 2 * kOrder);
+    Eigen::VectorXd added_end = Eigen::VectorXd::Zero(2 * kOrder);
+    for (int channel = 0; channel < 2; ++channel) {
+      const double variance = 1.5 * fit.noise_variance[channel];
+      Eigen::VectorXd now = Eigen::VectorXd::Zero(2 * kOrder);
+      for (int i = 0; i < kOrder; ++i) {
+        Eigen::VectorXd then = Eigen::VectorXd::Zero(2 * kOrder);
+        if (channel == c) now[i] = then[i] = 1.0;
+        now[kOrder + i] = then[kOrder + i] = loading[channel];
+        added += variance * then * then.transpose();
+      }
+      added += variance * now * now.transpose();
+      if (channel == c) added_end += variance * now;
+    }
+    const Eigen::VectorXd expected = (p.transpose() * p / count + added)
+                                         .fullPivLu()
+                                         .solve(p.transpose() * t / count + added_end);
+    for (int i = 0; i < kOrder; ++i) {
+      EXPECT_NEAR(fit.predictor.weights[kOrder * c + i], expected[i], 1e-7);
+      EXPECT_NEAR(fit.predictor.component_weights[kOrder * c + i], expected[kOrder + i], 1e-7);
+    }
   }
 }
 
@@ -144,6 +261,12 @@ TEST(PredictorFit, RefusesWhatDeterminesNoWeights) {
   PredictorFitOptions odd = kOptions;
   odd.tap_ms = 2.5;
   EXPECT_THAT(complaint(Glove(4000, 1.0), odd), testing::HasSubstr("tap_ms: is 2.5"));
+  EXPECT_EQ(complaint(Glove(4000, 1.0), WithComponents(2)),
+            "components: is 2, must be below the number of channels, 2");
+  EXPECT_THAT(complaint(Glove(4000, 1.0), WithComponents(-1)), testing::HasSubstr("components"));
+  EXPECT_EQ(complaint(Glove(600, 1.0), WithComponents(1)),
+            "recording: has 300 samples with so much past and future around them, must have at "
+            "least 400");
   const std::vector<Eigen::MatrixXd> different = {Glove(4000, 1.0), Eigen::MatrixXd::Zero(10, 3)};
   EXPECT_THROW(FitPredictor(different, kRateHz, kOptions), SettingError);
 }

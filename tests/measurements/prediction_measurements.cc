@@ -13,6 +13,7 @@
 
 #include "controller/calibration/predictor_fit.h"
 #include "controller/prediction/horizon.h"
+#include "sim/calibrate/identified_chain.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/study.h"
@@ -30,6 +31,8 @@ constexpr int kTrainingSeeds = 4;
 // 20, so that up to 16 repetitions can be measured on others.
 constexpr int kTrainingFrom = 516;
 constexpr int kMostSeeds = 16;
+constexpr const char* kStart = "no prediction";
+constexpr const char* kOptimum = "fitted to other repetitions, order 40";
 
 struct Row {
   std::string name;
@@ -41,6 +44,16 @@ GloveSignal AsItIs(const Study& study, int seed) { return *GloveOfSeed(study, se
 GloveSignal NoiseFree(const Study& study, int seed) {
   return SynthesiseGlove(WithoutNoise(GloveOf(study.scenario, seed)),
                          static_cast<std::uint64_t>(seed));
+}
+
+/// Its first channel stays where it is in the middle of the motion: a broken one as the guard holds
+/// it.
+GloveSignal WithDeadChannel(const Study& study, int seed) {
+  GloveSignal glove = AsItIs(study, seed);
+  auto channel = glove.counts.col(0);
+  const Index dead = channel.size() / 2;
+  channel.tail(channel.size() - dead).setConstant(channel[dead]);
+  return glove;
 }
 
 /// The same glove, each channel so many samples ahead.
@@ -55,13 +68,18 @@ GloveSignal Ahead(GloveSignal glove, const Eigen::ArrayXd& horizon_steps) {
   return glove;
 }
 
+/// Counts to angles, by the line of the controller.
+double RadPerCount(const controller::GloveCalibration& known, Index c) {
+  return (known.high_angle_rad[c] - known.low_angle_rad[c]) /
+         (known.high_counts[c] - known.low_counts[c]);
+}
+
 /// A glove whose counts are, not rounded, what the controller takes for the true angle.
 GloveSignal Truth(const Study& study, int seed) {
   GloveSignal glove = NoiseFree(study, seed);
   const controller::GloveCalibration& known = study.calibration;
   for (Index c = 0; c < glove.counts.cols(); ++c) {
-    const double counts_per_rad = (known.high_counts[c] - known.low_counts[c]) /
-                                  (known.high_angle_rad[c] - known.low_angle_rad[c]);
+    const double counts_per_rad = 1.0 / RadPerCount(known, c);
     for (Index k = 0; k < glove.counts.rows(); ++k) {
       const double angle_rad = glove.true_angle_rad(k * glove.ticks_per_sample, c);
       glove.counts(k, c) =
@@ -115,20 +133,66 @@ const ControllerConfig& ControllerOf(const Study& study, std::string_view name) 
 }
 
 /// Fitted to what the gloves of other repetitions said.
-ControllerConfig Fitted(const Study& study, const std::vector<double>& horizon_ms) {
+ControllerConfig Fitted(const Study& study, const std::vector<double>& horizon_ms, int components) {
   std::vector<Eigen::MatrixXd> recordings;
   for (int i = 0; i < kTrainingSeeds; ++i) {
-    recordings.emplace_back(GloveOfSeed(study, study.scenario.seed + kTrainingFrom + i)->counts);
+    Eigen::MatrixXd angles = GloveOfSeed(study, study.scenario.seed + kTrainingFrom + i)->counts;
+    for (Index c = 0; c < angles.cols(); ++c) angles.col(c) *= RadPerCount(study.calibration, c);
+    recordings.push_back(std::move(angles));
   }
   ControllerConfig config = ControllerOf(study, "raw");
   const double rate_hz = TimingOf(study.scenario).controller.sample_rate_hz();
-  const controller::PredictorFit fit =
-      controller::FitPredictor(recordings, rate_hz, {.horizon_ms = horizon_ms});
+  const controller::PredictorFit fit = controller::FitPredictor(
+      recordings, rate_hz, {.horizon_ms = horizon_ms, .components = components});
   config.prediction.settings = fit.predictor;
   return config;
 }
 
-std::vector<Row> RowsOf(const Study& study) {
+/// What `gauntlet identify out/probe_chain --from target` finds of the default hand.
+IdentifiedChain ChainFromTarget() {
+  const Study probe = PrepareStudy(LoadScenario("scenarios/probe_chain.yaml", {}));
+  const GloveSignal glove = AsItIs(probe, probe.scenario.seed);
+  const Trace trace = RunTrial(SetupOf(probe, probe.scenario.controllers.front()), glove);
+  const ChainLog log = {.name = "probe_chain",
+                        .parts = probe.hand->joint_names(),
+                        .rate_hz = probe.hand->timing().tick_rate_hz(),
+                        .command_deg = trace.target_angle_rad * kDegPerRad,
+                        .angle_deg = trace.hand_angle_rad * kDegPerRad};
+  return MakeIdentifiedChain(log, FitChains(log));
+}
+
+/// Commands that are planned for the chain, as controller/README.md has them.
+ControllerConfig Planned(ControllerConfig ours, const IdentifiedChain& chain, double change_weight,
+                         double friction_share) {
+  auto& adaptive = std::get<controller::AdaptivePredictionConfig>(ours.prediction.settings);
+  adaptive.horizon_ms = {0.0};  // beyond the dead time, which the plan adds
+  ours.model_predictive = {.kind = controller::ModelPredictiveKind::kSecondOrder,
+                           .dead_time_ms = chain.dead_time_ms,
+                           .lag_ms = chain.lag_ms,
+                           .natural_frequency_hz = chain.natural_frequency_hz,
+                           .change_weight = change_weight};
+  if (friction_share == 0.0) return ours;
+  ours.joint_loop = {.kind = controller::JointLoopKind::kPi,
+                     .proportional = 0.0,
+                     .integral_per_s = 0.0,
+                     .friction_deg = chain.friction_deg};
+  for (double& value : ours.joint_loop.friction_deg) value *= friction_share;
+  return ours;
+}
+
+/// A little calmer, within what the default servo can do, by a prediction that trusts the glove
+/// more and remembers longer.
+ControllerConfig PlannedForCalm(const ControllerConfig& ours, const IdentifiedChain& chain) {
+  ControllerConfig config = Planned(ours, chain, 1.7, 0.5);
+  config.model_predictive.speed_limit_deg_s = 400.0;
+  config.model_predictive.lead_limit_deg = 16.6;
+  auto& adaptive = std::get<controller::AdaptivePredictionConfig>(config.prediction.settings);
+  adaptive.r_deg2 = {0.6};
+  adaptive.memory_ms = 2000.0;
+  return config;
+}
+
+std::vector<Row> RowsOf(const Study& study, const IdentifiedChain& chain) {
   const ControllerConfig raw = ControllerOf(study, "raw");
   const ControllerConfig ours = ControllerOf(study, "prediction");
   const auto& adaptive = std::get<controller::AdaptivePredictionConfig>(ours.prediction.settings);
@@ -142,6 +206,9 @@ std::vector<Row> RowsOf(const Study& study) {
     config.prediction.settings = settings;
     return config;
   };
+  const auto fitted = [&](int components) {
+    return Fitted(study, adaptive.horizon_ms, components);
+  };
   const auto wrong = [&](double horizon, double noise) {
     controller::AdaptivePredictionConfig settings = adaptive;
     for (double& value : settings.horizon_ms) value *= horizon;
@@ -149,7 +216,7 @@ std::vector<Row> RowsOf(const Study& study) {
     return with(settings);
   };
   return {
-      {"no prediction", raw, AsItIs},
+      {kStart, raw, AsItIs},
       {"tuned_kalman", ControllerOf(study, "tuned_kalman"), AsItIs},
       {"tuned_kalman, then kalman 45 ms", before, AsItIs},
       {"prediction of the scenario", ours, AsItIs},
@@ -159,7 +226,12 @@ std::vector<Row> RowsOf(const Study& study) {
        AsItIs},
       {"autoregressive",
        with(controller::AutoregressivePredictionConfig{.horizon_ms = adaptive.horizon_ms}), AsItIs},
-      {"fitted to other repetitions, order 40", Fitted(study, adaptive.horizon_ms), AsItIs},
+      {kOptimum, fitted(0), AsItIs},
+      {"fitted, 1 component", fitted(1), AsItIs},
+      {"fitted, 2 components", fitted(2), AsItIs},
+      {"fitted, 4 components", fitted(4), AsItIs},
+      {"fitted, a channel dead", fitted(0), WithDeadChannel},
+      {"fitted, 2 components, a channel dead", fitted(2), WithDeadChannel},
       {"glove without noise, known ahead", raw,
        [steps](const Study& of, int seed) { return Ahead(NoiseFree(of, seed), steps); }},
       {"truth, known ahead", raw,
@@ -168,10 +240,16 @@ std::vector<Row> RowsOf(const Study& study) {
       {"ours, delay 30 % more", wrong(1.3, 1.0), AsItIs},
       {"ours, noise 30 % less", wrong(1.0, 0.7), AsItIs},
       {"ours, noise 30 % more", wrong(1.0, 1.3), AsItIs},
+      {"planned, plain", Planned(ours, chain, 1.0, 0.0), AsItIs},
+      {"planned, friction", Planned(ours, chain, 1.0, 0.5), AsItIs},
+      {"planned, friction, change_weight 2", Planned(ours, chain, 2.0, 0.5), AsItIs},
+      {"planned, friction, for calm", PlannedForCalm(ours, chain), AsItIs},
   };
 }
 
-void MeasureScenario(const std::string& file, int seeds) {
+/// Of the rows whose name has this part, and those between which ways are measured.
+void MeasureScenario(const std::string& file, int seeds, const IdentifiedChain& chain,
+                     const std::string& part) {
   const Study study = PrepareStudy(LoadScenario(file, {}));
   fmt::print("\n{}, {} repetitions\n\n", study.scenario.name, seeds);
   fmt::print("| | tracking [deg] | delay [ms] | jitter [deg] | reversals [1/s] | way [%] |\n");
@@ -183,11 +261,13 @@ void MeasureScenario(const std::string& file, int seeds) {
   std::vector<Line> lines;
   double none = 0.0;
   double fitted = 0.0;
-  for (const Row& row : RowsOf(study)) {
+  for (const Row& row : RowsOf(study, chain)) {
+    const bool is_end = row.name == kStart || row.name == kOptimum;
+    if (!is_end && row.name.find(part) == std::string::npos) continue;
     lines.push_back({row.name, Measure(study, row, seeds)});
     const double tracking = Summary(lines.back().outcome.tracking_deg).mean;
-    if (row.name == "no prediction") none = tracking;
-    if (row.name.starts_with("fitted")) fitted = tracking;
+    if (row.name == kStart) none = tracking;
+    if (row.name == kOptimum) fitted = tracking;
   }
   for (const auto& [name, outcome] : lines) {
     const auto [tracking, half] = Summary(outcome.tracking_deg);
@@ -208,8 +288,10 @@ int main(int count, char** arguments) {
                gauntlet::sim::kMostSeeds);
     return 2;
   }
+  const gauntlet::sim::IdentifiedChain chain = gauntlet::sim::ChainFromTarget();
   for (const char* name : {"random_motion", "fast_bursts", "door_opening"}) {
     if (count > 2 && std::string(name).find(arguments[2]) == std::string::npos) continue;
-    gauntlet::sim::MeasureScenario(std::string("scenarios/") + name + ".yaml", seeds);
+    gauntlet::sim::MeasureScenario(std::string("scenarios/") + name + ".yaml", seeds, chain,
+                                   count > 3 ? arguments[3] : "");
   }
 }
