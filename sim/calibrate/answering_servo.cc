@@ -20,9 +20,18 @@ constexpr double kCloseEnough = 0.05;
 
 bool IsKnown(const ChainFit& fit) { return fit.problem.empty() && fit.split_problem.empty(); }
 
-/// The log tells how wide the loop is, within half of it.
-bool TellsHysteresis(const ChainFit& fit) {
-  return fit.hysteresis_deg.low > 0.5 * fit.hysteresis_deg.value;
+/// The log tells how wide the loop is, within half of it or 0.4 of the usual one.
+bool TellsHysteresis(const ChainFit& fit, double usual_deg) {
+  const auto& [value, low, high] = fit.hysteresis_deg;
+  return high - value < std::max(0.5 * value, 0.4 * usual_deg);
+}
+
+double MedianHysteresis(const std::vector<ChainFit>& fits) {
+  std::vector<double> values;
+  for (const ChainFit& fit : fits) {
+    if (IsKnown(fit)) values.push_back(fit.hysteresis_deg.value);
+  }
+  return values.empty() ? 0.0 : controller::MedianOf(values);
 }
 
 /// By how much an answer misses the log, over the parts that have a model in both.
@@ -47,6 +56,7 @@ std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fit
   constexpr double kNoHysteresis_deg = 0.1;  // less counts as if it were this
   std::vector<double> dead_time_ms;
   std::vector<double> lag_ratio;
+  const double usual_deg = MedianHysteresis(fits);
   Miss miss;
   for (std::size_t i = 0; i < answer_fits.size(); ++i) {
     const auto part = std::ranges::find(log.parts, answer.parts[i]) - log.parts.begin();
@@ -55,7 +65,7 @@ std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fit
     if (!IsKnown(wanted) || !IsKnown(given)) continue;
     dead_time_ms.push_back(wanted.dead_time_ms.value - given.dead_time_ms.value);
     lag_ratio.push_back((wanted.lag_ms.value + kNoLag_ms) / (given.lag_ms.value + kNoLag_ms));
-    if (!TellsHysteresis(wanted)) continue;
+    if (!TellsHysteresis(wanted, usual_deg)) continue;
     miss.hysteresis_ratio[answer.parts[i]] =
         std::max(wanted.hysteresis_deg.value, kNoHysteresis_deg) /
         std::max(given.hysteresis_deg.value, kNoHysteresis_deg);

@@ -37,10 +37,10 @@ struct ServoTrial {
 ///
 /// Friction begins with that of `usual`, and each motor's own, that of its spool and of its cables
 /// together, grows and falls with the hysteresis of the joint of its name; motors of whose joint
-/// the log does not tell it within half have the median of the others. That of spools alone would not do: where cables pass
-/// several joints, a spool turns back at other moments than its joint, so that its friction is seen
-/// as error of all kinds, and only in part as hysteresis; that of cables is felt at the joint
-/// itself.
+/// the log does not tell it have the median of the others. That of spools alone would not do: where
+/// cables pass several joints, a spool turns back at other moments than its joint, so that its
+/// friction is seen as error of all kinds, and only in part as hysteresis; that of cables is felt
+/// at the joint itself.
 ///
 /// None if no part of the log is a joint of the model, or no such hand can be simulated.
 std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<ChainFit>& fits,

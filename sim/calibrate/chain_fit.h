@@ -87,12 +87,13 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
 ///
 /// Lost motion is how far the motor turns at a reversal before the joint follows, in degrees of the
 /// joint: the width of the loop between their angles, by a ChainModel without lag. Dead zones make
-/// it, as the play of a gear and slack of cables, and cables that stretch before they slide on their
-/// guides: all hold the joint where it is while the motor turns, so they look alike. A joint that a
-/// load holds at one end of a dead zone crosses none of it: then little is lost, and not all tight.
-/// Noise of the motor's angle adds to it, as the extremes of what it says count.
+/// it, as the play of a gear and slack of cables, and cables that stretch before they slide on
+/// their guides: all hold the joint where it is while the motor turns, so they look alike. A joint
+/// that a load holds at one end of a dead zone crosses none of it: then little is lost, and not all
+/// tight. Noise of the motor's angle adds to it, as the extremes of what it says count.
 ///
-/// Intervals as of FitChain(); that of lost motion begins lower by what noise may have added. Shapes: all as long, finite.
+/// Intervals as of FitChain(); that of lost motion begins lower by what noise may have added.
+/// Shapes: all as long, finite.
 void AddMotor(std::span<const double> command_deg, std::span<const double> motor_deg,
               std::span<const double> angle_deg, double rate_hz, ChainFit& fit);
 

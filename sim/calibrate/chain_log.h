@@ -25,9 +25,10 @@ struct ChainLog {
 
 /// Reads a table of any format of TableSource with a header and a column of time (see TimeScaleS).
 /// Per part `NAME_command_deg` (or `_rad`), and `NAME_deg` (or `_rad`) for the angle that was
-/// measured; where its motor was in `NAME_motor_deg` (or `_rad`), if known; or the CSV of a trace: `true_angle_rad.NAME` and `hand_angle_rad.NAME`, whose other
-/// signals are left out. Other columns are an error. Times need not be even: values are brought to
-/// the median rate on straight lines. `array` chooses of a file with arrays, see ListArrays().
+/// measured; where its motor was in `NAME_motor_deg` (or `_rad`), if known; or the CSV of a trace:
+/// `true_angle_rad.NAME` and `hand_angle_rad.NAME`, whose other signals are left out. Other columns
+/// are an error. Times need not be even: values are brought to the median rate on straight lines.
+/// `array` chooses of a file with arrays, see ListArrays().
 /// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows.
 ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array = {});
 

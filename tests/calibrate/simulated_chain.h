@@ -38,8 +38,8 @@ struct SimulatedLog {
 };
 
 /// Twelve sines of 0.1 to 3 Hz as command; the chain in steps of 50 us by Euler's semi-implicit
-/// rule, from a command that is known at all times: nothing is shared with what shall find it. Then the
-/// joint, behind a dead zone.
+/// rule, from a command that is known at all times: nothing is shared with what shall find it. Then
+/// the joint, behind a dead zone.
 inline SimulatedLog SimulateLog(const HiddenChain& chain, const ChainRecording& recording,
                                 std::uint64_t seed) {
   controller::TestNoise random(seed);
