@@ -3,60 +3,97 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
 #include "sim/calibrate/simulated_answer.h"
+#include "sim/hand/hand_model.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr int kTrials = 5;
+constexpr int kTrials = 8;
 constexpr double kCloseEnough = 0.05;
 
 bool IsKnown(const ChainFit& fit) { return fit.problem.empty() && fit.split_problem.empty(); }
 
+/// The log tells how wide the loop is, within half of it or 0.4 of the usual one.
+bool TellsHysteresis(const ChainFit& fit, double usual_deg) {
+  const auto& [value, low, high] = fit.hysteresis_deg;
+  return high - value < std::max(0.5 * value, 0.4 * usual_deg);
+}
+
+double MedianHysteresis(const std::vector<ChainFit>& fits) {
+  std::vector<double> values;
+  for (const ChainFit& fit : fits) {
+    if (IsKnown(fit)) values.push_back(fit.hysteresis_deg.value);
+  }
+  return values.empty() ? 0.0 : controller::MedianOf(values);
+}
+
 /// By how much an answer misses the log, over the parts that have a model in both.
 struct Miss {
-  double dead_time_ms = 0.0;      // median of what is missing
-  double lag_ratio = 1.0;         // median of wanted over given
-  double hysteresis_ratio = 1.0;  // medians, wanted over given
+  double dead_time_ms = 0.0;                       // median of what is missing
+  double lag_ratio = 1.0;                          // median of wanted over given
+  std::map<std::string, double> hysteresis_ratio;  // of each part that tells, wanted over given
 
-  /// As a share, of the quantity that misses most.
+  /// As a share, of the quantity that misses most; of hysteresis, the mean over the parts.
   double Share(double delay_ms) const {
-    return std::max({std::abs(dead_time_ms) / delay_ms, std::abs(std::log(lag_ratio)),
-                     std::abs(std::log(hysteresis_ratio))});
+    double hysteresis = 0.0;
+    for (const auto& [part, ratio] : hysteresis_ratio) hysteresis += std::abs(std::log(ratio));
+    hysteresis /= std::max(static_cast<double>(hysteresis_ratio.size()), 1.0);
+    return std::max({std::abs(dead_time_ms) / delay_ms, std::abs(std::log(lag_ratio)), hysteresis});
   }
 };
 
-Miss MissOf(const std::vector<ChainFit>& wanted, const std::vector<ChainFit>& given) {
+/// None if no part has a model in both.
+std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fits,
+                           const ChainLog& answer, const std::vector<ChainFit>& answer_fits) {
   constexpr double kNoLag_ms = 1.0;
-  constexpr double kNoHysteresis_deg = 0.05;  // less counts as if it were this
+  constexpr double kNoHysteresis_deg = 0.1;  // less counts as if it were this
   std::vector<double> dead_time_ms;
   std::vector<double> lag_ratio;
-  std::vector<double> wanted_deg;
-  std::vector<double> given_deg;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    dead_time_ms.push_back(wanted[i].dead_time_ms.value - given[i].dead_time_ms.value);
-    lag_ratio.push_back((wanted[i].lag_ms.value + kNoLag_ms) / (given[i].lag_ms.value + kNoLag_ms));
-    wanted_deg.push_back(wanted[i].hysteresis_deg.value);
-    given_deg.push_back(given[i].hysteresis_deg.value);
+  const double usual_deg = MedianHysteresis(fits);
+  Miss miss;
+  for (std::size_t i = 0; i < answer_fits.size(); ++i) {
+    const auto part = std::ranges::find(log.parts, answer.parts[i]) - log.parts.begin();
+    const ChainFit& wanted = fits[static_cast<std::size_t>(part)];
+    const ChainFit& given = answer_fits[i];
+    if (!IsKnown(wanted) || !IsKnown(given)) continue;
+    dead_time_ms.push_back(wanted.dead_time_ms.value - given.dead_time_ms.value);
+    lag_ratio.push_back((wanted.lag_ms.value + kNoLag_ms) / (given.lag_ms.value + kNoLag_ms));
+    if (!TellsHysteresis(wanted, usual_deg)) continue;
+    miss.hysteresis_ratio[answer.parts[i]] =
+        std::max(wanted.hysteresis_deg.value, kNoHysteresis_deg) /
+        std::max(given.hysteresis_deg.value, kNoHysteresis_deg);
   }
-  return {.dead_time_ms = controller::MedianOf(dead_time_ms),
-          .lag_ratio = controller::MedianOf(lag_ratio),
-          .hysteresis_ratio = std::max(controller::MedianOf(wanted_deg), kNoHysteresis_deg) /
-                              std::max(controller::MedianOf(given_deg), kNoHysteresis_deg)};
+  if (lag_ratio.empty()) return std::nullopt;
+  miss.dead_time_ms = controller::MedianOf(dead_time_ms);
+  miss.lag_ratio = controller::MedianOf(lag_ratio);
+  return miss;
 }
 
 /// The servo of the next trial. Little friction gives no hysteresis, beyond that it grows faster
 /// than friction does: the power keeps trials from swinging around it.
-AnsweringServo Corrected(AnsweringServo servo, const Miss& miss) {
+AnsweringServo Corrected(AnsweringServo servo, const Miss& miss, const std::vector<Drive>& drives) {
   servo.dead_time_ms = std::max(0.0, servo.dead_time_ms + miss.dead_time_ms);
   servo.damping_ms *= std::clamp(miss.lag_ratio, 0.5, 2.0);
-  const double friction = std::pow(std::clamp(miss.hysteresis_ratio, 0.4, 2.5), 0.8);
-  servo.friction_scale *= friction;
-  servo.capstan_friction *= friction;
+  std::vector<double> known;
+  for (std::size_t motor = 0; motor < drives.size(); ++motor) {
+    const auto ratio = miss.hysteresis_ratio.find(drives[motor].name);
+    if (ratio == miss.hysteresis_ratio.end()) continue;
+    double& scale = servo.motor_friction_scale[motor];
+    scale = std::clamp(scale * std::pow(std::clamp(ratio->second, 0.4, 2.5), 0.8), 0.01, 20.0);
+    known.push_back(scale);
+  }
+  for (std::size_t motor = 0; motor < drives.size(); ++motor) {
+    const bool of_arm = drives[motor].servo_key != "hand.servo";
+    if (of_arm || known.empty() || miss.hysteresis_ratio.contains(drives[motor].name)) continue;
+    servo.motor_friction_scale[motor] = controller::MedianOf(known);
+  }
   return servo;
 }
 
@@ -72,6 +109,7 @@ HandConfig AnsweringServo::PutInto(const HandConfig& usual) const {
   numbers.full_torque_error_deg = std::clamp(full_torque_error_deg, 0.5, 90.0);
   numbers.friction_scale = std::clamp(friction_scale, 0.0, 100.0);
   config.cable.capstan_friction = std::clamp(capstan_friction, 0.0, 0.5);
+  config.motor_friction_scale = motor_friction_scale;
   return config;
 }
 
@@ -84,26 +122,20 @@ std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<Chain
   servo.capstan_friction = usual.cable.capstan_friction;
   const double delay_ms = std::max(first.dead_time_ms + first.damping_ms, 1.0);
   try {
+    const HandModel hand(usual);
+    servo.motor_friction_scale.assign(hand.drives().size(), 1.0);
     for (int trial = 0; trial < kTrials && least_miss > kCloseEnough; ++trial) {
       ChainLog answer = SimulatedAnswer(log, servo.PutInto(usual));
       if (answer.angle_deg.rows() == 0) break;
+      answer.motor_deg = {};  // nothing is asked of it
       std::vector<ChainFit> answer_fits = FitChains(answer);
-      std::vector<ChainFit> wanted;
-      std::vector<ChainFit> given;
-      for (std::size_t i = 0; i < answer_fits.size(); ++i) {
-        const auto part = std::ranges::find(log.parts, answer.parts[i]) - log.parts.begin();
-        const ChainFit& of_log = fits[static_cast<std::size_t>(part)];
-        if (!IsKnown(of_log) || !IsKnown(answer_fits[i])) continue;
-        wanted.push_back(of_log);
-        given.push_back(answer_fits[i]);
-      }
-      if (wanted.empty()) break;
-      const Miss miss = MissOf(wanted, given);
-      if (miss.Share(delay_ms) < least_miss) {
-        least_miss = miss.Share(delay_ms);
-        best = {.servo = servo, .answer = std::move(answer), .fits = std::move(answer_fits)};
-      }
-      servo = Corrected(servo, miss);
+      const std::optional<Miss> miss = MissOf(log, fits, answer, answer_fits);
+      if (!miss) break;
+      const AnsweringServo tried = servo;
+      servo = Corrected(servo, *miss, hand.drives());
+      if (miss->Share(delay_ms) >= least_miss) continue;
+      least_miss = miss->Share(delay_ms);
+      best = {.servo = tried, .answer = std::move(answer), .fits = std::move(answer_fits)};
     }
   } catch (const UserError&) {  // a hand that is refused, or an answer that no chain fits
   }

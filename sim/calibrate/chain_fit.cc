@@ -28,10 +28,14 @@ constexpr double kStudent95 = 2.0930;  // of kBlocks - 1 degrees of freedom
 constexpr double kBeginning_s = 0.5;
 constexpr double kLeastDamping = 0.05;
 constexpr double kLongestDelay_s = 2.0;
+/// So many standard deviations of a motor's noise may be taken for play.
+constexpr double kNoiseInLost = 3.0;
 
-/// Places of the parameters of a fit; that of the delay alone has those of kShift.
-enum Parameter { kDeadTime, kGain, kOffset, kLag, kPlay, kInertia };
+/// Places of the parameters of a fit. That of the delay alone has the first three, that of lost
+/// motion the first four.
+enum Parameter { kDeadTime, kGain, kOffset, kPlay, kLag, kInertia };
 constexpr Index kShiftParameters = 3;
+constexpr Index kPlayParameters = 4;
 constexpr Index kFirstOrderParameters = 5;
 constexpr Index kAllParameters = 6;
 
@@ -40,9 +44,10 @@ ChainModel ModelOf(const VectorXd& parameters) {
                    .gain = parameters[kGain],
                    .offset_deg = parameters[kOffset]};
   if (parameters.size() == kShiftParameters) return model;
+  model.play_deg = parameters[kPlay];
+  if (parameters.size() == kPlayParameters) return model;
   model.lag_s = parameters[kLag];
   model.inertia_s2 = parameters[kInertia];
-  model.play_deg = parameters[kPlay];
   return model;
 }
 
@@ -69,8 +74,9 @@ class Problem {
     Bound(kGain, 0.01, 100.0, 1e-4);
     Bound(kOffset, -1e4, 1e4, 1e-3 * travel_deg);
     if (parameters == kShiftParameters) return;
-    Bound(kLag, 0.0, kLongestDelay_s, 1e-4);
     Bound(kPlay, 0.0, travel_deg, 1e-4 * travel_deg);
+    if (parameters == kPlayParameters) return;
+    Bound(kLag, 0.0, kLongestDelay_s, 1e-4);
     Bound(kInertia, std::pow(0.25 * period_s, 2), 1.0, 1e-6);
   }
 
@@ -97,7 +103,7 @@ class Problem {
 
   void KeepWithinBounds(VectorXd& parameters) const {
     parameters = parameters.cwiseMax(low_).cwiseMin(high_);
-    if (this->parameters() == kShiftParameters) return;
+    if (this->parameters() < kAllParameters) return;
     const double least_lag_s = 2.0 * kLeastDamping * std::sqrt(parameters[kInertia]);
     parameters[kLag] = std::max(parameters[kLag], least_lag_s);
   }
@@ -204,6 +210,10 @@ ChainEstimate Through(const ChainEstimate& estimate, const Function& function) {
   return {function(estimate.value), low, high};
 }
 
+void KeepBetter(Solution solution, std::optional<Solution>& best) {
+  if (!best || solution.squares_deg2 < best->squares_deg2) best = std::move(solution);
+}
+
 void TakeSplit(const Solution& solution, const std::vector<VectorXd>& without, bool second_order,
                ChainFit& fit) {
   const auto parameter = [&](Parameter index, double factor) {
@@ -229,6 +239,36 @@ void TakeSplit(const Solution& solution, const std::vector<VectorXd>& without, b
 
 double Rms(const VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+/// Standard deviation of white noise and of an encoder's steps, from third differences, of which
+/// motion has next to none.
+double FastNoise(const VectorXd& values) {
+  const Index count = values.size() - 3;
+  const VectorXd third = values.tail(count) - values.head(count) -
+                         3.0 * (values.segment(2, count) - values.segment(1, count));
+  return Rms(third) / std::sqrt(20.0);  // 1 + 9 + 9 + 1
+}
+
+/// Dead time and play alone, between a motor and its joint.
+Solution FitLost(std::span<const double> motor_deg, std::span<const double> angle_deg,
+                 double rate_hz) {
+  // The motor's angle so much earlier: two sensors are late by different times.
+  constexpr double kEarlier_s = 0.1;
+  const auto earlier = static_cast<std::size_t>(std::lround(kEarlier_s * rate_hz));
+  const std::span<const double> motor = motor_deg.subspan(earlier);
+  const std::span<const double> angle = angle_deg.first(motor.size());
+  Problem shift(motor, angle, rate_hz, kShiftParameters);
+  const Solution shifted =
+      Minimise(shift, Eigen::Vector3d(static_cast<double>(earlier) / rate_hz, 1.0, 0.0));
+  Problem lost(motor, angle, rate_hz, kPlayParameters);
+  std::optional<Solution> best;
+  for (const double share : {0.2, 1.0, 2.0}) {  // of what a shift leaves, that is half the loop
+    VectorXd start(kPlayParameters);
+    start << shifted.parameters, share * Rms(shifted.residual_deg);
+    KeepBetter(Minimise(lost, start), best);
+  }
+  return *best;
 }
 
 /// What keeps a chain from being found; empty if nothing is seen. `delay_s` gets where to begin.
@@ -331,11 +371,10 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
     constexpr double kDamping = 0.8;
     const double lag_s = (1.0 - share) * shifted.parameters[kDeadTime];
     VectorXd start(kAllParameters);
-    start << shifted.parameters, lag_s, 0.2 * fit.shifted_rms_deg,
+    start << shifted.parameters, 0.2 * fit.shifted_rms_deg, lag_s,
         std::pow(lag_s / (2.0 * kDamping), 2);
     start[kDeadTime] *= share;
-    Solution solution = Minimise(split, start);
-    if (!best || solution.squares_deg2 < best->squares_deg2) best = std::move(solution);
+    KeepBetter(Minimise(split, start), best);
   }
   bool second_order = true;
   auto without = WithoutEachBlock(*best, kAllParameters);
@@ -352,6 +391,46 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
   fit.residual_rms_deg = Rms(best->residual_deg);
   TakeSplit(*best, *without, second_order, fit);
   return fit;
+}
+
+void AddMotor(std::span<const double> command_deg, std::span<const double> motor_deg,
+              std::span<const double> angle_deg, double rate_hz, ChainFit& fit) {
+  if (!fit.problem.empty()) return;
+  const Eigen::Map<const VectorXd> motor(motor_deg.data(), std::ssize(motor_deg));
+  const Eigen::Map<const VectorXd> angle(angle_deg.data(), std::ssize(angle_deg));
+  const VectorXd around = motor.array() - motor.mean();
+  const double covariance = around.dot((angle.array() - angle.mean()).matrix());
+  if (Rms(around) * kRadPerDeg < kStillRms_rad) {
+    fit.motor_problem = "its motor does not move";
+    return;
+  }
+  constexpr double kLeastCorrelation = 0.7;
+  const double correlation =
+      covariance / (around.norm() * (angle.array() - angle.mean()).matrix().norm());
+  if (std::abs(correlation) < kLeastCorrelation) {
+    fit.motor_problem =
+        fmt::format("its motor's angle is not its own (correlation {:.2f}, must be {:g} or more)",
+                    std::abs(correlation), kLeastCorrelation);
+    return;
+  }
+  // In the joint's degrees and sense.
+  VectorXd scaled = covariance / around.squaredNorm() * around;
+  const Solution lost = FitLost({scaled.data(), motor_deg.size()}, angle_deg, rate_hz);
+  const auto without = WithoutEachBlock(lost, kPlayParameters);
+  if (!without) return;
+  fit.lost_motion_deg =
+      EstimateOf(lost, *without, 0.0, [](const VectorXd& p) { return 2.0 * p[kPlay]; });
+  scaled *= lost.parameters[kGain];
+  const double noise_deg = kNoiseInLost * FastNoise(scaled);
+  fit.lost_motion_deg.low = std::max(fit.lost_motion_deg.low - noise_deg, 0.0);
+  ChainEstimate& own = fit.motor_hysteresis_deg;
+  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz).hysteresis_deg;
+  // Degrees of the joint are only as well known as the gain between both.
+  const ChainEstimate gain =
+      EstimateOf(lost, *without, 0.0, [](const VectorXd& p) { return p[kGain]; });
+  const double of_gain = (gain.high - gain.value) / gain.value * own.value;
+  own.low = std::max(own.value - std::hypot(own.value - own.low, of_gain), 0.0);
+  own.high = own.value + std::hypot(own.high - own.value, of_gain);
 }
 
 }  // namespace gauntlet::sim

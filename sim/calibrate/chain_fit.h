@@ -57,6 +57,10 @@ struct ChainFit {
   ChainEstimate damping_ratio;         // the same
   ChainEstimate gain;
   ChainEstimate hysteresis_deg;  // all of the loop's width
+  /// Of a log that also has the motor's angle, in degrees of the joint; NaN of others.
+  ChainEstimate motor_hysteresis_deg;  // the part of it that the motor's own way has
+  ChainEstimate lost_motion_deg;       // what AddMotor() finds behind it
+  std::string motor_problem;           // why there is neither; empty if there is, or no motor
   ChainModel model;
   double residual_rms_deg = std::numeric_limits<double>::quiet_NaN();
   double shifted_rms_deg = std::numeric_limits<double>::quiet_NaN();  // with the delay alone
@@ -78,5 +82,19 @@ inline constexpr double kShortestChainLog_s = 5.0;
 /// A log that does not bear it (nothing moves, too short) gives a ChainFit with a `problem`.
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
                   double rate_hz);
+
+/// Adds to a part's fit what its motor's angle tells. Its scale, zero and sense do not matter.
+///
+/// Lost motion is how far the motor turns at a reversal before the joint follows, in degrees of the
+/// joint: the width of the loop between their angles, by a ChainModel without lag. Dead zones make
+/// it, as the play of a gear and slack of cables, and cables that stretch before they slide on
+/// their guides: all hold the joint where it is while the motor turns, so they look alike. A joint
+/// that a load holds at one end of a dead zone crosses none of it: then little is lost, and not all
+/// tight. Noise of the motor's angle adds to it, as the extremes of what it says count.
+///
+/// Intervals as of FitChain(); that of lost motion begins lower by what noise may have added.
+/// Shapes: all as long, finite.
+void AddMotor(std::span<const double> command_deg, std::span<const double> motor_deg,
+              std::span<const double> angle_deg, double rate_hz, ChainFit& fit);
 
 }  // namespace gauntlet::sim

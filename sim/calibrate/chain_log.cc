@@ -30,6 +30,7 @@ struct ChainColumns {
   double time_scale_s = 1.0;
   std::vector<PartColumn> commands;
   std::vector<PartColumn> angles;  // in the order of `commands` once paired
+  std::vector<PartColumn> motors;  // once paired: of the parts that have one, by their names
 };
 
 struct ChainPattern {
@@ -78,6 +79,7 @@ void PairParts(const CsvReader& csv, ChainColumns& columns) {
   RejectRepeatedParts(csv, columns.angles);
   std::vector<PartColumn> commands;
   std::vector<PartColumn> angles;
+  std::vector<PartColumn> motors;
   std::vector<std::string> names;
   for (const PartColumn& angle : columns.angles) names.push_back(angle.part);
   for (const PartColumn& command : columns.commands) {
@@ -85,6 +87,12 @@ void PairParts(const CsvReader& csv, ChainColumns& columns) {
     if (angle != nullptr) {
       commands.push_back(command);
       angles.push_back(*angle);
+      // A part may be called so itself.
+      const std::string motor_name = command.part + "_motor";
+      const PartColumn* motor = FindPart(columns.angles, motor_name);
+      if (motor != nullptr && FindPart(columns.commands, motor_name) == nullptr) {
+        motors.push_back({motor->column, command.part, motor->scale});
+      }
     } else if (!csv.header()[command.column].starts_with(kChainPatterns[0].before)) {
       csv.Fail(
           command.column + 1,
@@ -99,6 +107,7 @@ void PairParts(const CsvReader& csv, ChainColumns& columns) {
   }
   columns.commands = std::move(commands);
   columns.angles = std::move(angles);
+  columns.motors = std::move(motors);
 }
 
 ChainColumns FindChainColumns(const CsvReader& csv) {
@@ -169,6 +178,7 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
   const ChainColumns columns = FindChainColumns(csv);
   std::vector<PartColumn> all = columns.commands;
   all.insert(all.end(), columns.angles.begin(), columns.angles.end());
+  all.insert(all.end(), columns.motors.begin(), columns.motors.end());
   std::vector<bool> used(csv.column_count(), false);
   used[*columns.time] = true;
   for (const PartColumn& column : all) used[column.column] = true;
@@ -221,15 +231,32 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
     RejectGap(csv, all[i], series[i], longest_gap_s);
   }
   const Eigen::Index samples = std::llround((last_s - first_s) / period_s) + 1;
-  log.command_deg = Signal(samples, std::ssize(columns.commands));
-  log.angle_deg = Signal(samples, std::ssize(columns.commands));
+  const Eigen::Index parts = std::ssize(log.parts);
+  log.command_deg = Signal(samples, parts);
+  log.angle_deg = Signal(samples, parts);
+  if (!columns.motors.empty()) {
+    log.motor_deg = Signal::Constant(samples, parts, std::numeric_limits<double>::quiet_NaN());
+  }
+  Signal* const signals[] = {&log.command_deg, &log.angle_deg, &log.motor_deg};
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool is_command = i < columns.commands.size();
-    const std::size_t part = is_command ? i : i - columns.commands.size();
-    InterpolateLine(series[i], first_s, log.rate_hz,
-                    (is_command ? log.command_deg : log.angle_deg).col(part));
+    const Eigen::Index part = std::ranges::find(log.parts, all[i].part) - log.parts.begin();
+    Signal& signal = *signals[std::min<std::size_t>(i / log.parts.size(), 2)];
+    InterpolateLine(series[i], first_s, log.rate_hz, signal.col(part));
   }
   return log;
+}
+
+std::string WhatHysteresisIs(const std::vector<ChainFit>& fits) {
+  const bool told_apart = std::ranges::any_of(
+      fits, [](const ChainFit& fit) { return std::isfinite(fit.lost_motion_deg.value); });
+  if (told_apart) {
+    return "Hysteresis is the motor's own (dry friction, dead band) and lost motion, behind the "
+           "motor: play of the gear, slack of cables and what cables stretch before they slide, "
+           "which look alike, and of which little shows where a load holds the joint on one side.";
+  }
+  return "Hysteresis is the sum of dry friction, play of gears and slack of cables, which look "
+         "alike here; a log with the motors' angles, too (NAME_motor_deg), tells what is lost "
+         "behind the motor.";
 }
 
 std::vector<ChainFit> FitChains(const ChainLog& log) {
@@ -239,8 +266,11 @@ std::vector<ChainFit> FitChains(const ChainLog& log) {
                                    static_cast<std::size_t>(signal.rows()));
   };
   for (Eigen::Index part = 0; part < log.command_deg.cols(); ++part) {
-    fits.push_back(
-        FitChain(column(log.command_deg, part), column(log.angle_deg, part), log.rate_hz));
+    const std::span<const double> command_deg = column(log.command_deg, part);
+    const std::span<const double> angle_deg = column(log.angle_deg, part);
+    ChainFit& fit = fits.emplace_back(FitChain(command_deg, angle_deg, log.rate_hz));
+    if (log.motor_deg.size() == 0 || std::isnan(log.motor_deg(0, part))) continue;
+    AddMotor(command_deg, column(log.motor_deg, part), angle_deg, log.rate_hz, fit);
   }
   const bool any = std::ranges::any_of(fits, [](const ChainFit& f) { return f.problem.empty(); });
   if (!any) {

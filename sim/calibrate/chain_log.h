@@ -18,17 +18,22 @@ struct ChainLog {
   double rate_hz = 1000.0;
   Signal command_deg;
   Signal angle_deg;
-  bool from_wearer = false;        // the command is what the wearer did, not what a motor was told
+  Signal motor_deg;          // of any scale, zero and sense; NaN for a part without, empty: of none
+  bool from_wearer = false;  // the command is what the wearer did, not what a motor was told
   std::size_t values_missing = 0;  // a straight line goes over them
 };
 
 /// Reads a table of any format of TableSource with a header and a column of time (see TimeScaleS).
 /// Per part `NAME_command_deg` (or `_rad`), and `NAME_deg` (or `_rad`) for the angle that was
-/// measured; or the CSV of a trace: `true_angle_rad.NAME` and `hand_angle_rad.NAME`, whose other
-/// signals are left out. Other columns are an error. Times need not be even: values are brought to
-/// the median rate on straight lines. `array` chooses of a file with arrays, see ListArrays().
+/// measured; where its motor was in `NAME_motor_deg` (or `_rad`), if known; or the CSV of a trace:
+/// `true_angle_rad.NAME` and `hand_angle_rad.NAME`, whose other signals are left out. Other columns
+/// are an error. Times need not be even: values are brought to the median rate on straight lines.
+/// `array` chooses of a file with arrays, see ListArrays().
 /// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows.
 ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array = {});
+
+/// What hysteresis is of, in one sentence, as far as the log's parts tell it apart.
+std::string WhatHysteresisIs(const std::vector<ChainFit>& fits);
 
 /// Fits every part.
 /// Errors: UserError if no part of the log can be fitted, with the problem of the first.

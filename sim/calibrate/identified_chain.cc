@@ -87,6 +87,9 @@ void IdentifiedPart::Visit(controller::SettingsVisitor& visitor) {
   visitor.Numbers({.key = "gain", .help = "angle per command"}, gain);
   visitor.Numbers({.key = "hysteresis_deg", .help = "width of the loop between up and down"},
                   hysteresis_deg);
+  visitor.Numbers({.key = "motor_hysteresis_deg", .help = "its part in the motor's own way"},
+                  motor_hysteresis_deg);
+  visitor.Numbers({.key = "lost_motion_deg", .help = "its part behind the motor"}, lost_motion_deg);
   visitor.Number({.key = "residual_rms_deg", .help = "what the model leaves"}, residual_rms_deg);
 }
 
@@ -124,6 +127,8 @@ IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<Chain
          .damping_ratio = ListOf(fit.damping_ratio),
          .gain = ListOf(fit.gain),
          .hysteresis_deg = ListOf(fit.hysteresis_deg),
+         .motor_hysteresis_deg = ListOf(fit.motor_hysteresis_deg),
+         .lost_motion_deg = ListOf(fit.lost_motion_deg),
          .residual_rms_deg = known ? std::round(fit.residual_rms_deg * 1e3) / 1e3 : 0.0});
   }
   double mean_hysteresis_deg = 0.0;

@@ -20,6 +20,8 @@ struct IdentifiedPart {
   std::vector<double> damping_ratio;
   std::vector<double> gain;
   std::vector<double> hysteresis_deg;
+  std::vector<double> motor_hysteresis_deg;  // this and the next: parts of it, where told apart
+  std::vector<double> lost_motion_deg;
   double residual_rms_deg = 0.0;  // 0 if the model was not fitted
 
   void Visit(controller::SettingsVisitor& visitor);

@@ -1,6 +1,7 @@
 #include "sim/calibrate/identified_servo.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -127,7 +128,7 @@ std::string HysteresisOfParts(const ChainLog& log, const std::vector<ChainFit>& 
                                                    : "-";
   };
   std::string text =
-      "# - What differs from part to part. Hysteresis of the log, and simulated [deg]:\n";
+      "# - Delay and lag of each part. Hysteresis of the log, and simulated [deg]:\n";
   for (std::size_t i = 0; i < trial.fits.size(); ++i) {
     const std::string& part = trial.answer.parts[i];
     const auto in_log = std::ranges::find(log.parts, part) - log.parts.begin();
@@ -183,7 +184,8 @@ std::string ServoSettingsText(const ChainLog& log, const std::vector<ChainFit>& 
       "# parts, {}.\n"
       "hand:\n  servo:\n    kind: ideal\n",
       log.name,
-      trial ? "found by trials of the simulated hand with the log's commands"
+      trial ? "found by trials of the simulated hand with the log's commands; friction is each "
+              "motor's own"
             : "not tried: the simulated hand has no such joints, or cannot be built so");
   text += Line("dead_time_ms", servo.dead_time_ms, numbers.dead_time_ms,
                fmt::format("the log's is {:.4g}, {}", dead_time.median, parts(dead_time, 1)));
@@ -195,19 +197,27 @@ std::string ServoSettingsText(const ChainLog& log, const std::vector<ChainFit>& 
            inertia_s2 > 0.0 ? fmt::format("with it a natural frequency of {:.3g} Hz",
                                           1.0 / (2.0 * std::numbers::pi * std::sqrt(inertia_s2)))
                             : "as stiff as may be");
+  const std::string loop =
+      fmt::format("a loop of {:.2f} deg at the joint, {}", hysteresis.median, parts(hysteresis, 2));
   text += Line("friction_scale", servo.friction_scale, numbers.friction_scale,
-               fmt::format("a loop of {:.2f} deg at the joint, {}", hysteresis.median,
-                           parts(hysteresis, 2)));
+               trial ? "as a usual servo's" : loop);
   text +=
       "  cable:\n" + Line("capstan_friction", servo.capstan_friction, config.cable.capstan_friction,
-                          trial ? "grows with friction_scale" : "is in friction_scale");
+                          trial ? "as usual" : "is in friction_scale");
+  if (trial) {
+    text += fmt::format(
+        "  # {}. On friction_scale and capstan_friction of the motors\n  # {}.\n"
+        "  motor_friction_scale: [{:.3g}]\n",
+        loop, fmt::join(hand.motor_names(), ", "), fmt::join(config.motor_friction_scale, ", "));
+  }
   text +=
       "event:\n  delay_ms: 0  # of the link; is in dead_time_ms\n"
-      "# What no key of the hand has:\n"
-      "# - Dry friction and backlash look alike in a log: all of it is friction here.\n";
+      "# What no key of the hand has:\n";
+  text +=
+      "# - Dead zones: all of the hysteresis is friction here. " + WhatHysteresisIs(fits) + "\n";
   text += fmt::format("# - The gain, {:.3f} ({}), and the offset: a controller's calibration.\n",
                       gain.median, parts(gain, 3));
-  text += trial ? HysteresisOfParts(log, fits, *trial) : "# - What differs from part to part.\n";
+  text += trial ? HysteresisOfParts(log, fits, *trial) : "# - Friction of each motor.\n";
   return text;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "controller/tendon_map.h"
 #include "sim/base/timing.h"
 #include "sim/hand/hand_model.h"
 #include "sim/loop/hand_loop.h"
@@ -58,6 +59,26 @@ double CountsOf(double angle_rad) {
   return kFullScale_counts * 0.5 * (1.0 + angle_rad / kMostAngle_rad);
 }
 
+/// Where spools put the joints if cables neither stretch nor go slack.
+class JointsOfSpools {
+ public:
+  explicit JointsOfSpools(const controller::TendonTransmission& hand)
+      : hand_(hand), map_(hand, true), motor_(hand.motor_names.size()) {}
+
+  void Read(const Hand& hand, std::span<double> joint_angle_rad) {
+    hand.ReadSpoolAngles(motor_);
+    for (std::size_t i = 0; i < motor_.size(); ++i) {
+      motor_[i] = hand_.center_counts[i] + hand_.counts_per_rad[i] * motor_[i];
+    }
+    map_.ToJointAngles(std::span<const double>(motor_), joint_angle_rad);
+  }
+
+ private:
+  const controller::TendonTransmission& hand_;
+  controller::TendonMap map_;
+  std::vector<double> motor_;  // counts
+};
+
 }  // namespace
 
 ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
@@ -77,6 +98,7 @@ ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
   const auto rows = static_cast<Eigen::Index>(duration_s * answer.rate_hz);
   Signal command_deg(rows, std::ssize(moved));
   Signal angle_deg(rows, std::ssize(moved));
+  Signal motor_deg(rows, std::ssize(moved));
 
   HandLoop loop({}, ExactGlove(answer.parts), {}, model);
   std::vector<double> joint_angle_rad = model->transmission().reference_angle_rad;
@@ -84,12 +106,17 @@ ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
     joint_angle_rad[joint] = log.command_deg(0, part) * kRadPerDeg;
   }
   loop.Reset(joint_angle_rad);
+  JointsOfSpools joints_of_spools(model->transmission());
+  std::vector<double> told_by_spools_rad(joint_angle_rad.size());
   std::vector<double> counts(moved.size());
   for (Eigen::Index tick = 0; tick < rows * ticks_per_row; ++tick) {
     const double log_row = static_cast<double>(tick) / timing.tick_rate_hz * log.rate_hz;
     const Eigen::Index row = tick / ticks_per_row;
     const bool kept = tick % ticks_per_row == 0;
-    if (kept) loop.hand().ReadJointAngles(joint_angle_rad);
+    if (kept) {
+      loop.hand().ReadJointAngles(joint_angle_rad);
+      joints_of_spools.Read(loop.hand(), told_by_spools_rad);
+    }
     for (Eigen::Index i = 0; i < std::ssize(moved); ++i) {
       const auto& [part, joint] = moved[static_cast<std::size_t>(i)];
       const double told_deg = CommandAt(log, part, log_row);
@@ -97,12 +124,14 @@ ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
       if (!kept) continue;
       command_deg(row, i) = told_deg;
       angle_deg(row, i) = joint_angle_rad[joint] * kDegPerRad;
+      motor_deg(row, i) = told_by_spools_rad[joint] * kDegPerRad;
     }
     loop.Step({.counts = counts});
   }
   if (!loop.hand().health().ok) return answer;
   answer.command_deg = std::move(command_deg);
   answer.angle_deg = std::move(angle_deg);
+  answer.motor_deg = std::move(motor_deg);
   return answer;
 }
 

@@ -12,6 +12,7 @@ inline constexpr double kMostAnswerRows_hz = 250.0;
 /// What the simulated hand does when it is told what the log's hand was told: commands in frames as
 /// a scenario sends them, without a delay of the link, straight lines between the log's rows.
 ///
+/// The motors' angles are where the spools put the joints if cables neither stretch nor go slack.
 /// Only parts that are joints of the model with a motor of `hand.servo` are in the answer; its
 /// other joints stand in the middle of their ranges. Rows are about as far apart as the log's.
 /// Without rows: no part is such a joint, or the hand was stopped.

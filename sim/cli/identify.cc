@@ -101,9 +101,18 @@ std::vector<TableColumn> TableColumns(const std::vector<ChainFit>& fits, bool be
       {{"frequency", "Hz"}, &ChainFit::natural_frequency_hz, 1},
       {{"damping"}, &ChainFit::damping_ratio, 2},
       {{"gain"}, &ChainFit::gain, 3},
-      {{"hysteresis", "deg"}, &ChainFit::hysteresis_deg, 2}};
+      {{"hysteresis", "deg"}, &ChainFit::hysteresis_deg, 2},
+      {{"of motor", "deg"}, &ChainFit::motor_hysteresis_deg, 2},
+      {{"lost motion", "deg"}, &ChainFit::lost_motion_deg, 2}};
+  const auto any_known = [&fits](ChainEstimate ChainFit::*estimate) {
+    return std::ranges::any_of(
+        fits, [&](const ChainFit& fit) { return std::isfinite((fit.*estimate).value); });
+  };
   std::vector<TableColumn> columns;
   for (const auto& [head, estimate, digits] : quantities) {
+    const bool of_motor =
+        estimate == &ChainFit::motor_hysteresis_deg || estimate == &ChainFit::lost_motion_deg;
+    if (of_motor && !any_known(estimate)) continue;
     TableColumn& column = columns.emplace_back(TableColumn{.head = head, .rows = {}});
     for (const ChainFit& fit : fits) column.rows.push_back(Cell(fit.*estimate, digits, below));
   }
@@ -113,6 +122,12 @@ std::vector<TableColumn> TableColumns(const std::vector<ChainFit>& fits, bool be
     left.rows.push_back({{known ? fmt::format("{:.2f}", fit.residual_rms_deg) : "-"}});
   }
   return columns;
+}
+
+/// The first thing that keeps a part from being known, if there is any.
+const std::string& ProblemOf(const ChainFit& fit) {
+  if (!fit.problem.empty()) return fit.problem;
+  return fit.split_problem.empty() ? fit.motor_problem : fit.split_problem;
 }
 
 std::string Table(const ChainLog& log, const std::vector<ChainFit>& fits,
@@ -125,10 +140,11 @@ std::string Table(const ChainLog& log, const std::vector<ChainFit>& fits,
   if (!fits_beside) columns = TableColumns(fits, true);
   text += TableText("part", log.parts, columns, style);
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    const std::string& problem = fits[i].problem.empty() ? fits[i].split_problem : fits[i].problem;
+    const std::string& problem = ProblemOf(fits[i]);
     if (problem.empty()) continue;
     text += Wrapped(fmt::format("{}: {}", log.parts[i], problem), style.width) + "\n";
   }
+  text += Wrapped(WhatHysteresisIs(fits), style.width) + "\n";
   return text;
 }
 
@@ -137,7 +153,7 @@ void PrintJson(const ChainLog& log, const std::vector<ChainFit>& fits) {
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const ChainFit& fit = fits[i];
     nlohmann::ordered_json row = {{"part", log.parts[i]}};
-    const std::string& problem = fit.problem.empty() ? fit.split_problem : fit.problem;
+    const std::string& problem = ProblemOf(fit);
     if (!problem.empty()) row["problem"] = problem;
     const auto add = [&row](const std::string& key, const ChainEstimate& estimate) {
       row[key] = {// a NaN becomes null
@@ -152,6 +168,8 @@ void PrintJson(const ChainLog& log, const std::vector<ChainFit>& fits) {
     add("damping_ratio", fit.damping_ratio);
     add("gain", fit.gain);
     add("hysteresis_deg", fit.hysteresis_deg);
+    add("motor_hysteresis_deg", fit.motor_hysteresis_deg);
+    add("lost_motion_deg", fit.lost_motion_deg);
     row["residual_rms_deg"] = fit.residual_rms_deg;
     row["shifted_rms_deg"] = fit.shifted_rms_deg;
     parts.push_back(std::move(row));
@@ -203,7 +221,8 @@ void RunIdentify(const IdentifyOptions& options) {
       "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
       "expected_delay_ms\n# and friction_deg are for its joint_loop, dead_time_ms, lag_ms and "
       "natural_frequency_hz (of a log\n# that begins with commands) for its model_predictive; in "
-      "the order of parts.\n" +
+      "the order of parts.\n# " +
+          WhatHysteresisIs(fits) + "\n" +
           SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); }));
   std::string written = target.string();
   if (!servo.empty()) {
@@ -234,8 +253,9 @@ void AddIdentifyCommand(CLI::App& app) {
   const auto options = std::make_shared<IdentifyOptions>();
   command
       ->add_option("log", options->log,
-                   "table with a time, and NAME_command_deg and NAME_deg per joint or motor; or an "
-                   "output folder of run, or its trace.h5")
+                   "table with a time, and NAME_command_deg and NAME_deg per joint or motor, and "
+                   "NAME_motor_deg for what a joint's motor did, if known; or an output folder of "
+                   "run, or its trace.h5")
       ->required();
   AddOutOption(*command, options->out, "file to write [out/<log>.chain.yaml]", "FILE.yaml");
   command

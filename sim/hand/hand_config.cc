@@ -116,6 +116,13 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
   controller::VisitGroup(
       visitor, {.key = "arm_servo", .help = "those of stronger motors: elbow and shoulder"},
       arm_servo);
+  visitor.Numbers(
+      {.key = "motor_friction_scale",
+       .help = "factor on all friction of a motor, that of its spool and of its cables: "
+               "one for all motors, or one for each",
+       .min = 0,
+       .max = 100},
+      motor_friction_scale);
   controller::VisitGroup(visitor, {.key = "cable", .help = "the cables between spools and joints"},
                          cable);
   controller::VisitGroup(

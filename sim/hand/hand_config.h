@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "controller/settings.h"
 #include "sim/hand/joint_sensors_config.h"
@@ -74,6 +75,9 @@ struct HandConfig {
   double step_ms = 1.0;    // of the physics engine, at most; see LoopTiming
   ServoConfig servo;
   ServoConfig arm_servo{.settings = StandardServo{}};  // no servo for fingers turns an elbow
+  /// On all friction of a motor: dry_friction and load_friction of its spool, capstan_friction of
+  /// its cables. One for all motors, or one for each in the model's order.
+  std::vector<double> motor_friction_scale = {1.0};
   CableConfig cable;
   AssemblyErrorConfig assembly_error;
   WearConfig wear;

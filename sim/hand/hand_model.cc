@@ -189,6 +189,23 @@ void CheckSnap(const SnapConfig& snap, const std::vector<std::string>& cable_nam
                                           Suggestion(snap.cable, cable_names))});
 }
 
+/// Errors: UserError if there is neither one value for all motors nor one for each.
+void ScaleFriction(const std::vector<double>& scale, std::vector<Drive>& drives) {
+  if (scale.size() != 1 && scale.size() != drives.size()) {
+    throw UserError({.key = "hand.motor_friction_scale",
+                     .problem = fmt::format("has {} values, must have 1 for all motors or {}, one "
+                                            "for each",
+                                            scale.size(), drives.size())});
+  }
+  for (std::size_t motor = 0; motor < drives.size(); ++motor) {
+    const double factor = scale[scale.size() == 1 ? 0 : motor];
+    Drive& drive = drives[motor];
+    drive.spool.dry_friction_nm *= factor;
+    drive.spool.load_friction *= factor;
+    for (Cable& cable : drive.cables) cable.cord.friction_coefficient *= factor;
+  }
+}
+
 void AddJoints(const std::vector<HandJoint>& joints, const std::vector<Drive>& drives,
                TendonTransmission& transmission) {
   for (const HandJoint& joint : joints) {
@@ -286,6 +303,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   center_error_rad_ = AssembleWithErrors(config.assembly_error, config.cable.interference, joints_,
                                          followers_, drives_);
   as_built_ = MakeTransmission(config, joints_, followers_, drives_);
+  ScaleFriction(config.motor_friction_scale, drives_);
   CheckStability(*model_, drives_);
   GiveLightJointsInertia(*model_, drives_);
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {

@@ -41,7 +41,7 @@ class RowCollector final : public controller::SettingsVisitor {
                                                   : fmt::format("[{}]", fmt::join(value, ", "));
     const std::string range = RangeOf(setting);
     Add(setting, numbers,
-        range.empty() ? "one, or one per channel" : range + "; one, or one per channel");
+        range.empty() ? "one, or one for each" : range + "; one, or one for each");
   }
   void Texts(const Setting& setting, std::vector<std::string>& value) override {
     Add(setting, fmt::format("[{}]", fmt::join(value, ", ")), "a list");

@@ -12,7 +12,7 @@
 #include "sim/calibrate/identified_servo.h"
 #include "sim/calibrate/simulated_answer.h"
 #include "sim/hand/hand_model.h"
-#include "tests/controller/test_signal.h"
+#include "tests/calibrate/joint_commands.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -20,34 +20,7 @@ namespace {
 const std::vector<std::string> kJoints = {"thumb_ip",   "index_mcp",  "index_pip",
                                           "middle_mcp", "middle_pip", "wrist_flexion"};
 
-/// Six sines of 0.1 to 1.2 Hz for each joint, in the middle of its range.
-ChainLog Commands(std::uint64_t seed) {
-  constexpr double kRate_hz = 200.0;
-  constexpr Eigen::Index kRows = 2400;
-  const controller::TendonTransmission hand = HandModel(HandConfig()).transmission();
-  controller::TestNoise random(seed);
-  ChainLog log;
-  log.name = "made up";
-  log.parts = kJoints;
-  log.rate_hz = kRate_hz;
-  log.command_deg = Signal(kRows, std::ssize(kJoints));
-  for (Eigen::Index part = 0; part < std::ssize(kJoints); ++part) {
-    const auto joint = std::ranges::find(hand.joint_names, kJoints[part]);
-    const std::size_t i = joint - hand.joint_names.begin();
-    log.command_deg.col(part).setConstant(hand.reference_angle_rad[i] * kDegPerRad);
-    const double range_deg = (hand.joint_max_rad[i] - hand.joint_min_rad[i]) * kDegPerRad;
-    for (int sine = 0; sine < 6; ++sine) {
-      const double angular =
-          2.0 * std::numbers::pi * 0.1 * std::pow(12.0, (sine + random.Uniform()) / 6.0);
-      const double phase = 2.0 * std::numbers::pi * random.Uniform();
-      for (Eigen::Index row = 0; row < kRows; ++row) {
-        log.command_deg(row, part) += 0.07 * range_deg * std::sin(angular * row / kRate_hz + phase);
-      }
-    }
-  }
-  log.angle_deg = log.command_deg;
-  return log;
-}
+ChainLog Commands(std::uint64_t seed) { return JointCommands(kJoints, 12.0, seed); }
 
 ChainLog AnswerOf(const HandConfig& hand, const ChainLog& commands) {
   return SimulatedAnswer(commands, hand);
@@ -90,6 +63,46 @@ INSTANTIATE_TEST_SUITE_P(Kinds, AnsweringServoOf,
                          [](const auto& kind) {
                            return std::string(controller::KindName(kind.param));
                          });
+
+TEST(AnsweringServo, HasForEachMotorTheFrictionThatItsJointShows) {
+  const std::vector<std::string> joints = {"thumb_ip", "index_mcp", "middle_mcp", "wrist_flexion"};
+  HandConfig hidden;
+  const HandModel usual(hidden);
+  hidden.motor_friction_scale.assign(usual.motor_names().size(), 1.0);
+  const auto place = [&](const std::string& motor) {
+    return std::ranges::find(usual.motor_names(), motor) - usual.motor_names().begin();
+  };
+  hidden.motor_friction_scale[place("index_mcp")] = 1.6;
+  hidden.motor_friction_scale[place("middle_mcp")] = 0.5;
+  hidden.motor_friction_scale[place("thumb_ip")] = 0.4;
+  const ChainLog log = AnswerOf(hidden, JointCommands(joints, 20.0, 1));
+  const std::vector<ChainFit> fits = FitChains(log);
+  const auto trial = TryServos(log, fits, UntriedServo(log, fits, usual).value(), HandConfig());
+  ASSERT_TRUE(trial);
+  const auto other_log = FitChains(AnswerOf(hidden, JointCommands(joints, 20.0, 2)));
+  const auto other =
+      FitChains(AnswerOf(trial->servo.PutInto(HandConfig()), JointCommands(joints, 20.0, 2)));
+  const auto tells = [](const ChainFit& fit) {
+    return fit.hysteresis_deg.low > 0.5 * fit.hysteresis_deg.value;
+  };
+  int told = 0;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!tells(fits[i])) continue;
+    ++told;
+    const double was_deg = fits[i].hysteresis_deg.value;
+    EXPECT_NEAR(trial->fits[i].hysteresis_deg.value, was_deg, 0.15 * was_deg + 0.1) << joints[i];
+    if (!tells(other_log[i])) continue;
+    const double other_was_deg = other_log[i].hysteresis_deg.value;
+    EXPECT_NEAR(other[i].hysteresis_deg.value, other_was_deg, 0.25 * other_was_deg + 0.2)
+        << joints[i];
+  }
+  EXPECT_GE(told, 3);
+  // Motors without a joint in the log have what is usual of the others, those of the arm their own.
+  const std::vector<double>& found = trial->servo.motor_friction_scale;
+  EXPECT_EQ(found[place("elbow_flexion")], 1.0);
+  EXPECT_EQ(found[place("ring_mcp")], found[place("little_pip")]);
+  EXPECT_LT(found[place("thumb_ip")], found[place("index_mcp")]);
+}
 
 TEST(AnsweringServo, IsNotTriedOnPartsThatTheHandDoesNotHave) {
   ChainLog log = AnswerOf(HandConfig(), Commands(1));

@@ -123,6 +123,52 @@ TEST(FitChain, HasAsWideAnIntervalOfTheDelayForFramesAsForASmoothCommand) {
   EXPECT_NEAR(framed.high - framed.low, smooth.high - smooth.low, 0.2 * (smooth.high - smooth.low));
 }
 
+TEST(AddMotor, TellsWhatIsLostBehindAMotorFromItsOwnHysteresis) {
+  const HiddenChain hidden[] = {{.hysteresis_deg = 4.0, .lost_motion_deg = 2.5},
+                                {.dead_time_ms = 62.0,
+                                 .lag_ms = 28.0,
+                                 .natural_frequency_hz = 7.5,
+                                 .gain = 0.85,
+                                 .hysteresis_deg = 1.5,
+                                 .offset_deg = -4.0,
+                                 .lost_motion_deg = 7.0}};
+  for (const HiddenChain& chain : hidden) {
+    SimulatedLog log = SimulateLog(chain, {.duration_s = 20.0, .rate_hz = 200.0}, 5);
+    for (double& motor_deg : log.motor_deg) motor_deg = 100.0 - 2.3 * motor_deg;  // as it is built
+    ChainFit fit = FitChain(log.command_deg, log.angle_deg, 200.0);
+    EXPECT_TRUE(std::isnan(fit.lost_motion_deg.value + fit.motor_hysteresis_deg.value));
+    AddMotor(log.command_deg, log.motor_deg, log.angle_deg, 200.0, fit);
+    EXPECT_EQ(fit.motor_problem, "");
+    ExpectWithin(0.1, fit.lost_motion_deg, chain.lost_motion_deg);
+    ExpectWithin(0.1, fit.motor_hysteresis_deg, chain.hysteresis_deg);
+  }
+}
+
+TEST(AddMotor, FindsNothingLostWhereTheJointFollowsItsMotor) {
+  SimulatedLog log = SimulateLog({}, {.duration_s = 20.0, .rate_hz = 200.0}, 6);
+  // The joint's sensor is 15 ms quicker than the motor's, which is no play.
+  log.motor_deg.insert(log.motor_deg.begin(), 3, log.motor_deg.front());
+  log.motor_deg.resize(log.angle_deg.size());
+  ChainFit fit = FitChain(log.command_deg, log.angle_deg, 200.0);
+  AddMotor(log.command_deg, log.motor_deg, log.angle_deg, 200.0, fit);
+  EXPECT_LT(fit.lost_motion_deg.value, 0.1);
+  EXPECT_LT(fit.lost_motion_deg.high, 0.3);
+  EXPECT_NEAR(fit.motor_hysteresis_deg.value, 3.0, 0.15);
+}
+
+TEST(AddMotor, SaysWhyAMotorTellsNothing) {
+  const SimulatedLog log = SimulateLog({}, {.duration_s = 20.0, .rate_hz = 200.0}, 7);
+  const SimulatedLog other = SimulateLog({}, {.duration_s = 20.0, .rate_hz = 200.0}, 8);
+  const auto problem = [&](const std::vector<double>& motor_deg) {
+    ChainFit fit = FitChain(log.command_deg, log.angle_deg, 200.0);
+    AddMotor(log.command_deg, motor_deg, log.angle_deg, 200.0, fit);
+    EXPECT_TRUE(std::isnan(fit.lost_motion_deg.value));
+    return fit.motor_problem;
+  };
+  EXPECT_EQ(problem(std::vector<double>(log.angle_deg.size(), 12.0)), "its motor does not move");
+  EXPECT_THAT(problem(other.motor_deg), HasSubstr("its motor's angle is not its own"));
+}
+
 TEST(FitChain, SaysInOneSentenceWhatALogLacks) {
   std::vector<double> command, angle, still(4000, 3.0);
   for (int k = 0; k < 4000; ++k) {
@@ -195,6 +241,18 @@ TEST_F(ChainLogTest, BringsUnevenRowsOfAnyUnitToAnEvenRate) {
     EXPECT_NEAR(log.angle_deg(k, 0), 2.0 * time_ms, 1e-3);
     EXPECT_EQ(log.angle_deg(k, 1), 2.0);
   }
+}
+
+TEST_F(ChainLogTest, TakesTheAnglesOfMotorsUnlessAPartIsCalledSo) {
+  const ChainLog log = Load(
+      "t_s,a_command_deg,a_deg,a_motor_rad,b_command_deg,b_deg,c_command_deg,c_deg,"
+      "c_motor_command_deg,c_motor_deg\n0,1,2,3,4,5,6,7,8,9\n0.01,1,2,3,4,5,6,7,8,9\n");
+  EXPECT_EQ(log.parts, (std::vector<std::string>{"a", "b", "c", "c_motor"}));
+  ASSERT_EQ(log.motor_deg.rows(), log.angle_deg.rows());
+  EXPECT_NEAR(log.motor_deg(1, 0), 3.0 * kDegPerRad, 1e-9);
+  for (const Eigen::Index part : {1, 2, 3}) EXPECT_TRUE(std::isnan(log.motor_deg(1, part)));
+  EXPECT_EQ(log.angle_deg(1, 3), 9.0);
+  EXPECT_EQ(Load("t_s,a_command_deg,a_deg\n0,1,2\n1,1,2\n").motor_deg.size(), 0);
 }
 
 TEST_F(ChainLogTest, RefusesWhatIsNoLogInOneLine) {

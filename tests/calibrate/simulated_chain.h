@@ -18,6 +18,7 @@ struct HiddenChain {
   double gain = 1.0;
   double hysteresis_deg = 3.0;
   double offset_deg = 2.0;
+  double lost_motion_deg = 0.0;  // a dead zone between motor and joint, end to end
 };
 
 /// How the log was made.
@@ -26,18 +27,23 @@ struct ChainRecording {
   double rate_hz = 500.0;
   double noise_deg = 0.3;          // of the measured angle
   double noise_correlation = 0.0;  // of neighbouring samples, first-order
+  double motor_step_deg = 0.088;   // of the motor's encoder: 12 bits a turn
+  double motor_noise_deg = 0.02;
 };
 
 struct SimulatedLog {
   std::vector<double> command_deg;
   std::vector<double> angle_deg;
+  std::vector<double> motor_deg;
 };
 
 /// Twelve sines of 0.1 to 3 Hz as command; the chain in steps of 50 us by Euler's semi-implicit
-/// rule, from a command that is known at all times: nothing is shared with what shall find it.
+/// rule, from a command that is known at all times: nothing is shared with what shall find it. Then
+/// the joint, behind a dead zone.
 inline SimulatedLog SimulateLog(const HiddenChain& chain, const ChainRecording& recording,
                                 std::uint64_t seed) {
   controller::TestNoise random(seed);
+  controller::TestNoise motor_random(seed + 1'000'000);
   struct Sine {
     double angular;
     double amplitude_deg;
@@ -64,11 +70,14 @@ inline SimulatedLog SimulateLog(const HiddenChain& chain, const ChainRecording& 
   double q = chain.gain * command(t - 1e-3 * chain.dead_time_ms);
   double z = q;
   double speed = 0.0;
+  double joint = z;
+  const double lost = 0.5 * chain.lost_motion_deg;
   const auto step = [&] {
     const double v = chain.gain * command(t - 1e-3 * chain.dead_time_ms);
     q = std::min(std::max(q, v - play), v + play);
     speed += kStep_s * omega * omega * (q - z - 1e-3 * chain.lag_ms * speed);
     z += kStep_s * speed;
+    joint = std::min(std::max(joint, z - lost), z + lost);
     t += kStep_s;
   };
   for (int i = 0; i < 40'000; ++i) step();
@@ -77,7 +86,10 @@ inline SimulatedLog SimulateLog(const HiddenChain& chain, const ChainRecording& 
   for (int row = 0; row < rows; ++row) {
     t = row / recording.rate_hz;
     log.command_deg.push_back(command(t));
-    log.angle_deg.push_back(z + chain.offset_deg + noise);
+    log.angle_deg.push_back(joint + chain.offset_deg + noise);
+    const double motor_deg = z + recording.motor_noise_deg * motor_random.Normal();
+    log.motor_deg.push_back(recording.motor_step_deg *
+                            std::round(motor_deg / recording.motor_step_deg));
     noise = c * noise + std::sqrt(1.0 - c * c) * recording.noise_deg * random.Normal();
     for (int i = 0; i < steps_per_row; ++i) step();
   }

@@ -97,6 +97,10 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
     EXPECT_THAT(page, HasSubstr(text));
   }
   EXPECT_EQ(page.find("claw<b>"), std::string::npos);
+  const std::string sum = "Hysteresis is the sum of dry friction, play of gears and slack";
+  EXPECT_THAT(Read("out/claw.chain.yaml"), HasSubstr(sum));
+  EXPECT_THAT(result.standard_output, HasSubstr(sum.substr(0, 30)));
+  EXPECT_THAT(page, HasSubstr("the sum of dry friction"));
   EXPECT_EQ(page.find("<script"), std::string::npos);
   // Command, measured, simulated; and the difference.
   std::size_t curves = 0;
@@ -104,6 +108,35 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
   EXPECT_EQ(curves, 4u);
 
   EXPECT_EQ(Run({"identify", "claw.csv", "--out", "other.html"}).exit_code, 2);
+}
+
+TEST_F(IdentifyCliTest, TellsLostMotionFromTheMotorsOwnHysteresisWhereMotorsAreInTheLog) {
+  const auto command = [](double t) {
+    return 20.0 * std::sin(3.0 * t) + 12.0 * std::sin(8.3 * t + 1.0) + 6.0 * std::sin(14.7 * t);
+  };
+  std::string log = "t_s,claw_command_deg,claw_motor_deg,claw_deg\n";
+  double motor = command(0.0);
+  double joint = motor;
+  for (int k = 0; k < 4000; ++k) {
+    const double wanted = command(0.005 * k - 0.06);
+    motor = std::clamp(motor, wanted - 1.0, wanted + 1.0);
+    joint = std::clamp(joint, motor - 1.5, motor + 1.5);
+    log += std::to_string(0.005 * k) + "," + std::to_string(command(0.005 * k)) + "," +
+           std::to_string(5.0 * motor) + "," + std::to_string(joint) + "\n";
+  }
+  std::ofstream(folder_.path() / "claw.csv") << log;
+  const ProgramResult result = Run({"identify", "claw.csv", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  const auto part = nlohmann::json::parse(result.standard_output)["parts"][0];
+  EXPECT_NEAR(part["lost_motion_deg"]["value"], 3.0, 0.1);
+  EXPECT_NEAR(part["motor_hysteresis_deg"]["value"], 2.0, 0.1);
+  EXPECT_NEAR(part["hysteresis_deg"]["value"], 5.0, 0.25);
+  EXPECT_THAT(Run({"identify", "claw.csv"}).standard_output,
+              AllOf(HasSubstr("lost motion"), HasSubstr("of motor")));
+  const std::string told = "and lost motion, behind the motor";
+  EXPECT_THAT(Read("out/claw.chain.yaml"), AllOf(HasSubstr("lost_motion_deg: ["), HasSubstr(told)));
+  EXPECT_THAT(Read("out/claw.html"), HasSubstr("lost motion"));
+  EXPECT_THAT(Read("out/claw.hand.yaml"), HasSubstr("lost motion"));
 }
 
 TEST_F(IdentifyCliTest, TakesAnArrayOfSeveral) {

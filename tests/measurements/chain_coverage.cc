@@ -48,6 +48,37 @@ class Quantity {
   int missing_ = 0;
 };
 
+/// With a dead zone behind the motor, whose angle is in the log.
+void MeasureLostMotion(const std::string& name, const ChainRecording& recording) {
+  Quantity quantities[] = {Quantity("lost motion"), Quantity("hysteresis of motor"),
+                           Quantity("hysteresis, as the sum"), Quantity("dead time"),
+                           Quantity("lag")};
+  for (int i = 0; i < kLogs; ++i) {
+    controller::TestNoise random(9000 + i);
+    const auto between = [&](double low, double high) {
+      return low + (high - low) * random.Uniform();
+    };
+    const HiddenChain chain{.dead_time_ms = between(15.0, 80.0),
+                            .lag_ms = between(25.0, 60.0),
+                            .natural_frequency_hz = between(4.0, 8.0),
+                            .gain = between(0.8, 1.1),
+                            .hysteresis_deg = between(1.0, 8.0),
+                            .offset_deg = between(-5.0, 5.0),
+                            .lost_motion_deg = between(1.0, 8.0)};
+    const SimulatedLog log = SimulateLog(chain, recording, 100 + i);
+    ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz);
+    AddMotor(log.command_deg, log.motor_deg, log.angle_deg, recording.rate_hz, fit);
+    quantities[0].Add(fit.lost_motion_deg, chain.lost_motion_deg);
+    quantities[1].Add(fit.motor_hysteresis_deg, chain.hysteresis_deg);
+    quantities[2].Add(fit.hysteresis_deg, chain.hysteresis_deg + chain.lost_motion_deg);
+    quantities[3].Add(fit.dead_time_ms, chain.dead_time_ms);
+    quantities[4].Add(fit.lag_ms, chain.lag_ms);
+  }
+  fmt::print("{}\n", name);
+  for (Quantity& quantity : quantities) quantity.Print();
+  std::fflush(stdout);
+}
+
 void Measure(const std::string& name, const ChainRecording& recording) {
   Quantity quantities[] = {Quantity("dead time"), Quantity("lag"),  Quantity("natural frequency"),
                            Quantity("damping"),   Quantity("gain"), Quantity("hysteresis")};
@@ -89,6 +120,14 @@ int main(int count, char** arguments) {
                            const gauntlet::sim::ChainRecording& recording) {
     if (name.find(wanted) != std::string::npos) Measure(name, recording);
   };
+  for (const double rate_hz : {500.0, 100.0}) {
+    const std::string name = fmt::format("lost motion, 30 s at {:g} Hz", rate_hz);
+    if (name.find(wanted) != std::string::npos) {
+      gauntlet::sim::MeasureLostMotion(name, {.rate_hz = rate_hz});
+      gauntlet::sim::MeasureLostMotion(name + ", no noise of motor",
+                                       {.rate_hz = rate_hz, .motor_noise_deg = 0.0});
+    }
+  }
   measure("30 s at 500 Hz, white noise of 0.3 deg", {});
   measure("30 s at 100 Hz, white noise of 0.3 deg", {.rate_hz = 100.0});
   measure("30 s at 500 Hz, noise of 0.3 deg, correlation 0.95", {.noise_correlation = 0.95});

@@ -138,6 +138,10 @@ const std::vector<Step>& Walk() {
       {"hand.arm_servo.damping_ms=101", kRefused},
       {"hand.arm_servo.no_load_speed_deg_s=1", kRefused, "hand.arm_servo: the servo of "},
       {"hand.arm_servo.no_load_speed_deg_s=10000", kChanges},
+      {"hand.motor_friction_scale=0", kChanges},
+      {"hand.motor_friction_scale=100", kChanges},
+      {"hand.motor_friction_scale=101", kRefused},
+      {"hand.motor_friction_scale=[1, 1]", kRefused},
       {"hand.wear.snap.at_s=0", kKeeps},  // no cable shall snap
       {"hand.wear.snap.at_s=0.5", kChanges, {}, {"hand.wear.snap.cable=index_mcp_flexor"}},
       {"hand.wear.snap.at_s=3600", kChanges, {}, {"hand.wear.snap.cable=index_mcp_flexor"}},
