@@ -86,8 +86,8 @@ int main(int argc, char** argv) {
   sim::CatchSignals();
   // Trial by trial the same megabytes are asked for and freed. To get them from the system each
   // time, zeroed page by page, took a fifth of trials of 1 s, and a third of those of 94 s without
-  // a hand. So what a thread frees is kept up to what signals may have on the heap, of which a trial
-  // of 94 s needs nearly all; what is larger than the first number goes back at once.
+  // a hand. So what a thread frees is kept up to what signals may have on the heap, of which one of
+  // 94 s needs nearly all; what is larger than the first number goes back at once.
   constexpr int kPieceBytes = 32 << 20;
   constexpr int kHeapBytes = 256 << 20;
   mallopt(M_MMAP_THRESHOLD, kPieceBytes);

@@ -34,7 +34,7 @@ constexpr int kStageCount = static_cast<int>(std::size(kStages));
 
 using Column = Eigen::VectorXd;
 
-/// Holds from each tick of a clock to the next what was there; the clock begins at the tick `first`.
+/// Holds from each tick of a clock to the next what was there; the clock begins at tick `first`.
 class Holder {
  public:
   Holder(double period_ticks, Eigen::Index first) : clock_(period_ticks), left_(first) {}

@@ -365,9 +365,8 @@ TEST(FilterTrial, SeesPredictionAndSlowGloves) {
 // What a sweep asks for decides whether signals are kept: with the tracking error alone they are
 // not.
 TEST(FilterTrial, HasTheSameErrorWhetherOrNotItsAnglesAreKept) {
-  for (const char* more :
-       {"", "rate_hz: 60, ", "channels: [index_pip, wrist_flexion], ",
-        "faults: [{kind: dropouts, channels: [index_pip], start_s: 1}], "}) {
+  for (const char* more : {"", "rate_hz: 60, ", "channels: [index_pip, wrist_flexion], ",
+                           "faults: [{kind: dropouts, channels: [index_pip], start_s: 1}], "}) {
     test::TemporaryDirectory folder;
     std::ofstream(folder.path() / "base.yaml") << fmt::format(
         "question: are they the same?\n"
