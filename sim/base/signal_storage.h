@@ -45,7 +45,7 @@ struct SignalStorageLimits {
   /// Of files in memory (the program's own, too), before TrimSignals() does something.
   std::size_t resident_bytes = std::size_t{160} << 20;
 };
-/// For tests; not while another thread makes signals.
+/// For the start of a program, and tests; not while another thread makes signals.
 void SetSignalStorageLimits(const SignalStorageLimits& limits);
 const SignalStorageLimits& GetSignalStorageLimits();
 

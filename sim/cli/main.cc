@@ -10,6 +10,7 @@
 
 #include "controller/settings.h"
 #include "sim/base/error.h"
+#include "sim/base/signal_storage.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/completion.h"
@@ -85,10 +86,16 @@ int main(int argc, char** argv) {
   sim::CatchSignals();
   // Trial by trial the same megabytes are asked for and freed. To get them from the system each
   // time, zeroed page by page, took a fifth of trials of 1 s, and a third of those of 94 s without
-  // a hand. So what a thread frees is kept up to the second number, which is what signals may have
-  // on the heap (SignalStorageLimits); what is larger than the first goes back at once.
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 192 << 20);
+  // a hand. So what a thread frees is kept up to what signals may have on the heap, of which one of
+  // 94 s needs nearly all; what is larger than the first number goes back at once.
+  constexpr int kPieceBytes = 32 << 20;
+  constexpr int kHeapBytes = 256 << 20;
+  mallopt(M_MMAP_THRESHOLD, kPieceBytes);
+  mallopt(M_TRIM_THRESHOLD, kHeapBytes);
+  sim::SignalStorageLimits limits = sim::GetSignalStorageLimits();
+  limits.longest_on_heap_bytes = kPieceBytes;
+  limits.all_on_heap_bytes = kHeapBytes;
+  sim::SetSignalStorageLimits(limits);
   try {
     return Run(argc, argv);
   } catch (const sim::Cancelled& cancelled) {

@@ -42,10 +42,18 @@ std::pair<double, double> Extremes(std::span<const double> bucket) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::size_t low = bucket.size();
   std::size_t high = bucket.size();
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
   for (std::size_t i = 0; i < bucket.size(); ++i) {
-    if (!std::isfinite(bucket[i])) continue;
-    if (low == bucket.size() || bucket[i] < bucket[low]) low = i;
-    if (high == bucket.size() || bucket[i] > bucket[high]) high = i;
+    const double value = bucket[i];
+    if (value < lowest && std::isfinite(value)) {
+      low = i;
+      lowest = value;
+    }
+    if (value > highest && std::isfinite(value)) {
+      high = i;
+      highest = value;
+    }
   }
   if (low == bucket.size()) return {kNone, kNone};
   return {bucket[std::min(low, high)], bucket[std::max(low, high)]};

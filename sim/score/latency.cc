@@ -15,6 +15,7 @@ namespace {
 constexpr double kCutoff_hz = 6.0;  // hands move below 4 Hz; half a second of reach
 constexpr double kTransition_hz = 4.0;
 constexpr double kStationRate_hz = 250.0;  // ample for 8 Hz
+constexpr Eigen::Index kMeansAtATime = 512;
 
 struct StageName {
   std::string_view key;
@@ -33,16 +34,25 @@ constexpr int kStageCount = static_cast<int>(std::size(kStages));
 
 using Column = Eigen::VectorXd;
 
-/// What is held from each tick of a clock to the next; the clock begins at the tick `first`.
-void Hold(double period_ticks, Eigen::Index first, Column& signal) {
-  if (period_ticks <= 1.0) return;
-  controller::PeriodicClock clock(period_ticks);
-  double held = first < signal.size() ? signal[first] : 0.0;
-  for (Eigen::Index n = first; n < signal.size(); ++n) {
-    if (clock.Tick()) held = signal[n];
-    signal[n] = held;
+/// Holds from each tick of a clock to the next what was there; the clock begins at tick `first`.
+class Holder {
+ public:
+  Holder(double period_ticks, Eigen::Index first) : clock_(period_ticks), left_(first) {}
+
+  /// The next values, in place.
+  void Hold(Eigen::Ref<Column> signal) {
+    for (Eigen::Index n = std::min(left_, signal.size()); n < signal.size(); ++n) {
+      if (clock_.Tick()) held_ = signal[n];
+      signal[n] = held_;
+    }
+    left_ -= std::min(left_, signal.size());
   }
-}
+
+ private:
+  controller::PeriodicClock clock_;
+  Eigen::Index left_;  // ticks until the clock begins
+  double held_ = 0.0;
+};
 
 void CheckShapes(const LatencyInput& input) {
   for (const Signal* signal :
@@ -77,14 +87,19 @@ Signal Behind(const LowPass& low_pass, const Station& station, Eigen::Index rows
               Fourier& fourier) {
   const Eigen::Index blocks = rows / step;
   Signal means(blocks, station.signal->cols());
+  Column signal;  // a piece that stays in the cache
   for (Eigen::Index channel = 0; channel < means.cols(); ++channel) {
-    Column signal = station.signal->col(channel).head(rows);
-    Hold(station.held_for_ticks, station.first_tick, signal);
-    // A joint without a number stands still here, and so has no latency; the filter would spread
-    // it.
-    signal = signal.array().isNaN().select(0.0, signal);
-    means.col(channel) =
-        Eigen::Map<const Eigen::MatrixXd>(signal.data(), step, blocks).colwise().mean();
+    Holder holder(station.held_for_ticks, station.first_tick);
+    for (Eigen::Index first = 0; first < blocks; first += kMeansAtATime) {
+      const Eigen::Index count = std::min(kMeansAtATime, blocks - first);
+      signal = station.signal->col(channel).segment(first * step, count * step);
+      if (station.held_for_ticks > 1.0) holder.Hold(signal);
+      // A joint without a number stands still here, and so has no latency; the filter would spread
+      // it.
+      signal = signal.array().isNaN().select(0.0, signal);
+      means.col(channel).segment(first, count) =
+          Eigen::Map<const Eigen::MatrixXd>(signal.data(), step, count).colwise().mean();
+    }
     TrimSignals();
   }
   return Filter(low_pass, Band::kBelow, means, fourier).values;

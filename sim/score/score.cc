@@ -8,6 +8,7 @@
 #include "sim/score/fourier.h"
 #include "sim/score/metrics.h"
 #include "sim/score/no_score.h"
+#include "sim/score/scores_in_passing.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -190,6 +191,29 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                    .counted = all.CountedOfHand(),
                    .fourier = fourier},
         wanted, scores.summary);
+  return scores;
+}
+
+bool AreInPassing(std::span<const std::size_t> metrics) {
+  return !metrics.empty() && std::ranges::all_of(metrics, [](std::size_t metric) {
+    return MetricRows()[metric].in_passing;
+  });
+}
+
+Scores ScoresInPassing(const MeanSquareError& error, const ScoreRows& table,
+                       std::span<const std::size_t> metrics) {
+  Check(error.joint_count() == std::ssize(table.joints), "the error is that of other joints");
+  Check(AreInPassing(metrics), "a score is asked for that needs the trial's signals");
+  const Signal nothing(0, error.joint_count());
+  const ScoreInput input{.reference_angle_rad = &nothing, .hand_angle_rad = &nothing};
+  Fourier fourier;
+  const AllJoints all(input, fourier, &error);
+  Scores scores = NoScores(table);
+  for (int joint = 0; joint < error.joint_count(); ++joint) {
+    Score(ScoredJoint(input, joint, all, fourier), Wanted(metrics),
+          scores.channels[table.joints[joint]]);
+  }
+  scores.summary = MeansOver(scores.channels);
   return scores;
 }
 

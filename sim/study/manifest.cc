@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
@@ -19,15 +22,23 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kName = "manifest.json";
 /// Raised whenever the file changes.
 constexpr int kFormat = 1;
-constexpr const char* kChecksum = "FNV-1a, 64 bits";
+
+/// How the checksums of a manifest are made.
+struct Checksum {
+  std::string_view name;
+  std::string (*of_file)(const fs::path&);
+};
+/// That of new manifests, then what those up to version 0.2.0 have.
+constexpr Checksum kChecksums[] = {{"XXH64", FastHashOfFile}, {"FNV-1a, 64 bits", HashOfFile}};
 
 struct Content {
   bool finished = false;
+  Checksum checksum = kChecksums[0];
   std::map<std::string, FileMark> files;
 };
 
 FileMark MarkOf(const fs::path& file) {
-  return {.bytes = fs::file_size(file), .checksum = HashOfFile(file)};
+  return {.bytes = fs::file_size(file), .checksum = kChecksums[0].of_file(file)};
 }
 
 /// The same files, the same name of the run.
@@ -46,7 +57,7 @@ void WriteManifest(const fs::path& folder, const Content& content) {
   json["finished"] = content.finished;
   if (content.finished) {
     json["run"] = RunOf(content.files);
-    json["checksum"] = kChecksum;
+    json["checksum"] = content.checksum.name;
     for (const auto& [name, mark] : content.files) {
       json["files"][name] = {{"bytes", mark.bytes}, {"checksum", mark.checksum}};
     }
@@ -65,13 +76,17 @@ std::optional<Content> Read(const fs::path& folder) {
   std::ifstream text(file);
   if (!text) return std::nullopt;
   const Json json = Json::parse(text);
-  if (json.at("format").get<int>() != kFormat) {
-    throw UserError({.place = (folder / kName).string(),
-                     .problem = "is of another version of Gauntlet; run the same command again"});
-  }
+  const UserError of_another(
+      {.place = file.string(),
+       .problem = "is of another version of Gauntlet; run the same command again"});
+  if (json.at("format").get<int>() != kFormat) throw of_another;
   Content content;
   content.finished = json.at("finished").get<bool>();
   if (!content.finished) return content;
+  const auto checksum =
+      std::ranges::find(kChecksums, json.at("checksum").get<std::string>(), &Checksum::name);
+  if (checksum == std::end(kChecksums)) throw of_another;
+  content.checksum = *checksum;
   for (const auto& [name, mark] : json.at("files").items()) {
     content.files[name] = {.bytes = mark.at("bytes").get<std::uintmax_t>(),
                            .checksum = mark.at("checksum").get<std::string>()};
@@ -125,6 +140,7 @@ Manifest::Manifest(fs::path folder) : folder_(std::move(folder)) {
   }
   exists_ = true;
   files_ = std::move(content->files);
+  checksum_of_ = content->checksum.of_file;
 }
 
 fs::path Manifest::Checked(const std::string& name) const {
@@ -140,7 +156,7 @@ fs::path Manifest::Checked(const std::string& name) const {
   if (!exists_) return file;
   const auto mark = files_.find(name);
   if (mark == files_.end() || mark->second.bytes != fs::file_size(file) ||
-      mark->second.checksum != HashOfFile(file)) {
+      mark->second.checksum != checksum_of_(file)) {
     throw UserError({.place = file.string(),
                      .problem = fmt::format("is not as its run wrote it (changed, damaged, or of "
                                             "another run); run the same command again, or remove "

@@ -14,7 +14,7 @@ namespace gauntlet::sim {
 /// Size and checksum of a file, as its run wrote it.
 struct FileMark {
   std::uintmax_t bytes = 0;
-  std::string checksum;  // see Hash
+  std::string checksum;  // see FastHash
   bool operator==(const FileMark&) const = default;
 };
 
@@ -37,6 +37,7 @@ class Manifest {
  private:
   std::filesystem::path folder_;
   bool exists_ = false;
+  std::string (*checksum_of_)(const std::filesystem::path&) = nullptr;
   std::map<std::string, FileMark> files_;
 };
 

@@ -43,7 +43,7 @@ void FindMeasuredParts(Study& study) {
                 Selected(study.hand->cable_names(), study.measured_cables));
 }
 
-void Add(const Signal& signal, Hash& hash) {
+void Add(const Signal& signal, FastHash& hash) {
   for (Eigen::Index c = 0; c < signal.cols(); ++c) {
     hash.Add(std::span(signal.col(c).data(), static_cast<std::size_t>(signal.rows())));
     TrimSignals();
@@ -74,9 +74,9 @@ void ChooseVideoChannel(Study& study, std::string& channel) {
 }  // namespace
 
 GloveFacts FactsOf(const GloveSignal& glove) {
-  Hash motion;
+  FastHash motion;
   Add(glove.true_angle_rad, motion);
-  Hash signal = motion;
+  FastHash signal = motion;
   Add(glove.counts, signal);
   for (const MaskedStretch& stretch : glove.masked) {
     const double values[] = {static_cast<double>(stretch.reason),

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "sim/base/error.h"
+#include "sim/score/scores_in_passing.h"
 #include "sim/study/study_room.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/filter_trial.h"
@@ -26,6 +27,7 @@ struct SharedGlove {
   std::shared_ptr<const GloveSignal> noise_free;  // for twins that are trials; else null
   Signal reference_rad;                           // ticks x joints of the hand
   std::atomic<int> users_left{0};
+  std::atomic<int> twins_left{0};
 };
 
 std::shared_ptr<const GloveSignal> NoiseFreeGlove(const Study& study, int seed) {
@@ -111,6 +113,7 @@ class Schedule {
       result_.seeds.push_back({.seed = study.scenario.seed + i, .controllers = {}});
       result_.seeds.back().controllers.resize(controllers_);
       gloves_[static_cast<std::size_t>(i)].users_left = static_cast<int>(controllers_);
+      gloves_[static_cast<std::size_t>(i)].twins_left = static_cast<int>(controllers_);
     }
     if (options.keep_first_traces) {
       result_.first_traces.resize(controllers_);
@@ -161,9 +164,14 @@ class Schedule {
       glove.reference_rad = ReferenceAngles(study_.joint_map(), glove.signal->true_angle_rad);
       if (twin_source == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed.seed);
     });
+    const bool keep = seed_index == 0 && options_.keep_first_traces;
+    if (!options_.physics && !keep && AreInPassing(options_.scores)) {
+      RunInPassing(controller_index, glove, outcome);
+      return FinishTask(seed_index, controller_index);
+    }
     std::optional<NoiseFreeTwin> twin;
     if (glove.noise_free) twin = AsTwin(Run(controller_index, *glove.noise_free, kTwinSignals));
-    const bool keep = seed_index == 0 && options_.keep_first_traces;
+    LeaveNoiseFreeGlove(glove);
     Trace trace = Run(controller_index, *glove.signal,
                       keep ? std::vector<std::string_view>() : SignalsOfScores(options_.scores));
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
@@ -172,12 +180,34 @@ class Schedule {
                                                   twin, options_.scores)
                                      : NoScores(study_.rows);
     outcome.untrusted_samples = trace.untrusted_samples;
-    if (options_.store != nullptr) options_.store->Keep(seed.seed, controller_index, outcome);
-    if (!options_.keep_rows) outcome.scores.channels = {};
     if (keep) {
       result_.first_traces[controller_index] = std::move(trace);
       result_.first_twins[controller_index] = std::move(twin);
     }
+    FinishTask(seed_index, controller_index);
+  }
+
+  /// A trial without a hand whose scores need no signals.
+  void RunInPassing(std::size_t controller_index, const SharedGlove& glove, TrialOutcome& outcome) {
+    MeanSquareError error = ErrorInPassing(study_, *glove.signal);
+    Eigen::Index tick = 0;
+    const Trace trace = RunFilterTrial(
+        SetupOf(study_, study_.scenario.controllers[controller_index]), *glove.signal,
+        [&](const Eigen::Ref<const Eigen::MatrixXd>& angle_rad) {
+          error.Add(angle_rad, glove.reference_rad.middleRows(tick, angle_rad.rows()));
+          if (tick % kTrimRows == 0) TrimSignals();
+          tick += angle_rad.rows();
+        });
+    if (!Progress(1.0)) throw Cancelled{};
+    outcome.scores = ScoreInPassing(study_, error, options_.scores);
+    outcome.untrusted_samples = trace.untrusted_samples;
+  }
+
+  void FinishTask(std::size_t seed_index, std::size_t controller_index) {
+    SeedOutcome& seed = result_.seeds[seed_index];
+    TrialOutcome& outcome = seed.controllers[controller_index];
+    if (options_.store != nullptr) options_.store->Keep(seed.seed, controller_index, outcome);
+    if (!options_.keep_rows) outcome.scores.channels = {};
     LeaveGlove(seed_index);
   }
 
@@ -196,6 +226,11 @@ class Schedule {
                      .signals = {signals.begin(), signals.end()}});
   }
 
+  /// The last twin of a seed frees its signal, in whose memory the trial's signals then lie.
+  static void LeaveNoiseFreeGlove(SharedGlove& glove) {
+    if (--glove.twins_left == 0) glove.noise_free.reset();
+  }
+
   /// The last trial of a seed frees its signal, or hands out that of the first seed.
   void LeaveGlove(std::size_t seed_index) {
     SharedGlove& glove = gloves_[seed_index];
@@ -206,7 +241,6 @@ class Schedule {
       result_.first_reference_rad = std::move(glove.reference_rad);
     }
     glove.signal.reset();
-    glove.noise_free.reset();
     glove.reference_rad = {};
   }
 
@@ -218,6 +252,7 @@ class Schedule {
     auto known = options_.store->Take(result_.seeds[seed_index].seed, controller_index);
     if (!known) return false;
     outcome = std::move(*known);
+    LeaveNoiseFreeGlove(gloves_[seed_index]);
     LeaveGlove(seed_index);
     Progress(TrialsOf(result_.seeds[seed_index].seed));
     return true;

@@ -82,6 +82,14 @@ std::vector<std::size_t> AddControllers(const Scenario& scenario, Block& block) 
   return places;
 }
 
+/// A study without controllers, of all cells that have these values of the axes that controllers
+/// share.
+struct SharedStudy {
+  std::vector<std::string> values;
+  Study study;
+  std::string hash;
+};
+
 /// Trials of one block in the database of the sweep.
 class BlockStore final : public TrialStore {
  public:
@@ -230,7 +238,18 @@ class Sweep {
     });
   }
 
-  Block Build(const CellRange& cells) const {
+  /// What the cells of a block share. Blocks that follow each other often share the same, down to
+  /// the glove's signal.
+  const SharedStudy& SharedOf(std::int64_t cell, const Scenario& scenario) {
+    std::vector<std::string> values = SharedValues(cell);
+    if (shared_ && shared_->values == values) return *shared_;
+    shared_.reset();
+    Study study = PrepareShared(scenario);
+    std::string hash = HashOfShared(plan_, study);
+    return shared_.emplace(SharedStudy{std::move(values), std::move(study), std::move(hash)});
+  }
+
+  Block Build(const CellRange& cells) {
     Block block{.cells = cells, .study = {}, .study_hash = {}, .settings = {}, .built = {}};
     for (const std::int64_t number : Numbers(cells)) {
       ThrowIfStopped();
@@ -241,8 +260,9 @@ class Sweep {
         std::erase_if(scenario.controllers,
                       [&](const NamedController& named) { return IsStopped(number, named.name); });
         if (!block.study) {
-          block.study = PrepareShared(scenario);
-          block.study_hash = HashOfShared(plan_, *block.study);
+          const SharedStudy& shared = SharedOf(number, scenario);
+          block.study = shared.study;
+          block.study_hash = shared.hash;
         }
         cell.controllers = AddControllers(scenario, block);
       } catch (const UserError& error) {
@@ -354,6 +374,7 @@ class Sweep {
   double all_ = 0.0;
   double done_ = 0.0;  // of blocks that are finished
   bool forecast_done_ = false;
+  std::optional<SharedStudy> shared_;  // of the block before
 };
 
 }  // namespace

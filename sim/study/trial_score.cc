@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "sim/score/scores_in_passing.h"
 #include "sim/study/counted_parts.h"
 
 namespace gauntlet::sim {
@@ -118,6 +119,15 @@ std::vector<std::string_view> SignalsOf(ScoredPart part) {
   return {};
 }
 
+/// No score is -0.0, which SQLite keeps as 0.0.
+Scores WithoutSign(Scores scores) {
+  for (double& score : scores.summary) score += 0.0;
+  for (std::vector<double>& channel : scores.channels) {
+    for (double& score : channel) score += 0.0;
+  }
+  return scores;
+}
+
 }  // namespace
 
 std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metrics) {
@@ -160,13 +170,20 @@ Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& re
   input.frame_ms = std::max({study.scenario.event.period_ms, hand_config.servo.numbers().frame_ms,
                              hand_config.arm_servo.numbers().frame_ms});
   input.jitter_above_hz = study.scenario.score.jitter_above_hz;
-  Scores scores = ComputeScores(input, study.rows, metrics);
-  // No score is -0.0, which SQLite keeps as 0.0.
-  for (double& score : scores.summary) score += 0.0;
-  for (std::vector<double>& channel : scores.channels) {
-    for (double& score : channel) score += 0.0;
-  }
-  return scores;
+  return WithoutSign(ComputeScores(input, study.rows, metrics));
+}
+
+MeanSquareError ErrorInPassing(const Study& study, const GloveSignal& glove) {
+  const auto ticks = static_cast<int>(glove.true_angle_rad.rows());
+  const std::optional<CountedParts> counted = CountedPartsOf(study, glove.masked, ticks);
+  return {study.measured_joints,
+          counted ? counted->joints
+                  : std::vector<CountedTicks>(study.measured_joints.size(), {{0, ticks}})};
+}
+
+Scores ScoreInPassing(const Study& study, const MeanSquareError& error,
+                      std::span<const std::size_t> metrics) {
+  return WithoutSign(ScoresInPassing(error, study.rows, metrics));
 }
 
 }  // namespace gauntlet::sim

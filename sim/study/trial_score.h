@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/score/mean_square_error.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
@@ -19,5 +20,11 @@ std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metri
 Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
                   const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
                   std::span<const std::size_t> metrics = {});
+
+/// Takes the angles of a trial block by block, for scores that are found in passing.
+MeanSquareError ErrorInPassing(const Study& study, const GloveSignal& glove);
+/// These scores of such a trial, once it has ended: the same bits as of ScoreTrial().
+Scores ScoreInPassing(const Study& study, const MeanSquareError& error,
+                      std::span<const std::size_t> metrics);
 
 }  // namespace gauntlet::sim

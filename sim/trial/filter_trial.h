@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <functional>
+
 #include "sim/trial/trial.h"
 
 namespace gauntlet::sim {
@@ -10,5 +13,11 @@ namespace gauntlet::sim {
 /// time and its scores tell of the filter alone. `hand_angle_rad` (rounded as in RunTrial()) and
 /// `untrusted_samples` are filled, other signals have no columns. Deterministic.
 Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove);
+
+/// Gets the next ticks of `hand_angle_rad`: ticks x joints.
+using SeeAngles = std::function<void(const Eigen::Ref<const Eigen::MatrixXd>&)>;
+/// The same for who keeps no angles: they go to `see` in blocks that stay in a core's cache, and no
+/// signal has columns.
+Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove, const SeeAngles& see);
 
 }  // namespace gauntlet::sim

@@ -408,6 +408,12 @@ void Register() {
   config.filters = {{KalmanConfig{}}};
   benchmark::RegisterBenchmark("controller_20ms_events", ControllerBenchmark, config, 20.0);
   benchmark::RegisterBenchmark("controller_1ms_events", ControllerBenchmark, config, 1.0);
+  for (const FilterKind& kind : FilterKinds()) {
+    ControllerConfig of_kind;
+    of_kind.filters = {WithOneR(kind.defaults)};
+    benchmark::RegisterBenchmark(("controller/" + std::string(kind.name)).c_str(),
+                                 ControllerBenchmark, of_kind, 20.0);
+  }
   config.filters.insert(config.filters.begin(), {HampelConfig{}});
   config.prediction = {KalmanPredictionConfig{}};
   benchmark::RegisterBenchmark("model_predictive_event", PlanBenchmark)

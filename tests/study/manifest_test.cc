@@ -92,6 +92,26 @@ TEST_F(ManifestTest, AnyOtherByteIsSeen) {
   EXPECT_EQ(ProblemWith("scores.csv"), "");
 }
 
+// FNV-1a of "a" and "foobar" as draft-eastlake-fnv gives them.
+TEST_F(ManifestTest, ThatOfAnEarlierVersionIsReadByItsOwnChecksum) {
+  const auto manifest = [](const std::string& checksum) {
+    return R"({"format": 1, "finished": true, "checksum": ")" + checksum +
+           R"(", "files": {"trace.h5": {"bytes": 1, "checksum": "af63dc4c8601ec8c"},)" +
+           R"("scores.csv": {"bytes": 6, "checksum": "85944171f73967e8"}}})";
+  };
+  Put(folder() / "manifest.json", manifest("FNV-1a, 64 bits"));
+  Put(folder() / "trace.h5", "a");
+  Put(folder() / "scores.csv", "foobar");
+  EXPECT_EQ(ProblemWith("trace.h5"), "");
+  EXPECT_EQ(ProblemWith("scores.csv"), "");
+  Put(folder() / "scores.csv", "foobaz");
+  EXPECT_THAT(ProblemWith("scores.csv"), HasSubstr("is not as its run wrote it"));
+  Put(folder() / "manifest.json", manifest("of tomorrow"));
+  EXPECT_THAT(ProblemWith("trace.h5"), HasSubstr("manifest.json: is of another version"));
+  Run("one");
+  EXPECT_THAT(Content("manifest.json"), HasSubstr(R"("checksum": "XXH64")"));
+}
+
 TEST_F(ManifestTest, AFolderThatWasLeftBetweenTwoRenamesIsRefusedUntilTheNextRun) {
   Run("one");
   fs::remove(folder() / "scores.csv");

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sim/score/counted_ticks.h"
+
+namespace gauntlet::sim {
+
+/// Mean square error of each joint over the ticks that count, block by block, so that it can be
+/// found while a trial runs and its angles are not kept:
+///
+///     mean over n of (hand[n] - reference[n])^2
+///
+/// However the ticks fall into blocks, the bits are the same. Shapes: ticks x joints. Units: rad,
+/// rad^2.
+class MeanSquareError {
+ public:
+  using Angles = Eigen::Ref<const Eigen::MatrixXd>;
+
+  /// Of these columns, of each of which these ticks count.
+  MeanSquareError(std::vector<int> columns, std::vector<CountedTicks> counted);
+
+  /// The next ticks.
+  void Add(const Angles& hand_rad, const Angles& reference_rad);
+
+  int joint_count() const { return static_cast<int>(columns_.size()); }
+  /// Of the joint in one of the columns; kNoScore if none of its ticks counts.
+  double Of(int joint) const { return squares_[joint] / CountOf(counted_[joint]); }
+
+ private:
+  void AddWhole(const Angles& hand_rad, const Angles& reference_rad);
+
+  std::vector<int> columns_;
+  std::vector<CountedTicks> counted_;
+  std::vector<double> squares_;
+  Eigen::Index ticks_ = 0;
+};
+
+}  // namespace gauntlet::sim
