@@ -23,8 +23,8 @@ namespace gauntlet::sim {
 ///
 /// None where there is nothing to find: a signal that moves by less than 0.1 deg RMS (a constant
 /// channel), a largest correlation below kLeastDelayCorrelation, or no peak inside the bound and
-/// inside the lags whose overlap holds a tenth of each signal's variance. So it is for a finger that an object pushes against the
-/// wearer's motion.
+/// inside the lags whose overlap holds a tenth of each signal's variance. So it is for a finger
+/// that an object pushes against the wearer's motion.
 ///
 /// Units: signals in rad, the delay in samples. Shapes: both signals of the same length.
 /// Source: Knapp and Carter 1976 (delay by correlation); parabola: Jacovitti and Scarano 1993.
@@ -33,8 +33,8 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
                                    double rate_hz, const CountedTicks& counted, Fourier& fourier);
 
-/// Unrelated motions correlate at some lag, too: below this, the delayed leader explains less than a
-/// quarter of the follower's motion. Assumption.
+/// Unrelated motions correlate at some lag, too: below this, the delayed leader explains less than
+/// a quarter of the follower's motion. Assumption.
 inline constexpr double kLeastDelayCorrelation = 0.5;
 
 /// Below this RMS a signal counts as still. Assumption: a tenth of what a servo resolves.
