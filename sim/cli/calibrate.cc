@@ -24,7 +24,7 @@
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
-#include "sim/scenario/scenario.h"
+#include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
@@ -179,7 +179,7 @@ std::filesystem::path TargetOf(const CalibrateOptions& options) {
 Eigen::MatrixXd AnglesOf(const PoseRecording& recording, const std::string& file) {
   controller::ControllerConfig config;
   try {
-    UseCalibration(LoadCalibration(file), recording.channel_names, true, {}, config);
+    UseCalibration(ReadAll<Calibration>(file), recording.channel_names, true, {}, config);
     if (config.linearisation.kind == controller::LinearisationKind::kGlove) {
       throw controller::SettingError("linearisation", "has no curves from counts to angles");
     }

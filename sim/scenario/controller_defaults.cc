@@ -49,8 +49,7 @@ void IncludeCalibrations(const YAML::Node& root, const YamlSource& source,
   for (NamedController& controller : scenario.controllers) {
     if (controller.calibration.empty()) continue;
     const YAML::Node node = ChildOf(ChildOf(root, "controllers"), controller.name);
-    Calibration calibration;
-    ReadAll(ParseYamlFile(controller.calibration), {.file = controller.calibration}, calibration);
+    const auto calibration = ReadAll<Calibration>(controller.calibration);
     try {
       UseCalibration(calibration, channels, !ChildOf(node, "linearisation").IsDefined(),
                      WithoutR(ChildOf(node, "filter"), controller.config.filters.size()),
@@ -82,8 +81,7 @@ void IncludeChains(const YAML::Node& root, const YamlSource& source,
   for (NamedController& controller : scenario.controllers) {
     if (controller.chain.empty()) continue;
     const YAML::Node node = ChildOf(ChildOf(root, "controllers"), controller.name);
-    IdentifiedChain chain;
-    ReadAll(ParseYamlFile(controller.chain), {.file = controller.chain}, chain);
+    const auto chain = ReadAll<IdentifiedChain>(controller.chain);
     try {
       const bool given = ChildOf(ChildOf(node, "prediction"), "horizon_ms").IsDefined();
       if (!given) UseChain(chain, channels, scenario.joint_map, controller.config);

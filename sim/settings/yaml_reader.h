@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -67,6 +68,13 @@ void ReadAll(const YAML::Node& root, const YamlSource& source, Settings& setting
   YamlReader reader(root, "", source);
   settings.Visit(reader);
   reader.RejectUnknownKeys();
+}
+/// The same of a file.
+template <class Settings>
+Settings ReadAll(const std::filesystem::path& file) {
+  Settings settings;
+  ReadAll(ParseYamlFile(file), {.file = file}, settings);
+  return settings;
 }
 
 }  // namespace gauntlet::sim
