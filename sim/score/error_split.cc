@@ -95,7 +95,8 @@ VectorXd Means(const Eigen::Ref<const VectorXd>& values, int step) {
 }
 
 /// The lag in ticks at which Pearson's correlation over the ticks that count is largest; 0 where
-/// there is no such lag. The same ticks of the hand count at every lag.
+/// there is no such lag, or what correlates is hardly the wearer's motion. The same ticks of the
+/// hand count at every lag.
 double FindDelay(const Joint& joint, const VectorXd& counting, Fourier& fourier) {
   const int step = std::max(1, static_cast<int>(std::lround(joint.rate_hz / kSearchRate_hz)));
   const double rate_hz = joint.rate_hz / step;
@@ -132,7 +133,7 @@ double FindDelay(const Joint& joint, const VectorXd& counting, Fourier& fourier)
   }
   const auto peak = std::ranges::max_element(correlations);
   const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();
-  if (at_the_bound || !(*peak > 0.0)) return 0.0;
+  if (at_the_bound || !(*peak >= kLeastDelayCorrelation)) return 0.0;
   const auto lag = static_cast<double>(peak - correlations.begin() - bound);
   return step * (lag + ParabolaPeak(peak[-1], peak[0], peak[1]));
 }

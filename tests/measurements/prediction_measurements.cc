@@ -157,7 +157,8 @@ IdentifiedChain ChainFromTarget() {
                         .parts = probe.hand->joint_names(),
                         .rate_hz = probe.hand->timing().tick_rate_hz(),
                         .command_deg = trace.target_angle_rad * kDegPerRad,
-                        .angle_deg = trace.hand_angle_rad * kDegPerRad};
+                        .angle_deg = trace.hand_angle_rad * kDegPerRad,
+                        .motor_deg = {}};
   return MakeIdentifiedChain(log, FitChains(log));
 }
 
