@@ -69,7 +69,7 @@ std::vector<Moments> MomentsOf(std::span<const Eigen::MatrixXd> recordings,
     const Index count = g.CountOf(recordings[i]);
     constexpr Index kBlock = 4096;  // rows, so that an hour's recording needs no gigabytes
     for (Index begin = 0; begin < count;) {
-      const Index fold = done * kFolds / all;
+      const Index fold = done * kFolds / std::max<Index>(all, 1);
       const Index fold_end = ((fold + 1) * all + kFolds - 1) / kFolds;
       const Index rows = std::min({kBlock, count - begin, fold_end - done});
       const Index first = g.first() + begin;
