@@ -76,16 +76,17 @@ std::optional<Content> Read(const fs::path& folder) {
   std::ifstream text(file);
   if (!text) return std::nullopt;
   const Json json = Json::parse(text);
-  const UserError of_another(
-      {.place = file.string(),
-       .problem = "is of another version of Gauntlet; run the same command again"});
-  if (json.at("format").get<int>() != kFormat) throw of_another;
+  const auto of_another = [&file] {
+    return UserError({.place = file.string(),
+                      .problem = "is of another version of Gauntlet; run the same command again"});
+  };
+  if (json.at("format").get<int>() != kFormat) throw of_another();
   Content content;
   content.finished = json.at("finished").get<bool>();
   if (!content.finished) return content;
   const auto checksum =
       std::ranges::find(kChecksums, json.at("checksum").get<std::string>(), &Checksum::name);
-  if (checksum == std::end(kChecksums)) throw of_another;
+  if (checksum == std::end(kChecksums)) throw of_another();
   content.checksum = *checksum;
   for (const auto& [name, mark] : json.at("files").items()) {
     content.files[name] = {.bytes = mark.at("bytes").get<std::uintmax_t>(),
