@@ -1,15 +1,12 @@
 // Friction that differs from motor to motor.
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "sim/base/error.h"
 #include "tests/hand/hand_fixture.h"
 
 namespace gauntlet::sim::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 HandConfig Hand18(std::vector<double> scale) {
   HandConfig config;
@@ -72,24 +69,6 @@ TEST(MotorFriction, BeyondWhatMotorsHaveKeepsThemExactlyWhereTheyAre) {
   for (std::size_t motor = 0; motor < 16; ++motor) {  // those of the arm are strong
     EXPECT_EQ(after[motor], before[motor]) << model->motor_names()[motor];
   }
-}
-
-TEST(MotorFriction, OfNoMotorOrAnotherNumberOfThemIsRefused) {
-  const auto refusal = [](const HandConfig& config) -> std::string {
-    try {
-      MakeModel(config);
-    } catch (const UserError& error) {
-      return error.what();
-    } catch (const controller::SettingError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_THAT(refusal(Hand18({1.0, 2.0})),
-              HasSubstr("hand.motor_friction_scale: has 2 values, must have 1 for all motors or "
-                        "18, one for each"));
-  EXPECT_THAT(refusal(Hand18({})), HasSubstr("motor_friction_scale: has 0 values"));
-  EXPECT_THAT(refusal(Hand18({-1.0})), HasSubstr("motor_friction_scale"));
 }
 
 }  // namespace

@@ -120,5 +120,16 @@ TEST(HandSettings, AModelWithImpossibleCablesIsRefused) {
   EXPECT_EQ(refusal({}), "");
 }
 
+TEST(HandSettings, FrictionOfNoMotorOrAnotherNumberOfThemIsRefused) {
+  const auto of_motors = [](std::vector<double> scale) {
+    return Refusal([&scale](HandConfig& c) { c.motor_friction_scale = scale; });
+  };
+  EXPECT_THAT(of_motors({1.0, 2.0}),
+              HasSubstr("hand.motor_friction_scale: has 2 values, must have 1 for all motors or "
+                        "18, one for each"));
+  EXPECT_THAT(of_motors({}), HasSubstr("motor_friction_scale: has 0 values"));
+  EXPECT_THAT(of_motors({-1.0}), HasSubstr("motor_friction_scale"));
+}
+
 }  // namespace
 }  // namespace gauntlet::sim::testing

@@ -48,6 +48,20 @@ class Quantity {
   int missing_ = 0;
 };
 
+double Between(double low, double high, controller::TestNoise& random) {
+  return low + (high - low) * random.Uniform();
+}
+
+HiddenChain SomeChain(controller::TestNoise& random) {
+  return {.dead_time_ms = Between(15.0, 80.0, random),
+          .lag_ms = Between(25.0, 60.0, random),
+          .natural_frequency_hz = Between(4.0, 8.0, random),
+          .gain = Between(0.8, 1.1, random),
+          .hysteresis_deg = Between(1.0, 8.0, random),
+          .offset_deg = Between(-5.0, 5.0, random),
+          .lost_motion_deg = 0.0};
+}
+
 /// With a dead zone behind the motor, whose angle is in the log.
 void MeasureLostMotion(const std::string& name, const ChainRecording& recording) {
   Quantity quantities[] = {Quantity("lost motion"), Quantity("hysteresis of motor"),
@@ -55,16 +69,8 @@ void MeasureLostMotion(const std::string& name, const ChainRecording& recording)
                            Quantity("lag")};
   for (int i = 0; i < kLogs; ++i) {
     controller::TestNoise random(9000 + i);
-    const auto between = [&](double low, double high) {
-      return low + (high - low) * random.Uniform();
-    };
-    const HiddenChain chain{.dead_time_ms = between(15.0, 80.0),
-                            .lag_ms = between(25.0, 60.0),
-                            .natural_frequency_hz = between(4.0, 8.0),
-                            .gain = between(0.8, 1.1),
-                            .hysteresis_deg = between(1.0, 8.0),
-                            .offset_deg = between(-5.0, 5.0),
-                            .lost_motion_deg = between(1.0, 8.0)};
+    HiddenChain chain = SomeChain(random);
+    chain.lost_motion_deg = Between(1.0, 8.0, random);
     const SimulatedLog log = SimulateLog(chain, recording, 100 + i);
     ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz);
     AddMotor(log.command_deg, log.motor_deg, log.angle_deg, recording.rate_hz, fit);
@@ -84,15 +90,7 @@ void Measure(const std::string& name, const ChainRecording& recording) {
                            Quantity("damping"),   Quantity("gain"), Quantity("hysteresis")};
   for (int i = 0; i < kLogs; ++i) {
     controller::TestNoise random(7000 + i);
-    const auto between = [&](double low, double high) {
-      return low + (high - low) * random.Uniform();
-    };
-    const HiddenChain chain{.dead_time_ms = between(15.0, 80.0),
-                            .lag_ms = between(25.0, 60.0),
-                            .natural_frequency_hz = between(4.0, 8.0),
-                            .gain = between(0.8, 1.1),
-                            .hysteresis_deg = between(1.0, 8.0),
-                            .offset_deg = between(-5.0, 5.0)};
+    const HiddenChain chain = SomeChain(random);
     const SimulatedLog log = SimulateLog(chain, recording, 100 + i);
     const ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz);
     const double damping = 1e-3 * chain.lag_ms * std::numbers::pi * chain.natural_frequency_hz;
