@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace gauntlet::sim {
 namespace {
@@ -22,42 +21,46 @@ void AppendGroupsOfSevenBits(std::uint64_t number, std::vector<std::uint8_t>& ou
 std::string Base64(const std::vector<std::uint8_t>& bytes) {
   static constexpr char kLetters[] =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
+  std::string out((bytes.size() + 2) / 3 * 4, '=');
+  char* letter = out.data();
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::size_t left = bytes.size() - i;
     const std::uint32_t group = static_cast<std::uint32_t>(bytes[i]) << 16 |
                                 (left > 1 ? static_cast<std::uint32_t>(bytes[i + 1]) << 8 : 0U) |
                                 (left > 2 ? static_cast<std::uint32_t>(bytes[i + 2]) : 0U);
-    out += kLetters[group >> 18];
-    out += kLetters[group >> 12 & 63];
-    out += left > 1 ? kLetters[group >> 6 & 63] : '=';
-    out += left > 2 ? kLetters[group & 63] : '=';
+    letter[0] = kLetters[group >> 18];
+    letter[1] = kLetters[group >> 12 & 63];
+    if (left > 1) letter[2] = kLetters[group >> 6 & 63];
+    if (left > 2) letter[3] = kLetters[group & 63];
+    letter += 4;
   }
   return out;
 }
 
-/// Smallest and largest finite value of a bucket, in the order of time.
-std::pair<double, double> Extremes(std::span<const double> bucket) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::size_t low = bucket.size();
-  std::size_t high = bucket.size();
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
-  for (std::size_t i = 0; i < bucket.size(); ++i) {
-    const double value = bucket[i];
-    if (value < lowest && std::isfinite(value)) {
-      low = i;
-      lowest = value;
+/// Smallest and largest finite value of a bucket, in the order of time; NaN where there is none.
+struct Extremes {
+  double first = std::numeric_limits<double>::quiet_NaN();
+  double second = first;
+
+  explicit Extremes(std::span<const double> bucket) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    double lowest = kInfinity;
+    double highest = -kInfinity;
+    for (const double value : bucket) {  // what is no number is neither smaller nor larger
+      const double finite =
+          std::abs(value) < kInfinity ? value : std::numeric_limits<double>::quiet_NaN();
+      lowest = finite < lowest ? finite : lowest;
+      highest = finite > highest ? finite : highest;
     }
-    if (value > highest && std::isfinite(value)) {
-      high = i;
-      highest = value;
+    if (lowest > highest) return;
+    bool low_first = true;  // of those seen, from the end on; a branch would be guessed wrong
+    for (std::size_t i = bucket.size(); i-- > 0;) {
+      low_first = (bucket[i] == lowest) | (low_first & (bucket[i] != highest));
     }
+    first = low_first ? lowest : highest;
+    second = low_first ? highest : lowest;
   }
-  if (low == bucket.size()) return {kNone, kNone};
-  return {bucket[std::min(low, high)], bucket[std::max(low, high)]};
-}
+};
 
 }  // namespace
 
@@ -70,13 +73,12 @@ int SamplesPerBucket(std::int64_t samples, std::int64_t curves) {
 std::vector<double> KeepPeaks(std::span<const double> values, int samples_per_bucket) {
   if (samples_per_bucket <= 1) return {values.begin(), values.end()};
   const std::size_t size = samples_per_bucket;
-  std::vector<double> points;
-  points.reserve(2 * (values.size() / size + 1));
-  for (std::size_t begin = 0; begin < values.size(); begin += size) {
-    const auto [first, second] =
-        Extremes(values.subspan(begin, std::min(size, values.size() - begin)));
-    points.push_back(first);
-    points.push_back(second);
+  std::vector<double> points(2 * ((values.size() + size - 1) / size));
+  double* point = points.data();
+  for (std::size_t begin = 0; begin < values.size(); begin += size, point += 2) {
+    const Extremes of_bucket(values.subspan(begin, std::min(size, values.size() - begin)));
+    point[0] = of_bucket.first;
+    point[1] = of_bucket.second;
   }
   return points;
 }
@@ -91,7 +93,8 @@ std::string EncodeCurve(std::span<const double> values, double step) {
       bytes.push_back(0);
       continue;
     }
-    const std::int64_t now = std::llround(std::clamp(steps, -kLargestSteps, kLargestSteps));
+    const double bounded = std::clamp(steps, -kLargestSteps, kLargestSteps);
+    const auto now = static_cast<std::int64_t>(bounded + std::copysign(0.5, bounded));
     const std::int64_t change = now - last;
     last = now;
     const auto doubled = static_cast<std::uint64_t>(change) << 1;

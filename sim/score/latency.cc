@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kCutoff_hz = 6.0;  // hands move below 4 Hz; half a second of reach
 constexpr double kTransition_hz = 4.0;
-constexpr double kStationRate_hz = 250.0;  // ample for 8 Hz
+constexpr double kStationRate_hz = 125.0;  // ample for 8 Hz
 constexpr Eigen::Index kMeansAtATime = 512;
 
 struct StageName {
