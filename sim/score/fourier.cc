@@ -8,7 +8,7 @@ namespace gauntlet::sim {
 namespace {
 
 /// Roots of longer transforms are made again each time: they are as large as the values.
-constexpr std::size_t kLongestKept = std::size_t{1} << 20;
+constexpr std::size_t kMostKept = std::size_t{1} << 20;  // roots of 1: 16 MB
 
 using Value = std::complex<double>;
 /// Real and imaginary part: Eigen works on both at once.
@@ -171,7 +171,10 @@ void Scale(double factor, Fourier::Values& values) {
 
 const Fourier::Values& Fourier::RootsOf(std::size_t size) {
   Values& roots = roots_[size];
-  if (roots.empty()) roots = Roots(size);
+  if (roots.empty()) {
+    roots = Roots(size);
+    kept_ += size;
+  }
   return roots;
 }
 
@@ -180,6 +183,7 @@ const Fourier::Plan& Fourier::PlanOf(std::size_t size) {
   Plan& plan = place->second;
   if (!is_new) return plan;
   const Values roots = Roots(size);
+  kept_ += size;
   for (std::size_t length = size; length > 1;) {
     Pass& pass = plan.emplace_back();
     pass.radix = RadixOf(length);
@@ -226,13 +230,13 @@ void Fourier::Transform(std::size_t size, Values& values) {
 
 void Fourier::Forward(Values& values) {
   Transform<false>(values.size(), values);
-  ForgetLong(values.size());
+  ForgetTooMany();
 }
 
 void Fourier::Inverse(Values& values) {
   Transform<true>(values.size(), values);
   Scale(1.0 / static_cast<double>(values.size()), values);
-  ForgetLong(values.size());
+  ForgetTooMany();
 }
 
 // Of an even number of real values two neighbours are real and imaginary part of one complex value.
@@ -263,7 +267,7 @@ void Fourier::Forward(const std::vector<double>& values, Values& lower_half) {
   }
   lower_half[0] = first.real() + first.imag();
   lower_half[half] = first.real() - first.imag();
-  ForgetLong(size);
+  ForgetTooMany();
 }
 
 void Fourier::Inverse(Values lower_half, std::vector<double>& values) {
@@ -294,11 +298,12 @@ void Fourier::Inverse(Values lower_half, std::vector<double>& values) {
     values[2 * n] = factor * lower_half[n].real();
     values[2 * n + 1] = factor * lower_half[n].imag();
   }
-  ForgetLong(size);
+  ForgetTooMany();
 }
 
-void Fourier::ForgetLong(std::size_t size) {
-  if (size <= kLongestKept) return;
+void Fourier::ForgetTooMany() {
+  if (kept_ <= kMostKept) return;
+  kept_ = 0;
   plans_.clear();
   roots_.clear();
   Values().swap(other_);

@@ -16,7 +16,7 @@ namespace gauntlet::sim {
 /// 2.4 to 5 times as long. Measured in tests/benchmarks/README.md.
 /// Source: Cochran et al. 1967, What is the fast Fourier transform?, for the sorting of Stockham.
 ///
-/// Roots of 1 are kept per length, unless it is great; use one object per thread.
+/// Roots of 1 are kept per length, until they are too many; use one object per thread.
 class Fourier {
  public:
   using Values = std::vector<std::complex<double>>;
@@ -46,10 +46,11 @@ class Fourier {
   const Values& RootsOf(std::size_t size);
   template <bool kInverse>
   void Transform(std::size_t size, Values& values);
-  void ForgetLong(std::size_t size);
+  void ForgetTooMany();
 
   std::map<std::size_t, Plan> plans_;
   std::map<std::size_t, Values> roots_;
+  std::size_t kept_ = 0;  // values of both
   Values other_;  // where a pass puts its values
 };
 

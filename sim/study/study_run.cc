@@ -104,7 +104,9 @@ class Schedule {
       : study_(study),
         options_(options),
         gloves_(static_cast<std::size_t>(options.seeds)),
-        controllers_(study.scenario.controllers.size()) {
+        controllers_(study.scenario.controllers.size()),
+        threads_(std::min<std::size_t>(static_cast<std::size_t>(std::max(1, options.jobs)),
+                                       controllers_ * gloves_.size())) {
     result_.row_names = study.rows.names;
     for (const NamedController& c : study.scenario.controllers) {
       result_.controller_names.push_back(c.name);
@@ -127,7 +129,7 @@ class Schedule {
   void Work() {
     while (!stopped_) {
       const std::size_t task = next_task_++;
-      if (task >= TaskCount()) return;
+      if (task >= controllers_ * gloves_.size()) return;
       try {
         RunTask(task / controllers_, task % controllers_);
       } catch (...) {
@@ -143,7 +145,7 @@ class Schedule {
     return std::move(result_);
   }
 
-  std::size_t TaskCount() const { return controllers_ * gloves_.size(); }
+  std::size_t threads() const { return threads_; }
 
  private:
   TwinSource WantedTwin(int seed) const {
@@ -153,17 +155,41 @@ class Schedule {
   }
   int TrialsOf(int seed) const { return WantedTwin(seed) == TwinSource::kTrial ? 2 : 1; }
 
+  /// Unless it is there; whoever wants it meanwhile waits.
+  void MakeGlove(std::size_t seed_index) {
+    SharedGlove& glove = gloves_[seed_index];
+    const int seed = result_.seeds[seed_index].seed;
+    std::call_once(glove.once, [&] {
+      glove.signal = GloveOfSeed(study_, seed);
+      glove.reference_rad = ReferenceAngles(study_.joint_map(), glove.signal->true_angle_rad);
+      if (WantedTwin(seed) == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed);
+    });
+  }
+
+  /// As the last trials of a seed begin, so that none of the threads that run them waits for it
+  /// later.
+  void MakeNextGlove(std::size_t seed_index, std::size_t controller_index) {
+    const std::size_t next = seed_index + 1;
+    const bool is_time = threads_ > 1 && controllers_ > threads_ &&
+                         controller_index + threads_ == controllers_ && next < gloves_.size();
+    if (!is_time) return;
+    // Where the store has the first trial, it may have them all.
+    if (options_.store != nullptr && options_.store->Take(result_.seeds[next].seed, 0)) return;
+    ++gloves_[next].users_left;  // whoever else leaves it does not free what is being made
+    ++gloves_[next].twins_left;
+    MakeGlove(next);
+    LeaveNoiseFreeGlove(gloves_[next]);
+    LeaveGlove(next);
+  }
+
   void RunTask(std::size_t seed_index, std::size_t controller_index) {
     SeedOutcome& seed = result_.seeds[seed_index];
     SharedGlove& glove = gloves_[seed_index];
     TrialOutcome& outcome = seed.controllers[controller_index];
     if (Recall(seed_index, controller_index, outcome)) return;
     const TwinSource twin_source = WantedTwin(seed.seed);
-    std::call_once(glove.once, [&] {
-      glove.signal = GloveOfSeed(study_, seed.seed);
-      glove.reference_rad = ReferenceAngles(study_.joint_map(), glove.signal->true_angle_rad);
-      if (twin_source == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed.seed);
-    });
+    MakeGlove(seed_index);
+    MakeNextGlove(seed_index, controller_index);
     const bool keep = seed_index == 0 && options_.keep_first_traces;
     if (!options_.physics && !keep && AreInPassing(options_.scores)) {
       RunInPassing(controller_index, glove, outcome);
@@ -271,6 +297,7 @@ class Schedule {
   const StudyOptions& options_;
   std::vector<SharedGlove> gloves_;
   std::size_t controllers_;
+  std::size_t threads_;
   StudyResult result_;
   std::atomic<std::size_t> next_task_{0};
   std::atomic<bool> stopped_{false};
@@ -304,15 +331,15 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
   CheckRoom(study, options);
   Schedule schedule(study, options);
-  const std::size_t threads = std::min<std::size_t>(
-      static_cast<std::size_t>(std::max(1, options.jobs)), schedule.TaskCount());
   std::vector<std::jthread> others;
   try {
-    while (others.size() + 1 < threads) others.emplace_back([&schedule] { schedule.Work(); });
+    while (others.size() + 1 < schedule.threads()) {
+      others.emplace_back([&schedule] { schedule.Work(); });
+    }
   } catch (const std::system_error& error) {  // those that there are take all the trials
     if (options.remark) {
       options.remark(fmt::format("only {} of {} threads can be started: {}", others.size() + 1,
-                                 threads, error.code().message()));
+                                 schedule.threads(), error.code().message()));
     }
   }
   schedule.Work();
