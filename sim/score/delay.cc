@@ -85,15 +85,20 @@ Pair Transform(Centred leader, Centred follower, int largest_lag, Fourier& fouri
   return pair;
 }
 
-/// Splits the common transform: the spectrum of a real signal has X[-k] = conj(X[k]).
-std::complex<double> LeaderBin(const Pair& pair, int k) {
-  const auto mirrored = std::conj(pair.spectrum[k == 0 ? 0 : pair.size - k]);
-  return 0.5 * (pair.spectrum[k] + mirrored);
+// The common transform is Z = X + i Y of the leader's X and the follower's Y. The spectrum of a real
+// signal has X[-k] = conj(X[k]), so that with a = Z[k] and b = Z[-k]
+//     X[k] = (a + conj(b)) / 2,  Y[k] = (a - conj(b)) / 2i.
+const std::complex<double>& Mirrored(const Pair& pair, int k) {
+  return pair.spectrum[k == 0 ? 0 : pair.size - k];
 }
-std::complex<double> FollowerBin(const Pair& pair, int k) {
-  const auto mirrored = std::conj(pair.spectrum[k == 0 ? 0 : pair.size - k]);
-  const auto difference = pair.spectrum[k] - mirrored;
-  return {0.5 * difference.imag(), -0.5 * difference.real()};  // times 1/(2i)
+std::complex<double> LeaderBin(const Pair& pair, int k) {
+  return 0.5 * (pair.spectrum[k] + std::conj(Mirrored(pair, k)));
+}
+/// conj(X[k]) Y[k] = Im(a b) / 2 - i (|a|^2 - |b|^2) / 4.
+std::complex<double> CrossBin(const Pair& pair, int k) {
+  const std::complex<double> a = pair.spectrum[k];
+  const std::complex<double> b = Mirrored(pair, k);
+  return {0.5 * (a.real() * b.imag() + a.imag() * b.real()), -0.25 * (std::norm(a) - std::norm(b))};
 }
 
 /// Period of the strongest of the frequencies k / size above 0, in samples.
@@ -115,7 +120,7 @@ double StrongestPeriod(int size, const Bin& bin) {
 /// the place of the pair's spectrum: in a long trial that is large.
 std::vector<double> CrossProducts(Pair& pair, Fourier& fourier) {
   for (int k = 0; k <= pair.size / 2; ++k) {  // its mirror image stays for it
-    pair.spectrum[k] = std::conj(LeaderBin(pair, k)) * FollowerBin(pair, k);
+    pair.spectrum[k] = CrossBin(pair, k);
   }
   std::vector<double> products(pair.size);
   fourier.Inverse(std::move(pair.spectrum), products);
