@@ -85,8 +85,8 @@ Pair Transform(Centred leader, Centred follower, int largest_lag, Fourier& fouri
   return pair;
 }
 
-// The common transform is Z = X + i Y of the leader's X and the follower's Y. The spectrum of a real
-// signal has X[-k] = conj(X[k]), so that with a = Z[k] and b = Z[-k]
+// The common transform is Z = X + i Y of the leader's X and the follower's Y. The spectrum of a
+// real signal has X[-k] = conj(X[k]), so that with a = Z[k] and b = Z[-k]
 //     X[k] = (a + conj(b)) / 2,  Y[k] = (a - conj(b)) / 2i.
 const std::complex<double>& Mirrored(const Pair& pair, int k) {
   return pair.spectrum[k == 0 ? 0 : pair.size - k];

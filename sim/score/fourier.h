@@ -51,7 +51,7 @@ class Fourier {
   std::map<std::size_t, Plan> plans_;
   std::map<std::size_t, Values> roots_;
   std::size_t kept_ = 0;  // values of both
-  Values other_;  // where a pass puts its values
+  Values other_;          // where a pass puts its values
 };
 
 /// The smallest length >= `size` that is a product of 4, 3 and 5 only: those are fast.
