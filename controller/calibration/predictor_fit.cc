@@ -18,12 +18,21 @@ using Eigen::Index;
 /// Where the samples of one fit lie.
 struct Geometry {
   int order;
-  Index tap;      // steps
-  Index horizon;  // steps
+  Index tap;           // steps
+  double horizon = 0;  // steps, not always whole
 
   Index first() const { return order * tap; }
   Index CountOf(const Eigen::MatrixXd& recording) const {
-    return std::max<Index>(recording.rows() - first() - horizon, 0);
+    return std::max<Index>(recording.rows() - first() - static_cast<Index>(std::ceil(horizon)), 0);
+  }
+  /// Of some rows from `begin` on what will be there after the horizon, linear between samples.
+  Eigen::VectorXd Ahead(const Eigen::Ref<const Eigen::VectorXd>& signal, Index begin,
+                        Index rows) const {
+    const auto below = static_cast<Index>(std::floor(horizon));
+    const auto above = static_cast<Index>(std::ceil(horizon));
+    const double share = horizon - static_cast<double>(below);
+    return (1.0 - share) * signal.segment(begin + below, rows) +
+           share * signal.segment(begin + above, rows);
   }
 };
 
@@ -65,7 +74,7 @@ std::vector<Moments> MomentsOf(std::span<const Eigen::MatrixXd> recordings,
   for (const Eigen::MatrixXd& recording : recordings) all += g.CountOf(recording);
   Index done = 0;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const auto z = recordings[i].col(channel).array();
+    const auto z = recordings[i].col(channel);
     const Index count = g.CountOf(recordings[i]);
     constexpr Index kBlock = 4096;  // rows, so that an hour's recording needs no gigabytes
     for (Index begin = 0; begin < count;) {
@@ -82,7 +91,7 @@ std::vector<Moments> MomentsOf(std::span<const Eigen::MatrixXd> recordings,
               s.segment(first - (tap + 1) * g.tap, rows) - s.segment(first, rows);
         }
       }
-      const Eigen::VectorXd end = z.segment(first + g.horizon, rows) - z.segment(first, rows);
+      const Eigen::VectorXd end = g.Ahead(z, first, rows) - z.segment(first, rows);
       Moments& moments = folds[static_cast<std::size_t>(fold)];
       moments.of_past.selfadjointView<Eigen::Lower>().rankUpdate(past.transpose());
       moments.with_end += past.transpose() * end;
@@ -197,6 +206,12 @@ void CheckOptions(const PredictorFitOptions& options, Index channels, double rat
   }
 }
 
+/// A horizon that is said in ms is off by some digits.
+double WholeIfNearly(double steps) {
+  constexpr double kTolerance = 1e-3;
+  return std::abs(steps - std::round(steps)) < kTolerance ? std::round(steps) : steps;
+}
+
 void CheckSamples(std::span<const Eigen::MatrixXd> recordings, const Geometry& geometry,
                   Index weights) {
   constexpr Index kLeastPerWeight = 10;
@@ -235,7 +250,7 @@ PredictorFit FitPredictor(std::span<const Eigen::MatrixXd> recordings, double ra
       HorizonSteps(options.horizon_ms, static_cast<int>(channels), rate_hz);
   for (Index channel = 0; channel < channels; ++channel) {
     const Geometry geometry = {
-        .order = options.order, .tap = tap, .horizon = std::lround(horizon_steps[channel])};
+        .order = options.order, .tap = tap, .horizon = WholeIfNearly(horizon_steps[channel])};
     if (!(horizon_steps[channel] >= 0.0 && horizon_steps[channel] <= rate_hz)) {
       throw SettingError("horizon_ms", "is " + NumberText(horizon_steps[channel] * 1e3 / rate_hz) +
                                            ", must be from 0 to 1000");

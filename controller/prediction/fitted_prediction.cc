@@ -205,7 +205,9 @@ std::unique_ptr<Filter> MakePredictor(const FittedPredictionConfig& config, int 
                                        ", one per channel for each of the components");
   }
   const double steps = config.tap_ms * 1e-3 * rate_hz;
-  if (std::abs(steps - std::round(steps)) > 1e-6 * steps || steps < 0.5) {
+  // Clocks are that far off, and rates are written with so few digits.
+  constexpr double kTolerance = 1e-3;
+  if (std::abs(steps - std::round(steps)) > kTolerance * steps || steps < 0.5) {
     throw SettingError("tap_ms", "is " + NumberText(config.tap_ms) +
                                      ", must be a multiple of the step of the filter, " +
                                      NumberText(1e3 / rate_hz) + " ms");

@@ -27,6 +27,26 @@ bool IsMissing(std::string_view cell) {
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
+/// Where the first cell ends: at the separator or the end of the text. One in double quotes may
+/// hold separators and quotes twice (RFC 4180); a quote that does not close begins none.
+std::size_t CellEnd(std::string_view text, char separator) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos || text[begin] != '"' || separator == '"') {
+    return text.find(separator);
+  }
+  for (std::size_t quote = text.find('"', begin + 1); quote != std::string_view::npos;
+       quote = text.find('"', quote + 1)) {
+    if (text.substr(quote + 1).starts_with('"')) {
+      ++quote;
+      continue;
+    }
+    const std::size_t next = text.find_first_not_of(" \t\r", quote + 1);
+    if (next == std::string_view::npos || text[next] == separator) return next;
+    break;
+  }
+  return text.find(separator);
+}
+
 }  // namespace
 
 std::string_view WithoutByteOrderMark(std::string_view text) {
@@ -68,7 +88,7 @@ std::string_view TakeCell(std::string_view& rest, char separator) {
     rest = Trimmed(rest.substr(cell.size()));
     return cell;
   }
-  const std::string_view cell = rest.substr(0, rest.find(separator));
+  const std::string_view cell = rest.substr(0, CellEnd(rest, separator));
   rest.remove_prefix(std::min(cell.size() + 1, rest.size()));
   return cell;
 }
@@ -87,7 +107,8 @@ std::vector<std::string_view> SplitLines(std::string_view text) {
   text = WithoutByteOrderMark(text);
   std::vector<std::string_view> lines;
   while (!text.empty()) {
-    std::string_view line = TakeCell(text, '\n');
+    std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
     if (line.ends_with('\r')) line.remove_suffix(1);
     lines.push_back(line);
   }

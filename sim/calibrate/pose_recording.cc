@@ -49,6 +49,33 @@ std::size_t RowsPerSample(std::vector<std::size_t> distances) {
   return *middle;
 }
 
+/// Where a sample does not follow the one before; and the rate of those that do.
+void FindStretches(const Rows& rows, bool has_time, PoseRecording& recording) {
+  constexpr double kGap = 1.5;  // usual distances, in rows or in time
+  const auto usual = [](std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  };
+  const std::vector<double> distances(rows.distances.begin(), rows.distances.end());
+  std::vector<double> steps_s;
+  for (std::size_t k = 1; k < rows.time_s.size(); ++k) {
+    steps_s.push_back(rows.time_s[k] - rows.time_s[k - 1]);
+  }
+  const double usual_rows = usual(distances);
+  const double usual_s = usual(steps_s);
+  recording.stretch_begins = {0};
+  double gaps_s = 0.0;
+  for (std::size_t k = 0; k < steps_s.size(); ++k) {
+    if (distances[k] <= kGap * usual_rows && steps_s[k] <= kGap * usual_s) continue;
+    recording.stretch_begins.push_back(static_cast<Eigen::Index>(k + 1));
+    gaps_s += steps_s[k];
+  }
+  if (!has_time) return;
+  const std::size_t together = rows.count - recording.stretch_begins.size();
+  recording.rate_hz = static_cast<double>(together) / (rows.time_s.back() - gaps_s);
+}
+
 void TakeTime(const CsvReader& csv, const PoseColumns& columns, const std::vector<double>& values,
               Rows& rows) {
   if (columns.time.empty()) return;
@@ -217,9 +244,7 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   recording.rows_left_out -= std::min(recording.rows_left_out, recording.rows_beyond_scale);
   recording.settle_ms = format.settle_ms;
   recording.rate_hz = format.rate_hz;
-  if (!columns.time.empty()) {
-    recording.rate_hz = (row - 1) / (rows.last_s - rows.first_s) / rows_per_sample;
-  }
+  FindStretches(rows, !columns.time.empty(), recording);
   using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   recording.counts = Eigen::Map<const Table>(rows.counts.data(), rows.count, columns.counts.size());
   recording.angle_deg =

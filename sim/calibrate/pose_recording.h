@@ -21,6 +21,8 @@ struct PoseRecording {
   double full_scale_counts = 1023.0;
   double settle_ms = 200.0;           // see PoseRecordingFormat
   Signal counts;                      // finite
+  /// The first sample of each stretch without a gap: rows that miss a count, or a pause.
+  std::vector<Eigen::Index> stretch_begins;
   Signal angle_deg;                   // NaN where the pose is not known or not yet settled
   std::size_t rows_left_out = 0;      // a count was missing
   std::size_t rows_beyond_scale = 0;  // left out, too: a count was below 0 or above full scale

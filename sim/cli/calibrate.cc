@@ -113,11 +113,19 @@ void PrintJson(const Calibration& calibration, const CurveErrors& errors) {
   Print("{}\n", json.dump(2));
 }
 
-void Remark(const PoseRecording& recording, const Calibration& calibration) {
+void RemarkOnRows(const PoseRecording& recording) {
   if (recording.rows_left_out > 0) {
     Say("gauntlet: {}: {} rows with a missing count left out\n", recording.name,
         recording.rows_left_out);
   }
+  if (recording.rows_beyond_scale > 0) {
+    Say("gauntlet: {}: {} rows with a count below 0 or above {:g} left out\n", recording.name,
+        recording.rows_beyond_scale, recording.full_scale_counts);
+  }
+}
+
+void Remark(const PoseRecording& recording, const Calibration& calibration) {
+  RemarkOnRows(recording);
   if (!recording.columns_unknown.empty()) {
     std::vector<std::string> names;
     for (const std::string& name : recording.columns_unknown) names.push_back(Shown(name));
@@ -128,10 +136,6 @@ void Remark(const PoseRecording& recording, const Calibration& calibration) {
     Say("gauntlet: {}: no known angles (columns as index_mcp_deg, or --poses), so no "
         "linearisation\n",
         recording.name);
-  }
-  if (recording.rows_beyond_scale > 0) {
-    Say("gauntlet: {}: {} rows with a count below 0 or above {:g} left out\n", recording.name,
-        recording.rows_beyond_scale, recording.full_scale_counts);
   }
   const std::vector<std::string> known = KnownChannelNames();
   for (const ChannelCalibration& channel : calibration.channels) {
@@ -214,8 +218,15 @@ controller::PredictorFit FitTo(const PoseRecording& recording, const CalibrateOp
   }
   const Eigen::MatrixXd motion = options.curves.empty() ? Eigen::MatrixXd(recording.counts)
                                                         : AnglesOf(recording, options.curves);
+  std::vector<Eigen::MatrixXd> stretches;  // nothing is foreseen across a gap
+  for (std::size_t i = 0; i < recording.stretch_begins.size(); ++i) {
+    const Eigen::Index begin = recording.stretch_begins[i];
+    const bool is_last = i + 1 == recording.stretch_begins.size();
+    const Eigen::Index end = is_last ? motion.rows() : recording.stretch_begins[i + 1];
+    stretches.emplace_back(motion.middleRows(begin, end - begin));
+  }
   try {
-    return FitPredictor({&motion, 1}, recording.rate_hz, options.fit);
+    return FitPredictor(stretches, recording.rate_hz, options.fit);
   } catch (const controller::SettingError& error) {
     throw UserError({.place = recording.name, .key = error.key(), .problem = error.problem()});
   }
@@ -253,6 +264,11 @@ void RunPredictorFit(const CalibrateOptions& options) {
           }));
   PrintFit(recording, fit, options.curves.empty() ? "counts" : "deg");
   FlushOutput();
+  RemarkOnRows(recording);
+  if (const std::size_t gaps = recording.stretch_begins.size() - 1; gaps > 0) {
+    Say("gauntlet: {}: {} {}, across which nothing is fitted\n", recording.name, gaps,
+        gaps == 1 ? "gap" : "gaps");
+  }
   Say("wrote {}\n", target.string());
 }
 

@@ -114,9 +114,12 @@ TunePlan PlanOf(const TuneCommand& command) {
     if (std::ranges::count(plan.free, axis.key, &SweepAxis::key) > 1) {
       throw UserError({.place = "--free", .key = axis.key, .problem = "is given twice"});
     }
-    ScenarioSource source = plan.scenario;
-    source.overrides.push_back(axis.key + "=" + axis.ValueAt(0.5));
-    ParseScenario(source);  // a key that there is not is found before anything runs
+    // A key that there is not, or a range beyond the key's, is found before anything runs.
+    for (const double share : {0.5, 0.0, 1.0}) {
+      ScenarioSource source = plan.scenario;
+      source.overrides.push_back(axis.key + "=" + axis.ValueAt(share));
+      ParseScenario(source);
+    }
   }
   plan.minimise = OfOption("--minimise", [&] { return FindScore(command.minimise, ""); });
   for (const std::string& text : command.subject_to) {

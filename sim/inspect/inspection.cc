@@ -62,6 +62,8 @@ TableStatistics ReadTable(const std::filesystem::path& file, const TimeGuess& ti
   return statistics;
 }
 
+constexpr double kBeyondCounts = 4294967296.0;  // 2^32
+
 /// Columns that can be sensors of a hand.
 std::vector<std::size_t> FindSensors(Inspection& inspection) {
   std::vector<std::size_t> sensors;
@@ -78,6 +80,9 @@ std::vector<std::size_t> FindSensors(Inspection& inspection) {
       column.why = "it counts the rows, or is another time";
     } else if (const std::string other = NoSensor(column.name); !other.empty()) {
       column.why = "by its name " + other;
+    } else if (std::max(std::abs(statistics.usual_low), std::abs(statistics.usual_high)) >=
+               kBeyondCounts) {
+      column.why = "numbers beyond 32 bits, which no converter has";
     } else if (statistics.low == statistics.high && ReadSensorName(column.name).finger.empty()) {
       column.why = "it never moves";
     } else {

@@ -25,6 +25,17 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 // Longer than any row of numbers; keeps memory flat on files that are not text.
 constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 
+/// A line whose texts in quotes are no more than quotes: separators in them separate nothing.
+std::string OutsideQuotes(std::string_view line) {
+  std::string outside;
+  bool quoted = false;
+  for (const char c : line) {
+    quoted = quoted != (c == '"');
+    if (!quoted || c == '"') outside += c;
+  }
+  return quoted ? std::string(line) : outside;  // one that does not close is a letter
+}
+
 /// True for all that may stand where a number is expected, a missing value included.
 bool LooksLikeNumber(std::string_view cell, bool decimal_comma) {
   std::string text(Unquoted(cell));
@@ -250,7 +261,8 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
   return *value;
 }
 
-char SeparatorOf(std::string_view line) {
+char SeparatorOf(std::string_view text) {
+  const std::string line = OutsideQuotes(text);
   for (const char candidate : {';', '\t'}) {
     if (line.find(candidate) != std::string_view::npos) return candidate;
   }

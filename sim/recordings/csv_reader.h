@@ -101,8 +101,8 @@ class CsvReader {
 };
 
 /// What stands between the cells of a line: semicolon, tab, comma or blanks, in this order; blanks
-/// before commas where these can only be decimal ones, as in `0,01 1,5`.
-char SeparatorOf(std::string_view line);
+/// before commas where these can only be decimal ones, as in `0,01 1,5`. Not what stands in quotes.
+char SeparatorOf(std::string_view text);
 
 /// A source that reads a file. Throws UserError if it cannot be opened.
 CsvReader::Source FileSource(const std::filesystem::path& path);

@@ -29,10 +29,12 @@ constexpr double kMostFitted_s = 60.0;
 constexpr double kTap_ms = 5.0;  // of the fitted weights; a sample if that is longer
 constexpr int kFolds = 2;
 
-/// The same glove for a controller that neither filters nor predicts.
+/// The same glove for a controller that neither filters nor predicts, nor plans commands.
 controller::ControllerConfig Plain(controller::ControllerConfig config) {
   config.filters.clear();
   config.filter_on = controller::FilterOn::kCounts;
+  config.filter_at = controller::FilterAt::kSample;
+  config.model_predictive = {};
   config.prediction.settings = controller::NoPredictionConfig{};
   return config;
 }

@@ -1,7 +1,10 @@
 #include "sim/study/study.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/nearest_name.h"
@@ -41,6 +44,35 @@ void FindMeasuredParts(Study& study) {
   study.rows =
       ScoreRows(study.measured_joint_names, Selected(hand.motor_names, study.measured_motors),
                 Selected(study.hand->cable_names(), study.measured_cables));
+}
+
+/// Refuses a map by which a joint would stand at its stop all the time, whatever the wearer does.
+/// Errors: SettingError `NAME` of the joint.
+void CheckReach(const Study& study) {
+  const controller::TendonTransmission& hand = study.hand->transmission();
+  const controller::JointMap joint_map = study.joint_map();
+  for (const int joint : study.measured_joints) {
+    if (joint_map.terms(joint).empty()) continue;
+    double low_deg = joint_map.offset_rad(joint) * kDegPerRad;
+    double high_deg = low_deg;
+    for (const auto& term : joint_map.terms(joint)) {
+      const std::string& name = study.channel_names()[static_cast<std::size_t>(term.channel)];
+      const Channel& channel = KnownChannels()[static_cast<std::size_t>(ChannelIndex(name))];
+      const auto [low, high] =
+          std::minmax({term.weight * channel.min_deg, term.weight * channel.max_deg});
+      low_deg += low;
+      high_deg += high;
+    }
+    const auto place = static_cast<std::size_t>(joint);
+    const double min_deg = hand.joint_min_rad[place] * kDegPerRad;
+    const double max_deg = hand.joint_max_rad[place] * kDegPerRad;
+    if (low_deg < max_deg && high_deg > min_deg) continue;
+    throw controller::SettingError(
+        hand.joint_names[place],
+        fmt::format("asks for {:.6g} to {:.6g} deg, must reach into the joint's range of {:.6g} to "
+                    "{:.6g}",
+                    low_deg, high_deg, min_deg, max_deg));
+  }
 }
 
 void Add(const Signal& signal, FastHash& hash) {
@@ -163,6 +195,7 @@ Study PrepareStudy(Scenario scenario) {
   controller::WithinSetting("joint_map", [&] {
     study.scenario.joint_map = scenario.joint_map;
     FindMeasuredParts(study);
+    CheckReach(study);
   });
   if (study.measured_joints.empty()) {
     throw controller::SettingError("joint_map",

@@ -18,6 +18,17 @@ TEST(SplitCells, GivesOneCellMoreThanThereAreSeparators) {
   EXPECT_THAT(SplitCells("0,5;1", ';'), ElementsAre("0,5", "1"));
 }
 
+TEST(SplitCells, LeavesSeparatorsInQuotes) {
+  EXPECT_THAT(SplitCells("0,\"fist, slow\",1"), ElementsAre("0", "\"fist, slow\"", "1"));
+  EXPECT_THAT(SplitCells(" \"a;\" ;;\"b\"\r", ';'), ElementsAre(" \"a;\" ", "", "\"b\"\r"));
+  EXPECT_THAT(SplitCells("\"say \"\"a, b\"\"\",c"), ElementsAre("\"say \"\"a, b\"\"\"", "c"));
+  EXPECT_THAT(SplitCells("\"\",\",\","), ElementsAre("\"\"", "\",\"", ""));
+  // What does not close, or goes on behind it, is no quote: an inch, a name.
+  EXPECT_THAT(SplitCells("5\",\"a,b"), ElementsAre("5\"", "\"a", "b"));
+  EXPECT_THAT(SplitCells("\"a\" b,c"), ElementsAre("\"a\" b", "c"));
+  EXPECT_THAT(SplitLines("\"a\nb\",c\n"), ElementsAre("\"a", "b\",c"));
+}
+
 TEST(SplitCells, TakesAnyBlanksAsOneSeparator) {
   EXPECT_THAT(SplitCells("  1 \t -2  3 ", ' '), ElementsAre("1", "-2", "3"));
 }
@@ -46,6 +57,8 @@ TEST(Unquoted, TakesOnePairOfEqualQuotesAway) {
 TEST(CsvLine, ReadsBackWhatWasWritten) {
   const std::vector<std::string> cells = {"a", "", "b,c", "say \"no\"", " d "};
   EXPECT_EQ(CsvLine(cells), "a,,\"b,c\",\"say \"\"no\"\"\", d \n");
+  std::string_view line = "a,,\"b,c\",\"say \"\"no\"\"\", d ";
+  EXPECT_EQ(SplitCells(line).size(), cells.size());
   EXPECT_EQ(CsvLine({}), "\n");
   EXPECT_EQ(NumberOrNothing(0.1), "0.1");
   EXPECT_EQ(NumberOrNothing(1.0 / 3.0), "0.3333333333333333");

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "sim/calibrate/pose_recording.h"
 #include "tests/support/program.h"
@@ -32,6 +33,25 @@ TEST(SlowGlove, HasTheRateOfItsSamples) {
   EXPECT_NEAR(recording.rate_hz, 100.0, 1e-6);
   EXPECT_EQ(recording.counts.rows(), 190);
   EXPECT_EQ(recording.rows_left_out, 10u) << "lost samples, not the rows in between";
+}
+
+TEST(SlowGlove, IsInPiecesWhereSamplesAreLost) {
+  EXPECT_EQ(ReadSlowTrace().stretch_begins, (std::vector<Eigen::Index>{0, 50}));
+}
+
+// 33.3 Hz, whose times are written in whole ms, with a pause of 20 s.
+TEST(SlowGlove, HasTheSameRateWithAPause) {
+  std::string text = "time_ms,index_mcp_counts\n";
+  for (int k = 0; k < 400; ++k) {
+    text +=
+        fmt::format("{},{}\n", std::lround(k * 1000.0 / 33.3) + (k < 150 ? 0 : 20'000), 300 + k);
+  }
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / "pause.csv";
+  std::ofstream(file) << text;
+  const PoseRecording recording = LoadPoseRecording(file, {});
+  EXPECT_EQ(recording.stretch_begins, (std::vector<Eigen::Index>{0, 150}));
+  EXPECT_NEAR(recording.rate_hz, 33.3, 0.01);
 }
 
 TEST(SlowGlove, PosesSettleAfterTheTimeThatWasAskedFor) {

@@ -82,6 +82,8 @@ TEST_F(TuneCommandTest, MistakesAreOneLine) {
   mistake({"--controller", "raw"}, "--free: is needed, or --all");
   mistake({"--free", "filter.q=1:2"}, "--controller: is needed, or --all");
   mistake({"--all", "--controller", "row"}, "unknown controller (did you mean raw?)");
+  mistake({"--controller", "raw", "--free", "motor.speed_limit_rad_s=0:20000"},
+          "speed_limit_rad_s: is 20000, must be");
 }
 
 }  // namespace

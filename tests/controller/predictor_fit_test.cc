@@ -103,6 +103,33 @@ TEST(PredictorFit, PredictsMotionsLikeThoseItWasFittedTo) {
   for (int c = 0; c < 2; ++c) EXPECT_LT(left[c], 0.3 * fit.hold_rms[c]) << c;
 }
 
+// At 50 Hz, 30 ms are a sample and a half: of a straight line the weights then foresee just that.
+TEST(PredictorFit, LooksAheadByPartsOfASample) {
+  Eigen::MatrixXd line(2000, 1);
+  TestNoise noise(5);
+  double value = 0.0;
+  double slope = 0.01;
+  for (Eigen::Index k = 0; k < line.rows(); ++k) {
+    if (k % 100 == 0) slope = 0.02 * noise.Uniform() - 0.01;
+    line(k, 0) = value += slope;
+  }
+  const auto foreseen = [&line](double horizon_ms) {
+    const PredictorFit fit = FitPredictor(
+        {&line, 1}, 50.0, {.horizon_ms = {horizon_ms}, .order = 2, .tap_ms = 20.0, .caution = 1.0});
+    const auto predictor = MakePredictor(fit.predictor, 1, 50.0);
+    std::vector<double> angle(1);
+    for (int k = 0; k < 50; ++k) {
+      angle[0] = k;
+      predictor->Step(angle, angle);
+    }
+    return angle[0] - 49.0;
+  };
+  const double whole = foreseen(20.0);
+  EXPECT_NEAR(foreseen(30.0), 1.5 * whole, 0.05 * whole);
+  EXPECT_NEAR(foreseen(8.0), 0.4 * whole, 0.05 * whole);
+  EXPECT_DOUBLE_EQ(foreseen(20.001), whole);  // as a rounded number of ms
+}
+
 TEST(PredictorFit, FindsTheNoiseOfWhiteNoise) {
   const PredictorFit fit = Fit(Glove(20000, 3.0));
   for (int c = 0; c < 2; ++c) EXPECT_NEAR(fit.noise_variance[c], 9.0, 0.3);

@@ -46,6 +46,19 @@ TEST(CsvReader, ReadsTheSameNumbersWithAnySeparatorAndLineEnd) {
   EXPECT_EQ(ReadAll("\xEF\xBB\xBF  1   -2.5 +3e-3\n\n# said by hand\n4 5  6  \n"), expected);
 }
 
+TEST(CsvReader, TakesASeparatorInQuotesForText) {
+  CsvReader reader("in.csv", TextSource("time_s,\"note; or so\",a,b\n0,\"fist, slow\",1,2\n"),
+                   ProblemHandling::kStrict);
+  EXPECT_THAT(reader.header(), ElementsAre("time_s", "note; or so", "a", "b"));
+  std::vector<std::string> cells;
+  ASSERT_TRUE(reader.NextRow(cells));
+  EXPECT_THAT(cells, ElementsAre("0", "fist, slow", "1", "2"));
+  // Which of 1234 and 1.234 this is, nobody knows.
+  EXPECT_EQ(ErrorOf("a,b\n\"1,234\",2\n"), "in.csv:2:1: '\"1,234\"' is not a number");
+  EXPECT_EQ(SeparatorOf("\"time s\" \"a b\""), ' ');
+  EXPECT_EQ(SeparatorOf("6\" drum;a"), ';');
+}
+
 TEST(CsvReader, TakesTheFirstLineAsNamesOnlyIfItHoldsText) {
   CsvReader named("in.csv", TextSource("\"time_s\",index mcp\n0,1\n"), ProblemHandling::kStrict);
   EXPECT_THAT(named.header(), ElementsAre("time_s", "index mcp"));

@@ -9,6 +9,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/signal.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
@@ -85,6 +86,26 @@ INSTANTIATE_TEST_SUITE_P(Channels, AnyGlove,
                          [](const auto& test) {
                            return std::to_string(test.param.size()) + "Channels";
                          });
+
+TEST(JointMapOfAStudy, MustLetItsJointsMove) {
+  const auto refusal = [](const std::string& map) -> std::string {
+    try {
+      PrepareStudy(ParseScenario(
+          {.file = "s.yaml",
+           .text = "question: q\nglove: {motion: {kind: random, duration_s: 0.2}}\njoint_map: {" +
+                   map + "}\ncontrollers: {raw: {}}\n"}));
+    } catch (const controller::SettingError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("middle_mcp: {channels: [index_mcp], offset_deg: 360}"),
+            "joint_map.middle_mcp: asks for 315 to 450 deg, must reach into the joint's range of "
+            "-45 to 90");
+  EXPECT_NE(refusal("middle_mcp: {channels: [index_mcp], weights: [-1], offset_deg: -90}"), "");
+  EXPECT_EQ(refusal("middle_mcp: {channels: [index_mcp], offset_deg: 100}"), "");
+  EXPECT_EQ(refusal("middle_mcp: {channels: [], offset_deg: -45}"), "");
+}
 
 GloveConfig AllKnownChannels() {
   GloveConfig config;

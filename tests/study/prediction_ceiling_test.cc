@@ -129,6 +129,30 @@ TEST_F(PredictionCeilingTest, WorksAtOtherRates) {
   }
 }
 
+// A sample of this glove lasts 30 ms: weights look ahead by parts of it, as it is judged by parts.
+TEST_F(PredictionCeilingTest, DoesNotDependOnWhichSampleIsNearest) {
+  const auto fitted = [this](const std::string& horizon_ms) {
+    const auto ceilings =
+        Measure("  a: {prediction: {kind: kalman, horizon_ms: " + horizon_ms + "}}\n", 4,
+                {"glove.rate_hz=33.3", "glove.motion.duration_s=20"});
+    return ceilings.at(0).fitted.mean;
+  };
+  const double below = fitted("44.9");
+  EXPECT_NEAR(fitted("45.2"), below, 0.02 * below);
+}
+
+TEST_F(PredictionCeilingTest, IsKnownOfFiltersAtEventsAndOfPlannedCommands) {
+  const auto ceilings = Measure(
+      "  events: {filter_at: event, prediction: {kind: adaptive, horizon_ms: 80}}\n"
+      "  planned: {model_predictive: {kind: second_order}, prediction: {kind: adaptive, "
+      "horizon_ms: "
+      "80}}\n");
+  EXPECT_THAT(remarks_, testing::IsEmpty());
+  ASSERT_EQ(ceilings.size(), 2u);
+  EXPECT_EQ(ceilings[0].fitted.mean, ceilings[1].fitted.mean);
+  EXPECT_EQ(ceilings[0].now.mean, ceilings[1].now.mean);
+}
+
 TEST_F(PredictionCeilingTest, SaysWhyThereIsNone) {
   EXPECT_TRUE(Measure("  a: {prediction: adaptive}\n", 4, {"glove.motion.duration_s=0.3"}).empty());
   ASSERT_EQ(remarks_.size(), 1u);
