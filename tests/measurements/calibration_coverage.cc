@@ -21,10 +21,7 @@ using Eigen::Index;
 
 constexpr double kFullScale = 1023.0;
 constexpr int kRepeats = 200;
-constexpr int kChannels = 3;
 constexpr int kPoses = 6;
-constexpr Index kHoldSamples = 1500;
-constexpr Index kMoveSamples = 300;
 
 struct Case {
   std::string name;
@@ -33,9 +30,15 @@ struct Case {
   double white_share = 0.0;  // of the variance: white noise on top of it
   double spike_share = 0.0;  // of 124 counts
   double clipped_share = 0.0;
+  double rate_hz = 1000.0;
+  double hold_s = 1.5;
+  int channels = 3;
+
+  Index HoldSamples() const { return std::lround(hold_s * rate_hz); }
+  Index MoveSamples() const { return std::lround(0.3 * rate_hz); }
 };
 
-/// A wearer who takes poses and holds each, at 1 kHz; what the glove says is rounded.
+/// A wearer who takes poses and holds each; what the glove says is rounded.
 struct Recording {
   Eigen::MatrixXd counts;
   Eigen::MatrixXd settled_deg;  // NaN while moving
@@ -47,10 +50,11 @@ class Glove {
   Glove(const Case& glove, std::uint64_t seed) : case_(glove), random_(seed) {}
 
   Recording Record() {
-    const Index rows = kPoses * (kHoldSamples + kMoveSamples);
-    Recording recording{Eigen::MatrixXd(rows, kChannels), Eigen::MatrixXd(rows, kChannels),
-                        Eigen::MatrixXd(kPoses, kChannels)};
-    for (int c = 0; c < kChannels; ++c) RecordChannel(c, recording);
+    const Index rows = kPoses * (case_.HoldSamples() + case_.MoveSamples());
+    Recording recording{Eigen::MatrixXd(rows, case_.channels),
+                        Eigen::MatrixXd(rows, case_.channels),
+                        Eigen::MatrixXd(kPoses, case_.channels)};
+    for (int c = 0; c < case_.channels; ++c) RecordChannel(c, recording);
     return recording;
   }
 
@@ -82,10 +86,10 @@ class Glove {
       const double level = 200.0 + 100.0 * pose + random_.Uniform() * 10.0;
       recording.pose_counts(pose, channel) = level;
       if (pose == 0) before = level;
-      for (Index k = 0; k < kMoveSamples + kHoldSamples; ++k, ++row) {
-        const double part = std::min(1.0, static_cast<double>(k) / kMoveSamples);
+      for (Index k = 0; k < case_.MoveSamples() + case_.HoldSamples(); ++k, ++row) {
+        const double part = std::min(1.0, static_cast<double>(k) / case_.MoveSamples());
         recording.counts(row, channel) = Seen(before + part * (level - before));
-        recording.settled_deg(row, channel) = k < kMoveSamples ? std::nan("") : 10.0 * pose;
+        recording.settled_deg(row, channel) = k < case_.MoveSamples() ? std::nan("") : 10.0 * pose;
       }
       before = level;
     }
@@ -148,13 +152,13 @@ void Measure(const Case& glove) {
   const double truth = glove.deviation_counts * glove.deviation_counts;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     const Recording recording = Glove(glove, 1000 + repeat).Record();
-    const auto stretches = FindStillStretches(recording.counts, 1000.0);
+    const auto stretches = FindStillStretches(recording.counts, glove.rate_hz);
     if (stretches.size() < kPoses / 2) {
       ++without_rest;
       continue;
     }
     const NoiseEstimate estimate = EstimateNoise(recording.counts, stretches);
-    for (int c = 0; c < kChannels; ++c) {
+    for (int c = 0; c < glove.channels; ++c) {
       variance.Add(estimate.variance_low[c], estimate.variance[c], estimate.variance_high[c],
                    truth);
       spikes += estimate.spikes[static_cast<std::size_t>(c)];
@@ -164,7 +168,7 @@ void Measure(const Case& glove) {
   }
   fmt::print("{:<28} {}   {}   {:>6.1f}   {:>4}   {:>4}\n", glove.name, variance.Text(),
              table.intervals > 0 ? table.Text() : std::string(17, '-'),
-             static_cast<double>(spikes) / kRepeats / kChannels, rounded, without_rest);
+             static_cast<double>(spikes) / kRepeats / glove.channels, rounded, without_rest);
   std::fflush(stdout);
 }
 
@@ -194,4 +198,13 @@ int main(int count, char** arguments) {
   gauntlet::controller::Measure({.name = "spikes, 1 %", .spike_share = 0.01});
   gauntlet::controller::Measure({.name = "spikes, 5 %", .spike_share = 0.05});
   gauntlet::controller::Measure({.name = "at full scale, 0.5 %", .clipped_share = 0.005});
+  for (const int channels : {5, 18}) {
+    for (const double hold_s : {1.0, 1.5, 2.0}) {
+      gauntlet::controller::Measure(
+          {.name = fmt::format("10 Hz, {} channels, {:g} s", channels, hold_s),
+           .rate_hz = 10.0,
+           .hold_s = hold_s,
+           .channels = channels});
+    }
+  }
 }
