@@ -328,7 +328,7 @@ double StudentOfGain(const Solution& better, const Solution& other) {
   return of_block.mean() / std::max(spread / std::sqrt(kBlocks * (kBlocks - 1.0)), 1e-300);
 }
 
-/// With lost motion behind the lag; none where it leaves no less than chance does.
+/// With lost motion behind the lag; none where there is none, or what it leaves is less by chance.
 std::optional<Solution> FitLoose(std::span<const double> command_deg,
                                  std::span<const double> angle_deg, double rate_hz,
                                  const Solution& shifted, const Solution& tight) {
@@ -341,7 +341,9 @@ std::optional<Solution> FitLoose(std::span<const double> command_deg,
     start[kPlay] = (1.0 - share) * tight.parameters[kPlay];
     KeepBetter(Minimise(problem, start), best);
   }
-  if (!(StudentOfGain(*best, tight) > kStudent95OneSided)) return std::nullopt;
+  constexpr double kLeastLost_deg = 0.01;  // angles without noise are fitted better by nothing
+  const bool lost = 2.0 * best->parameters[kLostPlay] > kLeastLost_deg;
+  if (!lost || !(StudentOfGain(*best, tight) > kStudent95OneSided)) return std::nullopt;
   return best;
 }
 

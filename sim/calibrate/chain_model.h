@@ -18,8 +18,8 @@ namespace gauntlet::sim {
 /// Slow motions are late by dead_time + lag, and by what both plays add. The natural frequency is
 /// 1 / (2 pi sqrt(inertia)), the damping ratio lag / (2 sqrt(inertia)).
 ///
-/// Dry friction and the backlash of a gear look alike but for the side of the lag on which they are.
-/// Source: model of play: Tao, Kokotovic, Automatica 29, 323-335 (1993).
+/// Dry friction and the backlash of a gear look alike but for the side of the lag on which they
+/// are. Source: model of play: Tao, Kokotovic, Automatica 29, 323-335 (1993).
 struct ChainModel {
   double dead_time_s = 0.0;
   double lag_s = 0.0;

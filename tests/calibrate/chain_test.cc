@@ -64,7 +64,7 @@ TEST(ChainModel, LosesMotionBehindTheLagAtEveryTurn) {
   std::vector<double> up_and_down;
   for (int k = 0; k < 16000; ++k) up_and_down.push_back(k < 8000 ? 0.005 * k : 80.0 - 0.005 * k);
   const std::vector<double> angle = Simulated(model, up_and_down, 1000.0);
-  // At the same command, on the way up and down: the width of both plays and twice the way of 20 ms.
+  // At the same command, up and down: the width of both plays and twice the way of 20 ms.
   EXPECT_NEAR(angle[12000] - angle[4000], 2.0 * (1.0 + 2.5 + 5.0 * 0.02), 1e-3);
   // 5 deg/s: 7 deg take 1.4 s, in which the joint stands as it did at the turn.
   EXPECT_NEAR(angle[9300], 40.0 - 1.0 - 2.5, 0.15);
