@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
 #include "sim/base/signal.h"
@@ -24,6 +24,7 @@ using Eigen::VectorXd;
 
 constexpr int kBlocks = 20;
 constexpr double kStudent95 = 2.0930;  // of kBlocks - 1 degrees of freedom
+constexpr double kStudent95OneSided = 1.7291;
 /// The state in which the log begins is not known: so much of it is not compared.
 constexpr double kBeginning_s = 0.5;
 constexpr double kLeastDamping = 0.05;
@@ -32,12 +33,12 @@ constexpr double kLongestDelay_s = 2.0;
 constexpr double kNoiseInLost = 3.0;
 
 /// Places of the parameters of a fit. That of the delay alone has the first three, that of lost
-/// motion the first four.
-enum Parameter { kDeadTime, kGain, kOffset, kPlay, kLag, kInertia };
+/// motion between two angles the first four, that of a chain that loses none the first six.
+enum Parameter { kDeadTime, kGain, kOffset, kPlay, kLag, kInertia, kLostPlay };
 constexpr Index kShiftParameters = 3;
 constexpr Index kPlayParameters = 4;
-constexpr Index kFirstOrderParameters = 5;
-constexpr Index kAllParameters = 6;
+constexpr Index kTightParameters = 6;
+constexpr Index kLooseParameters = 7;
 
 ChainModel ModelOf(const VectorXd& parameters) {
   ChainModel model{.dead_time_s = parameters[kDeadTime],
@@ -48,17 +49,22 @@ ChainModel ModelOf(const VectorXd& parameters) {
   if (parameters.size() == kPlayParameters) return model;
   model.lag_s = parameters[kLag];
   model.inertia_s2 = parameters[kInertia];
+  if (parameters.size() == kTightParameters) return model;
+  model.lost_play_deg = parameters[kLostPlay];
   return model;
+}
+
+double Rms(const VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
 /// One log and the model's parameters with their bounds and the steps of its derivatives.
 class Problem {
  public:
   Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
-          Index parameters)
-      : command_deg_(command_deg),
-        rate_hz_(rate_hz),
-        first_(std::lround(kBeginning_s * rate_hz)),
+          Index parameters, double beginning_s = kBeginning_s)
+      : command_(RefineCommand(command_deg, rate_hz)),
+        first_(std::lround(beginning_s * rate_hz)),
         angle_deg_(
             Eigen::Map<const VectorXd>(angle_deg.data() + first_, std::ssize(angle_deg) - first_)),
         simulated_deg_(command_deg.size()),
@@ -68,9 +74,12 @@ class Problem {
     const double period_s = 1.0 / rate_hz;
     const auto [least, most] = std::ranges::minmax(command_deg);
     const double travel_deg = most - least;
-    // Of a command that goes in steps, as frames do, only a wide difference is a slope.
+    // Of a command that goes in steps, as frames do, only a wide difference is a slope. Where
+    // motion is lost, corners of the angle make that of a smooth one too flat.
     constexpr double kWide_s = 0.01;
-    Bound(kDeadTime, 0.0, kLongestDelay_s, kWide_s);
+    constexpr double kNarrow_s = 0.001;
+    const bool narrow = parameters == kLooseParameters && command_.smooth;
+    Bound(kDeadTime, 0.0, kLongestDelay_s, narrow ? kNarrow_s : kWide_s);
     Bound(kGain, 0.01, 100.0, 1e-4);
     Bound(kOffset, -1e4, 1e4, 1e-3 * travel_deg);
     if (parameters == kShiftParameters) return;
@@ -78,13 +87,15 @@ class Problem {
     if (parameters == kPlayParameters) return;
     Bound(kLag, 0.0, kLongestDelay_s, 1e-4);
     Bound(kInertia, std::pow(0.25 * period_s, 2), 1.0, 1e-6);
+    if (parameters == kTightParameters) return;
+    Bound(kLostPlay, 0.0, travel_deg, 1e-4 * travel_deg);
   }
 
   Index parameters() const { return low_.size(); }
   Index rows() const { return angle_deg_.size(); }
 
   VectorXd Residual(const VectorXd& parameters) {
-    SimulateChain(ModelOf(parameters), command_deg_, rate_hz_, simulated_deg_);
+    SimulateChain(ModelOf(parameters), command_, simulated_deg_);
     return angle_deg_ - Eigen::Map<const VectorXd>(simulated_deg_.data() + first_, rows());
   }
 
@@ -103,7 +114,7 @@ class Problem {
 
   void KeepWithinBounds(VectorXd& parameters) const {
     parameters = parameters.cwiseMax(low_).cwiseMin(high_);
-    if (this->parameters() < kAllParameters) return;
+    if (this->parameters() < kTightParameters) return;
     const double least_lag_s = 2.0 * kLeastDamping * std::sqrt(parameters[kInertia]);
     parameters[kLag] = std::max(parameters[kLag], least_lag_s);
   }
@@ -115,8 +126,7 @@ class Problem {
     step_[parameter] = step;
   }
 
-  std::span<const double> command_deg_;
-  double rate_hz_;
+  FineCommand command_;
   Index first_;
   VectorXd angle_deg_;
   std::vector<double> simulated_deg_;
@@ -166,11 +176,15 @@ Solution Minimise(Problem& problem, VectorXd start) {
   return best;
 }
 
-/// The first `count` parameters as they would be without each of the blocks, the others held; none
-/// where the log does not tell them apart.
-std::optional<std::vector<VectorXd>> WithoutEachBlock(const Solution& solution, Index count) {
+/// All parameters but `held` as they would be without each of the blocks; none where the log does
+/// not tell them apart.
+std::optional<std::vector<VectorXd>> WithoutEachBlock(const Solution& solution,
+                                                      std::optional<Index> held = {}) {
   constexpr double kLeastEigenvalue = 1e-7;  // of the normal matrix with ones in its diagonal
-  const MatrixXd derivatives = solution.derivatives.leftCols(count);
+  std::vector<Index> told(static_cast<std::size_t>(solution.parameters.size()));
+  std::iota(told.begin(), told.end(), Index{0});
+  if (held) told.erase(told.begin() + *held);
+  const MatrixXd derivatives = solution.derivatives(Eigen::all, told);
   const VectorXd norm = derivatives.colwise().norm().cwiseMax(1e-300);
   const MatrixXd scaled = derivatives * norm.cwiseInverse().asDiagonal();
   const MatrixXd normal = scaled.transpose() * scaled;
@@ -184,7 +198,7 @@ std::optional<std::vector<VectorXd>> WithoutEachBlock(const Solution& solution, 
     const MatrixXd rest = normal - part.transpose() * part;
     const VectorXd gradient = part.transpose() * solution.residual_deg.segment(begin, rows);
     VectorXd parameters = solution.parameters;
-    parameters.head(count) -= rest.ldlt().solve(gradient).cwiseQuotient(norm);
+    parameters(told) -= rest.ldlt().solve(gradient).cwiseQuotient(norm);
     result.push_back(std::move(parameters));
   }
   return result;
@@ -214,18 +228,44 @@ void KeepBetter(Solution solution, std::optional<Solution>& best) {
   if (!best || solution.squares_deg2 < best->squares_deg2) best = std::move(solution);
 }
 
-void TakeSplit(const Solution& solution, const std::vector<VectorXd>& without, bool second_order,
-               ChainFit& fit) {
-  const auto parameter = [&](Parameter index, double factor) {
-    return EstimateOf(solution, without, 0.0,
-                      [index, factor](const VectorXd& p) { return factor * p[index]; });
+/// A fit of all parameters, and as it would be without each of the blocks.
+struct Split {
+  Solution solution;
+  std::vector<VectorXd> without;
+  bool second_order = true;  // a lag of first order does not say as much
+};
+
+/// None where the log does not tell the parameters apart.
+std::optional<Split> SplitOf(const Solution& solution) {
+  if (const auto without = WithoutEachBlock(solution)) return Split{solution, *without};
+  if (const auto without = WithoutEachBlock(solution, kInertia)) {
+    return Split{solution, *without, false};
+  }
+  return std::nullopt;
+}
+
+void TakeSplit(const Split& split, ChainFit& fit) {
+  const Solution& solution = split.solution;
+  const auto estimate = [&](const auto& value_of, double least) {
+    return EstimateOf(solution, split.without, least, value_of);
   };
+  const auto parameter = [&](Parameter index, double factor) {
+    return estimate([index, factor](const VectorXd& p) { return factor * p[index]; }, 0.0);
+  };
+  fit.model = ModelOf(solution.parameters);
+  fit.residual_rms_deg = Rms(solution.residual_deg);
   fit.dead_time_ms = parameter(kDeadTime, 1e3);
   fit.lag_ms = parameter(kLag, 1e3);
   fit.gain = parameter(kGain, 1.0);
   fit.hysteresis_deg = parameter(kPlay, 2.0);
+  if (solution.parameters.size() == kLooseParameters) {
+    fit.motor_hysteresis_deg = fit.hysteresis_deg;
+    fit.lost_motion_deg = parameter(kLostPlay, 2.0);
+    fit.hysteresis_deg =
+        estimate([](const VectorXd& p) { return 2.0 * (p[kPlay] + p[kLostPlay]); }, 0.0);
+  }
   const ChainEstimate inertia_s2 = parameter(kInertia, 1.0);
-  if (!second_order || !(inertia_s2.low > 0.0)) return;
+  if (!split.second_order || !(inertia_s2.low > 0.0)) return;
   fit.natural_frequency_hz = Through(inertia_s2, [](double inertia) {
     return 1.0 / (2.0 * std::numbers::pi * std::sqrt(inertia));
   });
@@ -233,12 +273,7 @@ void TakeSplit(const Solution& solution, const std::vector<VectorXd>& without, b
   const auto log_damping = [](const VectorXd& p) {
     return std::log(std::max(p[kLag], 1e-9) / (2.0 * std::sqrt(std::max(p[kInertia], 1e-12))));
   };
-  fit.damping_ratio = Through(EstimateOf(solution, without, -1e3, log_damping),
-                              [](double l) { return std::exp(l); });
-}
-
-double Rms(const VectorXd& values) {
-  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+  fit.damping_ratio = Through(estimate(log_damping, -1e3), [](double l) { return std::exp(l); });
 }
 
 /// Standard deviation of white noise and of an encoder's steps, from third differences, of which
@@ -248,6 +283,68 @@ double FastNoise(const VectorXd& values) {
   const VectorXd third = values.tail(count) - values.head(count) -
                          3.0 * (values.segment(2, count) - values.segment(1, count));
   return Rms(third) / std::sqrt(20.0);  // 1 + 9 + 9 + 1
+}
+
+/// Where to begin with a fit of all parameters, if `share` of the delay is dead time.
+VectorXd StartOfSplit(const Solution& shifted, double share) {
+  constexpr double kDamping = 0.8;
+  const double lag_s = (1.0 - share) * shifted.parameters[kDeadTime];
+  VectorXd start(kTightParameters);
+  start << shifted.parameters, 0.2 * Rms(shifted.residual_deg), lag_s,
+      std::pow(lag_s / (2.0 * kDamping), 2);
+  start[kDeadTime] *= share;
+  return start;
+}
+
+/// When the angle has forgotten where in its hysteresis the log began, which it has once the
+/// command has gone all of its width; as usual, if that takes half of the log.
+double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
+                           const Solution& tight) {
+  constexpr double kMargin = 1.25;  // the width is that of a fit that may not fit
+  const double width_deg = kMargin * 2.0 * tight.parameters[kPlay] / tight.parameters[kGain];
+  double least = command_deg.front();
+  double most = least;
+  std::size_t row = 0;
+  while (row < command_deg.size() / 2 && most - least < width_deg) {
+    least = std::min(least, command_deg[row]);
+    most = std::max(most, command_deg[row]);
+    ++row;
+  }
+  if (most - least < width_deg) return kBeginning_s;
+  return static_cast<double>(row) / rate_hz + kBeginning_s;
+}
+
+/// Student's t of what a fit leaves less of the squares of a log's end than another, from block to
+/// block.
+double StudentOfGain(const Solution& better, const Solution& other) {
+  const Index rows = better.residual_deg.size();
+  const VectorXd gain = other.residual_deg.tail(rows).cwiseAbs2() - better.residual_deg.cwiseAbs2();
+  Eigen::Vector<double, kBlocks> of_block;
+  for (Index block = 0; block < kBlocks; ++block) {
+    const Index begin = rows * block / kBlocks;
+    of_block[block] = gain.segment(begin, rows * (block + 1) / kBlocks - begin).sum();
+  }
+  const double spread = (of_block.array() - of_block.mean()).matrix().norm();
+  return of_block.mean() / std::max(spread / std::sqrt(kBlocks * (kBlocks - 1.0)), 1e-300);
+}
+
+/// With lost motion behind the lag; none where there is none, or what it leaves is less by chance.
+std::optional<Solution> FitLoose(std::span<const double> command_deg,
+                                 std::span<const double> angle_deg, double rate_hz,
+                                 const Solution& shifted, const Solution& tight) {
+  Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters,
+                  BeginningBehindPlay(command_deg, rate_hz, tight));
+  std::optional<Solution> best;
+  for (const double share : {0.1, 0.5, 0.9}) {  // of the hysteresis that is lost motion
+    VectorXd start(kLooseParameters);
+    start << StartOfSplit(shifted, 0.5), share * tight.parameters[kPlay];
+    start[kPlay] = (1.0 - share) * tight.parameters[kPlay];
+    KeepBetter(Minimise(problem, start), best);
+  }
+  constexpr double kLeastLost_deg = 0.01;  // angles without noise are fitted better by nothing
+  const bool lost = 2.0 * best->parameters[kLostPlay] > kLeastLost_deg;
+  if (!lost || !(StudentOfGain(*best, tight) > kStudent95OneSided)) return std::nullopt;
+  return best;
 }
 
 /// Dead time and play alone, between a motor and its joint.
@@ -306,50 +403,6 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
 
 }  // namespace
 
-void SimulateChain(const ChainModel& model, std::span<const double> command_deg, double rate_hz,
-                   std::span<double> angle_deg) {
-  const Index samples = std::ssize(command_deg);
-  const double dead_samples = model.dead_time_s * rate_hz;
-  const double whole = std::floor(dead_samples);
-  const auto dead = static_cast<Index>(whole);
-  const double fraction = dead_samples - whole;
-  const auto at = [&](Index k) { return command_deg[std::max<Index>(k, 0)]; };
-  const auto delayed = [&](Index k) {
-    return model.gain * (at(k - dead) + fraction * (at(k - dead - 1) - at(k - dead)));
-  };
-  // One step of inertia z'' + lag z' + z = q, exact where q goes from `now` to `next` in a line.
-  // Of z, its change per step, q, and the change of q.
-  Eigen::Matrix4d step = Eigen::Matrix4d::Identity();
-  const bool at_once = model.inertia_s2 <= 0.0 && model.lag_s <= 0.0;
-  if (!at_once) {
-    constexpr double kLeastInertia = 1e-4;  // a hundredth of a step; stands for a first order
-    const double inertia = std::max(model.inertia_s2 * rate_hz * rate_hz, kLeastInertia);
-    const double stiffness = 1.0 / inertia;
-    const double friction = model.lag_s * rate_hz / inertia;
-    Eigen::Matrix4d rate = Eigen::Matrix4d::Zero();
-    rate(0, 1) = 1.0;
-    rate.row(1) << -stiffness, -friction, stiffness, 0.0;
-    rate(2, 3) = 1.0;
-    step = rate.exp();
-  }
-  double played = delayed(0);
-  double angle = played;
-  double change = 0.0;
-  for (Index k = 0; k < samples; ++k) {
-    const double wanted = delayed(k);
-    const double next = std::clamp(played, wanted - model.play_deg, wanted + model.play_deg);
-    if (at_once) {
-      angle = next;
-    } else {
-      const Eigen::Vector4d state = step * Eigen::Vector4d(angle, change, played, next - played);
-      angle = state[0];
-      change = state[1];
-    }
-    played = next;
-    angle_deg[k] = angle + model.offset_deg;
-  }
-}
-
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
                   double rate_hz) {
   ChainFit fit;
@@ -360,36 +413,26 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
   Problem shift(command_deg, angle_deg, rate_hz, kShiftParameters);
   const Solution shifted = Minimise(shift, Eigen::Vector3d(delay_s, 1.0, 0.0));
   fit.shifted_rms_deg = Rms(shifted.residual_deg);
-  if (const auto without = WithoutEachBlock(shifted, kShiftParameters)) {
+  if (const auto without = WithoutEachBlock(shifted)) {
     fit.delay_ms =
         EstimateOf(shifted, *without, 0.0, [](const VectorXd& p) { return 1e3 * p[kDeadTime]; });
   }
 
-  Problem split(command_deg, angle_deg, rate_hz, kAllParameters);
-  std::optional<Solution> best;
+  Problem problem(command_deg, angle_deg, rate_hz, kTightParameters);
+  std::optional<Solution> tight;
   for (const double share : {0.25, 0.5, 0.75}) {  // of the delay that is dead time
-    constexpr double kDamping = 0.8;
-    const double lag_s = (1.0 - share) * shifted.parameters[kDeadTime];
-    VectorXd start(kAllParameters);
-    start << shifted.parameters, 0.2 * fit.shifted_rms_deg, lag_s,
-        std::pow(lag_s / (2.0 * kDamping), 2);
-    start[kDeadTime] *= share;
-    KeepBetter(Minimise(split, start), best);
+    KeepBetter(Minimise(problem, StartOfSplit(shifted, share)), tight);
   }
-  bool second_order = true;
-  auto without = WithoutEachBlock(*best, kAllParameters);
-  if (!without) {
-    second_order = false;
-    without = WithoutEachBlock(*best, kFirstOrderParameters);
-  }
-  if (!without) {
+  std::optional<Split> split = SplitOf(*tight);
+  if (!split) {
     fit.split_problem =
         "this motion does not tell dead time, lag and hysteresis apart: one of more speeds may";
     return fit;
   }
-  fit.model = ModelOf(best->parameters);
-  fit.residual_rms_deg = Rms(best->residual_deg);
-  TakeSplit(*best, *without, second_order, fit);
+  if (const auto loose = FitLoose(command_deg, angle_deg, rate_hz, shifted, *tight)) {
+    if (const auto apart = SplitOf(*loose)) split = apart;
+  }
+  TakeSplit(*split, fit);
   return fit;
 }
 
@@ -416,7 +459,7 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
   // In the joint's degrees and sense.
   VectorXd scaled = covariance / around.squaredNorm() * around;
   const Solution lost = FitLost({scaled.data(), motor_deg.size()}, angle_deg, rate_hz);
-  const auto without = WithoutEachBlock(lost, kPlayParameters);
+  const auto without = WithoutEachBlock(lost);
   if (!without) return;
   fit.lost_motion_deg =
       EstimateOf(lost, *without, 0.0, [](const VectorXd& p) { return 2.0 * p[kPlay]; });

@@ -1,38 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <limits>
 #include <span>
 #include <string>
 
+#include "sim/calibrate/chain_model.h"
+
 namespace gauntlet::sim {
-
-/// What stands between a command and the angle that follows it: dead time, then play, as dry
-/// friction against a soft servo makes it, then a lag of second order.
-///
-///     v(t) = gain u(t - dead_time)
-///     q    = clamp(q, v - play, v + play)               the width of its loop is 2 play
-///     y    = z + offset,   inertia z'' + lag z' + z = q
-///
-/// Slow motions are late by dead_time + lag, and by what the play adds. The natural frequency is
-/// 1 / (2 pi sqrt(inertia)), the damping ratio lag / (2 sqrt(inertia)).
-///
-/// Dry friction and the backlash of a gear look alike here: what is left after a turn, is one
-/// number. Source: model of play: Tao, Kokotovic, Automatica 29, 323-335 (1993).
-struct ChainModel {
-  double dead_time_s = 0.0;
-  double lag_s = 0.0;
-  double inertia_s2 = 0.0;
-  double gain = 1.0;
-  double play_deg = 0.0;
-  double offset_deg = 0.0;
-};
-
-/// The angle that the model gives for a command, which is a straight line between samples; exact
-/// for it but for the corner where play ends within a step. Before the first sample all stands
-/// still. Shapes: both as long.
-void SimulateChain(const ChainModel& model, std::span<const double> command_deg, double rate_hz,
-                   std::span<double> angle_deg);
 
 /// A value and its interval of 95 %; NaN: not to be had from this log.
 struct ChainEstimate {
@@ -57,9 +31,9 @@ struct ChainFit {
   ChainEstimate damping_ratio;         // the same
   ChainEstimate gain;
   ChainEstimate hysteresis_deg;  // all of the loop's width
-  /// Of a log that also has the motor's angle, in degrees of the joint; NaN of others.
-  ChainEstimate motor_hysteresis_deg;  // the part of it that the motor's own way has
-  ChainEstimate lost_motion_deg;       // what AddMotor() finds behind it
+  /// Its parts, where the angle's curve or the motor's angle tells them apart; NaN where not.
+  ChainEstimate motor_hysteresis_deg;  // of the motor's own way, before the lag
+  ChainEstimate lost_motion_deg;       // behind it
   std::string motor_problem;           // why there is neither; empty if there is, or no motor
   ChainModel model;
   double residual_rms_deg = std::numeric_limits<double>::quiet_NaN();
@@ -70,7 +44,11 @@ struct ChainFit {
 inline constexpr double kShortestChainLog_s = 5.0;
 
 /// Fits the model by least squares (Levenberg and Marquardt), from where the largest correlation
-/// lies.
+/// lies: first without lost motion, then with it, compared from where the command has gone the
+/// whole width of the hysteresis on. Play before the lag rounds the corners of the angle, lost
+/// motion leaves them sharp. The fit with lost motion counts if it leaves so much less of the
+/// squares in the 20 stretches that chance does so in 5 % (Student's t of what it takes off each):
+/// noise that is correlated does not deceive that, as it would a criterion that counts samples.
 ///
 /// Intervals: delete-a-block jackknife over 20 stretches of the log, to first order, with Student's
 /// t: it knows nothing of the noise but that stretches are independent of each other, which noise

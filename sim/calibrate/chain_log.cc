@@ -252,11 +252,12 @@ std::string WhatHysteresisIs(const std::vector<ChainFit>& fits) {
   if (told_apart) {
     return "Hysteresis is the motor's own (dry friction, dead band) and lost motion, behind the "
            "motor: play of the gear, slack of cables and what cables stretch before they slide, "
-           "which look alike, and of which little shows where a load holds the joint on one side.";
+           "which look alike, and of which little shows where a load holds the joint on one side. "
+           "Without the motor's angle they are told apart by how sharp the joint turns.";
   }
-  return "Hysteresis is the sum of dry friction, play of gears and slack of cables, which look "
-         "alike here; a log with the motors' angles, too (NAME_motor_deg), tells what is lost "
-         "behind the motor.";
+  return "Hysteresis is the sum of dry friction, play of gears and slack of cables; no lost "
+         "motion behind the motor is seen in these angles, and a log with the motors' angles, too "
+         "(NAME_motor_deg), tells more.";
 }
 
 std::vector<ChainFit> FitChains(const ChainLog& log) {

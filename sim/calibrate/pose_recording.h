@@ -19,8 +19,8 @@ struct PoseRecording {
   std::vector<std::string> channel_names;
   double rate_hz = 1000.0;  // of samples; a trace of a slow glove has rows in between
   double full_scale_counts = 1023.0;
-  double settle_ms = 200.0;           // see PoseRecordingFormat
-  Signal counts;                      // finite
+  double settle_ms = 200.0;  // see PoseRecordingFormat
+  Signal counts;             // finite
   /// The first sample of each stretch without a gap: rows that miss a count, or a pause.
   std::vector<Eigen::Index> stretch_begins;
   Signal angle_deg;                   // NaN where the pose is not known or not yet settled

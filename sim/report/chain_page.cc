@@ -131,8 +131,8 @@ std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits,
        {"figures",
         PageSection("parts", "Measured beside simulated",
                     "Both follow the same command. Where they part, the hand does what no model of "
-                    "dead time, play and a lag of second order has: it touches something, a motor "
-                    "gives all that it has, a cable is slack.",
+                    "dead time, play and a lag of second order has: it touches something, or a "
+                    "motor gives all that it has.",
                     figures)}});
 }
 

@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/calibrate/chain_fit.h"
 #include "sim/calibrate/chain_log.h"
+#include "sim/calibrate/chain_model.h"
 #include "sim/calibrate/identified_chain.h"
 #include "tests/calibrate/simulated_chain.h"
 #include "tests/support/program.h"
@@ -58,6 +59,46 @@ TEST(ChainModel, IsExactForASineOfItsOwn) {
   }
 }
 
+TEST(ChainModel, LosesMotionBehindTheLagAtEveryTurn) {
+  const ChainModel model{.lag_s = 0.02, .inertia_s2 = 1e-4, .play_deg = 1.0, .lost_play_deg = 2.5};
+  std::vector<double> up_and_down;
+  for (int k = 0; k < 16000; ++k) up_and_down.push_back(k < 8000 ? 0.005 * k : 80.0 - 0.005 * k);
+  const std::vector<double> angle = Simulated(model, up_and_down, 1000.0);
+  // At the same command, up and down: the width of both plays and twice the way of 20 ms.
+  EXPECT_NEAR(angle[12000] - angle[4000], 2.0 * (1.0 + 2.5 + 5.0 * 0.02), 1e-3);
+  // 5 deg/s: 7 deg take 1.4 s, in which the joint stands as it did at the turn.
+  EXPECT_NEAR(angle[9300], 40.0 - 1.0 - 2.5, 0.15);
+  EXPECT_NEAR(angle[9300], angle[8200], 1e-3);
+}
+
+TEST(RefineCommand, TellsASmoothCommandBetweenItsRows) {
+  const auto sine = [](double t_s) { return 20.0 * std::sin(2.0 * std::numbers::pi * 2.0 * t_s); };
+  std::vector<double> rows;
+  for (int k = 0; k < 200; ++k) rows.push_back(sine(k / 50.0));
+  const FineCommand fine = RefineCommand(rows, 50.0);
+  ASSERT_EQ(fine.steps_per_row, 10);
+  EXPECT_EQ(fine.rate_hz, 500.0);
+  ASSERT_EQ(fine.values_deg.size(), 1991u);
+  for (std::size_t i = 10; i < 1980; ++i) {
+    // 3/128 (omega h)^4; straight lines would be off by (omega h)^2 / 8, 0.16 deg.
+    EXPECT_NEAR(fine.values_deg[i], sine(static_cast<double>(i) / 500.0), 2e-3);
+  }
+}
+
+TEST(RefineCommand, LeavesRowsAsTheyAreWhereTheyStepOrAreMostlyNoiseOrCloseTogether) {
+  std::vector<double> held, noise, dense;
+  controller::TestNoise random(1);
+  for (int k = 0; k < 400; ++k) {
+    held.push_back(20.0 * std::sin(0.2 * (k / 2)));  // each for two rows
+    noise.push_back(20.0 * std::sin(0.05 * k) + random.Normal());
+    dense.push_back(20.0 * std::sin(0.02 * k));
+  }
+  EXPECT_EQ(RefineCommand(held, 100.0).values_deg, held);
+  EXPECT_EQ(RefineCommand(noise, 100.0).values_deg, noise);
+  EXPECT_EQ(RefineCommand(dense, 500.0).values_deg, dense);
+  EXPECT_EQ(RefineCommand(dense, 200.0).steps_per_row, 3);
+}
+
 void ExpectWithin(double share, const ChainEstimate& estimate, double truth) {
   EXPECT_NEAR(estimate.value, truth, share * truth);
   EXPECT_LT(estimate.low, estimate.value);
@@ -83,12 +124,73 @@ TEST(FitChain, FindsTwelveHiddenValuesWithinTenPercent) {
     ExpectWithin(0.1, fit.gain, chain.gain);
     ExpectWithin(0.1, fit.hysteresis_deg, chain.hysteresis_deg);
     EXPECT_NEAR(fit.model.offset_deg, chain.offset_deg, 0.2);
+    EXPECT_TRUE(std::isnan(fit.lost_motion_deg.value));  // there is none
+    EXPECT_EQ(fit.model.lost_play_deg, 0.0);
     EXPECT_NEAR(fit.residual_rms_deg, 0.3, 0.03);  // nothing but the noise
     const double damping = 1e-3 * chain.lag_ms * std::numbers::pi * chain.natural_frequency_hz;
     ExpectWithin(0.1, fit.damping_ratio, damping);
     // As late as dead time and lag together, play on top.
     EXPECT_GT(fit.delay_ms.value, chain.dead_time_ms + 0.8 * chain.lag_ms);
     EXPECT_GT(fit.shifted_rms_deg, fit.residual_rms_deg);
+  }
+}
+
+TEST(FitChain, TellsLostMotionFromPlayBeforeTheLagWithoutAMotorsAngle) {
+  const HiddenChain hidden[] = {{.hysteresis_deg = 2.0, .lost_motion_deg = 4.0},
+                                {.dead_time_ms = 62.0,
+                                 .lag_ms = 28.0,
+                                 .natural_frequency_hz = 7.5,
+                                 .gain = 0.85,
+                                 .hysteresis_deg = 4.0,
+                                 .offset_deg = -4.0,
+                                 .lost_motion_deg = 2.5}};
+  for (const HiddenChain& chain : hidden) {
+    const SimulatedLog log = SimulateLog(chain, {.duration_s = 30.0, .rate_hz = 500.0}, 5);
+    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, 500.0);
+    ASSERT_EQ(fit.problem + fit.split_problem, "");
+    ExpectWithin(0.1, fit.dead_time_ms, chain.dead_time_ms);
+    ExpectWithin(0.1, fit.lag_ms, chain.lag_ms);
+    ExpectWithin(0.25, fit.lost_motion_deg, chain.lost_motion_deg);
+    ExpectWithin(0.25, fit.motor_hysteresis_deg, chain.hysteresis_deg);
+    ExpectWithin(0.01, fit.hysteresis_deg, chain.hysteresis_deg + chain.lost_motion_deg);
+    EXPECT_EQ(2.0 * fit.model.lost_play_deg, fit.lost_motion_deg.value);
+    EXPECT_NEAR(fit.residual_rms_deg, 0.3, 0.01);  // nothing but the noise
+  }
+}
+
+TEST(FitChain, WaitsUntilALogHasForgottenWhereInItsHysteresisItBegan) {
+  // The first turn of the hidden plays is seconds away, and the fit's begin in their middle.
+  std::vector<double> command, angle;
+  for (int k = 0; k < 6000; ++k) {
+    const double t = k / 200.0;
+    command.push_back((t < 8.0 ? 4.0 : 20.0) * (std::sin(0.9 * t) + 0.5 * std::sin(7.1 * t)));
+  }
+  const ChainModel hidden{.dead_time_s = 0.04,
+                          .lag_s = 0.05,
+                          .inertia_s2 = 1e-3,
+                          .play_deg = 3.0,
+                          .lost_play_deg = 4.0};
+  std::vector<double> led = command;
+  led.insert(led.begin(), 400, -30.0);  // before the log: at the lower end of its way
+  angle = Simulated(hidden, led, 200.0);
+  angle.erase(angle.begin(), angle.begin() + 400);
+  controller::TestNoise random(3);
+  for (double& value : angle) value += 0.2 * random.Normal();
+  const ChainFit fit = FitChain(command, angle, 200.0);
+  EXPECT_NEAR(fit.hysteresis_deg.value, 14.0, 0.7);
+  EXPECT_NEAR(fit.residual_rms_deg, 0.2, 0.02);
+}
+
+TEST(FitChain, FindsHysteresisOfRowsThatAreFarApart) {
+  const HiddenChain chain;
+  for (const double rate_hz : {50.0, 100.0}) {
+    const SimulatedLog log =
+        SimulateLog(chain, {.rate_hz = rate_hz, .noise_deg = 0.02, .motor_step_deg = 0.01}, 5);
+    ChainFit fit = FitChain(log.command_deg, log.angle_deg, rate_hz);
+    EXPECT_NEAR(fit.hysteresis_deg.value, chain.hysteresis_deg, 0.005);
+    EXPECT_NEAR(fit.dead_time_ms.value, chain.dead_time_ms, 1.0);
+    AddMotor(log.command_deg, log.motor_deg, log.angle_deg, rate_hz, fit);
+    EXPECT_NEAR(fit.motor_hysteresis_deg.value, chain.hysteresis_deg, 0.01);
   }
 }
 
@@ -136,7 +238,6 @@ TEST(AddMotor, TellsWhatIsLostBehindAMotorFromItsOwnHysteresis) {
     SimulatedLog log = SimulateLog(chain, {.duration_s = 20.0, .rate_hz = 200.0}, 5);
     for (double& motor_deg : log.motor_deg) motor_deg = 100.0 - 2.3 * motor_deg;  // as it is built
     ChainFit fit = FitChain(log.command_deg, log.angle_deg, 200.0);
-    EXPECT_TRUE(std::isnan(fit.lost_motion_deg.value + fit.motor_hysteresis_deg.value));
     AddMotor(log.command_deg, log.motor_deg, log.angle_deg, 200.0, fit);
     EXPECT_EQ(fit.motor_problem, "");
     ExpectWithin(0.1, fit.lost_motion_deg, chain.lost_motion_deg);

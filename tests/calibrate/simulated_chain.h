@@ -25,6 +25,7 @@ struct HiddenChain {
 struct ChainRecording {
   double duration_s = 30.0;
   double rate_hz = 500.0;
+  double held_s = 0.0;             // the command goes in steps, as frames do; 0: smooth
   double noise_deg = 0.3;          // of the measured angle
   double noise_correlation = 0.0;  // of neighbouring samples, first-order
   double motor_step_deg = 0.088;   // of the motor's encoder: 12 bits a turn
@@ -56,6 +57,10 @@ inline SimulatedLog SimulateLog(const HiddenChain& chain, const ChainRecording& 
                 2.0 * std::numbers::pi * random.Uniform()};
   }
   const auto command = [&](double t) {
+    constexpr double kRounding = 1e-6;  // of a frame
+    if (recording.held_s > 0.0) {
+      t = recording.held_s * std::floor(t / recording.held_s + kRounding);
+    }
     double sum = 20.0;
     for (const Sine& s : sines) sum += s.amplitude_deg * std::sin(s.angular * t + s.phase);
     return sum;

@@ -15,7 +15,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr int kLogs = 100;
+int logs = 100;  // per row
 
 /// Errors and intervals of one quantity over all logs.
 class Quantity {
@@ -62,23 +62,30 @@ HiddenChain SomeChain(controller::TestNoise& random) {
           .lost_motion_deg = 0.0};
 }
 
-/// With a dead zone behind the motor, whose angle is in the log.
-void MeasureLostMotion(const std::string& name, const ChainRecording& recording) {
-  Quantity quantities[] = {Quantity("lost motion"), Quantity("hysteresis of motor"),
-                           Quantity("hysteresis, as the sum"), Quantity("dead time"),
-                           Quantity("lag")};
-  for (int i = 0; i < kLogs; ++i) {
+/// With a dead zone behind the motor, first without its angle in the log, and then with it.
+void MeasureLostMotion(const std::string& name, const ChainRecording& recording,
+                       double least_lost_deg = 1.0, double most_lost_deg = 8.0) {
+  Quantity quantities[] = {Quantity("lost motion, alone"),
+                           Quantity("of motor, alone"),
+                           Quantity("hysteresis, as the sum"),
+                           Quantity("dead time"),
+                           Quantity("lag"),
+                           Quantity("lost motion"),
+                           Quantity("hysteresis of motor")};
+  for (int i = 0; i < logs; ++i) {
     controller::TestNoise random(9000 + i);
     HiddenChain chain = SomeChain(random);
-    chain.lost_motion_deg = Between(1.0, 8.0, random);
+    chain.lost_motion_deg = Between(least_lost_deg, most_lost_deg, random);
     const SimulatedLog log = SimulateLog(chain, recording, 100 + i);
     ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz);
-    AddMotor(log.command_deg, log.motor_deg, log.angle_deg, recording.rate_hz, fit);
     quantities[0].Add(fit.lost_motion_deg, chain.lost_motion_deg);
     quantities[1].Add(fit.motor_hysteresis_deg, chain.hysteresis_deg);
     quantities[2].Add(fit.hysteresis_deg, chain.hysteresis_deg + chain.lost_motion_deg);
     quantities[3].Add(fit.dead_time_ms, chain.dead_time_ms);
     quantities[4].Add(fit.lag_ms, chain.lag_ms);
+    AddMotor(log.command_deg, log.motor_deg, log.angle_deg, recording.rate_hz, fit);
+    quantities[5].Add(fit.lost_motion_deg, chain.lost_motion_deg);
+    quantities[6].Add(fit.motor_hysteresis_deg, chain.hysteresis_deg);
   }
   fmt::print("{}\n", name);
   for (Quantity& quantity : quantities) quantity.Print();
@@ -88,7 +95,7 @@ void MeasureLostMotion(const std::string& name, const ChainRecording& recording)
 void Measure(const std::string& name, const ChainRecording& recording) {
   Quantity quantities[] = {Quantity("dead time"), Quantity("lag"),  Quantity("natural frequency"),
                            Quantity("damping"),   Quantity("gain"), Quantity("hysteresis")};
-  for (int i = 0; i < kLogs; ++i) {
+  for (int i = 0; i < logs; ++i) {
     controller::TestNoise random(7000 + i);
     const HiddenChain chain = SomeChain(random);
     const SimulatedLog log = SimulateLog(chain, recording, 100 + i);
@@ -112,6 +119,7 @@ void Measure(const std::string& name, const ChainRecording& recording) {
 int main(int count, char** arguments) {
   using gauntlet::sim::Measure;
   const std::string wanted = count > 1 ? arguments[1] : "";
+  if (count > 2) gauntlet::sim::logs = std::stoi(arguments[2]);
   fmt::print("  {:<22} {:>8} {:>8} {:>8} {:>10} {:>8}\n", "", "median %", "95th %", "half %",
              "covered %", "not had");
   const auto measure = [&](const std::string& name,
@@ -126,7 +134,14 @@ int main(int count, char** arguments) {
                                        {.rate_hz = rate_hz, .motor_noise_deg = 0.0});
     }
   }
-  measure("30 s at 500 Hz, white noise of 0.3 deg", {});
-  measure("30 s at 100 Hz, white noise of 0.3 deg", {.rate_hz = 100.0});
+  const std::string little = "little lost motion, 30 s at 500 Hz";
+  if (little.find(wanted) != std::string::npos) {
+    gauntlet::sim::MeasureLostMotion(little, {}, 0.1, 1.0);
+  }
+  for (const double rate_hz : {500.0, 100.0, 50.0}) {
+    const std::string rows = fmt::format("30 s at {:g} Hz, white noise of 0.3 deg", rate_hz);
+    measure(rows, {.rate_hz = rate_hz});
+    measure(rows + ", held for 20 ms", {.rate_hz = rate_hz, .held_s = 0.02});
+  }
   measure("30 s at 500 Hz, noise of 0.3 deg, correlation 0.95", {.noise_correlation = 0.95});
 }

@@ -1,0 +1,110 @@
+#include "sim/calibrate/chain_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unsupported/Eigen/MatrixFunctions>
+
+namespace gauntlet::sim {
+namespace {
+
+using Eigen::Index;
+
+/// Whether the rows beside each row tell it better by a cubic than by a straight line.
+bool IsSmooth(std::span<const double> rows) {
+  double line = 0.0;
+  double cubic = 0.0;
+  for (std::size_t k = 2; k + 2 < rows.size(); ++k) {
+    const double near = rows[k - 1] + rows[k + 1];
+    const double far = rows[k - 2] + rows[k + 2];
+    line += std::pow(rows[k] - near / 2.0, 2);
+    cubic += std::pow(rows[k] - (4.0 * near - far) / 6.0, 2);
+  }
+  return cubic < line;
+}
+
+/// At a share of the way from row k to the next, of Lagrange's cubic through four rows.
+double CubicAt(std::span<const double> rows, Index k, double share) {
+  const double before = share + 1.0;
+  const double next = share - 1.0;
+  const double behind = share - 2.0;
+  return -share * next * behind / 6.0 * rows[k - 1] + before * next * behind / 2.0 * rows[k] -
+         before * share * behind / 2.0 * rows[k + 1] + before * share * next / 6.0 * rows[k + 2];
+}
+
+}  // namespace
+
+FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz) {
+  constexpr double kFineRate_hz = 500.0;
+  FineCommand fine{.values_deg = {}, .rate_hz = rate_hz, .smooth = IsSmooth(command_deg)};
+  if (fine.smooth) fine.steps_per_row = std::max<Index>(std::lround(kFineRate_hz / rate_hz), 1);
+  fine.rate_hz *= static_cast<double>(fine.steps_per_row);
+  const Index last = std::ssize(command_deg) - 1;
+  fine.values_deg.reserve(command_deg.size() * static_cast<std::size_t>(fine.steps_per_row));
+  for (Index k = 0; k <= last; ++k) {
+    fine.values_deg.push_back(command_deg[k]);
+    for (Index i = 1; i < fine.steps_per_row && k < last; ++i) {
+      const double share = static_cast<double>(i) / static_cast<double>(fine.steps_per_row);
+      const bool at_an_end = k == 0 || k + 1 == last;
+      fine.values_deg.push_back(at_an_end ? std::lerp(command_deg[k], command_deg[k + 1], share)
+                                          : CubicAt(command_deg, k, share));
+    }
+  }
+  return fine;
+}
+
+void SimulateChain(const ChainModel& model, const FineCommand& command,
+                   std::span<double> angle_deg) {
+  const std::vector<double>& command_deg = command.values_deg;
+  const double rate_hz = command.rate_hz;
+  const Index steps = std::ssize(command_deg);
+  const double dead_samples = model.dead_time_s * rate_hz;
+  const double whole = std::floor(dead_samples);
+  const auto dead = static_cast<Index>(whole);
+  const double fraction = dead_samples - whole;
+  const auto at = [&](Index k) { return command_deg[std::max<Index>(k, 0)]; };
+  const auto delayed = [&](Index k) {
+    return model.gain * (at(k - dead) + fraction * (at(k - dead - 1) - at(k - dead)));
+  };
+  // One step of inertia z'' + lag z' + z = q, exact where q goes from `now` to `next` in a line.
+  // Of z, its change per step, q, and the change of q.
+  Eigen::Matrix4d step = Eigen::Matrix4d::Identity();
+  const bool at_once = model.inertia_s2 <= 0.0 && model.lag_s <= 0.0;
+  if (!at_once) {
+    constexpr double kLeastInertia = 1e-4;  // a hundredth of a step; stands for a first order
+    const double inertia = std::max(model.inertia_s2 * rate_hz * rate_hz, kLeastInertia);
+    const double stiffness = 1.0 / inertia;
+    const double friction = model.lag_s * rate_hz / inertia;
+    Eigen::Matrix4d rate = Eigen::Matrix4d::Zero();
+    rate(0, 1) = 1.0;
+    rate.row(1) << -stiffness, -friction, stiffness, 0.0;
+    rate(2, 3) = 1.0;
+    step = rate.exp();
+  }
+  double played = delayed(0);
+  double angle = played;
+  double change = 0.0;
+  double joint = angle;
+  for (Index k = 0; k < steps; ++k) {
+    const double wanted = delayed(k);
+    const double next = std::clamp(played, wanted - model.play_deg, wanted + model.play_deg);
+    if (at_once) {
+      angle = next;
+    } else {
+      const Eigen::Vector4d state = step * Eigen::Vector4d(angle, change, played, next - played);
+      angle = state[0];
+      change = state[1];
+    }
+    played = next;
+    joint = std::clamp(joint, angle - model.lost_play_deg, angle + model.lost_play_deg);
+    if (k % command.steps_per_row == 0) {
+      angle_deg[k / command.steps_per_row] = joint + model.offset_deg;
+    }
+  }
+}
+
+void SimulateChain(const ChainModel& model, std::span<const double> command_deg, double rate_hz,
+                   std::span<double> angle_deg) {
+  SimulateChain(model, RefineCommand(command_deg, rate_hz), angle_deg);
+}
+
+}  // namespace gauntlet::sim
