@@ -111,6 +111,7 @@ void ReadFiles(const YAML::Node& root, const YamlSource& source,
   }
   RepeatedSetting list{.key = std::string(kFile), .values = {}, .set = set == nullptr ? "" : *set};
   if (files.IsScalar()) {
+    if (files.Scalar().empty()) fail("is empty, must be a list of files, a folder or a pattern");
     const std::filesystem::path base =
         set == nullptr ? source.file.parent_path() : std::filesystem::current_path();
     for (const std::string& file : FilesOf(std::filesystem::absolute(base / files.Scalar()))) {

@@ -113,6 +113,8 @@ TEST_F(RepetitionsTest, RefuseFilesThatAreNotThereOrAreGivenTwice) {
   EXPECT_THAT(refusal("files: [a.csv, b.csv]", kScales),
               HasSubstr("has 2 values, glove.noise.variance_scale has 3"));
   EXPECT_THAT(refusal("files: []"), HasSubstr("must be a list of values"));
+  EXPECT_THAT(refusal("files: ''"),
+              HasSubstr("glove.motion.files: is empty, must be a list of files, a folder or a"));
 }
 
 TEST_F(RepetitionsTest, WithoutThemEverySeedHasTheGlove) {
