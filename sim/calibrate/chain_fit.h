@@ -34,7 +34,7 @@ struct ChainFit {
   /// Its parts, where the angle's curve or the motor's angle tells them apart; NaN where not.
   ChainEstimate motor_hysteresis_deg;  // of the motor's own way, before the lag
   ChainEstimate lost_motion_deg;       // behind it
-  std::string motor_problem;           // why there is neither; empty if there is, or no motor
+  std::string motor_problem;           // why the motor's angle tells neither; else empty
   ChainModel model;
   double residual_rms_deg = std::numeric_limits<double>::quiet_NaN();
   double shifted_rms_deg = std::numeric_limits<double>::quiet_NaN();  // with the delay alone

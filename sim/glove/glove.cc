@@ -39,7 +39,6 @@ void KeepOfChannels(const std::vector<int>& indices, std::vector<Part>& parts) {
 
 /// Keeps the channels that the glove has, in its order, everywhere.
 void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
-  if (std::ssize(indices) == glove.counts.cols() && std::ranges::is_sorted(indices)) return;
   glove.true_angle_rad = glove.true_angle_rad(Eigen::all, indices);
   glove.counts = glove.counts(Eigen::all, indices);
   if (glove.tremor_rad.size() > 0) glove.tremor_rad = glove.tremor_rad(Eigen::all, indices);
