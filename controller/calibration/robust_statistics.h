@@ -10,7 +10,8 @@ namespace gauntlet::controller {
 /// Statistics that a few wrong values do not move.
 
 /// The value in the middle, of an even number the upper of the two. `values` is not empty.
-inline double MedianOf(std::vector<double> values) {
+template <class Value = double>
+Value MedianOf(std::vector<Value> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;

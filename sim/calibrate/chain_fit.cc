@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sim/base/signal.h"
+#include "sim/base/student.h"
 #include "sim/score/delay.h"
 
 namespace gauntlet::sim {
@@ -24,7 +25,7 @@ using Eigen::VectorXd;
 
 constexpr int kBlocks = 20;
 constexpr double kStudent95 = 2.0930;  // of kBlocks - 1 degrees of freedom
-constexpr double kStudent95OneSided = 1.7291;
+constexpr double kChance = 0.05;
 /// The state in which the log begins is not known: so much of it is not compared.
 constexpr double kBeginning_s = 0.5;
 constexpr double kLeastDamping = 0.05;
@@ -204,16 +205,24 @@ std::optional<std::vector<VectorXd>> WithoutEachBlock(const Solution& solution,
   return result;
 }
 
-/// `value_of`: from parameters to the value; its interval is cut at the bounds.
+/// Of a value that `value_of` makes of the parameters.
 template <class ValueOf>
-ChainEstimate EstimateOf(const Solution& solution, const std::vector<VectorXd>& without,
-                         double least, const ValueOf& value_of) {
+double StandardErrorOf(const Solution& solution, const std::vector<VectorXd>& without,
+                       const ValueOf& value_of) {
   const double value = value_of(solution.parameters);
   double squares = 0.0;
   for (const VectorXd& parameters : without) {
     squares += std::pow(value_of(parameters) - value, 2);
   }
-  const double half_width = kStudent95 * std::sqrt(squares * (kBlocks - 1.0) / kBlocks);
+  return std::sqrt(squares * (kBlocks - 1.0) / kBlocks);
+}
+
+/// `value_of`: from parameters to the value; its interval is cut at the bounds.
+template <class ValueOf>
+ChainEstimate EstimateOf(const Solution& solution, const std::vector<VectorXd>& without,
+                         double least, const ValueOf& value_of) {
+  const double value = value_of(solution.parameters);
+  const double half_width = kStudent95 * StandardErrorOf(solution, without, value_of);
   return {value, std::max(least, value - half_width), value + half_width};
 }
 
@@ -328,10 +337,15 @@ double StudentOfGain(const Solution& better, const Solution& other) {
   return of_block.mean() / std::max(spread / std::sqrt(kBlocks * (kBlocks - 1.0)), 1e-300);
 }
 
-/// With lost motion behind the lag; none where there is none, or what it leaves is less by chance.
-std::optional<Solution> FitLoose(std::span<const double> command_deg,
-                                 std::span<const double> angle_deg, double rate_hz,
-                                 const Solution& shifted, const Solution& tight) {
+/// Whether so large a t is met by chance, in one or more of so many questions (Bonferroni).
+bool IsByChance(double t, int questions) {
+  return t <= 0.0 || 0.5 * StudentProbability(t, kBlocks - 1) * questions > kChance;
+}
+
+/// With lost motion behind the lag; none where the log does not show that there is any.
+std::optional<Split> FitLoose(std::span<const double> command_deg,
+                              std::span<const double> angle_deg, double rate_hz, int parts,
+                              const Solution& shifted, const Solution& tight) {
   Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters,
                   BeginningBehindPlay(command_deg, rate_hz, tight));
   std::optional<Solution> best;
@@ -342,9 +356,14 @@ std::optional<Solution> FitLoose(std::span<const double> command_deg,
     KeepBetter(Minimise(problem, start), best);
   }
   constexpr double kLeastLost_deg = 0.01;  // angles without noise are fitted better by nothing
-  const bool lost = 2.0 * best->parameters[kLostPlay] > kLeastLost_deg;
-  if (!lost || !(StudentOfGain(*best, tight) > kStudent95OneSided)) return std::nullopt;
-  return best;
+  if (!(2.0 * best->parameters[kLostPlay] > kLeastLost_deg)) return std::nullopt;
+  if (IsByChance(StudentOfGain(*best, tight), 1)) return std::nullopt;
+  std::optional<Split> split = SplitOf(*best);
+  if (!split) return std::nullopt;
+  const double error_deg =
+      StandardErrorOf(*best, split->without, [](const VectorXd& p) { return p[kLostPlay]; });
+  if (IsByChance(best->parameters[kLostPlay] / error_deg, parts)) return std::nullopt;
+  return split;
 }
 
 /// Dead time and play alone, between a motor and its joint.
@@ -404,7 +423,7 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
 }  // namespace
 
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz) {
+                  double rate_hz, int parts) {
   ChainFit fit;
   double delay_s = 0.0;
   fit.problem = ProblemOf(command_deg, angle_deg, rate_hz, delay_s);
@@ -429,15 +448,15 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
         "this motion does not tell dead time, lag and hysteresis apart: one of more speeds may";
     return fit;
   }
-  if (const auto loose = FitLoose(command_deg, angle_deg, rate_hz, shifted, *tight)) {
-    if (const auto apart = SplitOf(*loose)) split = apart;
+  if (const auto loose = FitLoose(command_deg, angle_deg, rate_hz, parts, shifted, *tight)) {
+    split = loose;
   }
   TakeSplit(*split, fit);
   return fit;
 }
 
 void AddMotor(std::span<const double> command_deg, std::span<const double> motor_deg,
-              std::span<const double> angle_deg, double rate_hz, ChainFit& fit) {
+              std::span<const double> angle_deg, double rate_hz, ChainFit& fit, int parts) {
   if (!fit.problem.empty()) return;
   const Eigen::Map<const VectorXd> motor(motor_deg.data(), std::ssize(motor_deg));
   const Eigen::Map<const VectorXd> angle(angle_deg.data(), std::ssize(angle_deg));
@@ -467,7 +486,7 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
   const double noise_deg = kNoiseInLost * FastNoise(scaled);
   fit.lost_motion_deg.low = std::max(fit.lost_motion_deg.low - noise_deg, 0.0);
   ChainEstimate& own = fit.motor_hysteresis_deg;
-  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz).hysteresis_deg;
+  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts).hysteresis_deg;
   // Degrees of the joint are only as well known as the gain between both.
   const ChainEstimate gain =
       EstimateOf(lost, *without, 0.0, [](const VectorXd& p) { return p[kGain]; });

@@ -46,9 +46,11 @@ inline constexpr double kShortestChainLog_s = 5.0;
 /// Fits the model by least squares (Levenberg and Marquardt), from where the largest correlation
 /// lies: first without lost motion, then with it, compared from where the command has gone the
 /// whole width of the hysteresis on. Play before the lag rounds the corners of the angle, lost
-/// motion leaves them sharp. The fit with lost motion counts if it leaves so much less of the
-/// squares in the 20 stretches that chance does so in 5 % (Student's t of what it takes off each):
-/// noise that is correlated does not deceive that, as it would a criterion that counts samples.
+/// motion leaves them sharp. The fit with lost motion counts if chance makes it as
+/// much better in 5 % (Student's t of what it takes off the squares of each of the 20 stretches),
+/// and if chance makes as much lost motion, for its standard error, in 5 % in any of the `parts` of
+/// a hand that are asked at once (Bonferroni). Noise that is correlated does not deceive that, as
+/// it would a criterion that counts samples.
 ///
 /// Intervals: delete-a-block jackknife over 20 stretches of the log, to first order, with Student's
 /// t: it knows nothing of the noise but that stretches are independent of each other, which noise
@@ -59,7 +61,7 @@ inline constexpr double kShortestChainLog_s = 5.0;
 /// Shapes: command and angle as long, finite. Units: degrees (or whatever both share).
 /// A log that does not bear it (nothing moves, too short) gives a ChainFit with a `problem`.
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz);
+                  double rate_hz, int parts = 1);
 
 /// Adds to a part's fit what its motor's angle tells. Its scale, zero and sense do not matter.
 ///
@@ -73,6 +75,6 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
 /// Intervals as of FitChain(); that of lost motion begins lower by what noise may have added.
 /// Shapes: all as long, finite.
 void AddMotor(std::span<const double> command_deg, std::span<const double> motor_deg,
-              std::span<const double> angle_deg, double rate_hz, ChainFit& fit);
+              std::span<const double> angle_deg, double rate_hz, ChainFit& fit, int parts = 1);
 
 }  // namespace gauntlet::sim

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
@@ -136,12 +137,6 @@ struct Series {
   std::vector<double> value;
 };
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 /// On straight lines, from start_s on; constant beyond the ends.
 void InterpolateLine(const Series& series, double start_s, double rate_hz,
                      Eigen::Ref<Eigen::VectorXd> result) {
@@ -221,7 +216,7 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
     }
   }
   if (steps_s.empty()) csv.Fail(1, "the log has fewer than two rows");
-  const double period_s = Median(steps_s);
+  const double period_s = controller::MedianOf(steps_s);
   log.rate_hz = 1.0 / period_s;
   const double longest_gap_s = std::max(0.1, 10.0 * period_s);
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -266,12 +261,13 @@ std::vector<ChainFit> FitChains(const ChainLog& log) {
     return std::span<const double>(signal.col(part).data(),
                                    static_cast<std::size_t>(signal.rows()));
   };
-  for (Eigen::Index part = 0; part < log.command_deg.cols(); ++part) {
+  const int parts = std::ssize(log.parts);
+  for (Eigen::Index part = 0; part < parts; ++part) {
     const std::span<const double> command_deg = column(log.command_deg, part);
     const std::span<const double> angle_deg = column(log.angle_deg, part);
-    ChainFit& fit = fits.emplace_back(FitChain(command_deg, angle_deg, log.rate_hz));
+    ChainFit& fit = fits.emplace_back(FitChain(command_deg, angle_deg, log.rate_hz, parts));
     if (log.motor_deg.size() == 0 || std::isnan(log.motor_deg(0, part))) continue;
-    AddMotor(command_deg, column(log.motor_deg, part), angle_deg, log.rate_hz, fit);
+    AddMotor(command_deg, column(log.motor_deg, part), angle_deg, log.rate_hz, fit, parts);
   }
   const bool any = std::ranges::any_of(fits, [](const ChainFit& f) { return f.problem.empty(); });
   if (!any) {

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/pose_columns.h"
@@ -44,26 +46,19 @@ struct Rows {
 /// Every how many rows of the file there are counts: a trace of a slow glove has rows in between.
 std::size_t RowsPerSample(std::vector<std::size_t> distances) {
   if (distances.empty()) return 1;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::ranges::nth_element(distances, middle);
-  return *middle;
+  return controller::MedianOf(std::move(distances));
 }
 
 /// Where a sample does not follow the one before; and the rate of those that do.
 void FindStretches(const Rows& rows, bool has_time, PoseRecording& recording) {
   constexpr double kGap = 1.5;  // usual distances, in rows or in time
-  const auto usual = [](std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
-  };
   const std::vector<double> distances(rows.distances.begin(), rows.distances.end());
   std::vector<double> steps_s;
   for (std::size_t k = 1; k < rows.time_s.size(); ++k) {
     steps_s.push_back(rows.time_s[k] - rows.time_s[k - 1]);
   }
-  const double usual_rows = usual(distances);
-  const double usual_s = usual(steps_s);
+  const double usual_rows = controller::MedianOf(distances);
+  const double usual_s = controller::MedianOf(steps_s);
   recording.stretch_begins = {0};
   double gaps_s = 0.0;
   for (std::size_t k = 0; k < steps_s.size(); ++k) {

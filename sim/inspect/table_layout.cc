@@ -7,7 +7,9 @@
 #include <limits>
 #include <map>
 #include <string_view>
+#include <utility>
 
+#include "controller/calibration/robust_statistics.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/recordings/time_columns.h"
@@ -143,8 +145,7 @@ TableLayout FindTable(const std::string& name, const CsvReader::Source& source) 
   if (values.empty()) {
     throw UserError({.place = name, .problem = "holds no table of numbers"});
   }
-  std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-  const std::size_t usual_values = values[values.size() / 2];
+  const std::size_t usual_values = controller::MedianOf(std::move(values));
   const auto is_row = [&](const Line& line) {
     return fits(line) && line.values > 0 && 2 * line.values >= usual_values;
   };

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "controller/calibration/robust_statistics.h"
+#include "sim/base/quantile.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -14,13 +15,6 @@ constexpr std::size_t kMostKept = 8192;
 constexpr int kWindow = 16;
 constexpr std::size_t kMostLong = 4096;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return kUnknown;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * (values.size() - 1));
-  std::ranges::nth_element(values, place);
-  return *place;
-}
 
 /// Every second one, the first included, of rows of this width.
 void Halve(std::vector<double>& values, std::size_t width) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "sim/base/quantile.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -56,12 +59,6 @@ struct OwnMotion {
   }
 };
 
-double Quantile(std::vector<double>& values, double share) {
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * (values.size() - 1));
-  std::ranges::nth_element(values, place);
-  return *place;
-}
-
 OwnMotion MotionOf(std::span<const Sample> samples) {
   if (samples.size() < kFewest) return {};
   std::vector<double> steps;
@@ -73,8 +70,8 @@ OwnMotion MotionOf(std::span<const Sample> samples) {
     bends.push_back(std::abs(second - first));
   }
   // White noise of deviation s bends three rows by s sqrt(1 + 4 + 1); half of it by 0.6745 of that.
-  return {.step = Quantile(steps, kUsualShare),
-          .noise = Quantile(bends, 0.5) / (0.6745 * std::sqrt(6.0))};
+  return {.step = Quantile(std::move(steps), kUsualShare),
+          .noise = Quantile(std::move(bends), 0.5) / (0.6745 * std::sqrt(6.0))};
 }
 
 /// Whether the run between two good values leaves the line between them and comes back, farther

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string_view>
 
+#include "controller/calibration/robust_statistics.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/recordings/glitches.h"
@@ -148,10 +149,8 @@ void CheckBudget(const RecordingReader& reader, const Recording& recording, doub
   for (std::size_t i = 1; i < recording.time_s.size(); ++i) {
     steps_s.push_back(recording.time_s[i] - recording.time_s[i - 1]);
   }
-  const auto median = steps_s.begin() + std::ssize(steps_s) / 2;
-  std::ranges::nth_element(steps_s, median);
   const RecordingProblem problem = *reader.MostFrequentRepair();
-  const std::string cause = LikelyCause(problem, *median);
+  const std::string cause = LikelyCause(problem, controller::MedianOf(steps_s));
   throw UserError(
       {.place = recording.name,
        .problem = fmt::format(

@@ -12,6 +12,7 @@
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/quantile.h"
 #include "sim/recordings/recording.h"
 #include "sim/report/html_text.h"
 #include "sim/study/counted_parts.h"
@@ -37,13 +38,6 @@ Rows PlayedRows(const GloveSignal& glove) {
   return {place(glove.recording_start_s), place(end_s)};
 }
 
-double QuantileOf(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * (values.size() - 1));
-  std::ranges::nth_element(values, at);
-  return *at;
-}
-
 std::string HashText(const std::string& file) {
   try {
     return HashOfFile(file);
@@ -61,10 +55,10 @@ std::string RateText(const std::vector<double>& time_s, const Rows& rows) {
   for (std::size_t i = rows.begin + 1; i < rows.end; ++i) {
     steps_ms.push_back(1e3 * (time_s[i] - time_s[i - 1]));
   }
-  const double usual_ms = QuantileOf(steps_ms, 0.5);
+  const double usual_ms = Quantile(steps_ms, 0.5);
   if (!(usual_ms > 0.0)) return "not known";
-  const std::string shortest = fmt::format("{:.3g}", QuantileOf(steps_ms, 0.05));
-  const std::string longest = fmt::format("{:.3g}", QuantileOf(steps_ms, 0.95));
+  const std::string shortest = fmt::format("{:.3g}", Quantile(steps_ms, 0.05));
+  const std::string longest = fmt::format("{:.3g}", Quantile(steps_ms, 0.95));
   return fmt::format("{:.4g} Hz; nine of ten intervals last {}{} ms", 1e3 / usual_ms, shortest,
                      shortest == longest ? "" : " to " + longest);
 }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "sim/base/quantile.h"
 #include "sim/score/motors.h"
 
 namespace gauntlet::sim {
@@ -45,10 +47,8 @@ double FullError_deg(const VideoInput& input) {
     }
   }
   if (errors_rad.empty()) return kFullErrors_deg[0];
-  const auto usual =
-      errors_rad.begin() + static_cast<std::ptrdiff_t>(kUsualShare * (std::ssize(errors_rad) - 1));
-  std::ranges::nth_element(errors_rad, usual);
-  const auto* full_deg = std::ranges::lower_bound(kFullErrors_deg, kDegPerRad * *usual);
+  const double usual_deg = kDegPerRad * Quantile(std::move(errors_rad), kUsualShare);
+  const auto* full_deg = std::ranges::lower_bound(kFullErrors_deg, usual_deg);
   return full_deg == std::end(kFullErrors_deg) ? *std::rbegin(kFullErrors_deg) : *full_deg;
 }
 

@@ -158,6 +158,24 @@ TEST(FitChain, TellsLostMotionFromPlayBeforeTheLagWithoutAMotorsAngle) {
   }
 }
 
+TEST(FitChain, ClaimsLostMotionOfNoPartWhereNoneOfManyHasAny) {
+  constexpr int kLogs = 20;
+  int claimed = 0, found = 0;
+  for (int i = 0; i < kLogs; ++i) {
+    const ChainRecording recording = {.duration_s = 20.0, .rate_hz = 100.0};
+    const auto loses = [&](double lost_motion_deg) {
+      const SimulatedLog log = SimulateLog({.lost_motion_deg = lost_motion_deg}, recording,
+                                           static_cast<std::uint64_t>(500 + i));
+      const ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz, 20);
+      return !std::isnan(fit.lost_motion_deg.value);
+    };
+    claimed += loses(0.0);
+    found += loses(3.0);
+  }
+  EXPECT_EQ(claimed, 0);
+  EXPECT_GE(found, 19);
+}
+
 TEST(FitChain, WaitsUntilALogHasForgottenWhereInItsHysteresisItBegan) {
   // The first turn of the hidden plays is seconds away, and the fit's begin in their middle.
   std::vector<double> command, angle;

@@ -95,11 +95,17 @@ void MeasureLostMotion(const std::string& name, const ChainRecording& recording,
 void Measure(const std::string& name, const ChainRecording& recording) {
   Quantity quantities[] = {Quantity("dead time"), Quantity("lag"),  Quantity("natural frequency"),
                            Quantity("damping"),   Quantity("gain"), Quantity("hysteresis")};
+  constexpr int kParts = 20;  // of a hand
+  int lost = 0;
+  int lost_of_parts = 0;
   for (int i = 0; i < logs; ++i) {
     controller::TestNoise random(7000 + i);
     const HiddenChain chain = SomeChain(random);
     const SimulatedLog log = SimulateLog(chain, recording, 100 + i);
     const ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz);
+    lost += std::isfinite(fit.lost_motion_deg.value);
+    lost_of_parts += std::isfinite(
+        FitChain(log.command_deg, log.angle_deg, recording.rate_hz, kParts).lost_motion_deg.value);
     const double damping = 1e-3 * chain.lag_ms * std::numbers::pi * chain.natural_frequency_hz;
     quantities[0].Add(fit.dead_time_ms, chain.dead_time_ms);
     quantities[1].Add(fit.lag_ms, chain.lag_ms);
@@ -110,6 +116,8 @@ void Measure(const std::string& name, const ChainRecording& recording) {
   }
   fmt::print("{}\n", name);
   for (Quantity& quantity : quantities) quantity.Print();
+  fmt::print("  lost motion claimed, of none: {} of {}, as one of {} parts: {}\n", lost, logs,
+             kParts, lost_of_parts);
   std::fflush(stdout);
 }
 

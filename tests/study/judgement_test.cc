@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sim/base/student.h"
 #include "tests/study/simulated_comparisons.h"
 
 namespace gauntlet::sim {
