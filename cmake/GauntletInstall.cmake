@@ -2,7 +2,9 @@
 # program, what it needs, and what tells about it. Nothing of it names the place where it was built.
 
 install(TARGETS gauntlet RUNTIME COMPONENT program)
-# Where sim/base/data_folder.h looks.
+# Where OwnLibrary() of sim/base/data_folder.h looks.
+install(TARGETS gauntlet_drawing LIBRARY DESTINATION lib/gauntlet COMPONENT program)
+# Where DataFolder() looks.
 install(DIRECTORY models scenarios studies DESTINATION share/gauntlet COMPONENT program
         PATTERN "*.py" EXCLUDE PATTERN "*.gp" EXCLUDE)
 install(FILES README.md CHANGELOG.md CITATION.cff SECURITY.md LICENSE

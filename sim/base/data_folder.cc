@@ -13,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kVariable = "GAUNTLET_DATA_DIR";
+constexpr const char* kData = "share/gauntlet";
 
 /// Empty if the variable is not set.
 fs::path FolderOfVariable() {
@@ -20,9 +21,9 @@ fs::path FolderOfVariable() {
   return folder == nullptr ? "" : folder;
 }
 
-/// Where the program looks. /proc/self/exe is the program itself, also when a link started it.
+/// Where the program looks for `folder`. /proc/self/exe is the program itself, also when a link started it.
 /// Errors: RunError where there is no /proc.
-std::array<fs::path, 2> FoldersOfProgram() {
+std::array<fs::path, 2> FoldersOfProgram(const char* folder) {
   std::error_code unknown;
   const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
   if (unknown) {
@@ -32,7 +33,7 @@ std::array<fs::path, 2> FoldersOfProgram() {
                     kVariable));
   }
   const fs::path above = program.parent_path().parent_path();
-  return {above / "share/gauntlet", above.parent_path() / "share/gauntlet"};
+  return {above / folder, above.parent_path() / folder};
 }
 
 /// Without links on the way, so that a file has one name however the program was started.
@@ -42,7 +43,7 @@ std::optional<fs::path> Find(const fs::path& name) {
     const fs::path found = fs::canonical(folder / name, missing);
     return missing ? std::nullopt : std::optional(found);
   }
-  for (const fs::path& folder : FoldersOfProgram()) {
+  for (const fs::path& folder : FoldersOfProgram(kData)) {
     const fs::path found = fs::canonical(folder / name, missing);
     if (!missing) return found;
   }
@@ -56,7 +57,7 @@ fs::path DataFolder(const std::string& name) {
   if (const fs::path folder = FolderOfVariable(); !folder.empty()) {
     throw UserError({.place = kVariable, .problem = "no folder " + (folder / name).string()});
   }
-  const auto [beside, above] = FoldersOfProgram();
+  const auto [beside, above] = FoldersOfProgram(kData);
   throw RunError(
       fmt::format("Gauntlet's own files are missing: no {} in {} nor in {}; {} may name "
                   "the folder that holds models and scenarios",
@@ -91,6 +92,15 @@ std::string PathFrom(const fs::path& folder, const fs::path& file) {
   if (std::string name = DataName(file); !name.empty()) return name;
   const fs::path base = fs::absolute(folder / "").lexically_normal().parent_path();
   return file.lexically_relative(base).string();
+}
+
+fs::path OwnLibrary(const std::string& name) {
+  const auto [beside, above] = FoldersOfProgram("lib/gauntlet");
+  for (const fs::path& folder : {beside, above}) {
+    if (std::error_code missing; fs::exists(folder / name, missing)) return folder / name;
+  }
+  throw RunError(fmt::format("a part of Gauntlet is missing: no {} in {} nor in {}", name,
+                             beside.string(), above.string()));
 }
 
 }  // namespace gauntlet::sim

@@ -31,4 +31,8 @@ std::string DataName(const std::filesystem::path& file);
 /// it, or as DataName(). Without a folder, and of a relative path, as it is.
 std::string PathFrom(const std::filesystem::path& folder, const std::filesystem::path& file);
 
+/// A library that only this program loads, in lib/gauntlet beside its own folder or one above it.
+/// Errors: RunError if it is in neither.
+std::filesystem::path OwnLibrary(const std::string& name);
+
 }  // namespace gauntlet::sim

@@ -89,13 +89,23 @@ std::size_t ResidentFileBytes() {
   return pages * kPageBytes;
 }
 
+/// All pages of a long signal: taken one after the other they take twice the time.
+void TakeAtOnce(void* data, std::size_t bytes) {
+  static const auto kPageBytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const auto begin = reinterpret_cast<std::uintptr_t>(data) / kPageBytes * kPageBytes;
+  madvise(reinterpret_cast<void*>(begin), bytes, MADV_POPULATE_WRITE);  // older systems: not
+}
+
 }  // namespace
 
 SignalStorage::SignalStorage(std::size_t bytes) : bytes_(bytes) {
   if (bytes == 0) return;
   if (FitsOnHeap()) {
     data_ = ::operator new(bytes, kAlignment, std::nothrow);
-    if (data_ != nullptr) return;
+    if (data_ != nullptr) {
+      if (counted_bytes_ > 0) TakeAtOnce(data_, bytes);
+      return;
+    }
     bytes_on_heap -= std::exchange(counted_bytes_, 0);
     throw std::bad_alloc();
   }

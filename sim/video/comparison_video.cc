@@ -10,6 +10,7 @@
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
 #include "sim/video/comparison_picture.h"
+#include "sim/video/drawing_library.h"
 #include "sim/video/ghost.h"
 #include "sim/video/hand_colours.h"
 #include "sim/video/hand_view.h"
@@ -132,6 +133,7 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
   const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
   AtomicFile file(target);
   const FrameRanges frames = FrameRangesOf(input, picture.clock());
+  LoadDrawingLibrary();  // once for all processes
   const bool complete = DrawFramesInOrder(
       {.frame_count = frames.end,
        .width_px = input.width_px,
@@ -150,14 +152,15 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
         }
       },
       [&](Frames& drawn) {
-        VideoEncoder encoder(file, {.width_px = input.width_px,
-                                    .height_px = input.height_px,
-                                    .frames_per_s = input.frames_per_s,
-                                    .container = ContainerOf(target),
-                                    .rate_factor = input.rate_factor,
-                                    .chapters = ChaptersOf(input, picture.clock(), frames)});
-        while (const auto frame = drawn.Next()) encoder.Add(frame->image);
-        encoder.Finish();
+        const auto encoder =
+            OpenVideo(file, {.width_px = input.width_px,
+                             .height_px = input.height_px,
+                             .frames_per_s = input.frames_per_s,
+                             .container = ContainerOf(target),
+                             .rate_factor = input.rate_factor,
+                             .chapters = ChaptersOf(input, picture.clock(), frames)});
+        while (const auto frame = drawn.Next()) encoder->Add(frame->image);
+        encoder->Finish();
       },
       [&](int done) { return !progress || progress(done, frames.end); });
   if (!complete) throw Cancelled{};

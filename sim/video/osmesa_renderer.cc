@@ -1,21 +1,18 @@
 #include "sim/video/osmesa_renderer.h"
 
-#include <GL/gl.h>
-#include <GL/osmesa.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/video/drawing_library.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr int kMaxGeoms = 10000;      // of one scene, decorations included
-constexpr int kMaxDrawn_px = 16384;   // the rasteriser's largest picture
-constexpr int kPlaceholderSide = 16;  // the context's own buffer, never drawn into
+constexpr int kMaxGeoms = 10000;     // of one scene, decorations included
+constexpr int kMaxDrawn_px = 16384;  // the rasteriser's largest picture
 
 struct FreeModel {
   void operator()(mjModel* model) const { mj_deleteModel(model); }
@@ -59,21 +56,6 @@ void CheckConfig(const RendererConfig& config) {
   }
 }
 
-OSMesaContext MakeMesaContext() {
-  const int attributes[] = {OSMESA_FORMAT,
-                            OSMESA_RGBA,
-                            OSMESA_DEPTH_BITS,
-                            24,
-                            OSMESA_STENCIL_BITS,
-                            8,
-                            OSMESA_PROFILE,
-                            OSMESA_COMPAT_PROFILE,
-                            0};
-  OSMesaContext context = OSMesaCreateContextAttribs(attributes, nullptr);
-  if (context == nullptr) throw RunError("video: OSMesa cannot make an off-screen context");
-  return context;
-}
-
 /// Mean of n x n pixels, channel by channel, rounded; two channels at a time in one word.
 std::uint32_t MeanPixel(const std::uint32_t* corner, int stride, int n) {
   std::uint32_t red_blue = 0, alpha_green_low = 0, alpha_high = 0;
@@ -114,44 +96,38 @@ struct OsmesaRenderer::Context {
   mjvOption option;
   mjvScene scene;
   mjrContext drawing;
-  OSMesaContext mesa = nullptr;
-  std::vector<std::uint8_t> placeholder;
+  std::unique_ptr<OffScreenContext> off_screen;
   std::vector<std::uint32_t> drawn;  // supersampled, rows from the bottom
   std::vector<float> depth;
 
   Context(const mjModel& given_model, const RendererConfig& given_config)
-      : model(given_model),
-        config(given_config),
-        camera(CameraOf(given_model, given_config)),
-        placeholder(kPlaceholderSide * kPlaceholderSide * 4) {
+      : model(given_model), config(given_config), camera(CameraOf(given_model, given_config)) {
     mjv_defaultOption(&option);
     mjv_defaultScene(&scene);
     mjr_defaultContext(&drawing);
   }
 
   ~Context() {
-    if (mesa != nullptr && OSMesaMakeCurrent(mesa, placeholder.data(), GL_UNSIGNED_BYTE,
-                                             kPlaceholderSide, kPlaceholderSide)) {
-      mjr_freeContext(&drawing);
-    }
+    if (IsCurrent()) mjr_freeContext(&drawing);
     mjv_freeScene(&scene);
-    if (mesa != nullptr) OSMesaDestroyContext(mesa);
+  }
+
+  bool IsCurrent() const {
+    if (!off_screen) return false;
+    try {
+      off_screen->MakeCurrent();
+      return true;
+    } catch (const RunError&) {
+      return false;
+    }
   }
 
   int drawn_width() const { return config.width_px * config.supersampling; }
   int drawn_height() const { return config.height_px * config.supersampling; }
 
-  void MakeCurrent() {
-    if (OSMesaGetCurrentContext() == mesa) return;
-    if (!OSMesaMakeCurrent(mesa, placeholder.data(), GL_UNSIGNED_BYTE, kPlaceholderSide,
-                           kPlaceholderSide)) {
-      throw RunError("video: OSMesa cannot use its off-screen context");
-    }
-  }
-
   void Open() {
-    mesa = MakeMesaContext();
-    MakeCurrent();
+    off_screen = LoadDrawingLibrary().open_context();
+    off_screen->MakeCurrent();
     // The sizes of buffers are part of the model: set them in a copy, which is not kept.
     const std::unique_ptr<mjModel, FreeModel> copy(mj_copyModel(nullptr, &model));
     copy->vis.global.offwidth = drawn_width();
@@ -195,7 +171,7 @@ struct OsmesaRenderer::Context {
                                          [](const mjvGeom& geom) { return geom.rgba[3] < 1.0f; });
     if (!translucent) return;
     depth.resize(drawn.size());
-    glReadPixels(0, 0, drawn_width(), drawn_height(), GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
+    off_screen->ReadDepths(drawn_width(), drawn_height(), depth.data());
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       const std::uint32_t pixel = drawn[i];
       const std::uint32_t bound =
@@ -223,12 +199,11 @@ struct OsmesaRenderer::Context {
 
   void Draw(mjData& data, const std::vector<bool>* only, const SceneColours& colours,
             Image& picture) {
-    MakeCurrent();
+    off_screen->MakeCurrent();
     UpdateScene(data, only, colours);
     mjr_render({0, 0, drawn_width(), drawn_height()}, &scene, &drawing);
     drawn.resize(std::ptrdiff_t{drawn_width()} * drawn_height());
-    glReadPixels(0, 0, drawn_width(), drawn_height(), GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
-                 drawn.data());
+    off_screen->ReadColours(drawn_width(), drawn_height(), drawn.data());
     RepairAlpha();
     if (picture.width_px != config.width_px || picture.height_px != config.height_px) {
       picture = Image(config.width_px, config.height_px);
@@ -239,10 +214,6 @@ struct OsmesaRenderer::Context {
 
 OsmesaRenderer::OsmesaRenderer(const mjModel& model, const RendererConfig& config) {
   CheckConfig(config);
-  // The rasteriser draws on the thread that asks for it: several drawings at once use the cores
-  // better than several threads in one. Its cache of shaders would have a thread of its own, too.
-  setenv("LP_NUM_THREADS", "0", /*overwrite=*/1);
-  setenv("MESA_SHADER_CACHE_DISABLE", "true", /*overwrite=*/1);
   context_ = std::make_unique<Context>(model, config);
   context_->Open();
 }

@@ -42,23 +42,17 @@ struct VideoFormat {
 /// Frame by frame, so memory does not grow with the length; frame k is shown at exactly
 /// k / frames_per_s. After Finish() the file is whole, and can be committed by its owner.
 /// Same frames, same bytes, on any number of cores.
-/// Errors: UserError for a size or rate that the file cannot have; RunError for a missing encoder
-/// (before anything is written), a missing folder, a full disk.
 class VideoEncoder {
  public:
-  /// `file` must outlive the encoder.
-  VideoEncoder(const AtomicFile& file, const VideoFormat& format);
-  ~VideoEncoder();
-  VideoEncoder(const VideoEncoder&) = delete;
-  VideoEncoder& operator=(const VideoEncoder&) = delete;
-
-  /// The next frame. Alpha is not looked at.
-  void Add(ImageView frame);
-  void Finish();
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
+  virtual ~VideoEncoder() = default;
+  /// The next frame. Alpha is not looked at. Errors: RunError for a full disk.
+  virtual void Add(ImageView frame) = 0;
+  virtual void Finish() = 0;
 };
+
+/// `file` must outlive the encoder.
+/// Errors: UserError for a size or rate that the file cannot have; RunError for a missing encoder
+/// (before anything is written), a missing folder, a full disk.
+std::unique_ptr<VideoEncoder> OpenVideo(const AtomicFile& file, const VideoFormat& format);
 
 }  // namespace gauntlet::sim

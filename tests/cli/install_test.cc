@@ -135,6 +135,23 @@ TEST_F(InstalledTest, HasNoOtherModelsThanItsOwn) {
                     HasSubstr("GAUNTLET_DATA_DIR")));
 }
 
+TEST_F(InstalledTest, DrawsWithItsOwnLibraryAndSaysWhereItShouldBe) {
+  const std::string out = root_ / "out";
+  ASSERT_EQ(Gauntlet({"run", "scenarios/hold_still.yaml", "--controllers", "raw", "--set",
+                      "glove.motion.duration_s=0.5", "--out", out})
+                .exit_code,
+            0);
+  const std::vector<std::string> render = {"render", out, "--frame", "0.2"};
+  const ProgramResult drawn = Gauntlet(render);
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.standard_error;
+  fs::remove_all(prefix_ / "lib/gauntlet");
+  const ProgramResult missing = Gauntlet(render);
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.standard_error,
+              HasSubstr("a part of Gauntlet is missing: no gauntlet_drawing.so in " +
+                        (prefix_ / "lib/gauntlet").string()));
+}
+
 TEST_F(InstalledTest, HasAPageForEveryCommand) {
   const fs::path pages = prefix_ / "share/man/man1";
   EXPECT_THAT(ReadFile(pages / "gauntlet.1"), HasSubstr("\n.TH GAUNTLET \"1\" \"\""));

@@ -48,9 +48,9 @@ std::string MessageOf(const std::function<void()>& action) {
 void Encode(const std::filesystem::path& target, const VideoFormat& format,
             const std::function<void(VideoEncoder&)>& add) {
   AtomicFile file(target);
-  VideoEncoder encoder(file, format);
-  add(encoder);
-  encoder.Finish();
+  const auto encoder = OpenVideo(file, format);
+  add(*encoder);
+  encoder->Finish();
   file.Commit();
 }
 
@@ -162,8 +162,8 @@ TEST(VideoEncoder, LeavesNothingWithoutFinish) {
   const VideoFormat format = SmallFormat();
   {
     const AtomicFile file(folder.path() / "a.mp4");
-    VideoEncoder encoder(file, format);
-    for (int i = 0; i < 100; ++i) encoder.Add(Halves(format, 0, 255));
+    const auto encoder = OpenVideo(file, format);
+    for (int i = 0; i < 100; ++i) encoder->Add(Halves(format, 0, 255));
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.mp4"));
   }
   EXPECT_TRUE(folder.IsEmpty());
