@@ -21,7 +21,8 @@ fs::path FolderOfVariable() {
   return folder == nullptr ? "" : folder;
 }
 
-/// Where the program looks for `folder`. /proc/self/exe is the program itself, also when a link started it.
+/// Where the program looks for `folder`. /proc/self/exe is the program itself, also when a link
+/// started it.
 /// Errors: RunError where there is no /proc.
 std::array<fs::path, 2> FoldersOfProgram(const char* folder) {
   std::error_code unknown;
