@@ -92,8 +92,9 @@ std::size_t ResidentFileBytes() {
 /// All pages of a long signal: taken one after the other they take twice the time.
 void TakeAtOnce(void* data, std::size_t bytes) {
   static const auto kPageBytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  const auto begin = reinterpret_cast<std::uintptr_t>(data) / kPageBytes * kPageBytes;
-  madvise(reinterpret_cast<void*>(begin), bytes, MADV_POPULATE_WRITE);  // older systems: not
+  const std::size_t into_page = reinterpret_cast<std::uintptr_t>(data) % kPageBytes;
+  void* const begin = static_cast<std::byte*>(data) - into_page;
+  madvise(begin, into_page + bytes, MADV_POPULATE_WRITE);  // of older systems it takes no notice
 }
 
 }  // namespace
