@@ -150,22 +150,25 @@ void StagingFolder::MoveTo(const std::filesystem::path& folder) {
   FlushFolder(folder);
 }
 
-void WriteFileAtomically(const std::filesystem::path& target, std::string_view content) {
-  AtomicFile file(target);
-  const int descriptor =
-      open(file.temporary_path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) Fail("write", target, errno);
+void AtomicFile::Write(std::string_view content) {
+  const int descriptor = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) Fail("write", target_, errno);
   while (!content.empty()) {
     const ssize_t written = write(descriptor, content.data(), content.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
       const int error = errno;
       close(descriptor);
-      Fail("write", target, error);
+      Fail("write", target_, error);
     }
     content.remove_prefix(written);
   }
-  if (close(descriptor) != 0) Fail("write", target, errno);
+  if (close(descriptor) != 0) Fail("write", target_, errno);
+}
+
+void WriteFileAtomically(const std::filesystem::path& target, std::string_view content) {
+  AtomicFile file(target);
+  file.Write(content);
   file.Commit();
 }
 

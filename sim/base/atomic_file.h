@@ -18,6 +18,8 @@ class AtomicFile {
   const std::filesystem::path& target() const { return target_; }
   /// Where to write until Commit().
   const std::filesystem::path& temporary_path() const { return temporary_; }
+  /// All of it, for who has no writer of its own. Errors: RunError.
+  void Write(std::string_view content);
   /// Throws RunError if the disk did not take it.
   void Commit();
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "sim/base/atomic_file.h"
@@ -216,22 +217,28 @@ void RunIdentify(const IdentifyOptions& options) {
   const std::string servo =
       log.from_wearer ? "" : ServoSettingsText(log, fits, HandModel(HandConfig()));
   if (target.has_parent_path()) MakeDirectory(target.parent_path());
-  WriteFileAtomically(
-      target,
+  AtomicFile chain_file(target);
+  chain_file.Write(
       "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
       "expected_delay_ms\n# and friction_deg are for its joint_loop, dead_time_ms, lag_ms and "
       "natural_frequency_hz (of a log\n# that begins with commands) for its model_predictive; in "
       "the order of parts.\n# " +
-          WhatHysteresisIs(fits) + "\n" +
-          SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); }));
+      WhatHysteresisIs(fits) + "\n" +
+      SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); }));
   std::string written = target.string();
+  std::optional<AtomicFile> servo_file;
   if (!servo.empty()) {
-    const fs::path file = BesideTarget(target, ".hand.yaml");
-    WriteFileAtomically(file, servo);
-    written += ", " + file.string();
+    servo_file.emplace(BesideTarget(target, ".hand.yaml"));
+    servo_file->Write(servo);
+    written += ", " + servo_file->target().string();
   }
   const fs::path page = BesideTarget(target, ".html");
-  WriteFileAtomically(page, ChainPage(log, fits, Table(log, fits, TerminalStyle::Unlimited())));
+  AtomicFile page_file(page);
+  page_file.Write(ChainPage(log, fits, Table(log, fits, TerminalStyle::Unlimited())));
+  // None of them is there before all are whole.
+  chain_file.Commit();
+  if (servo_file) servo_file->Commit();
+  page_file.Commit();
   if (options.json) {
     PrintJson(log, fits);
   } else {

@@ -298,7 +298,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   inspection.file = file.string();
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(file, unreadable)) {
-    throw UserError({.place = file.string(),
+    throw UserError({.place = file.empty() ? "''" : file.string(),
                      .problem = std::filesystem::exists(file, unreadable) ? "is not a regular file"
                                                                           : "no such file"});
   }

@@ -123,7 +123,8 @@ void RemoveLeftovers(const fs::path& folder) {
 Manifest::Manifest(fs::path folder) : folder_(std::move(folder)) {
   std::error_code ignored;
   if (!fs::is_directory(folder_, ignored)) {
-    throw UserError({.place = folder_.string(), .problem = "is not a folder"});
+    throw UserError(
+        {.place = folder_.empty() ? "''" : folder_.string(), .problem = "is not a folder"});
   }
   std::optional<Content> content;
   try {
