@@ -108,11 +108,12 @@ struct OsmesaRenderer::Context {
   }
 
   ~Context() {
-    if (IsCurrent()) mjr_freeContext(&drawing);
+    if (TryMakeCurrent()) mjr_freeContext(&drawing);
     mjv_freeScene(&scene);
   }
 
-  bool IsCurrent() const {
+  /// False where it cannot be made so.
+  bool TryMakeCurrent() const {
     if (!off_screen) return false;
     try {
       off_screen->MakeCurrent();

@@ -110,10 +110,10 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
   EXPECT_EQ(Run({"identify", "claw.csv", "--out", "other.html"}).exit_code, 2);
 
   // Where the page does not fit, nothing is left of the files that would have.
-  const ProgramResult full = RunProgram(
-      {"sh", "-c", "ulimit -f 8; exec \"$0\" identify claw.csv --out full/claw.yaml",
-       GAUNTLET_PROGRAM},
-      {.working_directory = folder_.path()});
+  const ProgramResult full =
+      RunProgram({"sh", "-c", "ulimit -f 8; exec \"$0\" identify claw.csv --out full/claw.yaml",
+                  GAUNTLET_PROGRAM},
+                 {.working_directory = folder_.path()});
   EXPECT_EQ(full.exit_code, 1);
   EXPECT_THAT(full.standard_error, HasSubstr("full/claw.html"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "full"));
