@@ -3,6 +3,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "sim/score/delay.h"
@@ -22,15 +25,19 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using Column = Eigen::Map<const VectorXd>;
 
+/// What a tick counts for.
+constexpr std::uint8_t kCounted = 1;
+constexpr std::uint8_t kFree = 2;         // and no motor of the joint is at its limit, or just was
+constexpr std::uint8_t kUndisturbed = 4;  // the high pass there has a share of such ticks only
+using TickMarks = std::vector<std::uint8_t>;
+
 /// The signals of one joint.
 struct Joint {
   double rate_hz;
   Column reference;
   Column hand;
   Column noise_free_hand;
-  VectorXd counted;    // 1 in ticks that count, else 0
-  VectorXd trembling;  // 1 where only such ticks have a share in the high pass
-  VectorXd free;  // as counted, but 0 while one of its motors is at its limit, and a while after
+  TickMarks marks;
 };
 
 /// hand(t) ~ constant + gain * reference(t - delay).
@@ -40,17 +47,15 @@ struct Following {
   double constant_rad = 0.0;
 };
 
-/// 1 within the ranges, else 0.
-VectorXd Weights(const CountedTicks& counted, Index rows) {
-  VectorXd weights = VectorXd::Zero(rows);
-  for (const TickRange& range : counted) {
-    weights.segment(range.begin, range.end - range.begin).setOnes();
+void Mark(const CountedTicks& ranges, std::uint8_t mark, TickMarks& marks) {
+  for (const TickRange& range : ranges) {
+    for (int n = range.begin; n < range.end; ++n) marks[static_cast<std::size_t>(n)] |= mark;
   }
-  return weights;
 }
 
-VectorXd FreeTicks(const ScoreInput& input, int joint, VectorXd free) {
-  const Index rows = free.size();
+/// Takes kFree away while one of the joint's motors is at its limit, and a while after.
+void UnmarkLimits(const ScoreInput& input, int joint, TickMarks& marks) {
+  const auto rows = static_cast<Index>(marks.size());
   const auto in_ticks = [&](double time_s) {
     return static_cast<Index>(std::lround(time_s * input.rate_hz));
   };
@@ -62,12 +67,11 @@ VectorXd FreeTicks(const ScoreInput& input, int joint, VectorXd free) {
       if (n < rows && at_limit[n] != 0) continue;
       if (n > begin && n - begin >= in_ticks(shortest_s)) {
         const Index end = std::min(rows, n + in_ticks(kAfterLimit_s));
-        free.segment(begin, end - begin).setZero();
+        for (Index i = begin; i < end; ++i) marks[static_cast<std::size_t>(i)] &= ~kFree;
       }
       begin = n + 1;
     }
   }
-  return free;
 }
 
 /// The reference of `delay_ticks` ago, linear between ticks; before the first and beyond the last
@@ -89,15 +93,49 @@ VectorXd Delayed(const Column& reference, double delay_ticks) {
 }
 
 /// Means of `step` ticks each: at a lower rate, without what could fold into the motion.
-VectorXd Means(const Eigen::Ref<const VectorXd>& values, int step) {
+VectorXd Means(const Column& values, int step) {
   const Eigen::Map<const Eigen::MatrixXd> blocks(values.data(), step, values.size() / step);
   return blocks.colwise().mean();
 }
 
-/// The lag in ticks at which Pearson's correlation over the ticks that count is largest; 0 where
+/// The blocks of `step` ticks between `begin` and `end` of which all ticks have the mark.
+std::vector<TickRange> MarkedBlocks(const TickMarks& marks, std::uint8_t mark, int step,
+                                    Index begin, Index end) {
+  std::vector<TickRange> ranges;
+  for (auto block = static_cast<int>(begin); block < end; ++block) {
+    const auto first = marks.begin() + static_cast<std::ptrdiff_t>(block) * step;
+    if (!std::all_of(first, first + step, [&](std::uint8_t of) { return (of & mark) != 0; })) {
+      continue;
+    }
+    if (ranges.empty() || ranges.back().end != block) ranges.push_back({block, block});
+    ++ranges.back().end;
+  }
+  return ranges;
+}
+
+/// Sums of the values within ranges, and of the same ranges moved.
+class SumsWithin {
+ public:
+  SumsWithin(const VectorXd& values, const std::vector<TickRange>& ranges)
+      : until_(values.size() + 1), ranges_(ranges) {
+    until_[0] = 0.0;
+    std::partial_sum(values.begin(), values.end(), until_.begin() + 1);
+  }
+  double MovedBy(Index by) const {
+    double sum = 0.0;
+    for (const TickRange& range : ranges_) sum += until_[range.end + by] - until_[range.begin + by];
+    return sum;
+  }
+
+ private:
+  VectorXd until_;
+  const std::vector<TickRange>& ranges_;
+};
+
+/// The lag in ticks at which Pearson's correlation over the ticks with the mark is largest; 0 where
 /// there is no such lag, or what correlates is hardly the wearer's motion. The same ticks of the
 /// hand count at every lag.
-double FindDelay(const Joint& joint, const VectorXd& counting, Fourier& fourier) {
+double FindDelay(const Joint& joint, std::uint8_t mark, Fourier& fourier) {
   const int step = std::max(1, static_cast<int>(std::lround(joint.rate_hz / kSearchRate_hz)));
   const double rate_hz = joint.rate_hz / step;
   VectorXd reference = Means(joint.reference, step);
@@ -111,23 +149,27 @@ double FindDelay(const Joint& joint, const VectorXd& counting, Fourier& fourier)
   const auto bound = static_cast<Index>(
       std::min({0.25 * static_cast<double>(size), kLargestDelay_s * rate_hz, half_period}));
   const Index compared = size - 2 * bound;
-  // A block counts if all its ticks do.
-  const VectorXd weights = Means(counting, step).segment(bound, compared).array().floor();
-  const double count = weights.sum();
+  const std::vector<TickRange> blocks =
+      MarkedBlocks(joint.marks, mark, step, bound, bound + compared);
+  const double count = CountOf(blocks);
   if (bound < 1 || count < kLeastFit_s * rate_hz) return 0.0;
 
-  const VectorXd hands = hand.segment(bound, compared).cwiseProduct(weights);
+  VectorXd hands = VectorXd::Zero(compared);
+  for (const TickRange& range : blocks) {
+    hands.segment(range.begin - bound, range.end - range.begin) =
+        hand.segment(range.begin, range.end - range.begin);
+  }
   const double hand_variation = hands.squaredNorm() - hands.sum() * hands.sum() / count;
   const double still = kStillRms_rad * kStillRms_rad * count;
   if (!(hand_variation > still)) return 0.0;
-  const VectorXd squares = reference.array().square();
+  const SumsWithin sums(reference, blocks);
+  const SumsWithin squares(reference.array().square(), blocks);
   std::vector<double> correlations;
   for (Index lag = -bound; lag <= bound; ++lag) {
-    const auto past = reference.segment(bound - lag, compared);
-    const double sum = past.dot(weights);
-    const double variation =
-        squares.segment(bound - lag, compared).dot(weights) - sum * sum / count;
-    const double covariation = past.dot(hands) - sum * hands.sum() / count;
+    const double sum = sums.MovedBy(-lag);
+    const double variation = squares.MovedBy(-lag) - sum * sum / count;
+    const double covariation =
+        reference.segment(bound - lag, compared).dot(hands) - sum * hands.sum() / count;
     correlations.push_back(variation > still ? covariation / std::sqrt(variation * hand_variation)
                                              : 0.0);
   }
@@ -139,32 +181,47 @@ double FindDelay(const Joint& joint, const VectorXd& counting, Fourier& fourier)
 }
 
 /// Gain and constant by least squares, where the reference of `delay_ticks` ago is known.
-Following FitAt(double delay_ticks, const Joint& joint, const VectorXd& counting) {
+Following FitAt(double delay_ticks, const Joint& joint, std::uint8_t mark) {
   const Index ticks = joint.hand.size();
   const auto begin = static_cast<Index>(std::ceil(std::max(0.0, delay_ticks - kRounding_ticks)));
   const Index end =
       ticks + static_cast<Index>(std::floor(std::min(0.0, delay_ticks + kRounding_ticks)));
   Following following{.delay_ticks = delay_ticks};
-  if (end <= begin) return following;
-  const auto weights = counting.segment(begin, end - begin);
-  const double count = weights.sum();
+  const VectorXd delayed = Delayed(joint.reference, delay_ticks);
+  const auto for_each = [&](auto add) {
+    for (Index n = begin; n < end; ++n) {
+      if ((joint.marks[static_cast<std::size_t>(n)] & mark) != 0) {
+        add(delayed[n], joint.noise_free_hand[n]);
+      }
+    }
+  };
+  double count = 0.0;
+  double x_mean = 0.0;
+  double y_mean = 0.0;
+  for_each([&](double x, double y) {
+    ++count;
+    x_mean += x;
+    y_mean += y;
+  });
   if (count == 0.0) return following;
-  VectorXd x = Delayed(joint.reference, delay_ticks).segment(begin, end - begin);
-  VectorXd y = joint.noise_free_hand.segment(begin, end - begin);
-  const double x_mean = x.dot(weights) / count;
-  const double y_mean = y.dot(weights) / count;
-  x = (x.array() - x_mean) * weights.array();
-  y.array() -= y_mean;
-  const double variation = x.squaredNorm();
-  if (variation > kStillRms_rad * kStillRms_rad * count) following.gain = x.dot(y) / variation;
+  x_mean /= count;
+  y_mean /= count;
+  double variation = 0.0;
+  double covariation = 0.0;
+  for_each([&](double x, double y) {
+    variation += (x - x_mean) * (x - x_mean);
+    covariation += (x - x_mean) * (y - y_mean);
+  });
+  if (variation > kStillRms_rad * kStillRms_rad * count) following.gain = covariation / variation;
   following.constant_rad = y_mean - following.gain * x_mean;
   return following;
 }
 
 Following Fit(const Joint& joint, Fourier& fourier) {
-  const bool enough = joint.free.sum() >= kLeastFit_s * joint.rate_hz;
-  const VectorXd& counting = enough ? joint.free : joint.counted;
-  return FitAt(FindDelay(joint, counting, fourier), joint, counting);
+  const auto free = std::ranges::count_if(joint.marks, [](auto of) { return (of & kFree) != 0; });
+  const bool enough = static_cast<double>(free) >= kLeastFit_s * joint.rate_hz;
+  const std::uint8_t mark = enough ? kFree : kCounted;
+  return FitAt(FindDelay(joint, mark, fourier), joint, mark);
 }
 
 /// What the fit leaves of the noise-free hand.
@@ -175,22 +232,38 @@ VectorXd Left(const Joint& joint, const Following& fit) {
 
 /// `above` is what the fit leaves, above the edge, of the ticks from `first` on.
 ErrorSplit Split(const Joint& joint, const Following& fit, const Column& above, Index first) {
-  const VectorXd error = (joint.hand - joint.reference).cwiseProduct(joint.counted);
   const VectorXd delayed = Delayed(joint.reference, fit.delay_ticks);
-  const VectorXd left_error = Left(joint, fit).cwiseProduct(error);
   const double mean = delayed.mean();
-  const double free_left = left_error.dot(joint.free);
-  const double free_above = above.dot(
-      error.cwiseProduct(joint.free.cwiseProduct(joint.trembling)).segment(first, above.size()));
+  double count = 0.0, delay = 0.0, sum = 0.0, gain = 0.0, limit = 0.0, frames = 0.0, noise = 0.0,
+         rest = 0.0;
+  for (Index n = 0; n < delayed.size(); ++n) {
+    const std::uint8_t mark = joint.marks[static_cast<std::size_t>(n)];
+    if ((mark & kCounted) == 0) continue;
+    ++count;
+    const double error = joint.hand[n] - joint.reference[n];
+    const double left = joint.noise_free_hand[n] - fit.constant_rad - fit.gain * delayed[n];
+    delay += (delayed[n] - joint.reference[n]) * error;
+    sum += error;
+    gain += (delayed[n] - mean) * error;
+    noise += (joint.hand[n] - joint.noise_free_hand[n]) * error;
+    if ((mark & kFree) == 0) {
+      limit += left * error;
+      continue;
+    }
+    const bool is_above = (mark & kUndisturbed) != 0 && above.size() > 0;
+    const double left_above = is_above ? above[n - first] : 0.0;
+    frames += left_above * error;
+    rest += (left - left_above) * error;
+  }
   ErrorSplit split;
-  split.Of(ErrorCause::kDelay) = (delayed - joint.reference).dot(error);
-  split.Of(ErrorCause::kConstant) = (fit.constant_rad + (fit.gain - 1.0) * mean) * error.sum();
-  split.Of(ErrorCause::kGain) = (fit.gain - 1.0) * (delayed.array() - mean).matrix().dot(error);
-  split.Of(ErrorCause::kLimit) = left_error.dot((1.0 - joint.free.array()).matrix());
-  split.Of(ErrorCause::kFrames) = free_above;
-  split.Of(ErrorCause::kNoise) = (joint.hand - joint.noise_free_hand).dot(error);
-  split.Of(ErrorCause::kRest) = free_left - free_above;
-  for (double& part : split.mean_squares) part /= joint.counted.sum();
+  split.Of(ErrorCause::kDelay) = delay;
+  split.Of(ErrorCause::kConstant) = (fit.constant_rad + (fit.gain - 1.0) * mean) * sum;
+  split.Of(ErrorCause::kGain) = (fit.gain - 1.0) * gain;
+  split.Of(ErrorCause::kLimit) = limit;
+  split.Of(ErrorCause::kFrames) = frames;
+  split.Of(ErrorCause::kNoise) = noise;
+  split.Of(ErrorCause::kRest) = rest;
+  for (double& part : split.mean_squares) part /= count;
   return split;
 }
 
@@ -207,17 +280,18 @@ std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
     const CountedTicks counted = input.counted != nullptr
                                      ? input.counted->joints[static_cast<std::size_t>(joint)]
                                      : CountedTicks{{0, static_cast<int>(rows)}};
+    TickMarks marks(static_cast<std::size_t>(rows), 0);
+    Mark(counted, kCounted | kFree, marks);
+    Mark(TremblingWithin(counted, input.rate_hz, input.jitter_above_hz), kUndisturbed, marks);
+    UnmarkLimits(input, joint, marks);
     const auto column = [&](const Signal& signal) {
       return Column(signal.col(joint).data(), rows);
     };
-    return Joint{
-        .rate_hz = input.rate_hz,
-        .reference = column(*input.reference_angle_rad),
-        .hand = column(*input.hand_angle_rad),
-        .noise_free_hand = column(*input.noise_free_hand_angle_rad),
-        .counted = Weights(counted, rows),
-        .trembling = Weights(TremblingWithin(counted, input.rate_hz, input.jitter_above_hz), rows),
-        .free = FreeTicks(input, joint, Weights(counted, rows))};
+    return Joint{.rate_hz = input.rate_hz,
+                 .reference = column(*input.reference_angle_rad),
+                 .hand = column(*input.hand_angle_rad),
+                 .noise_free_hand = column(*input.noise_free_hand_angle_rad),
+                 .marks = std::move(marks)};
   };
   std::vector<Following> fits;
   Signal left(rows, joints);

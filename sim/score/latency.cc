@@ -81,24 +81,33 @@ struct Station {
   Eigen::Index first_tick = 0;
 };
 
+/// The mean of each column. A joint without a number stands still here, and so has no latency; the
+/// filter would spread it.
+Column MeanOfEach(const Eigen::Map<const Eigen::MatrixXd>& blocks) {
+  Column means = blocks.colwise().mean();
+  if (means.hasNaN()) means = blocks.array().isNaN().select(0.0, blocks).colwise().mean();
+  return means;
+}
+
 /// A station behind the low pass, at a lower rate: means of `step` ticks each, so that nothing
 /// folds into the motion, which all stations delay alike.
 Signal Behind(const LowPass& low_pass, const Station& station, Eigen::Index rows, int step,
               Fourier& fourier) {
   const Eigen::Index blocks = rows / step;
   Signal means(blocks, station.signal->cols());
-  Column signal;  // a piece that stays in the cache
+  Column held;  // a piece that stays in the cache
   for (Eigen::Index channel = 0; channel < means.cols(); ++channel) {
     Holder holder(station.held_for_ticks, station.first_tick);
     for (Eigen::Index first = 0; first < blocks; first += kMeansAtATime) {
       const Eigen::Index count = std::min(kMeansAtATime, blocks - first);
-      signal = station.signal->col(channel).segment(first * step, count * step);
-      if (station.held_for_ticks > 1.0) holder.Hold(signal);
-      // A joint without a number stands still here, and so has no latency; the filter would spread
-      // it.
-      signal = signal.array().isNaN().select(0.0, signal);
-      means.col(channel).segment(first, count) =
-          Eigen::Map<const Eigen::MatrixXd>(signal.data(), step, count).colwise().mean();
+      const auto signal = station.signal->col(channel).segment(first * step, count * step);
+      const double* values = signal.data();
+      if (station.held_for_ticks > 1.0) {
+        held = signal;
+        holder.Hold(held);
+        values = held.data();
+      }
+      means.col(channel).segment(first, count) = MeanOfEach({values, step, count});
     }
     TrimSignals();
   }
@@ -146,7 +155,7 @@ std::span<const double> ColumnOf(const Signal& signal, Eigen::Index channel) {
 
 LatencyBudget MeasureLatency(const LatencyInput& input) {
   CheckShapes(input);
-  Fourier fourier;
+  thread_local Fourier fourier;  // the next trial is as long and needs the same roots of 1
   const int step = std::max(1, static_cast<int>(input.rate_hz / kStationRate_hz));
   const double rate_hz = input.rate_hz / step;
   const std::vector<Signal> stations = Stations(input, step, fourier);
