@@ -2,18 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <vector>
 
 #include "sim/base/signal.h"
-#include "sim/base/student.h"
+#include "sim/calibrate/least_squares.h"
 #include "sim/score/delay.h"
 
 namespace gauntlet::sim {
@@ -23,9 +21,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kBlocks = 20;
-constexpr double kStudent95 = 2.0930;  // of kBlocks - 1 degrees of freedom
-constexpr double kChance = 0.05;
 /// The state in which the log begins is not known: so much of it is not compared.
 constexpr double kBeginning_s = 0.5;
 constexpr double kLeastDamping = 0.05;
@@ -60,7 +55,7 @@ double Rms(const VectorXd& values) {
 }
 
 /// One log and the model's parameters with their bounds and the steps of its derivatives.
-class Problem {
+class Problem : public LeastSquaresProblem {
  public:
   Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
           Index parameters, double beginning_s = kBeginning_s)
@@ -95,13 +90,13 @@ class Problem {
   Index parameters() const { return low_.size(); }
   Index rows() const { return angle_deg_.size(); }
 
-  VectorXd Residual(const VectorXd& parameters) {
+  VectorXd Residual(const VectorXd& parameters) override {
     SimulateChain(ModelOf(parameters), command_, simulated_deg_);
     return angle_deg_ - Eigen::Map<const VectorXd>(simulated_deg_.data() + first_, rows());
   }
 
   /// What the model's angle does per parameter; from one side only at a bound.
-  MatrixXd Derivatives(const VectorXd& parameters) {
+  MatrixXd Derivatives(const VectorXd& parameters) override {
     MatrixXd result(rows(), this->parameters());
     for (Index i = 0; i < this->parameters(); ++i) {
       VectorXd below = parameters;
@@ -113,7 +108,7 @@ class Problem {
     return result;
   }
 
-  void KeepWithinBounds(VectorXd& parameters) const {
+  void KeepWithinBounds(VectorXd& parameters) const override {
     parameters = parameters.cwiseMax(low_).cwiseMin(high_);
     if (this->parameters() < kTightParameters) return;
     const double least_lag_s = 2.0 * kLeastDamping * std::sqrt(parameters[kInertia]);
@@ -136,93 +131,12 @@ class Problem {
   VectorXd step_;
 };
 
-struct Solution {
-  VectorXd parameters;
-  VectorXd residual_deg;
-  MatrixXd derivatives;
-  double squares_deg2 = 0.0;
-};
-
-/// Levenberg and Marquardt, with the scales of Marquardt.
-Solution Minimise(Problem& problem, VectorXd start) {
-  constexpr int kMostSteps = 60;
-  constexpr double kEnough = 1e-9;  // relative gain of a step
-  problem.KeepWithinBounds(start);
-  Solution best{.parameters = start, .residual_deg = problem.Residual(start), .derivatives = {}};
-  best.squares_deg2 = best.residual_deg.squaredNorm();
-  best.derivatives = problem.Derivatives(best.parameters);
-  double damping = 1e-3;
-  int small_gains = 0;
-  for (int step = 0; step < kMostSteps && small_gains < 2 && damping < 1e10; ++step) {
-    MatrixXd normal = best.derivatives.transpose() * best.derivatives;
-    const VectorXd gradient = best.derivatives.transpose() * best.residual_deg;
-    const VectorXd scale = normal.diagonal().cwiseMax(1e-300);
-    normal.diagonal() += damping * scale;
-    VectorXd next = best.parameters + normal.ldlt().solve(gradient);
-    problem.KeepWithinBounds(next);
-    VectorXd residual_deg = problem.Residual(next);
-    const double squares_deg2 = residual_deg.squaredNorm();
-    if (!(squares_deg2 < best.squares_deg2)) {
-      damping *= 8.0;
-      continue;
-    }
-    small_gains =
-        best.squares_deg2 - squares_deg2 < kEnough * best.squares_deg2 ? small_gains + 1 : 0;
-    best.parameters = std::move(next);
-    best.residual_deg = std::move(residual_deg);
-    best.squares_deg2 = squares_deg2;
-    best.derivatives = problem.Derivatives(best.parameters);
-    damping = std::max(damping / 5.0, 1e-12);
-  }
-  return best;
-}
-
-/// All parameters but `held` as they would be without each of the blocks; none where the log does
-/// not tell them apart.
-std::optional<std::vector<VectorXd>> WithoutEachBlock(const Solution& solution,
-                                                      std::optional<Index> held = {}) {
-  constexpr double kLeastEigenvalue = 1e-7;  // of the normal matrix with ones in its diagonal
-  std::vector<Index> told(static_cast<std::size_t>(solution.parameters.size()));
-  std::iota(told.begin(), told.end(), Index{0});
-  if (held) told.erase(told.begin() + *held);
-  const MatrixXd derivatives = solution.derivatives(Eigen::all, told);
-  const VectorXd norm = derivatives.colwise().norm().cwiseMax(1e-300);
-  const MatrixXd scaled = derivatives * norm.cwiseInverse().asDiagonal();
-  const MatrixXd normal = scaled.transpose() * scaled;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues()[0] > kLeastEigenvalue)) return std::nullopt;
-  std::vector<VectorXd> result;
-  for (Index block = 0; block < kBlocks; ++block) {
-    const Index begin = scaled.rows() * block / kBlocks;
-    const Index rows = scaled.rows() * (block + 1) / kBlocks - begin;
-    const auto part = scaled.middleRows(begin, rows);
-    const MatrixXd rest = normal - part.transpose() * part;
-    const VectorXd gradient = part.transpose() * solution.residual_deg.segment(begin, rows);
-    VectorXd parameters = solution.parameters;
-    parameters(told) -= rest.ldlt().solve(gradient).cwiseQuotient(norm);
-    result.push_back(std::move(parameters));
-  }
-  return result;
-}
-
-/// Of a value that `value_of` makes of the parameters.
-template <class ValueOf>
-double StandardErrorOf(const Solution& solution, const std::vector<VectorXd>& without,
-                       const ValueOf& value_of) {
-  const double value = value_of(solution.parameters);
-  double squares = 0.0;
-  for (const VectorXd& parameters : without) {
-    squares += std::pow(value_of(parameters) - value, 2);
-  }
-  return std::sqrt(squares * (kBlocks - 1.0) / kBlocks);
-}
-
 /// `value_of`: from parameters to the value; its interval is cut at the bounds.
 template <class ValueOf>
-ChainEstimate EstimateOf(const Solution& solution, const std::vector<VectorXd>& without,
+ChainEstimate EstimateOf(const LeastSquaresFit& solution, const std::vector<VectorXd>& without,
                          double least, const ValueOf& value_of) {
   const double value = value_of(solution.parameters);
-  const double half_width = kStudent95 * StandardErrorOf(solution, without, value_of);
+  const double half_width = HalfWidthOf(StandardErrorOf(solution, without, value_of));
   return {value, std::max(least, value - half_width), value + half_width};
 }
 
@@ -233,19 +147,19 @@ ChainEstimate Through(const ChainEstimate& estimate, const Function& function) {
   return {function(estimate.value), low, high};
 }
 
-void KeepBetter(Solution solution, std::optional<Solution>& best) {
-  if (!best || solution.squares_deg2 < best->squares_deg2) best = std::move(solution);
+void KeepBetter(LeastSquaresFit solution, std::optional<LeastSquaresFit>& best) {
+  if (!best || solution.squares < best->squares) best = std::move(solution);
 }
 
 /// A fit of all parameters, and as it would be without each of the blocks.
 struct Split {
-  Solution solution;
+  LeastSquaresFit solution;
   std::vector<VectorXd> without;
   bool second_order = true;  // a lag of first order does not say as much
 };
 
 /// None where the log does not tell the parameters apart.
-std::optional<Split> SplitOf(const Solution& solution) {
+std::optional<Split> SplitOf(const LeastSquaresFit& solution) {
   if (const auto without = WithoutEachBlock(solution)) return Split{solution, *without};
   if (const auto without = WithoutEachBlock(solution, kInertia)) {
     return Split{solution, *without, false};
@@ -254,7 +168,7 @@ std::optional<Split> SplitOf(const Solution& solution) {
 }
 
 void TakeSplit(const Split& split, ChainFit& fit) {
-  const Solution& solution = split.solution;
+  const LeastSquaresFit& solution = split.solution;
   const auto estimate = [&](const auto& value_of, double least) {
     return EstimateOf(solution, split.without, least, value_of);
   };
@@ -262,7 +176,7 @@ void TakeSplit(const Split& split, ChainFit& fit) {
     return estimate([index, factor](const VectorXd& p) { return factor * p[index]; }, 0.0);
   };
   fit.model = ModelOf(solution.parameters);
-  fit.residual_rms_deg = Rms(solution.residual_deg);
+  fit.residual_rms_deg = Rms(solution.residual);
   fit.dead_time_ms = parameter(kDeadTime, 1e3);
   fit.lag_ms = parameter(kLag, 1e3);
   fit.gain = parameter(kGain, 1.0);
@@ -295,11 +209,11 @@ double FastNoise(const VectorXd& values) {
 }
 
 /// Where to begin with a fit of all parameters, if `share` of the delay is dead time.
-VectorXd StartOfSplit(const Solution& shifted, double share) {
+VectorXd StartOfSplit(const LeastSquaresFit& shifted, double share) {
   constexpr double kDamping = 0.8;
   const double lag_s = (1.0 - share) * shifted.parameters[kDeadTime];
   VectorXd start(kTightParameters);
-  start << shifted.parameters, 0.2 * Rms(shifted.residual_deg), lag_s,
+  start << shifted.parameters, 0.2 * Rms(shifted.residual), lag_s,
       std::pow(lag_s / (2.0 * kDamping), 2);
   start[kDeadTime] *= share;
   return start;
@@ -308,7 +222,7 @@ VectorXd StartOfSplit(const Solution& shifted, double share) {
 /// When the angle has forgotten where in its hysteresis the log began, which it has once the
 /// command has gone all of its width; as usual, if that takes half of the log.
 double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
-                           const Solution& tight) {
+                           const LeastSquaresFit& tight) {
   constexpr double kMargin = 1.25;  // the width is that of a fit that may not fit
   const double width_deg = kMargin * 2.0 * tight.parameters[kPlay] / tight.parameters[kGain];
   double least = command_deg.front();
@@ -323,32 +237,13 @@ double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
   return static_cast<double>(row) / rate_hz + kBeginning_s;
 }
 
-/// Student's t of what a fit leaves less of the squares of a log's end than another, from block to
-/// block.
-double StudentOfGain(const Solution& better, const Solution& other) {
-  const Index rows = better.residual_deg.size();
-  const VectorXd gain = other.residual_deg.tail(rows).cwiseAbs2() - better.residual_deg.cwiseAbs2();
-  Eigen::Vector<double, kBlocks> of_block;
-  for (Index block = 0; block < kBlocks; ++block) {
-    const Index begin = rows * block / kBlocks;
-    of_block[block] = gain.segment(begin, rows * (block + 1) / kBlocks - begin).sum();
-  }
-  const double spread = (of_block.array() - of_block.mean()).matrix().norm();
-  return of_block.mean() / std::max(spread / std::sqrt(kBlocks * (kBlocks - 1.0)), 1e-300);
-}
-
-/// Whether so large a t is met by chance, in one or more of so many questions (Bonferroni).
-bool IsByChance(double t, int questions) {
-  return t <= 0.0 || 0.5 * StudentProbability(t, kBlocks - 1) * questions > kChance;
-}
-
 /// With lost motion behind the lag; none where the log does not show that there is any.
 std::optional<Split> FitLoose(std::span<const double> command_deg,
                               std::span<const double> angle_deg, double rate_hz, int parts,
-                              const Solution& shifted, const Solution& tight) {
+                              const LeastSquaresFit& shifted, const LeastSquaresFit& tight) {
   Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters,
                   BeginningBehindPlay(command_deg, rate_hz, tight));
-  std::optional<Solution> best;
+  std::optional<LeastSquaresFit> best;
   for (const double share : {0.1, 0.5, 0.9}) {  // of the hysteresis that is lost motion
     VectorXd start(kLooseParameters);
     start << StartOfSplit(shifted, 0.5), share * tight.parameters[kPlay];
@@ -367,21 +262,21 @@ std::optional<Split> FitLoose(std::span<const double> command_deg,
 }
 
 /// Dead time and play alone, between a motor and its joint.
-Solution FitLost(std::span<const double> motor_deg, std::span<const double> angle_deg,
-                 double rate_hz) {
+LeastSquaresFit FitLost(std::span<const double> motor_deg, std::span<const double> angle_deg,
+                        double rate_hz) {
   // The motor's angle so much earlier: two sensors are late by different times.
   constexpr double kEarlier_s = 0.1;
   const auto earlier = static_cast<std::size_t>(std::lround(kEarlier_s * rate_hz));
   const std::span<const double> motor = motor_deg.subspan(earlier);
   const std::span<const double> angle = angle_deg.first(motor.size());
   Problem shift(motor, angle, rate_hz, kShiftParameters);
-  const Solution shifted =
+  const LeastSquaresFit shifted =
       Minimise(shift, Eigen::Vector3d(static_cast<double>(earlier) / rate_hz, 1.0, 0.0));
   Problem lost(motor, angle, rate_hz, kPlayParameters);
-  std::optional<Solution> best;
+  std::optional<LeastSquaresFit> best;
   for (const double share : {0.2, 1.0, 2.0}) {  // of what a shift leaves, that is half the loop
     VectorXd start(kPlayParameters);
-    start << shifted.parameters, share * Rms(shifted.residual_deg);
+    start << shifted.parameters, share * Rms(shifted.residual);
     KeepBetter(Minimise(lost, start), best);
   }
   return *best;
@@ -430,15 +325,15 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
   if (!fit.problem.empty()) return fit;
 
   Problem shift(command_deg, angle_deg, rate_hz, kShiftParameters);
-  const Solution shifted = Minimise(shift, Eigen::Vector3d(delay_s, 1.0, 0.0));
-  fit.shifted_rms_deg = Rms(shifted.residual_deg);
+  const LeastSquaresFit shifted = Minimise(shift, Eigen::Vector3d(delay_s, 1.0, 0.0));
+  fit.shifted_rms_deg = Rms(shifted.residual);
   if (const auto without = WithoutEachBlock(shifted)) {
     fit.delay_ms =
         EstimateOf(shifted, *without, 0.0, [](const VectorXd& p) { return 1e3 * p[kDeadTime]; });
   }
 
   Problem problem(command_deg, angle_deg, rate_hz, kTightParameters);
-  std::optional<Solution> tight;
+  std::optional<LeastSquaresFit> tight;
   for (const double share : {0.25, 0.5, 0.75}) {  // of the delay that is dead time
     KeepBetter(Minimise(problem, StartOfSplit(shifted, share)), tight);
   }
@@ -477,7 +372,7 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
   }
   // In the joint's degrees and sense.
   VectorXd scaled = covariance / around.squaredNorm() * around;
-  const Solution lost = FitLost({scaled.data(), motor_deg.size()}, angle_deg, rate_hz);
+  const LeastSquaresFit lost = FitLost({scaled.data(), motor_deg.size()}, angle_deg, rate_hz);
   const auto without = WithoutEachBlock(lost);
   if (!without) return;
   fit.lost_motion_deg =

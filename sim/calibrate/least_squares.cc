@@ -1,0 +1,100 @@
+#include "sim/calibrate/least_squares.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <numeric>
+#include <utility>
+
+#include "sim/base/student.h"
+
+namespace gauntlet::sim {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+}  // namespace
+
+LeastSquaresFit Minimise(LeastSquaresProblem& problem, VectorXd start) {
+  constexpr int kMostSteps = 60;
+  constexpr double kEnough = 1e-9;  // relative gain of a step
+  problem.KeepWithinBounds(start);
+  LeastSquaresFit best{.parameters = start, .residual = problem.Residual(start), .derivatives = {}};
+  best.squares = best.residual.squaredNorm();
+  best.derivatives = problem.Derivatives(best.parameters);
+  double damping = 1e-3;
+  int small_gains = 0;
+  for (int step = 0; step < kMostSteps && small_gains < 2 && damping < 1e10; ++step) {
+    MatrixXd normal = best.derivatives.transpose() * best.derivatives;
+    const VectorXd gradient = best.derivatives.transpose() * best.residual;
+    const VectorXd scale = normal.diagonal().cwiseMax(1e-300);
+    normal.diagonal() += damping * scale;
+    VectorXd next = best.parameters + normal.ldlt().solve(gradient);
+    problem.KeepWithinBounds(next);
+    VectorXd residual = problem.Residual(next);
+    const double squares = residual.squaredNorm();
+    if (!(squares < best.squares)) {
+      damping *= 8.0;
+      continue;
+    }
+    small_gains = best.squares - squares < kEnough * best.squares ? small_gains + 1 : 0;
+    best.parameters = std::move(next);
+    best.residual = std::move(residual);
+    best.squares = squares;
+    best.derivatives = problem.Derivatives(best.parameters);
+    damping = std::max(damping / 5.0, 1e-12);
+  }
+  return best;
+}
+
+std::optional<std::vector<VectorXd>> WithoutEachBlock(const LeastSquaresFit& fit,
+                                                      std::optional<Index> held) {
+  constexpr double kLeastEigenvalue = 1e-7;  // of the normal matrix with ones in its diagonal
+  std::vector<Index> told(static_cast<std::size_t>(fit.parameters.size()));
+  std::iota(told.begin(), told.end(), Index{0});
+  if (held) told.erase(told.begin() + *held);
+  const MatrixXd derivatives = fit.derivatives(Eigen::all, told);
+  const VectorXd norm = derivatives.colwise().norm().cwiseMax(1e-300);
+  const MatrixXd scaled = derivatives * norm.cwiseInverse().asDiagonal();
+  const MatrixXd normal = scaled.transpose() * scaled;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
+  if (!(eigen.eigenvalues()[0] > kLeastEigenvalue)) return std::nullopt;
+  std::vector<VectorXd> result;
+  for (Index block = 0; block < kBlocks; ++block) {
+    const Index begin = scaled.rows() * block / kBlocks;
+    const Index rows = scaled.rows() * (block + 1) / kBlocks - begin;
+    const auto part = scaled.middleRows(begin, rows);
+    const MatrixXd rest = normal - part.transpose() * part;
+    const VectorXd gradient = part.transpose() * fit.residual.segment(begin, rows);
+    VectorXd parameters = fit.parameters;
+    parameters(told) -= rest.ldlt().solve(gradient).cwiseQuotient(norm);
+    result.push_back(std::move(parameters));
+  }
+  return result;
+}
+
+double HalfWidthOf(double standard_error) {
+  static const double kStudent = StudentHalfWidth(0.95, kBlocks - 1);
+  return kStudent * standard_error;
+}
+
+double StudentOfGain(const LeastSquaresFit& better, const LeastSquaresFit& other) {
+  const Index rows = better.residual.size();
+  const VectorXd gain = other.residual.tail(rows).cwiseAbs2() - better.residual.cwiseAbs2();
+  Eigen::Vector<double, kBlocks> of_block;
+  for (Index block = 0; block < kBlocks; ++block) {
+    const Index begin = rows * block / kBlocks;
+    of_block[block] = gain.segment(begin, rows * (block + 1) / kBlocks - begin).sum();
+  }
+  const double spread = (of_block.array() - of_block.mean()).matrix().norm();
+  return of_block.mean() / std::max(spread / std::sqrt(kBlocks * (kBlocks - 1.0)), 1e-300);
+}
+
+bool IsByChance(double t, int questions) {
+  constexpr double kChance = 0.05;
+  return t <= 0.0 || 0.5 * StudentProbability(t, kBlocks - 1) * questions > kChance;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,144 @@
+#include "sim/calibrate/least_squares.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <random>
+#include <utility>
+
+namespace gauntlet::sim {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// y = a + b x + c x^2, with c within bounds.
+class Parabola : public LeastSquaresProblem {
+ public:
+  Parabola(VectorXd x, VectorXd y) : columns_(x.size(), 3), y_(std::move(y)) {
+    columns_ << VectorXd::Ones(x.size()), x, x.cwiseAbs2();
+  }
+  VectorXd Residual(const VectorXd& parameters) override { return y_ - columns_ * parameters; }
+  MatrixXd Derivatives(const VectorXd& /*parameters*/) override { return columns_; }
+  void KeepWithinBounds(VectorXd& parameters) const override {
+    parameters[2] = std::clamp(parameters[2], -most_, most_);
+  }
+
+  const MatrixXd& columns() const { return columns_; }
+  const VectorXd& y() const { return y_; }
+  void set_most(double most) { most_ = most; }
+
+ private:
+  MatrixXd columns_;
+  VectorXd y_;
+  double most_ = 1e9;
+};
+
+Parabola NoisyParabola(Index rows, double noise) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal(0.0, noise);
+  const VectorXd x = VectorXd::LinSpaced(rows, -1.0, 3.0);
+  VectorXd y = 2.0 - 3.0 * x.array() + 0.5 * x.array().square();
+  for (double& value : y) value += normal(random);
+  return {x, y};
+}
+
+/// By QR, of all rows but some.
+VectorXd SolveWithout(const Parabola& parabola, Index begin, Index end) {
+  const Index rows = parabola.y().size();
+  MatrixXd columns(rows - (end - begin), 3);
+  VectorXd y(columns.rows());
+  columns << parabola.columns().topRows(begin), parabola.columns().bottomRows(rows - end);
+  y << parabola.y().head(begin), parabola.y().tail(rows - end);
+  return columns.colPivHouseholderQr().solve(y);
+}
+
+TEST(LeastSquares, FindsWhatQrFinds) {
+  Parabola parabola = NoisyParabola(203, 0.3);
+  const LeastSquaresFit fit = Minimise(parabola, VectorXd::Zero(3));
+  EXPECT_TRUE(fit.parameters.isApprox(SolveWithout(parabola, 0, 0), 1e-8)) << fit.parameters;
+  EXPECT_DOUBLE_EQ(fit.squares, parabola.Residual(fit.parameters).squaredNorm());
+}
+
+TEST(LeastSquares, StaysWithinItsBounds) {
+  Parabola parabola = NoisyParabola(203, 0.0);
+  parabola.set_most(0.25);
+  EXPECT_DOUBLE_EQ(Minimise(parabola, VectorXd::Zero(3)).parameters[2], 0.25);
+}
+
+TEST(LeastSquares, WithoutABlockIsAFitOfTheOtherRows) {
+  Parabola parabola = NoisyParabola(203, 0.3);  // blocks of 10 and 11 rows
+  const LeastSquaresFit fit = Minimise(parabola, VectorXd::Zero(3));
+  const auto without = WithoutEachBlock(fit);
+  ASSERT_TRUE(without);
+  ASSERT_EQ(without->size(), kBlocks);
+  for (Index block = 0; block < kBlocks; ++block) {
+    const VectorXd expected =
+        SolveWithout(parabola, 203 * block / kBlocks, 203 * (block + 1) / kBlocks);
+    EXPECT_TRUE((*without)[static_cast<std::size_t>(block)].isApprox(expected, 1e-7)) << block;
+  }
+}
+
+TEST(LeastSquares, HoldsAParameterWithoutABlock) {
+  Parabola parabola = NoisyParabola(203, 0.3);
+  const LeastSquaresFit fit = Minimise(parabola, VectorXd::Zero(3));
+  const auto without = WithoutEachBlock(fit, 1);
+  ASSERT_TRUE(without);
+  for (const VectorXd& parameters : *without) {
+    EXPECT_EQ(parameters[1], fit.parameters[1]);
+    EXPECT_NE(parameters[0], fit.parameters[0]);
+  }
+}
+
+TEST(LeastSquares, SaysWhereRowsDoNotTellParametersApart) {
+  Parabola parabola(VectorXd::Ones(100), VectorXd::Random(100));
+  EXPECT_FALSE(WithoutEachBlock(Minimise(parabola, VectorXd::Zero(3))));
+}
+
+// The mean of n values whose blocks have means m: its standard error is that of the mean of m.
+TEST(LeastSquares, StandardErrorOfAMeanIsThatOfItsBlocks) {
+  constexpr Index kRows = 400;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  LeastSquaresFit fit{.parameters = VectorXd::Zero(1),
+                      .residual = VectorXd(kRows),
+                      .derivatives = MatrixXd::Ones(kRows, 1)};
+  for (double& value : fit.residual) value = normal(random);
+  fit.residual.array() -= fit.residual.mean();
+  const VectorXd means =
+      Eigen::Map<const MatrixXd>(fit.residual.data(), kRows / kBlocks, kBlocks).colwise().mean();
+  const auto without = WithoutEachBlock(fit);
+  ASSERT_TRUE(without);
+  EXPECT_NEAR(StandardErrorOf(fit, *without, [](const VectorXd& p) { return p[0]; }),
+              means.norm() / std::sqrt(kBlocks * (kBlocks - 1.0)), 1e-12);
+}
+
+// Tables of Student's t for 19 degrees of freedom: 1.729 (5 % to one side), 2.093 (5 % to both),
+// 3.174 (0.25 % to one side).
+TEST(LeastSquares, ChanceIsThatOfTheTables) {
+  EXPECT_TRUE(IsByChance(1.728, 1));
+  EXPECT_FALSE(IsByChance(1.730, 1));
+  EXPECT_TRUE(IsByChance(3.17, 20));
+  EXPECT_FALSE(IsByChance(3.18, 20));
+  EXPECT_TRUE(IsByChance(-5.0, 1));
+  EXPECT_NEAR(HalfWidthOf(2.0), 4.186, 1e-3);
+}
+
+TEST(LeastSquares, GainIsComparedFromBlockToBlock) {
+  constexpr Index kRows = 400;
+  LeastSquaresFit better{.parameters = {}, .residual = VectorXd::Ones(kRows), .derivatives = {}};
+  LeastSquaresFit other = better;
+  // One row of each block has more: 3 of every second block's, 1 of the others', mean 2.
+  for (Index block = 0; block < kBlocks; ++block) {
+    other.residual[block * kRows / kBlocks] = std::sqrt(1.0 + (block % 2 == 0 ? 3.0 : 1.0));
+  }
+  // Standard error: sqrt(20 / 19) / sqrt(20).
+  EXPECT_NEAR(StudentOfGain(better, other), 2.0 * std::sqrt(19.0), 1e-9);
+  EXPECT_NEAR(StudentOfGain(other, better), -2.0 * std::sqrt(19.0), 1e-9);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
