@@ -62,16 +62,16 @@ void Controller::Load(const ControllerConfig& config) {
 }
 
 void Controller::SetChannelActive(int channel, bool active) noexcept {
-  if (channel >= 0 && channel < channel_count()) state_->SetChannelActive(channel, active);
+  if (channel >= 0 && channel < channel_count()) state_->estimator.SetChannelActive(channel, active);
 }
 
 bool Controller::channel_active(int channel) const noexcept {
   const bool exists = channel >= 0 && channel < channel_count();
-  return exists && state_->active[static_cast<std::size_t>(channel)] == 1;
+  return exists && state_->estimator.channel_active(channel);
 }
 
 int Controller::channel_count() const noexcept {
-  return state_ ? state_->linearisation->channel_count() : 0;
+  return state_ ? state_->estimator.channel_count() : 0;
 }
 int Controller::joint_count() const noexcept {
   return state_ ? state_->joint_map.joint_count() : 0;
@@ -86,11 +86,11 @@ std::span<const double> Controller::linearised_angle_rad() const noexcept {
 }
 std::span<const double> Controller::filtered_angle_rad() const noexcept {
   if (!state_) return {};
-  return state_->filtered_rad;
+  return state_->estimator.filtered_rad();
 }
 std::span<const double> Controller::predicted_angle_rad() const noexcept {
   if (!state_) return {};
-  return state_->predicted_rad;
+  return state_->estimator.predicted_rad();
 }
 std::span<const double> Controller::target_angle_rad() const noexcept {
   if (!state_) return {};

@@ -42,6 +42,7 @@ struct SampleGuardConfig {
   double jump_share = 0.25;
   double jump_confirm_ms = 10.0;
 
+  bool operator==(const SampleGuardConfig&) const = default;
   void Visit(SettingsVisitor& visitor);
 };
 

@@ -11,7 +11,8 @@ namespace gauntlet::controller {
 
 /// Counts of the converter to bending angles, channel by channel, and back.
 ///
-/// Shapes: one value per channel; input and output may be the same memory. Units: counts and rad.
+/// Shapes: samples x channels, one sample after the other, mostly one; input and output may be the
+/// same memory. Units: counts and rad.
 /// Both directions neither throw nor allocate; finite in, finite out; each is the other's inverse.
 class Linearisation {
  public:

@@ -85,14 +85,14 @@ class PolynomialLinearisation final : public Linearisation {
   int channel_count() const noexcept override { return polynomials_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
-    for (std::size_t i = 0; i < polynomials_.size(); ++i) {
-      angle_rad[i] = polynomials_[i].Angle(counts[i]);
+    for (std::size_t at = 0; at < counts.size(); ++at) {
+      angle_rad[at] = polynomials_[at % polynomials_.size()].Angle(counts[at]);
     }
   }
   void ToCounts(std::span<const double> angle_rad,
                 std::span<double> counts) const noexcept override {
-    for (std::size_t i = 0; i < polynomials_.size(); ++i) {
-      counts[i] = polynomials_[i].Counts(angle_rad[i]);
+    for (std::size_t at = 0; at < angle_rad.size(); ++at) {
+      counts[at] = polynomials_[at % polynomials_.size()].Counts(angle_rad[at]);
     }
   }
 

@@ -62,15 +62,16 @@ class TableLinearisation final : public Linearisation {
   int channel_count() const noexcept override { return tables_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
-    for (std::size_t i = 0; i < tables_.size(); ++i) {
-      angle_rad[i] = Interpolate(tables_[i].counts, tables_[i].angle_rad, counts[i]);
+    for (std::size_t at = 0; at < counts.size(); ++at) {
+      const Table& table = tables_[at % tables_.size()];
+      angle_rad[at] = Interpolate(table.counts, table.angle_rad, counts[at]);
     }
   }
   void ToCounts(std::span<const double> angle_rad,
                 std::span<double> counts) const noexcept override {
-    for (std::size_t i = 0; i < tables_.size(); ++i) {
-      counts[i] =
-          Interpolate(tables_[i].angle_rad_growing, tables_[i].counts_by_angle, angle_rad[i]);
+    for (std::size_t at = 0; at < angle_rad.size(); ++at) {
+      const Table& table = tables_[at % tables_.size()];
+      counts[at] = Interpolate(table.angle_rad_growing, table.counts_by_angle, angle_rad[at]);
     }
   }
 

@@ -10,13 +10,15 @@
 namespace gauntlet::controller {
 namespace {
 
-/// to = target_origin + (from - source_origin) slope.
+/// to = target_origin + (from - source_origin) slope, of all samples.
 GAUNTLET_VECTORISED void MapLine(const double* from, const double* source_origin,
                                  const double* slope, const double* target_origin, double* to,
-                                 long count) {
-  GAUNTLET_CHANNEL_LOOP
-  for (long i = 0; i < count; ++i) {
-    to[i] = target_origin[i] + (from[i] - source_origin[i]) * slope[i];
+                                 std::size_t values, std::size_t channels) {
+  for (std::size_t at = 0; at < values; at += channels) {
+    GAUNTLET_CHANNEL_LOOP
+    for (std::size_t i = 0; i < channels; ++i) {
+      to[at + i] = target_origin[i] + (from[at + i] - source_origin[i]) * slope[i];
+    }
   }
 }
 
@@ -66,15 +68,16 @@ class TwoPointLinearisation final : public Linearisation {
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
     MapLine(counts.data(), low_counts_.data(), rad_per_count_.data(), low_angle_rad_.data(),
-            angle_rad.data(), low_counts_.size());
+            angle_rad.data(), counts.size(), channels());
   }
   void ToCounts(std::span<const double> angle_rad,
                 std::span<double> counts) const noexcept override {
     MapLine(angle_rad.data(), low_angle_rad_.data(), counts_per_rad_.data(), low_counts_.data(),
-            counts.data(), low_counts_.size());
+            counts.data(), angle_rad.size(), channels());
   }
 
  private:
+  std::size_t channels() const { return static_cast<std::size_t>(low_counts_.size()); }
   static Eigen::ArrayXd ToArray(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::ArrayXd>(values.data(), values.size());
   }

@@ -79,10 +79,12 @@ YamlSource TreeOf(const ScenarioSource& text, const RepeatedSettings& lists, std
   return source;
 }
 
-RepeatedSettings ListsOf(const ScenarioSource& text) {
-  YAML::Node root;
-  const YamlSource source = TreeOf(text, {}, 0, root);
-  return ReadRepetitions(root, source);
+/// The tree of the first repetition, and what the others have in place of it.
+RepeatedSettings FirstTreeOf(const ScenarioSource& text, YAML::Node& root, YamlSource& source) {
+  source = TreeOf(text, {}, 0, root);
+  RepeatedSettings lists = ReadRepetitions(root, source);
+  if (!lists.empty()) source = TreeOf(text, lists, 0, root);
+  return lists;
 }
 
 /// What the tree of one repetition says.
@@ -128,9 +130,9 @@ Repetitions AllRepetitions(const ScenarioSource& text, const RepeatedSettings& l
 }  // namespace
 
 Scenario ParseScenario(const ScenarioSource& text) {
-  const RepeatedSettings lists = ListsOf(text);
   YAML::Node root;
-  const YamlSource source = TreeOf(text, lists, 0, root);
+  YamlSource source;
+  const RepeatedSettings lists = FirstTreeOf(text, root, source);
   const std::vector<AutoHorizon> auto_horizons = TakeAutoHorizons(root);
   Scenario scenario = ReadScenario(text, lists, 0, root, source);
   CheckNames(root, source, scenario);
@@ -143,9 +145,9 @@ Scenario ParseScenario(const ScenarioSource& text) {
 }
 
 std::string PlaceOfSetting(const ScenarioSource& text, const std::string& key) {
-  const RepeatedSettings lists = ListsOf(text);
   YAML::Node root;
-  const YamlSource source = TreeOf(text, lists, 0, root);
+  YamlSource source;
+  const RepeatedSettings lists = FirstTreeOf(text, root, source);
   const YAML::Node node = NodeAt(root, key);
   if (source.OverrideOf(key) == nullptr && node.is(root)) return text.file.string();
   return source.PlaceOf(node, key);

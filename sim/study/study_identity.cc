@@ -3,6 +3,7 @@
 #include "sim/base/hash.h"
 #include "sim/base/mathematics.h"
 #include "sim/scenario/scenario_files.h"
+#include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -42,7 +43,9 @@ std::string HashOfSettings(const NamedController& controller) {
   scenario.controllers = {controller};
   DropFolders(scenario);  // what the files gave stands in the settings
   Hash hash;
-  hash.Add(ScenarioToYaml(scenario));
+  hash.Add(controller.name + "\n");
+  hash.Add(SettingsToYaml(
+      [&](controller::SettingsVisitor& visitor) { scenario.controllers[0].Visit(visitor); }));
   return hash.Text();
 }
 

@@ -20,6 +20,9 @@
 namespace gauntlet::sim {
 namespace {
 
+/// Controllers that share what is done once per block of a glove's samples; more gain little.
+constexpr std::size_t kMostTogether = 32;
+
 /// The glove signal of one seed, made by the first trial that needs it, freed after the last.
 struct SharedGlove {
   std::once_flag once;
@@ -97,7 +100,8 @@ void FindDurations(const Study& study, StudyResult& result) {
   result.longest_s = static_cast<double>(longest->ticks) / rate_hz;
 }
 
-/// The trials of a study as tasks that threads take in the order of seeds.
+/// The trials of a study as tasks that threads take in the order of seeds: one trial, or some
+/// controllers of a seed where they run together.
 class Schedule {
  public:
   Schedule(const Study& study, const StudyOptions& options)
@@ -105,8 +109,10 @@ class Schedule {
         options_(options),
         gloves_(static_cast<std::size_t>(options.seeds)),
         controllers_(study.scenario.controllers.size()),
-        threads_(std::min<std::size_t>(static_cast<std::size_t>(std::max(1, options.jobs)),
-                                       controllers_ * gloves_.size())) {
+        in_passing_(!options.physics && !options.keep_first_traces && AreInPassing(options.scores)),
+        together_(in_passing_ ? ControllersTogether() : 1),
+        tasks_of_seed_((controllers_ + together_ - 1) / together_),
+        threads_(std::min(jobs(), tasks_of_seed_ * gloves_.size())) {
     result_.row_names = study.rows.names;
     for (const NamedController& c : study.scenario.controllers) {
       result_.controller_names.push_back(c.name);
@@ -129,9 +135,9 @@ class Schedule {
   void Work() {
     while (!stopped_) {
       const std::size_t task = next_task_++;
-      if (task >= controllers_ * gloves_.size()) return;
+      if (task >= tasks_of_seed_ * gloves_.size()) return;
       try {
-        RunTask(task / controllers_, task % controllers_);
+        RunTask(task / tasks_of_seed_, task % tasks_of_seed_);
       } catch (...) {
         const std::lock_guard lock(mutex_);
         if (!error_) error_ = std::current_exception();
@@ -148,6 +154,12 @@ class Schedule {
   std::size_t threads() const { return threads_; }
 
  private:
+  std::size_t jobs() const { return static_cast<std::size_t>(std::max(1, options_.jobs)); }
+  /// So many that each thread has two tasks of a seed: the next glove is made meanwhile.
+  std::size_t ControllersTogether() const {
+    return std::clamp<std::size_t>(controllers_ / (2 * jobs()), 1, kMostTogether);
+  }
+
   TwinSource WantedTwin(int seed) const {
     const bool wanted =
         options_.scores.empty() || std::ranges::any_of(options_.scores, NeedsNoiseFreeTwin);
@@ -166,12 +178,12 @@ class Schedule {
     });
   }
 
-  /// As the last trials of a seed begin, so that none of the threads that run them waits for it
+  /// As the last tasks of a seed begin, so that none of the threads that run them waits for it
   /// later.
-  void MakeNextGlove(std::size_t seed_index, std::size_t controller_index) {
+  void MakeNextGlove(std::size_t seed_index, std::size_t task_of_seed) {
     const std::size_t next = seed_index + 1;
-    const bool is_time = threads_ > 1 && controllers_ > threads_ &&
-                         controller_index + threads_ == controllers_ && next < gloves_.size();
+    const bool is_time = threads_ > 1 && tasks_of_seed_ > threads_ &&
+                         task_of_seed + threads_ == tasks_of_seed_ && next < gloves_.size();
     if (!is_time) return;
     // Where the store has the first trial, it may have them all.
     if (options_.store != nullptr && options_.store->Take(result_.seeds[next].seed, 0)) return;
@@ -182,19 +194,29 @@ class Schedule {
     LeaveGlove(next);
   }
 
-  void RunTask(std::size_t seed_index, std::size_t controller_index) {
-    SeedOutcome& seed = result_.seeds[seed_index];
-    SharedGlove& glove = gloves_[seed_index];
-    TrialOutcome& outcome = seed.controllers[controller_index];
-    if (Recall(seed_index, controller_index, outcome)) return;
-    const TwinSource twin_source = WantedTwin(seed.seed);
-    MakeGlove(seed_index);
-    MakeNextGlove(seed_index, controller_index);
-    const bool keep = seed_index == 0 && options_.keep_first_traces;
-    if (!options_.physics && !keep && AreInPassing(options_.scores)) {
-      RunInPassing(controller_index, glove, outcome);
-      return FinishTask(seed_index, controller_index);
+  void RunTask(std::size_t seed_index, std::size_t task_of_seed) {
+    const std::size_t first = task_of_seed * together_;
+    std::vector<std::size_t> unknown;
+    for (std::size_t c = first; c < std::min(first + together_, controllers_); ++c) {
+      if (!Recall(seed_index, c, OutcomeOf(seed_index, c))) unknown.push_back(c);
     }
+    if (unknown.empty()) return;
+    MakeGlove(seed_index);
+    MakeNextGlove(seed_index, task_of_seed);
+    if (in_passing_) return RunInPassing(seed_index, unknown);
+    for (const std::size_t c : unknown) RunWhole(seed_index, c);
+  }
+
+  TrialOutcome& OutcomeOf(std::size_t seed_index, std::size_t controller_index) {
+    return result_.seeds[seed_index].controllers[controller_index];
+  }
+
+  /// One trial, with the signals that its scores need.
+  void RunWhole(std::size_t seed_index, std::size_t controller_index) {
+    SharedGlove& glove = gloves_[seed_index];
+    TrialOutcome& outcome = OutcomeOf(seed_index, controller_index);
+    const TwinSource twin_source = WantedTwin(result_.seeds[seed_index].seed);
+    const bool keep = seed_index == 0 && options_.keep_first_traces;
     std::optional<NoiseFreeTwin> twin;
     if (glove.noise_free) twin = AsTwin(Run(controller_index, *glove.noise_free, kTwinSignals));
     LeaveNoiseFreeGlove(glove);
@@ -210,29 +232,43 @@ class Schedule {
       result_.first_traces[controller_index] = std::move(trace);
       result_.first_twins[controller_index] = std::move(twin);
     }
-    FinishTask(seed_index, controller_index);
+    FinishTrial(seed_index, controller_index);
   }
 
-  /// A trial without a hand whose scores need no signals.
-  void RunInPassing(std::size_t controller_index, const SharedGlove& glove, TrialOutcome& outcome) {
-    MeanSquareError error = ErrorInPassing(study_, *glove.signal);
-    Eigen::Index tick = 0;
-    const Trace trace = RunFilterTrial(
-        SetupOf(study_, study_.scenario.controllers[controller_index]), *glove.signal,
-        [&](const Eigen::Ref<const Eigen::MatrixXd>& angle_rad) {
-          error.Add(angle_rad, glove.reference_rad.middleRows(tick, angle_rad.rows()));
-          if (tick % kTrimRows == 0) TrimSignals();
-          tick += angle_rad.rows();
+  /// Trials without a hand whose scores need no signals.
+  void RunInPassing(std::size_t seed_index, std::span<const std::size_t> controllers) {
+    const SharedGlove& glove = gloves_[seed_index];
+    std::vector<TrialSetup> setups;
+    for (const std::size_t c : controllers) {
+      setups.push_back(SetupOf(study_, study_.scenario.controllers[c]));
+    }
+    std::vector<MeanSquareError> errors(setups.size(), ErrorInPassing(study_, *glove.signal));
+    Eigen::Index tick = 0;  // of the next block
+    AngleRows reference_rad;
+    std::vector<Trace> traces = RunFilterTrials(
+        setups, *glove.signal,
+        [&](std::size_t trial, const Eigen::Ref<const AngleRows>& angle_rad) {
+          if (trial == 0) {
+            reference_rad = glove.reference_rad.middleRows(tick, angle_rad.rows()).cast<float>();
+            if (tick % kTrimRows == 0) TrimSignals();
+            tick += angle_rad.rows();
+          }
+          errors[trial].Add(angle_rad, reference_rad);
         });
-    if (!Progress(1.0)) throw Cancelled{};
-    outcome.scores = ScoreInPassing(study_, error, options_.scores);
-    outcome.untrusted_samples = trace.untrusted_samples;
+    for (std::size_t i = 0; i < controllers.size(); ++i) {
+      if (!Progress(1.0)) throw Cancelled{};
+      TrialOutcome& outcome = OutcomeOf(seed_index, controllers[i]);
+      outcome.scores = ScoreInPassing(study_, errors[i], options_.scores);
+      outcome.untrusted_samples = std::move(traces[i].untrusted_samples);
+      FinishTrial(seed_index, controllers[i]);
+    }
   }
 
-  void FinishTask(std::size_t seed_index, std::size_t controller_index) {
-    SeedOutcome& seed = result_.seeds[seed_index];
-    TrialOutcome& outcome = seed.controllers[controller_index];
-    if (options_.store != nullptr) options_.store->Keep(seed.seed, controller_index, outcome);
+  void FinishTrial(std::size_t seed_index, std::size_t controller_index) {
+    TrialOutcome& outcome = OutcomeOf(seed_index, controller_index);
+    if (options_.store != nullptr) {
+      options_.store->Keep(result_.seeds[seed_index].seed, controller_index, outcome);
+    }
     if (!options_.keep_rows) outcome.scores.channels = {};
     LeaveGlove(seed_index);
   }
@@ -297,6 +333,9 @@ class Schedule {
   const StudyOptions& options_;
   std::vector<SharedGlove> gloves_;
   std::size_t controllers_;
+  bool in_passing_;       // all scores are found so
+  std::size_t together_;  // controllers of a task
+  std::size_t tasks_of_seed_;
   std::size_t threads_;
   StudyResult result_;
   std::atomic<std::size_t> next_task_{0};

@@ -2,74 +2,231 @@
 
 #include <algorithm>
 #include <utility>
-#include <vector>
 
+#include "controller/angle_estimator.h"
 #include "sim/base/stop.h"
-#include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
 namespace {
 
+using Eigen::Index;
+using ValueRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Ticks that go through one trial after the other: a read or write per column and tick would touch
+/// a cache line each, and in columns of a power of two they would get in each other's way.
+constexpr Index kBlockTicks = 128;
+
 /// Samples that begin before this tick.
-Eigen::Index SamplesBefore(Eigen::Index ticks, Eigen::Index ticks_per_sample) {
+Index SamplesBefore(Index ticks, Index ticks_per_sample) {
   return (ticks + ticks_per_sample - 1) / ticks_per_sample;
+}
+
+std::span<const double> RowsOf(const ValueRows& rows, Index first, Index count) {
+  return {rows.data() + first * rows.cols(), static_cast<std::size_t>(count * rows.cols())};
+}
+
+/// The next ticks of a glove.
+struct GloveBlock {
+  GloveBlock(const GloveSignal& glove, Index tick)
+      : first_tick(tick),
+        ticks(std::min(kBlockTicks, glove.true_angle_rad.rows() - tick)),
+        ticks_per_sample(glove.ticks_per_sample),
+        first_sample(SamplesBefore(tick, ticks_per_sample)),
+        counts(glove.counts.middleRows(
+            first_sample, SamplesBefore(tick + ticks, ticks_per_sample) - first_sample)) {}
+
+  /// Whether the glove has a new sample at a tick of the block.
+  bool HasSample(Index tick) const { return (first_tick + tick) % ticks_per_sample == 0; }
+  std::span<const double> SampleAt(Index tick) const {
+    return RowsOf(counts, (first_tick + tick) / ticks_per_sample - first_sample, 1);
+  }
+
+  Index first_tick;
+  Index ticks;
+  Index ticks_per_sample;
+  Index first_sample;
+  ValueRows counts;  // of its samples
+};
+
+/// When filters step, and with which counts: the same for all trials whose guards are alike.
+class FilterSteps {
+ public:
+  /// A channel that starts anew before a step of the block; `step` may be that after the last one.
+  struct Start {
+    Index step;
+    int channel;
+  };
+
+  FilterSteps(const controller::RobotConfig& robot, std::vector<double> start_counts)
+      : config_(robot.controller.untrusted),
+        filter_at_(robot.controller.filter_at),
+        start_counts_(std::move(start_counts)),
+        guard_(config_, start_counts_, robot.glove.full_scale_counts, robot.timing.sample_rate_hz(),
+               robot.glove.frame_number_bits),
+        event_clock_(robot.timing.TicksOf(robot.timing.event_period_ms)),
+        counts_(kBlockTicks, std::ssize(start_counts_)),
+        steps_until_(kBlockTicks) {}
+
+  bool AreOf(const controller::ControllerConfig& config,
+             const std::vector<double>& start_counts) const {
+    return config.untrusted == config_ && config.filter_at == filter_at_ &&
+           start_counts == start_counts_;
+  }
+
+  void Take(const GloveBlock& block) {
+    steps_ = 0;
+    starts_.clear();
+    for (Index tick = 0; tick < block.ticks; ++tick) {
+      if (block.HasSample(tick)) {
+        guard_.Take({.counts = block.SampleAt(tick)}, [this](int channel) {
+          starts_.push_back({steps_, channel});
+        });
+        if (filter_at_ == controller::FilterAt::kSample) AddStep();
+      }
+      if (event_clock_.Tick() && filter_at_ == controller::FilterAt::kEvent) AddStep();
+      steps_until_[static_cast<std::size_t>(tick)] = steps_;
+    }
+  }
+
+  const controller::SampleGuard& guard() const { return guard_; }
+  /// Of the block: steps x channels, how many, and how many there were when a tick ended.
+  std::span<const double> Counts(Index first, Index count) const {
+    return RowsOf(counts_, first, count);
+  }
+  Index count() const { return steps_; }
+  Index CountUntil(Index tick) const { return steps_until_[static_cast<std::size_t>(tick)]; }
+  std::span<const Start> starts() const { return starts_; }
+
+ private:
+  void AddStep() {
+    const std::span<const double> trusted = guard_.trusted_counts();
+    std::copy(trusted.begin(), trusted.end(), &counts_(steps_++, 0));
+  }
+
+  controller::SampleGuardConfig config_;
+  controller::FilterAt filter_at_;
+  std::vector<double> start_counts_;
+  controller::SampleGuard guard_;
+  controller::PeriodicClock event_clock_;
+  ValueRows counts_;
+  Index steps_ = 0;
+  std::vector<Index> steps_until_;
+  std::vector<Start> starts_;
+};
+
+/// One controller, from trusted counts to joints.
+class FilterTrial {
+ public:
+  FilterTrial(const controller::RobotConfig& robot, controller::JointMap joint_map)
+      : estimator_(robot, robot.controller),
+        joint_angles_(joint_map),
+        predicted_rad_(kBlockTicks + 1, estimator_.channel_count()),
+        start_counts_(static_cast<std::size_t>(estimator_.channel_count())) {
+    estimator_.MoveTo(joint_map, robot.hand.reference_angle_rad);  // as a new Controller
+    estimator_.ToCounts(start_counts_);
+  }
+
+  /// What its guard holds before the first good value.
+  const std::vector<double>& start_counts() const { return start_counts_; }
+  void UseSteps(const std::vector<FilterSteps>& all, std::size_t number) {
+    steps_ = number;
+    estimator_.Reset(all[number].guard().trusted_counts());
+  }
+  std::size_t steps() const { return steps_; }
+
+  /// The angles of the block.
+  void Run(const FilterSteps& steps, AngleRows& angle_rad) {
+    // What held before, then what each step gives.
+    std::ranges::copy(estimator_.predicted_rad(), predicted_rad_.data());
+    Index done = 0;
+    const auto step_until = [&](Index end) {
+      if (end == done) return;
+      const std::span<const double> predicted = RowsOf(predicted_rad_, done + 1, end - done);
+      estimator_.Step(
+          steps.Counts(done, end - done),
+          {predicted_rad_.data() + (done + 1) * predicted_rad_.cols(), predicted.size()});
+      done = end;
+    };
+    for (const auto& [step, channel] : steps.starts()) {
+      step_until(step);
+      estimator_.StartChannel(channel);
+    }
+    step_until(steps.count());
+    if (steps.count() == angle_rad.rows()) {  // one at every tick
+      joint_angles_.Put(RowsOf(predicted_rad_, 1, steps.count()), angle_rad);
+      return;
+    }
+    for (Index tick = 0; tick < angle_rad.rows(); ++tick) {
+      joint_angles_.Put(RowsOf(predicted_rad_, steps.CountUntil(tick), 1),
+                        angle_rad.middleRows(tick, 1));
+    }
+  }
+
+ private:
+  controller::AngleEstimator estimator_;
+  JointAngleRows joint_angles_;
+  ValueRows predicted_rad_;
+  std::vector<double> start_counts_;
+  std::size_t steps_ = 0;  // its place among those of all trials
+};
+
+controller::RobotConfig RobotOf(const TrialSetup& setup) {
+  return {.controller = setup.controller,
+          .glove = setup.calibration,
+          .hand = setup.hand->transmission(),
+          .joint_map = setup.joint_map,
+          .timing = setup.hand->timing().controller};
 }
 
 }  // namespace
 
 Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove) {
   Signal angle_rad(glove.true_angle_rad.rows(),
-                   static_cast<Eigen::Index>(setup.hand->joint_names().size()));
-  Eigen::Index tick = 0;
-  Trace trace = RunFilterTrial(setup, glove, [&](const auto& block) {
-    angle_rad.middleRows(tick, block.rows()) = block;
-    if (tick % kTrimRows == 0) TrimSignals();
-    tick += block.rows();
-  });
-  trace.hand_angle_rad = std::move(angle_rad);
-  return trace;
+                   static_cast<Index>(setup.hand->joint_names().size()));
+  Index tick = 0;
+  std::vector<Trace> traces =
+      RunFilterTrials({&setup, 1}, glove, [&](std::size_t, const auto& block) {
+        angle_rad.middleRows(tick, block.rows()) = block.template cast<double>();
+        if (tick % kTrimRows == 0) TrimSignals();
+        tick += block.rows();
+      });
+  traces[0].hand_angle_rad = std::move(angle_rad);
+  return std::move(traces[0]);
 }
 
-Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove, const SeeAngles& see) {
-  const controller::TendonTransmission& hand = setup.hand->transmission();
-  const controller::Timing& timing = setup.hand->timing().controller;
-  controller::Controller controller(setup.controller, setup.calibration, hand, timing,
-                                    setup.joint_map);
-  const Eigen::Index ticks = glove.true_angle_rad.rows();
-  const Eigen::Index channels = glove.counts.cols();
-  const controller::JointMap joint_map(setup.joint_map, glove.channel_names, hand);
-  // Blocks of ticks: a read or write per column and tick would touch a cache line each, and the
-  // channels' angles never leave the cache, in which columns of a power of two would get in each
-  // other's way.
-  constexpr Eigen::Index kBlockTicks = 248;
-  Signal predicted_rad(kBlockTicks, channels);
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> counts;
-  for (Eigen::Index first = 0; first < ticks; first += kBlockTicks) {
-    ThrowIfStopped();
-    const Eigen::Index count = std::min(kBlockTicks, ticks - first);
-    const Eigen::Index first_sample = SamplesBefore(first, glove.ticks_per_sample);
-    counts.resize(SamplesBefore(first + count, glove.ticks_per_sample) - first_sample, channels);
-    for (Eigen::Index c = 0; c < channels; ++c) {
-      counts.col(c) = glove.counts.col(c).segment(first_sample, counts.rows());
-    }
-    for (Eigen::Index i = 0; i < count; ++i) {
-      if ((first + i) % glove.ticks_per_sample == 0) {
-        const Eigen::Index sample = (first + i) / glove.ticks_per_sample - first_sample;
-        controller.Step({.counts = {&counts(sample, 0), static_cast<std::size_t>(channels)}});
-      } else {
-        controller.Step();
-      }
-      const std::span<const double> angles = controller.predicted_angle_rad();
-      for (Eigen::Index c = 0; c < channels; ++c) predicted_rad(i, c) = angles[c];
-    }
-    predicted_rad.KeepRows(count);
-    see(ReferenceAngles(joint_map, predicted_rad));
+std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const GloveSignal& glove,
+                                   const SeeAngles& see) {
+  std::vector<FilterSteps> steps;
+  std::vector<FilterTrial> trials;
+  for (const TrialSetup& setup : setups) {
+    const controller::RobotConfig robot = RobotOf(setup);
+    FilterTrial& trial = trials.emplace_back(
+        robot, controller::JointMap(setup.joint_map, glove.channel_names, robot.hand));
+    const auto known = std::ranges::find_if(steps, [&](const FilterSteps& those) {
+      return those.AreOf(robot.controller, trial.start_counts());
+    });
+    const auto place = static_cast<std::size_t>(known - steps.begin());
+    if (known == steps.end()) steps.emplace_back(robot, trial.start_counts());
+    trial.UseSteps(steps, place);
   }
-  Trace trace;
-  trace.controller_name = setup.controller_name;
-  const auto untrusted = controller.untrusted_samples();
-  trace.untrusted_samples.assign(untrusted.begin(), untrusted.end());
-  return trace;
+  AngleRows angle_rad;
+  for (Index tick = 0; tick < glove.true_angle_rad.rows(); tick += kBlockTicks) {
+    ThrowIfStopped();
+    const GloveBlock block(glove, tick);
+    for (FilterSteps& those : steps) those.Take(block);
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      angle_rad.resize(block.ticks, static_cast<Index>(setups[i].hand->joint_names().size()));
+      trials[i].Run(steps[trials[i].steps()], angle_rad);
+      see(i, angle_rad);
+    }
+  }
+  std::vector<Trace> traces(setups.size());
+  for (std::size_t i = 0; i < setups.size(); ++i) {
+    traces[i].controller_name = setups[i].controller_name;
+    const auto untrusted = steps[trials[i].steps()].guard().untrusted_samples();
+    traces[i].untrusted_samples.assign(untrusted.begin(), untrusted.end());
+  }
+  return traces;
 }
 
 }  // namespace gauntlet::sim

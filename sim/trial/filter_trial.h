@@ -1,8 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <functional>
+#include <span>
+#include <vector>
 
+#include "sim/trial/joint_angles.h"
 #include "sim/trial/trial.h"
 
 namespace gauntlet::sim {
@@ -14,10 +18,13 @@ namespace gauntlet::sim {
 /// `untrusted_samples` are filled, other signals have no columns. Deterministic.
 Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove);
 
-/// Gets the next ticks of `hand_angle_rad`: ticks x joints.
-using SeeAngles = std::function<void(const Eigen::Ref<const Eigen::MatrixXd>&)>;
-/// The same for who keeps no angles: they go to `see` in blocks that stay in a core's cache, and no
-/// signal has columns.
-Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove, const SeeAngles& see);
+/// Gets the next ticks of `hand_angle_rad` of one of the trials.
+using SeeAngles =
+    std::function<void(std::size_t trial, const Eigen::Ref<const AngleRows>& hand_angle_rad)>;
+/// The same of several controllers of one glove, for who keeps no angles: they go to `see` in
+/// blocks that stay in a core's cache, a block of each trial before the next block, and no signal
+/// has columns. Trials whose guards are alike share one.
+std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const GloveSignal& glove,
+                                   const SeeAngles& see);
 
 }  // namespace gauntlet::sim

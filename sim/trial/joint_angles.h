@@ -1,5 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
 #include "controller/controller_config.h"
 #include "sim/base/signal.h"
 #include "sim/trial/trace.h"
@@ -13,6 +17,26 @@ Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_
 /// What the hand's joints are held against: the joint map of the wearer's true angles, as trace.h5
 /// holds it (see Stored). Shapes and units as above.
 Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true_angle_rad);
+
+/// Angles of joints as trace.h5 holds them (see Stored), tick by tick: ticks x joints [rad].
+using AngleRows = Eigen::Matrix<Stored<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// ReferenceAngles() tick by tick.
+class JointAngleRows {
+ public:
+  explicit JointAngleRows(controller::JointMap joint_map);
+
+  /// Ticks x channels in, one tick after the other; as many rows out.
+  void Put(std::span<const double> channel_angle_rad, Eigen::Ref<AngleRows> angle_rad);
+
+ private:
+  controller::JointMap joint_map_;
+  bool own_channels_;        // every joint has that of its own number, and no other
+  bool plain_copy_ = false;  // and nothing else: all of them, of weight 1
+  std::vector<double> offset_rad_;
+  std::vector<double> weight_;     // of that channel
+  std::vector<double> joint_rad_;  // scratch
+};
 
 /// A command as the posture that it asks of a hand whose cables neither stretch nor go slack; NaN
 /// for joints that springs decide. Shapes: ticks x motors in, ticks x joints out. Units: counts in,

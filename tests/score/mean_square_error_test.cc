@@ -70,6 +70,34 @@ TEST(MeanSquareError, HasTheSameBitsInBlocksOfAnySize) {
   }
 }
 
+TEST(MeanSquareError, HasTheSameBitsTickByTick) {
+  using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Angles angles;  // as a trace keeps them
+  const Rows hand = angles.hand.cast<float>();
+  const Rows reference = angles.reference.cast<float>();
+  angles.hand = hand.cast<double>();
+  angles.reference = reference.cast<double>();
+  const std::vector<CountedTicks> everywhere(3, {{0, kTicks}});
+  const std::vector<CountedTicks> partly = {{{0, 100}, {101, 650}}, {}, {{64, kTicks}}};
+  for (const auto& columns : {std::vector<int>{0, 1, 2}, std::vector<int>{4, 0, 3}}) {
+    for (const auto& counted : {everywhere, partly}) {
+      const MeanSquareError whole = InBlocks(kTicks, angles, columns, counted);
+      MeanSquareError error(columns, counted);
+      for (int first = 0; first < kTicks; first += 64) {
+        const int count = std::min(64, kTicks - first);
+        error.Add(hand.middleRows(first, count), reference.middleRows(first, count));
+      }
+      for (int j = 0; j < 3; ++j) {
+        if (counted[j].empty()) {
+          EXPECT_TRUE(std::isnan(error.Of(j)));
+        } else {
+          EXPECT_EQ(error.Of(j), whole.Of(j)) << j;
+        }
+      }
+    }
+  }
+}
+
 TEST(MeanSquareError, OfNoTicksIsNoNumber) {
   const MeanSquareError error = InBlocks(64, Angles(), {0}, {{}});
   EXPECT_TRUE(std::isnan(error.Of(0)));

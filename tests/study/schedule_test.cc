@@ -5,10 +5,12 @@
 #include <bit>
 #include <map>
 #include <mutex>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "sim/scenario/scenario_reader.h"
+#include "sim/score/score.h"
 #include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
@@ -64,19 +66,27 @@ Bits BitsOf(const StudyResult& result) {
   return bits;
 }
 
-StudyOptions Options(int jobs, bool physics, TrialStore* store) {
+enum class Way { kHand, kFilters, kFiltersInPassing };
+
+StudyOptions Options(int jobs, Way way, TrialStore* store) {
   StudyOptions options;
   options.seeds = kSeeds;
   options.jobs = jobs;
-  options.physics = physics;
+  options.physics = way == Way::kHand;
+  if (way == Way::kFiltersInPassing) options.scores = {MetricIndex("tracking_rmse_deg")};
   options.keep_first_traces = false;
   options.store = store;
   return options;
 }
 
-class AnySchedule : public ::testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(WithAndWithoutHand, AnySchedule, ::testing::Bool(),
-                         [](const auto& one) { return one.param ? "hand" : "filters"; });
+std::string NameOf(const ::testing::TestParamInfo<Way>& one) {
+  const char* const names[] = {"hand", "filters", "filters_in_passing"};
+  return names[static_cast<int>(one.param)];
+}
+class AnySchedule : public ::testing::TestWithParam<Way> {};
+INSTANTIATE_TEST_SUITE_P(Each, AnySchedule,
+                         ::testing::Values(Way::kHand, Way::kFilters, Way::kFiltersInPassing),
+                         NameOf);
 
 TEST_P(AnySchedule, GivesTheSameScores) {
   const Study study = FiveControllers();
@@ -105,6 +115,37 @@ TEST_P(AnySchedule, RunsWhatIsNotKnownAndNothingElse) {
       }
       EXPECT_EQ(BitsOf(RunStudy(study, Options(jobs, GetParam(), &some))), alone) << jobs;
       EXPECT_EQ(some.kept(), kSeeds * 5);
+    }
+  }
+}
+
+// Controllers of a seed that run together, more or fewer at once, and each by itself.
+TEST(SchedulePassing, GivesEachControllerItsOwnScores) {
+  Study study = FiveControllers();
+  const NamedController raw = study.scenario.controllers[0];
+  study.scenario.controllers.clear();
+  for (int window = 1; window <= 37; ++window) {
+    NamedController& mean = study.scenario.controllers.emplace_back(raw);
+    mean.name = "mean_" + std::to_string(window);
+    mean.config.filters = {{controller::MovingAverageConfig{.window = window}}};
+  }
+  const StudyResult together = RunStudy(study, Options(1, Way::kFiltersInPassing, nullptr));
+  for (const int jobs : {2, 3, 40}) {
+    EXPECT_EQ(BitsOf(RunStudy(study, Options(jobs, Way::kFiltersInPassing, nullptr))),
+              BitsOf(together))
+        << jobs;
+  }
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  Study alone = study;
+  for (const std::size_t c : {0, 15, 16, 36}) {
+    alone.scenario.controllers = {study.scenario.controllers[c]};
+    const StudyResult whole = RunStudy(alone, Options(1, Way::kFilters, nullptr));
+    for (int i = 0; i < kSeeds; ++i) {
+      const TrialOutcome& outcome = together.seeds[i].controllers[c];
+      EXPECT_EQ(outcome.scores.summary[tracking],
+                whole.seeds[i].controllers[0].scores.summary[tracking])
+          << c;
+      EXPECT_EQ(outcome.untrusted_samples, whole.seeds[i].controllers[0].untrusted_samples);
     }
   }
 }
