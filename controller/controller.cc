@@ -62,7 +62,8 @@ void Controller::Load(const ControllerConfig& config) {
 }
 
 void Controller::SetChannelActive(int channel, bool active) noexcept {
-  if (channel >= 0 && channel < channel_count()) state_->estimator.SetChannelActive(channel, active);
+  if (channel >= 0 && channel < channel_count())
+    state_->estimator.SetChannelActive(channel, active);
 }
 
 bool Controller::channel_active(int channel) const noexcept {

@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
 #include <mutex>
-#include <system_error>
-#include <thread>
 
 #include "sim/base/error.h"
+#include "sim/base/threads.h"
 #include "sim/score/scores_in_passing.h"
 #include "sim/study/study_room.h"
 #include "sim/study/trial_score.h"
@@ -20,8 +18,14 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Controllers that share what is done once per block of a glove's samples; more gain little.
-constexpr std::size_t kMostTogether = 32;
+std::size_t JobsOf(const StudyOptions& options) {
+  return static_cast<std::size_t>(std::max(1, options.jobs));
+}
+
+/// Whether all scores are found while trials run.
+bool IsInPassing(const StudyOptions& options) {
+  return !options.physics && !options.keep_first_traces && AreInPassing(options.scores);
+}
 
 /// The glove signal of one seed, made by the first trial that needs it, freed after the last.
 struct SharedGlove {
@@ -109,10 +113,10 @@ class Schedule {
         options_(options),
         gloves_(static_cast<std::size_t>(options.seeds)),
         controllers_(study.scenario.controllers.size()),
-        in_passing_(!options.physics && !options.keep_first_traces && AreInPassing(options.scores)),
-        together_(in_passing_ ? ControllersTogether() : 1),
+        in_passing_(IsInPassing(options)),
+        together_(ControllersTogether(options, controllers_)),
         tasks_of_seed_((controllers_ + together_ - 1) / together_),
-        threads_(std::min(jobs(), tasks_of_seed_ * gloves_.size())) {
+        threads_(std::min(JobsOf(options), tasks_of_seed_ * gloves_.size())) {
     result_.row_names = study.rows.names;
     for (const NamedController& c : study.scenario.controllers) {
       result_.controller_names.push_back(c.name);
@@ -139,27 +143,17 @@ class Schedule {
       try {
         RunTask(task / tasks_of_seed_, task % tasks_of_seed_);
       } catch (...) {
-        const std::lock_guard lock(mutex_);
-        if (!error_) error_ = std::current_exception();
         stopped_ = true;
+        throw;
       }
     }
   }
 
-  StudyResult Finish() {
-    if (error_) std::rethrow_exception(error_);
-    return std::move(result_);
-  }
+  StudyResult Finish() { return std::move(result_); }
 
   std::size_t threads() const { return threads_; }
 
  private:
-  std::size_t jobs() const { return static_cast<std::size_t>(std::max(1, options_.jobs)); }
-  /// So many that each thread has two tasks of a seed: the next glove is made meanwhile.
-  std::size_t ControllersTogether() const {
-    return std::clamp<std::size_t>(controllers_ / (2 * jobs()), 1, kMostTogether);
-  }
-
   TwinSource WantedTwin(int seed) const {
     const bool wanted =
         options_.scores.empty() || std::ranges::any_of(options_.scores, NeedsNoiseFreeTwin);
@@ -341,12 +335,18 @@ class Schedule {
   std::atomic<std::size_t> next_task_{0};
   std::atomic<bool> stopped_{false};
   std::mutex mutex_;
-  std::exception_ptr error_;
   double trials_done_ = 0.0;
   int trials_in_all_ = 0;  // twins counted
 };
 
 }  // namespace
+
+std::size_t ControllersTogether(const StudyOptions& options, std::size_t controllers) {
+  if (!IsInPassing(options)) return 1;
+  constexpr std::size_t kMost = 32;  // more gain little
+  // Each thread has two tasks of a seed, so that the next glove is made meanwhile.
+  return std::clamp<std::size_t>(controllers / (2 * JobsOf(options)), 1, kMost);
+}
 
 TwinSource TwinOf(const Study& study, int seed) {
   if (!study.scenario.score.noise_free_twin) return TwinSource::kNone;
@@ -370,19 +370,13 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
   CheckRoom(study, options);
   Schedule schedule(study, options);
-  std::vector<std::jthread> others;
-  try {
-    while (others.size() + 1 < schedule.threads()) {
-      others.emplace_back([&schedule] { schedule.Work(); });
-    }
-  } catch (const std::system_error& error) {  // those that there are take all the trials
-    if (options.remark) {
-      options.remark(fmt::format("only {} of {} threads can be started: {}", others.size() + 1,
-                                 schedule.threads(), error.code().message()));
-    }
-  }
-  schedule.Work();
-  others.clear();
+  RunOnThreads(
+      schedule.threads(), [&schedule] { schedule.Work(); },
+      [&](std::size_t started, const std::string& reason) {
+        if (!options.remark) return;
+        options.remark(fmt::format("only {} of {} threads can be started: {}", started,
+                                   schedule.threads(), reason));
+      });
   StudyResult result = schedule.Finish();
   result.seeds_alike = repeats.alike();
   NumberMotions(repeats, result);

@@ -81,6 +81,9 @@ TwinSource TwinOf(const Study& study, int seed);
 /// How many trials are run for so many seeds, twins included.
 int TrialCount(const Study& study, int seeds);
 
+/// How many controllers of a seed run together, and take less time so: 1 where trials keep signals.
+std::size_t ControllersTogether(const StudyOptions& options, std::size_t controllers);
+
 /// Runs every controller on every seed, `jobs` trials at a time; repetitions take turns. Where
 /// nothing is drawn at random, as with the recording of a real glove, one seed of each repetition
 /// stands for all. Before a trial its noise-free twin runs, which the scores need: see ScoreInput.

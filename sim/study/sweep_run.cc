@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <map>
 #include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
+#include "sim/base/threads.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/early_stop.h"
 #include "sim/study/study_identity.h"
@@ -19,7 +21,7 @@ namespace gauntlet::sim {
 namespace {
 
 /// Cells that are run together: enough to share a glove, few enough for their results.
-constexpr std::int64_t kBlockCells = 64;
+constexpr std::int64_t kBlockCells = 256;
 
 ScenarioSource SourceOf(const SweepPlan& plan, std::int64_t cell) {
   ScenarioSource source = plan.scenario;
@@ -27,12 +29,6 @@ ScenarioSource SourceOf(const SweepPlan& plan, std::int64_t cell) {
     source.overrides.push_back(std::move(override));
   }
   return source;
-}
-
-Scenario ReadCell(const SweepPlan& plan, std::int64_t cell) {
-  Scenario scenario = ParseScenario(SourceOf(plan, cell));
-  KeepControllers(plan.file.controllers, scenario);
-  return scenario;
 }
 
 /// Of what the trials of a study share, and of what a sweep keeps of them: so they are not mistaken
@@ -61,23 +57,22 @@ struct Block {
   std::vector<Cell> built;
 };
 
-/// Adds the controllers of a cell to the block's study. Errors: SettingError for one that cannot be
-/// built; then nothing is added.
-std::vector<std::size_t> AddControllers(const Scenario& scenario, Block& block) {
-  Study& study = *block.study;
-  for (const NamedController& named : scenario.controllers) {
-    controller::WithinSetting("controllers." + named.name, [&] {
-      return controller::Controller(RobotOf(study.scenario, *study.hand, named.config));
-    });
-  }
+/// What is read of one cell.
+struct ReadCell {
+  Scenario scenario;
+  std::vector<std::string> settings;  // hashes, per controller
+  std::string problem;                // why there is nothing else; empty: none
+};
+
+/// Adds the controllers of a cell to the block's study. Gives their places there.
+std::vector<std::size_t> AddControllers(const ReadCell& cell, Block& block) {
   std::vector<std::size_t> places;
-  for (const NamedController& named : scenario.controllers) {
-    const std::string settings = HashOfSettings(named);
-    const auto known = std::ranges::find(block.settings, settings);
+  for (std::size_t c = 0; c < cell.settings.size(); ++c) {
+    const auto known = std::ranges::find(block.settings, cell.settings[c]);
     places.push_back(static_cast<std::size_t>(known - block.settings.begin()));
     if (known != block.settings.end()) continue;
-    block.settings.push_back(settings);
-    study.scenario.controllers.push_back(named);
+    block.settings.push_back(cell.settings[c]);
+    block.study->scenario.controllers.push_back(cell.scenario.controllers[c]);
   }
   return places;
 }
@@ -249,27 +244,59 @@ class Sweep {
     return shared_.emplace(SharedStudy{std::move(values), std::move(study), std::move(hash)});
   }
 
+  /// Does a part of what a cell needs to be built, if it still can be.
+  template <class Part>
+  static void Try(ReadCell& cell, Part part) {
+    if (!cell.problem.empty()) return;
+    try {
+      part();
+    } catch (const UserError& error) {
+      cell.problem = error.what();
+    } catch (const controller::SettingError& error) {
+      cell.problem = error.what();
+    }
+  }
+
+  void Read(std::int64_t number, ReadCell& cell) const {
+    ThrowIfStopped();
+    cell.scenario = ParseScenario(SourceOf(plan_, number));
+    KeepControllers(plan_.file.controllers, cell.scenario);
+    std::erase_if(cell.scenario.controllers,
+                  [&](const NamedController& named) { return IsStopped(number, named.name); });
+  }
+
+  /// Whether its controllers can be built for the study, and what distinguishes their settings.
+  static void Check(const Study& study, ReadCell& cell) {
+    for (const NamedController& named : cell.scenario.controllers) {
+      controller::WithinSetting("controllers." + named.name, [&] {
+        return controller::Controller(RobotOf(study.scenario, *study.hand, named.config));
+      });
+      cell.settings.push_back(HashOfSettings(named));
+    }
+  }
+
   Block Build(const CellRange& cells) {
     Block block{.cells = cells, .study = {}, .study_hash = {}, .settings = {}, .built = {}};
-    for (const std::int64_t number : Numbers(cells)) {
-      ThrowIfStopped();
+    const std::vector<std::int64_t> numbers = Numbers(cells);
+    std::vector<ReadCell> read(numbers.size());
+    const auto for_each = [&](const std::function<void(std::size_t)>& part) {
+      ForEachOnThreads(static_cast<std::size_t>(std::max(1, options_.jobs)), read.size(),
+                       [&](std::size_t i) { Try(read[i], [&] { part(i); }); });
+    };
+    for_each([&](std::size_t i) { Read(numbers[i], read[i]); });
+    for (std::size_t i = 0; i < read.size() && !block.study; ++i) {
+      Try(read[i], [&] {
+        const SharedStudy& shared = SharedOf(numbers[i], read[i].scenario);
+        block.study = shared.study;
+        block.study_hash = shared.hash;
+      });
+    }
+    for_each([&](std::size_t i) { Check(*block.study, read[i]); });
+    for (std::size_t i = 0; i < read.size(); ++i) {
       Block::Cell& cell = block.built.emplace_back();
-      cell.number = number;
-      try {
-        Scenario scenario = ReadCell(plan_, number);
-        std::erase_if(scenario.controllers,
-                      [&](const NamedController& named) { return IsStopped(number, named.name); });
-        if (!block.study) {
-          const SharedStudy& shared = SharedOf(number, scenario);
-          block.study = shared.study;
-          block.study_hash = shared.hash;
-        }
-        cell.controllers = AddControllers(scenario, block);
-      } catch (const UserError& error) {
-        cell.problem = error.what();
-      } catch (const controller::SettingError& error) {
-        cell.problem = error.what();
-      }
+      cell.number = numbers[i];
+      cell.problem = std::move(read[i].problem);
+      if (cell.problem.empty()) cell.controllers = AddControllers(read[i], block);
     }
     return block;
   }
@@ -286,31 +313,35 @@ class Sweep {
             .scores = plan_.metrics};
   }
 
-  /// Times the first trial that is to be run.
+  /// Times the first trials that are to be run, as many as run together.
   void Forecast(const Block& block, BlockStore& store) {
     if (forecast_done_ || !options_.forecast) return;
-    for (int i = 0; i < seeds_; ++i) {
-      for (std::size_t c = 0; c < block.settings.size(); ++c) {
+    StudyOptions options = OptionsFor(store);
+    options.jobs = 1;
+    const std::size_t most = ControllersTogether(options, block.settings.size());
+    for (int i = 0; i < seeds_ && !forecast_done_; ++i) {
+      Block some = block;
+      some.study->scenario.controllers.clear();
+      some.settings.clear();
+      for (std::size_t c = 0; c < block.settings.size() && some.settings.size() < most; ++c) {
         if (store.Take(first_seed_ + i, c)) continue;
-        forecast_done_ = true;
-        Block one = block;
-        one.study->scenario.controllers = {block.study->scenario.controllers[c]};
-        one.settings = {block.settings[c]};
-        BlockStore of_one(one, database_);
-        StudyOptions options = OptionsFor(of_one);
-        options.seeds = i + 1;
-        options.jobs = 1;
-        options.progress = [this](double, int) { return Progress(0.0); };
-        const double known = per_trial_ * static_cast<double>(database_.TrialCount());
-        const auto start = std::chrono::steady_clock::now();
-        RunStudy(*one.study, options);
-        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-        const double left = std::max(0.0, all_ - known - per_trial_);
-        options_.forecast(
-            {.trials = left, .seconds = left / per_trial_ * took.count() / options_.jobs});
-        database_.Flush();
-        return;
+        some.study->scenario.controllers.push_back(block.study->scenario.controllers[c]);
+        some.settings.push_back(block.settings[c]);
       }
+      if (some.settings.empty()) continue;
+      forecast_done_ = true;
+      BlockStore of_some(some, database_);
+      options.store = &of_some;
+      options.seeds = i + 1;
+      options.progress = [this](double, int) { return Progress(0.0); };
+      const double known = per_trial_ * static_cast<double>(database_.TrialCount());
+      const double trials = per_trial_ * static_cast<double>(some.settings.size());
+      const auto start = std::chrono::steady_clock::now();
+      RunStudy(*some.study, options);
+      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+      const double left = std::max(0.0, all_ - known - trials);
+      options_.forecast({.trials = left, .seconds = left / trials * took.count() / options_.jobs});
+      database_.Flush();
     }
   }
 

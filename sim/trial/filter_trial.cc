@@ -117,7 +117,7 @@ class FilterSteps {
 /// One controller, from trusted counts to joints.
 class FilterTrial {
  public:
-  FilterTrial(const controller::RobotConfig& robot, controller::JointMap joint_map)
+  FilterTrial(const controller::RobotConfig& robot, const controller::JointMap& joint_map)
       : estimator_(robot, robot.controller),
         joint_angles_(joint_map),
         predicted_rad_(kBlockTicks + 1, estimator_.channel_count()),

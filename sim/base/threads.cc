@@ -1,0 +1,50 @@
+#include "sim/base/threads.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+namespace gauntlet::sim {
+
+void RunOnThreads(std::size_t count, const std::function<void()>& work, const FewerThreads& fewer) {
+  std::mutex mutex;
+  std::exception_ptr error;
+  const auto run = [&] {
+    try {
+      work();
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!error) error = std::current_exception();
+    }
+  };
+  std::vector<std::jthread> others;
+  try {
+    while (others.size() + 1 < count) others.emplace_back(run);
+  } catch (const std::system_error& problem) {
+    if (fewer) fewer(others.size() + 1, problem.code().message());
+  }
+  run();
+  others.clear();
+  if (error) std::rethrow_exception(error);
+}
+
+void ForEachOnThreads(std::size_t threads, std::size_t count,
+                      const std::function<void(std::size_t)>& task) {
+  std::atomic<std::size_t> next{0};
+  RunOnThreads(std::min(threads, count), [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      try {
+        task(i);
+      } catch (...) {
+        next = count;  // the others end
+        throw;
+      }
+    }
+  });
+}
+
+}  // namespace gauntlet::sim
