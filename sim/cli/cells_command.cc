@@ -130,8 +130,9 @@ void CellsFolder::Run() {
               .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
   } catch (const Cancelled&) {
     database_.Flush();
-    throw Cancelled{fmt::format("{} trials are kept in {}: the same command goes on from there",
-                                database_.TrialCount(), file.string())};
+    const std::int64_t known = database_.TrialCount();
+    throw Cancelled{fmt::format("{} trial{} kept in {}: the same command goes on from there", known,
+                                known == 1 ? " is" : "s are", file.string())};
   }
   if (const int damaged = database_.DamagedCount(); damaged > 0) {
     Say("gauntlet: {}: {} damaged trial{}, computed again\n", file.string(), damaged,

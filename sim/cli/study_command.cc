@@ -113,7 +113,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
     if (database) not_kept = database->Finish();
     const int known = database ? database->TrialCount() : 0;
     if (known == 0) throw;
-    throw Cancelled{fmt::format("{} are {}", Trials(known), go_on)};
+    throw Cancelled{fmt::format("{} {} {}", Trials(known), known == 1 ? "is" : "are", go_on)};
   }
 }
 
