@@ -54,8 +54,7 @@ AngleEstimator::AngleEstimator(const RobotConfig& robot, const ControllerConfig&
       active_(robot.glove.channel_names.size(), 1),
       held_rad_(active_.size()),
       filtered_rad_(active_.size()),
-      predicted_rad_(active_.size()),
-      counts_(active_.size()) {
+      predicted_rad_(active_.size()) {
   for (std::size_t i = 0; i < config.filters.size(); ++i) {
     chain_.push_back(WithinSetting("filter[" + std::to_string(i) + "]", [&] {
       CheckUnitOfR(config.filters[i], config.filter_on);
@@ -89,6 +88,17 @@ void AngleEstimator::Step(std::span<const double> counts,
     linearisation_->ToAngles(counts, predicted_rad);
     Filtered(predicted_rad, predicted_rad);
   }
+  Finish(predicted_rad);
+}
+
+void AngleEstimator::StepLinearised(std::span<const double> counts,
+                                    std::span<const double> linearised_rad) noexcept {
+  if (filter_on_ == FilterOn::kCounts) return Step(counts, predicted_rad_);
+  Filtered(linearised_rad, predicted_rad_);
+  Finish(predicted_rad_);
+}
+
+void AngleEstimator::Finish(std::span<double> predicted_rad) noexcept {
   const std::size_t channels = active_.size();
   const std::span<double> last = predicted_rad.last(channels);
   if (predictor_ || path_.row_count() > 0 || inactive_count_ > 0) {
@@ -153,12 +163,11 @@ void AngleEstimator::Reset(std::span<const double> counts) noexcept {
   }
 }
 
-void AngleEstimator::TakeMemory(AngleEstimator& before) noexcept {
+void AngleEstimator::TakeMemory(AngleEstimator& before, std::span<const double> counts) noexcept {
   const bool same_step = step_rate_hz_ == before.step_rate_hz_;
   const bool same_unit = filter_on_ == before.filter_on_;
-  linearisation_->ToCounts(before.filtered_rad_, counts_);
   const std::span<const double> here =
-      filter_on_ == FilterOn::kCounts ? counts_ : before.filtered_rad_;
+      filter_on_ == FilterOn::kCounts ? counts : before.filtered_rad_;
   for (std::size_t i = 0; i < chain_.size(); ++i) {
     const bool goes_on = same_step && same_unit && i < before.chain_.size() &&
                          chain_[i]->TakeMemory(*before.chain_[i]);

@@ -31,7 +31,9 @@ class AngleEstimator {
   /// A sample, or several in a row: the same bits as one by one. `predicted_rad` is as long as
   /// `counts`, and another memory.
   void Step(std::span<const double> counts, std::span<double> predicted_rad) noexcept;
-  void Step(std::span<const double> counts) noexcept { Step(counts, predicted_rad_); }
+  /// A sample whose angles behind the linearisation are known, too.
+  void StepLinearised(std::span<const double> counts,
+                      std::span<const double> linearised_rad) noexcept;
   /// Its next sample is its first.
   void StartChannel(int channel) noexcept;
   void SetChannelActive(int channel, bool active) noexcept;
@@ -48,9 +50,9 @@ class AngleEstimator {
   }
   /// As new, and before the first sample at these counts.
   void Reset(std::span<const double> counts) noexcept;
-  /// Goes on where `before` stands, which has as many channels. The memory of what can be read from
-  /// outside comes along.
-  void TakeMemory(AngleEstimator& before) noexcept;
+  /// Goes on where `before` stands, which has as many channels; `counts` are what its filtered
+  /// angles are here. The memory of what can be read from outside comes along.
+  void TakeMemory(AngleEstimator& before, std::span<const double> counts) noexcept;
 
   int channel_count() const noexcept { return linearisation_->channel_count(); }
   const Linearisation& linearisation() const noexcept { return *linearisation_; }
@@ -62,7 +64,9 @@ class AngleEstimator {
  private:
   /// All filters, one after the other.
   void Filtered(std::span<const double> input, std::span<double> output) noexcept;
-  /// From what is filtered to what is predicted, of one sample.
+  /// From what is filtered to what is predicted, of all samples.
+  void Finish(std::span<double> predicted_rad) noexcept;
+  /// Of one sample.
   void Predict(std::span<double> angle_rad) noexcept;
   void HoldInactiveChannels(std::span<double> angle_rad) noexcept;
 
@@ -78,7 +82,6 @@ class AngleEstimator {
   std::vector<double> held_rad_;  // in place of what is predicted for inactive channels
   std::vector<double> filtered_rad_;
   std::vector<double> predicted_rad_;
-  std::vector<double> counts_;  // scratch
 };
 
 }  // namespace gauntlet::controller

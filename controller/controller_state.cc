@@ -83,13 +83,13 @@ Controller::State::State(const RobotConfig& robot, const ControllerConfig& confi
 void Controller::State::TakeSample(const GloveSample& sample) noexcept {
   guard.Take(sample, [this](int channel) { estimator.StartChannel(channel); });
   estimator.linearisation().ToAngles(guard.trusted_counts(), linearised_rad);
-  if (filter_at == FilterAt::kSample) estimator.Step(guard.trusted_counts());
+  if (filter_at == FilterAt::kSample) StepFilters();
 }
 
 Command Controller::State::StepEvent() noexcept {
   const bool event = event_clock.Tick();
   if (event) {
-    if (filter_at == FilterAt::kEvent) estimator.Step(guard.trusted_counts());
+    if (filter_at == FilterAt::kEvent) StepFilters();
     joint_map.ToJoints(estimator.predicted_rad(), target_rad);
     if (model_predictive.on()) PlanCommands();
     const std::vector<double>& wanted_rad = model_predictive.on() ? planned_rad : target_rad;
@@ -142,7 +142,7 @@ void Controller::State::Reset() noexcept {
 void Controller::State::TakeOver(State& before) noexcept {
   estimator.linearisation().ToCounts(before.estimator.filtered_rad(), start_counts);
   guard.TakeMemory(before.guard, start_counts);
-  estimator.TakeMemory(before.estimator);
+  estimator.TakeMemory(before.estimator, start_counts);
   model_predictive.TakeMemory(before.model_predictive, before.target_rad);
   joint_loop.TakeMemory(before.joint_loop, before.target_rad);
   rounding.TakeMemory(before.rounding);

@@ -20,6 +20,7 @@ struct Controller::State {
 
   void TakeSample(const GloveSample& sample) noexcept;
   Command StepEvent() noexcept;
+  void StepFilters() noexcept { estimator.StepLinearised(guard.trusted_counts(), linearised_rad); }
   void PlanCommands() noexcept;
   void Reset() noexcept;
   void Reset(std::span<const std::int32_t> at_counts) noexcept;

@@ -46,6 +46,10 @@ class PathVisitor final : public SettingsVisitor {
   std::function<void(std::string&)> see_;
 };
 
+PathVisitor FolderDropper() {
+  return PathVisitor([](std::string& path) { path = std::filesystem::path(path).filename(); });
+}
+
 }  // namespace
 
 std::vector<NamedFile> FilesOf(const Scenario& scenario) {
@@ -64,9 +68,14 @@ std::vector<NamedFile> FilesOf(const Scenario& scenario) {
 }
 
 void DropFolders(Scenario& scenario) {
-  PathVisitor drop([](std::string& path) { path = std::filesystem::path(path).filename(); });
+  PathVisitor drop = FolderDropper();
   scenario.Visit(drop);
   for (GloveConfig& glove : scenario.repetitions.gloves) glove.Visit(drop);
+}
+
+void DropFolders(NamedController& controller) {
+  PathVisitor drop = FolderDropper();
+  controller.Visit(drop);
 }
 
 std::vector<ChangedFile> ChangedFiles(const Scenario& scenario) {

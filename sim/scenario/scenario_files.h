@@ -13,6 +13,7 @@ std::vector<NamedFile> FilesOf(const Scenario& scenario);
 
 /// Leaves of every path its last name: for a scenario that is known by what is in its files.
 void DropFolders(Scenario& scenario);
+void DropFolders(NamedController& controller);
 
 /// A file that is not what it was when the scenario was resolved.
 struct ChangedFile {

@@ -39,13 +39,11 @@ std::string HashOfStudy(const Study& study) {
 }
 
 std::string HashOfSettings(const NamedController& controller) {
-  Scenario scenario;
-  scenario.controllers = {controller};
-  DropFolders(scenario);  // what the files gave stands in the settings
+  NamedController settings = controller;
+  DropFolders(settings);  // what the files gave stands in the settings
   Hash hash;
-  hash.Add(controller.name + "\n");
-  hash.Add(SettingsToYaml(
-      [&](controller::SettingsVisitor& visitor) { scenario.controllers[0].Visit(visitor); }));
+  hash.Add(settings.name + "\n");
+  hash.Add(SettingsToYaml([&](controller::SettingsVisitor& visitor) { settings.Visit(visitor); }));
   return hash.Text();
 }
 

@@ -10,23 +10,12 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Of each joint offset + weight channel, rounded; so many channels and joints in a row.
+/// Of joints that are channels.
 GAUNTLET_VECTORISED void PutRounded(const double* channel, Stored<double>* joint,
                                     std::ptrdiff_t values) {
   GAUNTLET_CHANNEL_LOOP
   for (std::ptrdiff_t i = 0; i < values; ++i) {
     joint[i] = static_cast<Stored<double>>(0.0 + channel[i]);  // as 0 + 1 channel: no -0
-  }
-}
-GAUNTLET_VECTORISED void PutOwnChannels(const double* channel, std::ptrdiff_t channels,
-                                        const double* offset, const double* weight,
-                                        Stored<double>* joint, std::ptrdiff_t joints,
-                                        std::ptrdiff_t rows) {
-  for (; rows > 0; --rows, channel += channels, joint += joints) {
-    GAUNTLET_CHANNEL_LOOP
-    for (std::ptrdiff_t i = 0; i < joints; ++i) {
-      joint[i] = static_cast<Stored<double>>(offset[i] + weight[i] * channel[i]);
-    }
   }
 }
 
@@ -74,30 +63,22 @@ Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true
 
 JointAngleRows::JointAngleRows(controller::JointMap joint_map)
     : joint_map_(std::move(joint_map)),
-      own_channels_(joint_map_.joint_count() <= joint_map_.channel_count()),
+      are_channels_(joint_map_.joint_count() == joint_map_.channel_count()),
       joint_rad_(static_cast<std::size_t>(joint_map_.joint_count())) {
   for (int joint = 0; joint < joint_map_.joint_count(); ++joint) {
     const auto& terms = joint_map_.terms(joint);
-    own_channels_ = own_channels_ && terms.size() == 1 && terms[0].channel == joint;
-    offset_rad_.push_back(joint_map_.offset_rad(joint));
-    weight_.push_back(terms.empty() ? 0.0 : terms[0].weight);
+    are_channels_ = are_channels_ && joint_map_.offset_rad(joint) == 0.0 && terms.size() == 1 &&
+                    terms[0].channel == joint && terms[0].weight == 1.0;
   }
-  plain_copy_ = own_channels_ && joint_map_.joint_count() == joint_map_.channel_count() &&
-                std::ranges::count(offset_rad_, 0.0) == joint_map_.joint_count() &&
-                std::ranges::count(weight_, 1.0) == joint_map_.joint_count();
 }
 
 void JointAngleRows::Put(std::span<const double> channel_angle_rad,
                          Eigen::Ref<AngleRows> angle_rad) {
-  const std::ptrdiff_t channels = joint_map_.channel_count();
-  const Eigen::Index rows = angle_rad.rows();
-  if (plain_copy_ && angle_rad.outerStride() == angle_rad.cols()) {
+  if (are_channels_ && angle_rad.outerStride() == angle_rad.cols()) {
     return PutRounded(channel_angle_rad.data(), angle_rad.data(), angle_rad.size());
   }
-  if (own_channels_ && angle_rad.outerStride() == angle_rad.cols()) {
-    return PutOwnChannels(channel_angle_rad.data(), channels, offset_rad_.data(), weight_.data(),
-                          angle_rad.data(), angle_rad.cols(), rows);
-  }
+  const Eigen::Index rows = angle_rad.rows();
+  const Eigen::Index channels = joint_map_.channel_count();
   for (Eigen::Index row = 0; row < rows; ++row) {
     joint_map_.ToJoints(channel_angle_rad.subspan(static_cast<std::size_t>(row * channels),
                                                   static_cast<std::size_t>(channels)),

@@ -31,10 +31,7 @@ class JointAngleRows {
 
  private:
   controller::JointMap joint_map_;
-  bool own_channels_;        // every joint has that of its own number, and no other
-  bool plain_copy_ = false;  // and nothing else: all of them, of weight 1
-  std::vector<double> offset_rad_;
-  std::vector<double> weight_;     // of that channel
+  bool are_channels_;              // each joint that of its own number, and nothing else
   std::vector<double> joint_rad_;  // scratch
 };
 

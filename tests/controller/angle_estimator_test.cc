@@ -96,8 +96,11 @@ TEST_P(AngleEstimatorTest, GivesManySamplesTheBitsOfOneByOne) {
       estimator->SetChannelActive(2, all_active);
     }
     std::vector<double> expected;
+    std::vector<double> linearised(kChannels);
     for (int k = 0; k < kSamples; ++k) {
-      alone.Step(all.subspan(static_cast<std::size_t>(k) * kChannels, kChannels));
+      const auto sample = all.subspan(static_cast<std::size_t>(k) * kChannels, kChannels);
+      alone.linearisation().ToAngles(sample, linearised);
+      alone.StepLinearised(sample, linearised);
       expected.insert(expected.end(), alone.predicted_rad().begin(), alone.predicted_rad().end());
     }
     std::vector<double> predicted(counts.size());
