@@ -101,6 +101,10 @@ constexpr const char* kUse = R"(<script>
     get("curves-view").value = "angle";
     get("curves-view").dispatchEvent(new Event("change"));
     // The mouse does what the help says: a drag zooms, a double click shows all again.
+    const until = async (holds) => {
+      for (let i = 0; i < 100 && !holds(); ++i) await wait(50);
+      return holds();
+    };
     const all = picture();
     const canvas = [...document.querySelectorAll("#curves-plot canvas")][1];
     const box = canvas.getBoundingClientRect();
@@ -111,11 +115,10 @@ constexpr const char* kUse = R"(<script>
     mouse("mousemove", 0.5, document);
     mouse("mousemove", 0.6, document);
     mouse("mouseup", 0.6, document);
+    seen.drag_zooms = await until(() => picture() !== all);
     await wait(300);
-    seen.drag_zooms = picture() !== all;
     for (const type of ["mousedown", "mouseup", "mousedown", "mouseup", "dblclick"]) mouse(type, 0.5);
-    await wait(600);
-    seen.double_click_shows_all = picture() === all;
+    seen.double_click_shows_all = await until(() => picture() === all);
     seen.address = location.hash;
     location.hash = "#channel=channel_2&view=error&t=0.5";
     await wait(100);
