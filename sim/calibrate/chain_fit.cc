@@ -58,8 +58,8 @@ double Rms(const VectorXd& values) {
 class Problem : public LeastSquaresProblem {
  public:
   Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
-          Index parameters, double beginning_s = kBeginning_s)
-      : command_(RefineCommand(command_deg, rate_hz)),
+          Index parameters, bool held = false, double beginning_s = kBeginning_s)
+      : command_(RefineCommand(command_deg, rate_hz, held)),
         first_(std::lround(beginning_s * rate_hz)),
         angle_deg_(
             Eigen::Map<const VectorXd>(angle_deg.data() + first_, std::ssize(angle_deg) - first_)),
@@ -240,8 +240,9 @@ double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
 /// With lost motion behind the lag; none where the log does not show that there is any.
 std::optional<Split> FitLoose(std::span<const double> command_deg,
                               std::span<const double> angle_deg, double rate_hz, int parts,
-                              const LeastSquaresFit& shifted, const LeastSquaresFit& tight) {
-  Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters,
+                              bool held, const LeastSquaresFit& shifted,
+                              const LeastSquaresFit& tight) {
+  Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters, held,
                   BeginningBehindPlay(command_deg, rate_hz, tight));
   std::optional<LeastSquaresFit> best;
   for (const double share : {0.1, 0.5, 0.9}) {  // of the hysteresis that is lost motion
@@ -318,8 +319,9 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
 }  // namespace
 
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz, int parts) {
+                  double rate_hz, int parts, bool held) {
   ChainFit fit;
+  fit.held = held || IsHeld(command_deg);
   double delay_s = 0.0;
   fit.problem = ProblemOf(command_deg, angle_deg, rate_hz, delay_s);
   if (!fit.problem.empty()) return fit;
@@ -332,7 +334,7 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
         EstimateOf(shifted, *without, 0.0, [](const VectorXd& p) { return 1e3 * p[kDeadTime]; });
   }
 
-  Problem problem(command_deg, angle_deg, rate_hz, kTightParameters);
+  Problem problem(command_deg, angle_deg, rate_hz, kTightParameters, fit.held);
   std::optional<LeastSquaresFit> tight;
   for (const double share : {0.25, 0.5, 0.75}) {  // of the delay that is dead time
     KeepBetter(Minimise(problem, StartOfSplit(shifted, share)), tight);
@@ -343,7 +345,8 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
         "this motion does not tell dead time, lag and hysteresis apart: one of more speeds may";
     return fit;
   }
-  if (const auto loose = FitLoose(command_deg, angle_deg, rate_hz, parts, shifted, *tight)) {
+  if (const auto loose =
+          FitLoose(command_deg, angle_deg, rate_hz, parts, fit.held, shifted, *tight)) {
     split = loose;
   }
   TakeSplit(*split, fit);
@@ -381,7 +384,8 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
   const double noise_deg = kNoiseInLost * FastNoise(scaled);
   fit.lost_motion_deg.low = std::max(fit.lost_motion_deg.low - noise_deg, 0.0);
   ChainEstimate& own = fit.motor_hysteresis_deg;
-  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts).hysteresis_deg;
+  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts, fit.held)
+            .hysteresis_deg;
   // Degrees of the joint are only as well known as the gain between both.
   const ChainEstimate gain =
       EstimateOf(lost, *without, 0.0, [](const VectorXd& p) { return p[kGain]; });

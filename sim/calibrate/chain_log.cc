@@ -265,7 +265,8 @@ std::vector<ChainFit> FitChains(const ChainLog& log) {
   for (Eigen::Index part = 0; part < parts; ++part) {
     const std::span<const double> command_deg = column(log.command_deg, part);
     const std::span<const double> angle_deg = column(log.angle_deg, part);
-    ChainFit& fit = fits.emplace_back(FitChain(command_deg, angle_deg, log.rate_hz, parts));
+    ChainFit& fit =
+        fits.emplace_back(FitChain(command_deg, angle_deg, log.rate_hz, parts, log.held));
     if (log.motor_deg.size() == 0 || std::isnan(log.motor_deg(0, part))) continue;
     AddMotor(command_deg, column(log.motor_deg, part), angle_deg, log.rate_hz, fit, parts);
   }

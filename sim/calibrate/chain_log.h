@@ -20,6 +20,7 @@ struct ChainLog {
   Signal angle_deg;
   Signal motor_deg;          // of any scale, zero and sense; NaN for a part without, empty: of none
   bool from_wearer = false;  // the command is what the wearer did, not what a motor was told
+  bool held = false;         // each row's command until the next; else where it is seen to be so
   std::size_t values_missing = 0;  // a straight line goes over them
 };
 

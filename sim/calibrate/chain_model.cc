@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unsupported/Eigen/MatrixFunctions>
 
 namespace gauntlet::sim {
@@ -33,10 +34,30 @@ double CubicAt(std::span<const double> rows, Index k, double share) {
 
 }  // namespace
 
-FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz) {
+bool IsHeld(std::span<const double> command_deg) {
+  constexpr double kStill = 1e-6;  // of the travel: what rounding leaves
+  constexpr int kLeastSteps = 20;  // fewer may lie so by chance
+  if (command_deg.empty()) return false;
+  const auto [least, most] = std::ranges::minmax(command_deg);
+  std::size_t rows_per_step = 0;
+  std::size_t last = 0;
+  int steps = 0;
+  for (std::size_t k = 1; k < command_deg.size() && rows_per_step != 1; ++k) {
+    if (std::abs(command_deg[k] - command_deg[k - 1]) <= kStill * (most - least)) continue;
+    if (steps > 0) rows_per_step = std::gcd(rows_per_step, k - last);
+    last = k;
+    ++steps;
+  }
+  return steps >= kLeastSteps && rows_per_step >= 2;
+}
+
+FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz, bool held) {
   constexpr double kFineRate_hz = 500.0;
-  FineCommand fine{.values_deg = {}, .rate_hz = rate_hz, .smooth = IsSmooth(command_deg)};
-  if (fine.smooth) fine.steps_per_row = std::max<Index>(std::lround(kFineRate_hz / rate_hz), 1);
+  FineCommand fine{.values_deg = {}, .rate_hz = rate_hz, .smooth = !held && IsSmooth(command_deg)};
+  if (held) fine.late_steps = 0.5;
+  if (held || fine.smooth) {
+    fine.steps_per_row = std::max<Index>(std::lround(kFineRate_hz / rate_hz), 1);
+  }
   fine.rate_hz *= static_cast<double>(fine.steps_per_row);
   const Index last = std::ssize(command_deg) - 1;
   fine.values_deg.reserve(command_deg.size() * static_cast<std::size_t>(fine.steps_per_row));
@@ -45,8 +66,9 @@ FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz) {
     for (Index i = 1; i < fine.steps_per_row && k < last; ++i) {
       const double share = static_cast<double>(i) / static_cast<double>(fine.steps_per_row);
       const bool at_an_end = k == 0 || k + 1 == last;
-      fine.values_deg.push_back(at_an_end ? std::lerp(command_deg[k], command_deg[k + 1], share)
-                                          : CubicAt(command_deg, k, share));
+      fine.values_deg.push_back(held        ? command_deg[k]
+                                : at_an_end ? std::lerp(command_deg[k], command_deg[k + 1], share)
+                                            : CubicAt(command_deg, k, share));
     }
   }
   return fine;
@@ -57,7 +79,7 @@ void SimulateChain(const ChainModel& model, const FineCommand& command,
   const std::vector<double>& command_deg = command.values_deg;
   const double rate_hz = command.rate_hz;
   const Index steps = std::ssize(command_deg);
-  const double dead_samples = model.dead_time_s * rate_hz;
+  const double dead_samples = model.dead_time_s * rate_hz + command.late_steps;
   const double whole = std::floor(dead_samples);
   const auto dead = static_cast<Index>(whole);
   const double fraction = dead_samples - whole;
@@ -100,11 +122,6 @@ void SimulateChain(const ChainModel& model, const FineCommand& command,
       angle_deg[k / command.steps_per_row] = joint + model.offset_deg;
     }
   }
-}
-
-void SimulateChain(const ChainModel& model, std::span<const double> command_deg, double rate_hz,
-                   std::span<double> angle_deg) {
-  SimulateChain(model, RefineCommand(command_deg, rate_hz), angle_deg);
 }
 
 }  // namespace gauntlet::sim

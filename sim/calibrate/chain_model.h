@@ -31,31 +31,33 @@ struct ChainModel {
 };
 
 /// A command as a chain gets it, between the rows of a log, too: `steps_per_row` values for each
-/// row.
+/// row, and straight lines between them.
 struct FineCommand {
   std::vector<double> values_deg;
   double rate_hz = 1000.0;  // of the values
   Eigen::Index steps_per_row = 1;
+  double late_steps = 0.0;  // it comes so much later: lines that lead up to a step begin before it
   bool smooth = false;
 };
 
+/// Whether the rows tell that the command steps, and when: at every n-th row, n of 2 or more, it
+/// has another value, and never between. So does a log that is written where commands are sent. One
+/// that is written beside it sees the next frame after 10 rows, then after 11.
+bool IsHeld(std::span<const double> command_deg);
+
 /// Where rows are further apart than 2 ms and the command is smooth, a cubic through the two rows
-/// before and the two behind tells what it did between them; otherwise rows stand as they are, and
-/// straight lines between them.
+/// before and the two behind tells what it did between them; a `held` command is each row's until
+/// the next; otherwise rows stand as they are, and straight lines between them.
 ///
 /// A command is smooth if such a cubic through their neighbours tells rows better than straight
 /// lines do, in the mean square: that of a person or of sines is, one that is held and steps, or is
 /// mostly noise, is not.
-FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz);
+FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz, bool held = false);
 
 /// The angle that the model gives for a command, one value per row; exact for straight lines
 /// between the command's values but for the corners where play ends within a step. Before the
 /// first value all stands still, in the middle of its play.
 void SimulateChain(const ChainModel& model, const FineCommand& command,
-                   std::span<double> angle_deg);
-
-/// The same of RefineCommand(). Shapes: both as long.
-void SimulateChain(const ChainModel& model, std::span<const double> command_deg, double rate_hz,
                    std::span<double> angle_deg);
 
 }  // namespace gauntlet::sim

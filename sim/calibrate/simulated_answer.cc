@@ -21,6 +21,7 @@ constexpr double kMostAngle_rad = 10.0;  // more than any joint turns
 struct MovedJoint {
   Eigen::Index part;
   std::size_t joint;
+  bool held;  // its command
 };
 
 std::vector<MovedJoint> MovedJoints(const ChainLog& log, const HandModel& model) {
@@ -30,14 +31,20 @@ std::vector<MovedJoint> MovedJoints(const ChainLog& log, const HandModel& model)
     if (drive == model.drives().end() || drive->servo_key != "hand.servo") continue;
     const auto joint = std::ranges::find(model.joint_names(), log.parts[part]);
     if (joint == model.joint_names().end()) continue;
-    moved.push_back({.part = static_cast<Eigen::Index>(part),
-                     .joint = static_cast<std::size_t>(joint - model.joint_names().begin())});
+    const auto column = log.command_deg.col(static_cast<Eigen::Index>(part));
+    moved.push_back(
+        {.part = static_cast<Eigen::Index>(part),
+         .joint = static_cast<std::size_t>(joint - model.joint_names().begin()),
+         .held = log.held || IsHeld({column.data(), static_cast<std::size_t>(column.size())})});
   }
   return moved;
 }
 
-double CommandAt(const ChainLog& log, Eigen::Index part, double row) {
+double CommandAt(const ChainLog& log, Eigen::Index part, bool held, double row) {
+  constexpr double kRounding = 1e-6;  // of a row
   const Eigen::Index last = log.command_deg.rows() - 1;
+  if (held)
+    return log.command_deg(std::min(static_cast<Eigen::Index>(row + kRounding), last), part);
   const Eigen::Index before = std::min(static_cast<Eigen::Index>(row), last);
   const Eigen::Index behind = std::min(before + 1, last);
   return std::lerp(log.command_deg(before, part), log.command_deg(behind, part),
@@ -86,6 +93,7 @@ ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
       std::make_shared<const HandModel>(hand, MakeLoopTiming({.event_delay_ms = 0.0}));
   ChainLog answer;
   answer.name = log.name;
+  answer.held = log.held && log.rate_hz <= kMostAnswerRows_hz;
   const std::vector<MovedJoint> moved = MovedJoints(log, *model);
   if (moved.empty()) return answer;
   for (const MovedJoint& joint : moved) answer.parts.push_back(log.parts[joint.part]);
@@ -102,7 +110,7 @@ ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
 
   HandLoop loop({}, ExactGlove(answer.parts), {}, model);
   std::vector<double> joint_angle_rad = model->transmission().reference_angle_rad;
-  for (const auto& [part, joint] : moved) {
+  for (const auto& [part, joint, held] : moved) {
     joint_angle_rad[joint] = log.command_deg(0, part) * kRadPerDeg;
   }
   loop.Reset(joint_angle_rad);
@@ -118,8 +126,8 @@ ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
       joints_of_spools.Read(loop.hand(), told_by_spools_rad);
     }
     for (Eigen::Index i = 0; i < std::ssize(moved); ++i) {
-      const auto& [part, joint] = moved[static_cast<std::size_t>(i)];
-      const double told_deg = CommandAt(log, part, log_row);
+      const auto& [part, joint, held] = moved[static_cast<std::size_t>(i)];
+      const double told_deg = CommandAt(log, part, held, log_row);
       counts[static_cast<std::size_t>(i)] = CountsOf(told_deg * kRadPerDeg);
       if (!kept) continue;
       command_deg(row, i) = told_deg;

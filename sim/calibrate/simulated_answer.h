@@ -10,7 +10,8 @@ inline constexpr double kLongestAnswer_s = 30.0;
 inline constexpr double kMostAnswerRows_hz = 250.0;
 
 /// What the simulated hand does when it is told what the log's hand was told: commands in frames as
-/// a scenario sends them, without a delay of the link, straight lines between the log's rows.
+/// a scenario sends them, without a delay of the link; between the log's rows straight lines, or
+/// a held command.
 ///
 /// The motors' angles are where the spools put the joints if cables neither stretch nor go slack.
 /// Only parts that are joints of the model with a motor of `hand.servo` are in the answer; its

@@ -34,6 +34,7 @@ struct IdentifyOptions {
   std::string controller;  // empty: the first of a trace
   std::string from = "wearer";
   std::string out;  // empty: out/<log>.chain.yaml
+  bool held = false;
   bool json = false;
   TerminalOptions terminal;
 };
@@ -211,7 +212,8 @@ fs::path BesideTarget(fs::path target, const std::string& ending) {
 
 void RunIdentify(const IdentifyOptions& options) {
   const fs::path target = TargetOf(options);
-  const ChainLog log = LoadLog(options);
+  ChainLog log = LoadLog(options);
+  log.held = options.held;
   const std::vector<ChainFit> fits = FitChains(log);
   IdentifiedChain chain = MakeIdentifiedChain(log, fits);
   const std::string servo =
@@ -281,6 +283,9 @@ void AddIdentifyCommand(CLI::App& app) {
                    "of a file with several arrays the one to take, or a group of them [those of "
                    "the number of rows that holds the most values]")
       ->type_name("NAME");
+  command->add_flag("--held", options->held,
+                    "each row's command held until the next row's [where the command steps at "
+                    "every n-th row only]");
   command->add_flag("--json", options->json, "print JSON instead of the table");
   AddTableOptions(*command, options->terminal);
   command->footer(
@@ -290,10 +295,15 @@ void AddIdentifyCommand(CLI::App& app) {
       "it\n"
       "where the angle shows any, gain and offset. A log of 10 s or more of motion at several "
       "speeds\n"
-      "tells them apart. Between rows a smooth command counts as a smooth curve, at 50 Hz or more; "
-      "one\n"
-      "that is sent in steps is to be logged at 200 Hz or more, as there it counts as a straight "
-      "line.\n"
+      "tells them apart.\n"
+      "\nBetween rows a smooth command counts as a smooth curve, at 50 Hz or more. One that steps "
+      "at every\n"
+      "n-th row (n of 2 or more) steps there, as in a log that is written where commands are sent; "
+      "if that\n"
+      "is every row, say --held. Written beside, a log sees steps up to a row late: then log at "
+      "200 "
+      "Hz or\n"
+      "more. Any other command counts as straight lines between its rows.\n"
       "\nBeside FILE.chain.yaml stand FILE.html, what was measured beside what the model makes of "
       "the same\n"
       "command, and FILE.hand.yaml, the servo with which the simulated hand answers so; not where "

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 std::vector<double> Simulated(const ChainModel& model, const std::vector<double>& command,
                               double rate_hz) {
   std::vector<double> angle(command.size());
-  SimulateChain(model, command, rate_hz, angle);
+  SimulateChain(model, RefineCommand(command, rate_hz), angle);
   return angle;
 }
 
@@ -97,6 +97,36 @@ TEST(RefineCommand, LeavesRowsAsTheyAreWhereTheyStepOrAreMostlyNoiseOrCloseToget
   EXPECT_EQ(RefineCommand(noise, 100.0).values_deg, noise);
   EXPECT_EQ(RefineCommand(dense, 500.0).values_deg, dense);
   EXPECT_EQ(RefineCommand(dense, 200.0).steps_per_row, 3);
+}
+
+TEST(RefineCommand, HoldsEachRowUntilTheNextIfTold) {
+  const FineCommand fine = RefineCommand({{1.0, 5.0, 2.0}}, 250.0, true);
+  EXPECT_THAT(fine.values_deg, testing::ElementsAre(1.0, 1.0, 5.0, 5.0, 2.0));
+  EXPECT_EQ(fine.rate_hz, 500.0);
+  // Half of a step is done when its row comes, and all of it a fine step later.
+  std::vector<double> angle(3);
+  SimulateChain({.dead_time_s = 0.004}, fine, angle);
+  EXPECT_THAT(angle, testing::ElementsAre(1.0, 1.0, 3.0));
+}
+
+TEST(IsHeld, TellsACommandThatStepsWithItsRowsOnly) {
+  const auto framed = [](double rows_per_frame, int rows = 400) {
+    std::vector<double> command;
+    for (int k = 0; k < rows; ++k) {
+      command.push_back(20.0 * std::sin(0.2 * std::floor(k / rows_per_frame)));
+    }
+    return command;
+  };
+  EXPECT_TRUE(IsHeld(framed(2)));
+  EXPECT_TRUE(IsHeld(framed(10)));
+  EXPECT_FALSE(IsHeld(framed(1)));       // as a smooth one
+  EXPECT_FALSE(IsHeld(framed(10.3)));    // logged beside
+  EXPECT_FALSE(IsHeld(framed(10, 60)));  // five steps
+  EXPECT_FALSE(IsHeld(std::vector<double>(400, 3.0)));
+  EXPECT_FALSE(IsHeld({}));
+  std::vector<double> rounded = framed(4);
+  for (std::size_t k = 1; k < rounded.size(); k += 3) rounded[k] += 1e-9;
+  EXPECT_TRUE(IsHeld(rounded));
 }
 
 void ExpectWithin(double share, const ChainEstimate& estimate, double truth) {
@@ -210,6 +240,30 @@ TEST(FitChain, FindsHysteresisOfRowsThatAreFarApart) {
     AddMotor(log.command_deg, log.motor_deg, log.angle_deg, rate_hz, fit);
     EXPECT_NEAR(fit.motor_hysteresis_deg.value, chain.hysteresis_deg, 0.01);
   }
+}
+
+TEST(FitChain, FindsTheDeadTimeBehindFramesWhetherTheirRowsAreKnownOrNot) {
+  HiddenChain chain;
+  struct Case {
+    double rate_hz;
+    double held_s;
+    bool said;
+  };
+  for (const auto& [rate_hz, held_s, said] : {Case{500.0, 0.02, false}, Case{100.0, 0.02, false},
+                                              Case{50.0, 0.02, true}, Case{500.0, 0.0217, false}}) {
+    const SimulatedLog log =
+        SimulateLog(chain, {.rate_hz = rate_hz, .held_s = held_s, .noise_deg = 0.02}, 5);
+    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, rate_hz, 1, said);
+    EXPECT_EQ(fit.held, held_s == 0.02);
+    EXPECT_NEAR(fit.dead_time_ms.value, chain.dead_time_ms, 0.7) << rate_hz << " Hz, " << held_s;
+    EXPECT_NEAR(fit.lag_ms.value, chain.lag_ms, 1.0);
+    EXPECT_NEAR(fit.hysteresis_deg.value, chain.hysteresis_deg, 0.05);
+  }
+  // Not told so, rows with a new frame each count as a smooth command, which is half a row early.
+  const SimulatedLog log =
+      SimulateLog(chain, {.rate_hz = 50.0, .held_s = 0.02, .noise_deg = 0.02}, 5);
+  EXPECT_NEAR(FitChain(log.command_deg, log.angle_deg, 50.0).dead_time_ms.value,
+              chain.dead_time_ms + 10.0, 2.0);
 }
 
 TEST(FitChain, IntervalsHoldTheTruthAsOftenAsTheySay) {

@@ -95,17 +95,19 @@ void MeasureLostMotion(const std::string& name, const ChainRecording& recording,
 void Measure(const std::string& name, const ChainRecording& recording) {
   Quantity quantities[] = {Quantity("dead time"), Quantity("lag"),  Quantity("natural frequency"),
                            Quantity("damping"),   Quantity("gain"), Quantity("hysteresis")};
-  constexpr int kParts = 20;  // of a hand
+  constexpr int kParts = 20;                                      // of a hand
+  const bool held = recording.held_s * recording.rate_hz == 1.0;  // the rows do not tell
   int lost = 0;
   int lost_of_parts = 0;
   for (int i = 0; i < logs; ++i) {
     controller::TestNoise random(7000 + i);
     const HiddenChain chain = SomeChain(random);
     const SimulatedLog log = SimulateLog(chain, recording, 100 + i);
-    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz);
+    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz, 1, held);
     lost += std::isfinite(fit.lost_motion_deg.value);
-    lost_of_parts += std::isfinite(
-        FitChain(log.command_deg, log.angle_deg, recording.rate_hz, kParts).lost_motion_deg.value);
+    lost_of_parts +=
+        std::isfinite(FitChain(log.command_deg, log.angle_deg, recording.rate_hz, kParts, held)
+                          .lost_motion_deg.value);
     const double damping = 1e-3 * chain.lag_ms * std::numbers::pi * chain.natural_frequency_hz;
     quantities[0].Add(fit.dead_time_ms, chain.dead_time_ms);
     quantities[1].Add(fit.lag_ms, chain.lag_ms);
@@ -150,6 +152,7 @@ int main(int count, char** arguments) {
     const std::string rows = fmt::format("30 s at {:g} Hz, white noise of 0.3 deg", rate_hz);
     measure(rows, {.rate_hz = rate_hz});
     measure(rows + ", held for 20 ms", {.rate_hz = rate_hz, .held_s = 0.02});
+    measure(rows + ", held for 21.7 ms", {.rate_hz = rate_hz, .held_s = 0.0217});
   }
   measure("30 s at 500 Hz, noise of 0.3 deg, correlation 0.95", {.noise_correlation = 0.95});
 }
