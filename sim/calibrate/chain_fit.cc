@@ -79,12 +79,14 @@ class Problem : public LeastSquaresProblem {
     Bound(kGain, 0.01, 100.0, 1e-4);
     Bound(kOffset, -1e4, 1e4, 1e-3 * travel_deg);
     if (parameters == kShiftParameters) return;
-    Bound(kPlay, 0.0, travel_deg, 1e-4 * travel_deg);
+    // Between two plays squares are rough: over less than rows tell, slopes are those of noise.
+    const double play_step_deg = (parameters == kLooseParameters ? 2e-3 : 1e-4) * travel_deg;
+    Bound(kPlay, 0.0, travel_deg, play_step_deg);
     if (parameters == kPlayParameters) return;
     Bound(kLag, 0.0, kLongestDelay_s, 1e-4);
     Bound(kInertia, std::pow(0.25 * period_s, 2), 1.0, 1e-6);
     if (parameters == kTightParameters) return;
-    Bound(kLostPlay, 0.0, travel_deg, 1e-4 * travel_deg);
+    Bound(kLostPlay, 0.0, travel_deg, play_step_deg);
   }
 
   Index parameters() const { return low_.size(); }

@@ -119,6 +119,31 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "full"));
 }
 
+TEST_F(IdentifyCliTest, TakesEachRowsCommandAsHeldWhenToldSo) {
+  std::string log = "t_s,claw_command_deg,claw_deg\n";
+  for (int k = 0; k < 1500; ++k) {
+    const auto command = [](double t) {
+      return 20.0 * std::sin(3.0 * t) + 12.0 * std::sin(8.3 * t + 1.0) + 6.0 * std::sin(14.7 * t);
+    };
+    const double t = 0.02 * k;
+    log += std::to_string(t) + "," + std::to_string(command(t)) + "," +
+           std::to_string(command(t - 0.06)) + "\n";
+  }
+  std::ofstream(folder_.path() / "claw.csv") << log;
+  const auto part_of = [this](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"identify", "claw.csv", "--json"});
+    return nlohmann::json::parse(Run(arguments).standard_output)["parts"][0];
+  };
+  const auto late_ms = [](const nlohmann::json& part) {
+    return part["dead_time_ms"]["value"].get<double>() + part["lag_ms"]["value"].get<double>();
+  };
+  const nlohmann::json smooth = part_of({});
+  const nlohmann::json held = part_of({"--held"});
+  EXPECT_NEAR(late_ms(smooth), 60.0, 1.0);
+  EXPECT_NEAR(late_ms(held), 50.0, 2.0);  // steps of 20 ms are 10 ms late by themselves
+  EXPECT_EQ(held["delay_ms"], smooth["delay_ms"]);
+}
+
 TEST_F(IdentifyCliTest, TellsLostMotionFromTheMotorsOwnHysteresisWhereMotorsAreInTheLog) {
   const auto command = [](double t) {
     return 20.0 * std::sin(3.0 * t) + 12.0 * std::sin(8.3 * t + 1.0) + 6.0 * std::sin(14.7 * t);
