@@ -105,8 +105,7 @@ StreamFilter ReadFilter(const FilterOptions& options) {
     if (text.ends_with(','))
       throw UserError({.place = "--set " + text, .problem = "ends with a comma"});
   }
-  YAML::Node root(YAML::NodeType::Map);
-  root["kind"] = options.kind;
+  YamlNode root = YamlNode::Map({{YamlNode::Scalar("kind"), YamlNode::Scalar(options.kind)}});
   YamlSource source{.file = "command line", .overrides = {}};
   for (const std::string& text : options.settings) ApplyOverride(root, WithList(text), source);
   StreamFilter filter;

@@ -15,17 +15,17 @@ namespace gauntlet::sim {
 namespace {
 
 /// For each filter whether its own `r` is left out.
-std::vector<bool> WithoutR(const YAML::Node& filters, std::size_t count) {
+std::vector<bool> WithoutR(const YamlNode& filters, std::size_t count) {
   std::vector<bool> without(count, true);
   for (std::size_t i = 0; i < count; ++i) {
-    const YAML::Node filter = filters.IsSequence() ? filters[i] : filters;
+    const YamlNode& filter = filters.IsSequence() ? filters.items()[i] : filters;
     without[i] = !ChildOf(filter, "r").IsDefined();
   }
   return without;
 }
 
 /// Checks what the defaults of the controllers are made from, too.
-std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YAML::Node& root,
+std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YamlNode& root,
                                         const YamlSource& source) {
   std::vector<std::string> names;
   try {
@@ -36,19 +36,19 @@ std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YAML::No
   } catch (const controller::SettingError& error) {
     const std::string& key = error.key();
     const std::size_t dot = key.find('.');
-    YAML::Node node = ChildOf(ChildOf(root, "glove"), key.substr(0, dot));
-    if (dot != std::string::npos) node = ChildOf(node, key.substr(dot + 1));
-    throw source.At(node, controller::SettingError("glove." + key, error.problem()));
+    const YamlNode& group = ChildOf(ChildOf(root, "glove"), key.substr(0, dot));
+    throw source.At(dot == std::string::npos ? group : ChildOf(group, key.substr(dot + 1)),
+                    controller::SettingError("glove." + key, error.problem()));
   }
   return names;
 }
 
 /// What the file of a controller's calibration says becomes its settings; its own keys win.
-void IncludeCalibrations(const YAML::Node& root, const YamlSource& source,
+void IncludeCalibrations(const YamlNode& root, const YamlSource& source,
                          const std::vector<std::string>& channels, Scenario& scenario) {
   for (NamedController& controller : scenario.controllers) {
     if (controller.calibration.empty()) continue;
-    const YAML::Node node = ChildOf(ChildOf(root, "controllers"), controller.name);
+    const YamlNode& node = ChildOf(ChildOf(root, "controllers"), controller.name);
     const auto calibration = ReadAll<Calibration>(controller.calibration);
     try {
       UseCalibration(calibration, channels, !ChildOf(node, "linearisation").IsDefined(),
@@ -65,7 +65,7 @@ void IncludeCalibrations(const YAML::Node& root, const YamlSource& source,
 
 /// What the file of a controller's chain says becomes the horizon of its prediction, unless that
 /// has one of its own.
-void IncludeChains(const YAML::Node& root, const YamlSource& source,
+void IncludeChains(const YamlNode& root, const YamlSource& source,
                    const std::vector<AutoHorizon>& auto_horizons,
                    const std::vector<std::string>& channels, Scenario& scenario) {
   for (const AutoHorizon& horizon : auto_horizons) {
@@ -80,7 +80,7 @@ void IncludeChains(const YAML::Node& root, const YamlSource& source,
   }
   for (NamedController& controller : scenario.controllers) {
     if (controller.chain.empty()) continue;
-    const YAML::Node node = ChildOf(ChildOf(root, "controllers"), controller.name);
+    const YamlNode& node = ChildOf(ChildOf(root, "controllers"), controller.name);
     const auto chain = ReadAll<IdentifiedChain>(controller.chain);
     try {
       const bool given = ChildOf(ChildOf(node, "prediction"), "horizon_ms").IsDefined();
@@ -96,12 +96,12 @@ void IncludeChains(const YAML::Node& root, const YamlSource& source,
 
 /// Where a filter's measurement variance r is left out: the paper's is for 18 channels in counts;
 /// any other glove gets that of the scenario's own noise.
-void FillMeasurementVariances(const YAML::Node& root, const YamlSource& source,
+void FillMeasurementVariances(const YamlNode& root, const YamlSource& source,
                               const std::vector<std::string>& channels, Scenario& scenario) {
   for (NamedController& named : scenario.controllers) {
     controller::ControllerConfig& config = named.config;
     const bool on_counts = config.filter_on == controller::FilterOn::kCounts;
-    const YAML::Node node = ChildOf(ChildOf(root, "controllers"), named.name);
+    const YamlNode& node = ChildOf(ChildOf(root, "controllers"), named.name);
     const std::vector<bool> without_r = WithoutR(ChildOf(node, "filter"), config.filters.size());
     for (std::size_t i = 0; i < config.filters.size(); ++i) {
       std::vector<double>* r =
@@ -123,21 +123,23 @@ void FillMeasurementVariances(const YAML::Node& root, const YamlSource& source,
 
 }  // namespace
 
-std::vector<AutoHorizon> TakeAutoHorizons(YAML::Node& root) {
+std::vector<AutoHorizon> TakeAutoHorizons(YamlNode& root) {
   std::vector<AutoHorizon> taken;
-  const YAML::Node controllers = ChildOf(root, "controllers");
-  if (!controllers.IsMap()) return taken;
-  for (const auto& entry : controllers) {
-    YAML::Node prediction = ChildOf(entry.second, "prediction");
-    const YAML::Node horizon = ChildOf(prediction, "horizon_ms");
-    if (!horizon.IsDefined() || !horizon.IsScalar() || horizon.Scalar() != "auto") continue;
-    taken.push_back({.controller = entry.first.Scalar(), .node = horizon});
-    prediction.remove("horizon_ms");
+  const YamlNode controllers = ChildOf(root, "controllers");
+  std::vector<YamlNode::Entry> entries = controllers.entries();
+  for (auto& [name, controller] : entries) {
+    const YamlNode prediction = ChildOf(controller, "prediction");
+    const YamlNode& horizon = ChildOf(prediction, "horizon_ms");
+    if (horizon.text() != "auto") continue;
+    taken.push_back({.controller = name.text(), .node = horizon});
+    controller = WithChild(controller, "prediction", WithoutChild(prediction, "horizon_ms"));
   }
+  if (taken.empty()) return taken;
+  root = WithChild(root, "controllers", YamlNode::Map(std::move(entries), controllers.place()));
   return taken;
 }
 
-void FillControllers(const YAML::Node& root, const YamlSource& source,
+void FillControllers(const YamlNode& root, const YamlSource& source,
                      const std::vector<AutoHorizon>& auto_horizons, Scenario& scenario) {
   const std::vector<std::string> channels = ChannelNamesOf(scenario.glove, root, source);
   IncludeCalibrations(root, source, channels, scenario);

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "sim/base/error.h"
 
@@ -9,24 +10,23 @@ namespace gauntlet::sim {
 namespace {
 
 /// Errors: UserError for an !include in this tree, at its place.
-void RefuseIncludes(const YAML::Node& node, const std::string& path, const YamlSource& source) {
-  if (node.IsScalar() && node.Tag() == kIncludeTag) {
+void RefuseIncludes(const YamlNode& node, const std::string& path, const YamlSource& source) {
+  if (node.IsScalar() && node.tag() == kIncludeTag) {
     throw source.At(node, controller::SettingError(path, std::string(kMisplacedInclude)));
   }
   if (node.IsSequence()) {
-    for (std::size_t i = 0; i < node.size(); ++i) {
-      RefuseIncludes(node[i], path + "[" + std::to_string(i) + "]", source);
+    for (std::size_t i = 0; i < node.items().size(); ++i) {
+      RefuseIncludes(node.items()[i], path + "[" + std::to_string(i) + "]", source);
     }
   }
-  if (!node.IsMap()) return;
-  for (const auto& entry : node) {
-    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+  for (const auto& entry : node.entries()) {
+    const std::string& key = entry.first.text();
     RefuseIncludes(entry.second, path.empty() ? key : path + "." + key, source);
   }
 }
 
-YAML::Node ReadIncluded(const std::filesystem::path& file, const YAML::Node& where,
-                        const std::string& key, const YamlSource& source) {
+YamlNode ReadIncluded(const std::filesystem::path& file, const YamlNode& where,
+                      const std::string& key, const YamlSource& source) {
   std::string text;
   try {
     text = ReadYamlText(file);
@@ -38,35 +38,32 @@ YAML::Node ReadIncluded(const std::filesystem::path& file, const YAML::Node& whe
 
 }  // namespace
 
-void IncludeControllers(YAML::Node& root, YamlSource& source) {
-  const YAML::Node controllers = NodeAt(root, "controllers");
-  std::map<std::string, std::string> included;  // controller -> file as it is written
-  for (const auto& entry : root) {
-    const bool are_controllers = entry.second.is(controllers) && controllers.IsMap();
-    if (!are_controllers) RefuseIncludes(entry.second, entry.first.Scalar(), source);
+void IncludeControllers(YamlNode& root, YamlSource& source) {
+  const YamlNode controllers = ChildOf(root, "controllers");
+  const auto is_include = [](const YamlNode& value) {
+    return value.IsScalar() && value.tag() == kIncludeTag;
+  };
+  for (const auto& [key, value] : root.entries()) {
+    if (!value.Is(controllers) || !controllers.IsMap()) RefuseIncludes(value, key.text(), source);
   }
-  if (!controllers.IsMap() || controllers.is(root)) return;
-  for (const auto& entry : controllers) {
-    const YAML::Node& value = entry.second;
-    if (value.IsScalar() && value.Tag() == kIncludeTag && entry.first.IsScalar()) {
-      included[entry.first.Scalar()] = value.Scalar();
-    } else {
-      RefuseIncludes(value, "controllers." + entry.first.Scalar(), source);
-    }
+  for (const auto& [name, value] : controllers.entries()) {
+    if (!is_include(value)) RefuseIncludes(value, "controllers." + name.text(), source);
   }
-  std::map<std::filesystem::path, YAML::Node> trees;
-  for (const auto& [name, written] : included) {
-    YAML::Node value = controllers[name];
-    const std::string key = "controllers." + name;
-    if (written.empty()) {
+  std::map<std::filesystem::path, YamlNode> trees;
+  std::vector<YamlNode::Entry> entries = controllers.entries();
+  for (auto& [name, value] : entries) {
+    if (!is_include(value)) continue;
+    const std::string key = "controllers." + name.text();
+    if (value.text().empty()) {
       throw source.At(value, controller::SettingError(key, "!include names no file"));
     }
-    const std::filesystem::path file = source.file.parent_path() / written;
+    const std::filesystem::path file = source.file.parent_path() / value.text();
     if (!trees.contains(file)) trees[file] = ReadIncluded(file, value, key, source);
     source.included[key] = file;
-    YAML::Node list = controllers;
-    list[name] = trees[file];
+    value = trees[file];
   }
+  if (trees.empty()) return;
+  root = WithChild(root, "controllers", YamlNode::Map(std::move(entries), controllers.place()));
 }
 
 }  // namespace gauntlet::sim

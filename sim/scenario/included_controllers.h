@@ -1,7 +1,5 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include "sim/settings/yaml_tree.h"
 
 namespace gauntlet::sim {
@@ -10,6 +8,6 @@ namespace gauntlet::sim {
 /// goes over them. A file is relative to the one that includes it, has what stands below the name
 /// of a controller, and includes no others. `source` learns which settings are from which file.
 /// Errors: UserError for a file that cannot be read, and for !include anywhere else.
-void IncludeControllers(YAML::Node& root, YamlSource& source);
+void IncludeControllers(YamlNode& root, YamlSource& source);
 
 }  // namespace gauntlet::sim

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 #include <glob.h>
+#include <yaml-cpp/emitter.h>
+#include <yaml-cpp/emittermanip.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -17,7 +19,7 @@ namespace {
 
 constexpr std::string_view kGlove = "glove.";
 
-[[noreturn]] void Fail(const YamlSource& source, const YAML::Node& node, const std::string& key,
+[[noreturn]] void Fail(const YamlSource& source, const YamlNode& node, const std::string& key,
                        const std::string& problem) {
   const std::string path = "repetitions" + (key.empty() ? "" : "." + key);
   throw source.At(node, controller::SettingError(path, problem));
@@ -35,7 +37,7 @@ void RefuseSetOfOneList(const YamlSource& source) {
   }
 }
 
-void CheckKey(const YamlSource& source, const YAML::Node& node, const std::string& key,
+void CheckKey(const YamlSource& source, const YamlNode& node, const std::string& key,
               const std::vector<RepeatedSetting>& lists) {
   if (!key.starts_with(kGlove)) {
     Fail(source, node, key, "must be a setting of the glove, as glove.motion.file");
@@ -54,27 +56,18 @@ void CheckKey(const YamlSource& source, const YAML::Node& node, const std::strin
   }
 }
 
-RepeatedSetting ReadList(const YamlSource& source, const std::string& key, const YAML::Node& list) {
-  if (!list.IsSequence() || list.size() == 0) {
+RepeatedSetting ReadList(const YamlSource& source, const std::string& key, const YamlNode& list) {
+  if (!list.IsSequence() || list.items().empty()) {
     Fail(source, list, key, "must be a list of values, one for each repetition");
   }
   const std::string* set = source.OverrideOf("repetitions");
-  RepeatedSetting setting{.key = key, .values = {}, .set = set == nullptr ? "" : *set};
-  for (std::size_t i = 0; i < list.size(); ++i) setting.values.push_back(list[i]);
-  return setting;
+  return {.key = key, .values = list.items(), .set = set == nullptr ? "" : *set};
 }
 
 constexpr std::string_view kFile = "glove.motion.file";
 constexpr std::string_view kFiles = "glove.motion.files";
 
-/// The motion of the tree, if it is a group.
-YAML::Node MotionOf(const YAML::Node& root) {
-  const YAML::Node glove = root["glove"];
-  const YAML::Node none(YAML::NodeType::Undefined);
-  if (!glove || !glove.IsMap()) return none;
-  const YAML::Node motion = glove["motion"];
-  return motion && motion.IsMap() ? motion : none;
-}
+const YamlNode& MotionOf(const YamlNode& root) { return ChildOf(ChildOf(root, "glove"), "motion"); }
 
 /// The files of a folder, or those that a pattern names, in the order of their names.
 std::vector<std::string> FilesOf(const std::filesystem::path& path) {
@@ -95,30 +88,30 @@ std::vector<std::string> FilesOf(const std::filesystem::path& path) {
 }
 
 /// Adds `glove.motion.files` as the list that it is short for.
-void ReadFiles(const YAML::Node& root, const YamlSource& source,
+void ReadFiles(const YamlNode& root, const YamlSource& source,
                std::vector<RepeatedSetting>& lists) {
-  const YAML::Node motion = MotionOf(root);
-  if (!motion || !motion["files"]) return;
-  const YAML::Node files = motion["files"];
+  const YamlNode& motion = MotionOf(root);
+  const YamlNode& files = ChildOf(motion, "files");
+  if (!files.IsDefined()) return;
   const auto fail = [&](const std::string& problem) {
     throw source.At(files, controller::SettingError(std::string(kFiles), problem));
   };
   const std::string* set = source.OverrideOf(std::string(kFiles));
-  if (motion["file"]) {
+  if (ChildOf(motion, "file").IsDefined()) {
     const bool one_for_all = set == nullptr && source.OverrideOf(std::string(kFile)) != nullptr;
     if (one_for_all) return;
     fail("and file cannot both be given");
   }
   RepeatedSetting list{.key = std::string(kFile), .values = {}, .set = set == nullptr ? "" : *set};
   if (files.IsScalar()) {
-    if (files.Scalar().empty()) fail("is empty, must be a list of files, a folder or a pattern");
+    if (files.text().empty()) fail("is empty, must be a list of files, a folder or a pattern");
     const std::filesystem::path base =
         set == nullptr ? source.file.parent_path() : std::filesystem::current_path();
-    for (const std::string& file : FilesOf(std::filesystem::absolute(base / files.Scalar()))) {
-      list.values.emplace_back(file);
+    for (const std::string& file : FilesOf(std::filesystem::absolute(base / files.text()))) {
+      list.values.push_back(YamlNode::Scalar(file));
     }
     if (list.values.empty()) {
-      fail(fmt::format("{}: there is no such file", OneLine(files.Scalar())));
+      fail(fmt::format("{}: there is no such file", OneLine(files.text())));
     }
   } else {
     list = ReadList(source, std::string(kFiles), files);
@@ -162,20 +155,20 @@ void Repetitions::Rotate(int steps) {
   std::rotate(gloves.begin(), gloves.begin() + first, gloves.end());
 }
 
-std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlSource& source) {
+std::vector<RepeatedSetting> ReadRepetitions(const YamlNode& root, const YamlSource& source) {
   std::vector<RepeatedSetting> lists;
   if (!root.IsMap()) return lists;
   RefuseSetOfOneList(source);
-  for (const auto& entry : root) {
-    if (entry.first.Scalar() != "repetitions" || entry.second.IsNull()) continue;
+  for (const auto& entry : root.entries()) {
+    if (entry.first.text() != "repetitions" || entry.second.IsNull()) continue;
     if (!entry.second.IsMap()) {
       Fail(source, entry.second, "", "must be settings of the glove, each with a list of values");
     }
     if (!lists.empty()) Fail(source, entry.first, "", "is given twice");
     std::size_t count = 0;
-    for (const auto& list : entry.second) {
+    for (const auto& list : entry.second.entries()) {
       if (!list.first.IsScalar()) Fail(source, list.first, "", "must have texts as keys");
-      const std::string key = OneLine(list.first.Scalar());
+      const std::string key = OneLine(list.first.text());
       CheckKey(source, list.first, key, lists);
       lists.push_back(ReadList(source, key, list.second));
       const std::size_t size = lists.back().values.size();
@@ -193,17 +186,19 @@ std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlS
   return lists;
 }
 
-void RemoveRepetitions(YAML::Node& root) {
-  root.remove("repetitions");
-  YAML::Node motion = MotionOf(root);
-  if (motion) motion.remove("files");
+void RemoveRepetitions(YamlNode& root) {
+  root = WithoutChild(root, "repetitions");
+  const YamlNode& motion = MotionOf(root);
+  if (!ChildOf(motion, "files").IsDefined()) return;
+  root = WithChild(root, "glove",
+                   WithChild(ChildOf(root, "glove"), "motion", WithoutChild(motion, "files")));
 }
 
 void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, ListsFrom from,
-                   YAML::Node& root, YamlSource& source) {
+                   YamlNode& root, YamlSource& source) {
   for (const RepeatedSetting& list : lists) {
     if (list.set.empty() != (from == ListsFrom::kFile)) continue;
-    const YAML::Node& value = list.values[i];
+    const YamlNode& value = list.values[i];
     const std::string place =
         list.set.empty() ? source.PlaceOf(value, list.key) : OverridePlace(list.set);
     const std::string path = PutOver(root, list.key, value, place, source);
@@ -228,17 +223,39 @@ void CheckRepetitions(const std::vector<RepeatedSetting>& lists, const Repetitio
   }
 }
 
+namespace {
+
+void Emit(const YamlNode& node, YAML::Emitter& emitter) {
+  if (node.IsMap()) {
+    emitter << YAML::BeginMap;
+    for (const auto& [key, value] : node.entries()) {
+      emitter << YAML::Key << key.text() << YAML::Value;
+      Emit(value, emitter);
+    }
+    emitter << YAML::EndMap;
+  } else if (node.IsSequence()) {
+    if (std::ranges::all_of(node.items(), &YamlNode::IsScalar)) emitter << YAML::Flow;
+    emitter << YAML::BeginSeq;
+    for (const YamlNode& item : node.items()) Emit(item, emitter);
+    emitter << YAML::EndSeq;
+  } else {
+    emitter << node.text();
+  }
+}
+
+}  // namespace
+
 std::string RepetitionsToYaml(const Repetitions& repetitions, const std::filesystem::path& folder) {
-  std::vector<YAML::Node> gloves;
+  std::vector<YamlNode> gloves;
   for (GloveConfig glove : repetitions.gloves) {  // a copy: a visitor may change what it sees
-    gloves.push_back(YAML::Load(SettingsToYaml(
+    gloves.push_back(ParseOwnYaml(SettingsToYaml(
         [&glove](controller::SettingsVisitor& visitor) { glove.Visit(visitor); }, folder)));
   }
   YAML::Emitter emitter;
   emitter << YAML::BeginMap << YAML::Key << "repetitions" << YAML::Value << YAML::BeginMap;
   for (const std::string& key : repetitions.keys) {
     emitter << YAML::Key << key << YAML::Value << YAML::BeginSeq;
-    for (const YAML::Node& glove : gloves) emitter << NodeAt(glove, key.substr(kGlove.size()));
+    for (const YamlNode& glove : gloves) Emit(NodeAt(glove, key.substr(kGlove.size())), emitter);
     emitter << YAML::EndSeq;
   }
   emitter << YAML::EndMap << YAML::EndMap;

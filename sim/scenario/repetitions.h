@@ -1,7 +1,5 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -24,7 +22,7 @@ struct Repetitions {
 /// One list of `repetitions` as it was read.
 struct RepeatedSetting {
   std::string key;
-  std::vector<YAML::Node> values;
+  std::vector<YamlNode> values;
   std::string set = {};  // text of the --set that gave it; empty: it stands in the file
 };
 
@@ -34,17 +32,17 @@ struct RepeatedSetting {
 /// glove.motion.file.
 /// Errors: UserError for what is no map from keys below `glove.` to lists of one length, for a
 /// --set of a part of it, and for files that there are not.
-std::vector<RepeatedSetting> ReadRepetitions(const YAML::Node& root, const YamlSource& source);
+std::vector<RepeatedSetting> ReadRepetitions(const YamlNode& root, const YamlSource& source);
 
 /// Takes all of that away, so that the tree has only what a scenario has.
-void RemoveRepetitions(YAML::Node& root);
+void RemoveRepetitions(YamlNode& root);
 
 /// Where lists of values come from: the scenario's file, or --set.
 enum class ListsFrom { kFile, kSet };
 
 /// Puts the i-th value of each list from there over the tree, at the place where it stands.
 void PutRepetition(const std::vector<RepeatedSetting>& lists, std::size_t i, ListsFrom from,
-                   YAML::Node& root, YamlSource& source);
+                   YamlNode& root, YamlSource& source);
 
 /// Errors: UserError at the first repetition whose glove has another rate, other channels or
 /// another nominal calibration than the first: one controller serves all.

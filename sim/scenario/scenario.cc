@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
+#include "sim/settings/yaml_tree.h"
 #include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
@@ -177,22 +177,23 @@ std::string KeepControllers(const std::vector<std::string>& names, Scenario& sce
 
 namespace {
 
-void CollectValues(const std::string& key, const YAML::Node& node,
+void CollectValues(const std::string& key, const YamlNode& node,
                    std::vector<SettingValue>& values) {
   const std::string prefix = key.empty() ? "" : key + ".";
   if (node.IsMap()) {
-    for (const auto& entry : node) {
-      CollectValues(prefix + entry.first.Scalar(), entry.second, values);
+    for (const auto& [name, value] : node.entries()) {
+      CollectValues(prefix + name.text(), value, values);
     }
-  } else if (node.IsSequence() && node.size() > 0 && !node[0].IsScalar()) {
-    for (std::size_t i = 0; i < node.size(); ++i) {
-      CollectValues(prefix + std::to_string(i), node[i], values);
+  } else if (node.IsSequence() && !node.items().empty() && !node.items()[0].IsScalar()) {
+    for (std::size_t i = 0; i < node.items().size(); ++i) {
+      CollectValues(prefix + std::to_string(i), node.items()[i], values);
     }
   } else if (node.IsSequence()) {
-    values.push_back(
-        {key, fmt::format("[{}]", fmt::join(node.as<std::vector<std::string>>(), ", "))});
+    std::vector<std::string> texts;
+    for (const YamlNode& item : node.items()) texts.push_back(item.text());
+    values.push_back({key, fmt::format("[{}]", fmt::join(texts, ", "))});
   } else {
-    values.push_back({key, node.Scalar()});
+    values.push_back({key, node.text()});
   }
 }
 
@@ -208,7 +209,7 @@ std::string ScenarioToYaml(const Scenario& scenario, const std::filesystem::path
 
 std::vector<SettingValue> SettingValues(const Scenario& scenario) {
   std::vector<SettingValue> values;
-  CollectValues("", YAML::Load(ScenarioToYaml(scenario)), values);
+  CollectValues("", ParseOwnYaml(ScenarioToYaml(scenario)), values);
   return values;
 }
 

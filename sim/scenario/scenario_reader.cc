@@ -1,7 +1,6 @@
 #include "sim/scenario/scenario_reader.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
@@ -19,9 +18,9 @@ namespace gauntlet::sim {
 namespace {
 
 /// Names become those of folders and files, also where case makes no difference.
-void CheckNames(const YAML::Node& root, const YamlSource& source, const Scenario& scenario) {
+void CheckNames(const YamlNode& root, const YamlSource& source, const Scenario& scenario) {
   if (const std::string problem = NameProblem(scenario.name); !problem.empty()) {
-    const YAML::Node given = ChildOf(root, "name");
+    const YamlNode& given = ChildOf(root, "name");
     if (given.IsDefined()) throw source.At(given, controller::SettingError("name", problem));
     throw UserError({.place = source.file.string(),
                      .key = "name",
@@ -43,7 +42,7 @@ void CheckNames(const YAML::Node& root, const YamlSource& source, const Scenario
   }
 }
 
-void CheckBaseline(const YAML::Node& root, const YamlSource& source, const Scenario& scenario) {
+void CheckBaseline(const YamlNode& root, const YamlSource& source, const Scenario& scenario) {
   if (scenario.baseline.empty()) return;
   std::vector<std::string> names;
   for (const NamedController& named : scenario.controllers) names.push_back(named.name);
@@ -54,7 +53,7 @@ void CheckBaseline(const YAML::Node& root, const YamlSource& source, const Scena
                               Suggestion(scenario.baseline, names)});
 }
 
-void CheckVideoSize(const YAML::Node& root, const YamlSource& source, const VideoConfig& video) {
+void CheckVideoSize(const YamlNode& root, const YamlSource& source, const VideoConfig& video) {
   for (const auto& [key, side_px] :
        {std::pair{"width_px", video.width_px}, std::pair{"height_px", video.height_px}}) {
     if (side_px % 2 == 0) continue;
@@ -65,34 +64,35 @@ void CheckVideoSize(const YAML::Node& root, const YamlSource& source, const Vide
 }
 
 using RepeatedSettings = std::vector<RepeatedSetting>;
+using Overrides = std::vector<std::string>;
 
-/// The file, the values of one repetition, then what --set puts over both: single values, then
+/// The text, the values of one repetition, then what --set puts over both: single values, then
 /// those of lists.
-YamlSource TreeOf(const ScenarioSource& text, const RepeatedSettings& lists, std::size_t repetition,
-                  YAML::Node& root) {
-  root.reset(ParseYaml(text.file, text.text, YamlIncludes::kAllowed));
-  YamlSource source{.file = text.file};
-  IncludeControllers(root, source);
+YamlSource TreeOf(const ScenarioText& text, const Overrides& overrides,
+                  const RepeatedSettings& lists, std::size_t repetition, YamlNode& root) {
+  root = text.root;
+  YamlSource source = text.source;
   PutRepetition(lists, repetition, ListsFrom::kFile, root, source);
-  for (const std::string& override : text.overrides) ApplyOverride(root, override, source);
+  for (const std::string& override : overrides) ApplyOverride(root, override, source);
   PutRepetition(lists, repetition, ListsFrom::kSet, root, source);
   return source;
 }
 
 /// The tree of the first repetition, and what the others have in place of it.
-RepeatedSettings FirstTreeOf(const ScenarioSource& text, YAML::Node& root, YamlSource& source) {
-  source = TreeOf(text, {}, 0, root);
+RepeatedSettings FirstTreeOf(const ScenarioText& text, const Overrides& overrides, YamlNode& root,
+                             YamlSource& source) {
+  source = TreeOf(text, overrides, {}, 0, root);
   RepeatedSettings lists = ReadRepetitions(root, source);
-  if (!lists.empty()) source = TreeOf(text, lists, 0, root);
+  if (!lists.empty()) source = TreeOf(text, overrides, lists, 0, root);
   return lists;
 }
 
 /// What the tree of one repetition says.
-Scenario ReadScenario(const ScenarioSource& text, const RepeatedSettings& lists,
-                      std::size_t repetition, YAML::Node& root, const YamlSource& source) {
+Scenario ReadScenario(const RepeatedSettings& lists, std::size_t repetition, YamlNode& root,
+                      const YamlSource& source) {
   RemoveRepetitions(root);
   Scenario scenario;
-  scenario.name = text.file.stem().string();
+  scenario.name = source.file.stem().string();
   try {
     ReadAll(root, source, scenario);
   } catch (const UserError& error) {
@@ -104,52 +104,75 @@ Scenario ReadScenario(const ScenarioSource& text, const RepeatedSettings& lists,
   return scenario;
 }
 
+/// The seed before --set goes over it.
+int SeedIn(const ScenarioText& text) {
+  struct Seed {
+    int value = Scenario{}.seed;
+    void Visit(controller::SettingsVisitor& visitor) {
+      visitor.Integer({.key = "seed", .help = ""}, value);
+    }
+  } seed;
+  const YamlNode& node = ChildOf(text.root, "seed");
+  if (node.IsDefined()) {
+    ReadAll(YamlNode::Map({{YamlNode::Scalar("seed"), node}}), text.source, seed);
+  }
+  return seed.value;
+}
+
 /// The gloves of all repetitions; `scenario` is of the first. They begin with the one that the
 /// scenario's seed has in the file.
-Repetitions AllRepetitions(const ScenarioSource& text, const RepeatedSettings& lists,
-                           const YamlSource& source, const Scenario& scenario) {
+Repetitions AllRepetitions(const ScenarioText& text, const Overrides& overrides,
+                           const RepeatedSettings& lists, const YamlSource& source,
+                           const Scenario& scenario) {
   Repetitions repetitions;
   if (lists.empty()) return repetitions;
   for (const RepeatedSetting& list : lists) repetitions.keys.push_back(list.key);
   repetitions.gloves.push_back(scenario.glove);
   for (std::size_t i = 1; i < lists.front().values.size(); ++i) {
-    YAML::Node root;
-    const YamlSource of_this = TreeOf(text, lists, i, root);
+    YamlNode root;
+    const YamlSource of_this = TreeOf(text, overrides, lists, i, root);
     TakeAutoHorizons(root);
-    repetitions.gloves.push_back(ReadScenario(text, lists, i, root, of_this).glove);
+    repetitions.gloves.push_back(ReadScenario(lists, i, root, of_this).glove);
   }
   CheckRepetitions(lists, repetitions, source);
-  const YAML::Node seed_in_file =
-      ChildOf(ParseYaml(text.file, text.text, YamlIncludes::kAllowed), "seed");
-  repetitions.Rotate(scenario.seed - (seed_in_file.IsDefined() && seed_in_file.IsScalar()
-                                          ? seed_in_file.as<int>(Scenario{}.seed)
-                                          : Scenario{}.seed));
+  repetitions.Rotate(scenario.seed - SeedIn(text));
   return repetitions;
 }
 
 }  // namespace
 
-Scenario ParseScenario(const ScenarioSource& text) {
-  YAML::Node root;
+ScenarioText ParseScenarioText(const std::filesystem::path& file, std::string_view text) {
+  ScenarioText parsed{.root = ParseYaml(file, text, YamlIncludes::kAllowed),
+                      .source = {.file = file}};
+  IncludeControllers(parsed.root, parsed.source);
+  return parsed;
+}
+
+Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>& overrides) {
+  YamlNode root;
   YamlSource source;
-  const RepeatedSettings lists = FirstTreeOf(text, root, source);
+  const RepeatedSettings lists = FirstTreeOf(text, overrides, root, source);
   const std::vector<AutoHorizon> auto_horizons = TakeAutoHorizons(root);
-  Scenario scenario = ReadScenario(text, lists, 0, root, source);
+  Scenario scenario = ReadScenario(lists, 0, root, source);
   CheckNames(root, source, scenario);
   FillControllers(root, source, auto_horizons, scenario);
   CheckBaseline(root, source, scenario);
   CheckVideoSize(root, source, scenario.video);
-  scenario.repetitions = AllRepetitions(text, lists, source, scenario);
+  scenario.repetitions = AllRepetitions(text, overrides, lists, source, scenario);
   scenario.glove = GloveOf(scenario, scenario.seed);
   return scenario;
 }
 
+Scenario ParseScenario(const ScenarioSource& source) {
+  return ParseScenario(ParseScenarioText(source.file, source.text), source.overrides);
+}
+
 std::string PlaceOfSetting(const ScenarioSource& text, const std::string& key) {
-  YAML::Node root;
+  YamlNode root;
   YamlSource source;
-  const RepeatedSettings lists = FirstTreeOf(text, root, source);
-  const YAML::Node node = NodeAt(root, key);
-  if (source.OverrideOf(key) == nullptr && node.is(root)) return text.file.string();
+  FirstTreeOf(ParseScenarioText(text.file, text.text), text.overrides, root, source);
+  const YamlNode& node = NodeAt(root, key);
+  if (source.OverrideOf(key) == nullptr && node.Is(root)) return text.file.string();
   return source.PlaceOf(node, key);
 }
 

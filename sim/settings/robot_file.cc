@@ -1,7 +1,6 @@
 #include "sim/settings/robot_file.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <array>
@@ -93,7 +92,7 @@ std::string RobotToYaml(const RobotConfig& robot, const RobotOrigin& origin) {
 }
 
 RobotConfig LoadRobot(const std::filesystem::path& file) {
-  const YAML::Node root = ParseYamlFile(file);
+  const YamlNode root = ParseYamlFile(file);
   const YamlSource source{.file = file, .overrides = {}};
   RobotConfig robot;
   ReadAll(root, source, robot);

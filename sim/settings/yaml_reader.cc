@@ -18,26 +18,22 @@ using controller::RangeProblem;
 using controller::Setting;
 using controller::SettingError;
 
-YamlReader::YamlReader(const YAML::Node& node, std::string path, const YamlSource& source)
+YamlReader::YamlReader(const YamlNode& node, std::string path, const YamlSource& source)
     : node_(node), path_(std::move(path)), source_(source) {
   // Shorthand: a lone word stands for the kind of a group whose other settings keep defaults.
-  if (node_.IsScalar()) {
-    YAML::Node group(YAML::NodeType::Map);
-    group["kind"] = node_;
-    node_ = group;
-  }
-  if (node_.IsNull()) node_ = YAML::Node(YAML::NodeType::Map);
+  if (node_.IsScalar()) node_ = YamlNode::Map({{YamlNode::Scalar("kind"), node_}});
+  if (node_.IsNull()) node_ = YamlNode::Map({});
   if (!node_.IsMap()) Fail(node_, path_, "must be a group of keys, not a list");
-  std::set<std::string> seen;
-  for (const auto& entry : node_) {
-    const std::string key = Scalar(entry.first, path_, "a key");
+  std::set<std::string_view> seen;
+  for (const auto& entry : node_.entries()) {
+    const std::string& key = Scalar(entry.first, path_, "a key");
     if (!seen.insert(key).second) {
       Fail(entry.first, PathOf(key), "is given twice");
     }
   }
 }
 
-void YamlReader::Fail(const YAML::Node& node, const std::string& path,
+void YamlReader::Fail(const YamlNode& node, const std::string& path,
                       const std::string& problem) const {
   throw source_.At(node, SettingError(path, problem));
 }
@@ -46,22 +42,22 @@ std::string YamlReader::PathOf(std::string_view key) const {
   return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
 }
 
-YAML::Node YamlReader::Find(const Setting& setting) {
-  known_keys_.emplace_back(setting.key);
-  YAML::Node found = ChildOf(node_, setting.key);
+const YamlNode& YamlReader::Find(const Setting& setting) {
+  known_keys_.push_back(setting.key);
+  const YamlNode& found = ChildOf(node_, setting.key);
   if (setting.required && !found.IsDefined()) missing_.emplace_back(setting.key);
   return found;
 }
 
-std::string YamlReader::Scalar(const YAML::Node& node, const std::string& path,
-                               const char* expected) const {
+const std::string& YamlReader::Scalar(const YamlNode& node, const std::string& path,
+                                      const char* expected) const {
   if (!node.IsScalar()) Fail(node, path, fmt::format("must be {}", expected));
-  return node.Scalar();
+  return node.text();
 }
 
-double YamlReader::ParseNumber(const YAML::Node& node, const std::string& path,
+double YamlReader::ParseNumber(const YamlNode& node, const std::string& path,
                                const Setting& setting) const {
-  const std::string text = Scalar(node, path, "a number");
+  const std::string& text = Scalar(node, path, "a number");
   double value = 0.0;
   const char* begin = text.c_str() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.c_str() + text.size();
@@ -79,24 +75,24 @@ double YamlReader::ParseNumber(const YAML::Node& node, const std::string& path,
 }
 
 void YamlReader::Number(const Setting& setting, double& value) {
-  if (const YAML::Node node = Find(setting); node.IsDefined()) {
+  if (const YamlNode& node = Find(setting); node.IsDefined()) {
     value = ParseNumber(node, PathOf(setting.key), setting);
   }
 }
 
 void YamlReader::Integer(const Setting& setting, int& value) {
-  const YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!node.IsDefined()) return;
   const double number = ParseNumber(node, PathOf(setting.key), setting);
   if (number != std::floor(number) || std::abs(number) > 2147483647.0) {
     Fail(node, PathOf(setting.key),
-         fmt::format("is {}, must be a whole number", Shown(node.Scalar())));
+         fmt::format("is {}, must be a whole number", Shown(node.text())));
   }
   value = static_cast<int>(number);
 }
 
 void YamlReader::Flag(const Setting& setting, bool& value) {
-  const YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!node.IsDefined()) return;
   const std::string text = Scalar(node, PathOf(setting.key), "true or false");
   if (text != "true" && text != "false") {
@@ -106,7 +102,7 @@ void YamlReader::Flag(const Setting& setting, bool& value) {
 }
 
 void YamlReader::Text(const Setting& setting, std::string& value) {
-  const YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!node.IsDefined()) return;
   value = node.IsNull() ? "" : Scalar(node, PathOf(setting.key), "a text");
   if (const std::string problem = TextProblem(value); !problem.empty()) {
@@ -132,10 +128,10 @@ void YamlReader::Path(const Setting& setting, std::string& value) {
 }
 
 void YamlReader::Numbers(const Setting& setting, std::vector<double>& value) {
-  const YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!node.IsDefined()) return;
   value.clear();
-  const std::size_t count = node.IsSequence() ? node.size() : 1;
+  const std::size_t count = node.IsSequence() ? node.items().size() : 1;
   if (const std::string problem = controller::CountProblem(setting, count); !problem.empty()) {
     Fail(node, PathOf(setting.key), problem);
   }
@@ -143,27 +139,29 @@ void YamlReader::Numbers(const Setting& setting, std::vector<double>& value) {
     value.push_back(ParseNumber(node, PathOf(setting.key), setting));
     return;
   }
-  for (std::size_t i = 0; i < node.size(); ++i) {
-    value.push_back(ParseNumber(node[i], fmt::format("{}[{}]", PathOf(setting.key), i), setting));
+  for (std::size_t i = 0; i < node.items().size(); ++i) {
+    value.push_back(
+        ParseNumber(node.items()[i], fmt::format("{}[{}]", PathOf(setting.key), i), setting));
   }
 }
 
 void YamlReader::Texts(const Setting& setting, std::vector<std::string>& value) {
-  const YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!node.IsDefined()) return;
   value.clear();
   if (!node.IsSequence()) {
     value.push_back(Scalar(node, PathOf(setting.key), "a text or a list of texts"));
     return;
   }
-  for (std::size_t i = 0; i < node.size(); ++i) {
-    value.push_back(Scalar(node[i], fmt::format("{}[{}]", PathOf(setting.key), i), "a text"));
+  for (std::size_t i = 0; i < node.items().size(); ++i) {
+    value.push_back(
+        Scalar(node.items()[i], fmt::format("{}[{}]", PathOf(setting.key), i), "a text"));
   }
 }
 
 void YamlReader::Choice(const Setting& setting, std::span<const std::string_view> names,
                         std::size_t& index) {
-  const YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!node.IsDefined()) return;
   const std::vector<std::string> candidates(names.begin(), names.end());
   const std::string text =
@@ -178,7 +176,7 @@ void YamlReader::Choice(const Setting& setting, std::span<const std::string_view
        fmt::format("is {}, must be one of {}", Shown(text), fmt::join(candidates, ", ")));
 }
 
-void YamlReader::ReadInside(const YAML::Node& node, const std::string& path,
+void YamlReader::ReadInside(const YamlNode& node, const std::string& path,
                             const std::function<void(SettingsVisitor&)>& visit) const {
   YamlReader inner(node, path, source_);
   visit(inner);
@@ -187,35 +185,34 @@ void YamlReader::ReadInside(const YAML::Node& node, const std::string& path,
 
 void YamlReader::Group(const Setting& setting, const std::function<void(SettingsVisitor&)>& visit) {
   // A group that is left out is still read, so that a missing required key inside is found.
-  YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!missing_.empty()) return;
-  if (!node.IsDefined()) node = YAML::Node(YAML::NodeType::Map);
-  ReadInside(node, PathOf(setting.key), visit);
+  ReadInside(node.IsDefined() ? node : YamlNode::Map({}), PathOf(setting.key), visit);
 }
 
 void YamlReader::List(const Setting& setting, const controller::SettingList& list) {
-  const YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!node.IsDefined() || !missing_.empty()) return;
   const bool single = !node.IsSequence();
-  list.resize(single ? 1 : node.size());
+  list.resize(single ? 1 : node.items().size());
   for (std::size_t i = 0; i < list.size(); ++i) {
     const std::string path =
         single ? PathOf(setting.key) : fmt::format("{}[{}]", PathOf(setting.key), i);
-    ReadInside(single ? node : node[i], path,
+    ReadInside(single ? node : node.items()[i], path,
                [&](SettingsVisitor& inner) { list.visit(i, inner); });
   }
 }
 
 void YamlReader::Map(const Setting& setting, const controller::SettingMap& map) {
-  const YAML::Node node = Find(setting);
+  const YamlNode& node = Find(setting);
   if (!node.IsDefined() || !missing_.empty()) return;
-  if (setting.required && node.size() == 0) {
+  if (setting.required && node.entries().empty() && node.items().empty()) {
     Fail(node, PathOf(setting.key), "is empty, must be names with their settings");
   }
   if (!node.IsMap()) Fail(node, PathOf(setting.key), "must be names with their settings");
-  std::set<std::string> seen;
-  for (const auto& entry : node) {
-    const std::string name = Scalar(entry.first, PathOf(setting.key), "a name");
+  std::set<std::string_view> seen;
+  for (const auto& entry : node.entries()) {
+    const std::string& name = Scalar(entry.first, PathOf(setting.key), "a name");
     const std::string path = PathOf(fmt::format("{}.{}", setting.key, name));
     if (!seen.insert(name).second) Fail(entry.first, path, "is given twice");
     if (name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -233,10 +230,11 @@ void YamlReader::Map(const Setting& setting, const controller::SettingMap& map) 
 }
 
 void YamlReader::RejectUnknownKeys() const {
-  for (const auto& entry : node_) {
-    const std::string key = entry.first.Scalar();
-    if (std::find(known_keys_.begin(), known_keys_.end(), key) != known_keys_.end()) continue;
-    Fail(entry.first, PathOf(key), "unknown key" + Suggestion(key, known_keys_));
+  for (const auto& entry : node_.entries()) {
+    const std::string& key = entry.first.text();
+    if (std::ranges::find(known_keys_, key) != known_keys_.end()) continue;
+    Fail(entry.first, PathOf(key),
+         "unknown key" + Suggestion(key, {known_keys_.begin(), known_keys_.end()}));
   }
   if (!missing_.empty()) Fail(node_, PathOf(missing_.front()), "is missing");
 }

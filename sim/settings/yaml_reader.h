@@ -1,7 +1,5 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -23,7 +21,7 @@ namespace gauntlet::sim {
 /// that Gauntlet brings along (`scenarios/recordings/a.csv`).
 class YamlReader final : public controller::SettingsVisitor {
  public:
-  YamlReader(const YAML::Node& node, std::string path, const YamlSource& source);
+  YamlReader(const YamlNode& node, std::string path, const YamlSource& source);
 
   void Number(const controller::Setting& setting, double& value) override;
   void Integer(const controller::Setting& setting, int& value) override;
@@ -45,26 +43,27 @@ class YamlReader final : public controller::SettingsVisitor {
 
  private:
   /// The node of a setting, or an undefined one if the file leaves it out.
-  YAML::Node Find(const controller::Setting& setting);
+  const YamlNode& Find(const controller::Setting& setting);
   std::string PathOf(std::string_view key) const;
-  [[noreturn]] void Fail(const YAML::Node& node, const std::string& path,
+  [[noreturn]] void Fail(const YamlNode& node, const std::string& path,
                          const std::string& problem) const;
-  std::string Scalar(const YAML::Node& node, const std::string& path, const char* expected) const;
-  double ParseNumber(const YAML::Node& node, const std::string& path,
+  const std::string& Scalar(const YamlNode& node, const std::string& path,
+                            const char* expected) const;
+  double ParseNumber(const YamlNode& node, const std::string& path,
                      const controller::Setting& setting) const;
-  void ReadInside(const YAML::Node& node, const std::string& path,
+  void ReadInside(const YamlNode& node, const std::string& path,
                   const std::function<void(controller::SettingsVisitor&)>& visit) const;
 
-  YAML::Node node_;
+  YamlNode node_;
   std::string path_;
   const YamlSource& source_;
-  std::vector<std::string> known_keys_;
+  std::vector<std::string_view> known_keys_;
   std::vector<std::string> missing_;  // with one, groups are not read: only its place is still open
 };
 
 /// All that a tree says, and it must say nothing else.
 template <class Settings>
-void ReadAll(const YAML::Node& root, const YamlSource& source, Settings& settings) {
+void ReadAll(const YamlNode& root, const YamlSource& source, Settings& settings) {
   YamlReader reader(root, "", source);
   settings.Visit(reader);
   reader.RejectUnknownKeys();

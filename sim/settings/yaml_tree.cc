@@ -4,14 +4,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <span>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
 
 #include "sim/base/nearest_name.h"
@@ -50,8 +53,8 @@ const Value* Nearest(const std::map<std::string, Value>& paths, const std::strin
   return nearest;
 }
 
-std::string PlaceInFile(const std::filesystem::path& file, const YAML::Mark& mark) {
-  return fmt::format("{}:{}:{}", file.string(), mark.line + 1, mark.column + 1);
+std::string PlaceInFile(const std::filesystem::path& file, TextPlace place) {
+  return fmt::format("{}:{}:{}", file.string(), place.line + 1, place.column + 1);
 }
 
 }  // namespace
@@ -77,18 +80,17 @@ const std::filesystem::path& YamlSource::FileOf(const std::string& path) const {
   return nearest == nullptr ? file : *nearest;
 }
 
-std::string YamlSource::PlaceOf(const YAML::Node& node, const std::string& path) const {
+std::string YamlSource::PlaceOf(const YamlNode& node, const std::string& path) const {
   if (const std::string* text = OverrideOf(path)) return OverridePlace(*text);
-  const YAML::Mark mark = node.Mark();
-  if (!mark.is_null()) return PlaceInFile(FileOf(path), mark);
+  if (node.place().is_known()) return PlaceInFile(FileOf(path), node.place());
   for (const auto& [key, text] : overrides) {  // made on the way to what an override sets
     if (!groups.contains(path) && IsAtOrBelow(key, path)) return OverridePlace(text);
   }
-  const YAML::Mark* group = Nearest(groups, path);
+  const TextPlace* group = Nearest(groups, path);
   return group == nullptr ? FileOf(path).string() : PlaceInFile(FileOf(path), *group);
 }
 
-UserError YamlSource::At(const YAML::Node& node, const SettingError& error) const {
+UserError YamlSource::At(const YamlNode& node, const SettingError& error) const {
   return UserError({.place = PlaceOf(node, error.key()),
                     .key = OneLine(error.key(), kLongestPlace),
                     .problem = error.problem()});
@@ -126,25 +128,22 @@ std::string ReadYamlText(const std::filesystem::path& file) {
 namespace {
 
 /// Throws at a place of the text, which is a file or the value of a --set.
-using FailAt = std::function<void(const YAML::Mark&, const std::string& problem)>;
+using FailAt = std::function<void(TextPlace, const std::string& problem)>;
 
-YAML::Mark MarkOf(std::string_view text, std::size_t byte) {
+TextPlace PlaceOfByte(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, byte);
   const std::size_t line_begin = before.rfind('\n') + 1;  // 0 if there is none
-  YAML::Mark mark;
-  mark.pos = static_cast<int>(byte);
-  mark.line = static_cast<int>(std::ranges::count(before, '\n'));
-  mark.column = static_cast<int>(byte - line_begin);
-  return mark;
+  return {.line = static_cast<int>(std::ranges::count(before, '\n')),
+          .column = static_cast<int>(byte - line_begin)};
 }
 
 /// Errors: by `fail`, at the first byte that no text has.
 void CheckBytes(std::string_view text, const FailAt& fail) {
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
-    fail(MarkOf(text, 0), "is UTF-16, must be saved as UTF-8");
+    fail(PlaceOfByte(text, 0), "is UTF-16, must be saved as UTF-8");
   }
   if (const auto bad = FirstBadByte(text)) {
-    fail(MarkOf(text, *bad),
+    fail(PlaceOfByte(text, *bad),
          fmt::format("the byte {} is not UTF-8", OneLine(text.substr(*bad, 1))));
   }
   const auto control = std::ranges::find_if(text, [](char c) {
@@ -153,109 +152,156 @@ void CheckBytes(std::string_view text, const FailAt& fail) {
   });
   if (control != text.end()) {
     const std::size_t byte = control - text.begin();
-    fail(MarkOf(text, byte),
+    fail(PlaceOfByte(text, byte),
          fmt::format("has the control character {}", OneLine(text.substr(byte, 1))));
   }
 }
 
-/// Sees a document go by without keeping it, and stops at what would be too deep, too large or
-/// endless as a tree.
-class BoundsCheck final : public YAML::EventHandler {
+TextPlace PlaceOf(const YAML::Mark& mark) { return {.line = mark.line, .column = mark.column}; }
+
+/// Puts the tree of a document together, and stops at what would be too deep, too large or endless.
+class TreeBuilder final : public YAML::EventHandler {
  public:
-  BoundsCheck(const FailAt& fail, YamlIncludes includes) : fail_(fail), includes_(includes) {}
+  TreeBuilder(const FailAt& fail, YamlIncludes includes, std::size_t most_values)
+      : fail_(fail), includes_(includes), most_values_(most_values) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
-    if (documents_++ > 0) fail_(mark, "a second document begins here, there must be one");
+    if (documents_++ > 0) fail_(PlaceOf(mark), "a second document begins here, there must be one");
   }
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { Leaf(mark, anchor); }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    AddLeaf(YamlNode::Null(PlaceOf(mark)), anchor);
+  }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                const std::string&) override {
+                const std::string& text) override {
     if (tag != kIncludeTag || includes_ == YamlIncludes::kRefused) RefuseTag(mark, tag);
-    Leaf(mark, anchor);
+    AddLeaf(YamlNode::Scalar(text, tag, PlaceOf(mark)), anchor);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     if (std::ranges::find(open_, anchor, &Group::anchor) != open_.end()) {
-      fail_(mark, "stands inside what it stands for");
+      fail_(PlaceOf(mark), "stands inside what it stands for");
     }
-    Count(mark, values_of_[anchor]);
+    const Anchored& anchored = anchored_[anchor];
+    Count(PlaceOf(mark), anchored.values);
+    Keep(anchored.node);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
     Open(mark, tag, anchor);
   }
-  void OnSequenceEnd() override { Close(); }
+  void OnSequenceEnd() override {
+    Group group = Close();
+    Add(YamlNode::Sequence(std::move(group.parts), group.place), group.anchor,
+        values_ - group.values_before);
+  }
   void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
     Open(mark, tag, anchor);
   }
-  void OnMapEnd() override { Close(); }
+  void OnMapEnd() override {
+    Group group = Close();
+    std::vector<YamlNode::Entry> entries;
+    for (std::size_t i = 0; i + 1 < group.parts.size(); i += 2) {  // a key, its value
+      entries.emplace_back(std::move(group.parts[i]), std::move(group.parts[i + 1]));
+    }
+    Add(YamlNode::Map(std::move(entries), group.place), group.anchor,
+        values_ - group.values_before);
+  }
+
+  /// The document; that of an empty one is null.
+  const YamlNode& root() const { return root_; }
 
  private:
   struct Group {
     YAML::anchor_t anchor = YAML::NullAnchor;
+    TextPlace place;
     std::size_t values_before = 0;
+    std::vector<YamlNode> parts;
+  };
+  struct Anchored {
+    YamlNode node;
+    std::size_t values = 0;
   };
 
-  void Count(const YAML::Mark& mark, std::size_t values) {
+  void Count(TextPlace place, std::size_t values) {
     values_ += values;
-    if (values_ > kMostValues) fail_(mark, fmt::format("has more than {} values", kMostValues));
+    if (values_ > most_values_) fail_(place, fmt::format("has more than {} values", most_values_));
   }
-  void Leaf(const YAML::Mark& mark, YAML::anchor_t anchor) {
-    Count(mark, 1);
-    if (anchor != YAML::NullAnchor) values_of_[anchor] = 1;
+  void Keep(YamlNode node) {
+    if (open_.empty()) {
+      root_ = std::move(node);
+    } else {
+      open_.back().parts.push_back(std::move(node));
+    }
   }
   void Open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
     RefuseTag(mark, tag);
     if (open_.size() == kMostLevels) {
-      fail_(mark, fmt::format("is nested deeper than {} levels", kMostLevels));
+      fail_(PlaceOf(mark), fmt::format("is nested deeper than {} levels", kMostLevels));
     }
-    open_.push_back({anchor, values_});
-    Count(mark, 1);
+    open_.push_back(
+        {.anchor = anchor, .place = PlaceOf(mark), .values_before = values_, .parts = {}});
+    Count(PlaceOf(mark), 1);
   }
-  void Close() {
-    const Group group = open_.back();
+  Group Close() {
+    Group group = std::move(open_.back());
     open_.pop_back();
-    if (group.anchor != YAML::NullAnchor) values_of_[group.anchor] = values_ - group.values_before;
+    return group;
+  }
+  /// `values`: its own and those below it, where an alias stands for it.
+  void Add(YamlNode node, YAML::anchor_t anchor, std::size_t values) {
+    if (anchor != YAML::NullAnchor) anchored_[anchor] = {.node = node, .values = values};
+    Keep(std::move(node));
+  }
+  void AddLeaf(YamlNode node, YAML::anchor_t anchor) {
+    Count(node.place(), 1);
+    Add(std::move(node), anchor, 1);
   }
   /// Those of YAML itself say what is known anyhow.
   void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "!" || tag.starts_with("tag:yaml.org,2002:")) return;
-    if (tag == kIncludeTag) fail_(mark, std::string(kMisplacedInclude));
-    fail_(mark, fmt::format("has the tag {}, tags have no meaning here", Shown(tag)));
+    if (tag == kIncludeTag) fail_(PlaceOf(mark), std::string(kMisplacedInclude));
+    fail_(PlaceOf(mark), fmt::format("has the tag {}, tags have no meaning here", Shown(tag)));
   }
 
   const FailAt& fail_;
   YamlIncludes includes_;
+  std::size_t most_values_;
   int documents_ = 0;
   std::size_t values_ = 0;
   std::vector<Group> open_;
-  std::map<YAML::anchor_t, std::size_t> values_of_;
+  std::map<YAML::anchor_t, Anchored> anchored_;
+  YamlNode root_ = YamlNode::Null();
 };
 
-YAML::Node ParseChecked(std::string_view text, YamlIncludes includes, const FailAt& fail) {
-  CheckBytes(text, fail);
-  const std::string copy(text);
+/// Errors: by `fail`.
+YamlNode Parse(const std::string& text, YamlIncludes includes, std::size_t most_values,
+               const FailAt& fail) {
   try {
-    std::istringstream stream(copy);
+    std::istringstream stream(text);
     YAML::Parser parser(stream);
-    BoundsCheck bounds(fail, includes);
-    while (parser.HandleNextDocument(bounds)) {
+    TreeBuilder builder(fail, includes, most_values);
+    while (parser.HandleNextDocument(builder)) {
     }
-    return YAML::Load(copy);
+    return builder.root();
   } catch (const YAML::Exception& problem) {
-    fail(problem.mark, Shown(problem.msg));
+    fail(PlaceOf(problem.mark), Shown(problem.msg));
     throw;
   }
 }
 
+YamlNode ParseChecked(std::string_view text, YamlIncludes includes, const FailAt& fail) {
+  CheckBytes(text, fail);
+  return Parse(std::string(text), includes, kMostValues, fail);
+}
+
 }  // namespace
 
-YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text,
-                     YamlIncludes includes) {
-  YAML::Node root =
-      ParseChecked(text, includes, [&file](const YAML::Mark& mark, const std::string& problem) {
-        throw UserError({.place = PlaceInFile(file, mark), .problem = problem});
+YamlNode ParseYaml(const std::filesystem::path& file, std::string_view text,
+                   YamlIncludes includes) {
+  YamlNode root =
+      ParseChecked(text, includes, [&file](TextPlace place, const std::string& problem) {
+        throw UserError({.place = PlaceInFile(file, place), .problem = problem});
       });
   if (!root.IsMap()) {
     throw UserError({.place = file.string() + ":1:1", .problem = "must be a map of keys"});
@@ -263,38 +309,13 @@ YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text,
   return root;
 }
 
-YAML::Node ParseYamlFile(const std::filesystem::path& file) {
+YamlNode ParseOwnYaml(std::string_view text) {
+  return Parse(std::string(text), YamlIncludes::kRefused, std::numeric_limits<std::size_t>::max(),
+               [](TextPlace, const std::string& problem) { throw std::logic_error(problem); });
+}
+
+YamlNode ParseYamlFile(const std::filesystem::path& file) {
   return ParseYaml(file, ReadYamlText(file));
-}
-
-YAML::Node ChildOf(const YAML::Node& group, std::string_view key) {
-  if (group.IsMap()) {
-    for (const auto& entry : group) {
-      if (entry.first.Scalar() == key) return entry.second;
-    }
-  }
-  return YAML::Node(YAML::NodeType::Undefined);
-}
-
-YAML::Node NodeAt(const YAML::Node& root, std::string_view path) {
-  YAML::Node node = root;
-  while (!path.empty()) {
-    const std::size_t end = std::min(path.find_first_of(".[]"), path.size());
-    const std::string_view key = path.substr(0, end);
-    path.remove_prefix(std::min(end + 1, path.size()));
-    if (key.empty()) continue;  // between ] and .
-    YAML::Node next(YAML::NodeType::Undefined);
-    std::size_t index = 0;
-    if (node.IsSequence() &&
-        std::from_chars(key.data(), key.data() + key.size(), index).ec == std::errc()) {
-      if (index < node.size()) next.reset(node[index]);
-    } else {
-      next.reset(ChildOf(node, key));
-    }
-    if (!next.IsDefined()) break;
-    node.reset(next);
-  }
-  return node;
 }
 
 namespace {
@@ -312,13 +333,13 @@ std::vector<std::string> SplitPath(std::string_view path) {
 }
 
 /// An override may change a controller but not invent one: a misspelt name would only add a row.
-void RejectUnknownController(const YAML::Node& root, const std::string& text,
+void RejectUnknownController(const YamlNode& root, const std::string& text,
                              const std::vector<std::string>& keys) {
   if (keys.size() < 2 || keys[0] != "controllers") return;
-  const YAML::Node controllers = NodeAt(root, "controllers");
+  const YamlNode& controllers = ChildOf(root, "controllers");
   if (!controllers.IsMap()) return;  // the reader says so
   std::vector<std::string> names;
-  for (const auto& entry : controllers) names.push_back(entry.first.Scalar());
+  for (const auto& entry : controllers.entries()) names.push_back(entry.first.text());
   if (std::ranges::find(names, keys[1]) != names.end()) return;
   throw UserError({.place = OverridePlace(text),
                    .key = "controllers." + Shown(keys[1]),
@@ -331,10 +352,9 @@ class Override {
   Override(std::string place, YamlSource& source) : place_(std::move(place)), source_(source) {}
 
   /// A copy of `node` with `value` at the end of the path of keys; follows the reader's shorthands.
-  YAML::Node With(const YAML::Node& node, std::span<const std::string> keys,
-                  const YAML::Node& value) {
+  YamlNode With(const YamlNode& node, std::span<const std::string> keys, const YamlNode& value) {
     if (keys.empty()) return value;
-    if (!node.Mark().is_null()) source_.groups[path_] = node.Mark();
+    if (node.place().is_known()) source_.groups[path_] = node.place();
     return node.IsSequence() ? WithItem(node, keys, value) : WithKey(node, keys, value);
   }
 
@@ -346,47 +366,43 @@ class Override {
   }
 
  private:
-  YAML::Node WithItem(const YAML::Node& list, std::span<const std::string> keys,
-                      const YAML::Node& value) {
+  YamlNode WithItem(const YamlNode& list, std::span<const std::string> keys,
+                    const YamlNode& value) {
     const std::string& key = keys[0];
     std::size_t item = 0;
     if (key.find_first_not_of("0123456789") == std::string::npos) {
       const auto [rest, error] = std::from_chars(key.data(), key.data() + key.size(), item);
-      if (error != std::errc() || item >= list.size()) FailAtItem(list, key);
+      if (error != std::errc() || item >= list.items().size()) FailAtItem(list, key);
       keys = keys.subspan(1);
-    } else if (list.size() != 1) {
+    } else if (list.items().size() != 1) {
       FailAtItem(list, key);
     }
     path_ += fmt::format("[{}]", item);
-    YAML::Node copy(YAML::NodeType::Sequence);
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      copy.push_back(i == item ? With(list[i], keys, value) : list[i]);
-    }
-    return copy;
+    std::vector<YamlNode> items = list.items();
+    items[item] = With(items[item], keys, value);
+    return YamlNode::Sequence(std::move(items));
   }
 
-  [[noreturn]] void FailAtItem(const YAML::Node& list, const std::string& key) const {
-    if (list.size() == 0) Fail(fmt::format("{} is an empty list", Shown(path_)));
+  [[noreturn]] void FailAtItem(const YamlNode& list, const std::string& key) const {
+    if (list.items().empty()) Fail(fmt::format("{} is an empty list", Shown(path_)));
     Fail(fmt::format("{} is a list of {}: an item is named by its number, 0 to {}, not by {}",
-                     Shown(path_), list.size(), list.size() - 1, Shown(key)));
+                     Shown(path_), list.items().size(), list.items().size() - 1, Shown(key)));
   }
 
-  YAML::Node WithKey(const YAML::Node& node, std::span<const std::string> keys,
-                     const YAML::Node& value) {
+  YamlNode WithKey(const YamlNode& node, std::span<const std::string> keys, const YamlNode& value) {
     path_ += path_.empty() ? keys[0] : "." + keys[0];
-    YAML::Node group(YAML::NodeType::Map);
-    if (node.IsScalar()) group.force_insert("kind", node);
-    if (node.IsMap()) group.reset(node);
-    YAML::Node copy(YAML::NodeType::Map);
-    bool found = false;
-    for (const auto& entry : group) {
-      const bool is_it = !found && entry.first.IsScalar() && entry.first.Scalar() == keys[0];
-      copy.force_insert(entry.first,
-                        is_it ? With(entry.second, keys.subspan(1), value) : entry.second);
-      found = found || is_it;
+    std::vector<YamlNode::Entry> entries = node.entries();
+    if (node.IsScalar()) entries.emplace_back(YamlNode::Scalar("kind"), node);
+    const auto found = std::ranges::find_if(entries, [&keys](const YamlNode::Entry& entry) {
+      return entry.first.IsScalar() && entry.first.text() == keys[0];
+    });
+    if (found != entries.end()) {
+      found->second = With(found->second, keys.subspan(1), value);
+    } else {
+      entries.emplace_back(YamlNode::Scalar(keys[0]),
+                           With(YamlNode::Null(), keys.subspan(1), value));
     }
-    if (!found) copy.force_insert(keys[0], With(YAML::Node(), keys.subspan(1), value));
-    return copy;
+    return YamlNode::Map(std::move(entries));
   }
 
   std::string place_;
@@ -406,23 +422,23 @@ std::vector<std::string> KeysOf(std::string_view path, const Override& override)
 
 }  // namespace
 
-std::string PutOver(YAML::Node& root, const std::string& path, const YAML::Node& value,
+std::string PutOver(YamlNode& root, const std::string& path, const YamlNode& value,
                     const std::string& place, YamlSource& source) {
   Override override(place, source);
-  root.reset(override.With(root, KeysOf(path, override), value));
+  root = override.With(root, KeysOf(path, override), value);
   return override.path();
 }
 
-void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source) {
+void ApplyOverride(YamlNode& root, const std::string& text, YamlSource& source) {
   Override override(OverridePlace(text), source);
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) override.Fail("must be key.path=value");
   const std::vector<std::string> keys = KeysOf(std::string_view(text).substr(0, equals), override);
   RejectUnknownController(root, text, keys);
-  const YAML::Node value = ParseChecked(
-      std::string_view(text).substr(equals + 1), YamlIncludes::kRefused,
-      [&override](const YAML::Mark&, const std::string& problem) { override.Fail(problem); });
-  root.reset(override.With(root, keys, value));
+  const YamlNode value =
+      ParseChecked(std::string_view(text).substr(equals + 1), YamlIncludes::kRefused,
+                   [&override](TextPlace, const std::string& problem) { override.Fail(problem); });
+  root = override.With(root, keys, value);
   const std::string path = override.path();
   std::erase_if(source.overrides,
                 [&path](const auto& earlier) { return IsAtOrBelow(earlier.first, path); });

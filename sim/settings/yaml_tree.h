@@ -1,7 +1,5 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
 #include <map>
 #include <string>
@@ -9,6 +7,7 @@
 
 #include "controller/settings.h"
 #include "sim/base/error.h"
+#include "sim/settings/yaml_node.h"
 
 namespace gauntlet::sim {
 
@@ -24,7 +23,7 @@ std::string OverridePlace(std::string_view text);
 struct YamlSource {
   std::filesystem::path file;
   std::map<std::string, std::string> overrides = {};  // path of keys -> text of the --set
-  std::map<std::string, YAML::Mark> groups = {};      // those of the file that an override changed
+  std::map<std::string, TextPlace> groups = {};       // those of the file that an override changed
   std::map<std::string, std::filesystem::path> included = {};  // path of keys -> its own file
 
   /// The file of what stands at this path: an included one, or `file`.
@@ -33,9 +32,9 @@ struct YamlSource {
   /// The text of the --set that gave the value at this path; null if the file did.
   const std::string* OverrideOf(const std::string& path) const;
   /// `file:line:column` of a node, or `--set text` if an override gave it.
-  std::string PlaceOf(const YAML::Node& node, const std::string& path) const;
+  std::string PlaceOf(const YamlNode& node, const std::string& path) const;
   /// The error at the place of its node.
-  UserError At(const YAML::Node& node, const controller::SettingError& error) const;
+  UserError At(const YamlNode& node, const controller::SettingError& error) const;
 };
 
 /// The text of a file, which may also be a pipe.
@@ -56,21 +55,18 @@ enum class YamlIncludes { kRefused, kAllowed };
 /// Errors: UserError `file:line:column` for a syntax error, a byte that is not UTF-8, a control
 /// character, an alias inside what it stands for, a tag, a second document, or a top level that is
 /// not a map.
-YAML::Node ParseYaml(const std::filesystem::path& file, std::string_view text,
-                     YamlIncludes includes = YamlIncludes::kRefused);
+YamlNode ParseYaml(const std::filesystem::path& file, std::string_view text,
+                   YamlIncludes includes = YamlIncludes::kRefused);
+
+/// The tree of a text that SettingsToYaml() wrote, of any size.
+YamlNode ParseOwnYaml(std::string_view text);
 
 /// ParseYaml() of ReadYamlText().
-YAML::Node ParseYamlFile(const std::filesystem::path& file);
-
-/// The value of a key; undefined where the group is no map, or has no such key.
-YAML::Node ChildOf(const YAML::Node& group, std::string_view key);
-
-/// The part of the tree that a path of keys leads to, as far as the tree has it.
-YAML::Node NodeAt(const YAML::Node& root, std::string_view path);
+YamlNode ParseYamlFile(const std::filesystem::path& file);
 
 /// Puts `value` at the end of a path of keys over the tree, as ApplyOverride() does. `place` is
 /// that of a mistake in the path. Errors: UserError. Returns the path as a reader has it.
-std::string PutOver(YAML::Node& root, const std::string& path, const YAML::Node& value,
+std::string PutOver(YamlNode& root, const std::string& path, const YamlNode& value,
                     const std::string& place, YamlSource& source);
 
 /// Whether a path of keys is `group` or leads into it.
@@ -80,6 +76,6 @@ bool IsAtOrBelow(const std::string& path, const std::string& group);
 /// with another group stays as it is there. Items of a list are named by their number from 0; a
 /// list of one may be passed over. Errors: UserError for a text that is not an override, or leads
 /// to an item or a controller that is not there.
-void ApplyOverride(YAML::Node& root, const std::string& text, YamlSource& source);
+void ApplyOverride(YamlNode& root, const std::string& text, YamlSource& source);
 
 }  // namespace gauntlet::sim

@@ -1,18 +1,94 @@
 #include "sim/study/study_identity.h"
 
+#include <span>
+#include <string_view>
+
 #include "sim/base/hash.h"
 #include "sim/base/mathematics.h"
 #include "sim/scenario/scenario_files.h"
-#include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
 namespace {
+
+using controller::Setting;
 
 /// The program's own bytes: another build may compute other bytes.
 const std::string& HashOfProgram() {
   static const std::string kHash = HashOfFile("/proc/self/exe");
   return kHash;
 }
+
+/// Every key with its value. Numbers are their bytes: what is equal as a number and not in its
+/// bytes, 0 and -0, is not the same setting.
+class SettingsHash final : public controller::SettingsVisitor {
+ public:
+  void Number(const Setting& setting, double& value) override {
+    Key(setting);
+    Numbers({&value, 1});
+  }
+  void Integer(const Setting& setting, int& value) override {
+    Key(setting);
+    hash_.Add(std::span<const int>(&value, 1));
+  }
+  void Flag(const Setting& setting, bool& value) override {
+    Key(setting);
+    Text(value ? "true" : "false");
+  }
+  void Text(const Setting& setting, std::string& value) override {
+    Key(setting);
+    Text(value);
+  }
+  void Path(const Setting& setting, std::string& value) override {
+    Key(setting);
+    Text(value);
+  }
+  void Numbers(const Setting& setting, std::vector<double>& value) override {
+    Key(setting);
+    Count(value.size());
+    Numbers(value);
+  }
+  void Texts(const Setting& setting, std::vector<std::string>& value) override {
+    Key(setting);
+    Count(value.size());
+    for (const std::string& text : value) Text(text);
+  }
+  void Choice(const Setting& setting, std::span<const std::string_view> names,
+              std::size_t& index) override {
+    Key(setting);
+    Text(names[index]);
+  }
+  void Group(const Setting& setting,
+             const std::function<void(controller::SettingsVisitor&)>& visit) override {
+    Key(setting);
+    visit(*this);
+  }
+  void List(const Setting& setting, const controller::SettingList& list) override {
+    Key(setting);
+    Count(list.size());
+    for (std::size_t i = 0; i < list.size(); ++i) list.visit(i, *this);
+  }
+  void Map(const Setting& setting, const controller::SettingMap& map) override {
+    Key(setting);
+    Count(map.size());
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      Text(map.name(i));
+      if (map.visit) map.visit(i, *this);
+    }
+  }
+
+  void Text(std::string_view text) {
+    Count(text.size());
+    hash_.Add(text);
+  }
+  std::string Result() const { return hash_.Text(); }
+
+ private:
+  void Key(const Setting& setting) { Text(setting.key); }
+  void Count(std::size_t count) { hash_.Add(std::span<const std::size_t>(&count, 1)); }
+  void Numbers(std::span<const double> numbers) { hash_.Add(numbers); }
+
+  Hash hash_;
+};
 
 }  // namespace
 
@@ -41,10 +117,10 @@ std::string HashOfStudy(const Study& study) {
 std::string HashOfSettings(const NamedController& controller) {
   NamedController settings = controller;
   DropFolders(settings);  // what the files gave stands in the settings
-  Hash hash;
-  hash.Add(settings.name + "\n");
-  hash.Add(SettingsToYaml([&](controller::SettingsVisitor& visitor) { settings.Visit(visitor); }));
-  return hash.Text();
+  SettingsHash hash;
+  hash.Text(settings.name);
+  settings.Visit(hash);
+  return hash.Result();
 }
 
 StudyIdentity IdentityOf(const Study& study) {

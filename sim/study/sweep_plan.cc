@@ -312,7 +312,7 @@ std::vector<std::string> SweepPlan::OverridesOf(std::int64_t cell) const {
 }
 
 SweepPlan LoadSweepPlan(const std::filesystem::path& path, const SweepOverrides& overrides) {
-  const YAML::Node root = ParseYamlFile(path);
+  const YamlNode root = ParseYamlFile(path);
   const YamlSource source{.file = path};
   SweepPlan plan;
   SweepFile& file = plan.file;

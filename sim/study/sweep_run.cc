@@ -23,12 +23,10 @@ namespace {
 /// Cells that are run together: enough to share a glove, few enough for their results.
 constexpr std::int64_t kBlockCells = 256;
 
-ScenarioSource SourceOf(const SweepPlan& plan, std::int64_t cell) {
-  ScenarioSource source = plan.scenario;
-  for (std::string& override : plan.OverridesOf(cell)) {
-    source.overrides.push_back(std::move(override));
-  }
-  return source;
+std::vector<std::string> OverridesOf(const SweepPlan& plan, std::int64_t cell) {
+  std::vector<std::string> overrides = plan.scenario.overrides;
+  for (std::string& override : plan.OverridesOf(cell)) overrides.push_back(std::move(override));
+  return overrides;
 }
 
 /// Of what the trials of a study share, and of what a sweep keeps of them: so they are not mistaken
@@ -111,8 +109,11 @@ class BlockStore final : public TrialStore {
 class Sweep {
  public:
   Sweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options)
-      : plan_(plan), database_(database), options_(options) {
-    Scenario scenario = ParseScenario(plan.scenario);
+      : plan_(plan),
+        text_(ParseScenarioText(plan.scenario.file, plan.scenario.text)),
+        database_(database),
+        options_(options) {
+    Scenario scenario = ParseScenario(text_, plan.scenario.overrides);
     KeepControllers(plan.file.controllers, scenario);
     first_seed_ = scenario.seed;
     const bool twins = scenario.score.noise_free_twin && !IsWithoutNoise(scenario.glove) &&
@@ -259,7 +260,7 @@ class Sweep {
 
   void Read(std::int64_t number, ReadCell& cell) const {
     ThrowIfStopped();
-    cell.scenario = ParseScenario(SourceOf(plan_, number));
+    cell.scenario = ParseScenario(text_, OverridesOf(plan_, number));
     KeepControllers(plan_.file.controllers, cell.scenario);
     std::erase_if(cell.scenario.controllers,
                   [&](const NamedController& named) { return IsStopped(number, named.name); });
@@ -393,6 +394,7 @@ class Sweep {
   }
 
   const SweepPlan& plan_;
+  const ScenarioText text_;
   SweepDatabase& database_;
   const SweepOptions& options_;
   int first_seed_ = 0;

@@ -131,6 +131,11 @@ TEST_F(RepetitionsTest, ASeedIsTheSameTrialHoweverItIsAskedFor) {
     EXPECT_EQ(scenario.glove.noise.variance_scale, expected) << seed;
     EXPECT_EQ(GloveOf(scenario, seed).noise.variance_scale, expected) << seed;
   }
+  const ScenarioSource written_otherwise{
+      .file = "s.yaml",
+      .text = std::string("question: q\nseed: 5e0\n") + kScales + "controllers: {raw: {}}\n",
+      .overrides = {"seed=6"}};
+  EXPECT_EQ(ParseScenario(written_otherwise).glove.noise.variance_scale, 4);
 }
 
 TEST_F(RepetitionsTest, WhatIsWrittenReadsBackTheSame) {

@@ -116,6 +116,27 @@ TEST(Scenario, IsParsedFromATextUnderTheNameOfAFile) {
   EXPECT_EQ(ParseScenario({.file = "...yaml", .text = "name: x\n" + text}).name, "x");
 }
 
+TEST(Scenario, ATextIsReadAgainWithOtherOverridesAsIfItWereNew) {
+  const std::string text =
+      "question: q\nseed: 3\nglove: {motion: &m {kind: hold, duration_s: 2}, faults: [spikes]}\n"
+      "repetitions: {glove.noise.variance_scale: [1, 4]}\n"
+      "controllers: {raw: &c {filter: none}, two: *c}\n";
+  const ScenarioText parsed = ParseScenarioText("s.yaml", text);
+  const std::vector<std::vector<std::string>> overrides = {
+      {},
+      {"controllers.two.filter={kind: exponential}"},
+      {"seed=4", "glove.motion.duration_s=5"},
+      {"repetitions={}", "glove.faults.0.rate_per_s=2"},
+      {"controllers.raw.filter=none"},
+      {}};
+  for (const std::vector<std::string>& these : overrides) {
+    EXPECT_EQ(ScenarioToYaml(ParseScenario(parsed, these)),
+              ScenarioToYaml(ParseScenario({.file = "s.yaml", .text = text, .overrides = these})));
+  }
+  EXPECT_EQ(ParseScenario(parsed, overrides[2]).glove.noise.variance_scale, 4);
+  EXPECT_EQ(ParseScenario(parsed, {}).glove.noise.variance_scale, 1);
+}
+
 TEST(Scenario, TellsWhereASettingStands) {
   const ScenarioSource source{.file = "s.yaml",
                               .text =
@@ -338,6 +359,26 @@ TEST_F(IncludedChain, GivesTheHorizonByTheNamesOfChannels) {
   EXPECT_EQ(HorizonOf(Load(keys, {set + "auto"})), by_name);
   EXPECT_EQ(HorizonOf(Load("chain: hand.yaml, prediction: adaptive", {set + "[5, 7]"})),
             (std::vector<double>{5, 7}));
+}
+
+TEST_F(IncludedChain, AutoIsThatOfEachControllerThatSharesItsPrediction) {
+  const std::string text =
+      "question: q\nglove: {channels: [index_mcp, index_pip]}\ncontrollers:\n"
+      "  a: {chain: hand.yaml, prediction: &p {kind: adaptive, horizon_ms: auto}}\n"
+      "  b: {prediction: *p";
+  const auto load = [&](const std::string& rest) {
+    Write("scenario.yaml", text + rest + "}\n");
+    return LoadScenario(folder_.path() / "scenario.yaml", {});
+  };
+  const Scenario both = load(", chain: hand.yaml");
+  EXPECT_EQ(HorizonOf(both.controllers[0].config), (std::vector<double>{60, 80}));
+  EXPECT_EQ(HorizonOf(both.controllers[1].config), (std::vector<double>{60, 80}));
+  try {
+    load("");
+    FAIL() << "b has no chain";
+  } catch (const UserError& error) {
+    EXPECT_EQ(error.key(), "controllers.b.prediction.horizon_ms");
+  }
 }
 
 TEST_F(IncludedChain, AsksTheJointsThatAChannelMoves) {

@@ -66,7 +66,7 @@ class YamlReaderTest : public testing::Test {
 
   Outer Read(const std::string& text, const std::vector<std::string>& overrides = {}) {
     std::ofstream(file_) << text;
-    YAML::Node root = ParseYamlFile(file_);
+    YamlNode root = ParseYamlFile(file_);
     YamlSource source{.file = file_, .overrides = {}};
     for (const std::string& override : overrides) ApplyOverride(root, override, source);
     YamlReader reader(root, "", source);
@@ -344,8 +344,8 @@ TEST_F(YamlReaderTest, TextsThatAreNoOverridesSayWhatOneIs) {
 
 TEST_F(YamlReaderTest, AnItemAloneInPlaceOfAListIsItsFirst) {
   const YamlSource source{.file = "file", .overrides = {{"list.order", "list.order=9"}}};
-  EXPECT_EQ(source.PlaceOf(YAML::Node(), "list[0].order"), "--set list.order=9");
-  EXPECT_EQ(source.PlaceOf(YAML::Node(), "list[1].order"), "file");
+  EXPECT_EQ(source.PlaceOf(YamlNode(), "list[0].order"), "--set list.order=9");
+  EXPECT_EQ(source.PlaceOf(YamlNode(), "list[1].order"), "file");
 }
 
 TEST_F(YamlReaderTest, NothingIsAnEmptyText) {
@@ -371,6 +371,24 @@ TEST_F(YamlReaderTest, AnOverrideLeavesOtherPlacesAsTheyWere) {
   EXPECT_EQ(shared.list[1].order, 5);
 }
 
+TEST(YamlNode, ATreeWithADifferenceSharesTheRestAndLeavesTheOther) {
+  const YamlNode tree = ParseYaml("f.yaml", "a: {b: [1, 2], c: x}\nd: &d {e: 3}\nf: *d\n");
+  EXPECT_TRUE(ChildOf(tree, "d").Is(ChildOf(tree, "f")));
+  YamlNode other = tree;
+  YamlSource source{.file = "f.yaml"};
+  ApplyOverride(other, "a.b.1=7", source);
+  ApplyOverride(other, "f.g=8", source);
+  EXPECT_EQ(NodeAt(tree, "a.b[1]").text(), "2");
+  EXPECT_EQ(NodeAt(other, "a.b[1]").text(), "7");
+  EXPECT_TRUE(NodeAt(other, "a.c").Is(NodeAt(tree, "a.c")));
+  EXPECT_TRUE(NodeAt(other, "d").Is(NodeAt(tree, "d")));
+  EXPECT_EQ(ChildOf(NodeAt(other, "f"), "g").text(), "8");
+  EXPECT_FALSE(ChildOf(ChildOf(tree, "f"), "g").IsDefined());
+  EXPECT_EQ(ChildOf(WithoutChild(tree, "a"), "a").IsDefined(), false);
+  EXPECT_EQ(NodeAt(tree, "a.c").place().line, 0);
+  EXPECT_EQ(NodeAt(tree, "a.c").place().column, 18);
+}
+
 TEST(YamlWriter, WritesWhatTheReaderReadsBackToTheSameBits) {
   Outer outer;
   outer.title = "quotes \" and: colons";
@@ -380,7 +398,7 @@ TEST(YamlWriter, WritesWhatTheReaderReadsBackToTheSameBits) {
   outer.list[1].cutoff_hz = 1e-300;
   const std::string text = SettingsToYaml([&](SettingsVisitor& visitor) { outer.Visit(visitor); });
   const YamlSource source{.file = "memory.yaml", .overrides = {}};
-  YamlReader reader(YAML::Load(text), "", source);
+  YamlReader reader(ParseOwnYaml(text), "", source);
   Outer back;
   back.Visit(reader);
   reader.RejectUnknownKeys();
