@@ -43,7 +43,7 @@ std::string YamlReader::PathOf(std::string_view key) const {
 }
 
 const YamlNode& YamlReader::Find(const Setting& setting) {
-  known_keys_.push_back(setting.key);
+  known_keys_.emplace_back(setting.key);
   const YamlNode& found = ChildOf(node_, setting.key);
   if (setting.required && !found.IsDefined()) missing_.emplace_back(setting.key);
   return found;
@@ -233,8 +233,7 @@ void YamlReader::RejectUnknownKeys() const {
   for (const auto& entry : node_.entries()) {
     const std::string& key = entry.first.text();
     if (std::ranges::find(known_keys_, key) != known_keys_.end()) continue;
-    Fail(entry.first, PathOf(key),
-         "unknown key" + Suggestion(key, {known_keys_.begin(), known_keys_.end()}));
+    Fail(entry.first, PathOf(key), "unknown key" + Suggestion(key, known_keys_));
   }
   if (!missing_.empty()) Fail(node_, PathOf(missing_.front()), "is missing");
 }

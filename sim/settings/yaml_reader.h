@@ -57,7 +57,7 @@ class YamlReader final : public controller::SettingsVisitor {
   YamlNode node_;
   std::string path_;
   const YamlSource& source_;
-  std::vector<std::string_view> known_keys_;
+  std::vector<std::string> known_keys_;
   std::vector<std::string> missing_;  // with one, groups are not read: only its place is still open
 };
 
