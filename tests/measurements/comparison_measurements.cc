@@ -10,7 +10,7 @@
 
 namespace {
 
-using namespace gauntlet::sim::test;
+using namespace gauntlet::sim;
 
 struct Repetitions {
   int motions;

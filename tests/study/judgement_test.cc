@@ -62,7 +62,6 @@ TEST(Judge, PrintsTheIntervalThatDecidesAtTheLevelOfAll) {
 
 /// More, and more of them: comparison_measurements.
 TEST(SimulatedComparisons, AreWrongInAtMost5Percent) {
-  using namespace test;
   for (const Truth truth : {Truth::kEqual, Truth::kMixed, Truth::kAtLimit}) {
     for (const auto& [motions, noises] : {std::pair(1, 8), {4, 2}}) {
       const ComparisonsOutcome outcome = SimulateComparisons({.truth = truth,
@@ -78,7 +77,6 @@ TEST(SimulatedComparisons, AreWrongInAtMost5Percent) {
 }
 
 TEST(SimulatedComparisons, FindWhatIsThere) {
-  using namespace test;
   const ComparisonsOutcome outcome = SimulateComparisons({.noises = 16, .studies = 10});
   const auto& [equal, slight, clear] = outcome.of_truth;
   EXPECT_GT(equal.equal, 0.95);

@@ -7,7 +7,7 @@
 #include "sim/base/random.h"
 #include "sim/study/summary.h"
 
-namespace gauntlet::sim::test {
+namespace gauntlet::sim {
 namespace {
 
 constexpr double kSharedScatter = 3.0;  // of motions and seeds, over D
@@ -176,4 +176,4 @@ ComparisonsOutcome SimulateComparisons(const ComparisonsShape& shape) {
   return Simulation(shape).Run();
 }
 
-}  // namespace gauntlet::sim::test
+}  // namespace gauntlet::sim

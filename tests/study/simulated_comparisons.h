@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace gauntlet::sim::test {
+namespace gauntlet::sim {
 
 /// How the true means of controllers differ.
 enum class Truth {
@@ -50,4 +50,4 @@ struct ComparisonsOutcome {
 
 ComparisonsOutcome SimulateComparisons(const ComparisonsShape& shape);
 
-}  // namespace gauntlet::sim::test
+}  // namespace gauntlet::sim
