@@ -71,12 +71,13 @@ void AngleEstimator::Filtered(std::span<const double> input, std::span<double> o
     if (input.data() != output.data()) std::copy(input.begin(), input.end(), output.begin());
     return;
   }
-  const std::size_t channels = active_.size();
-  for (std::size_t at = 0; at < input.size(); at += channels) {
-    const std::span<double> sample = output.subspan(at, channels);
-    chain_[0]->Step(input.subspan(at, channels), sample);
-    for (std::size_t i = 1; i < chain_.size(); ++i) chain_[i]->Step(sample, sample);
+  if (input.size() == active_.size()) {
+    chain_[0]->Step(input, output);
+    for (std::size_t i = 1; i < chain_.size(); ++i) chain_[i]->Step(output, output);
+    return;
   }
+  chain_[0]->StepSamples(input, output);
+  for (std::size_t i = 1; i < chain_.size(); ++i) chain_[i]->StepSamples(output, output);
 }
 
 void AngleEstimator::Step(std::span<const double> counts,

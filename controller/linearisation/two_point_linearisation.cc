@@ -5,19 +5,45 @@
 #include <cmath>
 #include <string>
 
+#include "controller/filters/lanes.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
 namespace {
 
-/// to = target_origin + (from - source_origin) slope, of all samples.
-GAUNTLET_VECTORISED void MapLine(const double* from, const double* source_origin,
-                                 const double* slope, const double* target_origin, double* to,
-                                 std::size_t values, std::size_t channels) {
-  for (std::size_t at = 0; at < values; at += channels) {
-    GAUNTLET_CHANNEL_LOOP
-    for (std::size_t i = 0; i < channels; ++i) {
-      to[at + i] = target_origin[i] + (from[at + i] - source_origin[i]) * slope[i];
+/// to = target_origin + (from - source_origin) slope, per channel.
+struct Lines {
+  const double *source_origin, *slope, *target_origin;
+};
+
+/// Of four channels.
+struct LanesOfLines {
+  GAUNTLET_INLINE void Load(const Lines& lines, int channel) noexcept {
+    LoadLanes(lines.source_origin + channel, source_origin);
+    LoadLanes(lines.slope + channel, slope);
+    LoadLanes(lines.target_origin + channel, target_origin);
+  }
+  GAUNTLET_INLINE void Step(Lanes& value) const noexcept {
+    value = target_origin + (value - source_origin) * slope;
+  }
+  GAUNTLET_INLINE void Store(const Lines& /*unchanged*/, int /*channel*/) const noexcept {}
+
+  Lanes source_origin, slope, target_origin;
+};
+
+/// Of all samples.
+GAUNTLET_VECTORISED void MapLines(const Lines& lines, const double* from, double* to, int channels,
+                                  int samples) {
+  if (channels >= kLanes) {
+    ForParts(
+        channels, [&]<int kCount>(int first, int count) __attribute__((always_inline)) {
+          StepRows<kCount, LanesOfLines>(lines, first, count, from, to, channels, samples);
+        });
+    return;
+  }
+  for (; samples > 0; --samples, from += channels, to += channels) {
+    for (int i = 0; i < channels; ++i) {
+      to[i] = lines.target_origin[i] + (from[i] - lines.source_origin[i]) * lines.slope[i];
     }
   }
 }
@@ -67,17 +93,23 @@ class TwoPointLinearisation final : public Linearisation {
   int channel_count() const noexcept override { return low_counts_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
-    MapLine(counts.data(), low_counts_.data(), rad_per_count_.data(), low_angle_rad_.data(),
-            angle_rad.data(), counts.size(), channels());
+    MapLines({.source_origin = low_counts_.data(),
+              .slope = rad_per_count_.data(),
+              .target_origin = low_angle_rad_.data()},
+             counts.data(), angle_rad.data(), channel_count(), SamplesIn(counts));
   }
   void ToCounts(std::span<const double> angle_rad,
                 std::span<double> counts) const noexcept override {
-    MapLine(angle_rad.data(), low_angle_rad_.data(), counts_per_rad_.data(), low_counts_.data(),
-            counts.data(), angle_rad.size(), channels());
+    MapLines({.source_origin = low_angle_rad_.data(),
+              .slope = counts_per_rad_.data(),
+              .target_origin = low_counts_.data()},
+             angle_rad.data(), counts.data(), channel_count(), SamplesIn(angle_rad));
   }
 
  private:
-  std::size_t channels() const { return static_cast<std::size_t>(low_counts_.size()); }
+  int SamplesIn(std::span<const double> values) const {
+    return static_cast<int>(std::ssize(values) / channel_count());
+  }
   static Eigen::ArrayXd ToArray(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::ArrayXd>(values.data(), values.size());
   }

@@ -44,6 +44,7 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
     for (const NamedController& named : scenario.controllers) axis.labels.push_back(named.name);
   }
   CellPoints gathered(std::move(axes), plan.metrics, plan.best_by, summary.results);
+  const std::string scenario_name = NameHere(plan.file.scenario);
   ForEachCell(plan, database, cells, [&](const CellResult& result) {
     if (!result.problem.empty()) return;
     CellPoint point{.name = fmt::format("cell {}, {}", result.number, result.controller),
@@ -56,7 +57,7 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
     if (several) point.values.push_back(result.controller);
     gathered.Add(std::move(point), [&](CellPoint& kept) {
       kept.yaml = SettingsYaml(plan.OverridesOf(result.number));
-      kept.command = RepeatCommand(plan, result.controller, result.number);
+      kept.command = RepeatCommand(plan, scenario_name, result.controller, result.number);
     });
   });
   gathered.Finish();

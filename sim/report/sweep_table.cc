@@ -66,19 +66,23 @@ std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
   return key;
 }
 
+std::string NameHere(const std::filesystem::path& file) {
+  return PathFrom(std::filesystem::current_path(), file);
+}
+
 std::string CompareCommand(const std::string& scenario, int seeds, const std::string& controller,
                            const std::vector<std::string>& sets) {
-  std::string command = fmt::format("gauntlet compare {} --seeds {}",
-                                    PathFrom(std::filesystem::current_path(), scenario), seeds);
+  std::string command = fmt::format("gauntlet compare {} --seeds {}", scenario, seeds);
   if (!controller.empty()) command += " --controllers " + controller;
   for (const std::string& set : sets) command += fmt::format(" \\\n  --set '{}'", set);
   return command + "\n";
 }
 
-std::string RepeatCommand(const SweepPlan& plan, const std::string& controller, std::int64_t cell) {
+std::string RepeatCommand(const SweepPlan& plan, const std::string& scenario,
+                          const std::string& controller, std::int64_t cell) {
   std::vector<std::string> sets = plan.file.set;
   for (const std::string& override : plan.OverridesOf(cell)) sets.push_back(override);
-  return CompareCommand(plan.file.scenario, plan.file.seeds, controller, sets);
+  return CompareCommand(scenario, plan.file.seeds, controller, sets);
 }
 
 std::string ResponseText(const SweepPlan& plan, const Response& response) {
@@ -144,7 +148,8 @@ std::string SweepTable(const SweepPlan& plan, const SweepSummary& summary, const
   if (!plan.file.physics) text += "Without a hand: confirm with physics before it counts.\n";
   if (!summary.best.empty())
     text += fmt::format(
-        "\n{}", RepeatCommand(plan, summary.best.front().controller, summary.best.front().number));
+        "\n{}", RepeatCommand(plan, NameHere(plan.file.scenario), summary.best.front().controller,
+                              summary.best.front().number));
   return text;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,14 @@ std::string ResponseText(const SweepPlan& plan, const Response& response);
 /// The last part of an axis' key that still tells the axes apart, and is not a score's.
 std::string ShortKey(const SweepPlan& plan, std::size_t axis);
 
-/// The command that repeats a setting as a comparison, in the folder where the program runs; of no
-/// `controller` with all of them.
+/// A file's name in the folder where the program runs.
+std::string NameHere(const std::filesystem::path& file);
+
+/// The command that repeats a setting as a comparison; of no `controller` with all of them. Of the
+/// scenario its NameHere(), which takes longer to find than all the rest.
 std::string CompareCommand(const std::string& scenario, int seeds, const std::string& controller,
                            const std::vector<std::string>& sets);
-std::string RepeatCommand(const SweepPlan& plan, const std::string& controller, std::int64_t cell);
+std::string RepeatCommand(const SweepPlan& plan, const std::string& scenario,
+                          const std::string& controller, std::int64_t cell);
 
 }  // namespace gauntlet::sim

@@ -58,6 +58,7 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
     all += std::ssize(tuned.result.tried);
   }
   CellPoints points({axis}, kinds.front().result.metrics, plan.minimise, all);
+  const std::string scenario_name = NameHere(plan.scenario.file);
   std::vector<std::vector<std::int64_t>> numbers;  // of the points, per kind and setting
   for (const TunedKind& tuned : kinds) {
     std::vector<std::int64_t>& of_kind = numbers.emplace_back();
@@ -72,8 +73,7 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
         std::vector<std::string> sets = SetsOf(tuned, setting);
         kept.yaml = SettingsYaml(sets);
         sets.insert(sets.begin(), plan.scenario.overrides.begin(), plan.scenario.overrides.end());
-        kept.command =
-            CompareCommand(plan.scenario.file.string(), plan.seeds, plan.controller, sets);
+        kept.command = CompareCommand(scenario_name, plan.seeds, plan.controller, sets);
       });
     }
   }

@@ -14,26 +14,26 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result, const std::
     axes.push_back(ChartAxisOf(axis, axis.key.substr(prefix), false));
   }
   CellPoints gathered(std::move(axes), result.metrics, plan.minimise, std::ssize(result.tried));
+  const std::string scenario_name = NameHere(plan.scenario.file);
   for (std::size_t i = 0; i < result.tried.size(); ++i) {
     const TunedSetting& setting = result.tried[i];
     if (!setting.problem.empty()) continue;
-    gathered.Add(
-        {.name = fmt::format("try {}{}", i, i == result.chosen ? ", the answer" : ""),
-         .values = setting.values,
-         .scores = MeansOf(setting.scores),
-         .keeps_bounds = setting.KeepsBounds(),
-         .yaml = {},
-         .command = {}},
-        [&](CellPoint& kept) {
-          std::vector<std::string> sets;
-          for (std::size_t a = 0; a < plan.free.size(); ++a) {
-            sets.push_back(plan.free[a].key + "=" + setting.values[a]);
-          }
-          kept.yaml = SettingsYaml(sets);
-          sets.insert(sets.begin(), plan.scenario.overrides.begin(), plan.scenario.overrides.end());
-          kept.command =
-              CompareCommand(plan.scenario.file.string(), plan.seeds, plan.controller, sets);
-        });
+    gathered.Add({.name = fmt::format("try {}{}", i, i == result.chosen ? ", the answer" : ""),
+                  .values = setting.values,
+                  .scores = MeansOf(setting.scores),
+                  .keeps_bounds = setting.KeepsBounds(),
+                  .yaml = {},
+                  .command = {}},
+                 [&](CellPoint& kept) {
+                   std::vector<std::string> sets;
+                   for (std::size_t a = 0; a < plan.free.size(); ++a) {
+                     sets.push_back(plan.free[a].key + "=" + setting.values[a]);
+                   }
+                   kept.yaml = SettingsYaml(sets);
+                   sets.insert(sets.begin(), plan.scenario.overrides.begin(),
+                               plan.scenario.overrides.end());
+                   kept.command = CompareCommand(scenario_name, plan.seeds, plan.controller, sets);
+                 });
   }
   gathered.Finish();
   const Metric& metric = Metrics()[plan.minimise];

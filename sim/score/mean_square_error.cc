@@ -3,40 +3,76 @@
 #include <algorithm>
 #include <utility>
 
+#include "controller/filters/lanes.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::sim {
 namespace {
 
+using controller::ForParts;
+using controller::kLanes;
+using controller::Lanes;
+using controller::LoadLanes;
+using controller::StoreLanes;
+
 double Square(double value) { return value * value; }
 
-/// Some columns side by side, whose sums stay in registers.
-template <int kColumns>
-inline void AddSquaresOf(const float* hand, std::ptrdiff_t hand_row, const float* reference,
-                         std::ptrdiff_t reference_row, std::ptrdiff_t rows, double* squares) {
-  double sums[kColumns];
-  for (int i = 0; i < kColumns; ++i) sums[i] = squares[i];
-  for (; rows > 0; --rows, hand += hand_row, reference += reference_row) {
-    for (int i = 0; i < kColumns; ++i) {
-      sums[i] += Square(static_cast<double>(hand[i]) - static_cast<double>(reference[i]));
-    }
-  }
-  for (int i = 0; i < kColumns; ++i) squares[i] = sums[i];
+/// Angles of both, a tick after the other; so many values in a row.
+struct TwoRows {
+  const double* hand;
+  const double* reference;
+  std::ptrdiff_t hand_row, reference_row;
+  std::ptrdiff_t rows;
+};
+
+double SquareOfKept(double hand, double reference) {
+  return Square(static_cast<double>(static_cast<float>(hand)) - reference);
 }
 
-/// Of the first `columns` of both, which have so many values in a row.
-GAUNTLET_VECTORISED void AddSquares(const float* hand, std::ptrdiff_t hand_row,
-                                    const float* reference, std::ptrdiff_t reference_row,
-                                    std::ptrdiff_t rows, std::ptrdiff_t columns, double* squares) {
-  std::ptrdiff_t i = 0;
-  for (; i + 8 <= columns; i += 8) {
-    AddSquaresOf<8>(hand + i, hand_row, reference + i, reference_row, rows, squares + i);
+/// Of some columns, whose sums stay in registers; the last four may be in part those before them.
+template <int kCount>
+GAUNTLET_INLINE void AddSquaresOf(TwoRows angles, int first, int count, const double* before,
+                                  double* squares) {
+  using Floats = float __attribute__((vector_size(16)));
+  std::ptrdiff_t begin[kCount];
+  Lanes sums[kCount];
+  for (int i = 0; i < kCount; ++i) {
+    begin[i] = i + 1 < kCount ? first + i * kLanes : first + count - kLanes;
+    LoadLanes(before + begin[i], sums[i]);
   }
-  for (; i + 2 <= columns; i += 2) {
-    AddSquaresOf<2>(hand + i, hand_row, reference + i, reference_row, rows, squares + i);
+  for (; angles.rows > 0; --angles.rows) {
+    for (int i = 0; i < kCount; ++i) {
+      Lanes hand;
+      Lanes reference;
+      LoadLanes(angles.hand + begin[i], hand);
+      LoadLanes(angles.reference + begin[i], reference);
+      const Floats kept = __builtin_convertvector(hand, Floats);
+      const Lanes error = __builtin_convertvector(kept, Lanes) - reference;
+      sums[i] += error * error;
+    }
+    angles.hand += angles.hand_row;
+    angles.reference += angles.reference_row;
   }
-  for (; i < columns; ++i) {
-    AddSquaresOf<1>(hand + i, hand_row, reference + i, reference_row, rows, squares + i);
+  for (int i = 0; i < kCount; ++i) StoreLanes(sums[i], squares + begin[i]);
+}
+
+/// Of the first `columns`, to what `before` holds.
+GAUNTLET_VECTORISED void AddSquares(const TwoRows& angles, int columns, const double* before,
+                                    double* squares) {
+  if (columns >= kLanes) {
+    ForParts(
+        columns, [&]<int kCount>(int first, int count) __attribute__((always_inline)) {
+          AddSquaresOf<kCount>(angles, first, count, before, squares);
+        });
+    return;
+  }
+  for (int i = 0; i < columns; ++i) {
+    double sum = before[i];
+    for (std::ptrdiff_t row = 0; row < angles.rows; ++row) {
+      sum += SquareOfKept(angles.hand[row * angles.hand_row + i],
+                          angles.reference[row * angles.reference_row + i]);
+    }
+    squares[i] = sum;
   }
 }
 
@@ -49,8 +85,9 @@ MeanSquareError::MeanSquareError(std::vector<int> columns, std::vector<CountedTi
   }
 }
 
-template <class Matrix>
-bool MeanSquareError::AddPart(const Matrix& hand_rad, const Matrix& reference_rad) {
+template <class Matrix, class SquareAt>
+bool MeanSquareError::AddPart(const Matrix& hand_rad, const Matrix& reference_rad,
+                              const SquareAt& square_of) {
   const TickRange block{static_cast<int>(ticks_), static_cast<int>(ticks_ + hand_rad.rows())};
   ticks_ = block.end;
   const auto has_all = [&block](const CountedTicks& counted) {
@@ -63,8 +100,7 @@ bool MeanSquareError::AddPart(const Matrix& hand_rad, const Matrix& reference_ra
     const int column = columns_[j];
     for (const TickRange& range : Overlap(counted_[j], {block})) {
       for (int n = range.begin - block.begin; n < range.end - block.begin; ++n) {
-        squares_[column] += Square(static_cast<double>(hand_rad(n, column)) -
-                                   static_cast<double>(reference_rad(n, column)));
+        squares_[column] += square_of(hand_rad(n, column), reference_rad(n, column));
       }
     }
   }
@@ -72,13 +108,19 @@ bool MeanSquareError::AddPart(const Matrix& hand_rad, const Matrix& reference_ra
 }
 
 void MeanSquareError::Add(const Angles& hand_rad, const Angles& reference_rad) {
-  if (!AddPart(hand_rad, reference_rad)) AddWhole(hand_rad, reference_rad);
+  const auto square = [](double hand, double reference) { return Square(hand - reference); };
+  if (!AddPart(hand_rad, reference_rad, square)) AddWhole(hand_rad, reference_rad);
 }
 
-void MeanSquareError::Add(const AngleRows& hand_rad, const AngleRows& reference_rad) {
-  if (AddPart(hand_rad, reference_rad)) return;
-  AddSquares(hand_rad.data(), hand_rad.outerStride(), reference_rad.data(),
-             reference_rad.outerStride(), hand_rad.rows(), std::ssize(squares_), squares_.data());
+void MeanSquareError::AddRows(const Rows& hand_rad, const Rows& reference_rad) {
+  if (AddPart(hand_rad, reference_rad, SquareOfKept)) return;
+  before_ = squares_;
+  AddSquares({.hand = hand_rad.data(),
+              .reference = reference_rad.data(),
+              .hand_row = hand_rad.outerStride(),
+              .reference_row = reference_rad.outerStride(),
+              .rows = hand_rad.rows()},
+             static_cast<int>(squares_.size()), before_.data(), squares_.data());
 }
 
 /// Some joints side by side: their sums do not wait for each other, as those of one joint's ticks

@@ -17,16 +17,16 @@ namespace gauntlet::sim {
 class MeanSquareError {
  public:
   using Angles = Eigen::Ref<const Eigen::MatrixXd>;
-  /// Tick by tick, and as exact as a trace keeps them.
-  using AngleRows =
-      Eigen::Ref<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  using Rows =
+      Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
   /// Of these columns, of each of which these ticks count.
   MeanSquareError(std::vector<int> columns, std::vector<CountedTicks> counted);
 
   /// The next ticks.
   void Add(const Angles& hand_rad, const Angles& reference_rad);
-  void Add(const AngleRows& hand_rad, const AngleRows& reference_rad);
+  /// The same, tick by tick. The hand's angles become as exact as a trace keeps them.
+  void AddRows(const Rows& hand_rad, const Rows& reference_rad);
 
   int joint_count() const { return static_cast<int>(columns_.size()); }
   /// Of the joint in one of the columns; kNoScore if none of its ticks counts.
@@ -34,13 +34,14 @@ class MeanSquareError {
 
  private:
   /// Counts the ticks in. False if all of them count for every joint; else what counts is added.
-  template <class Matrix>
-  bool AddPart(const Matrix& hand_rad, const Matrix& reference_rad);
+  template <class Matrix, class SquareAt>
+  bool AddPart(const Matrix& hand_rad, const Matrix& reference_rad, const SquareAt& square_of);
   void AddWhole(const Angles& hand_rad, const Angles& reference_rad);
 
   std::vector<int> columns_;
   std::vector<CountedTicks> counted_;
   std::vector<double> squares_;  // per column; of those that are not of a joint anything
+  std::vector<double> before_;   // scratch: of the last block
   Eigen::Index ticks_ = 0;
 };
 

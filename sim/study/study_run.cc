@@ -239,16 +239,16 @@ class Schedule {
     std::vector<MeanSquareError> errors(setups.size(), ErrorInPassing(study_, *glove.signal));
     Eigen::Index tick = 0;  // of the next block
     AngleRows reference_rad;
-    std::vector<Trace> traces = RunFilterTrials(
-        setups, *glove.signal,
-        [&](std::size_t trial, const Eigen::Ref<const AngleRows>& angle_rad) {
-          if (trial == 0) {
-            reference_rad = glove.reference_rad.middleRows(tick, angle_rad.rows()).cast<float>();
-            if (tick % kTrimRows == 0) TrimSignals();
-            tick += angle_rad.rows();
-          }
-          errors[trial].Add(angle_rad, reference_rad);
-        });
+    std::vector<Trace> traces =
+        RunFilterTrials(setups, *glove.signal,
+                        [&](std::size_t trial, const Eigen::Ref<const AngleRows>& angle_rad) {
+                          if (trial == 0) {
+                            reference_rad = glove.reference_rad.middleRows(tick, angle_rad.rows());
+                            if (tick % kTrimRows == 0) TrimSignals();
+                            tick += angle_rad.rows();
+                          }
+                          errors[trial].AddRows(angle_rad, reference_rad);
+                        });
     for (std::size_t i = 0; i < controllers.size(); ++i) {
       if (!Progress(1.0)) throw Cancelled{};
       TrialOutcome& outcome = OutcomeOf(seed_index, controllers[i]);
@@ -343,7 +343,7 @@ class Schedule {
 
 std::size_t ControllersTogether(const StudyOptions& options, std::size_t controllers) {
   if (!IsInPassing(options)) return 1;
-  constexpr std::size_t kMost = 32;  // more gain little
+  constexpr std::size_t kMost = 128;  // more gain little
   // Each thread has two tasks of a seed, so that the next glove is made meanwhile.
   return std::clamp<std::size_t>(controllers / (2 * JobsOf(options)), 1, kMost);
 }

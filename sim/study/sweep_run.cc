@@ -20,8 +20,9 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Cells that are run together: enough to share a glove, few enough for their results.
-constexpr std::int64_t kBlockCells = 256;
+/// Cells that are run together: enough to share a glove, which takes as long as a hundred cells of a
+/// filter alone, few enough for their results.
+constexpr std::int64_t kBlockCells = 1024;
 
 std::vector<std::string> OverridesOf(const SweepPlan& plan, std::int64_t cell) {
   std::vector<std::string> overrides = plan.scenario.overrides;

@@ -10,7 +10,7 @@ namespace gauntlet::sim {
 namespace {
 
 using Eigen::Index;
-using ValueRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using CountRows = AngleRows;  // samples, or steps, x channels
 
 /// Ticks that go through one trial after the other: a read or write per column and tick would touch
 /// a cache line each, and in columns of a power of two they would get in each other's way.
@@ -21,7 +21,7 @@ Index SamplesBefore(Index ticks, Index ticks_per_sample) {
   return (ticks + ticks_per_sample - 1) / ticks_per_sample;
 }
 
-std::span<const double> RowsOf(const ValueRows& rows, Index first, Index count) {
+std::span<const double> RowsOf(const AngleRows& rows, Index first, Index count) {
   return {rows.data() + first * rows.cols(), static_cast<std::size_t>(count * rows.cols())};
 }
 
@@ -45,7 +45,7 @@ struct GloveBlock {
   Index ticks;
   Index ticks_per_sample;
   Index first_sample;
-  ValueRows counts;  // of its samples
+  CountRows counts;  // of its samples
 };
 
 /// When filters step, and with which counts: the same for all trials whose guards are alike.
@@ -108,10 +108,19 @@ class FilterSteps {
   std::vector<double> start_counts_;
   controller::SampleGuard guard_;
   controller::PeriodicClock event_clock_;
-  ValueRows counts_;
+  CountRows counts_;
   Index steps_ = 0;
   std::vector<Index> steps_until_;
   std::vector<Start> starts_;
+};
+
+/// Channels' angles of a block, in memory that all trials of a glove use: it stays in the cache.
+struct BlockAngles {
+  explicit BlockAngles(Index channels)
+      : predicted_rad(kBlockTicks + 1, channels), held_rad(kBlockTicks, channels) {}
+
+  AngleRows predicted_rad;  // what held before the block, then of its steps
+  AngleRows held_rad;       // of its ticks, where there is not a step at each
 };
 
 /// One controller, from trusted counts to joints.
@@ -120,7 +129,6 @@ class FilterTrial {
   FilterTrial(const controller::RobotConfig& robot, const controller::JointMap& joint_map)
       : estimator_(robot, robot.controller),
         joint_angles_(joint_map),
-        predicted_rad_(kBlockTicks + 1, estimator_.channel_count()),
         start_counts_(static_cast<std::size_t>(estimator_.channel_count())) {
     estimator_.MoveTo(joint_map, robot.hand.reference_angle_rad);  // as a new Controller
     estimator_.ToCounts(start_counts_);
@@ -134,17 +142,17 @@ class FilterTrial {
   }
   std::size_t steps() const { return steps_; }
 
-  /// The angles of the block.
-  void Run(const FilterSteps& steps, AngleRows& angle_rad) {
+  /// The joints' angles of the block. Good until `angles` are used again.
+  Eigen::Map<const AngleRows> Run(const FilterSteps& steps, Index ticks, BlockAngles& angles) {
     // What held before, then what each step gives.
-    std::ranges::copy(estimator_.predicted_rad(), predicted_rad_.data());
+    std::ranges::copy(estimator_.predicted_rad(), angles.predicted_rad.data());
     Index done = 0;
     const auto step_until = [&](Index end) {
       if (end == done) return;
-      const std::span<const double> predicted = RowsOf(predicted_rad_, done + 1, end - done);
-      estimator_.Step(
-          steps.Counts(done, end - done),
-          {predicted_rad_.data() + (done + 1) * predicted_rad_.cols(), predicted.size()});
+      const std::span<const double> predicted = RowsOf(angles.predicted_rad, done + 1, end - done);
+      estimator_.Step(steps.Counts(done, end - done),
+                      {angles.predicted_rad.data() + (done + 1) * angles.predicted_rad.cols(),
+                       predicted.size()});
       done = end;
     };
     for (const auto& [step, channel] : steps.starts()) {
@@ -152,20 +160,16 @@ class FilterTrial {
       estimator_.StartChannel(channel);
     }
     step_until(steps.count());
-    if (steps.count() == angle_rad.rows()) {  // one at every tick
-      joint_angles_.Put(RowsOf(predicted_rad_, 1, steps.count()), angle_rad);
-      return;
+    if (steps.count() == ticks) return joint_angles_.Of(RowsOf(angles.predicted_rad, 1, ticks));
+    for (Index tick = 0; tick < ticks; ++tick) {
+      angles.held_rad.row(tick) = angles.predicted_rad.row(steps.CountUntil(tick));
     }
-    for (Index tick = 0; tick < angle_rad.rows(); ++tick) {
-      joint_angles_.Put(RowsOf(predicted_rad_, steps.CountUntil(tick), 1),
-                        angle_rad.middleRows(tick, 1));
-    }
+    return joint_angles_.Of(RowsOf(angles.held_rad, 0, ticks));
   }
 
  private:
   controller::AngleEstimator estimator_;
   JointAngleRows joint_angles_;
-  ValueRows predicted_rad_;
   std::vector<double> start_counts_;
   std::size_t steps_ = 0;  // its place among those of all trials
 };
@@ -186,7 +190,9 @@ Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove) {
   Index tick = 0;
   std::vector<Trace> traces =
       RunFilterTrials({&setup, 1}, glove, [&](std::size_t, const auto& block) {
-        angle_rad.middleRows(tick, block.rows()) = block.template cast<double>();
+        // As 0 + 1 channel: no -0.
+        angle_rad.middleRows(tick, block.rows()) =
+            (0.0 + block.array()).template cast<Stored<double>>().template cast<double>();
         if (tick % kTrimRows == 0) TrimSignals();
         tick += block.rows();
       });
@@ -209,15 +215,13 @@ std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const Glo
     if (known == steps.end()) steps.emplace_back(robot, trial.start_counts());
     trial.UseSteps(steps, place);
   }
-  AngleRows angle_rad;
+  BlockAngles angles(std::ssize(glove.channel_names));
   for (Index tick = 0; tick < glove.true_angle_rad.rows(); tick += kBlockTicks) {
     ThrowIfStopped();
     const GloveBlock block(glove, tick);
     for (FilterSteps& those : steps) those.Take(block);
     for (std::size_t i = 0; i < trials.size(); ++i) {
-      angle_rad.resize(block.ticks, static_cast<Index>(setups[i].hand->joint_names().size()));
-      trials[i].Run(steps[trials[i].steps()], angle_rad);
-      see(i, angle_rad);
+      see(i, trials[i].Run(steps[trials[i].steps()], block.ticks, angles));
     }
   }
   std::vector<Trace> traces(setups.size());

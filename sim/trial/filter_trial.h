@@ -18,7 +18,7 @@ namespace gauntlet::sim {
 /// `untrusted_samples` are filled, other signals have no columns. Deterministic.
 Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove);
 
-/// Gets the next ticks of `hand_angle_rad` of one of the trials.
+/// Gets the next ticks of `hand_angle_rad` of one of the trials, not rounded yet.
 using SeeAngles =
     std::function<void(std::size_t trial, const Eigen::Ref<const AngleRows>& hand_angle_rad)>;
 /// The same of several controllers of one glove, for who keeps no angles: they go to `see` in

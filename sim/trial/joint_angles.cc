@@ -4,20 +4,10 @@
 #include <cstdint>
 #include <utility>
 
-#include "controller/filters/vectorise.h"
 #include "controller/tendon_map.h"
 
 namespace gauntlet::sim {
 namespace {
-
-/// Of joints that are channels.
-GAUNTLET_VECTORISED void PutRounded(const double* channel, Stored<double>* joint,
-                                    std::ptrdiff_t values) {
-  GAUNTLET_CHANNEL_LOOP
-  for (std::ptrdiff_t i = 0; i < values; ++i) {
-    joint[i] = static_cast<Stored<double>>(0.0 + channel[i]);  // as 0 + 1 channel: no -0
-  }
-}
 
 /// Between two columns: few rows fill no memory, and are not worth the question.
 void TrimBeside(const Signal& signal) {
@@ -63,8 +53,7 @@ Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true
 
 JointAngleRows::JointAngleRows(controller::JointMap joint_map)
     : joint_map_(std::move(joint_map)),
-      are_channels_(joint_map_.joint_count() == joint_map_.channel_count()),
-      joint_rad_(static_cast<std::size_t>(joint_map_.joint_count())) {
+      are_channels_(joint_map_.joint_count() == joint_map_.channel_count()) {
   for (int joint = 0; joint < joint_map_.joint_count(); ++joint) {
     const auto& terms = joint_map_.terms(joint);
     are_channels_ = are_channels_ && joint_map_.offset_rad(joint) == 0.0 && terms.size() == 1 &&
@@ -72,20 +61,18 @@ JointAngleRows::JointAngleRows(controller::JointMap joint_map)
   }
 }
 
-void JointAngleRows::Put(std::span<const double> channel_angle_rad,
-                         Eigen::Ref<AngleRows> angle_rad) {
-  if (are_channels_ && angle_rad.outerStride() == angle_rad.cols()) {
-    return PutRounded(channel_angle_rad.data(), angle_rad.data(), angle_rad.size());
-  }
-  const Eigen::Index rows = angle_rad.rows();
-  const Eigen::Index channels = joint_map_.channel_count();
+Eigen::Map<const AngleRows> JointAngleRows::Of(std::span<const double> channel_angle_rad) {
+  const auto channels = static_cast<std::size_t>(joint_map_.channel_count());
+  const auto rows = static_cast<Eigen::Index>(channel_angle_rad.size() / channels);
+  const Eigen::Index joints = joint_map_.joint_count();
+  if (are_channels_) return {channel_angle_rad.data(), rows, joints};
+  joint_rad_.resize(rows, joints);
   for (Eigen::Index row = 0; row < rows; ++row) {
-    joint_map_.ToJoints(channel_angle_rad.subspan(static_cast<std::size_t>(row * channels),
-                                                  static_cast<std::size_t>(channels)),
-                        joint_rad_);
-    std::ranges::transform(joint_rad_, &angle_rad(row, 0),
-                           [](double angle) { return static_cast<Stored<double>>(angle); });
+    joint_map_.ToJoints(
+        channel_angle_rad.subspan(static_cast<std::size_t>(row) * channels, channels),
+        {&joint_rad_(row, 0), static_cast<std::size_t>(joints)});
   }
+  return {joint_rad_.data(), rows, joints};
 }
 
 Signal CommandAngles(const controller::TendonTransmission& transmission,

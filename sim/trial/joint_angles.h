@@ -18,21 +18,22 @@ Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_
 /// holds it (see Stored). Shapes and units as above.
 Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true_angle_rad);
 
-/// Angles of joints as trace.h5 holds them (see Stored), tick by tick: ticks x joints [rad].
-using AngleRows = Eigen::Matrix<Stored<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+/// Angles tick by tick: ticks x joints, or channels [rad].
+using AngleRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// ReferenceAngles() tick by tick.
+/// JointAngles() tick by tick.
 class JointAngleRows {
  public:
   explicit JointAngleRows(controller::JointMap joint_map);
 
-  /// Ticks x channels in, one tick after the other; as many rows out.
-  void Put(std::span<const double> channel_angle_rad, Eigen::Ref<AngleRows> angle_rad);
+  /// Ticks x channels in, one tick after the other. Good until the next call, and as long as what is
+  /// given: where joints are channels it is that itself.
+  Eigen::Map<const AngleRows> Of(std::span<const double> channel_angle_rad);
 
  private:
   controller::JointMap joint_map_;
-  bool are_channels_;              // each joint that of its own number, and nothing else
-  std::vector<double> joint_rad_;  // scratch
+  bool are_channels_;  // each joint that of its own number, and nothing else
+  AngleRows joint_rad_;
 };
 
 /// A command as the posture that it asks of a hand whose cables neither stretch nor go slack; NaN

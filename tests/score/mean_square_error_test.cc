@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,9 +16,11 @@ namespace {
 
 constexpr int kTicks = 1000;
 
-/// Angles of a hand of five joints and of its wearer.
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Angles of a hand of some joints and of its wearer.
 struct Angles {
-  Angles() : hand(kTicks, 5), reference(kTicks, 5) {
+  explicit Angles(int joints = 5) : hand(kTicks, joints), reference(kTicks, joints) {
     RandomStream random(1, "mean square error");
     for (Signal* signal : {&hand, &reference}) {
       for (double& value : signal->reshaped()) value = random.Uniform(-1.0, 1.0);
@@ -71,30 +74,50 @@ TEST(MeanSquareError, HasTheSameBitsInBlocksOfAnySize) {
 }
 
 TEST(MeanSquareError, HasTheSameBitsTickByTick) {
-  using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  Angles angles;  // as a trace keeps them
-  const Rows hand = angles.hand.cast<float>();
-  const Rows reference = angles.reference.cast<float>();
-  angles.hand = hand.cast<double>();
-  angles.reference = reference.cast<double>();
   const std::vector<CountedTicks> everywhere(3, {{0, kTicks}});
   const std::vector<CountedTicks> partly = {{{0, 100}, {101, 650}}, {}, {{64, kTicks}}};
-  for (const auto& columns : {std::vector<int>{0, 1, 2}, std::vector<int>{4, 0, 3}}) {
-    for (const auto& counted : {everywhere, partly}) {
-      const MeanSquareError whole = InBlocks(kTicks, angles, columns, counted);
-      MeanSquareError error(columns, counted);
-      for (int first = 0; first < kTicks; first += 64) {
-        const int count = std::min(64, kTicks - first);
-        error.Add(hand.middleRows(first, count), reference.middleRows(first, count));
-      }
-      for (int j = 0; j < 3; ++j) {
-        if (counted[j].empty()) {
-          EXPECT_TRUE(std::isnan(error.Of(j)));
-        } else {
-          EXPECT_EQ(error.Of(j), whole.Of(j)) << j;
+  for (const int width : {5, 6, 8, 18, 23}) {
+    Angles angles(width);
+    const Rows hand = angles.hand;
+    const Rows reference = angles.reference;
+    angles.hand = angles.hand.cast<float>().cast<double>();  // as a trace keeps them
+    for (const auto& columns : {std::vector<int>{0, 1, 2}, std::vector<int>{width - 1, 0, 3}}) {
+      for (const auto& counted : {everywhere, partly}) {
+        const MeanSquareError whole = InBlocks(kTicks, angles, columns, counted);
+        MeanSquareError error(columns, counted);
+        for (int first = 0; first < kTicks; first += 64) {
+          const int count = std::min(64, kTicks - first);
+          error.AddRows(hand.middleRows(first, count), reference.middleRows(first, count));
+        }
+        for (int j = 0; j < 3; ++j) {
+          if (counted[j].empty()) {
+            EXPECT_TRUE(std::isnan(error.Of(j)));
+          } else {
+            EXPECT_EQ(error.Of(j), whole.Of(j)) << j << " of " << width;
+          }
         }
       }
     }
+  }
+}
+
+TEST(MeanSquareError, TickByTickIsTheSameForEveryColumnOfManyColumns) {
+  const Angles angles(18);
+  std::vector<int> columns(18);
+  std::iota(columns.begin(), columns.end(), 0);
+  const std::vector<CountedTicks> everywhere(18, {{0, kTicks}});
+  MeanSquareError error(columns, everywhere);
+  for (int first = 0; first < kTicks; first += 100) {
+    error.AddRows(Rows(angles.hand.middleRows(first, 100)),
+                  Rows(angles.reference.middleRows(first, 100)));
+  }
+  for (const int j : columns) {
+    double sum = 0.0;
+    for (int n = 0; n < kTicks; ++n) {
+      const double hand = static_cast<float>(angles.hand(n, j));
+      sum += std::pow(hand - angles.reference(n, j), 2);
+    }
+    EXPECT_EQ(error.Of(j), sum / kTicks) << j;
   }
 }
 

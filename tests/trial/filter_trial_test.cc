@@ -105,7 +105,8 @@ class FilterTrialTest : public ::testing::Test {
     }
     const std::vector<Trace> traces =
         RunFilterTrials(setups_, glove_, [&](std::size_t trial, const auto& block) {
-          seen[trial].middleRows(ticks[trial], block.rows()) = block.template cast<double>();
+          seen[trial].middleRows(ticks[trial], block.rows()) =
+              block.template cast<float>().template cast<double>();
           ticks[trial] += block.rows();
         });
     ASSERT_EQ(traces.size(), setups_.size());
