@@ -58,8 +58,9 @@ double Rms(const VectorXd& values) {
 class Problem : public LeastSquaresProblem {
  public:
   Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
-          Index parameters, bool held = false, double beginning_s = kBeginning_s)
-      : command_(RefineCommand(command_deg, rate_hz, held)),
+          Index parameters, const std::optional<FrameClock>& frames = {},
+          double beginning_s = kBeginning_s)
+      : command_(RefineCommand(command_deg, rate_hz, frames)),
         first_(std::lround(beginning_s * rate_hz)),
         angle_deg_(
             Eigen::Map<const VectorXd>(angle_deg.data() + first_, std::ssize(angle_deg) - first_)),
@@ -201,6 +202,12 @@ void TakeSplit(const Split& split, ChainFit& fit) {
   fit.damping_ratio = Through(estimate(log_damping, -1e3), [](double l) { return std::exp(l); });
 }
 
+/// By what is open of when the command's frames were sent.
+void WidenDeadTime(double open_ms, ChainEstimate& dead_time_ms) {
+  dead_time_ms.low = std::max(dead_time_ms.low - open_ms, 0.0);
+  dead_time_ms.high += open_ms;
+}
+
 /// Standard deviation of white noise and of an encoder's steps, from third differences, of which
 /// motion has next to none.
 double FastNoise(const VectorXd& values) {
@@ -242,9 +249,9 @@ double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
 /// With lost motion behind the lag; none where the log does not show that there is any.
 std::optional<Split> FitLoose(std::span<const double> command_deg,
                               std::span<const double> angle_deg, double rate_hz, int parts,
-                              bool held, const LeastSquaresFit& shifted,
-                              const LeastSquaresFit& tight) {
-  Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters, held,
+                              const std::optional<FrameClock>& frames,
+                              const LeastSquaresFit& shifted, const LeastSquaresFit& tight) {
+  Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters, frames,
                   BeginningBehindPlay(command_deg, rate_hz, tight));
   std::optional<LeastSquaresFit> best;
   for (const double share : {0.1, 0.5, 0.9}) {  // of the hysteresis that is lost motion
@@ -321,9 +328,9 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
 }  // namespace
 
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz, int parts, bool held) {
+                  double rate_hz, int parts, const std::optional<FrameClock>& frames) {
   ChainFit fit;
-  fit.held = held || IsHeld(command_deg);
+  fit.frames = frames ? frames : FindFrameClock(ChangesOf(command_deg));
   double delay_s = 0.0;
   fit.problem = ProblemOf(command_deg, angle_deg, rate_hz, delay_s);
   if (!fit.problem.empty()) return fit;
@@ -336,7 +343,7 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
         EstimateOf(shifted, *without, 0.0, [](const VectorXd& p) { return 1e3 * p[kDeadTime]; });
   }
 
-  Problem problem(command_deg, angle_deg, rate_hz, kTightParameters, fit.held);
+  Problem problem(command_deg, angle_deg, rate_hz, kTightParameters, fit.frames);
   std::optional<LeastSquaresFit> tight;
   for (const double share : {0.25, 0.5, 0.75}) {  // of the delay that is dead time
     KeepBetter(Minimise(problem, StartOfSplit(shifted, share)), tight);
@@ -348,10 +355,11 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
     return fit;
   }
   if (const auto loose =
-          FitLoose(command_deg, angle_deg, rate_hz, parts, fit.held, shifted, *tight)) {
+          FitLoose(command_deg, angle_deg, rate_hz, parts, fit.frames, shifted, *tight)) {
     split = loose;
   }
   TakeSplit(*split, fit);
+  if (fit.frames) WidenDeadTime(1e3 * fit.frames->open_rows / rate_hz, fit.dead_time_ms);
   return fit;
 }
 
@@ -386,7 +394,7 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
   const double noise_deg = kNoiseInLost * FastNoise(scaled);
   fit.lost_motion_deg.low = std::max(fit.lost_motion_deg.low - noise_deg, 0.0);
   ChainEstimate& own = fit.motor_hysteresis_deg;
-  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts, fit.held)
+  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts, fit.frames)
             .hysteresis_deg;
   // Degrees of the joint are only as well known as the gain between both.
   const ChainEstimate gain =
