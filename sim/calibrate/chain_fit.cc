@@ -136,10 +136,11 @@ class Problem : public LeastSquaresProblem {
 
 /// `value_of`: from parameters to the value; its interval is cut at the bounds.
 template <class ValueOf>
-ChainEstimate EstimateOf(const LeastSquaresFit& solution, const std::vector<VectorXd>& without,
+ChainEstimate EstimateOf(const LeastSquaresFit& solution, const std::vector<WithoutBlock>& without,
                          double least, const ValueOf& value_of) {
   const double value = value_of(solution.parameters);
-  const double half_width = HalfWidthOf(StandardErrorOf(solution, without, value_of));
+  const double half_width = HalfWidthOf(StandardErrorOf(solution, without, value_of),
+                                        DegreesOfFreedomOf(solution, without, value_of));
   return {value, std::max(least, value - half_width), value + half_width};
 }
 
@@ -157,7 +158,7 @@ void KeepBetter(LeastSquaresFit solution, std::optional<LeastSquaresFit>& best) 
 /// A fit of all parameters, and as it would be without each of the blocks.
 struct Split {
   LeastSquaresFit solution;
-  std::vector<VectorXd> without;
+  std::vector<WithoutBlock> without;
   bool second_order = true;  // a lag of first order does not say as much
 };
 

@@ -56,9 +56,10 @@ inline constexpr double kShortestChainLog_s = 5.0;
 ///
 /// Intervals: delete-a-block jackknife over 20 stretches of the log, to first order, with Student's
 /// t: it knows nothing of the noise but that stretches are independent of each other, which noise
-/// that is correlated over less than a tenth of a stretch is. Source: Busing, Meijer, van der
-/// Leeden, Statistics and Computing 9, 3-8 (1999); Cameron, Miller, J. Human Resources 50, 317-372
-/// (2015).
+/// that is correlated over less than a tenth of a stretch is. Of a value that few stretches tell,
+/// as of lost motion those with turns, t has fewer degrees of freedom (see DegreesOfFreedomOf()).
+/// Source: Busing, Meijer, van der Leeden, Statistics and Computing 9, 3-8 (1999); Cameron, Miller,
+/// J. Human Resources 50, 317-372 (2015).
 ///
 /// A command steps when its `frames` are sent, if given, or the clock that its own rows tell (see
 /// FindFrameClock()); else see RefineCommand(). What a clock leaves open of when they were sent

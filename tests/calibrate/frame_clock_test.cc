@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "tests/controller/test_signal.h"
@@ -120,7 +121,12 @@ TEST(FrameClock, BearsFramesThatAreALittleBesideIt) {
   EXPECT_NEAR(clock->period_rows, 2.17, 1e-3);
   EXPECT_LE(WorstError(*clock, framed), 0.2);
   EXPECT_EQ(clock->open_rows, 0.0);
-  EXPECT_FALSE(ClockOf(MakeFrames({.period_rows = 2.17, .spread_rows = 1.0}).command_deg));
+  // Nor is another clock taken for it, of which fewer frames bring a change.
+  for (const auto& [period_rows, spread_rows] :
+       {std::pair{2.17, 0.3}, std::pair{2.17, 1.0}, std::pair{1.7, 0.3}, std::pair{1.7, 0.6}}) {
+    const Frames frames{.period_rows = period_rows, .spread_rows = spread_rows};
+    EXPECT_FALSE(ClockOf(MakeFrames(frames).command_deg)) << period_rows << " " << spread_rows;
+  }
 }
 
 TEST(FrameClock, IsTheSameForAllCommandsOfAFrame) {
@@ -148,6 +154,7 @@ TEST(FrameClock, IsNotSeenInFramesThatAreNoLongerThanARowOrFew) {
   EXPECT_TRUE(ClockOf(MakeFrames({.period_rows = 10.3, .rows = 500}).command_deg));
   EXPECT_FALSE(ClockOf(MakeFrames({.period_rows = 10.3, .rows = 60}).command_deg));
   EXPECT_FALSE(ClockOf(MakeFrames({.period_rows = 10.0, .rows = 60}).command_deg));
+  EXPECT_FALSE(ClockOf(MakeFrames({.period_rows = 1.085, .rows = 60}).command_deg));
   EXPECT_FALSE(ClockOf(std::vector<double>(400, 3.0)));
   EXPECT_FALSE(ClockOf({}));
 }
@@ -184,7 +191,12 @@ TEST(FrameClock, IsNotSeenInOneSineNorInNoiseNorInASteadyPaceThatIsRounded) {
       const double way = std::fmod(0.0041 * k, 2.0);
       pace.push_back(Rounded(20.0 * std::min(way, 2.0 - way), step_deg));
     }
+    std::vector<double> fast;  // rests in every 24th row, where it turns
+    for (int k = 0; k < 1500; ++k) {
+      fast.push_back(Rounded(20.0 * std::sin(2.0 * std::numbers::pi * 3.0 * k / 50.0), step_deg));
+    }
     EXPECT_FALSE(ClockOf(sine)) << step_deg;
+    EXPECT_FALSE(ClockOf(fast)) << step_deg;
     EXPECT_FALSE(ClockOf(noise)) << step_deg;
     EXPECT_FALSE(ClockOf(pace)) << step_deg;
   }
