@@ -88,6 +88,7 @@ class Problem : public LeastSquaresProblem {
     Bound(kInertia, std::pow(0.25 * period_s, 2), 1.0, 1e-6);
     if (parameters == kTightParameters) return;
     Bound(kLostPlay, 0.0, travel_deg, play_step_deg);
+    exchange_deg_ = 5e-3 * travel_deg;
   }
 
   Index parameters() const { return low_.size(); }
@@ -101,13 +102,16 @@ class Problem : public LeastSquaresProblem {
   /// What the model's angle does per parameter; from one side only at a bound.
   MatrixXd Derivatives(const VectorXd& parameters) override {
     MatrixXd result(rows(), this->parameters());
-    for (Index i = 0; i < this->parameters(); ++i) {
+    const bool loose = this->parameters() == kLooseParameters;
+    const Index by_themselves = loose ? Index{kLostPlay} : this->parameters();
+    for (Index i = 0; i < by_themselves; ++i) {
       VectorXd below = parameters;
       VectorXd above = parameters;
       below[i] = std::max(below[i] - step_[i], low_[i]);
       above[i] = std::min(above[i] + step_[i], high_[i]);
       result.col(i) = (Residual(below) - Residual(above)) / (above[i] - below[i]);
     }
+    if (loose) result.col(kLostPlay) = result.col(kPlay) + DerivativeOfExchange(parameters);
     return result;
   }
 
@@ -119,6 +123,21 @@ class Problem : public LeastSquaresProblem {
   }
 
  private:
+  /// What the angle does per play that is lost behind the lag in place of before it. The sum of
+  /// both moves all corners of the angle, where derivatives are rough, and the difference of two
+  /// has little else left; at the same sum corners stay, and a wider step is smooth.
+  VectorXd DerivativeOfExchange(const VectorXd& parameters) {
+    VectorXd below = parameters;
+    VectorXd above = parameters;
+    const double less = std::min(exchange_deg_, parameters[kLostPlay]);
+    const double more = std::min(exchange_deg_, parameters[kPlay]);
+    below[kLostPlay] -= less;
+    below[kPlay] += less;
+    above[kLostPlay] += more;
+    above[kPlay] -= more;
+    return (Residual(below) - Residual(above)) / std::max(less + more, 1e-9);
+  }
+
   void Bound(Index parameter, double low, double high, double step) {
     low_[parameter] = low;
     high_[parameter] = high;
@@ -129,6 +148,7 @@ class Problem : public LeastSquaresProblem {
   Index first_;
   VectorXd angle_deg_;
   std::vector<double> simulated_deg_;
+  double exchange_deg_ = 0.0;
   VectorXd low_;
   VectorXd high_;
   VectorXd step_;

@@ -132,11 +132,13 @@ double ShareWithoutFrame(const Arc& arc, double period_rows, double first_row, d
   constexpr double kRounding = 1e-6;
   const double half = std::max(0.5 * arc.rows, 0.5 - kRounding) + 0.5 * kRounding;
   const double middle = arc.begin_rows + 0.5 * arc.rows;
-  double without = 0.0;
-  for (double row = 0.0; row < rows; ++row) {
-    if (std::abs(std::remainder(first_row + row - middle, period_rows)) > half) ++without;
+  const auto count = static_cast<Index>(rows);
+  Index without = 0;
+  for (Index i = 0; i < count; ++i) {
+    const double row = first_row + static_cast<double>(i);
+    if (std::abs(std::remainder(row - middle, period_rows)) > half) ++without;
   }
-  return without / rows;
+  return static_cast<double>(without) / rows;
 }
 
 /// None if chance might make as good a clock, or slow motion.
