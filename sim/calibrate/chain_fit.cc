@@ -58,8 +58,9 @@ double Rms(const VectorXd& values) {
 class Problem : public LeastSquaresProblem {
  public:
   Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
-          Index parameters, bool held = false, double beginning_s = kBeginning_s)
-      : command_(RefineCommand(command_deg, rate_hz, held)),
+          Index parameters, const std::optional<FrameClock>& frames = {},
+          double beginning_s = kBeginning_s)
+      : command_(RefineCommand(command_deg, rate_hz, frames)),
         first_(std::lround(beginning_s * rate_hz)),
         angle_deg_(
             Eigen::Map<const VectorXd>(angle_deg.data() + first_, std::ssize(angle_deg) - first_)),
@@ -87,6 +88,7 @@ class Problem : public LeastSquaresProblem {
     Bound(kInertia, std::pow(0.25 * period_s, 2), 1.0, 1e-6);
     if (parameters == kTightParameters) return;
     Bound(kLostPlay, 0.0, travel_deg, play_step_deg);
+    exchange_deg_ = 5e-3 * travel_deg;
   }
 
   Index parameters() const { return low_.size(); }
@@ -100,13 +102,16 @@ class Problem : public LeastSquaresProblem {
   /// What the model's angle does per parameter; from one side only at a bound.
   MatrixXd Derivatives(const VectorXd& parameters) override {
     MatrixXd result(rows(), this->parameters());
-    for (Index i = 0; i < this->parameters(); ++i) {
+    const bool loose = this->parameters() == kLooseParameters;
+    const Index by_themselves = loose ? Index{kLostPlay} : this->parameters();
+    for (Index i = 0; i < by_themselves; ++i) {
       VectorXd below = parameters;
       VectorXd above = parameters;
       below[i] = std::max(below[i] - step_[i], low_[i]);
       above[i] = std::min(above[i] + step_[i], high_[i]);
       result.col(i) = (Residual(below) - Residual(above)) / (above[i] - below[i]);
     }
+    if (loose) result.col(kLostPlay) = result.col(kPlay) + DerivativeOfExchange(parameters);
     return result;
   }
 
@@ -118,6 +123,21 @@ class Problem : public LeastSquaresProblem {
   }
 
  private:
+  /// What the angle does per play that is lost behind the lag in place of before it. The sum of
+  /// both moves all corners of the angle, where derivatives are rough, and the difference of two
+  /// has little else left; at the same sum corners stay, and a wider step is smooth.
+  VectorXd DerivativeOfExchange(const VectorXd& parameters) {
+    VectorXd below = parameters;
+    VectorXd above = parameters;
+    const double less = std::min(exchange_deg_, parameters[kLostPlay]);
+    const double more = std::min(exchange_deg_, parameters[kPlay]);
+    below[kLostPlay] -= less;
+    below[kPlay] += less;
+    above[kLostPlay] += more;
+    above[kPlay] -= more;
+    return (Residual(below) - Residual(above)) / std::max(less + more, 1e-9);
+  }
+
   void Bound(Index parameter, double low, double high, double step) {
     low_[parameter] = low;
     high_[parameter] = high;
@@ -128,6 +148,7 @@ class Problem : public LeastSquaresProblem {
   Index first_;
   VectorXd angle_deg_;
   std::vector<double> simulated_deg_;
+  double exchange_deg_ = 0.0;
   VectorXd low_;
   VectorXd high_;
   VectorXd step_;
@@ -135,10 +156,11 @@ class Problem : public LeastSquaresProblem {
 
 /// `value_of`: from parameters to the value; its interval is cut at the bounds.
 template <class ValueOf>
-ChainEstimate EstimateOf(const LeastSquaresFit& solution, const std::vector<VectorXd>& without,
+ChainEstimate EstimateOf(const LeastSquaresFit& solution, const std::vector<WithoutBlock>& without,
                          double least, const ValueOf& value_of) {
   const double value = value_of(solution.parameters);
-  const double half_width = HalfWidthOf(StandardErrorOf(solution, without, value_of));
+  const double half_width = HalfWidthOf(StandardErrorOf(solution, without, value_of),
+                                        DegreesOfFreedomOf(solution, without, value_of));
   return {value, std::max(least, value - half_width), value + half_width};
 }
 
@@ -156,7 +178,7 @@ void KeepBetter(LeastSquaresFit solution, std::optional<LeastSquaresFit>& best) 
 /// A fit of all parameters, and as it would be without each of the blocks.
 struct Split {
   LeastSquaresFit solution;
-  std::vector<VectorXd> without;
+  std::vector<WithoutBlock> without;
   bool second_order = true;  // a lag of first order does not say as much
 };
 
@@ -201,6 +223,12 @@ void TakeSplit(const Split& split, ChainFit& fit) {
   fit.damping_ratio = Through(estimate(log_damping, -1e3), [](double l) { return std::exp(l); });
 }
 
+/// By what is open of when the command's frames were sent.
+void WidenDeadTime(double open_ms, ChainEstimate& dead_time_ms) {
+  dead_time_ms.low = std::max(dead_time_ms.low - open_ms, 0.0);
+  dead_time_ms.high += open_ms;
+}
+
 /// Standard deviation of white noise and of an encoder's steps, from third differences, of which
 /// motion has next to none.
 double FastNoise(const VectorXd& values) {
@@ -242,9 +270,9 @@ double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
 /// With lost motion behind the lag; none where the log does not show that there is any.
 std::optional<Split> FitLoose(std::span<const double> command_deg,
                               std::span<const double> angle_deg, double rate_hz, int parts,
-                              bool held, const LeastSquaresFit& shifted,
-                              const LeastSquaresFit& tight) {
-  Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters, held,
+                              const std::optional<FrameClock>& frames,
+                              const LeastSquaresFit& shifted, const LeastSquaresFit& tight) {
+  Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters, frames,
                   BeginningBehindPlay(command_deg, rate_hz, tight));
   std::optional<LeastSquaresFit> best;
   for (const double share : {0.1, 0.5, 0.9}) {  // of the hysteresis that is lost motion
@@ -321,9 +349,9 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
 }  // namespace
 
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz, int parts, bool held) {
+                  double rate_hz, int parts, const std::optional<FrameClock>& frames) {
   ChainFit fit;
-  fit.held = held || IsHeld(command_deg);
+  fit.frames = frames ? frames : FindFrameClock(ChangesOf(command_deg));
   double delay_s = 0.0;
   fit.problem = ProblemOf(command_deg, angle_deg, rate_hz, delay_s);
   if (!fit.problem.empty()) return fit;
@@ -336,7 +364,7 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
         EstimateOf(shifted, *without, 0.0, [](const VectorXd& p) { return 1e3 * p[kDeadTime]; });
   }
 
-  Problem problem(command_deg, angle_deg, rate_hz, kTightParameters, fit.held);
+  Problem problem(command_deg, angle_deg, rate_hz, kTightParameters, fit.frames);
   std::optional<LeastSquaresFit> tight;
   for (const double share : {0.25, 0.5, 0.75}) {  // of the delay that is dead time
     KeepBetter(Minimise(problem, StartOfSplit(shifted, share)), tight);
@@ -348,10 +376,11 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
     return fit;
   }
   if (const auto loose =
-          FitLoose(command_deg, angle_deg, rate_hz, parts, fit.held, shifted, *tight)) {
+          FitLoose(command_deg, angle_deg, rate_hz, parts, fit.frames, shifted, *tight)) {
     split = loose;
   }
   TakeSplit(*split, fit);
+  if (fit.frames) WidenDeadTime(1e3 * fit.frames->open_rows / rate_hz, fit.dead_time_ms);
   return fit;
 }
 
@@ -386,7 +415,7 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
   const double noise_deg = kNoiseInLost * FastNoise(scaled);
   fit.lost_motion_deg.low = std::max(fit.lost_motion_deg.low - noise_deg, 0.0);
   ChainEstimate& own = fit.motor_hysteresis_deg;
-  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts, fit.held)
+  own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts, fit.frames)
             .hysteresis_deg;
   // Degrees of the joint are only as well known as the gain between both.
   const ChainEstimate gain =

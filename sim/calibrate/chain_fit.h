@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -36,7 +37,7 @@ struct ChainFit {
   ChainEstimate lost_motion_deg;       // behind it
   std::string motor_problem;           // why the motor's angle tells neither; else empty
   ChainModel model;
-  bool held = false;  // the model's command is each row's until the next
+  std::optional<FrameClock> frames;  // in which the model's command steps; none: it does not
   double residual_rms_deg = std::numeric_limits<double>::quiet_NaN();
   double shifted_rms_deg = std::numeric_limits<double>::quiet_NaN();  // with the delay alone
 };
@@ -55,17 +56,20 @@ inline constexpr double kShortestChainLog_s = 5.0;
 ///
 /// Intervals: delete-a-block jackknife over 20 stretches of the log, to first order, with Student's
 /// t: it knows nothing of the noise but that stretches are independent of each other, which noise
-/// that is correlated over less than a tenth of a stretch is. Source: Busing, Meijer, van der
-/// Leeden, Statistics and Computing 9, 3-8 (1999); Cameron, Miller, J. Human Resources 50, 317-372
-/// (2015).
+/// that is correlated over less than a tenth of a stretch is. Of a value that few stretches tell,
+/// as of lost motion those with turns, t has fewer degrees of freedom (see DegreesOfFreedomOf()).
+/// Source: Busing, Meijer, van der Leeden, Statistics and Computing 9, 3-8 (1999); Cameron, Miller,
+/// J. Human Resources 50, 317-372 (2015).
 ///
-/// A command that is held (see IsHeld()), or said to be, steps at its rows; else see
-/// RefineCommand(). The delay is that of the line through the rows, whichever it is.
+/// A command steps when its `frames` are sent, if given, or the clock that its own rows tell (see
+/// FindFrameClock()); else see RefineCommand(). What a clock leaves open of when they were sent
+/// widens the interval of the dead time. The delay is that of the line through the rows, whichever
+/// it is.
 ///
 /// Shapes: command and angle as long, finite. Units: degrees (or whatever both share).
 /// A log that does not bear it (nothing moves, too short) gives a ChainFit with a `problem`.
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz, int parts = 1, bool held = false);
+                  double rate_hz, int parts = 1, const std::optional<FrameClock>& frames = {});
 
 /// Adds to a part's fit what its motor's angle tells. Its scale, zero and sense do not matter.
 ///

@@ -154,6 +154,28 @@ void InterpolateLine(const Series& series, double start_s, double rate_hz,
   }
 }
 
+/// As InterpolateLine(), but of a command that steps, which never was between two values, the
+/// nearest row's.
+void InterpolateCommand(const Series& series, double start_s, double rate_hz,
+                        Eigen::Ref<Eigen::VectorXd> result) {
+  if (!FindFrameClock(ChangesOf(series.value))) {
+    InterpolateLine(series, start_s, rate_hz, result);
+    return;
+  }
+  std::size_t nearest = 0;
+  const auto distance_s = [&](std::size_t row, double time_s) {
+    return std::abs(series.time_s[row] - time_s);
+  };
+  for (Eigen::Index k = 0; k < result.size(); ++k) {
+    const double time_s = start_s + static_cast<double>(k) / rate_hz;
+    while (nearest + 1 < series.time_s.size() &&
+           distance_s(nearest + 1, time_s) <= distance_s(nearest, time_s)) {
+      ++nearest;
+    }
+    result[k] = series.value[nearest];
+  }
+}
+
 void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& series,
                double longest_gap_s) {
   for (std::size_t i = 1; i < series.time_s.size(); ++i) {
@@ -236,7 +258,9 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Eigen::Index part = std::ranges::find(log.parts, all[i].part) - log.parts.begin();
     Signal& signal = *signals[std::min<std::size_t>(i / log.parts.size(), 2)];
-    InterpolateLine(series[i], first_s, log.rate_hz, signal.col(part));
+    const bool is_command = i < log.parts.size();
+    (is_command ? InterpolateCommand : InterpolateLine)(series[i], first_s, log.rate_hz,
+                                                        signal.col(part));
   }
   return log;
 }
@@ -255,8 +279,33 @@ std::string WhatHysteresisIs(const std::vector<ChainFit>& fits) {
          "(NAME_motor_deg), tells more.";
 }
 
+std::string WhatFramesAre(const ChainLog& log, const std::vector<ChainFit>& fits) {
+  const auto framed = std::ranges::find_if(
+      fits, [](const ChainFit& fit) { return fit.problem.empty() && fit.frames; });
+  if (framed == fits.end()) return "";
+  const double period_rows = framed->frames->period_rows;
+  return fmt::format("Commands step every {:.2f} ms, {}.", 1e3 * period_rows / log.rate_hz,
+                     period_rows == std::round(period_rows)
+                         ? "with the rows of the log"
+                         : "between the rows of the log, where a clock that fits all steps says");
+}
+
+std::vector<std::optional<FrameClock>> FramesOf(const ChainLog& log) {
+  const auto parts = static_cast<std::size_t>(log.command_deg.cols());
+  if (const auto of_all = FindFrameClock(ChangesOf(log.command_deg))) return {parts, of_all};
+  std::vector<std::optional<FrameClock>> frames;
+  for (Eigen::Index part = 0; part < log.command_deg.cols(); ++part) {
+    const std::span column(log.command_deg.col(part).data(),
+                           static_cast<std::size_t>(log.command_deg.rows()));
+    frames.push_back(FindFrameClock(ChangesOf(column)));
+    if (!frames.back() && log.held) frames.back() = FrameClock();
+  }
+  return frames;
+}
+
 std::vector<ChainFit> FitChains(const ChainLog& log) {
   std::vector<ChainFit> fits;
+  const std::vector<std::optional<FrameClock>> frames = FramesOf(log);
   const auto column = [](const Signal& signal, Eigen::Index part) {
     return std::span<const double>(signal.col(part).data(),
                                    static_cast<std::size_t>(signal.rows()));
@@ -266,7 +315,7 @@ std::vector<ChainFit> FitChains(const ChainLog& log) {
     const std::span<const double> command_deg = column(log.command_deg, part);
     const std::span<const double> angle_deg = column(log.angle_deg, part);
     ChainFit& fit =
-        fits.emplace_back(FitChain(command_deg, angle_deg, log.rate_hz, parts, log.held));
+        fits.emplace_back(FitChain(command_deg, angle_deg, log.rate_hz, parts, frames[part]));
     if (log.motor_deg.size() == 0 || std::isnan(log.motor_deg(0, part))) continue;
     AddMotor(command_deg, column(log.motor_deg, part), angle_deg, log.rate_hz, fit, parts);
   }

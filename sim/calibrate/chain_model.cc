@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unsupported/Eigen/MatrixFunctions>
 
 namespace gauntlet::sim {
@@ -32,44 +31,56 @@ double CubicAt(std::span<const double> rows, Index k, double share) {
          before * share * behind / 2.0 * rows[k + 1] + before * share * next / 6.0 * rows[k + 2];
 }
 
-}  // namespace
-
-bool IsHeld(std::span<const double> command_deg) {
-  constexpr double kStill = 1e-6;  // of the travel: what rounding leaves
-  constexpr int kLeastSteps = 20;  // fewer may lie so by chance
-  if (command_deg.empty()) return false;
-  const auto [least, most] = std::ranges::minmax(command_deg);
-  std::size_t rows_per_step = 0;
-  std::size_t last = 0;
-  int steps = 0;
-  for (std::size_t k = 1; k < command_deg.size() && rows_per_step != 1; ++k) {
-    if (std::abs(command_deg[k] - command_deg[k - 1]) <= kStill * (most - least)) continue;
-    if (steps > 0) rows_per_step = std::gcd(rows_per_step, k - last);
-    last = k;
-    ++steps;
+/// The command until the last row, `steps` values per row: by a cubic where there are four rows.
+std::vector<double> SmoothValues(std::span<const double> rows, Index steps) {
+  const Index last = std::ssize(rows) - 1;
+  std::vector<double> values;
+  values.reserve(rows.size() * static_cast<std::size_t>(steps));
+  for (Index k = 0; k < last; ++k) {
+    const bool at_an_end = k == 0 || k + 1 == last;
+    values.push_back(rows[k]);
+    for (Index i = 1; i < steps; ++i) {
+      const double share = static_cast<double>(i) / static_cast<double>(steps);
+      values.push_back(at_an_end ? std::lerp(rows[k], rows[k + 1], share)
+                                 : CubicAt(rows, k, share));
+    }
   }
-  return steps >= kLeastSteps && rows_per_step >= 2;
+  values.push_back(rows[last]);
+  return values;
 }
 
-FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz, bool held) {
+/// The mean of each fine step's way to the next value.
+std::vector<double> HeldValues(std::span<const double> rows, Index steps,
+                               const FrameClock& frames) {
+  const Index last = std::ssize(rows) - 1;
+  std::vector<double> values(static_cast<std::size_t>(last * steps + 1), rows[last]);
+  for (Index k = 0; k < last; ++k) std::fill_n(values.begin() + k * steps, steps, rows[k]);
+  for (Index k = 1; k <= last; ++k) {
+    const double sent = frames.SentAt(k) * static_cast<double>(steps);
+    for (auto i = static_cast<Index>(sent); i < k * steps; ++i) {
+      const double share = std::min(static_cast<double>(i + 1) - sent, 1.0);
+      values[i] += share * (rows[k] - rows[k - 1]);
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
+                          const std::optional<FrameClock>& frames) {
   constexpr double kFineRate_hz = 500.0;
-  FineCommand fine{.values_deg = {}, .rate_hz = rate_hz, .smooth = !held && IsSmooth(command_deg)};
-  if (held) fine.late_steps = 0.5;
-  if (held || fine.smooth) {
+  FineCommand fine{.values_deg = {}, .smooth = !frames && IsSmooth(command_deg)};
+  if (frames || fine.smooth) {
     fine.steps_per_row = std::max<Index>(std::lround(kFineRate_hz / rate_hz), 1);
   }
-  fine.rate_hz *= static_cast<double>(fine.steps_per_row);
-  const Index last = std::ssize(command_deg) - 1;
-  fine.values_deg.reserve(command_deg.size() * static_cast<std::size_t>(fine.steps_per_row));
-  for (Index k = 0; k <= last; ++k) {
-    fine.values_deg.push_back(command_deg[k]);
-    for (Index i = 1; i < fine.steps_per_row && k < last; ++i) {
-      const double share = static_cast<double>(i) / static_cast<double>(fine.steps_per_row);
-      const bool at_an_end = k == 0 || k + 1 == last;
-      fine.values_deg.push_back(held        ? command_deg[k]
-                                : at_an_end ? std::lerp(command_deg[k], command_deg[k + 1], share)
-                                            : CubicAt(command_deg, k, share));
-    }
+  fine.rate_hz = rate_hz * static_cast<double>(fine.steps_per_row);
+  if (frames) {
+    // Lines lead up to the value of a step that is done halfway on them.
+    fine.late_steps = 0.5;
+    fine.values_deg = HeldValues(command_deg, fine.steps_per_row, *frames);
+  } else {
+    fine.values_deg = SmoothValues(command_deg, fine.steps_per_row);
   }
   return fine;
 }

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "sim/calibrate/frame_clock.h"
 
 namespace gauntlet::sim {
 
@@ -40,19 +43,16 @@ struct FineCommand {
   bool smooth = false;
 };
 
-/// Whether the rows tell that the command steps, and when: at every n-th row, n of 2 or more, it
-/// has another value, and never between. So does a log that is written where commands are sent. One
-/// that is written beside it sees the next frame after 10 rows, then after 11.
-bool IsHeld(std::span<const double> command_deg);
-
 /// Where rows are further apart than 2 ms and the command is smooth, a cubic through the two rows
-/// before and the two behind tells what it did between them; a `held` command is each row's until
-/// the next; otherwise rows stand as they are, and straight lines between them.
+/// before and the two behind tells what it did between them. One that comes in `frames` holds still
+/// but for a step when each is sent; values are means over a fine step then, which leave every step
+/// where it is. Otherwise rows stand as they are, and straight lines between them.
 ///
 /// A command is smooth if such a cubic through their neighbours tells rows better than straight
 /// lines do, in the mean square: that of a person or of sines is, one that is held and steps, or is
 /// mostly noise, is not.
-FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz, bool held = false);
+FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
+                          const std::optional<FrameClock>& frames = {});
 
 /// The angle that the model gives for a command, one value per row; exact for straight lines
 /// between the command's values but for the corners where play ends within a step. Before the

@@ -49,8 +49,8 @@ LeastSquaresFit Minimise(LeastSquaresProblem& problem, VectorXd start) {
   return best;
 }
 
-std::optional<std::vector<VectorXd>> WithoutEachBlock(const LeastSquaresFit& fit,
-                                                      std::optional<Index> held) {
+std::optional<std::vector<WithoutBlock>> WithoutEachBlock(const LeastSquaresFit& fit,
+                                                          std::optional<Index> held) {
   constexpr double kLeastEigenvalue = 1e-7;  // of the normal matrix with ones in its diagonal
   std::vector<Index> told(static_cast<std::size_t>(fit.parameters.size()));
   std::iota(told.begin(), told.end(), Index{0});
@@ -61,23 +61,26 @@ std::optional<std::vector<VectorXd>> WithoutEachBlock(const LeastSquaresFit& fit
   const MatrixXd normal = scaled.transpose() * scaled;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
   if (!(eigen.eigenvalues()[0] > kLeastEigenvalue)) return std::nullopt;
-  std::vector<VectorXd> result;
+  const MatrixXd unscaled = norm.cwiseInverse().asDiagonal();
+  std::vector<WithoutBlock> result;
   for (Index block = 0; block < kBlocks; ++block) {
     const Index begin = scaled.rows() * block / kBlocks;
     const Index rows = scaled.rows() * (block + 1) / kBlocks - begin;
     const auto part = scaled.middleRows(begin, rows);
-    const MatrixXd rest = normal - part.transpose() * part;
+    const MatrixXd own = part.transpose() * part;
+    const Eigen::LDLT<MatrixXd> rest(normal - own);
     const VectorXd gradient = part.transpose() * fit.residual.segment(begin, rows);
-    VectorXd parameters = fit.parameters;
-    parameters(told) -= rest.ldlt().solve(gradient).cwiseQuotient(norm);
-    result.push_back(std::move(parameters));
+    WithoutBlock without{.parameters = fit.parameters, .pull = {}};
+    without.parameters(told) -= rest.solve(gradient).cwiseQuotient(norm);
+    without.pull = MatrixXd::Zero(fit.parameters.size(), fit.parameters.size());
+    without.pull(told, told) = unscaled * rest.solve(rest.solve(own).transpose()) * unscaled;
+    result.push_back(std::move(without));
   }
   return result;
 }
 
-double HalfWidthOf(double standard_error) {
-  static const double kStudent = StudentHalfWidth(0.95, kBlocks - 1);
-  return kStudent * standard_error;
+double HalfWidthOf(double standard_error, double degrees_of_freedom) {
+  return StudentHalfWidth(0.95, degrees_of_freedom) * standard_error;
 }
 
 double StudentOfGain(const LeastSquaresFit& better, const LeastSquaresFit& other) {

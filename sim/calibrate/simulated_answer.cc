@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,34 +22,34 @@ constexpr double kMostAngle_rad = 10.0;  // more than any joint turns
 struct MovedJoint {
   Eigen::Index part;
   std::size_t joint;
-  bool held;  // its command
+  std::optional<FrameClock> frames;  // of its command
 };
 
 std::vector<MovedJoint> MovedJoints(const ChainLog& log, const HandModel& model) {
+  const std::vector<std::optional<FrameClock>> frames = FramesOf(log);
   std::vector<MovedJoint> moved;
   for (std::size_t part = 0; part < log.parts.size(); ++part) {
     const auto drive = std::ranges::find(model.drives(), log.parts[part], &Drive::name);
     if (drive == model.drives().end() || drive->servo_key != "hand.servo") continue;
     const auto joint = std::ranges::find(model.joint_names(), log.parts[part]);
     if (joint == model.joint_names().end()) continue;
-    const auto column = log.command_deg.col(static_cast<Eigen::Index>(part));
-    moved.push_back(
-        {.part = static_cast<Eigen::Index>(part),
-         .joint = static_cast<std::size_t>(joint - model.joint_names().begin()),
-         .held = log.held || IsHeld({column.data(), static_cast<std::size_t>(column.size())})});
+    moved.push_back({.part = static_cast<Eigen::Index>(part),
+                     .joint = static_cast<std::size_t>(joint - model.joint_names().begin()),
+                     .frames = frames[part]});
   }
   return moved;
 }
 
-double CommandAt(const ChainLog& log, Eigen::Index part, bool held, double row) {
+double CommandAt(const ChainLog& log, const MovedJoint& joint, double row) {
   constexpr double kRounding = 1e-6;  // of a row
   const Eigen::Index last = log.command_deg.rows() - 1;
-  if (held)
-    return log.command_deg(std::min(static_cast<Eigen::Index>(row + kRounding), last), part);
-  const Eigen::Index before = std::min(static_cast<Eigen::Index>(row), last);
+  const auto command = log.command_deg.col(joint.part);
+  const Eigen::Index before = std::min(static_cast<Eigen::Index>(row + kRounding), last);
   const Eigen::Index behind = std::min(before + 1, last);
-  return std::lerp(log.command_deg(before, part), log.command_deg(behind, part),
-                   row - static_cast<double>(before));
+  if (joint.frames) {
+    return command[joint.frames->SentAt(behind) <= row + kRounding ? behind : before];
+  }
+  return std::lerp(command[before], command[behind], row - static_cast<double>(before));
 }
 
 /// A glove of these joints whose counts are angles, exactly: without a filter, what it says is what
@@ -110,7 +111,7 @@ ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
 
   HandLoop loop({}, ExactGlove(answer.parts), {}, model);
   std::vector<double> joint_angle_rad = model->transmission().reference_angle_rad;
-  for (const auto& [part, joint, held] : moved) {
+  for (const auto& [part, joint, frames] : moved) {
     joint_angle_rad[joint] = log.command_deg(0, part) * kRadPerDeg;
   }
   loop.Reset(joint_angle_rad);
@@ -126,13 +127,13 @@ ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand) {
       joints_of_spools.Read(loop.hand(), told_by_spools_rad);
     }
     for (Eigen::Index i = 0; i < std::ssize(moved); ++i) {
-      const auto& [part, joint, held] = moved[static_cast<std::size_t>(i)];
-      const double told_deg = CommandAt(log, part, held, log_row);
+      const MovedJoint& joint = moved[static_cast<std::size_t>(i)];
+      const double told_deg = CommandAt(log, joint, log_row);
       counts[static_cast<std::size_t>(i)] = CountsOf(told_deg * kRadPerDeg);
       if (!kept) continue;
       command_deg(row, i) = told_deg;
-      angle_deg(row, i) = joint_angle_rad[joint] * kDegPerRad;
-      motor_deg(row, i) = told_by_spools_rad[joint] * kDegPerRad;
+      angle_deg(row, i) = joint_angle_rad[joint.joint] * kDegPerRad;
+      motor_deg(row, i) = told_by_spools_rad[joint.joint] * kDegPerRad;
     }
     loop.Step({.counts = counts});
   }

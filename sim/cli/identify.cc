@@ -146,6 +146,8 @@ std::string Table(const ChainLog& log, const std::vector<ChainFit>& fits,
     if (problem.empty()) continue;
     text += Wrapped(fmt::format("{}: {}", log.parts[i], problem), style.width) + "\n";
   }
+  const std::string frames = WhatFramesAre(log, fits);
+  if (!frames.empty()) text += Wrapped(frames, style.width) + "\n";
   text += Wrapped(WhatHysteresisIs(fits), style.width) + "\n";
   return text;
 }
@@ -300,10 +302,17 @@ void AddIdentifyCommand(CLI::App& app) {
       "at every\n"
       "n-th row (n of 2 or more) steps there, as in a log that is written where commands are sent; "
       "if that\n"
-      "is every row, say --held. Written beside, a log sees steps up to a row late: then log at "
-      "200 "
-      "Hz or\n"
-      "more. Any other command counts as straight lines between its rows.\n"
+      "is every row, say --held. A log that is written beside sees frames up to a row late: if "
+      "they "
+      "come\n"
+      "at an even pace, 4 % or more longer than a row and each within an eighth of a row of its "
+      "time,\n"
+      "when they were sent is found from the rows, and said. If not, or if the command is rounded "
+      "so that\n"
+      "nearly all steps are as large, straight lines go from row to row, and the dead time is "
+      "wrong "
+      "by\n"
+      "half a row: then log at 200 Hz or more. Any other command counts as straight lines, too.\n"
       "\nBeside FILE.chain.yaml stand FILE.html, what was measured beside what the model makes of "
       "the same\n"
       "command, and FILE.hand.yaml, the servo with which the simulated hand answers so; not where "

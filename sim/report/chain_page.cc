@@ -65,7 +65,7 @@ std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t pa
   std::string caption = has_model ? "" : fit.problem.empty() ? fit.split_problem : fit.problem;
   if (has_model) {
     std::vector<double> simulated_deg(command_deg.size());
-    SimulateChain(fit.model, RefineCommand(command_deg, log.rate_hz, fit.held), simulated_deg);
+    SimulateChain(fit.model, RefineCommand(command_deg, log.rate_hz, fit.frames), simulated_deg);
     curves.curves.push_back(PartCurve("simulated", simulated_deg, start, samples, log.rate_hz));
     std::vector<double> difference_deg;
     for (std::size_t k = 0; k < angle_deg.size(); ++k) {

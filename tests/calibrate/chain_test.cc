@@ -1,10 +1,12 @@
 // From what a log says of a command and an angle back to what stands between them.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <optional>
 
 #include "sim/base/error.h"
 #include "sim/calibrate/chain_fit.h"
@@ -99,8 +101,8 @@ TEST(RefineCommand, LeavesRowsAsTheyAreWhereTheyStepOrAreMostlyNoiseOrCloseToget
   EXPECT_EQ(RefineCommand(dense, 200.0).steps_per_row, 3);
 }
 
-TEST(RefineCommand, HoldsEachRowUntilTheNextIfTold) {
-  const FineCommand fine = RefineCommand({{1.0, 5.0, 2.0}}, 250.0, true);
+TEST(RefineCommand, HoldsEachRowUntilTheNextIfEachIsAFrame) {
+  const FineCommand fine = RefineCommand({{1.0, 5.0, 2.0}}, 250.0, FrameClock());
   EXPECT_THAT(fine.values_deg, testing::ElementsAre(1.0, 1.0, 5.0, 5.0, 2.0));
   EXPECT_EQ(fine.rate_hz, 500.0);
   // Half of a step is done when its row comes, and all of it a fine step later.
@@ -109,24 +111,17 @@ TEST(RefineCommand, HoldsEachRowUntilTheNextIfTold) {
   EXPECT_THAT(angle, testing::ElementsAre(1.0, 1.0, 3.0));
 }
 
-TEST(IsHeld, TellsACommandThatStepsWithItsRowsOnly) {
-  const auto framed = [](double rows_per_frame, int rows = 400) {
-    std::vector<double> command;
-    for (int k = 0; k < rows; ++k) {
-      command.push_back(20.0 * std::sin(0.2 * std::floor(k / rows_per_frame)));
-    }
-    return command;
-  };
-  EXPECT_TRUE(IsHeld(framed(2)));
-  EXPECT_TRUE(IsHeld(framed(10)));
-  EXPECT_FALSE(IsHeld(framed(1)));       // as a smooth one
-  EXPECT_FALSE(IsHeld(framed(10.3)));    // logged beside
-  EXPECT_FALSE(IsHeld(framed(10, 60)));  // five steps
-  EXPECT_FALSE(IsHeld(std::vector<double>(400, 3.0)));
-  EXPECT_FALSE(IsHeld({}));
-  std::vector<double> rounded = framed(4);
-  for (std::size_t k = 1; k < rounded.size(); k += 3) rounded[k] += 1e-9;
-  EXPECT_TRUE(IsHeld(rounded));
+TEST(RefineCommand, PutsAStepBetweenRowsWhereItsFrameWasSent) {
+  // Frames at rows -0.3, 1.4, 3.1: steps are seen at rows 2 and 4.
+  const FrameClock frames{.period_rows = 1.7, .first_row = 1.4};
+  const FineCommand fine = RefineCommand({{1.0, 1.0, 5.0, 5.0, 2.0}}, 100.0, frames);
+  ASSERT_EQ(fine.steps_per_row, 5);
+  const std::vector<double> expected = {1, 1, 1, 1, 1,   1, 1, 5, 5, 5, 5,
+                                        5, 5, 5, 5, 3.5, 2, 2, 2, 2, 2};
+  ASSERT_EQ(fine.values_deg.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(fine.values_deg[i], expected[i], 1e-9) << i;
+  }
 }
 
 void ExpectWithin(double share, const ChainEstimate& estimate, double truth) {
@@ -242,19 +237,21 @@ TEST(FitChain, FindsHysteresisOfRowsThatAreFarApart) {
   }
 }
 
-TEST(FitChain, FindsTheDeadTimeBehindFramesWhetherTheirRowsAreKnownOrNot) {
+TEST(FitChain, FindsTheDeadTimeBehindFramesThatAreLoggedWhereTheyAreSentOrBeside) {
   HiddenChain chain;
   struct Case {
     double rate_hz;
     double held_s;
-    bool said;
+    std::optional<FrameClock> said;
   };
-  for (const auto& [rate_hz, held_s, said] : {Case{500.0, 0.02, false}, Case{100.0, 0.02, false},
-                                              Case{50.0, 0.02, true}, Case{500.0, 0.0217, false}}) {
+  for (const auto& [rate_hz, held_s, said] :
+       {Case{500.0, 0.02, {}}, Case{100.0, 0.02, {}}, Case{50.0, 0.02, FrameClock()},
+        Case{500.0, 0.0217, {}}, Case{100.0, 0.0217, {}}, Case{50.0, 0.0217, {}}}) {
     const SimulatedLog log =
         SimulateLog(chain, {.rate_hz = rate_hz, .held_s = held_s, .noise_deg = 0.02}, 5);
     const ChainFit fit = FitChain(log.command_deg, log.angle_deg, rate_hz, 1, said);
-    EXPECT_EQ(fit.held, held_s == 0.02);
+    ASSERT_TRUE(fit.frames);
+    EXPECT_NEAR(fit.frames->period_rows, held_s * rate_hz, 1e-3);
     EXPECT_NEAR(fit.dead_time_ms.value, chain.dead_time_ms, 0.7) << rate_hz << " Hz, " << held_s;
     EXPECT_NEAR(fit.lag_ms.value, chain.lag_ms, 1.0);
     EXPECT_NEAR(fit.hysteresis_deg.value, chain.hysteresis_deg, 0.05);
@@ -264,6 +261,18 @@ TEST(FitChain, FindsTheDeadTimeBehindFramesWhetherTheirRowsAreKnownOrNot) {
       SimulateLog(chain, {.rate_hz = 50.0, .held_s = 0.02, .noise_deg = 0.02}, 5);
   EXPECT_NEAR(FitChain(log.command_deg, log.angle_deg, 50.0).dead_time_ms.value,
               chain.dead_time_ms + 10.0, 2.0);
+}
+
+TEST(FitChain, WidensTheIntervalOfDeadTimeByWhatIsOpenOfWhenFramesWereSent) {
+  const SimulatedLog log = SimulateLog({}, {.rate_hz = 100.0, .held_s = 0.02}, 5);
+  const FrameClock frames{.period_rows = 2.0};
+  FrameClock open = frames;
+  open.open_rows = 0.25;
+  const ChainFit sure = FitChain(log.command_deg, log.angle_deg, 100.0, 1, frames);
+  const ChainFit unsure = FitChain(log.command_deg, log.angle_deg, 100.0, 1, open);
+  EXPECT_NEAR(unsure.dead_time_ms.low, sure.dead_time_ms.low - 2.5, 1e-9);
+  EXPECT_NEAR(unsure.dead_time_ms.high, sure.dead_time_ms.high + 2.5, 1e-9);
+  EXPECT_EQ(unsure.lag_ms.high, sure.lag_ms.high);
 }
 
 TEST(FitChain, IntervalsHoldTheTruthAsOftenAsTheySay) {
@@ -414,6 +423,32 @@ TEST_F(ChainLogTest, BringsUnevenRowsOfAnyUnitToAnEvenRate) {
     EXPECT_NEAR(log.angle_deg(k, 0), 2.0 * time_ms, 1e-3);
     EXPECT_EQ(log.angle_deg(k, 1), 2.0);
   }
+}
+
+TEST_F(ChainLogTest, KeepsTheStepsOfACommandWhoseRowsAreNotEven) {
+  const SimulatedLog log =
+      SimulateLog({}, {.rate_hz = 100.0, .held_s = 0.0217, .noise_deg = 0.02}, 5);
+  std::string csv = "t_s,a_command_deg,a_deg,b_command_deg,b_deg\n";
+  for (std::size_t k = 0; k < log.command_deg.size(); ++k) {
+    const double off_s[] = {0.0, 2e-4, 0.0, -1e-4, 0.0};  // of a clock that reads 0.1 ms
+    csv +=
+        fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},1\n", 0.01 * static_cast<double>(k) + off_s[k % 5],
+                    log.command_deg[k], log.angle_deg[k], 0.1 * static_cast<double>(k));
+  }
+  const ChainLog loaded = Load(csv);
+  const auto frames = FramesOf(loaded);
+  ASSERT_EQ(frames.size(), 2u);
+  ASSERT_TRUE(frames[0]);
+  EXPECT_NEAR(frames[0]->period_rows, 2.17, 1e-3);
+  EXPECT_FALSE(frames[1]);
+  EXPECT_NEAR(loaded.command_deg(1, 1), 0.1 * 0.98, 1e-3);  // on straight lines
+  const std::vector<ChainFit> fits = FitChains(loaded);
+  EXPECT_NEAR(fits[0].dead_time_ms.value, HiddenChain().dead_time_ms, 0.7);
+  EXPECT_EQ(
+      WhatFramesAre(loaded, fits),
+      "Commands step every 21.70 ms, between the rows of the log, where a clock that fits all "
+      "steps says.");
+  EXPECT_EQ(WhatFramesAre(loaded, {fits[1]}), "");
 }
 
 TEST_F(ChainLogTest, TakesTheAnglesOfMotorsUnlessAPartIsCalledSo) {

@@ -78,7 +78,8 @@ TEST(LeastSquares, WithoutABlockIsAFitOfTheOtherRows) {
   for (Index block = 0; block < kBlocks; ++block) {
     const VectorXd expected =
         SolveWithout(parabola, 203 * block / kBlocks, 203 * (block + 1) / kBlocks);
-    EXPECT_TRUE((*without)[static_cast<std::size_t>(block)].isApprox(expected, 1e-7)) << block;
+    EXPECT_TRUE((*without)[static_cast<std::size_t>(block)].parameters.isApprox(expected, 1e-7))
+        << block;
   }
 }
 
@@ -87,9 +88,10 @@ TEST(LeastSquares, HoldsAParameterWithoutABlock) {
   const LeastSquaresFit fit = Minimise(parabola, VectorXd::Zero(3));
   const auto without = WithoutEachBlock(fit, 1);
   ASSERT_TRUE(without);
-  for (const VectorXd& parameters : *without) {
+  for (const auto& [parameters, pull] : *without) {
     EXPECT_EQ(parameters[1], fit.parameters[1]);
     EXPECT_NE(parameters[0], fit.parameters[0]);
+    EXPECT_EQ(pull.col(1).norm(), 0.0);
   }
 }
 
@@ -116,6 +118,52 @@ TEST(LeastSquares, StandardErrorOfAMeanIsThatOfItsBlocks) {
               means.norm() / std::sqrt(kBlocks * (kBlocks - 1.0)), 1e-12);
 }
 
+/// A value that is seen in some of the blocks, in noise.
+LeastSquaresFit SeenInBlocks(int blocks, std::mt19937& random) {
+  constexpr Index kRows = 400;
+  std::normal_distribution<double> normal;
+  LeastSquaresFit fit{.parameters = VectorXd::Zero(1),
+                      .residual = VectorXd(kRows),
+                      .derivatives = MatrixXd::Zero(kRows, 1)};
+  fit.derivatives.topRows(blocks * kRows / kBlocks).setOnes();
+  for (double& value : fit.residual) value = normal(random);
+  fit.parameters[0] = fit.derivatives.col(0).dot(fit.residual) / fit.derivatives.squaredNorm();
+  fit.residual -= fit.derivatives * fit.parameters;
+  return fit;
+}
+
+TEST(LeastSquares, HasAsManyDegreesOfFreedomAsBlocksTellOfAValueButOne) {
+  std::mt19937 random(3);
+  for (const int blocks : {2, 4, 10, kBlocks}) {
+    LeastSquaresFit fit = SeenInBlocks(blocks, random);
+    fit.parameters[0] = 2.0;
+    const auto without = WithoutEachBlock(fit);
+    ASSERT_TRUE(without);
+    const auto degrees = [&](const auto& value_of) {
+      return DegreesOfFreedomOf(fit, *without, value_of);
+    };
+    EXPECT_NEAR(degrees([](const VectorXd& p) { return p[0]; }), blocks - 1.0, 1e-9);
+    EXPECT_NEAR(degrees([](const VectorXd& p) { return std::log(p[0]); }), blocks - 1.0, 1e-9);
+  }
+}
+
+// Of 19 degrees of freedom, as of all blocks, intervals would hold it in 90 %.
+TEST(LeastSquares, IntervalsOfAValueThatFewBlocksTellHoldIt) {
+  constexpr int kFits = 4000;
+  std::mt19937 random(5);
+  int held = 0;
+  for (int i = 0; i < kFits; ++i) {
+    const LeastSquaresFit fit = SeenInBlocks(4, random);
+    const auto without = WithoutEachBlock(fit);
+    const auto value_of = [](const VectorXd& p) { return p[0]; };
+    const double half_width = HalfWidthOf(StandardErrorOf(fit, *without, value_of),
+                                          DegreesOfFreedomOf(fit, *without, value_of));
+    held += std::abs(fit.parameters[0]) < half_width;
+  }
+  EXPECT_GT(held, 0.94 * kFits);
+  EXPECT_LT(held, 0.98 * kFits);
+}
+
 // Tables of Student's t for 19 degrees of freedom: 1.729 (5 % to one side), 2.093 (5 % to both),
 // 3.174 (0.25 % to one side).
 TEST(LeastSquares, ChanceIsThatOfTheTables) {
@@ -124,7 +172,7 @@ TEST(LeastSquares, ChanceIsThatOfTheTables) {
   EXPECT_TRUE(IsByChance(3.17, 20));
   EXPECT_FALSE(IsByChance(3.18, 20));
   EXPECT_TRUE(IsByChance(-5.0, 1));
-  EXPECT_NEAR(HalfWidthOf(2.0), 4.186, 1e-3);
+  EXPECT_NEAR(HalfWidthOf(2.0, 19.0), 4.186, 1e-3);
 }
 
 TEST(LeastSquares, GainIsComparedFromBlockToBlock) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,18 +96,19 @@ void MeasureLostMotion(const std::string& name, const ChainRecording& recording,
 void Measure(const std::string& name, const ChainRecording& recording) {
   Quantity quantities[] = {Quantity("dead time"), Quantity("lag"),  Quantity("natural frequency"),
                            Quantity("damping"),   Quantity("gain"), Quantity("hysteresis")};
-  constexpr int kParts = 20;                                      // of a hand
-  const bool held = recording.held_s * recording.rate_hz == 1.0;  // the rows do not tell
+  constexpr int kParts = 20;  // of a hand
+  std::optional<FrameClock> frames;
+  if (recording.held_s * recording.rate_hz == 1.0) frames = FrameClock();  // rows do not tell
   int lost = 0;
   int lost_of_parts = 0;
   for (int i = 0; i < logs; ++i) {
     controller::TestNoise random(7000 + i);
     const HiddenChain chain = SomeChain(random);
     const SimulatedLog log = SimulateLog(chain, recording, 100 + i);
-    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz, 1, held);
+    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, recording.rate_hz, 1, frames);
     lost += std::isfinite(fit.lost_motion_deg.value);
     lost_of_parts +=
-        std::isfinite(FitChain(log.command_deg, log.angle_deg, recording.rate_hz, kParts, held)
+        std::isfinite(FitChain(log.command_deg, log.angle_deg, recording.rate_hz, kParts, frames)
                           .lost_motion_deg.value);
     const double damping = 1e-3 * chain.lag_ms * std::numbers::pi * chain.natural_frequency_hz;
     quantities[0].Add(fit.dead_time_ms, chain.dead_time_ms);
