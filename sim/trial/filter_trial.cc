@@ -14,7 +14,7 @@ using CountRows = AngleRows;  // samples, or steps, x channels
 
 /// Ticks that go through one trial after the other: a read or write per column and tick would touch
 /// a cache line each, and in columns of a power of two they would get in each other's way.
-constexpr Index kBlockTicks = 128;
+constexpr Index kBlockTicks = 192;
 
 /// Samples that begin before this tick.
 Index SamplesBefore(Index ticks, Index ticks_per_sample) {
