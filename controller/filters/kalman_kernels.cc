@@ -184,7 +184,7 @@ void StepStates2(double* x, double* w, const double* k1, const double* k2, const
 
 void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
                  double* output, int channel_count, int samples) {
-  if (channel_count >= kLanes) {
+  if (kLanesPay && channel_count >= kLanes) {
     States2OfSamples({.x = x, .w = w, .k1 = k1, .k2 = k2}, measured, output, channel_count,
                      samples);
     return;

@@ -14,6 +14,13 @@ namespace gauntlet::controller {
 using Lanes = double __attribute__((vector_size(32)));
 inline constexpr int kLanes = 4;
 
+/// Whether that is worth its code: a processor of a robot's microcontroller has no such registers.
+#if defined(__x86_64__) || defined(__aarch64__)
+inline constexpr bool kLanesPay = true;
+#else
+inline constexpr bool kLanesPay = false;
+#endif
+
 GAUNTLET_INLINE void LoadLanes(const double* from, Lanes& lanes) noexcept {
   std::memcpy(&lanes, from, sizeof lanes);
 }

@@ -34,7 +34,7 @@ struct LanesOfLines {
 /// Of all samples.
 GAUNTLET_VECTORISED void MapLines(const Lines& lines, const double* from, double* to, int channels,
                                   int samples) {
-  if (channels >= kLanes) {
+  if (kLanesPay && channels >= kLanes) {
     ForParts(
         channels, [&]<int kCount>(int first, int count) __attribute__((always_inline)) {
           StepRows<kCount, LanesOfLines>(lines, first, count, from, to, channels, samples);
