@@ -32,9 +32,9 @@ GAUNTLET_INLINE void DropSubnormals(Lanes& lanes) noexcept {
   lanes = (lanes > -kLeastValue) & (lanes < kLeastValue) ? Lanes{} : lanes;
 }
 
-/// Steps channels through samples that follow each other, with what they need for it in registers: it
-/// does not go through memory, which takes a third of the time of a short filter and half of that of
-/// a straight line.
+/// Steps channels through samples that follow each other, with what they need for it in registers:
+/// it does not go through memory, which takes a third of the time of a short filter and half of
+/// that of a straight line.
 ///
 /// `Filter` is the state of four channels: Load(memory, first channel), Step(lanes), which turns a
 /// sample into what is given, and Store(memory, first channel). kCount of them are stepped side by
@@ -65,8 +65,8 @@ GAUNTLET_INLINE void StepRows(const Memory& memory, int first, int channels, con
   for (int i = 0; i < kCount; ++i) filters[i].Store(memory, begin[i]);
 }
 
-/// Calls step<kCount>(first, count) for parts of `channels`, which are four or more: each a multiple
-/// of four or a little less, and no more than registers hold.
+/// Calls step<kCount>(first, count) for parts of `channels`, which are four or more: each a
+/// multiple of four or a little less, and no more than registers hold.
 template <class Step>
 GAUNTLET_INLINE void ForParts(int channels, const Step& step) noexcept {
   constexpr int kMost = 5 * kLanes;

@@ -20,8 +20,8 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Cells that are run together: enough to share a glove, which takes as long as a hundred cells of a
-/// filter alone, few enough for their results.
+/// Cells that are run together: enough to share a glove and, without a hand, its guard; few enough
+/// for their results.
 constexpr std::int64_t kBlockCells = 1024;
 
 std::vector<std::string> OverridesOf(const SweepPlan& plan, std::int64_t cell) {

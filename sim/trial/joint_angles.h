@@ -26,8 +26,8 @@ class JointAngleRows {
  public:
   explicit JointAngleRows(controller::JointMap joint_map);
 
-  /// Ticks x channels in, one tick after the other. Good until the next call, and as long as what is
-  /// given: where joints are channels it is that itself.
+  /// Ticks x channels in, one tick after the other. Good until the next call, and as long as what
+  /// is given: where joints are channels it is that itself.
   Eigen::Map<const AngleRows> Of(std::span<const double> channel_angle_rad);
 
  private:
