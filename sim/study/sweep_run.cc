@@ -315,12 +315,13 @@ class Sweep {
             .scores = plan_.metrics};
   }
 
-  /// Times the first trials that are to be run, as many as run together.
+  /// Times the first trials that are to be run, as many as run together or enough to know.
   void Forecast(const Block& block, BlockStore& store) {
     if (forecast_done_ || !options_.forecast) return;
     StudyOptions options = OptionsFor(store);
     options.jobs = 1;
-    const std::size_t most = ControllersTogether(options, block.settings.size());
+    constexpr std::size_t kEnough = 32;
+    const std::size_t most = std::min(ControllersTogether(options, block.settings.size()), kEnough);
     for (int i = 0; i < seeds_ && !forecast_done_; ++i) {
       Block some = block;
       some.study->scenario.controllers.clear();
