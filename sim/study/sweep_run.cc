@@ -22,7 +22,7 @@ namespace {
 
 /// Cells that are run together: enough to share a glove and, without a hand, its guard; few enough
 /// for their results.
-constexpr std::int64_t kBlockCells = 1024;
+constexpr std::int64_t kBlockCells = 2500;
 
 std::vector<std::string> OverridesOf(const SweepPlan& plan, std::int64_t cell) {
   std::vector<std::string> overrides = plan.scenario.overrides;
