@@ -89,10 +89,10 @@ TEST(Latency, OfTheMotionIsNotThatOfTheNoise) {
 
 TEST(Latency, IsMeasuredWhereTicksCount) {
   Chain chain(0.0);
-  constexpr int kGap = 8000, kGapTicks = 1500, kRecovery = 1000;
+  constexpr int kGap = 8000, kGapTicks = 1500, kRecoveryTicks = 1000;
   chain.wearer.middleRows(kGap, kGapTicks).array() += 1.0;  // nobody knows what the wearer did
   chain.hand.middleRows(kGap, kGapTicks).setZero();
-  const CountedTicks known = {{0, kGap}, {kGap + kGapTicks + kRecovery, kSamples}};
+  const CountedTicks known = {{0, kGap}, {kGap + kGapTicks + kRecoveryTicks, kSamples}};
   const std::vector<CountedTicks> counted(3, known);
   LatencyInput input = chain.Input();
   EXPECT_GT(std::abs(MeasureLatency(input).total_ms - 118.5), 5.0);
