@@ -8,20 +8,19 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <optional>
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/recordings/missing.h"
 #include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 // Longer than any row of numbers; keeps memory flat on files that are not text.
 constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 

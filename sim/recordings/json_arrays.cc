@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +11,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/recordings/missing.h"
 #include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
@@ -19,7 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr int kDeepest = 100;
 constexpr std::size_t kMostColumns = 1000;
 

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/recordings/glitches.h"
+#include "sim/recordings/missing.h"
 #include "sim/recordings/pchip.h"
 #include "sim/recordings/recording_problem.h"
 #include "sim/recordings/table_source.h"
@@ -18,7 +18,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 // Rows before and behind a stretch that are read with it: a glitch at its end is known by them.
 constexpr std::size_t kRowsBeside = 3;
 // Times in files are often rounded to the microsecond: a row so little after a sample is there.

@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/column_scale.h"
+#include "sim/recordings/missing.h"
 #include "sim/recordings/recording_problem.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 // A clock that goes back further than this was started anew; less is a row out of order.
 constexpr double kClockRestartS = 1.0;
 // Further outside the joint's range than this share of it no hand and no bad calibration gets.

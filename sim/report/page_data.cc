@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 
+#include "sim/base/json_number.h"
 #include "sim/report/curve_codec.h"
 #include "sim/report/error_split_table.h"
 #include "sim/report/replay_data.h"
@@ -14,8 +15,6 @@ namespace gauntlet::sim {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json Estimates(const std::vector<MeanInterval>& estimates) {
   Json json = Json::array();

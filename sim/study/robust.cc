@@ -10,6 +10,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/json_number.h"
 #include "sim/base/random.h"
 #include "sim/scenario/scenario_reader.h"
 
@@ -405,12 +406,10 @@ std::string TornadoCsv(const RobustPlan& plan, const RobustResult& result) {
 
 namespace {
 
-Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json ToJson(const MeanInterval& interval) {
-  return {{"mean", Number(interval.mean)},
-          {"low", Number(interval.low)},
-          {"high", Number(interval.high)},
+  return {{"mean", NumberOrNull(interval.mean)},
+          {"low", NumberOrNull(interval.low)},
+          {"high", NumberOrNull(interval.high)},
           {"level", interval.level}};
 }
 
@@ -479,7 +478,7 @@ std::string RobustJson(const RobustPlan& plan, const RobustResult& result) {
         of_bar["low"] = ToJson(bar.low);
         of_bar["high"] = ToJson(bar.high);
         of_bar["change"] = ToJson(bar.change.difference);
-        of_bar["relevant_difference"] = Number(bar.change.relevant_difference);
+        of_bar["relevant_difference"] = NumberOrNull(bar.change.relevant_difference);
         of_bar["verdict"] = TornadoVerdict(bar);
       } else {
         of_bar["problem"] = bar.problem;

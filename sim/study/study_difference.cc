@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/json_number.h"
 #include "sim/score/score.h"
 
 namespace gauntlet::sim {
@@ -148,8 +149,6 @@ void CompareScores(const std::string& controller, const std::vector<std::vector<
 }
 
 // --- JSON ---------------------------------------------------------------------------------------
-
-Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json SettingsJson(const std::vector<SettingDifference>& settings) {
   const auto text = [](const std::optional<std::string>& value) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/base/atomic_file.h"
+#include "sim/base/json_number.h"
 #include "sim/base/mathematics.h"
 #include "sim/scenario/scenario_files.h"
 #include "sim/study/counted_parts.h"
@@ -19,8 +20,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // NaN, a score that does not exist, is written as null.
-Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json MetricValues(const std::vector<double>& values) {
   Json json = Json::object();
   for (std::size_t m = 0; m < values.size(); ++m) {

@@ -9,6 +9,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/data_folder.h"
+#include "sim/base/json_number.h"
 #include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
@@ -100,8 +101,6 @@ std::string CsvRow(const CellResult& result) {
   return CsvLine(fields);
 }
 
-Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json ToJson(const SweepPlan& plan, const CellResult& result) {
   Json json;
   json["cell"] = result.number;
@@ -112,9 +111,9 @@ Json ToJson(const SweepPlan& plan, const CellResult& result) {
   json["seeds"] = result.motions.size();
   for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
     json["scores"][std::string(Metrics()[plan.metrics[m]].key)] = {
-        {"mean", Number(result.scores[m].mean)},
-        {"ci95_low", Number(result.scores[m].low)},
-        {"ci95_high", Number(result.scores[m].high)}};
+        {"mean", NumberOrNull(result.scores[m].mean)},
+        {"ci95_low", NumberOrNull(result.scores[m].low)},
+        {"ci95_high", NumberOrNull(result.scores[m].high)}};
   }
   if (result.problem.empty()) json["constraints_met"] = MetText(result.met);
   if (result.failed_trials > 0) json["failed_trials"] = result.failed_trials;
@@ -268,9 +267,9 @@ std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary) {
     Json best = ToJson(plan, result);
     const CellComparison comparison =
         CompareCells(plan, result, summary.best.front(), summary.results);
-    best["to_best"] = {{"mean", Number(comparison.difference.mean)},
-                       {"low", Number(comparison.difference.low)},
-                       {"high", Number(comparison.difference.high)},
+    best["to_best"] = {{"mean", NumberOrNull(comparison.difference.mean)},
+                       {"low", NumberOrNull(comparison.difference.low)},
+                       {"high", NumberOrNull(comparison.difference.high)},
                        {"level", comparison.difference.level},
                        {"verdict", JudgementText(comparison.judgement)}};
     json["best"].push_back(std::move(best));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "sim/base/channels.h"
 #include "sim/glove/motions/postures.h"
@@ -9,8 +10,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-constexpr double kTwoPi = 6.28318530717958647692;
 
 /// A phase and its first two derivatives with respect to time.
 struct Phase {
@@ -79,7 +78,8 @@ Motion MakeMotion(const SineConfig& config, const MotionContext& context) {
   CheckListOfChannels("frequency_hz", config.frequency_hz.size());
   return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context,
                         [&](std::size_t channel, int number, Motion& motion) {
-                          const double omega = kTwoPi * FrequencyOf(config.frequency_hz, channel);
+                          const double omega =
+                              2.0 * std::numbers::pi * FrequencyOf(config.frequency_hz, channel);
                           const double offset = number * config.phase_step_deg * kRadPerDeg;
                           Swing(
                               ChannelExcursion(channel, config.range_percent), context.rate_hz,
@@ -104,8 +104,8 @@ Motion MakeMotion(const ChirpConfig& config, const MotionContext& context) {
   CheckListOfChannels("from_hz", config.from_hz.size());
   CheckListOfChannels("to_hz", config.to_hz.size());
   const auto swing = [&](std::size_t channel, int, Motion& motion) {
-    const double start_speed = kTwoPi * FrequencyOf(config.from_hz, channel);
-    const double end_speed = kTwoPi * FrequencyOf(config.to_hz, channel);
+    const double start_speed = 2.0 * std::numbers::pi * FrequencyOf(config.from_hz, channel);
+    const double end_speed = 2.0 * std::numbers::pi * FrequencyOf(config.to_hz, channel);
     const double growth_per_s = std::log(end_speed / start_speed) / config.duration_s;
     const auto phase_at = [=](double t) {
       const double speed = start_speed * std::exp(growth_per_s * t);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 #include "sim/base/channels.h"
 #include "sim/base/random.h"
@@ -11,7 +12,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kTwoPi = 6.28318530717958647692;
 constexpr int kSines = 8;
 
 /// Sum of sines within the band with a mean square of 1.
@@ -22,8 +22,10 @@ Eigen::VectorXd NarrowBand(RandomStream& random, const TremorConfig& config, int
   for (int k = 0; k < kSines; ++k) {
     const double frequency_hz = random.Uniform(config.from_hz, config.to_hz);
     // A rotating pointer; its length drifts by rounding only, 1e-16 a sample.
-    std::complex<double> pointer = std::polar(amplitude, random.Uniform(0.0, kTwoPi));
-    const std::complex<double> turn = std::polar(1.0, kTwoPi * frequency_hz / rate_hz);
+    std::complex<double> pointer =
+        std::polar(amplitude, random.Uniform(0.0, 2.0 * std::numbers::pi));
+    const std::complex<double> turn =
+        std::polar(1.0, 2.0 * std::numbers::pi * frequency_hz / rate_hz);
     for (int i = 0; i < samples; ++i) {
       sum[i] += pointer.imag();
       pointer = {pointer.real() * turn.real() - pointer.imag() * turn.imag(),

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <vector>
 
 #include "sim/base/normal_pair.h"
@@ -9,7 +10,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kTwoPi = 6.28318530717958647692;
 constexpr double kLowestHz = 0.1;
 constexpr double kStagesPerDecade = 2.0;
 
@@ -22,8 +22,8 @@ class PinkFilter {
     for (int k = 0; k < stages; ++k) {
       const double pole_hz = kLowestHz * std::pow(10.0, k / kStagesPerDecade);
       const double zero_hz = pole_hz * std::pow(10.0, 0.5 / kStagesPerDecade);
-      stages_.push_back({.pole = std::exp(-kTwoPi * pole_hz / rate_hz),
-                         .zero = std::exp(-kTwoPi * zero_hz / rate_hz)});
+      stages_.push_back({.pole = std::exp(-2.0 * std::numbers::pi * pole_hz / rate_hz),
+                         .zero = std::exp(-2.0 * std::numbers::pi * zero_hz / rate_hz)});
     }
   }
   double Step(double x) {
@@ -53,7 +53,7 @@ void AddPinkNoise(RandomStream& random, double standard_deviation, double rate_h
                   std::span<double> signal) {
   PinkFilter filter(rate_hz);
   // Five time constants of the slowest stage: all that its impulse response holds.
-  const int settling = static_cast<int>(5.0 * rate_hz / (kTwoPi * kLowestHz));
+  const int settling = static_cast<int>(5.0 * rate_hz / (2.0 * std::numbers::pi * kLowestHz));
   double energy = 0.0;
   for (int i = 0; i < settling; ++i) {
     const double response = filter.Step(i == 0 ? 1.0 : 0.0);
@@ -71,9 +71,10 @@ void AddPinkNoise(RandomStream& random, double standard_deviation, double rate_h
 
 void AddMainsHum(RandomStream& random, double amplitude, double mains_hz, double rate_hz,
                  std::span<double> signal) {
-  const double phase = random.Uniform(0.0, kTwoPi);
+  const double phase = random.Uniform(0.0, 2.0 * std::numbers::pi);
   for (std::size_t i = 0; i < signal.size(); ++i) {
-    signal[i] += amplitude * std::sin(phase + kTwoPi * mains_hz * static_cast<double>(i) / rate_hz);
+    signal[i] += amplitude * std::sin(phase + 2.0 * std::numbers::pi * mains_hz *
+                                                  static_cast<double>(i) / rate_hz);
   }
 }
 
