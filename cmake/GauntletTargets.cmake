@@ -6,16 +6,19 @@ target_compile_features(gauntlet_options INTERFACE cxx_std_20)
 target_compile_options(gauntlet_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
 set(GAUNTLET_SANITIZER_FLAGS "")
 if(GAUNTLET_SANITIZE STREQUAL "address")
-  # vptr asks the system for a pipe, which the process that reads a stranger's trace may not have.
-  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=address,undefined -fno-sanitize=vptr
-                               -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  # Fuzzers are told which branches an input takes. vptr asks the system for a pipe, which the process
+  # that reads a stranger's trace may not have.
+  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize=vptr
+      -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+      -fsanitize-coverage-ignorelist=${PROJECT_SOURCE_DIR}/tests/fuzz/uncovered.txt
+      -D__SANITIZE_ADDRESS__)  # as GCC has it
 elseif(GAUNTLET_SANITIZE STREQUAL "thread")
-  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=thread)
-elseif(GAUNTLET_SANITIZE STREQUAL "fuzzer")
-  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
-      -fsanitize-coverage-ignorelist=${PROJECT_SOURCE_DIR}/tests/fuzz/uncovered.txt)
+  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=thread -D__SANITIZE_THREAD__)
 elseif(GAUNTLET_SANITIZE)
-  message(FATAL_ERROR "GAUNTLET_SANITIZE is ${GAUNTLET_SANITIZE}; it may be address, thread, fuzzer or empty")
+  message(FATAL_ERROR "GAUNTLET_SANITIZE is ${GAUNTLET_SANITIZE}; it may be address, thread or empty")
+endif()
+if(GAUNTLET_SANITIZE AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  message(FATAL_ERROR "GAUNTLET_SANITIZE needs clang++, which has the fuzzers and takes less time to build; this is ${CMAKE_CXX_COMPILER}")
 endif()
 list(JOIN GAUNTLET_SANITIZER_FLAGS " " GAUNTLET_SANITIZER_FLAG_LINE)  # for builds of other projects
 target_compile_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
@@ -23,20 +26,39 @@ target_link_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 option(GAUNTLET_UNITY_BUILD "Compile ten sources of a library or a test as one: a whole build takes a third less time" OFF)
 if(GAUNTLET_UNITY_BUILD)
   # Types of unnamed namespaces are in files that are included then, which is no mistake here.
-  set(CMAKE_UNITY_BUILD_BATCH_SIZE 10)
   target_compile_options(gauntlet_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
 
 # gauntlet_unite(<target> <file>...)
-# Compiles sources of the target as one, if such builds are wanted, but for these.
+# Compiles each ten sources of the target as one, if such builds are wanted. The files named here, whose
+# own names are those of other sources, are one by themselves; AND begins another one.
 function(gauntlet_unite target)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${GAUNTLET_UNITY_BUILD})
+  if(NOT GAUNTLET_UNITY_BUILD)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  list(REMOVE_ITEM sources ${ARGN})
+  set(number 0)
+  foreach(source IN LISTS sources)
+    math(EXPR group "${number} / 10")
+    math(EXPR number "${number} + 1")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+  endforeach()
+  set(group apart)
+  foreach(source IN LISTS ARGN)
+    if(source STREQUAL "AND")
+      string(APPEND group _too)
+    else()
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+    endif()
+  endforeach()
 endfunction()
 
-# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...] [APART <file>...] [EITHER])
+# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...] [APART <file>... [AND <file>...]...] [EITHER])
 # Makes the static library gauntlet_<folder>, included from the project's root.
-# APART: sources whose own names are those of another one, so that they cannot be compiled as one.
+# APART: sources whose own names are those of another one, so that they cannot be compiled as one: see
+# gauntlet_unite().
 # EITHER: static or shared, as BUILD_SHARED_LIBS says.
 set(GAUNTLET_SOURCE_DIR ${CMAKE_CURRENT_LIST_DIR}/..)
 cmake_path(NORMAL_PATH GAUNTLET_SOURCE_DIR)
@@ -59,7 +81,12 @@ set(GAUNTLET_TEST_OPTIONS $<$<CONFIG:Release>:-O1>
     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-array-bounds>
     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-use-after-free>)
 
-# gauntlet_add_test(<name> SOURCES <file>... LIBRARIES <target>... [APART <file>...])
+# With sanitizers the tests of most folders are not optimised, which halves the time of building them. Those
+# of these folders are, and without the precompiled header, which is not: they compute for longer than they
+# compile, also because templates that they share with a library are linked from the test.
+set(GAUNTLET_COMPUTING_TESTS calibrate controller glove hand loop paper score study trial)
+
+# gauntlet_add_test(<name> SOURCES <file>... LIBRARIES <target>... [APART <file>... [AND <file>...]...])
 # Makes a GoogleTest program whose cases CTest runs one by one. APART: as of gauntlet_add_library().
 function(gauntlet_add_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;APART" ${ARGN})
@@ -68,7 +95,11 @@ function(gauntlet_add_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} gauntlet_test_support GTest::gmock GTest::gtest_main gauntlet_options)
   target_compile_options(${name} PRIVATE ${GAUNTLET_TEST_OPTIONS})
-  target_precompile_headers(${name} REUSE_FROM gauntlet_test_support)
+  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
+  if(NOT GAUNTLET_SANITIZE OR NOT folder IN_LIST GAUNTLET_COMPUTING_TESTS)
+    target_compile_options(${name} PRIVATE $<$<BOOL:${GAUNTLET_SANITIZE}>:-O0>)
+    target_precompile_headers(${name} REUSE_FROM gauntlet_test_support)
+  endif()
   set(longest_s 240)
   if(GAUNTLET_SANITIZE)  # which makes everything several times slower
     set(longest_s 900)
@@ -77,11 +108,12 @@ function(gauntlet_add_test name)
 endfunction()
 
 # gauntlet_add_fuzzer(<name> MAX_BYTES <n> SOURCES <file>... LIBRARIES <target>...)
-# Makes fuzz_<name> of a source with LLVMFuzzerTestOneInput(). As a test it runs for half a minute, from
+# Makes fuzz_<name>, one of the target fuzzers, of a source with LLVMFuzzerTestOneInput(). As a test it runs for half a minute, from
 # the inputs in corpus/<name> and those that it found before.
 function(gauntlet_add_fuzzer name)
   cmake_parse_arguments(ARG "" "MAX_BYTES" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(fuzz_${name} ${ARG_SOURCES})
+  add_dependencies(fuzzers fuzz_${name})
   target_include_directories(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(fuzz_${name} PRIVATE ${ARG_LIBRARIES} gauntlet_options -fsanitize=fuzzer)
   set(found ${CMAKE_CURRENT_BINARY_DIR}/found/${name})

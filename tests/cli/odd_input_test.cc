@@ -47,7 +47,7 @@ class OddInput : public testing::Test {
     EXPECT_EQ(FileCount(), before);
     std::string line = result.standard_error;
     EXPECT_THAT(line, EndsWith("\n"));
-    line.resize(line.size() - std::min<std::size_t>(line.size(), 1));
+    if (!line.empty()) line.pop_back();
     EXPECT_LE(line.size(), 300u) << line;
     EXPECT_TRUE(std::ranges::none_of(line, [](char c) { return (c >= 0 && c < ' ') || c == 127; }))
         << line;
