@@ -10,7 +10,7 @@ if(GAUNTLET_SANITIZE STREQUAL "address")
   # that reads a stranger's trace may not have.
   set(GAUNTLET_SANITIZER_FLAGS -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize=vptr
       -fno-sanitize-recover=undefined -fno-omit-frame-pointer
-      -fsanitize-coverage-ignorelist=${PROJECT_SOURCE_DIR}/tests/fuzz/uncovered.txt
+      -fsanitize-coverage-ignorelist=${CMAKE_CURRENT_LIST_DIR}/../tests/fuzz/uncovered.txt
       -D__SANITIZE_ADDRESS__)  # as GCC has it
 elseif(GAUNTLET_SANITIZE STREQUAL "thread")
   set(GAUNTLET_SANITIZER_FLAGS -fsanitize=thread -D__SANITIZE_THREAD__)
@@ -108,8 +108,8 @@ function(gauntlet_add_test name)
 endfunction()
 
 # gauntlet_add_fuzzer(<name> MAX_BYTES <n> SOURCES <file>... LIBRARIES <target>...)
-# Makes fuzz_<name>, one of the target fuzzers, of a source with LLVMFuzzerTestOneInput(). As a test it runs for half a minute, from
-# the inputs in corpus/<name> and those that it found before.
+# Makes fuzz_<name>, one of the target fuzzers, of a source with LLVMFuzzerTestOneInput(). As a test it
+# runs for half a minute, from the inputs in corpus/<name> and those that it found before.
 function(gauntlet_add_fuzzer name)
   cmake_parse_arguments(ARG "" "MAX_BYTES" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(fuzz_${name} ${ARG_SOURCES})
