@@ -54,7 +54,8 @@ double Rms(const VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
-/// One log and the model's parameters with their bounds and the steps of its derivatives.
+/// One log and the model's parameters with their bounds and the steps of its derivatives; the
+/// offset needs none.
 class Problem : public LeastSquaresProblem {
  public:
   Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
@@ -78,7 +79,7 @@ class Problem : public LeastSquaresProblem {
     const bool narrow = parameters == kLooseParameters && command_.smooth;
     Bound(kDeadTime, 0.0, kLongestDelay_s, narrow ? kNarrow_s : kWide_s);
     Bound(kGain, 0.01, 100.0, 1e-4);
-    Bound(kOffset, -1e4, 1e4, 1e-3 * travel_deg);
+    Bound(kOffset, -1e4, 1e4);
     if (parameters == kShiftParameters) return;
     // Between two plays squares are rough: over less than rows tell, slopes are those of noise.
     const double play_step_deg = (parameters == kLooseParameters ? 2e-3 : 1e-4) * travel_deg;
@@ -105,6 +106,10 @@ class Problem : public LeastSquaresProblem {
     const bool loose = this->parameters() == kLooseParameters;
     const Index by_themselves = loose ? Index{kLostPlay} : this->parameters();
     for (Index i = 0; i < by_themselves; ++i) {
+      if (i == kOffset) {
+        result.col(i).setOnes();
+        continue;
+      }
       VectorXd below = parameters;
       VectorXd above = parameters;
       below[i] = std::max(below[i] - step_[i], low_[i]);
@@ -138,7 +143,7 @@ class Problem : public LeastSquaresProblem {
     return (Residual(below) - Residual(above)) / std::max(less + more, 1e-9);
   }
 
-  void Bound(Index parameter, double low, double high, double step) {
+  void Bound(Index parameter, double low, double high, double step = 0.0) {
     low_[parameter] = low;
     high_[parameter] = high;
     step_[parameter] = step;

@@ -1,6 +1,7 @@
 #include "sim/calibrate/chain_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -65,6 +66,38 @@ std::vector<double> HeldValues(std::span<const double> rows, Index steps,
   return values;
 }
 
+/// Where what has so much play around `middle` is, that was at `before`.
+double Dragged(double before, double middle, double play) {
+  return std::min(std::max(before, middle - play), middle + play);
+}
+
+/// What becomes in one step of: the angle, its change per step, what pushes it, and the change of
+/// that. As it stands, the angle is at once where it is pushed to.
+struct LagStep {
+  std::array<double, 4> angle = {0.0, 0.0, 1.0, 1.0};
+  std::array<double, 4> change = {};
+};
+
+/// Of inertia z'' + lag z' + z = q, exact where q goes in a line.
+LagStep LagStepOf(const ChainModel& model, double rate_hz) {
+  if (model.inertia_s2 <= 0.0 && model.lag_s <= 0.0) return {};
+  constexpr double kLeastInertia = 1e-4;  // a hundredth of a step; stands for a first order
+  const double inertia = std::max(model.inertia_s2 * rate_hz * rate_hz, kLeastInertia);
+  const double stiffness = 1.0 / inertia;
+  const double friction = model.lag_s * rate_hz / inertia;
+  Eigen::Matrix4d rate = Eigen::Matrix4d::Zero();
+  rate(0, 1) = 1.0;
+  rate.row(1) << -stiffness, -friction, stiffness, 0.0;
+  rate(2, 3) = 1.0;
+  const Eigen::Matrix4d step = rate.exp();
+  LagStep lag;
+  for (Index i = 0; i < step.cols(); ++i) {
+    lag.angle[i] = step(0, i);
+    lag.change[i] = step(1, i);
+  }
+  return lag;
+}
+
 }  // namespace
 
 FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
@@ -87,51 +120,34 @@ FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
 
 void SimulateChain(const ChainModel& model, const FineCommand& command,
                    std::span<double> angle_deg) {
-  const std::vector<double>& command_deg = command.values_deg;
-  const double rate_hz = command.rate_hz;
-  const Index steps = std::ssize(command_deg);
-  const double dead_samples = model.dead_time_s * rate_hz + command.late_steps;
+  const double dead_samples = model.dead_time_s * command.rate_hz + command.late_steps;
   const double whole = std::floor(dead_samples);
-  const auto dead = static_cast<Index>(whole);
   const double fraction = dead_samples - whole;
-  const auto at = [&](Index k) { return command_deg[std::max<Index>(k, 0)]; };
-  const auto delayed = [&](Index k) {
-    return model.gain * (at(k - dead) + fraction * (at(k - dead - 1) - at(k - dead)));
-  };
-  // One step of inertia z'' + lag z' + z = q, exact where q goes from `now` to `next` in a line.
-  // Of z, its change per step, q, and the change of q.
-  Eigen::Matrix4d step = Eigen::Matrix4d::Identity();
-  const bool at_once = model.inertia_s2 <= 0.0 && model.lag_s <= 0.0;
-  if (!at_once) {
-    constexpr double kLeastInertia = 1e-4;  // a hundredth of a step; stands for a first order
-    const double inertia = std::max(model.inertia_s2 * rate_hz * rate_hz, kLeastInertia);
-    const double stiffness = 1.0 / inertia;
-    const double friction = model.lag_s * rate_hz / inertia;
-    Eigen::Matrix4d rate = Eigen::Matrix4d::Zero();
-    rate(0, 1) = 1.0;
-    rate.row(1) << -stiffness, -friction, stiffness, 0.0;
-    rate(2, 3) = 1.0;
-    step = rate.exp();
-  }
-  double played = delayed(0);
+  const auto dead = static_cast<Index>(whole);
+  const LagStep lag = LagStepOf(model, command.rate_hz);
+  const double* arrived = command.values_deg.data();
+  double played = model.gain * *arrived;
   double angle = played;
   double change = 0.0;
-  double joint = angle;
-  for (Index k = 0; k < steps; ++k) {
-    const double wanted = delayed(k);
-    const double next = std::clamp(played, wanted - model.play_deg, wanted + model.play_deg);
-    if (at_once) {
-      angle = next;
-    } else {
-      const Eigen::Vector4d state = step * Eigen::Vector4d(angle, change, played, next - played);
-      angle = state[0];
-      change = state[1];
+  double joint = played;
+  Index step = 0;
+  for (std::size_t row = 0; row < angle_deg.size(); ++row) {
+    // All stands still until the second value arrives.
+    const Index last = static_cast<Index>(row) * command.steps_per_row;
+    for (step = std::max(step, dead + 1); step <= last; ++step) {
+      const double wanted = model.gain * (arrived[1] + fraction * (arrived[0] - arrived[1]));
+      ++arrived;
+      const double next = Dragged(played, wanted, model.play_deg);
+      const double push = next - played;
+      const double before = angle;
+      angle = lag.angle[2] * played + lag.angle[3] * push + lag.angle[0] * before +
+              lag.angle[1] * change;
+      change = lag.change[2] * played + lag.change[3] * push + lag.change[0] * before +
+               lag.change[1] * change;
+      played = next;
+      joint = Dragged(joint, angle, model.lost_play_deg);
     }
-    played = next;
-    joint = std::clamp(joint, angle - model.lost_play_deg, angle + model.lost_play_deg);
-    if (k % command.steps_per_row == 0) {
-      angle_deg[k / command.steps_per_row] = joint + model.offset_deg;
-    }
+    angle_deg[row] = joint + model.offset_deg;
   }
 }
 
