@@ -10,6 +10,7 @@ if(GAUNTLET_SANITIZE STREQUAL "address")
   # that reads a stranger's trace may not have.
   set(GAUNTLET_SANITIZER_FLAGS -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize=vptr
       -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+      -fsanitize-ignorelist=${CMAKE_CURRENT_LIST_DIR}/../tests/support/unchecked.txt
       -fsanitize-coverage-ignorelist=${CMAKE_CURRENT_LIST_DIR}/../tests/fuzz/uncovered.txt
       -D__SANITIZE_ADDRESS__)  # as GCC has it
 elseif(GAUNTLET_SANITIZE STREQUAL "thread")
