@@ -1,7 +1,7 @@
-# Builds controller/ by itself, static and shared, with Eigen alone, installs it, and builds a program of
-# somebody else against it: by all compilers that there are, in C++20 and 23, with warnings as errors.
-# So do the examples in C and Python. Called with -DSOURCE_DIR, -DWORK_DIR, -DCXX, and -DLAUNCHER and
-# -DPYTHON, which may be empty.
+# Builds controller/ by itself, shared, with Eigen alone, installs it, and builds a program of somebody else
+# against it, and against the static library of BUILD_DIR: by all compilers that there are, in C++20 and 23,
+# with warnings as errors. So do the examples in C and Python. Called with -DSOURCE_DIR, -DBUILD_DIR,
+# -DWORK_DIR, -DCXX, and -DLAUNCHER and -DPYTHON, which may be empty.
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 set(strict -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror)
@@ -48,16 +48,16 @@ function(commands variable)
   set(${variable} "${output}" PARENT_SCOPE)
 endfunction()
 
-foreach(shared OFF ON)
-  set(build ${WORK_DIR}/build_${shared})
-  set(prefix ${WORK_DIR}/prefix_${shared})
-  run(${CMAKE_COMMAND} -E chdir ${WORK_DIR}/source ${CMAKE_COMMAND} -S controller -B ${build} -G Ninja
-      -DBUILD_SHARED_LIBS=${shared} -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0
-      -DGAUNTLET_UNITY_BUILD=ON -DCMAKE_CXX_COMPILER=${CXX}
-      -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_INSTALL_LIBDIR=lib
-      -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON)
-  run(${CMAKE_COMMAND} --build ${build})
-  run(${CMAKE_COMMAND} --install ${build} --prefix ${prefix})
+run(${CMAKE_COMMAND} -E chdir ${WORK_DIR}/source ${CMAKE_COMMAND} -S controller -B ${WORK_DIR}/build -G Ninja
+    -DBUILD_SHARED_LIBS=ON -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0
+    -DGAUNTLET_UNITY_BUILD=ON -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
+    -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON)
+run(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
+run(${CMAKE_COMMAND} --install ${WORK_DIR}/build --prefix ${WORK_DIR}/shared)
+run(${CMAKE_COMMAND} --install ${BUILD_DIR}/controller --prefix ${WORK_DIR}/static --component controller)
+
+foreach(kind static shared)
+  set(prefix ${WORK_DIR}/${kind})
   foreach(file include/gauntlet/controller/controller.h share/doc/gauntlet-controller/LICENSE
                lib/cmake/gauntlet/gauntletConfig.cmake lib/pkgconfig/gauntlet-controller.pc)
     if(NOT EXISTS ${prefix}/${file})
@@ -89,15 +89,15 @@ foreach(shared OFF ON)
                   COMMAND_ERROR_IS_FATAL ANY)
   separate_arguments(libraries UNIX_COMMAND "${libraries}")
   run(${c_compiler} -std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror ${flags}
-      ${examples}/07_from_c.c -o ${WORK_DIR}/from_c_${shared} ${libraries} -Wl,-rpath,${prefix}/lib)
-  commands(from_c_${shared} ${WORK_DIR}/from_c_${shared} ${examples}/robot.txt)
+      ${examples}/07_from_c.c -o ${WORK_DIR}/from_c_${kind} ${libraries} -Wl,-rpath,${prefix}/lib)
+  commands(from_c_${kind} ${WORK_DIR}/from_c_${kind} ${examples}/robot.txt)
 endforeach()
-if(NOT from_c_OFF STREQUAL from_c_ON)
+if(NOT from_c_static STREQUAL from_c_shared)
   message(FATAL_ERROR "static and shared give other commands")
 endif()
 
 # The shared library has exactly the functions of the C header, beside those of C++.
-set(library ${WORK_DIR}/prefix_ON/lib/libgauntlet_controller.so)
+set(library ${WORK_DIR}/shared/lib/libgauntlet_controller.so)
 execute_process(COMMAND nm -D --defined-only --format=just-symbols ${library}
                 OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "[^\n]+" symbols "${symbols}")
@@ -113,8 +113,8 @@ endif()
 
 if(PYTHON)
   commands(from_python ${PYTHON} ${examples}/08_from_python.py ${library} ${examples}/robot.txt)
-  if(NOT from_python STREQUAL from_c_ON)
-    message(FATAL_ERROR "other commands from Python:\n${from_python}\nthan from C:\n${from_c_ON}")
+  if(NOT from_python STREQUAL from_c_shared)
+    message(FATAL_ERROR "other commands from Python:\n${from_python}\nthan from C:\n${from_c_shared}")
   endif()
 else()
   message("not tried: there is no python3")
@@ -122,9 +122,9 @@ endif()
 
 # The static library can be part of somebody's shared object: a plug-in, a ROS node.
 run(${CXX} -shared -o ${WORK_DIR}/plugin.so -Wl,--whole-archive
-    ${WORK_DIR}/prefix_OFF/lib/libgauntlet_controller.a -Wl,--no-whole-archive)
+    ${WORK_DIR}/static/lib/libgauntlet_controller.a -Wl,--no-whole-archive)
 # The shared one has the version in its name.
-execute_process(COMMAND readelf -d ${WORK_DIR}/prefix_ON/lib/libgauntlet_controller.so
+execute_process(COMMAND readelf -d ${WORK_DIR}/shared/lib/libgauntlet_controller.so
                 OUTPUT_VARIABLE dynamic COMMAND_ERROR_IS_FATAL ANY)
 if(NOT dynamic MATCHES "soname: \\[libgauntlet_controller.so.[0-9]+.[0-9]+\\]")
   message(FATAL_ERROR "no version in its soname:\n${dynamic}")
