@@ -114,6 +114,7 @@ endfunction()
 function(gauntlet_add_fuzzer name)
   cmake_parse_arguments(ARG "" "MAX_BYTES" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(fuzz_${name} ${ARG_SOURCES})
+  gauntlet_unite(fuzz_${name})
   add_dependencies(fuzzers fuzz_${name})
   target_include_directories(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(fuzz_${name} PRIVATE ${ARG_LIBRARIES} gauntlet_options -fsanitize=fuzzer)
@@ -123,5 +124,6 @@ function(gauntlet_add_fuzzer name)
     COMMAND fuzz_${name} -seed=1 -max_total_time=30 -max_len=${ARG_MAX_BYTES} -timeout=20
             -close_fd_mask=3 -print_final_stats=1 -artifact_prefix=${found}/ ${found}
             ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${name})
-  set_tests_properties(fuzz_${name} PROPERTIES TIMEOUT 240)
+  # COST: they start first, so that none of them is left alone at the end.
+  set_tests_properties(fuzz_${name} PROPERTIES TIMEOUT 240 COST 30)
 endfunction()
