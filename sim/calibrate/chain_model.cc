@@ -123,18 +123,16 @@ void SimulateChain(const ChainModel& model, const FineCommand& command,
   const double dead_samples = model.dead_time_s * command.rate_hz + command.late_steps;
   const double whole = std::floor(dead_samples);
   const double fraction = dead_samples - whole;
-  const auto dead = static_cast<Index>(whole);
   const LagStep lag = LagStepOf(model, command.rate_hz);
   const double* arrived = command.values_deg.data();
   double played = model.gain * *arrived;
   double angle = played;
   double change = 0.0;
   double joint = played;
-  Index step = 0;
+  Index step = static_cast<Index>(whole) + 1;  // until the second value arrives all stands still
   for (std::size_t row = 0; row < angle_deg.size(); ++row) {
-    // All stands still until the second value arrives.
     const Index last = static_cast<Index>(row) * command.steps_per_row;
-    for (step = std::max(step, dead + 1); step <= last; ++step) {
+    for (; step <= last; ++step) {
       const double wanted = model.gain * (arrived[1] + fraction * (arrived[0] - arrived[1]));
       ++arrived;
       const double next = Dragged(played, wanted, model.play_deg);
