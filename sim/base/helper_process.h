@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <shared_mutex>
 #include <span>
@@ -87,5 +89,9 @@ class HelperProcess {
 /// For the work of a helper that has opened its file: from now on no other can be opened, by
 /// whatever name the file has for it.
 void OpenNoMoreFiles();
+
+/// The same for files outside these folders.
+/// Errors: UserError where the system has no Landlock (Linux before 5.13).
+void ReadOnlyBelow(std::initializer_list<std::filesystem::path> folders);
 
 }  // namespace gauntlet::sim

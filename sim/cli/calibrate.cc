@@ -13,11 +13,11 @@
 #include "controller/calibration/predictor_fit.h"
 #include "controller/linearisation/linearisation.h"
 #include "controller/prediction/prediction_config.h"
-#include "sim/base/atomic_file.h"
 #include "sim/base/channels.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/output_file.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/calibration.h"
 #include "sim/cli/commands.h"
@@ -254,8 +254,8 @@ void RunPredictorFit(const CalibrateOptions& options) {
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
   const controller::PredictorFit fit = FitTo(recording, options);
   controller::PredictionConfig prediction = {fit.predictor};
-  if (target.has_parent_path()) MakeDirectory(target.parent_path());
-  WriteFileAtomically(
+  MakeDirectoryOf(target);
+  WriteOutputFile(
       target,
       "# Made by gauntlet calibrate --predictor: of a controller whose glove has the channels of\n"
       "# the recording, in its order.\n" +
@@ -278,11 +278,11 @@ void RunCalibrate(const CalibrateOptions& options) {
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
   CurveErrors errors;
   Calibration calibration = Calibrate(recording, options.calibration, errors);
-  if (target.has_parent_path()) MakeDirectory(target.parent_path());
-  WriteFileAtomically(target,
-                      "# Made by gauntlet calibrate. A controller of a scenario includes it: "
-                      "`calibration: FILE`.\n" +
-                          SettingsToYaml([&](auto& visitor) { calibration.Visit(visitor); }));
+  MakeDirectoryOf(target);
+  WriteOutputFile(target,
+                  "# Made by gauntlet calibrate. A controller of a scenario includes it: "
+                  "`calibration: FILE`.\n" +
+                      SettingsToYaml([&](auto& visitor) { calibration.Visit(visitor); }));
   if (options.json) {
     PrintJson(calibration, errors);
   } else {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <fstream>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/jobs_option.h"
@@ -68,6 +68,11 @@ std::string HashBefore(const SweepPlan& plan, const std::string& folder) {
   return HashOfSweep(plan);
 }
 
+OutputPlan In(const std::filesystem::path& folder, OutputPlan files) {
+  files.folder = folder;
+  return files;
+}
+
 /// Takes over the databases of shards; a folder stands for the study.db in it.
 void CollectShards(const std::vector<std::string>& places, SweepDatabase& database) {
   for (const std::filesystem::path place : places) {
@@ -93,12 +98,14 @@ void AddCellsOptions(CLI::App& command, CellsCommand& options) {
   AddTableOptions(command, options.terminal);
 }
 
-CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, const std::string& out)
+CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, const std::string& out,
+                         OutputPlan files)
     : plan_(plan),
       command_(command),
       cells_(CellsOf(plan, command)),
       hash_(HashBefore(plan, FolderOf(command, out))),
       folder_(FolderOf(command, out)),
+      files_(In(path(), std::move(files))),
       database_(path() / "study.db", hash_, plan.metrics) {
   const std::filesystem::path file = path() / "study.db";
   if (const std::int64_t known = database_.TrialCount(); known > 0) {
@@ -140,8 +147,8 @@ void CellsFolder::Run() {
   }
 }
 
-SweepSummary CellsFolder::WriteCells() {
-  AtomicFile table(path() / "cells.csv");
+SweepSummary CellsFolder::WriteCells(const std::filesystem::path& place) {
+  OutputFile table(place / "cells.csv");
   std::ofstream csv(table.temporary_path(), std::ios::binary);
   const auto write = [&csv](std::string_view text) { csv << text; };
   SweepSummary summary = SummariseSweep(plan_, database_, cells_, write, {});

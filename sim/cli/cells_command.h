@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/manifest.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/study/sweep_result.h"
@@ -27,14 +28,17 @@ void AddCellsOptions(CLI::App& command, CellsCommand& options);
 /// The folder of a sweep, locked, with its database and what shards have brought.
 class CellsFolder {
  public:
-  /// `out`: where no --out is given; that of a shard says which one it is.
+  /// `out`: where no --out is given; that of a shard says which one it is. `files`: what the
+  /// command writes there, without the folder.
   /// Errors: UserError, SettingError; RunError.
-  CellsFolder(const SweepPlan& plan, const CellsCommand& command, const std::string& out);
+  CellsFolder(const SweepPlan& plan, const CellsCommand& command, const std::string& out,
+              OutputPlan files);
 
   /// Runs what the database lacks, with forecast and progress. Errors: RunError, Cancelled.
   void Run();
-  /// Writes cells.csv.
-  SweepSummary WriteCells();
+  /// Writes cells.csv into a folder of files().
+  SweepSummary WriteCells(const std::filesystem::path& place);
+  OutputFiles& files() { return files_; }
 
   const std::filesystem::path& path() const { return folder_.path(); }
   const CellRange& cells() const { return cells_; }
@@ -47,6 +51,7 @@ class CellsFolder {
   CellRange cells_;
   std::string hash_;
   OutputFolder folder_;
+  OutputFiles files_;
   SweepDatabase database_;
 };
 

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/manifest.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/output_file.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
@@ -16,7 +17,6 @@
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
-#include "sim/study/manifest.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
@@ -80,13 +80,13 @@ void RunExport(const ExportOptions& options) {
   WarnIfUnchecked(options.folder, manifest.exists());
   WarnIfMadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");
   const std::filesystem::path target = TargetOf(options);
-  if (target.has_parent_path()) MakeDirectory(target.parent_path());
+  MakeDirectoryOf(target);
   const controller::RobotConfig robot = RobotOf(scenario, hand, named.config);
   const RobotOrigin origin{.gauntlet_version = GAUNTLET_VERSION,
                            .scenario = scenario.name,
                            .controller = named.name,
                            .model_hash = hand.Hash()};
-  WriteFileAtomically(target, ContentOf(options, robot, origin));
+  WriteOutputFile(target, ContentOf(options, robot, origin));
   Say("wrote {}\n", target.string());
 }
 

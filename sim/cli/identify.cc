@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/manifest.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/chain_log.h"
@@ -35,6 +35,7 @@ struct IdentifyOptions {
   std::string from = "wearer";
   std::string out;  // empty: out/<log>.chain.yaml
   bool held = false;
+  bool force = false;
   bool json = false;
   TerminalOptions terminal;
 };
@@ -194,10 +195,6 @@ fs::path TargetOf(const IdentifyOptions& options) {
                                  : log.stem().string();
     return fs::path("out") / (stem + ".chain.yaml");
   }
-  std::error_code none;
-  if (fs::equivalent(options.out, options.log, none)) {
-    throw UserError({.place = "--out " + options.out, .problem = "is the log itself"});
-  }
   if (fs::path(options.out).extension() == ".html") {
     throw UserError({.place = "--out " + options.out,
                      .problem = "is the page's name, must be that of a YAML file beside it"});
@@ -214,35 +211,35 @@ fs::path BesideTarget(fs::path target, const std::string& ending) {
 
 void RunIdentify(const IdentifyOptions& options) {
   const fs::path target = TargetOf(options);
+  const fs::path hand = BesideTarget(target, ".hand.yaml");
+  const fs::path page = BesideTarget(target, ".html");
   ChainLog log = LoadLog(options);
+  MakeDirectoryOf(target);
+  OutputFiles files({.folder = target.parent_path(),
+                     .command = "identify",
+                     .manifest = BesideTarget(target, ".manifest.json").filename(),
+                     .results = {target.filename(), hand.filename(), page.filename()},
+                     .editable = {target.filename(), hand.filename()},
+                     .force = options.force});
   log.held = options.held;
   const std::vector<ChainFit> fits = FitChains(log);
   IdentifiedChain chain = MakeIdentifiedChain(log, fits);
   const std::string servo =
       log.from_wearer ? "" : ServoSettingsText(log, fits, HandModel(HandConfig()));
-  if (target.has_parent_path()) MakeDirectory(target.parent_path());
-  AtomicFile chain_file(target);
-  chain_file.Write(
+  const std::string chain_text =
       "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
       "expected_delay_ms\n# and friction_deg are for its joint_loop, dead_time_ms, lag_ms and "
       "natural_frequency_hz (of a log\n# that begins with commands) for its model_predictive; in "
       "the order of parts.\n# " +
       WhatHysteresisIs(fits) + "\n" +
-      SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); }));
-  std::string written = target.string();
-  std::optional<AtomicFile> servo_file;
-  if (!servo.empty()) {
-    servo_file.emplace(BesideTarget(target, ".hand.yaml"));
-    servo_file->Write(servo);
-    written += ", " + servo_file->target().string();
-  }
-  const fs::path page = BesideTarget(target, ".html");
-  AtomicFile page_file(page);
-  page_file.Write(ChainPage(log, fits, Table(log, fits, TerminalStyle::Unlimited())));
-  // None of them is there before all are whole.
-  chain_file.Commit();
-  if (servo_file) servo_file->Commit();
-  page_file.Commit();
+      SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); });
+  files.Write([&](const fs::path& place) {
+    WriteOutputFile(place / target.filename(), WithChecksum(chain_text));
+    if (!servo.empty()) WriteOutputFile(place / hand.filename(), WithChecksum(servo));
+    WriteOutputFile(place / page.filename(),
+                    ChainPage(log, fits, Table(log, fits, TerminalStyle::Unlimited())));
+  });
+  files.Commit();
   if (options.json) {
     PrintJson(log, fits);
   } else {
@@ -253,7 +250,8 @@ void RunIdentify(const IdentifyOptions& options) {
     Say("gauntlet: {}: {} missing values, straight lines go over them\n", log.name,
         log.values_missing);
   }
-  Say("wrote {} and {}\n", written, page.string());
+  Say("wrote {}, {}{}\n", target.string(), servo.empty() ? "" : hand.string() + ", ",
+      page.string());
 }
 
 }  // namespace
@@ -288,6 +286,7 @@ void AddIdentifyCommand(CLI::App& app) {
   command->add_flag("--held", options->held,
                     "each row's command held until the next row's [where the command steps at "
                     "every n-th row only]");
+  AddForceOption(*command, options->force);
   command->add_flag("--json", options->json, "print JSON instead of the table");
   AddTableOptions(*command, options->terminal);
   command->footer(

@@ -1,15 +1,18 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/inspect_hand.h"
+#include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
 #include "sim/inspect/inspection.h"
@@ -28,6 +31,7 @@ struct InspectOptions {
   std::string scenario;
   std::string plot;
   InspectionOptions inspection;
+  bool force = false;
   bool json = false;
 };
 
@@ -180,14 +184,23 @@ std::string SeenFrom(const fs::path& from, const fs::path& file) {
   return fs::absolute(file).lexically_proximate(folder).generic_string();
 }
 
-void Write(const std::string& target, const std::string& recording, const std::string& text) {
-  std::error_code none;
-  if (fs::equivalent(target, recording, none)) {
-    throw UserError({.place = target, .problem = "is the recording itself"});
+/// Errors: UserError, before anything is written, for a target that must stay.
+void CheckTargets(const std::string& map, const InspectOptions& options) {
+  const std::vector<std::string> targets = {map, options.scenario, options.plot};
+  for (const std::string& target : targets) {
+    if (target.empty()) continue;
+    RefuseInput(target);
+    if (std::ranges::count(targets, target) > 1) {
+      throw UserError({.place = target, .problem = "is the name of two outputs"});
+    }
   }
-  const fs::path folder = fs::path(target).parent_path();
-  if (!folder.empty()) MakeDirectory(folder);
-  WriteFileAtomically(target, text);
+  if (options.force) return;
+  for (const std::string& target : {map, options.scenario}) RefuseEdited(target);
+}
+
+void Write(const std::string& target, const std::string& text, bool force) {
+  MakeDirectoryOf(target);
+  WriteEditableFile(target, text, force);
   Say("wrote {}\n", target);
 }
 
@@ -196,22 +209,24 @@ void RunInspect(const InspectOptions& options) {
     PrintHand(options.file);
     return;
   }
+  std::string map = options.map;
+  if (map.empty() && !options.scenario.empty()) {
+    map = fs::path(options.scenario).replace_extension(".map.csv").string();
+  }
   const Inspection inspection = Inspect(options.file, options.inspection);
+  CheckTargets(map, options);
   if (options.json) {
     PrintJson(inspection);
   } else {
     PrintInspection(inspection);
   }
   FlushOutput();
-  std::string map = options.map;
-  if (map.empty() && !options.scenario.empty()) {
-    map = fs::path(options.scenario).replace_extension(".map.csv").string();
-  }
-  if (!map.empty()) Write(map, options.file, StarterMap(inspection));
+  if (!map.empty()) Write(map, StarterMap(inspection), options.force);
   if (!options.scenario.empty()) {
-    Write(options.scenario, options.file,
+    Write(options.scenario,
           StarterScenario(inspection, SeenFrom(options.scenario, options.file),
-                          SeenFrom(options.scenario, map)));
+                          SeenFrom(options.scenario, map)),
+          options.force);
     if (!options.json) Print("\nNext: gauntlet compare {}\n", options.scenario);
   }
   if (!options.plot.empty()) {
@@ -251,6 +266,7 @@ void AddInspectCommand(CLI::App& app) {
                    "the glove whose sensors the columns are, in its order, as cyberglove22, or a "
                    "column map with numbers [by names]")
       ->type_name("NAME");
+  AddForceOption(*command, options->force);
   command->add_flag("--json", options->json, "print JSON instead of the table");
   command->footer(
       "\nThe file is known by its bytes. Of a file above 1 GB the beginning is read. Noise is "

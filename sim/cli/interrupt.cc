@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "sim/base/atomic_file.h"
+#include "sim/base/output_file.h"
 #include "sim/base/stop.h"
 #include "sim/cli/standard_streams.h"
 

@@ -10,6 +10,7 @@
 
 #include "controller/settings.h"
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/signal_storage.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
@@ -57,6 +58,12 @@ int Run(int argc, char** argv) {
   sim::AddIdentifyCommand(app);
   sim::AddReproduceCommand(app);
   sim::AddListCommand(app);
+  // Options of all commands stand behind the command, too.
+  app.add_option_function<std::string>("--inside", sim::ReadOnlyInside,
+                                       "read no file outside this folder (and Gauntlet's own), "
+                                       "for scenarios of other people")
+      ->type_name("DIR");
+  for (CLI::App* command : app.get_subcommands({})) command->fallthrough();
   int exit_code = 0;
   if (argc > 1 && std::string_view(argv[1]) == "--complete") {  // what shells ask
     sim::PrintText(sim::Completions(app, {argv + 2, argv + argc}));

@@ -12,4 +12,8 @@ CLI::Option* AddOutOption(CLI::App& command, std::string& out, const std::string
       ->check(CLI::Validator(problem, ""));
 }
 
+void AddForceOption(CLI::App& command, bool& force) {
+  command.add_flag("--force", force, "also replace files that were edited since they were written");
+}
+
 }  // namespace gauntlet::sim

@@ -10,4 +10,7 @@ namespace gauntlet::sim {
 CLI::Option* AddOutOption(CLI::App& command, std::string& out, const std::string& help,
                           const std::string& type_name);
 
+/// --force, of a command that writes files that people edit.
+void AddForceOption(CLI::App& command, bool& force);
+
 }  // namespace gauntlet::sim

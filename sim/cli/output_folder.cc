@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 
 namespace gauntlet::sim {
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/manifest.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/controllers_option.h"
@@ -20,7 +21,6 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/study/manifest.h"
 #include "sim/video/render_folder.h"
 
 namespace gauntlet::sim {

@@ -2,9 +2,10 @@
 #include <algorithm>
 #include <memory>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/manifest.h"
+#include "sim/base/output_file.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/jobs_option.h"
 #include "sim/cli/out_option.h"
@@ -12,7 +13,6 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/paper/paper_page.h"
-#include "sim/study/manifest.h"
 #include "sim/study/study_files.h"
 
 namespace gauntlet::sim {
@@ -37,15 +37,15 @@ void Reproduce(const ReproduceOptions& options) {
   }();
   experiment.finished.folder = folder.path();
   const std::vector<PaperFigure> figures = PaperFigures(experiment);
-  OutputFiles files(folder.path());
+  OutputFiles files({.folder = folder.path(), .command = "reproduce"});
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, experiment.finished, false);
     for (const PaperFigure& figure : figures) {
       for (const PaperChart& chart : figure.charts) {
-        WriteFileAtomically(place / chart.file, chart.svg);
+        WriteOutputFile(place / chart.file, chart.svg);
       }
     }
-    WriteFileAtomically(place / "reproduce.html", PaperPage(experiment, figures));
+    WriteOutputFile(place / "reproduce.html", PaperPage(experiment, figures));
   });
   files.Commit();
   folder.Keep();

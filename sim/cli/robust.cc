@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 #include "sim/cli/cells_command.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/controllers_option.h"
@@ -31,27 +31,36 @@ void RunRobustCommand(const RobustCommand& command) {
   RobustPlan plan = MakeRobustPlan(
       {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
       command.robust);
-  CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust");
-  WriteFileAtomically(folder.path() / "scenario.resolved.yaml",
-                      ScenarioToYaml(ParseScenario(plan.sweep.scenario), folder.path()));
+  CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust",
+                     {.folder = {},
+                      .command = "robust",
+                      .results = {"scenario.resolved.yaml", "cells.csv", "robust.csv",
+                                  "tornado.csv", "report.html"}});
   // Commands that repeat a hand begin with what every controller is, whatever the glove.
   plan.sweep.file.scenario = (folder.path() / "scenario.resolved.yaml").string();
   folder.Run();
-  folder.WriteCells();
-  std::string written = "scenario.resolved.yaml, cells.csv, study.db";
-  if (folder.is_shard()) {
+  std::optional<RobustResult> result;
+  if (!folder.is_shard()) result = ConcludeRobust(plan, folder.database());
+  folder.files().Write([&](const std::filesystem::path& place) {
+    WriteOutputFile(place / "scenario.resolved.yaml",
+                    ScenarioToYaml(ParseScenario(plan.sweep.scenario), folder.path()));
+    folder.WriteCells(place);
+    if (!result) return;
+    WriteOutputFile(place / "robust.csv", RobustCsv(*result));
+    WriteOutputFile(place / "tornado.csv", TornadoCsv(plan, *result));
+    WriteOutputFile(place / "report.html",
+                    RobustPage(plan, folder.database(), *result,
+                               RobustTable(plan, *result, TerminalStyle::Unlimited())));
+  });
+  folder.files().Commit();
+  const std::string written = "scenario.resolved.yaml, cells.csv, study.db, manifest.json";
+  if (!result) {
     Say("wrote {}: {}; --collect takes all shards together and concludes\n", folder.path().string(),
         written);
     return;
   }
-  const RobustResult result = ConcludeRobust(plan, folder.database());
-  WriteFileAtomically(folder.path() / "robust.csv", RobustCsv(result));
-  WriteFileAtomically(folder.path() / "tornado.csv", TornadoCsv(plan, result));
-  WriteFileAtomically(folder.path() / "report.html",
-                      RobustPage(plan, folder.database(), result,
-                                 RobustTable(plan, result, TerminalStyle::Unlimited())));
-  PrintText(command.json ? RobustJson(plan, result)
-                         : RobustTable(plan, result, StyleOf(command.cells.terminal)));
+  PrintText(command.json ? RobustJson(plan, *result)
+                         : RobustTable(plan, *result, StyleOf(command.cells.terminal)));
   FlushOutput();
   Say("wrote {}: report.html, robust.csv, tornado.csv, {}\n", folder.path().string(), written);
 }

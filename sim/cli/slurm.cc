@@ -12,9 +12,9 @@
 #include <sstream>
 #include <system_error>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/child_process.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 #include "sim/base/text.h"
 
 namespace gauntlet::sim {
@@ -155,11 +155,11 @@ std::vector<int> QueuedShards(const SlurmArray& array) {
 std::string SubmitShards(const SlurmArray& array, const std::vector<int>& shards) {
   fs::create_directories(array.folder);
   const fs::path script = array.folder / "sweep.sbatch";
-  WriteFileAtomically(script, SlurmScript(array, shards));
+  WriteOutputFile(script, SlurmScript(array, shards));
   const Said said = Ask({"sbatch", "--parsable", script.string()});
   if (!said.is_good()) throw RunError("sbatch: " + said.FirstLine());
   std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
-  WriteFileAtomically(array.folder / "jobs.txt", ReadText(array.folder / "jobs.txt") + job + "\n");
+  WriteOutputFile(array.folder / "jobs.txt", ReadText(array.folder / "jobs.txt") + job + "\n");
   return job;
 }
 

@@ -9,11 +9,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/manifest.h"
 #include "sim/base/mathematics.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/output_file.h"
 #include "sim/base/signal_storage.h"
 #include "sim/base/stop.h"
 #include "sim/cli/controllers_option.h"
@@ -29,7 +30,6 @@
 #include "sim/scenario/scenario_files.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_reader.h"
-#include "sim/study/manifest.h"
 #include "sim/study/study_database.h"
 #include "sim/study/study_files.h"
 #include "sim/video/render_folder.h"
@@ -213,6 +213,10 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (options.video) CheckVideo(finished.study.scenario.controllers.size(), VideoOf(out));
   OutputFolder folder(out);
   finished.folder = folder.path();
+  OutputFiles files({.folder = folder.path(),
+                     .command = "run or compare",
+                     .results = {"report.html", "scores.json", "scores.csv", "trace.h5",
+                                 "scenario.resolved.yaml"}});
 
   std::optional<std::string> not_kept;
   finished.result = RunTrials(finished.study, options, folder.path(), not_kept);
@@ -223,10 +227,9 @@ void RunStudyCommand(const StudyCommand& asked) {
                                   [](const std::string& line) { Say("gauntlet: {}\n", line); });
   }
   finished.smoothing = RankBySmoothing(finished.study, finished.result);
-  OutputFiles files(folder.path());
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, finished, options.csv);
-    WriteFileAtomically(
+    WriteOutputFile(
         place / "report.html",
         ReportPage(finished, {.exists = options.video,
                               .motion_starts_s = MotionStarts_s(finished.study.scenario)}));

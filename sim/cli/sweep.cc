@@ -4,9 +4,9 @@
 #include <memory>
 #include <numeric>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 #include "sim/base/text.h"
 #include "sim/cli/cells_command.h"
 #include "sim/cli/commands.h"
@@ -131,13 +131,18 @@ void RunSweepCommand(const SweepCommand& command) {
   const SweepPlan plan = LoadSweepPlan(OwnOrDataFile(command.file), overrides);
   CheckSize(plan, command);
   if (command.slurm) return SubmitSweep(command, plan);
-  CellsFolder folder(plan, command.cells, "out/" + plan.file.name);
+  CellsFolder folder(plan, command.cells, "out/" + plan.file.name,
+                     {.folder = {}, .command = "sweep", .results = {"report.html", "cells.csv"}});
   folder.Run();
-  const SweepSummary summary = folder.WriteCells();
+  SweepSummary summary;
   const Response response = ReadResponse(plan, folder.database(), folder.cells());
-  WriteFileAtomically(folder.path() / "report.html",
-                      SweepPage(plan, folder.database(), folder.cells(), summary, response,
-                                SweepTable(plan, summary, response, TerminalStyle::Unlimited())));
+  folder.files().Write([&](const std::filesystem::path& place) {
+    summary = folder.WriteCells(place);
+    WriteOutputFile(place / "report.html",
+                    SweepPage(plan, folder.database(), folder.cells(), summary, response,
+                              SweepTable(plan, summary, response, TerminalStyle::Unlimited())));
+  });
+  folder.files().Commit();
   if (command.json) {
     Print("{{\n{},\n \"cells\": ", SweepJsonHead(plan, summary));
     SummariseSweep(plan, folder.database(), folder.cells(), {},
@@ -147,7 +152,7 @@ void RunSweepCommand(const SweepCommand& command) {
     PrintText(SweepTable(plan, summary, response, StyleOf(command.cells.terminal)));
   }
   FlushOutput();
-  Say("wrote {}: report.html, cells.csv, study.db\n", folder.path().string());
+  Say("wrote {}: report.html, cells.csv, study.db, manifest.json\n", folder.path().string());
   if (summary.results == 0) throw RunError("no cell has scores: " + summary.first_problem);
 }
 

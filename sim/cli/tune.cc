@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <memory>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/manifest.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/output_file.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/jobs_option.h"
@@ -40,6 +41,7 @@ struct TuneCommand {
   int jobs = 0;
   bool all = false;
   bool filter_only = false;
+  bool force = false;
   bool json = false;
   TerminalOptions terminal;
 };
@@ -134,17 +136,32 @@ std::string IncludeText(const std::filesystem::path& file) {
   return fmt::format("in a scenario, controllers: {{tuned: !include {}}}", file.string());
 }
 
+OutputFiles FilesOf(const std::vector<std::string>& controllers, const TuneCommand& asked,
+                    const OutputFolder& folder) {
+  OutputPlan plan{.folder = folder.path(),
+                  .command = "tune",
+                  .results = {"tune.csv", "report.html"},
+                  .force = asked.force};
+  for (const std::string& name : controllers) plan.editable.push_back(name + ".yaml");
+  plan.results.insert(plan.results.end(), plan.editable.begin(), plan.editable.end());
+  return OutputFiles(std::move(plan));
+}
+
 void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folder) {
+  OutputFiles files = FilesOf({plan.controller}, asked, folder);
   const TuneResult result = [&] {
     Progress progress(fmt::format("{} settings", plan.evaluations));
     return Tune(plan, JobsOrCores(asked.jobs),
                 [&](double done, double all) { return progress.Update(done, all); });
   }();
   const std::filesystem::path yaml = folder.path() / (plan.controller + ".yaml");
-  WriteFileAtomically(yaml, ControllerYaml(result.controller));
-  WriteFileAtomically(folder.path() / "tune.csv", TuneCsv(plan, result));
-  WriteFileAtomically(folder.path() / "report.html",
-                      TunePage(plan, result, TuneTable(plan, result, TerminalStyle::Unlimited())));
+  files.Write([&](const std::filesystem::path& place) {
+    WriteOutputFile(place / yaml.filename(), WithChecksum(ControllerYaml(result.controller)));
+    WriteOutputFile(place / "tune.csv", TuneCsv(plan, result));
+    WriteOutputFile(place / "report.html",
+                    TunePage(plan, result, TuneTable(plan, result, TerminalStyle::Unlimited())));
+  });
+  files.Commit();
   folder.Keep();
   PrintText(asked.json ? TuneJson(plan, result) : TuneTable(plan, result, StyleOf(asked.terminal)));
   FlushOutput();
@@ -157,20 +174,26 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
 }
 
 void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folder) {
+  std::vector<std::string> names;
+  for (const auto& kind : controller::FilterKinds()) names.emplace_back(kind.name);
+  OutputFiles files = FilesOf(names, asked, folder);
   const std::vector<TunedKind> kinds = [&] {
     Progress progress("kinds of filters");
     return TuneAll(plan, JobsOrCores(asked.jobs),
                    [&](double done, double all) { return progress.Update(done, all); });
   }();
-  for (const TunedKind& tuned : kinds) {
-    if (!tuned.has_answer()) continue;
-    WriteFileAtomically(folder.path() / (tuned.kind + ".yaml"),
-                        ControllerYaml(tuned.result.controller));
-  }
-  WriteFileAtomically(folder.path() / "tune.csv", TuneAllCsv(kinds));
-  WriteFileAtomically(
-      folder.path() / "report.html",
-      TuneAllPage(plan, kinds, TuneAllTable(plan, kinds, TerminalStyle::Unlimited())));
+  files.Write([&](const std::filesystem::path& place) {
+    for (const TunedKind& tuned : kinds) {
+      if (!tuned.has_answer()) continue;
+      WriteOutputFile(place / (tuned.kind + ".yaml"),
+                      WithChecksum(ControllerYaml(tuned.result.controller)));
+    }
+    WriteOutputFile(place / "tune.csv", TuneAllCsv(kinds));
+    WriteOutputFile(
+        place / "report.html",
+        TuneAllPage(plan, kinds, TuneAllTable(plan, kinds, TerminalStyle::Unlimited())));
+  });
+  files.Commit();
   folder.Keep();
   PrintText(asked.json ? TuneAllJson(plan, kinds)
                        : TuneAllTable(plan, kinds, StyleOf(asked.terminal)));
@@ -236,6 +259,7 @@ void AddTuneCommand(CLI::App& app) {
   command->add_flag("--filter-only", options->filter_only,
                     "without a hand: score what the filters give");
   AddOutOption(*command, options->out, "output folder [out/<scenario>.tune]", "DIR");
+  AddForceOption(*command, options->force);
   command->add_flag("--json", options->json, "print JSON instead of the table");
   AddTableOptions(*command, options->terminal);
   command->footer(

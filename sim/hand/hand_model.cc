@@ -12,11 +12,13 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/helper_process.h"
+#include "sim/base/input_file.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/hand/assembly_error.h"
 #include "sim/hand/cable_geometry.h"
+#include "sim/hand/model_files.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/stability.h"
 
@@ -32,10 +34,6 @@ std::filesystem::path ModelPath(const HandConfig& config) {
 }
 
 mjModel* LoadModel(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) {
-    throw UserError({.key = "hand.model_path", .problem = "no regular file " + path.string()});
-  }
   char message[1000] = "";
   mjModel* model = nullptr;
   try {
@@ -55,7 +53,14 @@ mjModel* LoadModel(const std::filesystem::path& path) {
 void TryModel(const std::filesystem::path& path) {
   constexpr HelperLimits kLimits = {
       .processor_s = 20.0, .memory_bytes = std::size_t{2} << 30, .silence_s = 30};
-  const auto load = [&path](const HelperProcess::Send&) {
+  try {
+    TakeModelFiles(path);
+  } catch (const UserError& error) {
+    throw UserError({.key = "hand.model_path", .problem = error.what()});
+  }
+  const std::filesystem::path root = InputRoot();
+  const auto load = [&path, &root](const HelperProcess::Send&) {
+    if (!root.empty()) ReadOnlyBelow({root, DataFolder("models")});
     try {
       mj_deleteModel(LoadModel(path));
     } catch (const std::bad_alloc&) {

@@ -296,12 +296,6 @@ std::vector<std::size_t> Inspection::MappedColumns() const {
 Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& options) {
   Inspection inspection;
   inspection.file = file.string();
-  std::error_code unreadable;
-  if (!std::filesystem::is_regular_file(file, unreadable)) {
-    throw UserError({.place = file.empty() ? "''" : file.string(),
-                     .problem = std::filesystem::exists(file, unreadable) ? "is not a regular file"
-                                                                          : "no such file"});
-  }
   inspection.format = FormatOfFile(file);
   inspection.file_bytes = std::filesystem::file_size(file);
   inspection.array = options.array;

@@ -13,6 +13,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/text.h"
 #include "sim/recordings/missing.h"
 #include "sim/recordings/time_columns.h"
@@ -276,13 +277,13 @@ char SeparatorOf(std::string_view text) {
 }
 
 CsvReader::Source FileSource(const std::filesystem::path& path) {
-  const std::shared_ptr<std::FILE> file(std::fopen(path.c_str(), "rb"), [](std::FILE* open) {
-    if (open != nullptr) std::fclose(open);
-  });
-  std::error_code ignored;
-  if (file == nullptr || std::filesystem::is_directory(path, ignored)) {
-    const char* const reason = std::strerror(file == nullptr ? errno : EISDIR);
-    throw UserError({.place = path.string(), .problem = fmt::format("cannot open: {}", reason)});
+  const std::shared_ptr<std::FILE> file(
+      std::fopen(InputFile(path).c_str(), "rb"), [](std::FILE* open) {
+        if (open != nullptr) std::fclose(open);
+      });
+  if (file == nullptr) {
+    throw UserError({.place = path.string(),
+                     .problem = fmt::format("cannot be read: {}", std::strerror(errno))});
   }
   std::setvbuf(file.get(), nullptr, _IONBF, 0);  // the reader has a buffer of its own
   return [file](char* buffer, std::size_t size) { return std::fread(buffer, 1, size, file.get()); };

@@ -138,10 +138,7 @@ FileFormat ReadableFormat(const fs::path& file) {
 }  // namespace
 
 CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
-  std::error_code unreadable;
-  // What has been looked at once, a pipe does not give again.
-  const FileFormat format =
-      fs::is_regular_file(file, unreadable) ? ReadableFormat(file) : FileFormat::kText;
+  const FileFormat format = ReadableFormat(file);
   if (!HasArrays(format)) {
     CsvReader::Source source = FileSource(file);
     if (!array.empty()) FailWithoutArrays(file, array);
@@ -155,8 +152,6 @@ CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
 }
 
 std::vector<ListedArray> ArraysIn(const fs::path& file, const std::string& array) {
-  std::error_code unreadable;
-  if (!fs::is_regular_file(file, unreadable)) return {};
   const FileFormat format = ReadableFormat(file);
   if (!HasArrays(format)) return {};
   HelperText helper(file, format, [&array](const auto& arrays, const auto& write) {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/text.h"
 #include "sim/glove/glove.h"
 #include "sim/settings/yaml_writer.h"
@@ -71,6 +72,7 @@ const YamlNode& MotionOf(const YamlNode& root) { return ChildOf(ChildOf(root, "g
 
 /// The files of a folder, or those that a pattern names, in the order of their names.
 std::vector<std::string> FilesOf(const std::filesystem::path& path) {
+  RefuseOutside(path);
   std::error_code none;
   const std::string pattern =
       std::filesystem::is_directory(path, none) ? (path / "*").string() : path.string();

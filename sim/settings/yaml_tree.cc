@@ -17,6 +17,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "sim/base/input_file.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 
@@ -101,12 +102,9 @@ std::string ReadYamlText(const std::filesystem::path& file) {
     throw UserError({.place = file.empty() ? "''" : file.string(), .problem = problem});
   };
   const auto fail_at_reading = [&fail](int error) {
-    if (error == EINTR) throw Cancelled();  // it waited for the other end of a pipe
-    if (error == ENOENT) fail("no such file");
-    if (error == EISDIR) fail("is a folder, must be a scenario file");
     fail(fmt::format("cannot be read: {}", std::strerror(error)));
   };
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = open(InputFile(file).c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) fail_at_reading(errno);
   std::string text(kMostBytes + 1, '\0');
   std::size_t size = 0;

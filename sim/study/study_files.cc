@@ -6,9 +6,9 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/json_number.h"
 #include "sim/base/mathematics.h"
+#include "sim/base/output_file.h"
 #include "sim/scenario/scenario_files.h"
 #include "sim/study/counted_parts.h"
 #include "sim/trial/trace_csv.h"
@@ -233,9 +233,9 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
     }
     trace_file.Commit();
   }
-  WriteFileAtomically(folder / "scenario.resolved.yaml", ResolvedScenario(finished));
-  WriteFileAtomically(folder / "scores.csv", ScoresCsv(result));
-  WriteFileAtomically(folder / "scores.json", ScoresJson(finished));
+  WriteOutputFile(folder / "scenario.resolved.yaml", ResolvedScenario(finished));
+  WriteOutputFile(folder / "scores.csv", ScoresCsv(result));
+  WriteOutputFile(folder / "scores.json", ScoresJson(finished));
 }
 
 }  // namespace gauntlet::sim

@@ -16,10 +16,10 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/manifest.h"
 #include "sim/base/text.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
-#include "sim/study/manifest.h"
 
 namespace gauntlet::sim {
 namespace {

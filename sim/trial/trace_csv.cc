@@ -8,8 +8,8 @@
 #include <functional>
 #include <iterator>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {
@@ -49,7 +49,7 @@ void WriteTraceCsv(const std::filesystem::path& target, const GloveSignal& glove
     if (matrix.cols() > 0) AddColumns(signal.name, names.Of(signal.columns), matrix, 1, columns);
   });
 
-  AtomicFile file(target);
+  OutputFile file(target);
   std::ofstream stream(file.temporary_path(), std::ios::binary);
   fmt::memory_buffer text;
   const auto write = [&] {

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <memory>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
+#include "sim/base/output_file.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {
@@ -205,7 +205,7 @@ struct TraceWriter::State {
     }
   }
   std::filesystem::path target;
-  AtomicFile atomic;
+  OutputFile atomic;
   TraceColumnNames names;
   double tick_rate_hz = 1000.0;
   std::vector<std::string> controllers;

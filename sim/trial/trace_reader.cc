@@ -10,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
+#include "sim/base/input_file.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {
@@ -340,15 +341,7 @@ TraceFile ReceiveTrace(const TraceReceiver::Receive& receive, std::uintmax_t fil
 
 TraceFile ReadTraceFile(const std::filesystem::path& file, const TraceReading& reading) {
   const std::string place = file.string();
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) {
-    throw UserError({.place = place, .problem = "no such file"});
-  }
-  if (!std::filesystem::is_regular_file(status)) {
-    throw UserError({.place = place, .problem = "is not a regular file"});
-  }
-  const std::uintmax_t size = std::filesystem::file_size(file);
+  const std::uintmax_t size = std::filesystem::file_size(InputFile(file));
 
   HelperLimits limits;
   limits.processor_s = reading.processor_s;

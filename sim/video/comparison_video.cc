@@ -7,8 +7,8 @@
 #include <numeric>
 #include <vector>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 #include "sim/video/comparison_picture.h"
 #include "sim/video/drawing_library.h"
 #include "sim/video/ghost.h"
@@ -131,7 +131,7 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
                           const std::function<bool(int, int)>& progress) {
   const ComparisonPicture picture(input);
   const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
-  AtomicFile file(target);
+  OutputFile file(target);
   const FrameRanges frames = FrameRangesOf(input, picture.clock());
   LoadDrawingLibrary();  // once for all processes
   const bool complete = DrawFramesInOrder(

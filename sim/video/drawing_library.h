@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 /// commands draw.
 struct DrawingLibrary {
   std::unique_ptr<OffScreenContext> (*open_context)();
-  std::unique_ptr<VideoEncoder> (*open_encoder)(const AtomicFile& file, const VideoFormat& format);
+  std::unique_ptr<VideoEncoder> (*open_encoder)(const OutputFile& file, const VideoFormat& format);
 };
 
 }  // namespace gauntlet::sim

@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
+#include "sim/base/manifest.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
-#include "sim/study/manifest.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_reader.h"
 #include "sim/video/comparison_video.h"

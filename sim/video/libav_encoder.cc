@@ -53,7 +53,7 @@ void CheckFormat(const VideoFormat& format) {
 
 class LibavEncoder final : public VideoEncoder {
  public:
-  LibavEncoder(const AtomicFile& file, const VideoFormat& format) : file_(file), settings_(format) {
+  LibavEncoder(const OutputFile& file, const VideoFormat& format) : file_(file), settings_(format) {
     if (settings_.encoder.empty()) {
       settings_.encoder = is_gif() ? "gif" : is_webm() ? "libvpx-vp9" : "libx264";
     }
@@ -212,7 +212,7 @@ class LibavEncoder final : public VideoEncoder {
   /// The writer remembers its first failure, a full disk for example.
   void CheckWritten() const { Check(container_->pb->error, "write"); }
 
-  const AtomicFile& file_;
+  const OutputFile& file_;
   VideoFormat settings_;
   AVCodecContext* codec_ = nullptr;
   AVFormatContext* container_ = nullptr;
@@ -225,7 +225,7 @@ class LibavEncoder final : public VideoEncoder {
 
 }  // namespace
 
-std::unique_ptr<VideoEncoder> OpenLibavEncoder(const AtomicFile& file, const VideoFormat& format) {
+std::unique_ptr<VideoEncoder> OpenLibavEncoder(const OutputFile& file, const VideoFormat& format) {
   av_log_set_level(AV_LOG_QUIET);
   CheckFormat(format);
   auto encoder = std::make_unique<LibavEncoder>(file, format);

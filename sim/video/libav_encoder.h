@@ -5,6 +5,6 @@
 namespace gauntlet::sim {
 
 /// OpenVideo() in the drawing library.
-std::unique_ptr<VideoEncoder> OpenLibavEncoder(const AtomicFile& file, const VideoFormat& format);
+std::unique_ptr<VideoEncoder> OpenLibavEncoder(const OutputFile& file, const VideoFormat& format);
 
 }  // namespace gauntlet::sim

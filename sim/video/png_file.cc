@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -32,7 +32,7 @@ void WritePng(const Image& image, const std::filesystem::path& target) {
     throw RunError(
         fmt::format("{}: cannot write: {}", target.string(), cairo_status_to_string(status)));
   }
-  WriteFileAtomically(target, content);
+  WriteOutputFile(target, content);
 }
 
 }  // namespace gauntlet::sim

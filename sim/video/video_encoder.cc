@@ -9,7 +9,7 @@ Container ContainerOf(const std::filesystem::path& file) {
   return file.extension() == ".webm" ? Container::kWebm : Container::kMp4;
 }
 
-std::unique_ptr<VideoEncoder> OpenVideo(const AtomicFile& file, const VideoFormat& format) {
+std::unique_ptr<VideoEncoder> OpenVideo(const OutputFile& file, const VideoFormat& format) {
   return LoadDrawingLibrary().open_encoder(file, format);
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/atomic_file.h"
+#include "sim/base/output_file.h"
 #include "sim/video/image.h"
 
 namespace gauntlet::sim {
@@ -53,6 +53,6 @@ class VideoEncoder {
 /// `file` must outlive the encoder.
 /// Errors: UserError for a size or rate that the file cannot have; RunError for a missing encoder
 /// (before anything is written), a missing folder, a full disk.
-std::unique_ptr<VideoEncoder> OpenVideo(const AtomicFile& file, const VideoFormat& format);
+std::unique_ptr<VideoEncoder> OpenVideo(const OutputFile& file, const VideoFormat& format);
 
 }  // namespace gauntlet::sim

@@ -156,22 +156,6 @@ TEST_F(SignalsTest, AreHeardWhileTheGlovesSignalOfAnHourIsMade) {
   }
 }
 
-TEST_F(SignalsTest, AreHeardWhileNothingComesFromASource) {
-  ASSERT_EQ(RunProgram({"mkfifo", (folder_.path() / "source").string()}).exit_code, 0);
-  for (const char* command : {"calibrate", "run"}) {
-    Program program(
-        {"/bin/sh", "-c", "exec 3<>source; exec " + kProgram + " " + command + " source"},
-        {.working_directory = folder_.path(), .timeout = std::chrono::seconds(20)});
-    ASSERT_TRUE(program.WaitForHandlerOf(SIGTERM));
-    std::this_thread::sleep_for(milliseconds(200));
-    program.SendSignal(SIGTERM);
-    EXPECT_EQ(program.Wait().exit_code, 143) << command;
-    EXPECT_EQ(program.Wait().standard_error,
-              "gauntlet: interrupted; nothing half-written was left\n");
-    EXPECT_EQ(Names(), std::vector<std::string>{"source"});
-  }
-}
-
 TEST_F(SignalsTest, WhatWasToBeIgnoredStaysSo) {
   std::string command = "trap '' HUP INT; echo started; exec";
   for (const std::string& word : Compare("out", 2)) command += " " + word;

@@ -79,7 +79,7 @@ TEST(HandSettings, AModelMustBeARegularFile) {
   const std::filesystem::path pipe = folder.path() / "hand.xml";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_EQ(Refusal([&](HandConfig& c) { c.model_path = pipe; }),
-            "hand.model_path: no regular file " + pipe.string());
+            "hand.model_path: " + pipe.string() + ": is a pipe, must be a regular file");
 }
 
 TEST(HandSettings, AMissingPartIsNamedWithItsNeighbour) {

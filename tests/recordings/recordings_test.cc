@@ -155,7 +155,7 @@ TEST_F(RecordingFile, GivesAnglesInRadiansUnderTheChannelsNames) {
 }
 
 TEST_F(RecordingFile, RejectsWhatCannotBeARecording) {
-  EXPECT_EQ(LoadError(), path_.string() + ": cannot open: No such file or directory");
+  EXPECT_EQ(LoadError(), path_.string() + ": no such file");
   Write("time_s,index_mpc\n0,1\n");
   EXPECT_EQ(LoadError(),
             path_.string() + ":1:2: unknown column 'index_mpc' (did you mean index_mcp?)");

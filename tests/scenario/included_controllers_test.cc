@@ -89,7 +89,7 @@ TEST_F(IncludeTest, AFileThatCannotBeReadIsOneLine) {
   EXPECT_EQ(Refusal("  one: !include none.yaml\n"),
             "s.yaml:3:8: controllers.one: !include none.yaml: no such file");
   EXPECT_EQ(Refusal("  one: !include .\n"),
-            "s.yaml:3:8: controllers.one: !include .: is a folder, must be a scenario file");
+            "s.yaml:3:8: controllers.one: !include .: is a folder, must be a regular file");
   EXPECT_EQ(Refusal("  one: !include\n"), "s.yaml:3:8: controllers.one: !include names no file");
   Write("huge.yaml", "filter: " + std::string(4'000'000, 'x'));
   EXPECT_THAT(Refusal("  one: !include huge.yaml\n"),

@@ -2,16 +2,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
-#include <atomic>
-#include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include "sim/base/error.h"
 #include "sim/settings/setting_rows.h"
@@ -231,41 +225,13 @@ TEST_F(YamlReaderTest, WhatCannotBeReadSaysWhy) {
   const std::filesystem::path loop = folder.path() / "loop";
   std::filesystem::create_symlink("loop", loop);
   EXPECT_THAT(problem(loop), EndsWith("loop: cannot be read: Too many levels of symbolic links"));
-  EXPECT_THAT(problem(folder.path()), EndsWith(": is a folder, must be a scenario file"));
+  EXPECT_THAT(problem(folder.path()), EndsWith(": is a folder, must be a regular file"));
   EXPECT_THAT(problem(folder.path() / "none"), EndsWith("none: no such file"));
   EXPECT_THAT(problem(folder.path() / std::string(300, 'x')), EndsWith("File name too long"));
   EXPECT_EQ(problem(""), "'': no such file");
-  EXPECT_EQ(problem("/dev/zero"), "/dev/zero: has more than 4 MB, is no scenario file");
-}
-
-TEST_F(YamlReaderTest, AFileMayBeAPipe) {
-  const test::TemporaryDirectory folder;
-  const std::filesystem::path pipe = folder.path() / "pipe";
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  std::thread writer([&pipe] { std::ofstream(pipe) << "title: through a pipe\n"; });
-  EXPECT_EQ(ReadYamlText(pipe), "title: through a pipe\n");
-  writer.join();
-}
-
-TEST_F(YamlReaderTest, AnInterruptEndsTheWaitForAPipe) {
-  const test::TemporaryDirectory folder;
-  const std::filesystem::path pipe = folder.path() / "pipe";
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  struct sigaction heard = {};
-  heard.sa_handler = [](int) {};
-  struct sigaction before = {};
-  ASSERT_EQ(sigaction(SIGUSR1, &heard, &before), 0);
-  std::atomic<bool> done = false;
-  std::thread reader([&] {
-    EXPECT_THROW(ReadYamlText(pipe), Cancelled);
-    done = true;
-  });
-  while (!done) {  // the first may come before it waits
-    pthread_kill(reader.native_handle(), SIGUSR1);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  reader.join();
-  sigaction(SIGUSR1, &before, nullptr);
+  EXPECT_EQ(problem("/dev/zero"), "/dev/zero: is a device, must be a regular file");
+  std::ofstream(folder.path() / "long") << std::string(5'000'000, '#');
+  EXPECT_THAT(problem(folder.path() / "long"), EndsWith("has more than 4 MB, is no scenario file"));
 }
 
 TEST_F(YamlReaderTest, MessagesShowLongValuesInShort) {

@@ -137,10 +137,10 @@ TEST_F(DamagedTrace, MustBeARegularFile) {
   fs::remove(file_);
   EXPECT_THAT(Problem(), HasSubstr("no such file"));
   ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
-  EXPECT_THAT(Problem(), HasSubstr("is not a regular file"));
+  EXPECT_THAT(Problem(), HasSubstr("must be a regular file"));
   fs::remove(file_);
   fs::create_symlink("/dev/zero", file_);
-  EXPECT_THAT(Problem(), HasSubstr("is not a regular file"));
+  EXPECT_THAT(Problem(), HasSubstr("must be a regular file"));
 }
 
 /// Another dataset in place of one.

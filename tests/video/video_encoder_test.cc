@@ -47,7 +47,7 @@ std::string MessageOf(const std::function<void()>& action) {
 /// A video as its owner makes it; `add` adds the frames.
 void Encode(const std::filesystem::path& target, const VideoFormat& format,
             const std::function<void(VideoEncoder&)>& add) {
-  AtomicFile file(target);
+  OutputFile file(target);
   const auto encoder = OpenVideo(file, format);
   add(*encoder);
   encoder->Finish();
@@ -161,7 +161,7 @@ TEST(VideoEncoder, LeavesNothingWithoutFinish) {
   const TemporaryFolder folder;
   const VideoFormat format = SmallFormat();
   {
-    const AtomicFile file(folder.path() / "a.mp4");
+    const OutputFile file(folder.path() / "a.mp4");
     const auto encoder = OpenVideo(file, format);
     for (int i = 0; i < 100; ++i) encoder->Add(Halves(format, 0, 255));
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.mp4"));

@@ -6,8 +6,9 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "sim/base/atomic_file.h"
+#include "sim/base/output_file.h"
 
 namespace gauntlet::sim {
 
@@ -18,9 +19,10 @@ struct FileMark {
   bool operator==(const FileMark&) const = default;
 };
 
-/// `manifest.json` of an output folder: which files one run wrote, each with size and checksum, so
-/// that damage and a mixture of runs are seen. It is no seal: whoever changes a file on purpose can
-/// change the manifest, too. While files are exchanged it says that the folder is unfinished.
+/// `manifest.json` of an output folder: the files that one command wrote, each with size and
+/// checksum, so that damage and a mixture of runs are seen. It is no seal: a person who changes a
+/// file on purpose can change the manifest, too. While files are exchanged it says that the folder
+/// is unfinished.
 class Manifest {
  public:
   /// Reads that of `folder`. A folder without one, of an earlier version or put together by hand,
@@ -41,27 +43,41 @@ class Manifest {
   std::map<std::string, FileMark> files_;
 };
 
+/// The files that a command is going to write into a folder.
+struct OutputPlan {
+  std::filesystem::path folder;
+  std::string command = {};  // the folder's files belong to it; see Manifest
+  std::string manifest = "manifest.json";
+  std::vector<std::string> results = {};   // names that are known before the work begins
+  std::vector<std::string> editable = {};  // names of those among them that begin with a checksum
+  bool force = false;                      // replaces edited ones
+};
+
 /// New files of an output folder, which all appear together: written into a folder inside it, then
 /// renamed one after the other in a moment. A program that ends before leaves the folder as it was;
 /// one that is killed in that moment leaves it marked as unfinished. The destructor removes what
 /// was not committed.
+///
+/// Files of the folder that its manifest names are replaced, also where the command has read them:
+/// they are its own results. No other input is, nor what another command wrote, nor an edited file.
 class OutputFiles {
  public:
-  /// Errors: RunError.
-  explicit OutputFiles(const std::filesystem::path& folder);
+  /// Errors: UserError for a planned result that would replace what it must not.
+  explicit OutputFiles(OutputPlan plan);
 
-  /// Where they are until Commit().
-  const std::filesystem::path& path() const { return staging_.path(); }
   /// Lets `write` fill the folder that it gets. Its RunErrors name the files as they will be
-  /// called.
+  /// called. Errors: RunError.
   void Write(const std::function<void(const std::filesystem::path&)>& write);
-  /// Renames them and writes the manifest. Video, trace tables and exported controllers of another
-  /// scenario, which the folder held before, are removed. Errors: RunError.
+  /// Renames them and writes the manifest. What the folder held of another scenario (files of its
+  /// manifest, video, trace tables, exported controllers) is removed.
+  /// Errors: as of the constructor, for all files; RunError.
   void Commit();
 
  private:
-  std::filesystem::path folder_;
-  StagingFolder staging_;
+  void Check(const std::vector<std::string>& names) const;
+
+  OutputPlan plan_;
+  std::optional<StagingFolder> staging_;
 };
 
 }  // namespace gauntlet::sim

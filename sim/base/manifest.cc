@@ -1,4 +1,4 @@
-#include "sim/study/manifest.h"
+#include "sim/base/manifest.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/input_file.h"
 #include "sim/base/stop.h"
 
 namespace gauntlet::sim {
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kName = "manifest.json";
+constexpr const char* kScenario = "scenario.resolved.yaml";
 /// Raised whenever the file changes.
 constexpr int kFormat = 1;
 
@@ -33,8 +35,9 @@ constexpr Checksum kChecksums[] = {{"XXH64", FastHashOfFile}, {"FNV-1a, 64 bits"
 
 struct Content {
   bool finished = false;
+  std::string command = {};  // empty up to version 0.2.0
   Checksum checksum = kChecksums[0];
-  std::map<std::string, FileMark> files;
+  std::map<std::string, FileMark> files = {};
 };
 
 FileMark MarkOf(const fs::path& file) {
@@ -50,24 +53,25 @@ std::string RunOf(const std::map<std::string, FileMark>& files) {
   return hash.Text();
 }
 
-void WriteManifest(const fs::path& folder, const Content& content) {
+void WriteManifest(const fs::path& file, const Content& content) {
   Json json;
   json["format"] = kFormat;
   json["gauntlet_version"] = GAUNTLET_VERSION;
+  json["command"] = content.command;
   json["finished"] = content.finished;
-  if (content.finished) {
-    json["run"] = RunOf(content.files);
-    json["checksum"] = content.checksum.name;
-    for (const auto& [name, mark] : content.files) {
-      json["files"][name] = {{"bytes", mark.bytes}, {"checksum", mark.checksum}};
-    }
+  if (content.finished) json["run"] = RunOf(content.files);
+  json["checksum"] = content.checksum.name;
+  json["files"] = Json::object();
+  for (const auto& [name, mark] : content.files) {
+    json["files"][name] = {{"bytes", mark.bytes}, {"checksum", mark.checksum}};
   }
-  WriteFileAtomically(folder / kName, json.dump(2) + "\n");
+  OutputFile output(file, OutputFile::Replaces::kResult);
+  output.Write(json.dump(2) + "\n");
+  output.Commit();
 }
 
 /// Nothing if there is no such file. Errors: what nlohmann::json throws; UserError.
-std::optional<Content> Read(const fs::path& folder) {
-  const fs::path file = folder / kName;
+std::optional<Content> Read(const fs::path& file) {
   std::error_code ignored;
   if (const auto status = fs::status(file, ignored);
       fs::exists(status) && !fs::is_regular_file(status)) {
@@ -83,7 +87,8 @@ std::optional<Content> Read(const fs::path& folder) {
   if (json.at("format").get<int>() != kFormat) throw of_another();
   Content content;
   content.finished = json.at("finished").get<bool>();
-  if (!content.finished) return content;
+  content.command = json.value("command", "");
+  if (!json.contains("files")) return content;  // an unfinished one up to version 0.2.0
   const auto checksum =
       std::ranges::find(kChecksums, json.at("checksum").get<std::string>(), &Checksum::name);
   if (checksum == std::end(kChecksums)) throw of_another();
@@ -95,27 +100,49 @@ std::optional<Content> Read(const fs::path& folder) {
   return content;
 }
 
-/// Of which scenario a folder's files are; nothing if that is not sure.
-std::optional<FileMark> ScenarioOf(const fs::path& folder) {
+/// That of a folder that is to be written into: a damaged one counts as unfinished.
+/// Errors: UserError for a file of this name that is no manifest of Gauntlet.
+std::optional<Content> Earlier(const fs::path& file) {
   try {
-    const std::optional<Content> content = Read(folder);
-    if (!content || !content->finished) return std::nullopt;
-    return content->files.at("scenario.resolved.yaml");
+    return Read(file);
   } catch (const std::exception&) {
-    return std::nullopt;
+    std::ifstream text(file);
+    const Json json = Json::parse(text, nullptr, false);
+    if (!json.is_object() || json.empty() || json.contains("format")) return Content{};
+    throw UserError({.place = file.string(),
+                     .problem = "is no manifest of gauntlet; name another folder by --out"});
   }
 }
 
-/// Of another scenario, they would be taken for those of this one.
-void RemoveLeftovers(const fs::path& folder) {
+bool IsSameScenario(const Content& earlier, const Content& now) {
+  const auto of_earlier = earlier.files.find(kScenario);
+  const auto of_now = now.files.find(kScenario);
+  return earlier.finished && of_earlier != earlier.files.end() && of_now != now.files.end() &&
+         of_earlier->second == of_now->second;
+}
+
+/// Made of a finished folder by render, run --csv and export.
+bool IsMadeOfResults(const std::string& name) {
+  const bool table = name.starts_with("trace.") && name.ends_with(".csv");
+  const bool robot =
+      name.ends_with(".robot.yaml") || name.ends_with(".robot.h") || name.ends_with(".robot.txt");
+  return table || robot || name == "comparison.mp4";
+}
+
+/// Removes what would be taken for files of the new run.
+void RemoveLeftovers(const fs::path& folder, const Content& earlier, const Content& now) {
+  std::vector<fs::path> leftovers;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    const bool table = name.starts_with("trace.") && name.ends_with(".csv");
-    const bool robot =
-        name.ends_with(".robot.yaml") || name.ends_with(".robot.h") || name.ends_with(".robot.txt");
-    if (table || robot || name == "comparison.mp4") fs::remove(entry.path(), ignored);
+    if (now.files.contains(name) || IsInput(entry.path())) continue;
+    const auto file = earlier.files.find(name);
+    const bool unchanged = file != earlier.files.end() && entry.is_regular_file(ignored) &&
+                           MarkOf(entry.path()) == file->second;
+    const bool derived = now.files.contains(kScenario) && IsMadeOfResults(name);
+    if (unchanged || derived) leftovers.push_back(entry.path());
   }
+  for (const fs::path& file : leftovers) fs::remove(file, ignored);
 }
 
 }  // namespace
@@ -128,7 +155,7 @@ Manifest::Manifest(fs::path folder) : folder_(std::move(folder)) {
   }
   std::optional<Content> content;
   try {
-    content = Read(folder_);
+    content = Read(folder_ / kName);
   } catch (const Json::exception&) {
     throw UserError({.place = (folder_ / kName).string(),
                      .problem = "is damaged; run the same command again, or remove it"});
@@ -155,6 +182,7 @@ fs::path Manifest::Checked(const std::string& name) const {
              "no {} there, must be the output folder of a finished gauntlet run or compare",
              name)});
   }
+  InputFile(file);
   if (!exists_) return file;
   const auto mark = files_.find(name);
   if (mark == files_.end() || mark->second.bytes != fs::file_size(file) ||
@@ -168,31 +196,62 @@ fs::path Manifest::Checked(const std::string& name) const {
   return file;
 }
 
-OutputFiles::OutputFiles(const fs::path& folder) : folder_(folder), staging_(folder / "results") {}
+OutputFiles::OutputFiles(OutputPlan plan) : plan_(std::move(plan)) {
+  const std::optional<Content> earlier = Earlier(plan_.folder / plan_.manifest);
+  if (earlier && !earlier->command.empty() && earlier->command != plan_.command) {
+    throw UserError({.place = plan_.folder.string(),
+                     .problem = fmt::format("holds results of gauntlet {}, which stay; name "
+                                            "another folder by --out",
+                                            earlier->command)});
+  }
+  Check(plan_.results);
+}
+
+void OutputFiles::Check(const std::vector<std::string>& names) const {
+  const std::optional<Content> earlier = Earlier(plan_.folder / plan_.manifest);
+  for (const std::string& name : names) {
+    const fs::path target = plan_.folder / name;
+    const bool own = earlier && (!earlier->finished || earlier->files.contains(name));
+    if (!own) RefuseInput(target);
+    const bool is_editable = std::ranges::count(plan_.editable, name) > 0;
+    if (is_editable && !plan_.force) RefuseEdited(target);
+  }
+}
 
 void OutputFiles::Write(const std::function<void(const fs::path&)>& write) {
+  const StagingFolder& staging = staging_.emplace(plan_.folder);
   try {
-    write(path());
+    write(staging.path());
   } catch (const RunError& error) {
     std::string line = error.what();
-    const std::string temporary = path().string();
+    const std::string temporary = staging.path().string();
     const std::size_t place = line.find(temporary);
-    if (place != std::string::npos) line.replace(place, temporary.size(), folder_.string());
+    if (place != std::string::npos) line.replace(place, temporary.size(), plan_.folder.string());
     throw RunError(line);
   }
 }
 
 void OutputFiles::Commit() {
-  Content content{.finished = true, .files = {}};
-  for (const auto& entry : fs::directory_iterator(staging_.path())) {
-    content.files[entry.path().filename().string()] = MarkOf(entry.path());
+  Content content{.finished = true, .command = plan_.command};
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(staging_->path())) {
+    names.push_back(entry.path().filename().string());
+    content.files[names.back()] = MarkOf(entry.path());
   }
+  Check(names);
+  const fs::path manifest = plan_.folder / plan_.manifest;
   const Unbroken unbroken;
-  const std::optional<FileMark> earlier = ScenarioOf(folder_);
-  WriteManifest(folder_, {.finished = false, .files = {}});
-  if (!earlier || *earlier != content.files["scenario.resolved.yaml"]) RemoveLeftovers(folder_);
-  staging_.MoveTo(folder_);
-  WriteManifest(folder_, content);
+  const std::optional<Content> earlier = Earlier(manifest);
+  Content unfinished = content;
+  unfinished.finished = false;
+  if (earlier) unfinished.files.insert(earlier->files.begin(), earlier->files.end());
+  WriteManifest(manifest, unfinished);
+  if (earlier && !IsSameScenario(*earlier, content)) {
+    RemoveLeftovers(plan_.folder, *earlier, content);
+  }
+  staging_->MoveUp();
+  WriteManifest(manifest, content);
+  staging_.reset();
 }
 
 }  // namespace gauntlet::sim

@@ -1,4 +1,4 @@
-#include "sim/study/manifest.h"
+#include "sim/base/manifest.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {
@@ -26,10 +27,12 @@ class ManifestTest : public ::testing::Test {
   }
   /// A run that leaves the scenario `text`, its scores and a trace.
   void Run(const std::string& text) const {
-    OutputFiles files(folder());
-    Put(files.path() / "scenario.resolved.yaml", text);
-    Put(files.path() / "scores.csv", "scores of " + text);
-    Put(files.path() / "trace.h5", "signals of " + text);
+    OutputFiles files({.folder = folder(), .command = "run"});
+    files.Write([&](const fs::path& place) {
+      Put(place / "scenario.resolved.yaml", text);
+      Put(place / "scores.csv", "scores of " + text);
+      Put(place / "trace.h5", "signals of " + text);
+    });
     files.Commit();
   }
   std::string ProblemWith(const std::string& name) const {
@@ -55,8 +58,8 @@ class ManifestTest : public ::testing::Test {
 
 TEST_F(ManifestTest, FilesOfARunAppearTogetherWithIt) {
   {
-    OutputFiles files(folder());
-    Put(files.path() / "scores.csv", "x");
+    OutputFiles files({.folder = folder(), .command = "run"});
+    files.Write([&](const fs::path& place) { Put(place / "scores.csv", "x"); });
     EXPECT_FALSE(fs::exists(folder() / "scores.csv"));
   }
   EXPECT_TRUE(Names().empty());  // not committed: as if it had not been
@@ -165,10 +168,80 @@ TEST_F(ManifestTest, WithoutOneNothingIsCheckedAndADamagedOneIsRefused) {
 }
 
 TEST_F(ManifestTest, ASignalHandlerCanRemoveWhatIsNotCommitted) {
-  OutputFiles files(folder());
-  for (int i = 0; i < 200; ++i) Put(files.path() / std::to_string(i), "x");
+  OutputFiles files({.folder = folder()});
+  files.Write([](const fs::path& place) {
+    for (int i = 0; i < 200; ++i) std::ofstream(place / std::to_string(i)) << "x";
+  });
   RemoveUncommittedFiles();
   EXPECT_TRUE(Names().empty());
+}
+
+TEST_F(ManifestTest, FilesOfAnEarlierRunThatTheNextHasNotGoAwayUnlessTheyWereChanged) {
+  const auto tune = [this](const std::vector<std::string>& names) {
+    OutputFiles files({.folder = folder(), .command = "tune"});
+    files.Write([&](const fs::path& place) {
+      for (const std::string& name : names) Put(place / name, "of " + name);
+    });
+    files.Commit();
+  };
+  tune({"kalman.yaml", "median.yaml", "tune.csv"});
+  Put(folder() / "median.yaml", "edited");
+  tune({"tune.csv"});
+  EXPECT_EQ(Names(), (std::vector<std::string>{"manifest.json", "median.yaml", "tune.csv"}));
+}
+
+TEST_F(ManifestTest, AnotherCommandsResultsStay) {
+  Run("one");
+  const auto tune = [this] { OutputFiles files({.folder = folder(), .command = "tune"}); };
+  EXPECT_THROW(tune(), UserError);
+  try {
+    tune();
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("holds results of gauntlet run, which stay"));
+  }
+}
+
+TEST_F(ManifestTest, AnotherProgramsManifestStays) {
+  const std::string foreign = R"({"name": "a page", "icons": []})";
+  Put(folder() / "manifest.json", foreign);
+  EXPECT_THROW(Run("one"), UserError);
+  EXPECT_EQ(Content("manifest.json"), foreign);
+  EXPECT_EQ(Names().size(), 1u);
+}
+
+TEST_F(ManifestTest, AnInputIsReplacedOnlyWhereTheManifestNamesIt) {
+  Put(folder() / "scenario.resolved.yaml", "mine");
+  InputFile(folder() / "scenario.resolved.yaml");
+  EXPECT_THROW(Run("one"), UserError);
+  EXPECT_EQ(Content("scenario.resolved.yaml"), "mine");
+  EXPECT_EQ(Names().size(), 1u);
+  fs::remove(folder() / "scenario.resolved.yaml");
+  Run("one");
+  InputFile(folder() / "scenario.resolved.yaml");
+  Run("two");  // a repeated run
+  EXPECT_EQ(Content("scenario.resolved.yaml"), "two");
+}
+
+TEST_F(ManifestTest, AnInputIsNoLeftover) {
+  Run("one");
+  Put(folder() / "trace.mine.csv", "a recording");
+  InputFile(folder() / "trace.mine.csv");
+  Run("two");
+  EXPECT_EQ(Content("trace.mine.csv"), "a recording");
+}
+
+TEST_F(ManifestTest, APlannedResultIsCheckedBeforeTheWork) {
+  Put(folder() / "kalman.yaml", "mine");
+  const auto plan = [this](bool force) {
+    OutputFiles files({.folder = folder(),
+                       .results = {"kalman.yaml"},
+                       .editable = {"kalman.yaml"},
+                       .force = force});
+  };
+  EXPECT_THROW(plan(false), UserError);
+  EXPECT_NO_THROW(plan(true));
+  Put(folder() / "kalman.yaml", WithChecksum("filter: kalman\n"));
+  EXPECT_NO_THROW(plan(false));
 }
 
 }  // namespace

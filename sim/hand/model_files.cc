@@ -1,0 +1,60 @@
+#include "sim/hand/model_files.h"
+
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/input_file.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Values of the attributes whose names end in `name`.
+std::vector<std::string> ValuesOf(std::string_view name, std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  std::vector<std::string> values;
+  for (std::size_t at = text.find(name); at != std::string_view::npos;) {
+    at = text.find_first_not_of(kBlanks, at + name.size());
+    if (at == std::string_view::npos) break;
+    if (text[at] == '=') at = text.find_first_not_of(kBlanks, at + 1);
+    if (at == std::string_view::npos) break;
+    if (const char quote = text[at]; quote == '"' || quote == '\'') {
+      const std::size_t end = text.find(quote, at + 1);
+      if (end == std::string_view::npos) break;
+      values.emplace_back(text.substr(at + 1, end - at - 1));
+      at = end;
+    }
+    at = text.find(name, at);
+  }
+  return values;
+}
+
+void Take(const fs::path& file, const fs::path& folder, std::set<fs::path>& taken) {
+  if (!taken.insert(file).second) return;
+  std::ifstream stream(InputFile(file), std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  std::vector<std::string> folders = ValuesOf("dir", text);
+  folders.emplace_back();
+  for (const std::string& name : ValuesOf("file", text)) {
+    for (const std::string& below : folders) {
+      const fs::path part = folder / below / name;
+      std::error_code missing;
+      if (!fs::is_regular_file(part, missing)) continue;
+      part.extension() == ".xml" ? Take(part, folder, taken) : void(InputFile(part));
+    }
+  }
+}
+
+}  // namespace
+
+void TakeModelFiles(const fs::path& model) {
+  std::set<fs::path> taken;
+  Take(model, model.parent_path(), taken);
+}
+
+}  // namespace gauntlet::sim
