@@ -67,7 +67,8 @@ void Forget(int place) {
   throw RunError(fmt::format("{}: cannot {}: {}", path.string(), action, std::strerror(error)));
 }
 
-fs::path PathOf(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
+/// Also for the processes that this one starts.
+fs::path PathOf(int descriptor) { return fmt::format("/proc/{}/fd/{}", getpid(), descriptor); }
 
 /// The beginning of the temporary names of a target. Leaves room for what follows.
 std::string PrefixOf(const fs::path& target) {
@@ -165,6 +166,7 @@ TemporaryEntry::TemporaryEntry(const fs::path& target, Kind kind)
     error = errno;
     if (entry_ < 0) Forget(place_);
   }
+  path_ = PathOf(entry_);
   if (entry_ >= 0) return;
   close(folder_);
   Fail("write", target_, error);
@@ -176,8 +178,6 @@ TemporaryEntry::~TemporaryEntry() {
   close(entry_);
   close(folder_);
 }
-
-fs::path TemporaryEntry::path() const { return PathOf(entry_); }
 
 void TemporaryEntry::Rename() {
   if (fsync(entry_) != 0) Fail("write", target_, errno);

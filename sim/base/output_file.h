@@ -28,7 +28,7 @@ class TemporaryEntry {
   /// That of the folder in which the entry is.
   int folder() const { return folder_; }
   /// A path of the open entry itself, whatever has become of its name.
-  std::filesystem::path path() const;
+  const std::filesystem::path& path() const { return path_; }
   /// Flushes the file and gives it its final name. Errors: RunError.
   void Rename();
   /// A rename is on the disk only when the folder is. Not every file system can do that.
@@ -36,6 +36,7 @@ class TemporaryEntry {
 
  private:
   std::filesystem::path target_;
+  std::filesystem::path path_;
   std::string name_;
   int folder_ = -1;
   int entry_ = -1;
@@ -54,7 +55,7 @@ class OutputFile {
 
   const std::filesystem::path& target() const { return target_; }
   /// Where to write until Commit(), for a library that wants a path.
-  std::filesystem::path temporary_path() const { return temporary_.path(); }
+  const std::filesystem::path& temporary_path() const { return temporary_.path(); }
   /// Appends. Errors: RunError.
   void Write(std::string_view content);
   /// Errors: as of the constructor; RunError if the disk did not take it.
@@ -72,7 +73,7 @@ class StagingFolder {
   /// Errors: RunError.
   explicit StagingFolder(const std::filesystem::path& folder);
 
-  std::filesystem::path path() const { return temporary_.path(); }
+  const std::filesystem::path& path() const { return temporary_.path(); }
   /// Renames every file in it to the same name in the folder. Errors: RunError.
   void MoveUp();
 

@@ -1,9 +1,11 @@
-// A library for LD_PRELOAD: one call of a program fails, as on a disk that is full or broken.
+// A library for LD_PRELOAD: one call of a program fails, as on a disk that is broken, or all that
+// need space from one on, as on a disk that is full.
 //
 // Environment:
 //   GAUNTLET_FAIL_BELOW  a folder with its whole path: only calls on what is in it are counted
 //   GAUNTLET_FAIL_CALL   which of them fails, from 1
 //   GAUNTLET_FAIL_ERROR  the errno that it fails with
+//   GAUNTLET_FAIL_FULL   1: from then on every call fails that needs space
 //   GAUNTLET_FAIL_LOG    a file that gets the name of the call that failed, at the end `calls N`
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -11,6 +13,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdarg>
@@ -43,22 +46,45 @@ void Log(const std::string& line) {
   real_close(file);
 }
 
-bool Fails(const char* call, const std::string& path) {
+enum class Needs { kNothing, kSpace };
+
+bool Fails(const char* call, const std::string& path, Needs needs = Needs::kNothing) {
   static const std::string folder = Setting("GAUNTLET_FAIL_BELOW");
   static const long at = std::strtol(Setting("GAUNTLET_FAIL_CALL").c_str(), nullptr, 10);
+  static const bool full = Setting("GAUNTLET_FAIL_FULL") == "1";
   if (folder.empty() || !path.starts_with(folder)) return false;
-  if (++calls != at) return false;
+  const long number = ++calls;
+  const bool fails = full ? at > 0 && number >= at && needs == Needs::kSpace : number == at;
+  if (!fails) return false;
   Log(std::string(call) + " " + path.substr(folder.size()) + "\n");
   errno = std::atoi(Setting("GAUNTLET_FAIL_ERROR").c_str());
   return true;
 }
 
-bool Fails(const char* call, int file) {
+std::string PathOf(int file) {
   char path[4096];
   const ssize_t size =
       readlink(("/proc/self/fd/" + std::to_string(file)).c_str(), path, sizeof path);
-  return size > 0 && Fails(call, std::string(path, static_cast<std::size_t>(size)));
+  return std::string(path, size > 0 ? static_cast<std::size_t>(size) : 0);
 }
+
+/// Of a path that begins with a descriptor of the program (/proc/1234/fd/7/name), or that is in the
+/// folder of a descriptor.
+std::string PathOf(const char* path, int folder = AT_FDCWD) {
+  static const std::string descriptors = "/proc/" + std::to_string(getpid()) + "/fd/";
+  const std::string text = path;
+  if (text.starts_with(descriptors)) {
+    const std::size_t end = std::min(text.find('/', descriptors.size()), text.size());
+    return PathOf(std::atoi(text.c_str() + descriptors.size())) + text.substr(end);
+  }
+  return folder == AT_FDCWD || text.starts_with('/') ? text : PathOf(folder) + "/" + text;
+}
+
+bool Fails(const char* call, int file, Needs needs = Needs::kNothing) {
+  return Fails(call, PathOf(file), needs);
+}
+
+Needs NeedsOf(int flags) { return (flags & O_CREAT) != 0 ? Needs::kSpace : Needs::kNothing; }
 
 struct AtTheEnd {
   ~AtTheEnd() { Log("calls " + std::to_string(calls) + "\n"); }
@@ -69,22 +95,35 @@ struct AtTheEnd {
 // The C library's, with a failure before them.
 extern "C" {
 
-#define GAUNTLET_OPEN(name)                                   \
-  int name(const char* path, int flags, ...) {                \
-    static const auto real = Real(&name, #name);              \
-    va_list more;                                             \
-    va_start(more, flags);                                    \
-    const int mode = va_arg(more, int);                       \
-    va_end(more);                                             \
-    return Fails(#name, path) ? -1 : real(path, flags, mode); \
+#define GAUNTLET_OPEN(name)                                                           \
+  int name(const char* path, int flags, ...) {                                        \
+    static const auto real = Real(&name, #name);                                      \
+    va_list more;                                                                     \
+    va_start(more, flags);                                                            \
+    const int mode = va_arg(more, int);                                               \
+    va_end(more);                                                                     \
+    return Fails(#name, PathOf(path), NeedsOf(flags)) ? -1 : real(path, flags, mode); \
   }
 GAUNTLET_OPEN(open)
 GAUNTLET_OPEN(open64)
 
-#define GAUNTLET_FOPEN(name)                                \
-  FILE* name(const char* path, const char* mode) {          \
-    static const auto real = Real(&name, #name);            \
-    return Fails(#name, path) ? nullptr : real(path, mode); \
+#define GAUNTLET_OPENAT(name)                                                                    \
+  int name(int folder, const char* path, int flags, ...) {                                       \
+    static const auto real = Real(&name, #name);                                                 \
+    va_list more;                                                                                \
+    va_start(more, flags);                                                                       \
+    const int mode = va_arg(more, int);                                                          \
+    va_end(more);                                                                                \
+    return Fails(#name, PathOf(path, folder), NeedsOf(flags)) ? -1                               \
+                                                              : real(folder, path, flags, mode); \
+  }
+GAUNTLET_OPENAT(openat)
+GAUNTLET_OPENAT(openat64)
+
+#define GAUNTLET_FOPEN(name)                                        \
+  FILE* name(const char* path, const char* mode) {                  \
+    static const auto real = Real(&name, #name);                    \
+    return Fails(#name, PathOf(path)) ? nullptr : real(path, mode); \
   }
 GAUNTLET_FOPEN(fopen)
 GAUNTLET_FOPEN(fopen64)
@@ -103,43 +142,48 @@ ssize_t pread64(int file, void* data, size_t size, off_t offset) {
 }
 ssize_t write(int file, const void* data, size_t size) {
   static const auto real = Real(&write, "write");
-  return Fails("write", file) ? -1 : real(file, data, size);
+  return Fails("write", file, Needs::kSpace) ? -1 : real(file, data, size);
 }
 ssize_t writev(int file, const iovec* parts, int count) {
   static const auto real = Real(&writev, "writev");
-  return Fails("writev", file) ? -1 : real(file, parts, count);
+  return Fails("writev", file, Needs::kSpace) ? -1 : real(file, parts, count);
 }
 ssize_t pwrite(int file, const void* data, size_t size, off_t offset) {
   static const auto real = Real(&pwrite, "pwrite");
-  return Fails("pwrite", file) ? -1 : real(file, data, size, offset);
+  return Fails("pwrite", file, Needs::kSpace) ? -1 : real(file, data, size, offset);
 }
 ssize_t pwrite64(int file, const void* data, size_t size, off_t offset) {
   static const auto real = Real(&pwrite64, "pwrite64");
-  return Fails("pwrite64", file) ? -1 : real(file, data, size, offset);
+  return Fails("pwrite64", file, Needs::kSpace) ? -1 : real(file, data, size, offset);
 }
 int fsync(int file) {
   static const auto real = Real(&fsync, "fsync");
-  return Fails("fsync", file) ? -1 : real(file);
+  return Fails("fsync", file, Needs::kSpace) ? -1 : real(file);
 }
 int fdatasync(int file) {
   static const auto real = Real(&fdatasync, "fdatasync");
-  return Fails("fdatasync", file) ? -1 : real(file);
+  return Fails("fdatasync", file, Needs::kSpace) ? -1 : real(file);
 }
 int ftruncate(int file, off_t size) noexcept {
   static const auto real = Real(&ftruncate, "ftruncate");
-  return Fails("ftruncate", file) ? -1 : real(file, size);
+  return Fails("ftruncate", file, Needs::kSpace) ? -1 : real(file, size);
 }
 int ftruncate64(int file, off_t size) noexcept {
   static const auto real = Real(&ftruncate64, "ftruncate64");
-  return Fails("ftruncate64", file) ? -1 : real(file, size);
+  return Fails("ftruncate64", file, Needs::kSpace) ? -1 : real(file, size);
 }
-int rename(const char* from, const char* to) noexcept {
-  static const auto real = Real(&rename, "rename");
-  return Fails("rename", to) ? -1 : real(from, to);
+int renameat(int from_folder, const char* from, int to_folder, const char* to) noexcept {
+  static const auto real = Real(&renameat, "renameat");
+  if (Fails("renameat", PathOf(to, to_folder))) return -1;
+  return real(from_folder, from, to_folder, to);
 }
 int mkdir(const char* path, mode_t mode) noexcept {
   static const auto real = Real(&mkdir, "mkdir");
-  return Fails("mkdir", path) ? -1 : real(path, mode);
+  return Fails("mkdir", PathOf(path), Needs::kSpace) ? -1 : real(path, mode);
+}
+int mkdirat(int folder, const char* path, mode_t mode) noexcept {
+  static const auto real = Real(&mkdirat, "mkdirat");
+  return Fails("mkdirat", PathOf(path, folder), Needs::kSpace) ? -1 : real(folder, path, mode);
 }
 int close(int file) {  // it is closed all the same
   static const auto real = Real(&close, "close");
