@@ -236,7 +236,7 @@ void WriteOutputFile(const fs::path& target, std::string_view content) {
 }
 
 std::string WithChecksum(std::string_view text) {
-  FastHash hash;
+  Hash hash;
   hash.Add(text);
   return fmt::format("{}{}: without an edit, gauntlet may replace this file\n{}", kChecksum,
                      hash.Text(), text);
