@@ -6,6 +6,8 @@
 //   GAUNTLET_FAIL_CALL   which of them fails, from 1
 //   GAUNTLET_FAIL_ERROR  the errno that it fails with
 //   GAUNTLET_FAIL_FULL   1: from then on every call fails that needs space
+//   GAUNTLET_FAIL_ONLY   a name: only calls of this function are counted
+//   GAUNTLET_FAIL_KILL   1: the program is killed in place of the call
 //   GAUNTLET_FAIL_LOG    a file that gets the name of the call that failed, at the end `calls N`
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -16,6 +18,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -52,11 +55,15 @@ bool Fails(const char* call, const std::string& path, Needs needs = Needs::kNoth
   static const std::string folder = Setting("GAUNTLET_FAIL_BELOW");
   static const long at = std::strtol(Setting("GAUNTLET_FAIL_CALL").c_str(), nullptr, 10);
   static const bool full = Setting("GAUNTLET_FAIL_FULL") == "1";
+  static const std::string only = Setting("GAUNTLET_FAIL_ONLY");
+  static const bool kill = Setting("GAUNTLET_FAIL_KILL") == "1";
   if (folder.empty() || !path.starts_with(folder)) return false;
+  if (!only.empty() && only != call) return false;
   const long number = ++calls;
   const bool fails = full ? at > 0 && number >= at && needs == Needs::kSpace : number == at;
   if (!fails) return false;
   Log(std::string(call) + " " + path.substr(folder.size()) + "\n");
+  if (kill) raise(SIGKILL);
   errno = std::atoi(Setting("GAUNTLET_FAIL_ERROR").c_str());
   return true;
 }

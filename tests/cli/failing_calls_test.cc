@@ -64,29 +64,43 @@ struct Command {
   std::string name;
   std::size_t results = 0;  // that it writes, at least
   int tries = 12;           // fewer of a command that takes longer
+  /// More arguments for other results; none for a command that writes no manifest.
+  std::vector<std::string> other;
   /// Its arguments. `given`: a folder for its inputs; `out`: where its results go.
   std::vector<std::string> (*arguments)(const fs::path& given, const std::string& out);
 };
 
 const Command kCommands[] = {
-    {"run", 6, 12,
+    {"run",
+     6,
+     12,
+     {"--set", "seed=7"},
      [](const fs::path&, const std::string& out) -> std::vector<std::string> {
        return {"run",           kScenario, "--set", "glove.motion.duration_s=0.6",
                "--controllers", "raw",     "--out", out};
      }},
-    {"compare", 6, 12,
+    {"compare",
+     6,
+     12,
+     {"--set", "seed=7"},
      [](const fs::path&, const std::string& out) -> std::vector<std::string> {
        return {"compare",       kScenario, "--set",   "glove.motion.duration_s=0.6",
                "--controllers", "raw",     "--seeds", "2",
                "--jobs",        "1",       "--out",   out};
      }},
-    {"sweep", 3, 10,
+    {"sweep",
+     3,
+     10,
+     {"--set", "seed=7"},
      [](const fs::path& given, const std::string& out) -> std::vector<std::string> {
        return {"sweep",   Study(given), "--set",  "glove.motion.duration_s=0.6",
                "--seeds", "2",          "--jobs", "1",
                "--out",   out};
      }},
-    {"tune", 4, 6,
+    {"tune",
+     4,
+     6,
+     {"--set", "seed=7"},
      [](const fs::path&, const std::string& out) -> std::vector<std::string> {
        return {"tune",
                kScenario,
@@ -108,7 +122,10 @@ const Command kCommands[] = {
                "--out",
                out};
      }},
-    {"robust", 6, 3,
+    {"robust",
+     6,
+     3,
+     {"--set", "seed=7"},
      [](const fs::path&, const std::string& out) -> std::vector<std::string> {
        return {"robust",        kScenario,
                "--set",         "glove.motion.duration_s=0.3",
@@ -118,11 +135,17 @@ const Command kCommands[] = {
                "--jobs",        "1",
                "--out",         out};
      }},
-    {"identify", 4, 8,
+    {"identify",
+     4,
+     8,
+     {"--held"},
      [](const fs::path& given, const std::string& out) -> std::vector<std::string> {
        return {"identify", Log(given), "--out", out + "/claw.chain.yaml"};
      }},
-    {"inspect", 3, 10,
+    {"inspect",
+     3,
+     10,
+     {},
      [](const fs::path& given, const std::string& out) -> std::vector<std::string> {
        return {"inspect",           Recording(given), "--write-scenario",
                out + "/glove.yaml", "--plot",         out + "/glove.png"};
@@ -138,17 +161,17 @@ class DisturbedCommand : public testing::TestWithParam<Command> {
     arguments.insert(arguments.begin(), GAUNTLET_PROGRAM);
     return arguments;
   }
-  /// The call of this number fails, if there is one; `full`: and all behind it that need space.
-  ProgramResult Run(const fs::path& out, long call = 0, int error = 0, bool full = false) const {
+  /// `disturbance`: variables of failing_calls.cc. `more`: arguments.
+  ProgramResult Run(const fs::path& out, std::map<std::string, std::string> disturbance = {},
+                    const std::vector<std::string>& more = {}) const {
     fs::remove(log_);
-    return RunProgram(Arguments(out),
-                      {.environment = {{"LD_PRELOAD", GAUNTLET_FAILING_CALLS},
-                                       {"ASAN_OPTIONS", "verify_asan_link_order=0"},
-                                       {"GAUNTLET_FAIL_BELOW", out.string()},
-                                       {"GAUNTLET_FAIL_CALL", std::to_string(call)},
-                                       {"GAUNTLET_FAIL_ERROR", std::to_string(error)},
-                                       {"GAUNTLET_FAIL_FULL", full ? "1" : "0"},
-                                       {"GAUNTLET_FAIL_LOG", log_.string()}}});
+    disturbance.insert({{"LD_PRELOAD", GAUNTLET_FAILING_CALLS},
+                        {"ASAN_OPTIONS", "verify_asan_link_order=0"},
+                        {"GAUNTLET_FAIL_BELOW", out.string()},
+                        {"GAUNTLET_FAIL_LOG", log_.string()}});
+    std::vector<std::string> arguments = Arguments(out);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunProgram(arguments, {.environment = std::move(disturbance)});
   }
 
   /// What has a name to be used: not the database, which is in between its trials, nor a manifest
@@ -214,7 +237,9 @@ TEST_P(DisturbedCommand, LeavesWholeFilesWhateverCallFails) {
   for (int i = 0; i < tries; ++i) {
     const long call = 1 + (calls_ - 1) * i / (tries - 1);
     const fs::path out = folder_.path() / std::to_string(call);
-    const ProgramResult result = Run(out, call, i % 2 == 0 ? EIO : ENOSPC);
+    const ProgramResult result =
+        Run(out, {{"GAUNTLET_FAIL_CALL", std::to_string(call)},
+                  {"GAUNTLET_FAIL_ERROR", std::to_string(i % 2 == 0 ? EIO : ENOSPC)}});
     SCOPED_TRACE(ReadFile(log_) + result.standard_error);
     ExpectWhole(result, out);
     ExpectSameAgain(out);
@@ -227,7 +252,9 @@ TEST_P(DisturbedCommand, LeavesWholeFilesOnAFullDisk) {
   for (int i = 0; i < tries; ++i) {
     const long call = 1 + (calls_ - 1) * i / tries;
     const fs::path out = folder_.path() / std::to_string(call);
-    const ProgramResult result = Run(out, call, ENOSPC, true);
+    const ProgramResult result = Run(out, {{"GAUNTLET_FAIL_CALL", std::to_string(call)},
+                                           {"GAUNTLET_FAIL_ERROR", std::to_string(ENOSPC)},
+                                           {"GAUNTLET_FAIL_FULL", "1"}});
     SCOPED_TRACE(ReadFile(log_) + result.standard_error);
     EXPECT_EQ(result.exit_code, 1);
     ExpectWhole(result, out);
@@ -251,8 +278,45 @@ TEST_P(DisturbedCommand, KilledAtRandomMomentsItEndsWithTheSameBytes) {
   ExpectSameAgain(out);
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, DisturbedCommand, testing::ValuesIn(kCommands),
-                         [](const auto& tested) { return tested.param.name; });
+/// A command that writes a manifest.
+class RepeatedCommand : public DisturbedCommand {};
+
+// Two runs, of which the second is killed at each rename in turn.
+TEST_P(RepeatedCommand, NeverLeavesFilesOfTwoRunsUnmarked) {
+  const fs::path first = folder_.path() / "first";
+  const fs::path out = folder_.path() / "out";
+  ASSERT_EQ(Run(first).exit_code, 0);
+  const auto of_first = Results(first);
+  ASSERT_EQ(Run(out, {}, GetParam().other).exit_code, 0);
+  const auto of_second = Results(out);
+  ASSERT_NE(of_first, of_second);
+  int marked = 0;
+  for (int rename = 1;; ++rename) {
+    fs::remove_all(out);
+    fs::copy(first, out);
+    const ProgramResult result = Run(out,
+                                     {{"GAUNTLET_FAIL_ONLY", "renameat"},
+                                      {"GAUNTLET_FAIL_CALL", std::to_string(rename)},
+                                      {"GAUNTLET_FAIL_KILL", "1"}},
+                                     GetParam().other);
+    if (result.signal != SIGKILL) break;
+    const auto results = Results(out);
+    const bool is_marked = std::ranges::none_of(
+        results, [](const auto& file) { return file.first.ends_with("manifest.json"); });
+    marked += is_marked;
+    EXPECT_TRUE(is_marked || results == of_first || results == of_second) << rename;
+    ASSERT_EQ(Run(out, {}, GetParam().other).exit_code, 0);
+    EXPECT_EQ(Results(out), of_second) << rename;
+  }
+  EXPECT_GE(marked, 2);
+}
+
+constexpr auto kNameOf = [](const testing::TestParamInfo<Command>& tested) {
+  return tested.param.name;
+};
+INSTANTIATE_TEST_SUITE_P(Each, DisturbedCommand, testing::ValuesIn(kCommands), kNameOf);
+INSTANTIATE_TEST_SUITE_P(Each, RepeatedCommand,
+                         testing::ValuesIn(kCommands, std::end(kCommands) - 1), kNameOf);
 
 }  // namespace
 }  // namespace gauntlet::test
