@@ -168,6 +168,7 @@ TEST_F(DamagedTrace, MustHaveStretchesOfItsOwnMotion) {
   const auto problem_of = [&](const Segment& segment, const MaskedStretch& masked) {
     glove_.segments = {segment};
     glove_.masked = {masked};
+    std::filesystem::remove(file_);  // it was read
     TraceWriter(file_, glove_, Signal::Random(kTicks, 18), hand_, "test", 42).Commit();
     return Problem();
   };

@@ -202,6 +202,7 @@ TEST_F(TraceFileTest, TellsTheTruthOfEveryFaultAndWhatTheWearerDid) {
   EXPECT_TRUE(ReadTraceFile(file_).masked.empty());
 
   glove_.faults.clear();
+  std::filesystem::remove(file_);  // it was read
   TraceWriter(file_, glove_, reference_, hand_, "test", 1).Commit();
   EXPECT_TRUE(ReadStretches(file_, "faults", "kind").empty());
 }
