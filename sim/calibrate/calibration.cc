@@ -13,6 +13,7 @@
 #include "controller/calibration/curve_fit.h"
 #include "controller/calibration/noise_estimate.h"
 #include "controller/calibration/robust_statistics.h"
+#include "controller/number.h"
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {
@@ -195,7 +196,9 @@ void FitCurves(const PoseRecording& recording, const CalibrationOptions& options
 }
 
 /// Six digits: more than an estimate is worth.
-double Short(double value) { return std::stod(controller::NumberText(value)); }
+double Short(double value) {
+  return controller::ParseNumber(controller::NumberText(value)).value_or(value);
+}
 
 std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
   std::vector<double> values;

@@ -1,10 +1,10 @@
 #include "sim/report/cells_chart.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
+#include "controller/number.h"
 #include "sim/base/chart_scale.h"
 #include "sim/report/drawing.h"
 #include "sim/report/html_text.h"
@@ -31,9 +31,7 @@ double ChartAxis::PlaceOf(const std::string& value) const {
     const auto item = static_cast<double>(found - labels.begin());
     return labels.size() < 2 ? 0.5 : item / (static_cast<double>(labels.size()) - 1.0);
   }
-  double number = kNoPlace;
-  std::from_chars(value.data(), value.data() + value.size(), number);
-  return PlaceOf(number);
+  return PlaceOf(controller::ParseNumber(value).value_or(kNoPlace));
 }
 
 std::string HeatMapSvg(const HeatMap& map) {
