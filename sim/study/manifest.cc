@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
+#include "sim/study/fast_hash.h"
 
 namespace gauntlet::sim {
 namespace {
