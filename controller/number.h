@@ -3,11 +3,15 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <system_error>
 
 namespace gauntlet::controller {
+
+/// Stands where there is no number: a missing sample, an angle that is not measured.
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The number that the whole text is: decimal digits with an optional sign, point and exponent, as
 /// `-2.5e-3`. Nothing for any other text: blanks, hexadecimal digits, inf, nan, and what is beyond

@@ -6,7 +6,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "controller/number.h"
@@ -70,7 +69,7 @@ std::string_view Unquoted(std::string_view text) {
 
 std::optional<double> NumberOrMissing(std::string_view cell) {
   cell = Unquoted(cell);
-  if (IsMissing(cell)) return std::numeric_limits<double>::quiet_NaN();
+  if (IsMissing(cell)) return controller::kNaN;
   return controller::ParseNumberOfProgram(cell);
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <vector>
@@ -23,8 +22,6 @@ using controller::CurveFit;
 using controller::SettingError;
 using Eigen::Index;
 using Eigen::VectorXd;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// At an end of the converter's scale a sensor says nothing more.
 bool IsClipped(const PoseRecording& recording, Index sample, Index channel) {
@@ -150,7 +147,7 @@ double RmsErrorOrNan(const Poses& poses, CurveKind kind, int degree) {
   try {
     return FitCurve(poses, kind, degree).rms_error_deg;
   } catch (const SettingError&) {
-    return kNan;
+    return kNaN;
   }
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 
 #include "controller/number.h"
 #include "sim/base/channels.h"
@@ -22,8 +21,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-constexpr double kNotRead = std::numeric_limits<double>::quiet_NaN();
 
 bool IsNumber(std::string_view text) {
   return controller::ParseNumberOfProgram(Trimmed(text)).has_value();
@@ -192,7 +189,7 @@ double StreamTable::Time() const {
     const std::string_view field = fields_[time.column];
     const std::optional<double> value =
         time.is_text ? SecondsOfText(Unquoted(field)) : NumberOrMissing(Plain(field));
-    sum += value.value_or(kNotRead) * (time.scale_s / time_scale_s());
+    sum += value.value_or(kNaN) * (time.scale_s / time_scale_s());
   }
   return sum;
 }

@@ -131,7 +131,7 @@ void AddCells(const std::vector<VariedSetting>& settings, const RobustOptions& o
 using HandResults = std::vector<CellResult>;
 
 double MeanOf(const RobustPlan& plan, const CellResult& result, std::size_t metric) {
-  if (!result.problem.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (!result.problem.empty()) return kNaN;
   return result.scores[PlaceOfMetric(plan.sweep, metric)].mean;
 }
 
@@ -167,7 +167,7 @@ Summary SummariseNominal(const RobustPlan& plan, const HandResults& hand) {
     seed.motion = hand.front().motions[i];
     for (const CellResult& controller : hand) {
       TrialOutcome& trial = seed.controllers.emplace_back();
-      trial.scores.summary.assign(Metrics().size(), std::numeric_limits<double>::quiet_NaN());
+      trial.scores.summary.assign(Metrics().size(), kNaN);
       for (const std::size_t metric : plan.sweep.metrics) {
         trial.scores.summary[metric] = BySeed(plan, controller, metric)[i];
       }

@@ -90,15 +90,14 @@ Row ParseRow(const std::string& name, std::size_t number, std::string_view line,
       Fail(name, number, i + 1, problem);
     }
   }
-  Row row{
-      .seed = static_cast<int>(*seed),
-      .controller = std::string(fields[1]),
-      .channel = std::string(fields[2]),
-      .values = std::vector<double>(Metrics().size(), std::numeric_limits<double>::quiet_NaN())};
+  Row row{.seed = static_cast<int>(*seed),
+          .controller = std::string(fields[1]),
+          .channel = std::string(fields[2]),
+          .values = std::vector<double>(Metrics().size(), kNaN)};
   for (std::size_t i = kKeyColumns.size(); i < fields.size(); ++i) {
     const std::size_t metric = metrics[i - kKeyColumns.size()];
-    const std::optional<double> value = fields[i].empty() ? std::numeric_limits<double>::quiet_NaN()
-                                                          : controller::ParseNumber(fields[i]);
+    const std::optional<double> value =
+        fields[i].empty() ? kNaN : controller::ParseNumber(fields[i]);
     if (!value) {
       Fail(name, number, i + 1,
            fmt::format("{} is \"{}\", must be a number, or empty where there is no score",

@@ -37,7 +37,7 @@ struct Aim {
 
 /// What the search for an answer sees of a setting.
 Measured MeasuredOf(const Aim& aim, const TuneResult& result, const TunedSetting& setting) {
-  if (!setting.problem.empty()) return {.objective = std::numeric_limits<double>::quiet_NaN()};
+  if (!setting.problem.empty()) return {.objective = kNaN};
   const double mean = setting.scores[PlaceOfMetric(result, aim.minimise)].mean;
   Measured measured{.objective = Metrics()[aim.minimise].lower_is_better ? mean : -mean};
   for (const Constraint& constraint : aim.constraints) {

@@ -13,8 +13,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// Two seeds, two controllers, one channel; every value tells where it belongs, one is missing.
 StudyResult MadeUpResult() {
   StudyResult result;
