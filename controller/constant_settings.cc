@@ -6,8 +6,11 @@
 #include <cstddef>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "controller/number.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -159,12 +162,12 @@ class ConstantParser {
   }
   double TakeNumber() {
     const std::string_view word = TakeWord("\"");
-    double number = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error != std::errc() || end != word.data() + word.size()) {
-      throw SettingError("", "must have numbers or texts in quotes behind \"=\"");
+    const std::optional<double> number = ParseNumber(word);
+    if (!number) {
+      throw SettingError(
+          "", "has " + std::string(word) + " behind \"=\", must be numbers or texts in quotes");
     }
-    return number;
+    return *number;
   }
   char TakeCharacter() {
     const char character = rest_.front();

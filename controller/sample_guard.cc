@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "controller/filters/vectorise.h"
+#include "controller/number.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -163,8 +164,7 @@ bool SampleGuard::IsJump(int channel, double counts) noexcept {
 
 void SampleGuard::TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept {
   const auto index = static_cast<std::size_t>(channel);
-  const double counts = index < sample.counts.size() ? sample.counts[index]
-                                                     : std::numeric_limits<double>::quiet_NaN();
+  const double counts = index < sample.counts.size() ? sample.counts[index] : kNaN;
   if (std::isnan(counts)) return Refuse(channel, Untrusted::kMissing);
   if (stale) return Refuse(channel, Untrusted::kStale);
   if (std::isinf(counts)) return Refuse(channel, Untrusted::kInfinite);
@@ -189,7 +189,7 @@ void SampleGuard::Reset(std::span<const double> start_counts) noexcept {
   values_.SetZero();
   for (std::size_t i = 0; i < untrusted_samples_.size(); ++i) {
     values_[kTrusted][i] = StartAt(start_counts[i]);
-    values_[kRaw][i] = std::numeric_limits<double>::quiet_NaN();  // the same as no value
+    values_[kRaw][i] = kNaN;  // the same as no value
   }
   last_number_.reset();
   stale_frames_ = 0;

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "controller/angle.h"
+#include "controller/number.h"
 #include "controller/one_for_each.h"
 
 namespace gauntlet::controller {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// A motor has turned back when it is this far behind its front: more than its sensor trembles.
 constexpr double kTurnedBack_rad = 0.5 * kRadPerDeg;
 

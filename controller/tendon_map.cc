@@ -4,8 +4,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
+
+#include "controller/number.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -120,7 +121,7 @@ Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& coupling) {
     Eigen::RowVectorXd off = decided.row(joint);
     off[joint] -= 1.0;
     if (!(off.cwiseAbs().maxCoeff() < kTolerance)) {
-      inverse.row(joint).setConstant(std::numeric_limits<double>::quiet_NaN());
+      inverse.row(joint).setConstant(kNaN);
     }
   }
   return inverse;

@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 
@@ -13,14 +12,13 @@
 #include "controller/calibration/rounded_noise.h"
 #include "controller/linearisation/polynomial_linearisation.h"
 #include "controller/linearisation/table_linearisation.h"
+#include "controller/number.h"
 
 namespace gauntlet::controller {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void CheckData(const VectorXd& counts, const VectorXd& angle_deg) {
   if (counts.size() != angle_deg.size() || !counts.allFinite() || !angle_deg.allFinite()) {
@@ -82,7 +80,7 @@ struct Pose {
     }
     const double freedom = (samples - 1.0) / noise.VarianceFactor();
     const double taken = dependent / samples;
-    if (freedom < 1.0 || taken >= samples) return kNan;
+    if (freedom < 1.0 || taken >= samples) return kNaN;
     const double variance = square_sum / (samples - taken);
     return StudentQuantile(freedom) * std::sqrt(variance * dependent) / samples;
   }
@@ -205,7 +203,7 @@ CurveFit FitPolynomial(const VectorXd& counts, const VectorXd& angle_deg, int de
   const double variance = (powers * coefficients - angle_deg).squaredNorm() / freedom;
   for (Index i = 0; i < unknowns; ++i) {
     fit.half_width_95_deg.push_back(
-        freedom >= 1.0 ? StudentQuantile(freedom) * std::sqrt(variance * inverse(i, i)) : kNan);
+        freedom >= 1.0 ? StudentQuantile(freedom) * std::sqrt(variance * inverse(i, i)) : kNaN);
   }
   return fit;
 }

@@ -2,20 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "controller/calibration/noise_correlation.h"
 #include "controller/calibration/robust_statistics.h"
 #include "controller/calibration/rounded_noise.h"
+#include "controller/number.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
 namespace {
 
 using Eigen::Index;
-
-constexpr double kLeftOut = std::numeric_limits<double>::quiet_NaN();
 
 /// One channel in each stretch, with NaN in place of spikes.
 struct StillChannel {
@@ -41,7 +39,7 @@ StillChannel WithoutSpikes(const Eigen::Ref<const Eigen::VectorXd>& counts,
   for (Eigen::VectorXd& values : channel.stretches) {
     for (double& value : values) {
       if (limit == 0.0 || std::abs(value) <= limit) continue;
-      value = kLeftOut;
+      value = kNaN;
       ++channel.spikes;
     }
   }

@@ -4,10 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 
+#include "controller/number.h"
 #include "controller/prediction/horizon.h"
 
 namespace gauntlet::controller {
@@ -165,7 +165,7 @@ double HeldOut(std::span<const Moments> folds, const Eigen::MatrixXd& noise) {
       if (&other != &fold) others += other;
     }
     const std::optional<Eigen::VectorXd> weights = WeightsOf(others, noise);
-    left += weights ? fold.Left(*weights) : std::numeric_limits<double>::quiet_NaN();
+    left += weights ? fold.Left(*weights) : kNaN;
   }
   return left;
 }

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
-#include <limits>
 #include <string>
+
+#include "controller/number.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -70,15 +69,8 @@ std::string_view Unquoted(std::string_view text) {
 
 std::optional<double> NumberOrMissing(std::string_view cell) {
   cell = Unquoted(cell);
-  if (IsMissing(cell)) return std::numeric_limits<double>::quiet_NaN();
-  if (cell.starts_with('+')) cell.remove_prefix(1);
-  double value = 0.0;
-  const auto [rest, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (rest != cell.data() + cell.size()) return std::nullopt;
-  if (error == std::errc()) return value;
-  if (error != std::errc::result_out_of_range) return std::nullopt;
-  // from_chars() does not say on which side; strtod() gives 0 or infinity, with the sign.
-  return std::strtod(std::string(cell).c_str(), nullptr);
+  if (IsMissing(cell)) return controller::kNaN;
+  return controller::ParseNumberOfProgram(cell);
 }
 
 std::string_view TakeCell(std::string_view& rest, char separator) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,33 +33,12 @@ class Hash {
   std::uint64_t value_ = 0xCBF29CE484222325u;
 };
 
-/// The same purpose where there is much: XXH64 with seed 0, some ten times as fast.
-/// Source: Collet, xxHash fast digest algorithm, 0.1.1 (doc/xxhash_spec.md).
-class FastHash {
- public:
-  void Add(std::string_view bytes);
-  template <class Number>
-  requires std::is_arithmetic_v<Number>
-  void Add(std::span<const Number> numbers) {
-    Add(std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()));
-  }
+/// Hands all bytes of a file to `add`, a block at a time. Errors: RunError with the path and the
+/// system's reason; Cancelled.
+void ReadBlocks(const std::filesystem::path& file,
+                const std::function<void(std::string_view bytes)>& add);
 
-  std::uint64_t value() const;
-  /// 16 hexadecimal digits.
-  std::string Text() const;
-
- private:
-  static constexpr std::size_t kStripe = 32;
-
-  std::uint64_t lanes_[4] = {0x60EA27EEADC0B5D6u, 0xC2B2AE3D27D4EB4Fu, 0u, 0x61C8864E7A143579u};
-  std::uint64_t bytes_ = 0;
-  char rest_[kStripe] = {};  // what has not filled a stripe
-};
-
-/// Of a whole file: 16 hexadecimal digits. Errors: RunError with the path and the system's reason;
-/// Cancelled.
+/// Of a whole file: 16 hexadecimal digits. Errors: as ReadBlocks().
 std::string HashOfFile(const std::filesystem::path& file);
-/// The same as FastHash.
-std::string FastHashOfFile(const std::filesystem::path& file);
 
 }  // namespace gauntlet::sim

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "sim/base/error.h"
+#include "sim/base/fast_hash.h"
 #include "sim/base/hash.h"
 #include "sim/base/input_file.h"
 #include "sim/base/stop.h"

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "controller/angle.h"
+#include "controller/number.h"
 #include "sim/base/signal_storage.h"
 
 namespace gauntlet::sim {
@@ -112,7 +114,8 @@ class Columns {
 /// Rows that are worth a call of TrimSignals() where signals are walked row by row.
 inline constexpr Eigen::Index kTrimRows = 4096;
 
-inline constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
-inline constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
+using controller::kDegPerRad;
+using controller::kNaN;
+using controller::kRadPerDeg;
 
 }  // namespace gauntlet::sim

@@ -1,6 +1,7 @@
 #include "sim/base/text.h"
 
 #include <fmt/format.h>
+#include <utf8.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -17,23 +18,15 @@ struct Character {
   std::size_t size = 0;  // bytes; 0: not UTF-8
 };
 
-/// At the beginning of a text that is not empty. Longer forms than needed, halves of pairs and
-/// codes beyond the last are not UTF-8 (RFC 3629).
+/// At the beginning of a text that is not empty.
 Character FirstCharacter(std::string_view text) {
-  const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned first = byte(0);
-  if (first < 0x80) return {first, 1};
-  const std::size_t size = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
-  if (size == 0 || first > 0xf4 || text.size() < size) return {};
-  std::uint32_t code = first & (0x7fU >> size);
-  for (std::size_t i = 1; i < size; ++i) {
-    if ((byte(i) & 0xc0U) != 0x80) return {};
-    code = code << 6U | (byte(i) & 0x3fU);
+  const char* end = text.data();
+  try {
+    const std::uint32_t code = utf8::next(end, text.data() + text.size());
+    return {code, static_cast<std::size_t>(end - text.data())};
+  } catch (const utf8::exception&) {
+    return {};
   }
-  const bool too_long = (size == 3 && code < 0x800) || (size == 4 && code < 0x10000);
-  const bool half_a_pair = code >= 0xd800 && code <= 0xdfff;
-  if (too_long || half_a_pair || code > 0x10ffff) return {};
-  return {code, size};
 }
 
 /// No control character, no end of a line or paragraph, and nothing that turns the direction of
@@ -66,12 +59,8 @@ std::string TakeShown(std::string_view& text) {
 }  // namespace
 
 std::optional<std::size_t> FirstBadByte(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t size = FirstCharacter(text.substr(i)).size;
-    if (size == 0) return i;
-    i += size;
-  }
-  return std::nullopt;
+  const std::size_t place = utf8::find_invalid(text.begin(), text.end()) - text.begin();
+  return place == text.size() ? std::nullopt : std::optional(place);
 }
 
 std::size_t Width(std::string_view text) {
@@ -128,12 +117,8 @@ std::string TextProblem(std::string_view text) {
 std::string NameProblem(std::string_view name) {
   if (name.empty()) return "is empty, must be a name";
   if (std::string problem = TextProblem(name); !problem.empty()) return problem;
-  std::size_t characters = 0;
-  for (std::string_view rest = name; !rest.empty(); ++characters) {
-    rest.remove_prefix(FirstCharacter(rest).size);
-  }
-  if (characters > kLongestName) {
-    return fmt::format("has {} characters, a name has at most {}", characters, kLongestName);
+  if (Width(name) > kLongestName) {
+    return fmt::format("has {} characters, a name has at most {}", Width(name), kLongestName);
   }
   if (name.find_first_of("/\\\n\t") != std::string_view::npos) {
     return "has a slash, a backslash, a tabulator or an end of a line, which no name has";

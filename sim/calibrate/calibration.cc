@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "controller/calibration/curve_fit.h"
 #include "controller/calibration/noise_estimate.h"
 #include "controller/calibration/robust_statistics.h"
+#include "controller/number.h"
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {
@@ -22,8 +22,6 @@ using controller::CurveFit;
 using controller::SettingError;
 using Eigen::Index;
 using Eigen::VectorXd;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// At an end of the converter's scale a sensor says nothing more.
 bool IsClipped(const PoseRecording& recording, Index sample, Index channel) {
@@ -149,7 +147,7 @@ double RmsErrorOrNan(const Poses& poses, CurveKind kind, int degree) {
   try {
     return FitCurve(poses, kind, degree).rms_error_deg;
   } catch (const SettingError&) {
-    return kNan;
+    return kNaN;
   }
 }
 
@@ -195,7 +193,9 @@ void FitCurves(const PoseRecording& recording, const CalibrationOptions& options
 }
 
 /// Six digits: more than an estimate is worth.
-double Short(double value) { return std::stod(controller::NumberText(value)); }
+double Short(double value) {
+  return controller::ParseNumber(controller::NumberText(value)).value_or(value);
+}
 
 std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
   std::vector<double> values;

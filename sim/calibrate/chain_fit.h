@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,9 +10,9 @@ namespace gauntlet::sim {
 
 /// A value and its interval of 95 %; NaN: not to be had from this log.
 struct ChainEstimate {
-  double value = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
+  double value = kNaN;
+  double low = kNaN;
+  double high = kNaN;
 };
 
 /// What a log says of one part of a hand.
@@ -38,8 +37,8 @@ struct ChainFit {
   std::string motor_problem;           // why the motor's angle tells neither; else empty
   ChainModel model;
   std::optional<FrameClock> frames;  // in which the model's command steps; none: it does not
-  double residual_rms_deg = std::numeric_limits<double>::quiet_NaN();
-  double shifted_rms_deg = std::numeric_limits<double>::quiet_NaN();  // with the delay alone
+  double residual_rms_deg = kNaN;
+  double shifted_rms_deg = kNaN;  // with the delay alone
 };
 
 /// Shortest log that a chain is fitted to.

@@ -252,7 +252,7 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
   log.command_deg = Signal(samples, parts);
   log.angle_deg = Signal(samples, parts);
   if (!columns.motors.empty()) {
-    log.motor_deg = Signal::Constant(samples, parts, std::numeric_limits<double>::quiet_NaN());
+    log.motor_deg = Signal::Constant(samples, parts, kNaN);
   }
   Signal* const signals[] = {&log.command_deg, &log.angle_deg, &log.motor_deg};
   for (std::size_t i = 0; i < all.size(); ++i) {

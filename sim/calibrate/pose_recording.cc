@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "controller/calibration/robust_statistics.h"
@@ -14,12 +13,12 @@
 #include "sim/calibrate/pose_table.h"
 #include "sim/calibrate/resolution.h"
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/missing.h"
 #include "sim/recordings/table_source.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFewestRows = 10;
 
 /// Values that no converter of this scale gives: glitches of its line, or it has another scale.

@@ -12,6 +12,7 @@
 
 #include "controller/calibration/predictor_fit.h"
 #include "controller/linearisation/linearisation.h"
+#include "controller/number.h"
 #include "controller/prediction/prediction_config.h"
 #include "sim/base/channels.h"
 #include "sim/base/csv_line.h"
@@ -154,11 +155,9 @@ void Remark(const PoseRecording& recording, const Calibration& calibration) {
 /// `2:5`, from 2 to 5 s.
 TimeStretch StretchOf(const std::string& text) {
   const std::size_t colon = std::min(text.find(':'), text.size());
-  const auto number = [](std::string_view part) {
-    return part.empty() ? std::nullopt : NumberOrMissing(part);
-  };
-  const auto start_s = number(std::string_view(text).substr(0, colon));
-  const auto end_s = number(std::string_view(text).substr(std::min(colon + 1, text.size())));
+  const std::string_view behind = std::string_view(text).substr(std::min(colon + 1, text.size()));
+  const auto start_s = controller::ParseNumber(std::string_view(text).substr(0, colon));
+  const auto end_s = controller::ParseNumber(behind);
   if (!start_s || !end_s || !(*start_s >= 0.0) || !(*end_s > *start_s)) {
     throw UserError({.place = "--still " + text,
                      .problem = "must be two times in seconds from the first row, as 2:5"});
@@ -313,12 +312,12 @@ void AddCalibrateCommand(CLI::App& app) {
       ->check(CLI::IsMember({"table", "two_point", "polynomial"}))
       ->capture_default_str();
   command->add_option("--degree", options->calibration.degree, "of the polynomial")
-      ->check(WholeNumber(1, 9))
+      ->transform(WholeNumber(1, 9))
       ->capture_default_str();
   command
       ->add_option("--confidence", options->calibration.confidence_percent,
                    "of the intervals of R, in percent")
-      ->check(Number(1.0, 99.9999))
+      ->transform(Number(1.0, 99.9999))
       ->capture_default_str();
   command
       ->add_option(
@@ -347,18 +346,18 @@ void AddCalibrateCommand(CLI::App& app) {
       ->add_option("--settle-ms", options->format.settle_ms,
                    "a pose counts from so long after its angle last changed; 0 if angles were "
                    "measured and never stand still")
-      ->check(Number(0.0, 1e6))
+      ->transform(Number(0.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--rate-hz", options->format.rate_hz, "of a recording without a column of time")
-      ->check(Number(1.0, 1e6))
+      ->transform(Number(1.0, 1e6))
       ->capture_default_str();
   command
       ->add_option(
           "--full-scale", options->format.full_scale_counts,
           "of the converter, in counts (or volts), unless the map says its bits; values at "
           "either end are not used")
-      ->check(CLI::PositiveNumber)
+      ->transform(Number(1e-6, 1e9))
       ->capture_default_str();
   CLI::Option* predictor = command
                                ->add_flag("--predictor", options->predictor,
@@ -370,28 +369,28 @@ void AddCalibrateCommand(CLI::App& app) {
       ->add_option("--horizon-ms", options->fit.horizon_ms,
                    "how far it looks ahead, one for all channels or one for each")
       ->needs(predictor)
-      ->check(Number(0.0, 1000.0))
+      ->transform(Number(0.0, 1000.0))
       ->capture_default_str();
   command->add_option("--order", options->fit.order, "how many samples of the past it uses")
       ->needs(predictor)
-      ->check(WholeNumber(1, 1000))
+      ->transform(WholeNumber(1, 1000))
       ->capture_default_str();
   command->add_option("--tap-ms", options->fit.tap_ms, "how far they lie apart")
       ->needs(predictor)
-      ->check(Number(0.1, 1000.0))
+      ->transform(Number(0.1, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--caution", options->fit.caution,
                    "fit as if the noise had so many times its variance")
       ->needs(predictor)
-      ->check(Number(1.0, 1e6))
+      ->transform(Number(1.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--components", options->fit.components,
                    "of all channels together, so many sums are looked at, too; worth it where "
                    "fingers move together and what is left by other fits becomes less")
       ->needs(predictor)
-      ->check(WholeNumber(0, 100))
+      ->transform(WholeNumber(0, 100))
       ->capture_default_str();
   command
       ->add_option("--calibration", options->curves,

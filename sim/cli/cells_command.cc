@@ -6,9 +6,11 @@
 #include <cstdio>
 #include <fstream>
 
+#include "controller/number.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/base/signal_storage.h"
+#include "sim/base/text.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/jobs_option.h"
 #include "sim/cli/progress.h"
@@ -26,15 +28,18 @@ struct Shard {
 /// Errors: UserError for what is not i/n with 1 <= i <= n.
 Shard ParseShard(const std::string& text) {
   if (text.empty()) return {};
-  Shard shard;
-  int length = 0;
-  const bool read =
-      std::sscanf(text.c_str(), "%9d/%9d%n", &shard.number, &shard.count, &length) == 2;
-  if (!read || length != std::ssize(text) || shard.number < 1 || shard.number > shard.count) {
-    throw UserError(
-        {.place = "--shard", .key = text, .problem = "must be i/n with 1 <= i <= n, as 2/8"});
+  constexpr int kMostShards = 1'000'000'000;
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const auto part = std::string_view(text).substr(0, slash);
+  const auto whole = std::string_view(text).substr(std::min(slash + 1, text.size()));
+  const auto count = controller::ParseWholeNumber(whole, 1, kMostShards);
+  const auto number = controller::ParseWholeNumber(part, 1, count.value_or(0));
+  if (!number) {
+    throw UserError({.place = "--shard",
+                     .key = Shown(text),
+                     .problem = "must be i/n with 1 <= i <= n, as 2/8"});
   }
-  return shard;
+  return {.number = static_cast<int>(*number), .count = static_cast<int>(*count)};
 }
 
 std::string TimeText(double seconds) {

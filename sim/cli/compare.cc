@@ -17,7 +17,7 @@ void AddCompareCommand(CLI::App& app) {
       ->add_option("--seeds", options->seeds,
                    "number of seeds, counted up from the scenario's; each is another glove, and "
                    "takes the next of the scenario's repetitions [8, or one for each repetition]")
-      ->check(WholeNumber(1, 100'000));
+      ->transform(WholeNumber(1, 100'000));
   command->footer(
       "\nExamples:\n  gauntlet compare scenarios/door_opening.yaml --video\n"
       "  gauntlet compare scenarios/random_motion.yaml --seeds 32 --controllers "

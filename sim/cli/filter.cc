@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "controller/filters/filter_registry.h"
+#include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
@@ -35,12 +35,10 @@ struct FilterOptions {
   std::string map;                   // empty: columns as their names say
 };
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
 /// The filter of the command line, and the rate that `rate_hz` gives beside the filter's own keys.
 struct StreamFilter {
   controller::FilterConfig config;
-  double rate_hz = kUnknown;
+  double rate_hz = controller::kNaN;
 
   void Visit(controller::SettingsVisitor& visitor) {
     config.Visit(visitor);
@@ -148,7 +146,7 @@ class FilterStream {
   void Finish() {
     if (filter_ == nullptr && !waiting_.empty()) StartAtRateOfClock();
     constexpr double kNoticeable = 0.05;
-    const double measured_hz = clock_ ? clock_->RateHz() : kUnknown;
+    const double measured_hz = clock_ ? clock_->RateHz() : controller::kNaN;
     if (needs_rate_ && std::abs(measured_hz / rate_hz_ - 1.0) > kNoticeable) {
       Say("gauntlet: warning: standard input: its times say {:.5g} Hz, the filter was made for "
           "{:.5g} Hz\n",
@@ -206,7 +204,7 @@ class FilterStream {
     for (std::size_t i = 0; i < values_.size(); ++i) TakeValue(i);
     filter_->Step(values_, filtered_);
     for (std::size_t i = 0; i < values_.size(); ++i) {
-      if (!started_[i]) filtered_[i] = kUnknown;
+      if (!started_[i]) filtered_[i] = controller::kNaN;
     }
     PrintText(table_.Written(filtered_));
     CheckOutput();
@@ -236,7 +234,7 @@ class FilterStream {
   StreamTable table_;
   std::unique_ptr<controller::Filter> filter_;  // none until the rate is known
   bool needs_rate_ = false;
-  double rate_hz_ = kUnknown;
+  double rate_hz_ = controller::kNaN;
   std::optional<RowClock> clock_;
   std::vector<WaitingRow> waiting_;
   std::vector<double> values_;

@@ -255,7 +255,7 @@ void AddInspectCommand(CLI::App& app) {
       ->add_option("--rate", options->inspection.rate_hz,
                    "rows per second of a file without a time [50]")
       ->type_name("HZ")
-      ->check(Number(0.01, 100000.0));
+      ->transform(Number(0.01, 100000.0));
   command
       ->add_option("--array", options->inspection.array,
                    "of a file with several arrays the one to take, or a group of them [those of "

@@ -9,7 +9,7 @@ namespace gauntlet::sim {
 
 void AddJobsOption(CLI::App& command, int& jobs) {
   command.add_option("--jobs", jobs, "trials at a time [number of cores]")
-      ->check(WholeNumber(1, 1024));
+      ->transform(WholeNumber(1, 1024));
 }
 
 int JobsOrCores(int jobs) {

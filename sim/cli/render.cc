@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,10 +20,13 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
+#include "sim/cli/usage_error.h"
 #include "sim/video/render_folder.h"
 
 namespace gauntlet::sim {
 namespace {
+
+constexpr double kLongest_s = 1e6;  // of a recording
 
 struct RenderChoices {
   std::string folder;
@@ -84,11 +86,6 @@ const Look& LookNamed(const std::string& name) {
   throw UserError({.place = "--look " + name, .problem = "must be one of fast, good and best"});
 }
 
-void CheckNumber(const char* option, double value, double low, double high, const char* allowed) {
-  if (value >= low && value <= high) return;
-  throw UserError({.place = fmt::format("{} {:g}", option, value), .problem = allowed});
-}
-
 /// Errors: UserError for an overlay of other than two controllers, or with others.
 void CheckOverlay(const RenderChoices& options) {
   const std::vector<std::string>& names = options.overlay;
@@ -104,17 +101,10 @@ void CheckOverlay(const RenderChoices& options) {
 
 RenderOptions CheckedOptions(const RenderChoices& options) {
   CheckOverlay(options);
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Excerpt& excerpt = options.excerpt;
-  CheckNumber("--speed", excerpt.speed, 0.01, 100.0, "must be from 0.01 to 100");
-  CheckNumber("--from", excerpt.from_s, 0.0, 1e6, "must be from 0 to 1000000 s");
-  CheckNumber("--to", excerpt.to_s, 0.0, kInfinity, "must be 0 s or more");
   if (!(excerpt.from_s < excerpt.to_s)) {
     throw UserError({.place = fmt::format("--from {:g} --to {:g}", excerpt.from_s, excerpt.to_s),
                      .problem = "--from must come before --to"});
-  }
-  if (options.frame_s) {
-    CheckNumber("--frame", *options.frame_s, 0.0, 1e6, "must be from 0 to 1000000 s");
   }
   const bool picture = options.frame_s.has_value();
   const std::string ending = std::filesystem::path(options.out).extension();
@@ -182,10 +172,15 @@ void AddRenderCommand(CLI::App& app) {
           "hand, fingers, close_up (the finger of the channel), arm or another camera of the "
           "model")
       ->type_name("NAME");
-  command->add_option("--from", options->excerpt.from_s, "begin here [0]")->type_name("S");
-  command->add_option("--to", options->excerpt.to_s, "end here [the end]")->type_name("S");
+  command->add_option("--from", options->excerpt.from_s, "begin here [0]")
+      ->type_name("S")
+      ->transform(Number(0.0, kLongest_s));
+  command->add_option("--to", options->excerpt.to_s, "end here [the end]")
+      ->type_name("S")
+      ->transform(Number(0.0, kLongest_s));
   command->add_option("--speed", options->excerpt.speed, "0.25: four times slower [1]")
-      ->type_name("FACTOR");
+      ->type_name("FACTOR")
+      ->transform(Number(0.01, 100.0));
   command->add_option("--size", options->size, "width and height in pixels, even")
       ->type_name("WIDTHxHEIGHT");
   command->add_option("--fps", options->frames_per_s, "frames per second")->type_name("N");
@@ -194,7 +189,8 @@ void AddRenderCommand(CLI::App& app) {
   command->add_option("--quality", options->quality, "of the encoding [good]")
       ->type_name("{small,good,best}");
   command->add_option("--frame", options->frame_s, "no video, but the frame at this moment")
-      ->type_name("S");
+      ->type_name("S")
+      ->transform(Number(0.0, kLongest_s));
   AddOutOption(
       *command, options->out,
       "file .mp4, .webm, .gif, or .png with --frame [comparison.mp4 or comparison.png in the "

@@ -82,17 +82,17 @@ void AddRobustCommand(CLI::App& app) {
       ->type_name("key=value")
       ->take_all();
   command->add_option("--hands", options->robust.hands, "how many hands are drawn [32]")
-      ->check(WholeNumber(1, 100000));
+      ->transform(WholeNumber(1, 100000));
   command
       ->add_option("--seeds", options->robust.seeds,
                    "seeds of each hand [8, or one for each repetition]")
-      ->check(WholeNumber(1, 100000));
+      ->transform(WholeNumber(1, 100000));
   command
       ->add_option("--within", options->robust.within_percent,
                    "how far settings are off the scenario's, in percent [30]")
-      ->check(WholeNumber(1, 90));
+      ->transform(WholeNumber(1, 90));
   command->add_option("--design-seed", options->robust.design_seed, "draws other hands [1]")
-      ->check(WholeNumber(0, 2'147'480'000));
+      ->transform(WholeNumber(0, 2'147'480'000));
   AddCellsOptions(*command, options->cells);
   command->add_flag("--json", options->json, "print JSON instead of the table");
   command->footer(

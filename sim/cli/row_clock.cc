@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "controller/calibration/robust_statistics.h"
+#include "controller/number.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -38,7 +39,7 @@ void RowClock::Count(double interval_s) {
 
 double RowClock::RateHz() const {
   if (counted_ > 0.0) return counted_ / sum_s_;
-  if (first_intervals_s_.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (first_intervals_s_.empty()) return controller::kNaN;
   const double usual_s = controller::MedianOf(first_intervals_s_);
   double sum_s = 0.0;
   double counted = 0.0;

@@ -18,7 +18,7 @@ void AddRunCommand(CLI::App& app) {
           "--seed", *seed,
           "seed of all random numbers, and the repetition that compare gives it [as in the "
           "scenario]")
-      ->check(WholeNumber(0, std::numeric_limits<int>::max()));
+      ->transform(WholeNumber(0, std::numeric_limits<int>::max()));
   command->footer(
       "\nExample:\n  gauntlet run scenarios/hold_still.yaml --seed 7 --out out/still\n");
   command->callback([options, seed] {

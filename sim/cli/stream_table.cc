@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
-#include <limits>
 
+#include "controller/number.h"
 #include "sim/base/channels.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
@@ -23,13 +22,8 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kNotRead = std::numeric_limits<double>::quiet_NaN();
-
 bool IsNumber(std::string_view text) {
-  text = Trimmed(text);
-  double number = 0.0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && rest == text.data() + text.size();
+  return controller::ParseNumberOfProgram(Trimmed(text)).has_value();
 }
 
 std::vector<std::string> NamesOf(const std::vector<std::string_view>& cells) {
@@ -46,13 +40,13 @@ std::vector<bool> AskedColumns(const std::vector<std::string>& names,
     const auto found = std::ranges::find(names, one);
     std::size_t column = static_cast<std::size_t>(found - names.begin());
     if (found == names.end()) {
-      std::from_chars(one.data(), one.data() + one.size(), column);
-      if (column < 1 || column > names.size() || one != std::to_string(column)) {
+      const auto number = controller::ParseWholeNumber(one, 1, std::ssize(names));
+      if (!number) {
         throw UserError({.place = "--columns",
                          .problem = fmt::format("standard input has no column {}{}", Shown(one),
                                                 Suggestion(one, names))});
       }
-      --column;
+      column = *number - 1;
     }
     is_asked[column] = true;
   }
@@ -195,7 +189,7 @@ double StreamTable::Time() const {
     const std::string_view field = fields_[time.column];
     const std::optional<double> value =
         time.is_text ? SecondsOfText(Unquoted(field)) : NumberOrMissing(Plain(field));
-    sum += value.value_or(kNotRead) * (time.scale_s / time_scale_s());
+    sum += value.value_or(kNaN) * (time.scale_s / time_scale_s());
   }
   return sum;
 }

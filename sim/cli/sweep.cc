@@ -173,9 +173,9 @@ void AddSweepCommand(CLI::App& app) {
       ->type_name("key=value")
       ->take_all();
   command->add_option("--seeds", options->seeds, "number of seeds [as in the study file]")
-      ->check(WholeNumber(1, 100000));
+      ->transform(WholeNumber(1, 100000));
   command->add_option("--max-cells", options->max_cells, "more cells than this are refused [10000]")
-      ->check(WholeNumber(1, 1'000'000'000));
+      ->transform(WholeNumber(1, 1'000'000'000));
   command->add_flag("--filter-only", options->filter_only,
                     "without a hand: score what the filters give");
   command->add_flag("--all-seeds", options->all_seeds,
@@ -185,7 +185,7 @@ void AddSweepCommand(CLI::App& app) {
   command->add_flag("--slurm", options->slurm,
                     "submit the shards as an array of jobs to Slurm, which runs failed ones again");
   command->add_option("--tasks", options->tasks, "how many shards --slurm makes at most [16]")
-      ->check(WholeNumber(1, 1000));
+      ->transform(WholeNumber(1, 1000));
   command->add_flag("--retry", options->retry,
                     "with --slurm: only shards that have not ended well and are not in its queue");
   command->add_flag("--dry-run", options->dry_run, "with --slurm: print the script and do nothing");

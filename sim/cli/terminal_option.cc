@@ -4,9 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <string_view>
+
+#include "controller/number.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -21,9 +22,8 @@ std::string_view Variable(const char* name) {
 }
 
 int TerminalWidth() {
-  const std::string_view columns = Variable("COLUMNS");
-  int width = 0;
-  std::from_chars(columns.data(), columns.data() + columns.size(), width);
+  constexpr int kWidest = 1'000'000;
+  int width = controller::ParseWholeNumber(Variable("COLUMNS"), 1, kWidest).value_or(0);
   winsize size{};
   if (width <= 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) width = size.ws_col;
   return width <= 0 ? kUsualWidth : std::max(width, kNarrowest);

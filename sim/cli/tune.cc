@@ -250,11 +250,11 @@ void AddTuneCommand(CLI::App& app) {
       ->type_name("key=value")
       ->take_all();
   command->add_option("--evaluations", options->evaluations, "settings to try at most [100]")
-      ->check(WholeNumber(1, 100000));
+      ->transform(WholeNumber(1, 100000));
   command->add_option("--seeds", options->seeds, "seeds that each is tried on [8]")
-      ->check(WholeNumber(1, 10000));
+      ->transform(WholeNumber(1, 10000));
   command->add_option("--held-out", options->held_out, "seeds behind those, for the verdict [8]")
-      ->check(WholeNumber(1, 10000));
+      ->transform(WholeNumber(1, 10000));
   AddJobsOption(*command, options->jobs);
   command->add_flag("--filter-only", options->filter_only,
                     "without a hand: score what the filters give");

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <regex>
 
+#include "controller/number.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 
@@ -57,7 +57,7 @@ std::optional<std::string> UnknownOption(const CLI::App& app, const CLI::App& co
   return std::nullopt;
 }
 
-/// "Could not convert: --frame = x" and its like, said of the option.
+/// "Could not convert: --json = x" of a flag, said of the flag; options have checks of their own.
 std::string ReasonOf(const CLI::ParseError& error) {
   std::string text = OneLine(error.what(), kLongestReason);
   const std::string prefix = "Could not convert: ";
@@ -65,19 +65,8 @@ std::string ReasonOf(const CLI::ParseError& error) {
   std::string option = text.substr(prefix.size());
   const std::size_t sign = option.find(" = ");
   if (sign == std::string::npos) return text;
-  return fmt::format("{}: '{}' is not a number", option.substr(0, sign), option.substr(sign + 3));
-}
-
-template <class Value>
-CLI::Validator Within(Value low, Value high, const char* what) {
-  const auto problem = [=](std::string& text) -> std::string {
-    Value value{};
-    const char* end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data(), end, value);
-    if (error == std::errc() && rest == end && value >= low && value <= high) return "";
-    return fmt::format("is '{}', must be {} from {} to {}", Shown(text), what, low, high);
-  };
-  return {problem, ""};
+  return fmt::format("{}: is '{}', must be true or false", option.substr(0, sign),
+                     option.substr(sign + 3));
 }
 
 }  // namespace
@@ -122,10 +111,28 @@ std::string AsCalled(const std::string& text, const std::string& called) {
   return std::regex_replace(text, kCommand, "$1" + called + "$2");
 }
 
-CLI::Validator WholeNumber(long long low, long long high) {
-  return Within(low, high, "a whole number");
+CLI::Validator WholeNumber(std::int64_t low, std::int64_t high) {
+  const auto rewrite = [=](std::string& text) -> std::string {
+    const auto number = controller::ParseWholeNumber(text, low, high);
+    if (!number) {
+      return fmt::format("is '{}', must be a whole number from {} to {}", Shown(text), low, high);
+    }
+    text = fmt::format("{}", *number);
+    return "";
+  };
+  return {rewrite, ""};
 }
 
-CLI::Validator Number(double low, double high) { return Within(low, high, "a number"); }
+CLI::Validator Number(double low, double high) {
+  const auto rewrite = [=](std::string& text) -> std::string {
+    const auto number = controller::ParseNumber(text);
+    if (!number || !(*number >= low && *number <= high)) {
+      return fmt::format("is '{}', must be a number from {} to {}", Shown(text), low, high);
+    }
+    text = fmt::format("{:a}", *number);  // which CLI11 reads as the same double
+    return "";
+  };
+  return {rewrite, ""};
+}
 
 }  // namespace gauntlet::sim

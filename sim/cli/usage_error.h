@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@ std::vector<std::string> WithoutWordsForOptions(std::vector<std::string> argumen
 /// COMMAND` of a source tree. `called`: argv[0]; a place that no person types is left out.
 std::string AsCalled(const std::string& text, const std::string& called);
 
-/// A check of an option: a whole number, or any number, from `low` to `high`.
-CLI::Validator WholeNumber(long long low, long long high);
+/// For transform() of an option: a whole number, or any number, from `low` to `high`, as
+/// controller::ParseNumber() reads it. CLI11 alone would take hexadecimal and octal digits.
+CLI::Validator WholeNumber(std::int64_t low, std::int64_t high);
 CLI::Validator Number(double low, double high);
 
 }  // namespace gauntlet::sim

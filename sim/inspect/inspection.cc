@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
@@ -19,8 +20,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-constexpr double kNoTime = std::numeric_limits<double>::quiet_NaN();
 
 /// The beginning of a source, up to the end of a line. `is_whole` tells whether that is all of it.
 CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bool>& is_whole) {
@@ -54,7 +53,7 @@ TableStatistics ReadTable(const std::filesystem::path& file, const TimeGuess& ti
   TableStatistics statistics(csv.column_count());
   std::vector<double> values(csv.column_count());
   while (csv.NextRow(values)) {
-    double time_s = time.parts.empty() ? kNoTime : 0.0;
+    double time_s = time.parts.empty() ? kNaN : 0.0;
     for (const TimePart& part : time.parts) time_s += values[part.column] * SecondsPer(part.unit);
     statistics.Add(time_s, values);
   }
@@ -147,7 +146,6 @@ void GuessUnit(const std::vector<std::size_t>& sensors, Inspection& inspection) 
     inspection.unit = unit;
     inspection.unit_why = numbers + std::string(why);
   };
-  constexpr double kPi = 3.14159265358979323846;
   if (const RawUnit named = UnitByNames(sensors, inspection); named != RawUnit::kUnknown) {
     is(named, ", and the names say so");
   } else if (range.is_whole && reach > 1.0 &&
@@ -159,7 +157,7 @@ void GuessUnit(const std::vector<std::size_t>& sensors, Inspection& inspection) 
     is(RawUnit::kShare, ", within 0 and 1");
   } else if (range.low >= -0.01 && range.high <= 5.3 && !near_zero) {
     is(RawUnit::kVolts, ", away from zero as a voltage divider is");
-  } else if (reach <= kPi) {
+  } else if (reach <= std::numbers::pi) {
     is(RawUnit::kRadians, ", no more than half a turn in radians");
   } else if (range.low >= -0.01 && range.high <= 5.3) {
     is(RawUnit::kVolts, ", more than radians, less than degrees");

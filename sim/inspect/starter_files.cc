@@ -7,6 +7,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/signal.h"
 #include "sim/base/text.h"
 
 namespace gauntlet::sim {
@@ -72,7 +73,7 @@ double VarianceCounts2(const Inspection& inspection) {
     const ColumnStatistics& column = inspection.columns[c].statistics;
     const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
     double per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg);
-    if (inspection.unit == RawUnit::kRadians) per_unit *= 180.0 / 3.14159265358979323846;
+    if (inspection.unit == RawUnit::kRadians) per_unit *= kDegPerRad;
     if (NeedsTwoPoints(inspection.unit) || inspection.unit == RawUnit::kShare) {
       const double range =
           inspection.unit == RawUnit::kShare ? 1.0 : column.usual_high - column.usual_low;
@@ -90,7 +91,7 @@ double VarianceCounts2(const Inspection& inspection) {
 bool LeavesItsJoint(const Inspection& inspection) {
   const bool is_angle =
       inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
-  const double deg = inspection.unit == RawUnit::kRadians ? 180.0 / 3.14159265358979323846 : 1.0;
+  const double deg = inspection.unit == RawUnit::kRadians ? kDegPerRad : 1.0;
   return is_angle && std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
            const InspectedColumn& column = inspection.columns[c];
            const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];

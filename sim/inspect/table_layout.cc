@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string_view>
 #include <utility>
 
 #include "controller/calibration/robust_statistics.h"
+#include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/recordings/time_columns.h"
@@ -202,7 +202,7 @@ CellKind KindOf(const TableLayout& layout, std::size_t column) {
 double NumberIn(const TableLayout& layout, const std::string& cell) {
   std::string text = cell;
   if (layout.separator != ',') std::ranges::replace(text, ',', '.');
-  return NumberOrMissing(text).value_or(std::numeric_limits<double>::quiet_NaN());
+  return NumberOrMissing(text).value_or(controller::kNaN);
 }
 
 }  // namespace gauntlet::sim

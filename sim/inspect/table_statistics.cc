@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "controller/calibration/robust_statistics.h"
+#include "controller/number.h"
 #include "sim/base/quantile.h"
 
 namespace gauntlet::sim {
@@ -14,7 +14,6 @@ namespace {
 constexpr std::size_t kMostKept = 8192;
 constexpr int kWindow = 16;
 constexpr std::size_t kMostLong = 4096;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Every second one, the first included, of rows of this width.
 void Halve(std::vector<double>& values, std::size_t width) {
@@ -40,7 +39,7 @@ double UsualInterval(std::span<const double> intervals_s) {
     for (const double interval_s : intervals_s.subspan(i, window)) sum_s += interval_s;
     means_s.push_back(sum_s / static_cast<double>(window));
   }
-  return means_s.empty() ? kUnknown : controller::MedianOf(means_s);
+  return means_s.empty() ? controller::kNaN : controller::MedianOf(means_s);
 }
 
 TableStatistics::TableStatistics(std::size_t columns) : columns_(columns), curvatures_(columns) {}
@@ -117,7 +116,7 @@ void TableStatistics::Add(double time_s, std::span<const double> values) {
   if (std::isfinite(time_s)) AddTime(time_s);
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     Watch& watch = columns_[c];
-    curvatures_[c] = kUnknown;
+    curvatures_[c] = controller::kNaN;
     if (!std::isfinite(values[c])) continue;
     if (watch.good_rows >= 2) curvatures_[c] = values[c] - 2.0 * watch.before + watch.before_that;
     Look(watch, values[c]);

@@ -1,15 +1,12 @@
 #include "sim/loop/hand_loop.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
+#include "controller/number.h"
+
 namespace gauntlet::sim {
-namespace {
-
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 HandLoop::HandLoop(const controller::ControllerConfig& config,
                    const controller::GloveCalibration& glove,
@@ -23,14 +20,14 @@ HandLoop::HandLoop(const controller::ControllerConfig& config,
       sensors_(hand_.hand_model().config().joint_sensors, hand_.hand_model().timing().controller,
                controller_.joint_count()),
       joint_angle_rad_(static_cast<std::size_t>(controller_.joint_count())),
-      measured_angle_rad_(sensors_.exist() ? joint_angle_rad_.size() : 0, kNothing) {}
+      measured_angle_rad_(sensors_.exist() ? joint_angle_rad_.size() : 0, controller::kNaN) {}
 
 void HandLoop::Reset(std::span<const double> joint_angle_rad) {
   link_.Reset();
   hand_.Reset(joint_angle_rad);
   controller_.Reset(hand_.command());
   sensors_.Reset();
-  std::ranges::fill(measured_angle_rad_, kNothing);
+  std::ranges::fill(measured_angle_rad_, controller::kNaN);
   tick_ = 0;
 }
 

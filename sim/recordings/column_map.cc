@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
+#include "controller/number.h"
 #include "sim/base/channels.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/nearest_name.h"
@@ -209,11 +209,8 @@ std::size_t ColumnOf(const MapFile& map, const RecordingColumns& recording) {
   if (!name.empty() && found != header.end()) {
     return found - header.begin();
   }
-  std::size_t number = 0;
-  const auto result = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (result.ec == std::errc() && result.ptr == name.data() + name.size() && number >= 1 &&
-      number <= recording.count) {
-    return number - 1;
+  if (const auto number = controller::ParseWholeNumber(name, 1, recording.count)) {
+    return *number - 1;
   }
   map.FailAt("column", fmt::format("{} has no column {}, must be one of its names or 1 to {}",
                                    recording.name, Quoted(name), recording.count));

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <optional>
 
+#include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
@@ -203,12 +203,12 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
   bool more = true;
   for (; column < column_count_ && more; ++column) {
     double value;
-    const auto number = std::from_chars(rest.data(), end, value);
-    if (meanings_[column] == Meaning::kNumber && number.ec == std::errc() && std::isfinite(value) &&
-        separator_ != ' ' && (number.ptr == end || *number.ptr == separator_)) {
+    const char* const behind = controller::ReadNumber(rest.data(), end, value);
+    if (meanings_[column] == Meaning::kNumber && behind != nullptr && separator_ != ' ' &&
+        (behind == end || *behind == separator_)) {
       values[column] = value;
-      more = number.ptr != end;
-      rest = {number.ptr + (more ? 1 : 0), end};
+      more = behind != end;
+      rest = {behind + (more ? 1 : 0), end};
       continue;
     }
     // Everything that is not a plain number between separators: rare, so clarity over speed.

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <limits>
+#include "controller/number.h"
 
 namespace gauntlet::sim {
 
 /// What stands in a table or a recording where there is no value.
-inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kMissing = controller::kNaN;
 
 }  // namespace gauntlet::sim

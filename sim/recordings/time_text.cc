@@ -1,7 +1,6 @@
 #include "sim/recordings/time_text.h"
 
 #include <cctype>
-#include <charconv>
 #include <chrono>
 
 #include "sim/base/csv_line.h"
@@ -33,14 +32,15 @@ class TimeScanner {
   }
   /// A number without a sign, of at most `most_digits`.
   std::optional<int> TakeNumber(std::size_t most_digits) {
-    std::size_t digits = 0;
-    while (digits < rest_.size() && std::isdigit(static_cast<unsigned char>(rest_[digits])) != 0) {
-      ++digits;
-    }
-    if (digits == 0 || digits > most_digits) return std::nullopt;
+    std::string_view rest = rest_;
     int number = 0;
-    std::from_chars(rest_.data(), rest_.data() + digits, number);
-    rest_.remove_prefix(digits);
+    for (; !rest.empty() && std::isdigit(static_cast<unsigned char>(rest[0])) != 0;
+         rest.remove_prefix(1)) {
+      if (rest_.size() - rest.size() == most_digits) return std::nullopt;
+      number = 10 * number + (rest[0] - '0');
+    }
+    if (rest.size() == rest_.size()) return std::nullopt;
+    rest_ = rest;
     return number;
   }
   /// The part behind a decimal point or comma; 0 if there is none.

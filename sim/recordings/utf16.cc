@@ -1,8 +1,11 @@
 #include "sim/recordings/utf16.h"
 
+#include <utf8.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,25 +14,6 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr std::uint32_t kReplacement = 0xFFFD;
-
-void AppendUtf8(std::uint32_t character, std::string& text) {
-  const auto add = [&text](std::uint32_t byte) { text.push_back(static_cast<char>(byte)); };
-  if (character < 0x80) {
-    add(character);
-  } else if (character < 0x800) {
-    add(0xC0 | character >> 6);
-    add(0x80 | (character & 0x3F));
-  } else if (character < 0x10000) {
-    add(0xE0 | character >> 12);
-    add(0x80 | (character >> 6 & 0x3F));
-    add(0x80 | (character & 0x3F));
-  } else {
-    add(0xF0 | character >> 18);
-    add(0x80 | (character >> 12 & 0x3F));
-    add(0x80 | (character >> 6 & 0x3F));
-    add(0x80 | (character & 0x3F));
-  }
-}
 
 class Utf16Decoder {
  public:
@@ -71,17 +55,17 @@ class Utf16Decoder {
     }
     const bool is_low = unit >= 0xDC00 && unit < 0xE000;
     if (high_ != 0) {
-      AppendUtf8(is_low ? 0x10000 + ((high_ - 0xD800) << 10) + (unit - 0xDC00) : kReplacement,
-                 text_);
+      Append(is_low ? 0x10000 + ((high_ - 0xD800) << 10) + (unit - 0xDC00) : kReplacement);
       high_ = 0;
       if (is_low) return;
     }
     if (unit >= 0xD800 && unit < 0xDC00) {
       high_ = unit;
     } else {
-      AppendUtf8(is_low ? kReplacement : unit, text_);
+      Append(is_low ? kReplacement : unit);
     }
   }
+  void Append(std::uint32_t character) { utf8::append(character, std::back_inserter(text_)); }
 
   CsvReader::Source source_;
   std::array<char, 65536> bytes_;

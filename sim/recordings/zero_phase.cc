@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace gauntlet::sim {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// y(k) = b (x(k) + 2 x(k-1) + x(k-2)) - a1 y(k-1) - a2 y(k-2)
 struct LowPass {
@@ -26,7 +25,8 @@ struct LowPass {
 
 LowPass Butterworth(double cutoff_hz, double rate_hz) {
   // Two passes: the cut-off of one lies higher by (sqrt(2) - 1)^(-1/4) on the warped axis.
-  const double warped = std::tan(kPi * cutoff_hz / rate_hz) / std::pow(std::sqrt(2.0) - 1.0, 0.25);
+  const double warped =
+      std::tan(std::numbers::pi * cutoff_hz / rate_hz) / std::pow(std::sqrt(2.0) - 1.0, 0.25);
   const double norm = 1.0 + std::sqrt(2.0) * warped + warped * warped;
   return {warped * warped / norm, 2.0 * (warped * warped - 1.0) / norm,
           (1.0 - std::sqrt(2.0) * warped + warped * warped) / norm};

@@ -59,8 +59,7 @@ std::vector<HeatMap> CellPoints::HeatMaps() const {
     map.lower_is_better = Metrics()[best_by_].lower_is_better;
     for (const Best& best : pair.best) {
       const bool is_there = std::isfinite(best.rank);
-      map.best.push_back(is_there ? (map.lower_is_better ? best.rank : -best.rank)
-                                  : std::numeric_limits<double>::quiet_NaN());
+      map.best.push_back(is_there ? (map.lower_is_better ? best.rank : -best.rank) : kNaN);
       const auto found = std::ranges::find(kept_, best.number, &Kept::number);
       map.points.push_back(found == kept_.end() ? kNoPoint
                                                 : static_cast<std::size_t>(found - kept_.begin()));

@@ -1,39 +1,31 @@
 #include "sim/report/cells_chart.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
 
+#include "controller/number.h"
 #include "sim/base/chart_scale.h"
 #include "sim/report/drawing.h"
 #include "sim/report/html_text.h"
 #include "sim/report/table_text.h"
 
 namespace gauntlet::sim {
-namespace {
-
-constexpr double kNoPlace = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
 
 double ChartAxis::PlaceOf(double value) const {
   if (!(high > low)) return 0.5;
   const double place =
       log ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
-  return std::isfinite(place) ? std::clamp(place, 0.0, 1.0) : kNoPlace;
+  return std::isfinite(place) ? std::clamp(place, 0.0, 1.0) : controller::kNaN;
 }
 
 double ChartAxis::PlaceOf(const std::string& value) const {
   if (!labels.empty()) {
     const auto found = std::ranges::find(labels, value);
-    if (found == labels.end()) return kNoPlace;
+    if (found == labels.end()) return controller::kNaN;
     const auto item = static_cast<double>(found - labels.begin());
     return labels.size() < 2 ? 0.5 : item / (static_cast<double>(labels.size()) - 1.0);
   }
-  double number = kNoPlace;
-  std::from_chars(value.data(), value.data() + value.size(), number);
-  return PlaceOf(number);
+  return PlaceOf(controller::ParseNumber(value).value_or(controller::kNaN));
 }
 
 std::string HeatMapSvg(const HeatMap& map) {

@@ -15,7 +15,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostScores = 4;   // of parallel coordinates
 constexpr std::size_t kMostLabels = 40;  // of a heat map's side: more values are binned
 
@@ -120,8 +119,8 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
     point.faint = !kept.point.keeps_bounds;
     point.good = !point.faint && points.size() <= good;
     const bool front = delay < gathered.metrics().size() && jitter < gathered.metrics().size();
-    point.delay_ms = front ? kept.point.scores[delay] : kNothing;
-    point.jitter_deg = front ? kept.point.scores[jitter] : kNothing;
+    point.delay_ms = front ? kept.point.scores[delay] : kNaN;
+    point.jitter_deg = front ? kept.point.scores[jitter] : kNaN;
     nlohmann::ordered_json& entry = data.emplace_back();
     entry["name"] = kept.point.name;
     entry["yaml"] = kept.point.yaml;

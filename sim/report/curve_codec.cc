@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "controller/number.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -39,7 +41,7 @@ std::string Base64(const std::vector<std::uint8_t>& bytes) {
 
 /// Smallest and largest finite value of a bucket, in the order of time; NaN where there is none.
 struct Extremes {
-  double first = std::numeric_limits<double>::quiet_NaN();
+  double first = controller::kNaN;
   double second = first;
 
   explicit Extremes(std::span<const double> bucket) {
@@ -47,8 +49,7 @@ struct Extremes {
     double lowest = kInfinity;
     double highest = -kInfinity;
     for (const double value : bucket) {  // what is no number is neither smaller nor larger
-      const double finite =
-          std::abs(value) < kInfinity ? value : std::numeric_limits<double>::quiet_NaN();
+      const double finite = std::abs(value) < kInfinity ? value : controller::kNaN;
       lowest = finite < lowest ? finite : lowest;
       highest = finite > highest ? finite : highest;
     }

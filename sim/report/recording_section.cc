@@ -109,8 +109,8 @@ std::string DotsOf(const GloveSignal& glove, const Rows& rows, std::size_t chann
   constexpr std::size_t kMostDots = 3000;
   const Recording& recording = *glove.recording;
   const auto angle = recording.angle_rad.col(static_cast<Eigen::Index>(channel));
-  double low = NAN;
-  double high = NAN;
+  double low = kNaN;
+  double high = kNaN;
   for (std::size_t i = rows.begin; i < rows.end; ++i) {
     low = std::fmin(low, angle[static_cast<Eigen::Index>(i)]);
     high = std::fmax(high, angle[static_cast<Eigen::Index>(i)]);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "sim/report/cells_page.h"
 #include "sim/report/front_chart.h"
@@ -15,7 +14,7 @@ namespace {
 
 /// The least upper bound that the plan has of a score; NaN for none.
 double MostOf(const TunePlan& plan, std::string_view metric) {
-  double most = std::numeric_limits<double>::quiet_NaN();
+  double most = kNaN;
   for (const Constraint& constraint : plan.constraints) {
     if (constraint.metric != MetricIndex(metric) || !constraint.at_most) continue;
     if (!(most < constraint.bound)) most = constraint.bound;

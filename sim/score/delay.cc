@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "sim/base/signal.h"
@@ -265,7 +264,7 @@ double AlignedRms(std::span<const double> leader, std::span<const double> follow
     }
     count += std::max(0, end - begin);
   }
-  return count == 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(squares / count);
+  return count == 0 ? kNaN : std::sqrt(squares / count);
 }
 
 }  // namespace gauntlet::sim

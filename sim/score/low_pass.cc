@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace gauntlet::sim {
@@ -89,8 +88,8 @@ FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, 
         result.values(first + n, b) = values[n + reach].imag();
       }
     }
-    if (!good_a) result.values.col(a).setConstant(std::numeric_limits<double>::quiet_NaN());
-    if (!good_b) result.values.col(b).setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (!good_a) result.values.col(a).setConstant(kNaN);
+    if (!good_b) result.values.col(b).setConstant(kNaN);
     TrimSignals();
   }
   return result;

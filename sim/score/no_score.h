@@ -1,10 +1,10 @@
 #pragma once
 
-#include <limits>
+#include "controller/number.h"
 
 namespace gauntlet::sim {
 
 /// What stands where a score does not exist.
-inline constexpr double kNoScore = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kNoScore = controller::kNaN;
 
 }  // namespace gauntlet::sim

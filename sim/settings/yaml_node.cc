@@ -1,7 +1,8 @@
 #include "sim/settings/yaml_node.h"
 
 #include <algorithm>
-#include <charconv>
+
+#include "controller/number.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -78,12 +79,8 @@ const YamlNode& NodeAt(const YamlNode& root, std::string_view path) {
     path.remove_prefix(std::min(end + 1, path.size()));
     if (key.empty()) continue;  // between ] and .
     const YamlNode* next = &ChildOf(*node, key);
-    std::size_t index = 0;
-    if (node->IsSequence() &&
-        std::from_chars(key.data(), key.data() + key.size(), index).ec == std::errc() &&
-        index < node->items().size()) {
-      next = &node->items()[index];
-    }
+    const auto index = controller::ParseWholeNumber(key, 0, std::ssize(node->items()) - 1);
+    if (index) next = &node->items()[*index];
     if (!next->IsDefined()) break;
     node = next;
   }

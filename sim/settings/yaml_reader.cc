@@ -4,10 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 
+#include "controller/number.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
@@ -58,20 +58,12 @@ const std::string& YamlReader::Scalar(const YamlNode& node, const std::string& p
 double YamlReader::ParseNumber(const YamlNode& node, const std::string& path,
                                const Setting& setting) const {
   const std::string& text = Scalar(node, path, "a number");
-  double value = 0.0;
-  const char* begin = text.c_str() + (text.starts_with('+') ? 1 : 0);
-  const char* end = text.c_str() + text.size();
-  const auto [rest, error] = std::from_chars(begin, end, value);
-  if (text == ".nan" || text == ".inf" || text == "-.inf" || text == "+.inf")
-    value = NAN;
-  else if (error != std::errc() || rest != end) {
-    Fail(node, path, fmt::format("is \"{}\", must be a number", Shown(text)));
-  }
-  if (!std::isfinite(value)) Fail(node, path, fmt::format("is {}, must be finite", Shown(text)));
-  if (const std::string problem = RangeProblem(setting, value); !problem.empty()) {
+  const std::optional<double> value = controller::ParseNumber(text);
+  if (!value) Fail(node, path, fmt::format("is \"{}\", must be a number", Shown(text)));
+  if (const std::string problem = RangeProblem(setting, *value); !problem.empty()) {
     Fail(node, path, problem);
   }
-  return value;
+  return *value;
 }
 
 void YamlReader::Number(const Setting& setting, double& value) {

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -17,6 +16,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "controller/number.h"
 #include "sim/base/input_file.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
@@ -367,17 +367,12 @@ class Override {
   YamlNode WithItem(const YamlNode& list, std::span<const std::string> keys,
                     const YamlNode& value) {
     const std::string& key = keys[0];
-    std::size_t item = 0;
-    if (key.find_first_not_of("0123456789") == std::string::npos) {
-      const auto [rest, error] = std::from_chars(key.data(), key.data() + key.size(), item);
-      if (error != std::errc() || item >= list.items().size()) FailAtItem(list, key);
-      keys = keys.subspan(1);
-    } else if (list.items().size() != 1) {
-      FailAtItem(list, key);
-    }
-    path_ += fmt::format("[{}]", item);
     std::vector<YamlNode> items = list.items();
-    items[item] = With(items[item], keys, value);
+    const auto item = controller::ParseWholeNumber(key, 0, std::ssize(items) - 1);
+    if (!item && (controller::ParseNumber(key) || items.size() != 1)) FailAtItem(list, key);
+    YamlNode& changed = items[item.value_or(0)];
+    path_ += fmt::format("[{}]", item.value_or(0));
+    changed = With(changed, item ? keys.subspan(1) : keys, value);
     return YamlNode::Sequence(std::move(items));
   }
 

@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "controller/number.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -14,7 +16,9 @@ SweepAxis Range(const char* key, double low, double high, SweepAxis::Spacing spa
                 bool whole = false) {
   SweepAxis axis;
   axis.key = key;
-  const auto rounded = [](double value) { return std::stod(fmt::format("{:.3g}", value)); };
+  const auto rounded = [](double value) {
+    return controller::ParseNumber(fmt::format("{:.3g}", value)).value();
+  };
   axis.low = rounded(low);
   axis.high = rounded(high);
   axis.spacing = spacing;

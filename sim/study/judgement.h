@@ -1,10 +1,10 @@
 #pragma once
 
-#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "controller/number.h"
 #include "sim/study/statistics.h"
 
 namespace gauntlet::sim {
@@ -32,7 +32,7 @@ struct Question {
 /// Its answer. What is printed is what decides: the judgement follows from this interval alone.
 struct Comparison {
   MeanInterval difference;
-  double relevant_difference = std::numeric_limits<double>::quiet_NaN();
+  double relevant_difference = controller::kNaN;
   Judgement judgement = Judgement::kNone;
 };
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -75,7 +74,7 @@ struct Errors {
 double UsedShare(const Errors& errors) {
   constexpr double kLeastForeseen = 0.05;  // of the error as it is
   const double foreseen = errors.now - errors.fitted;
-  if (foreseen < kLeastForeseen * errors.now) return std::numeric_limits<double>::quiet_NaN();
+  if (foreseen < kLeastForeseen * errors.now) return kNaN;
   return (errors.now - errors.ours) / foreseen;
 }
 

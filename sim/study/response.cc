@@ -1,11 +1,9 @@
 #include "sim/study/response.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <limits>
 #include <map>
 
+#include "controller/number.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
 
@@ -14,15 +12,6 @@ namespace {
 
 constexpr std::int64_t kMostValues = 100;
 constexpr std::size_t kMostControllers = 8;
-
-/// NaN for what is no number.
-double NumberOf(const std::string& text) {
-  double number = std::numeric_limits<double>::quiet_NaN();
-  const char* const end = text.data() + text.size();
-  return std::from_chars(text.data(), end, number).ptr == end
-             ? number
-             : std::numeric_limits<double>::quiet_NaN();
-}
 
 /// Paired over the seeds that both have.
 Judgement JudgeCells(const SweepPlan& plan, const CellResult& result, const CellResult& first,
@@ -42,9 +31,9 @@ Response ReadResponse(const SweepPlan& plan, SweepDatabase& database, const Cell
   std::map<double, std::vector<CellResult>> by_value;
   bool numbers = true;
   ForEachCell(plan, database, cells, [&](const CellResult& result) {
-    const double value = NumberOf(result.values.front());
-    numbers = numbers && std::isfinite(value);
-    if (numbers && result.problem.empty()) by_value[value].push_back(result);
+    const std::optional<double> value = controller::ParseNumber(result.values.front());
+    numbers = numbers && value;
+    if (numbers && result.problem.empty()) by_value[*value].push_back(result);
   });
   if (!numbers || by_value.size() < 2) return {};
 

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/json_number.h"
@@ -66,11 +66,7 @@ struct VariedSetting {
 /// The number at this key; 0 for one that the scenario does not have.
 double NumberAt(const std::map<std::string, std::string>& settings, const std::string& key) {
   const auto found = settings.find(key);
-  double number = 0.0;
-  if (found == settings.end()) return number;
-  const std::string& text = found->second;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && rest == text.data() + text.size() ? number : 0.0;
+  return found == settings.end() ? 0.0 : controller::ParseNumber(found->second).value_or(0.0);
 }
 
 /// The values of all axes for these factors of the parameters.
@@ -135,7 +131,7 @@ void AddCells(const std::vector<VariedSetting>& settings, const RobustOptions& o
 using HandResults = std::vector<CellResult>;
 
 double MeanOf(const RobustPlan& plan, const CellResult& result, std::size_t metric) {
-  if (!result.problem.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (!result.problem.empty()) return kNaN;
   return result.scores[PlaceOfMetric(plan.sweep, metric)].mean;
 }
 
@@ -171,7 +167,7 @@ Summary SummariseNominal(const RobustPlan& plan, const HandResults& hand) {
     seed.motion = hand.front().motions[i];
     for (const CellResult& controller : hand) {
       TrialOutcome& trial = seed.controllers.emplace_back();
-      trial.scores.summary.assign(Metrics().size(), std::numeric_limits<double>::quiet_NaN());
+      trial.scores.summary.assign(Metrics().size(), kNaN);
       for (const std::size_t metric : plan.sweep.metrics) {
         trial.scores.summary[metric] = BySeed(plan, controller, metric)[i];
       }

@@ -6,17 +6,16 @@
 #include <map>
 #include <unsupported/Eigen/SpecialFunctions>
 
+#include "controller/number.h"
 #include "sim/base/student.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 struct Sample {
   std::vector<double> deviations;  // from the mean
-  double mean = kNaN;
-  double scatter = kNaN;  // standard deviation, n - 1
+  double mean = controller::kNaN;
+  double scatter = controller::kNaN;  // standard deviation, n - 1
 
   int size() const { return static_cast<int>(deviations.size()); }
   double squares() const {
@@ -64,7 +63,7 @@ double MotionShare(const std::vector<Sample>& motions) {
     sum += n * motion.mean;
     within += motion.squares();
   }
-  if (count <= groups) return kNaN;
+  if (count <= groups) return controller::kNaN;
   double between = 0.0;
   for (const Sample& motion : motions) {
     between += motion.size() * (motion.mean - sum / count) * (motion.mean - sum / count);
@@ -72,7 +71,7 @@ double MotionShare(const std::vector<Sample>& motions) {
   const double noise = within / (count - groups);
   const double effective_count = (count - counts_squared / count) / (groups - 1.0);
   const double motion = std::max(0.0, (between / (groups - 1.0) - noise) / effective_count);
-  return motion + noise > 0.0 ? motion / (motion + noise) : kNaN;
+  return motion + noise > 0.0 ? motion / (motion + noise) : controller::kNaN;
 }
 
 std::vector<double> Differences(std::span<const double> first, std::span<const double> second) {
@@ -137,7 +136,7 @@ MeanEstimate EstimateUnpairedDifference(std::span<const double> first,
 
 double PairedEffectSize(std::span<const double> first, std::span<const double> second) {
   const Sample sample = FiniteValues(Differences(first, second));
-  return sample.scatter > 0.0 ? sample.mean / sample.scatter : kNaN;
+  return sample.scatter > 0.0 ? sample.mean / sample.scatter : controller::kNaN;
 }
 
 namespace {

@@ -1,31 +1,32 @@
 #pragma once
 
-#include <limits>
 #include <span>
 #include <vector>
+
+#include "controller/number.h"
 
 namespace gauntlet::sim {
 
 /// A mean and the interval that holds the true mean with the confidence `level`. NaN where there
 /// are too few values.
 struct MeanInterval {
-  double mean = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
+  double mean = controller::kNaN;
+  double low = controller::kNaN;
+  double high = controller::kNaN;
   int count = 0;  // of the values, or pairs, that it is made of; of two groups both together
   double level = 0.95;
   /// Which share of the variance of a single value is the motion's, see EstimateMean(); the rest is
   /// the noise's. NaN where the two cannot be told apart.
-  double motion_share = std::numeric_limits<double>::quiet_NaN();
+  double motion_share = controller::kNaN;
 };
 
 /// A mean before its interval has a level.
 struct MeanEstimate {
-  double mean = std::numeric_limits<double>::quiet_NaN();
-  double standard_error = std::numeric_limits<double>::quiet_NaN();  // NaN: too few values
+  double mean = controller::kNaN;
+  double standard_error = controller::kNaN;  // NaN: too few values
   double degrees_of_freedom = 0.0;
   int count = 0;
-  double motion_share = std::numeric_limits<double>::quiet_NaN();  // as of a MeanInterval
+  double motion_share = controller::kNaN;  // as of a MeanInterval
 
   /// mean -+ t(level) standard_error. One value has no interval, equal values have one of no width.
   MeanInterval IntervalAt(double level = 0.95) const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -102,7 +101,7 @@ double MeanOfFinite(const std::vector<double>& values) {
     sum += value;
     ++count;
   }
-  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  return count > 0 ? sum / count : kNaN;
 }
 
 /// B - A. Pairs of which too few have both scores are compared as groups.

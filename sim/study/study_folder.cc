@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -14,6 +12,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
@@ -34,16 +33,6 @@ constexpr std::string_view kSummary = "summary";
 [[noreturn]] void Fail(const std::string& name, std::size_t row, std::size_t column,
                        const std::string& problem) {
   throw UserError({.place = fmt::format("{}:{}:{}", name, row, column), .problem = problem});
-}
-
-/// None where the text is anything but one finite number.
-template <class Number>
-std::optional<Number> ParseNumber(std::string_view text) {
-  Number value{};
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size()) return std::nullopt;
-  if (!std::isfinite(static_cast<double>(value))) return std::nullopt;
-  return value;
 }
 
 /// The place of `value` in `list`, where it is added if it is new.
@@ -91,7 +80,8 @@ Row ParseRow(const std::string& name, std::size_t number, std::string_view line,
   if (fields.size() != field_count) {
     Fail(name, number, fmt::format("has {} fields, must have {}", fields.size(), field_count));
   }
-  const std::optional<int> seed = ParseNumber<int>(fields[0]);
+  constexpr int kMostSeed = std::numeric_limits<int>::max();
+  const auto seed = controller::ParseWholeNumber(fields[0], -kMostSeed, kMostSeed);
   if (!seed) {
     Fail(name, number, 1, fmt::format("seed is \"{}\", must be a whole number", fields[0]));
   }
@@ -100,18 +90,17 @@ Row ParseRow(const std::string& name, std::size_t number, std::string_view line,
       Fail(name, number, i + 1, problem);
     }
   }
-  Row row{
-      .seed = *seed,
-      .controller = std::string(fields[1]),
-      .channel = std::string(fields[2]),
-      .values = std::vector<double>(Metrics().size(), std::numeric_limits<double>::quiet_NaN())};
+  Row row{.seed = static_cast<int>(*seed),
+          .controller = std::string(fields[1]),
+          .channel = std::string(fields[2]),
+          .values = std::vector<double>(Metrics().size(), kNaN)};
   for (std::size_t i = kKeyColumns.size(); i < fields.size(); ++i) {
     const std::size_t metric = metrics[i - kKeyColumns.size()];
-    const std::optional<double> value = fields[i].empty() ? std::numeric_limits<double>::quiet_NaN()
-                                                          : ParseNumber<double>(fields[i]);
+    const std::optional<double> value =
+        fields[i].empty() ? kNaN : controller::ParseNumber(fields[i]);
     if (!value) {
       Fail(name, number, i + 1,
-           fmt::format("{} is \"{}\", must be a finite number, or empty where there is no score",
+           fmt::format("{} is \"{}\", must be a number, or empty where there is no score",
                        Metrics()[metric].key, fields[i]));
     }
     row.values[metric] = *value;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 namespace gauntlet::sim {
@@ -134,8 +133,7 @@ void CompareWithBaseline(const StudyResult& result, std::size_t metric, Summary&
 void RankControllers(std::size_t metric, Summary& summary) {
   std::vector<double> values;
   for (const ControllerSummary& controller : summary.controllers) {
-    values.push_back(CanBeRanked(controller, metric) ? controller.summary[metric].mean
-                                                     : std::numeric_limits<double>::quiet_NaN());
+    values.push_back(CanBeRanked(controller, metric) ? controller.summary[metric].mean : kNaN);
   }
   std::vector<int> ranks = Ranking(values, Metrics()[metric].lower_is_better);
   for (std::size_t c = 0; c < ranks.size(); ++c) {

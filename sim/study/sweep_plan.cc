@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <set>
 
+#include "controller/number.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/random.h"
@@ -105,15 +105,12 @@ Constraint ParseConstraint(const std::string& text, const std::string& key) {
     return part;
   };
   const std::string number = trimmed(text.substr(sign + 2));
-  Constraint constraint{.metric = FindScore(trimmed(text.substr(0, sign)), key),
-                        .at_most = text[sign] == '<'};
-  const char* end = number.data() + number.size();
-  const auto [rest, error] = std::from_chars(number.data(), end, constraint.bound);
-  if (error != std::errc() || rest != end || !std::isfinite(constraint.bound)) {
-    throw SettingError(
-        key, fmt::format("{}: \"{}\" must be a finite number", Shown(text), Shown(number)));
+  const std::size_t metric = FindScore(trimmed(text.substr(0, sign)), key);
+  const std::optional<double> bound = controller::ParseNumber(number);
+  if (!bound) {
+    throw SettingError(key, fmt::format("{}: \"{}\" must be a number", Shown(text), Shown(number)));
   }
-  return constraint;
+  return {.metric = metric, .at_most = text[sign] == '<', .bound = *bound};
 }
 
 std::string Constraint::Text() const {

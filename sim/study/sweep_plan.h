@@ -16,8 +16,8 @@ struct SweepAxis {
 
   std::string key;                  // as --set takes it: controllers.tuned.filter.q
   std::vector<std::string> values;  // YAML texts, as behind the = of --set; empty: a range
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
+  double low = kNaN;
+  double high = kNaN;
   int count = 0;  // of values of a range in a grid
   Spacing spacing = Spacing::kLinear;
   bool whole = false;  // rounded to whole numbers

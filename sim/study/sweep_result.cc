@@ -64,8 +64,7 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
                            : fmt::format("seed {} is not there", first_seed + i);
     }
     for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
-      result.by_seed[m].push_back(ok ? outcome->scores.summary[plan.metrics[m]]
-                                     : std::numeric_limits<double>::quiet_NaN());
+      result.by_seed[m].push_back(ok ? outcome->scores.summary[plan.metrics[m]] : kNaN);
     }
   }
   KeepSeeds(plan, result.motions.size(), result);

@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 
+#include "controller/number.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scenario/scenario_reader.h"
@@ -36,7 +37,7 @@ struct Aim {
 
 /// What the search for an answer sees of a setting.
 Measured MeasuredOf(const Aim& aim, const TuneResult& result, const TunedSetting& setting) {
-  if (!setting.problem.empty()) return {.objective = std::numeric_limits<double>::quiet_NaN()};
+  if (!setting.problem.empty()) return {.objective = kNaN};
   const double mean = setting.scores[PlaceOfMetric(result, aim.minimise)].mean;
   Measured measured{.objective = Metrics()[aim.minimise].lower_is_better ? mean : -mean};
   for (const Constraint& constraint : aim.constraints) {
@@ -146,7 +147,9 @@ void FindEqualRanges(const TunePlan& plan, const std::vector<std::size_t>& order
   const TunedSetting& chosen = result.tried[result.chosen];
   const auto count = static_cast<double>(order.size());
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
-    const auto number = [a](const TunedSetting& s) { return std::stod(s.values[a]); };
+    const auto number = [a](const TunedSetting& s) {
+      return controller::ParseNumber(s.values[a]).value();
+    };
     const TunedSetting* low = &chosen;
     const TunedSetting* high = &chosen;
     for (const std::size_t i : order) {
@@ -227,15 +230,9 @@ SweepAxis ParseFree(const std::string& text, const std::string& controller) {
   axis.key = fmt::format("controllers.{}.{}", controller, text.substr(0, equals));
   for (double* bound : {&axis.low, &axis.high}) {
     const std::string& part = parts[bound == &axis.low ? 0 : 1];
-    std::size_t length = 0;
-    try {
-      *bound = std::stod(part, &length);
-    } catch (const std::exception&) {
-      length = 0;
-    }
-    if (part.empty() || length != part.size() || !std::isfinite(*bound)) {
-      throw fail(fmt::format("\"{}\" must be a finite number", Shown(part)));
-    }
+    const std::optional<double> number = controller::ParseNumber(part);
+    if (!number) throw fail(fmt::format("\"{}\" must be a number", Shown(part)));
+    *bound = *number;
   }
   for (std::size_t i = 2; i < parts.size(); ++i) {
     if (parts[i] == "log") {

@@ -174,7 +174,7 @@ Signal ComparisonPicture::TremblingOf(const VideoPane& pane) const {
   Fourier fourier;
   const FilteredSignal trembling =
       Trembling(angle_rad, input_.rate_hz, input_.jitter_above_hz, fourier);
-  Signal whole = Signal::Constant(angle_rad.rows(), 1, std::nan(""));
+  Signal whole = Signal::Constant(angle_rad.rows(), 1, kNaN);
   if (trembling.values.rows() > 0) {
     whole.middleRows(trembling.first_sample, trembling.values.rows()) = trembling.values;
   }

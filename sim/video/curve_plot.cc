@@ -121,7 +121,6 @@ void CurvePlot::DrawTimes(Painter& painter, double scrolled_px) const {
 
 void CurvePlot::AddPoints(const Curve& curve, double scrolled_px, int end,
                           std::vector<Point>& points) const {
-  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   const auto add = [&](int sample) {
     const double x = area_.x + (sample - clock_.first) * px_per_sample_ - scrolled_px;
     points.push_back({x, HeightOf(kDegPerRad * curve.angle_rad[sample])});
@@ -148,7 +147,7 @@ void CurvePlot::AddPoints(const Curve& curve, double scrolled_px, int end,
       add(std::min(low, high));
       if (low != high) add(std::max(low, high));
     }
-    if (gap) points.push_back({kNothing, kNothing});
+    if (gap) points.push_back({kNaN, kNaN});
   }
 }
 

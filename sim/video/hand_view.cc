@@ -177,8 +177,7 @@ class FingertipTracker {
   Point At(const std::vector<double>& joint_angle_rad) {
     SetPosture(hand_, joint_angle_rad, spools_, data_);
     const auto seen = SeenFrom(data_, camera_, PositionOf(data_, geom_));
-    constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-    if (!seen) return {kNothing, kNothing};
+    if (!seen) return {kNaN, kNaN};
     return PixelOf(window_, seen->tangents, width_px_, height_px_);
   }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "sim/score/jitter.h"
 
@@ -54,8 +53,7 @@ std::vector<double> RunningRms(const Signal& angle_rad, int first_sample,
       sum_rad += channel.Rms();
       ++count;
     }
-    result.push_back(count == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                : kDegPerRad * sum_rad / count);
+    result.push_back(count == 0 ? kNaN : kDegPerRad * sum_rad / count);
   }
   return result;
 }

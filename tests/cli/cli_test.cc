@@ -829,7 +829,9 @@ TEST_F(CliTest, WhatIsNotUnderstoodIsExplained) {
   EXPECT_THAT(explained({"compare", scenario, "--jobs", "0"}),
               HasSubstr("--jobs: is '0', must be a whole number from 1 to 1024"));
   EXPECT_THAT(explained({"render", "a", "--frame", "x"}),
-              HasSubstr("--frame: 'x' is not a number"));
+              HasSubstr("--frame: is 'x', must be a number from 0 to 1000000"));
+  EXPECT_THAT(explained({"diff", "a", "b", "--json=x"}),
+              HasSubstr("--json: is 'x', must be true or false"));
   EXPECT_THAT(explained({"run", scenario, "more"}), HasSubstr("more: more than run takes"));
   EXPECT_THAT(explained({"run"}), HasSubstr("scenario is required; see gauntlet run --help"));
   EXPECT_THAT(explained({"run", "hold_stil"}),

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "controller/number.h"
 #include "tests/controller/allocation_counter.h"
 #include "tests/controller/test_hand.h"
 #include "tests/controller/test_signal.h"
@@ -18,7 +19,6 @@ using testing::ElementsAreArray;
 using testing::HasSubstr;
 
 constexpr int kChannels = 18;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 ControllerConfig WithFilter(FilterSettings settings) {
   ControllerConfig config;
@@ -125,7 +125,7 @@ TEST(Controller, HoldsTheLastGoodValueOfAnUntrustedChannel) {
   std::vector<double> counts(kChannels, 500.0);
   controller.Step({.counts = counts});
   const double good = controller.filtered_angle_rad()[3];
-  const double bad[] = {kNan,
+  const double bad[] = {kNaN,
                         std::numeric_limits<double>::infinity(),
                         -std::numeric_limits<double>::infinity(),
                         -1.0,
@@ -148,7 +148,7 @@ TEST(Controller, HoldsTheReferenceBeforeTheFirstGoodValueAndThenStartsThere) {
   hand.reference_angle_rad.assign(kChannels, 0.3);
   Controller controller(WithFilter(KalmanConfig{}), PlainGlove(kChannels), hand, kEventPerSample);
   std::vector<double> counts(kChannels, 500.0);
-  counts[5] = kNan;
+  counts[5] = kNaN;
   for (int k = 0; k < 10; ++k) controller.Step({.counts = counts});
   EXPECT_NEAR(controller.filtered_angle_rad()[5], 0.3, 1e-12);
   EXPECT_EQ(controller.untrusted_samples()[5], 10);
@@ -196,7 +196,7 @@ LinearisationConfig Curves(LinearisationKind kind) {
 
 TEST(Controller, DoesNotAllocateInStepWhateverItIsMadeOf) {
   TestSignal input = GloveCounts(200, kChannels);
-  input(20, 3) = kNan;
+  input(20, 3) = kNaN;
   for (const LinearisationKind linearisation :
        {LinearisationKind::kGlove, LinearisationKind::kTable, LinearisationKind::kPolynomial}) {
     for (const PredictionKind& prediction : PredictionKinds()) {
@@ -235,7 +235,7 @@ std::vector<Fault> Faults() {
     return Fault{name, Untrusted::kStale, [](double z) { return z; }, std::move(number)};
   };
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  return {of_value("NotANumber", Untrusted::kMissing, [](double) { return kNan; }),
+  return {of_value("NotANumber", Untrusted::kMissing, [](double) { return kNaN; }),
           of_value("Infinite", Untrusted::kInfinite, [](double) { return -kInfinity; }),
           of_value("OutOfRange", Untrusted::kOutOfRange, [](double z) { return z + 5000.0; }),
           of_value("FullScale", Untrusted::kFullScale, [](double) { return 1023.0; }),
@@ -424,7 +424,7 @@ TEST(Controller, SurvivesAnythingThatAGloveCanSend) {
     for (int k = 0; k < 2000; ++k) {
       for (double& value : counts) {
         const double what = noise.Uniform();
-        value = what < 0.1   ? kNan
+        value = what < 0.1   ? kNaN
                 : what < 0.2 ? std::numeric_limits<double>::infinity()
                 : what < 0.4 ? std::pow(10.0, 600.0 * (noise.Uniform() - 0.5))
                              : 1100.0 * noise.Uniform();

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "controller/controller.h"
+#include "controller/number.h"
 #include "tests/controller/allocation_counter.h"
 #include "tests/controller/test_hand.h"
 
@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kEvents_hz = 50.0;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Fine enough motors that only dead_band_deg counts.
 TendonTransmission SensingHand(int joints) {

@@ -7,10 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include "controller/number.h"
+
 namespace gauntlet::controller {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One channel of a 10-bit converter at 1 kHz, starting at 400 counts.
@@ -44,9 +45,9 @@ std::int64_t StaleOf(const std::vector<std::int64_t>& numbers, int bits = 64) {
 
 TEST(SampleGuard, HoldsTheLastGoodValueAndNamesTheReason) {
   OneChannel channel;
-  EXPECT_EQ(channel.Take(kNan), 400.0);
+  EXPECT_EQ(channel.Take(kNaN), 400.0);
   EXPECT_EQ(channel.Take(500.0), 500.0);
-  EXPECT_EQ(channel.Take(kNan), 500.0);
+  EXPECT_EQ(channel.Take(kNaN), 500.0);
   EXPECT_EQ(channel.Take(-kInfinity), 500.0);
   EXPECT_EQ(channel.Take(-0.5), 500.0);
   EXPECT_EQ(channel.Take(1e300), 500.0);
@@ -151,7 +152,7 @@ TEST(SampleGuard, TellsWhichChannelsBecomeGood) {
   SampleGuard guard({}, start, 1023.0, 1000.0);
   std::vector<int> started;
   const auto note = [&started](int channel) { started.push_back(channel); };
-  const double first[] = {200.0, kNan};
+  const double first[] = {200.0, kNaN};
   const double second[] = {200.0, 300.0};
   guard.Take({.counts = first}, note);
   EXPECT_EQ(started, std::vector<int>({0}));

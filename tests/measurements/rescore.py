@@ -9,9 +9,9 @@ scores.json, of each joint, motor and cable and of the summary, is held against 
 it, and the largest relative difference of each metric is printed. A score that exists on one side only
 differs by inf. What the motors of the project's hand pull and turn is read from models/README.md.
 
-Needs numpy, scipy and h5py. Exit code: 0 all within the tolerance; 1 one is beyond, or a metric is
-unknown to this script; 2 the folder cannot be used (a comparison of several seeds has the trace of
-the first only); 77 a library is missing.
+Needs numpy, scipy and h5py (python3-h5py and python3-scipy of Debian). Exit code: 0 all within the
+tolerance; 1 one is beyond, a metric is unknown to this script, or a library is missing; 2 the folder
+cannot be used (a comparison of several seeds has the trace of the first only).
 """
 import argparse
 import json
@@ -19,13 +19,9 @@ import os
 import re
 import sys
 
-try:
-    import h5py
-    import numpy as np
-    from scipy import signal
-except ImportError as missing:
-    print(f"skipped: {missing} (apt-get install python3-h5py python3-scipy)")
-    sys.exit(77)
+import h5py
+import numpy as np
+from scipy import signal
 
 NAN = float("nan")
 # Differences up to this count as none, in the metric's own unit. Angles in the trace are 32-bit floats: one of

@@ -133,7 +133,7 @@ TEST_F(YamlReaderTest, NamesThePlaceOfEveryMistake) {
             "file:3:1: enabled: is given twice");
   EXPECT_EQ(Complaint("enabled: true\n"), "file:1:1: title: is missing");
   EXPECT_EQ(Complaint("title: t\ninner: {cutoff_hz: .nan}\n"),
-            "file:2:20: inner.cutoff_hz: is .nan, must be finite");
+            "file:2:20: inner.cutoff_hz: is \".nan\", must be a number");
   EXPECT_EQ(Complaint("title: t\ninner: {cutoff_hz: 1e999}\n"),
             "file:2:20: inner.cutoff_hz: is \"1e999\", must be a number");
   EXPECT_EQ(Complaint("title: t\ninner: {cutoff_hz: 0}\n"),

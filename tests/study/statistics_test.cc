@@ -3,15 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
+#include "sim/base/signal.h"
 
 namespace gauntlet::sim {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double Normal(RandomStream& random) { return BoxMuller(random).first; }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -13,8 +12,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A folder whose scores are all `base` plus an effect of the seed, which is larger.
 StudyFolder Folder(double base, int first_seed, int seeds) {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "controller/number.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -12,9 +13,7 @@ void RepeatTheValueBefore(FaultStrike& strike) {
   strike.stretch().setConstant(before);
 }
 
-void LoseValues(FaultStrike& strike) {
-  strike.stretch().setConstant(std::numeric_limits<double>::quiet_NaN());
-}
+void LoseValues(FaultStrike& strike) { strike.stretch().setConstant(controller::kNaN); }
 
 }  // namespace
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "sim/base/channels.h"
@@ -71,7 +70,7 @@ void LeaveOutGaps(const std::vector<MaskedStretch>& masked, Signal& angle_rad) {
     if (stretch.reason != MaskReason::kGap) continue;
     angle_rad.col(stretch.channel)
         .segment(stretch.begin, stretch.end - stretch.begin)
-        .setConstant(std::numeric_limits<double>::quiet_NaN());
+        .setConstant(kNaN);
     TrimSignals();
   }
 }

@@ -1,4 +1,4 @@
-#include "sim/base/hash.h"
+#include "sim/base/fast_hash.h"
 
 #include <gtest/gtest.h>
 
