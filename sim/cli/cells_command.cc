@@ -116,7 +116,6 @@ CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, con
   if (const std::int64_t known = database_.TrialCount(); known > 0) {
     Say("goes on from {}, which holds {} trial{}\n", file.string(), known, known == 1 ? "" : "s");
   }
-  folder_.Keep();
   CollectShards(command.collect, database_);
 }
 

@@ -16,7 +16,6 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/output_file.h"
 #include "sim/base/signal_storage.h"
-#include "sim/base/stop.h"
 #include "sim/cli/controllers_option.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/jobs_option.h"
@@ -85,9 +84,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   const std::filesystem::path file = folder / "study.db";
   std::optional<StudyDatabase> database;
   if (options.comparison) {
-    database.emplace(file, study, StudyDatabaseOptions{.seeds = options.seeds, .go_on = [] {
-                                                         return !StopAsked();
-                                                       }});
+    database.emplace(file, study, StudyDatabaseOptions{.seeds = options.seeds});
     if (const int known = database->TrialCount(); known > 0) {
       Say("goes on from {}, which holds {}\n", file.string(), Trials(known));
     }

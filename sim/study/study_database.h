@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,8 +16,6 @@ struct StudyDatabaseOptions {
   int seeds = 1;  // the scenario's seed and those after it: what may be asked for
   /// How long other programs that hold the file are waited for, when it is opened and at the end.
   std::chrono::milliseconds patience{10'000};
-  /// Asked while waiting and reading; false: somebody wants an end.
-  std::function<bool()> go_on = [] { return true; };
 };
 
 /// The finished trials of a comparison in `study.db`, an SQLite database that any tool opens: a row
@@ -34,20 +31,11 @@ struct StudyDatabaseOptions {
 /// every one.
 ///
 /// Opening reads all that may be asked for, and nothing later: a file that is damaged, locked or
-/// cannot be written is found before the first trial is run. Each trial has a checksum over all
-/// that is kept of it; one that does not match is as good as not there.
+/// cannot be written is found before the first trial is run. From then on the results are in memory,
+/// and the file only has to take them, trial by trial. See TrialTable for locks, damage and full
+/// disks.
 ///
-/// From then on the results are in memory, and the file only has to take them. What it does not
-/// take, because another program reads it or the disk stumbles, waits for the next trial, and in
-/// the end for Finish(). So a lock delays trials in the file, and never ends a comparison. (The
-/// journal is SQLite's own rollback journal, as write-ahead logs do not work on network folders and
-/// leave files beside.) Only a full disk ends it, as no other file could be written either.
-///
-/// A file that this object made and that got no trial is removed again; any other one stays,
-/// whatever happens.
-///
-/// Any thread may call Take and Keep. Errors: UserError for a file that is not such a database or
-/// is damaged, RunError for one that cannot be read or written, Cancelled.
+/// Any thread may call Has, Take and Keep. Errors: as of TrialTable.
 class StudyDatabase final : public TrialStore {
  public:
   /// `study` has to outlive the database.
@@ -57,12 +45,12 @@ class StudyDatabase final : public TrialStore {
                 StudyDatabaseOptions options);
   ~StudyDatabase() override;
 
-  /// Hands over a trial that the file held when it was opened; the second time there is none.
+  /// True for a trial that the file held when it was opened, until it is taken.
+  bool Has(int seed, std::size_t controller) override;
   std::optional<TrialOutcome> Take(int seed, std::size_t controller) override;
   /// Does not wait for other programs. Errors: RunError when the disk is full.
   void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) override;
-  /// Writes what the file has not taken so far. Returns what it lacks now, why, and what to do
-  /// about it, as one line; nothing if it lacks nothing.
+  /// See TrialTable::Finish().
   std::optional<std::string> Finish();
 
   /// Trials of this study that the file holds, damaged ones not counted.

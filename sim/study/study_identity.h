@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,13 @@ namespace gauntlet::sim {
 
 // What decides a trial: its study, its controller's settings and its seed. Two trials that agree in
 // all three give the same bytes.
+
+struct TrialKey {
+  std::string study;  // HashOfStudy(), for a sweep with the scores that it keeps
+  std::string controller;
+  std::string settings;  // HashOfSettings()
+  std::int64_t seed = 0;
+};
 
 /// What all trials of a study share, whatever their seed, as a scenario's YAML. Of paths the last
 /// name, so that a study that was moved is the same.

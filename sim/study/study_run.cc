@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/threads.h"
@@ -27,20 +28,28 @@ bool IsInPassing(const StudyOptions& options) {
   return !options.physics && !options.keep_first_traces && AreInPassing(options.scores);
 }
 
-/// The glove signal of one seed, made by the first trial that needs it, freed after the last.
-struct SharedGlove {
-  std::once_flag once;
-  std::shared_ptr<const GloveSignal> signal;
-  std::shared_ptr<const GloveSignal> noise_free;  // for twins that are trials; else null
-  Signal reference_rad;                           // ticks x joints of the hand
-  std::atomic<int> users_left{0};
-  std::atomic<int> twins_left{0};
+/// The glove signals of one seed, made by the first trial that needs them. They live as long as
+/// the tasks that hold them.
+struct Gloves {
+  struct Shared {
+    std::once_flag once;
+    std::shared_ptr<const GloveSignal> signal;
+    Signal reference_rad;  // ticks x joints of the hand
+  };
+  std::shared_ptr<Shared> shared = std::make_shared<Shared>();
+  /// For twins that are trials; else of nothing.
+  std::shared_ptr<std::optional<GloveSignal>> noise_free =
+      std::make_shared<std::optional<GloveSignal>>();
 };
 
-std::shared_ptr<const GloveSignal> NoiseFreeGlove(const Study& study, int seed) {
-  return std::make_shared<const GloveSignal>(SynthesiseGlove(
-      WithoutNoise(GloveOf(study.scenario, seed)), static_cast<std::uint64_t>(seed)));
-}
+/// Controllers of a seed, for one thread.
+struct Task {
+  std::size_t seed_index = 0;
+  std::size_t first = 0;  // controller
+  std::size_t end = 0;
+  Gloves gloves;
+  std::optional<Gloves> next;  // of the next seed, if this task makes them
+};
 
 /// None of a trial that ended early. Moves the signals of a trace that is not needed any more.
 template <class AnyTrace>
@@ -111,37 +120,33 @@ class Schedule {
   Schedule(const Study& study, const StudyOptions& options)
       : study_(study),
         options_(options),
-        gloves_(static_cast<std::size_t>(options.seeds)),
         controllers_(study.scenario.controllers.size()),
         in_passing_(IsInPassing(options)),
         together_(ControllersTogether(options, controllers_)),
         tasks_of_seed_((controllers_ + together_ - 1) / together_),
-        threads_(std::min(JobsOf(options), tasks_of_seed_ * gloves_.size())) {
+        tasks_(tasks_of_seed_ * static_cast<std::size_t>(options.seeds)),
+        threads_(std::min(JobsOf(options), tasks_)) {
     result_.row_names = study.rows.names;
     for (const NamedController& c : study.scenario.controllers) {
       result_.controller_names.push_back(c.name);
     }
     for (int i = 0; i < options.seeds; ++i) {
-      result_.seeds.push_back({.seed = study.scenario.seed + i, .controllers = {}});
-      result_.seeds.back().controllers.resize(controllers_);
-      gloves_[static_cast<std::size_t>(i)].users_left = static_cast<int>(controllers_);
-      gloves_[static_cast<std::size_t>(i)].twins_left = static_cast<int>(controllers_);
+      const int seed = study.scenario.seed + i;
+      result_.seeds.push_back(
+          {.seed = seed, .controllers = std::vector<TrialOutcome>(controllers_)});
+      trials_in_all_ += TrialsOf(seed) * static_cast<int>(controllers_);
     }
     if (options.keep_first_traces) {
       result_.first_traces.resize(controllers_);
       result_.first_twins.resize(controllers_);
     }
-    for (int i = 0; i < options.seeds; ++i) trials_in_all_ += TrialsOf(study.scenario.seed + i);
-    trials_in_all_ *= static_cast<int>(controllers_);
   }
 
   /// Takes tasks until there are none, an error or a stop.
   void Work() {
-    while (!stopped_) {
-      const std::size_t task = next_task_++;
-      if (task >= tasks_of_seed_ * gloves_.size()) return;
+    while (std::optional<Task> task = NextTask()) {
       try {
-        RunTask(task / tasks_of_seed_, task % tasks_of_seed_);
+        RunTask(*task);
       } catch (...) {
         stopped_ = true;
         throw;
@@ -149,7 +154,14 @@ class Schedule {
     }
   }
 
-  StudyResult Finish() { return std::move(result_); }
+  StudyResult Finish() {
+    if (first_glove_) {
+      result_.reference_name = first_glove_->signal->reference_name;
+      result_.first_glove = std::move(first_glove_->signal);
+      result_.first_reference_rad = std::move(first_glove_->reference_rad);
+    }
+    return std::move(result_);
+  }
 
   std::size_t threads() const { return threads_; }
 
@@ -161,44 +173,58 @@ class Schedule {
   }
   int TrialsOf(int seed) const { return WantedTwin(seed) == TwinSource::kTrial ? 2 : 1; }
 
-  /// Unless it is there; whoever wants it meanwhile waits.
-  void MakeGlove(std::size_t seed_index) {
-    SharedGlove& glove = gloves_[seed_index];
+  std::optional<Task> NextTask() {
+    const std::lock_guard lock(mutex_);
+    if (stopped_ || next_task_ == tasks_) return std::nullopt;
+    const std::size_t seed_index = next_task_ / tasks_of_seed_;
+    const std::size_t place = next_task_++ % tasks_of_seed_;
+    if (place == 0) gloves_ = std::exchange(next_gloves_, Gloves{});
+    if (next_task_ == 1 && options_.keep_first_traces) first_glove_ = gloves_.shared;
+    Task task = {.seed_index = seed_index,
+                 .first = place * together_,
+                 .end = std::min((place + 1) * together_, controllers_),
+                 .gloves = gloves_,
+                 .next = {}};
+    // As the last tasks of a seed begin, so that none of the threads that run them waits for the
+    // next glove later.
+    if (threads_ > 1 && place > 0 && place + threads_ == tasks_of_seed_ &&
+        seed_index + 1 < result_.seeds.size()) {
+      task.next = next_gloves_;
+    }
+    if (place + 1 == tasks_of_seed_) gloves_ = {};
+    return task;
+  }
+
+  /// Unless they are there; a thread that needs them meanwhile waits.
+  void Make(const Gloves& gloves, std::size_t seed_index) {
     const int seed = result_.seeds[seed_index].seed;
-    std::call_once(glove.once, [&] {
-      glove.signal = GloveOfSeed(study_, seed);
-      glove.reference_rad = ReferenceAngles(study_.joint_map(), glove.signal->true_angle_rad);
-      if (WantedTwin(seed) == TwinSource::kTrial) glove.noise_free = NoiseFreeGlove(study_, seed);
+    std::call_once(gloves.shared->once, [&] {
+      Gloves::Shared& shared = *gloves.shared;
+      shared.signal = GloveOfSeed(study_, seed);
+      shared.reference_rad = ReferenceAngles(study_.joint_map(), shared.signal->true_angle_rad);
+      if (WantedTwin(seed) != TwinSource::kTrial) return;
+      gloves.noise_free->emplace(SynthesiseGlove(WithoutNoise(GloveOf(study_.scenario, seed)),
+                                                 static_cast<std::uint64_t>(seed)));
     });
   }
 
-  /// As the last tasks of a seed begin, so that none of the threads that run them waits for it
-  /// later.
-  void MakeNextGlove(std::size_t seed_index, std::size_t task_of_seed) {
-    const std::size_t next = seed_index + 1;
-    const bool is_time = threads_ > 1 && tasks_of_seed_ > threads_ &&
-                         task_of_seed + threads_ == tasks_of_seed_ && next < gloves_.size();
-    if (!is_time) return;
-    // Where the store has the first trial, it may have them all.
-    if (options_.store != nullptr && options_.store->Take(result_.seeds[next].seed, 0)) return;
-    ++gloves_[next].users_left;  // whoever else leaves it does not free what is being made
-    ++gloves_[next].twins_left;
-    MakeGlove(next);
-    LeaveNoiseFreeGlove(gloves_[next]);
-    LeaveGlove(next);
-  }
-
-  void RunTask(std::size_t seed_index, std::size_t task_of_seed) {
-    const std::size_t first = task_of_seed * together_;
+  void RunTask(Task& task) {
     std::vector<std::size_t> unknown;
-    for (std::size_t c = first; c < std::min(first + together_, controllers_); ++c) {
-      if (!Recall(seed_index, c, OutcomeOf(seed_index, c))) unknown.push_back(c);
+    for (std::size_t c = task.first; c < task.end; ++c) {
+      if (!Recall(task.seed_index, c)) unknown.push_back(c);
     }
     if (unknown.empty()) return;
-    MakeGlove(seed_index);
-    MakeNextGlove(seed_index, task_of_seed);
-    if (in_passing_) return RunInPassing(seed_index, unknown);
-    for (const std::size_t c : unknown) RunWhole(seed_index, c);
+    Make(task.gloves, task.seed_index);
+    if (task.next) {
+      const std::size_t next = task.seed_index + 1;
+      // Where the store has the first trial, it may have them all.
+      if (!options_.store || !options_.store->Has(result_.seeds[next].seed, 0)) {
+        Make(*task.next, next);
+      }
+      task.next.reset();
+    }
+    if (in_passing_) return RunInPassing(task, unknown);
+    RunWhole(task, unknown.front());  // the only one
   }
 
   TrialOutcome& OutcomeOf(std::size_t seed_index, std::size_t controller_index) {
@@ -206,14 +232,17 @@ class Schedule {
   }
 
   /// One trial, with the signals that its scores need.
-  void RunWhole(std::size_t seed_index, std::size_t controller_index) {
-    SharedGlove& glove = gloves_[seed_index];
+  void RunWhole(Task& task, std::size_t controller_index) {
+    const std::size_t seed_index = task.seed_index;
+    const Gloves::Shared& glove = *task.gloves.shared;
     TrialOutcome& outcome = OutcomeOf(seed_index, controller_index);
     const TwinSource twin_source = WantedTwin(result_.seeds[seed_index].seed);
     const bool keep = seed_index == 0 && options_.keep_first_traces;
     std::optional<NoiseFreeTwin> twin;
-    if (glove.noise_free) twin = AsTwin(Run(controller_index, *glove.noise_free, kTwinSignals));
-    LeaveNoiseFreeGlove(glove);
+    if (*task.gloves.noise_free) {
+      twin = AsTwin(Run(controller_index, **task.gloves.noise_free, kTwinSignals));
+    }
+    task.gloves.noise_free.reset();  // in whose memory the trial's signals then lie
     Trace trace = Run(controller_index, *glove.signal,
                       keep ? std::vector<std::string_view>() : SignalsOfScores(options_.scores));
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
@@ -230,8 +259,8 @@ class Schedule {
   }
 
   /// Trials without a hand whose scores need no signals.
-  void RunInPassing(std::size_t seed_index, std::span<const std::size_t> controllers) {
-    const SharedGlove& glove = gloves_[seed_index];
+  void RunInPassing(const Task& task, std::span<const std::size_t> controllers) {
+    const Gloves::Shared& glove = *task.gloves.shared;
     std::vector<TrialSetup> setups;
     for (const std::size_t c : controllers) {
       setups.push_back(SetupOf(study_, study_.scenario.controllers[c]));
@@ -251,10 +280,10 @@ class Schedule {
                         });
     for (std::size_t i = 0; i < controllers.size(); ++i) {
       if (!Progress(1.0)) throw Cancelled{};
-      TrialOutcome& outcome = OutcomeOf(seed_index, controllers[i]);
+      TrialOutcome& outcome = OutcomeOf(task.seed_index, controllers[i]);
       outcome.scores = ScoreInPassing(study_, errors[i], options_.scores);
       outcome.untrusted_samples = std::move(traces[i].untrusted_samples);
-      FinishTrial(seed_index, controllers[i]);
+      FinishTrial(task.seed_index, controllers[i]);
     }
   }
 
@@ -264,7 +293,6 @@ class Schedule {
       options_.store->Keep(result_.seeds[seed_index].seed, controller_index, outcome);
     }
     if (!options_.keep_rows) outcome.scores.channels = {};
-    LeaveGlove(seed_index);
   }
 
   /// Records these signals, or all if none is named.
@@ -282,34 +310,14 @@ class Schedule {
                      .signals = {signals.begin(), signals.end()}});
   }
 
-  /// The last twin of a seed frees its signal, in whose memory the trial's signals then lie.
-  static void LeaveNoiseFreeGlove(SharedGlove& glove) {
-    if (--glove.twins_left == 0) glove.noise_free.reset();
-  }
-
-  /// The last trial of a seed frees its signal, or hands out that of the first seed.
-  void LeaveGlove(std::size_t seed_index) {
-    SharedGlove& glove = gloves_[seed_index];
-    if (--glove.users_left > 0) return;
-    if (seed_index == 0 && options_.keep_first_traces) {
-      result_.reference_name = glove.signal->reference_name;
-      result_.first_glove = std::move(glove.signal);
-      result_.first_reference_rad = std::move(glove.reference_rad);
-    }
-    glove.signal.reset();
-    glove.reference_rad = {};
-  }
-
   /// Takes a trial from the store, if it is there. The first seed runs again where its signals are
   /// wanted, too.
-  bool Recall(std::size_t seed_index, std::size_t controller_index, TrialOutcome& outcome) {
+  bool Recall(std::size_t seed_index, std::size_t controller_index) {
     if (options_.store == nullptr) return false;
     if (seed_index == 0 && options_.keep_first_traces) return false;
     auto known = options_.store->Take(result_.seeds[seed_index].seed, controller_index);
     if (!known) return false;
-    outcome = std::move(*known);
-    LeaveNoiseFreeGlove(gloves_[seed_index]);
-    LeaveGlove(seed_index);
+    OutcomeOf(seed_index, controller_index) = std::move(*known);
     Progress(TrialsOf(result_.seeds[seed_index].seed));
     return true;
   }
@@ -325,16 +333,19 @@ class Schedule {
 
   const Study& study_;
   const StudyOptions& options_;
-  std::vector<SharedGlove> gloves_;
   std::size_t controllers_;
   bool in_passing_;       // all scores are found so
   std::size_t together_;  // controllers of a task
   std::size_t tasks_of_seed_;
+  std::size_t tasks_;
   std::size_t threads_;
   StudyResult result_;
-  std::atomic<std::size_t> next_task_{0};
   std::atomic<bool> stopped_{false};
   std::mutex mutex_;
+  std::size_t next_task_ = 0;
+  Gloves gloves_;  // of the seed whose tasks are given out
+  Gloves next_gloves_;
+  std::shared_ptr<Gloves::Shared> first_glove_;
   double trials_done_ = 0.0;
   int trials_in_all_ = 0;  // twins counted
 };

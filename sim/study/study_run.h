@@ -17,11 +17,14 @@ struct TrialOutcome {
   std::vector<std::int64_t> untrusted_samples;  // per channel
 };
 
-/// Where finished trials are kept and looked for. Any thread may call it.
+/// The finished trials of a study; `controller` is the place in the study. Any thread may call it.
 class TrialStore {
  public:
   virtual ~TrialStore() = default;
-  /// Hands over a finished trial; `controller` is its place in the study.
+  /// True if Take() gives this trial. Changes nothing.
+  virtual bool Has(int seed, std::size_t controller) = 0;
+  /// Hands a finished trial over; nothing if there is none. RunStudy() takes each trial once and
+  /// asks nothing of it afterwards, so a store need not hold it any longer.
   virtual std::optional<TrialOutcome> Take(int seed, std::size_t controller) = 0;
   virtual void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) = 0;
 };

@@ -106,15 +106,19 @@ UserError NotUsable(const fs::path& file, std::string_view what) {
 }
 
 void CheckDatabasePlace(const fs::path& file) {
+  constexpr std::string_view kJournal = "-journal";
   std::error_code ignored;
-  const fs::file_status status = fs::status(file, ignored);
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw NotUsable(file, "is not a file of its own");
+  for (const std::string_view ending : {std::string_view(), kJournal}) {
+    const fs::path place = fs::path(file) += ending;
+    const fs::file_status status = fs::symlink_status(place, ignored);
+    if (fs::is_symlink(status)) throw NotUsable(place, "is a symbolic link");
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      throw NotUsable(place, "is not a file of its own");
+    }
   }
   // The journal beside it has the longest name.
-  constexpr std::string_view kJournal = "-journal";
   const std::size_t longest = static_cast<std::size_t>(sqlite3_vfs_find(nullptr)->mxPathname);
-  const std::size_t length = fs::weakly_canonical(file, ignored).native().size();
+  const std::size_t length = InRealFolder(file).native().size();
   if (length + kJournal.size() > longest) {
     throw UserError(
         {.place = "--out",
@@ -122,6 +126,13 @@ void CheckDatabasePlace(const fs::path& file) {
                                 "{}; name a folder with a shorter path",
                                 length, longest - kJournal.size())});
   }
+}
+
+fs::path InRealFolder(const fs::path& file) {
+  std::error_code ignored;
+  const fs::path whole = fs::absolute(file);
+  const fs::path folder = fs::weakly_canonical(whole.parent_path(), ignored);
+  return (folder.empty() ? whole.parent_path() : folder) / whole.filename();
 }
 
 bool HasTables(SQLite::Database& database) {
@@ -158,28 +169,6 @@ void CheckTables(const fs::path& file, SQLite::Database& database) {
   }
 }
 
-void Bind(const TrialColumns& columns, SQLite::Statement& statement) {
-  statement.bind(1, std::string(columns.study));
-  statement.bind(2, std::string(columns.controller));
-  statement.bind(3, std::string(columns.settings));
-  statement.bind(4, columns.seed);
-}
-
-void RemoveTrial(const TrialColumns& columns, SQLite::Database& database) {
-  SQLite::Statement find(
-      database,
-      "SELECT id FROM trial WHERE study = ? AND controller = ? AND settings = ? AND seed = ?");
-  Bind(columns, find);
-  if (!find.executeStep()) return;
-  const std::int64_t row = find.getColumn(0).getInt64();
-  find.reset();
-  for (const char* rows : {"score WHERE trial", "untrusted WHERE trial", "trial WHERE id"}) {
-    SQLite::Statement remove(database, fmt::format("DELETE FROM {} = ?", rows));
-    remove.bind(1, row);
-    remove.exec();
-  }
-}
-
 void ThrowCannotOpen(const fs::path& file, const SQLite::Exception& error) {
   const std::string name = file.string();
   switch (TroubleOf(error)) {
@@ -188,9 +177,7 @@ void ThrowCannotOpen(const fs::path& file, const SQLite::Exception& error) {
       throw NotUsable(file,
                       error.getErrorCode() == SQLITE_NOTADB ? "is not a database" : "is damaged");
     case Trouble::kLock:
-      throw RunError(name +
-                     ": another program (or its network folder) keeps it locked; try again "
-                     "when it is free");
+      throw RunError(fmt::format("{}: {}; try again when it is free", name, kLockedByAnother));
     case Trouble::kFullDisk:
       throw RunError(name + ": the disk is full");
     case Trouble::kOther:

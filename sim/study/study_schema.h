@@ -2,7 +2,6 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -17,6 +16,9 @@ namespace gauntlet::sim {
 /// The name of the row of score that is the mean over all joints, motors or cables.
 constexpr std::string_view kSummaryChannel = "summary";
 
+constexpr std::string_view kLockedByAnother =
+    "another program (or its network folder) keeps it locked";
+
 /// Why SQLite did not do something, and what helps.
 enum class Trouble { kLock, kDamage, kFullDisk, kOther };
 Trouble TroubleOf(const SQLite::Exception& error);
@@ -24,9 +26,12 @@ Trouble TroubleOf(const SQLite::Exception& error);
 /// The user's mistake about this file, with what to do about it.
 UserError NotUsable(const std::filesystem::path& file, std::string_view what);
 
-/// What SQLite would say less clearly, or too late: a folder in its place, a path that is too long.
-/// Errors: UserError.
+/// SQLite would refuse these less clearly, or too late: a symbolic link or a folder in place of the
+/// file or of its journal, a path that is too long. Errors: UserError.
 void CheckDatabasePlace(const std::filesystem::path& file);
+/// Without links in the path of its folder: a database is opened with OPEN_NOFOLLOW, which refuses
+/// a link anywhere. Absolute, since SQLite reads `file:..` as an address.
+std::filesystem::path InRealFolder(const std::filesystem::path& file);
 
 bool HasTables(SQLite::Database& database);
 /// In one transaction. Errors: SQLite::Exception.
@@ -35,25 +40,8 @@ void MakeTables(SQLite::Database& database);
 /// tables; SQLite::Exception.
 void CheckTables(const std::filesystem::path& file, SQLite::Database& database);
 
-/// What distinguishes a trial from all others, as the columns of its row.
-struct TrialColumns {
-  std::string_view study;
-  std::string_view controller;
-  std::string_view settings;
-  std::int64_t seed = 0;
-};
-/// To the first four places of a statement.
-void Bind(const TrialColumns& columns, SQLite::Statement& statement);
-/// With its scores; nothing if there is none. Errors: SQLite::Exception.
-void RemoveTrial(const TrialColumns& columns, SQLite::Database& database);
-
 /// What the constructor of a database says of an SQLite error, as an exception that names the file.
 [[noreturn]] void ThrowCannotOpen(const std::filesystem::path& file,
                                   const SQLite::Exception& error);
-
-/// The text of a column, as long as its row is.
-inline std::string_view TextOf(const SQLite::Column& column) {
-  return {column.getText(), static_cast<std::size_t>(column.getBytes())};
-}
 
 }  // namespace gauntlet::sim

@@ -8,17 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/study/study_identity.h"
 #include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
-
-/// What decides a trial of a sweep; see study_identity.h.
-struct SweepTrialKey {
-  std::string study;  // hash of what controllers share, and of which scores are kept
-  std::string controller;
-  std::string settings;
-  int seed = 0;
-};
 
 /// What one controller is in one cell, or why there is no such cell.
 struct SweepCellRecord {
@@ -35,23 +28,21 @@ struct SweepCellRecord {
 /// hundred bytes. Nothing is read before it is asked for, so memory does not grow with the file.
 ///
 /// Trials are written together, a few times per second: a program that is killed computes a quarter
-/// of a second again. A lock of another program delays them; only a full disk ends the sweep at
-/// once. Each trial has a checksum, and one that does not match is computed again.
+/// of a second again. See TrialTable for locks, damage and full disks.
 ///
-/// Any thread may call it. Errors: as of StudyDatabase.
+/// Any thread may call it. Errors: as of TrialTable.
 class SweepDatabase {
  public:
   /// `sweep`: hash of all that decides which cells there are. `metrics`: that are kept.
   SweepDatabase(std::filesystem::path file, std::string sweep, std::vector<std::size_t> metrics);
   ~SweepDatabase();
 
-  /// With the means of the kept scores alone.
-  std::optional<TrialOutcome> Take(const SweepTrialKey& key);
-  /// That of `first`, and the same with the seeds behind it.
-  std::vector<std::optional<TrialOutcome>> TakeSeeds(const SweepTrialKey& first, int seeds);
-  /// Runs `work`, for which the file is locked once and not for every question. It only reads.
+  /// The trial of `first`, and those of the seeds after it, with the means of the kept scores alone.
+  std::vector<std::optional<TrialOutcome>> Read(const TrialKey& first, int seeds = 1);
+  /// See TrialTable.
   void ReadTogether(const std::function<void()>& work);
-  void Keep(const SweepTrialKey& key, const TrialOutcome& outcome);
+  /// Errors: RunError when the disk is full.
+  void Keep(const TrialKey& key, const TrialOutcome& outcome);
   /// What trials of `study` share, as a scenario's YAML.
   void AddStudy(const std::string& study, const std::string& scenario);
   /// `values`: key and value of each axis.
@@ -63,7 +54,8 @@ class SweepDatabase {
   /// it.
   void Flush();
   /// Takes over what another file of the same sweep or of others holds, and this one does not.
-  /// Again changes nothing. Errors: UserError for what is no such file, RunError.
+  /// Again changes nothing. Errors: UserError for a file that is not such a database, or a link;
+  /// RunError.
   void Collect(const std::filesystem::path& other);
 
   /// Trials in the file.

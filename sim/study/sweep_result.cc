@@ -54,7 +54,7 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
   const int seeds = std::min<int>(plan.file.seeds, static_cast<int>(record.motions.size()));
   result.motions.assign(record.motions.begin(), record.motions.begin() + seeds);
   const auto outcomes =
-      database.TakeSeeds({record.study, record.controller, record.settings, first_seed}, seeds);
+      database.Read({record.study, record.controller, record.settings, first_seed}, seeds);
   for (int i = 0; i < seeds; ++i) {
     const std::optional<TrialOutcome>& outcome = outcomes[static_cast<std::size_t>(i)];
     const bool ok = outcome && outcome->health.ok;

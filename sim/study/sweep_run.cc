@@ -89,14 +89,15 @@ class BlockStore final : public TrialStore {
  public:
   BlockStore(const Block& block, SweepDatabase& database) : block_(block), database_(database) {}
 
-  SweepTrialKey KeyOf(int seed, std::size_t controller) const {
+  TrialKey KeyOf(int seed, std::size_t controller) const {
     return {.study = block_.study_hash,
             .controller = block_.study->scenario.controllers[controller].name,
             .settings = block_.settings[controller],
             .seed = seed};
   }
+  bool Has(int seed, std::size_t controller) override { return Take(seed, controller).has_value(); }
   std::optional<TrialOutcome> Take(int seed, std::size_t controller) override {
-    return database_.Take(KeyOf(seed, controller));
+    return std::move(database_.Read(KeyOf(seed, controller)).front());
   }
   void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) override {
     database_.Keep(KeyOf(seed, controller), outcome);
@@ -226,12 +227,9 @@ class Sweep {
     return !records.empty() && std::ranges::all_of(records, [&](const SweepCellRecord& record) {
       if (!record.problem.empty() || IsStopped(cell, record.controller)) return true;
       if (std::ssize(record.motions) < seeds_) return false;
-      for (int i = 0; i < seeds_; ++i) {
-        if (!database_.Take({record.study, record.controller, record.settings, first_seed_ + i})) {
-          return false;
-        }
-      }
-      return true;
+      const auto trials =
+          database_.Read({record.study, record.controller, record.settings, first_seed_}, seeds_);
+      return std::ranges::all_of(trials, [](const auto& trial) { return trial.has_value(); });
     });
   }
 
@@ -327,7 +325,7 @@ class Sweep {
       some.study->scenario.controllers.clear();
       some.settings.clear();
       for (std::size_t c = 0; c < block.settings.size() && some.settings.size() < most; ++c) {
-        if (store.Take(first_seed_ + i, c)) continue;
+        if (store.Has(first_seed_ + i, c)) continue;
         some.study->scenario.controllers.push_back(block.study->scenario.controllers[c]);
         some.settings.push_back(block.settings[c]);
       }

@@ -3,40 +3,49 @@
 
 #include <algorithm>
 #include <bit>
+#include <filesystem>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
-#include "sim/study/study_run.h"
+#include "sim/study/study_database.h"
+#include "tests/support/program.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr int kSeeds = 4;
 
-Study FiveControllers() {
-  return PrepareStudy(ParseScenario(
-      {.file = "s.yaml",
-       .text = "question: Does it matter who made the glove?\nseed: 3\nglove:\n"
-               "  motion: {kind: random, duration_s: 0.3}\ncontrollers:\n  raw: {filter: none}\n"
-               "  mean_2: {filter: {kind: moving_average, window: 2}}\n"
-               "  mean_5: {filter: {kind: moving_average, window: 5}}\n"
-               "  mean_9: {filter: {kind: moving_average, window: 9}}\n"
-               "  median: {filter: {kind: median, window: 5}}\n"}));
+Study FiveControllers(double duration_s = 0.3) {
+  return PrepareStudy(
+      ParseScenario({.file = "s.yaml",
+                     .text = "question: Does it matter who made the glove?\nseed: 3\nglove:\n"
+                             "  motion: {kind: random, duration_s: " +
+                             std::to_string(duration_s) +
+                             "}\ncontrollers:\n  raw: {filter: none}\n"
+                             "  mean_2: {filter: {kind: moving_average, window: 2}}\n"
+                             "  mean_5: {filter: {kind: moving_average, window: 5}}\n"
+                             "  mean_9: {filter: {kind: moving_average, window: 9}}\n"
+                             "  median: {filter: {kind: median, window: 5}}\n"}));
 }
 
-/// Trials in memory.
+/// Trials in memory, of which each is taken once.
 class Shelf final : public TrialStore {
  public:
+  bool Has(int seed, std::size_t controller) override {
+    const std::lock_guard lock(mutex_);
+    return trials_.contains({seed, controller});
+  }
   std::optional<TrialOutcome> Take(int seed, std::size_t controller) override {
     const std::lock_guard lock(mutex_);
-    const auto place = trials_.find({seed, controller});
-    if (place == trials_.end()) return std::nullopt;
-    return place->second;
+    auto trial = trials_.extract({seed, controller});
+    if (trial.empty()) return std::nullopt;
+    return std::move(trial.mapped());
   }
   void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) override {
     const std::lock_guard lock(mutex_);
@@ -111,10 +120,110 @@ TEST_P(AnySchedule, RunsWhatIsNotKnownAndNothingElse) {
     for (const int jobs : {1, 2, 3}) {
       Shelf some;
       for (const auto& [seed, controller] : trials) {
-        some.Keep(seed, controller, *all.Take(seed, controller));
+        const TrialOutcome outcome = *all.Take(seed, controller);
+        all.Keep(seed, controller, outcome);
+        some.Keep(seed, controller, outcome);
       }
       EXPECT_EQ(BitsOf(RunStudy(study, Options(jobs, GetParam(), &some))), alone) << jobs;
       EXPECT_EQ(some.kept(), kSeeds * 5);
+    }
+  }
+}
+
+/// All numbers of so many bits; of many bits those that begin and end seeds of four controllers.
+std::vector<int> MasksOf(int bits) {
+  std::vector<int> masks;
+  for (int mask = 0; mask < 1 << std::min(bits, 6); ++mask) {
+    if (bits <= 6) masks.push_back(mask);
+    constexpr int kSeed[] = {0b0000, 0b0001, 0b1000, 0b1111};
+    if (bits > 6)
+      masks.push_back(kSeed[mask & 3] | kSeed[mask >> 2 & 3] << 4 | kSeed[mask >> 4] << 8);
+  }
+  return masks;
+}
+
+// Choices of trials that are known, of few controllers and seeds.
+TEST(ScheduleOfKnownTrials, RunsEachOtherTrialOnce) {
+  Study study = FiveControllers(0.02);
+  const std::vector<NamedController> five = study.scenario.controllers;
+  const TrialOutcome made_up = {
+      .scores = NoScores(study.rows), .health = {}, .untrusted_samples = {}};
+  for (const auto& [controllers, seeds] : {std::pair(2, 3), std::pair(3, 2), std::pair(4, 3)}) {
+    study.scenario.controllers.assign(five.begin(), five.begin() + controllers);
+    const int trials = controllers * seeds;
+    for (const int mask : MasksOf(trials)) {
+      for (const int jobs : {1, 2, 3}) {
+        Shelf store;
+        for (int i = 0; i < trials; ++i) {
+          if ((mask >> i & 1) != 0) store.Keep(3 + i / controllers, i % controllers, made_up);
+        }
+        StudyOptions options = Options(jobs, Way::kFiltersInPassing, &store);
+        options.seeds = seeds;
+        RunStudy(study, options);
+        ASSERT_EQ(store.kept(), trials)
+            << controllers << " controllers, " << jobs << " jobs, known: " << mask;
+      }
+    }
+  }
+}
+
+/// The database of a comparison, and which trials it got.
+class Watched final : public TrialStore {
+ public:
+  Watched(const std::filesystem::path& file, const Study& study)
+      : database_(file, study, {.seeds = kSeeds}), study_(study) {}
+  bool Has(int seed, std::size_t controller) override { return database_.Has(seed, controller); }
+  std::optional<TrialOutcome> Take(int seed, std::size_t controller) override {
+    return database_.Take(seed, controller);
+  }
+  void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) override {
+    database_.Keep(seed, controller, outcome);
+    const std::lock_guard lock(mutex_);
+    kept_.emplace(seed, study_.scenario.controllers[controller].name);
+  }
+  const std::multiset<std::pair<int, std::string>>& kept() const { return kept_; }
+
+ private:
+  StudyDatabase database_;
+  const Study& study_;
+  std::mutex mutex_;
+  std::multiset<std::pair<int, std::string>> kept_;
+};
+
+// Of a, b, c and d that are known: every order of a, b, a changed c and a new controller, and of
+// some of them.
+TEST(KeptTrials, StayWhateverControllersAreAddedRemovedChangedAndMoved) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path before = folder.path() / "before.db";
+  const std::filesystem::path file = folder.path() / "study.db";
+  Study study = FiveControllers(0.02);
+  std::vector<NamedController>& controllers = study.scenario.controllers;
+  NamedController added = controllers.back();
+  controllers.pop_back();
+  {
+    Watched database(before, study);
+    RunStudy(study, Options(1, Way::kFiltersInPassing, &database));
+  }
+  NamedController changed = controllers[2];
+  changed.config.filter_at = controller::FilterAt::kEvent;
+  const std::vector<NamedController> choice = {controllers[0], controllers[1], changed, added};
+  std::set<std::vector<int>> lists;
+  for (std::vector<int> order = {0, 1, 2, 3}; lists.size() < 64;) {
+    for (auto end = order.begin() + 1; end <= order.end(); ++end) lists.emplace(order.begin(), end);
+    std::ranges::next_permutation(order);
+  }
+  for (const std::vector<int>& list : lists) {
+    controllers.clear();
+    std::multiset<std::pair<int, std::string>> unknown;
+    for (const int place : list) {
+      controllers.push_back(choice[place]);
+      for (int i = 0; place >= 2 && i < kSeeds; ++i) unknown.emplace(3 + i, choice[place].name);
+    }
+    for (const int jobs : {1, 2, 3}) {
+      std::filesystem::copy_file(before, file, std::filesystem::copy_options::overwrite_existing);
+      Watched database(file, study);
+      RunStudy(study, Options(jobs, Way::kFiltersInPassing, &database));
+      ASSERT_EQ(database.kept(), unknown) << testing::PrintToString(list) << ", jobs: " << jobs;
     }
   }
 }

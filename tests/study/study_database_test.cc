@@ -3,21 +3,21 @@
 #include "sim/study/study_database.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
-#include <unistd.h>
 
 #include <bit>
-#include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <limits>
 #include <random>
 #include <sstream>
 
 #include "sim/base/error.h"
+#include "sim/base/stop.h"
+#include "tests/study/failing_disk.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {
@@ -25,6 +25,13 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::chrono_literals::operator""ms;
+using test::FailingCall;
+using test::kRead;
+using test::kWrite;
+using test::NoLocks;
+using test::NoSpace;
+using test::NothingTaken;
+using test::NothingToRead;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -70,44 +77,6 @@ std::string ReadBytes(const fs::path& file) {
   return bytes.str();
 }
 
-/// A system call of SQLite's fails from now on, until the end of the scope.
-class FailingCall {
- public:
-  template <class Function>
-  FailingCall(const char* name, Function* replacement) {
-    sqlite3_vfs* vfs = sqlite3_vfs_find(nullptr);
-    vfs->xSetSystemCall(vfs, name, reinterpret_cast<sqlite3_syscall_ptr>(replacement));
-  }
-  ~FailingCall() {
-    sqlite3_vfs* vfs = sqlite3_vfs_find(nullptr);
-    vfs->xSetSystemCall(vfs, nullptr, nullptr);
-  }
-  FailingCall(const FailingCall&) = delete;
-  FailingCall& operator=(const FailingCall&) = delete;
-};
-
-int NoLocks(int /*descriptor*/, int command, ...) {
-  if (command == F_GETLK || command == F_SETLK) errno = ENOLCK;
-  return -1;
-}
-ssize_t NothingToRead(int /*descriptor*/, void* /*buffer*/, std::size_t /*count*/,
-                      off_t /*offset*/) {
-  errno = EIO;
-  return -1;
-}
-ssize_t NothingTaken(int /*descriptor*/, const void* /*buffer*/, std::size_t /*count*/,
-                     off_t /*offset*/) {
-  errno = EIO;
-  return -1;
-}
-ssize_t NoSpace(int /*descriptor*/, const void* /*buffer*/, std::size_t /*count*/,
-                off_t /*offset*/) {
-  errno = ENOSPC;
-  return -1;
-}
-const char* const kRead = sizeof(off_t) == 8 ? "pread64" : "pread";
-const char* const kWrite = sizeof(off_t) == 8 ? "pwrite64" : "pwrite";
-
 class StudyDatabaseTest : public testing::Test {
  protected:
   StudyDatabase Open(const Study& study) { return {file_, study, {.seeds = 10, .patience = 50ms}}; }
@@ -136,9 +105,12 @@ TEST_F(StudyDatabaseTest, GivesATrialBackBitByBit) {
   Open().Keep(7, 1, kept);
   StudyDatabase database = Open();
   EXPECT_EQ(database.TrialCount(), 1);
+  EXPECT_TRUE(database.Has(7, 1));
+  EXPECT_TRUE(database.Has(7, 1));  // a look changes nothing
   const auto found = database.Take(7, 1);
   ASSERT_TRUE(found);
   EXPECT_TRUE(SameBits(*found, kept));
+  EXPECT_FALSE(database.Has(7, 1));
   EXPECT_FALSE(database.Take(7, 1));
 }
 
@@ -153,6 +125,7 @@ TEST_F(StudyDatabaseTest, FindsNeitherOtherSeedsNorOtherControllers) {
   EXPECT_FALSE(Open().Take(7, 1));
   Open().Keep(7, 1, MakeOutcome());
   StudyDatabase database = Open();
+  EXPECT_FALSE(database.Has(8, 1));
   EXPECT_FALSE(database.Take(8, 1));
   EXPECT_FALSE(database.Take(7, 0));  // of the same settings, but of another name
 }
@@ -300,9 +273,9 @@ TEST_F(StudyDatabaseTest, NobodyHasToWaitWhoWantsAnEnd) {
   Open().Keep(1, 0, MakeOutcome());
   SQLite::Database other(file_.string(), SQLite::OPEN_READWRITE);
   other.exec("BEGIN EXCLUSIVE");
-  EXPECT_THROW(StudyDatabase(file_, study_,
-                             {.patience = std::chrono::hours(1), .go_on = [] { return false; }}),
-               Cancelled);
+  stop_signal = SIGINT;
+  EXPECT_THROW(StudyDatabase(file_, study_, {.patience = std::chrono::hours(1)}), Cancelled);
+  stop_signal = 0;
 }
 
 // Disks and network folders that fail.
@@ -332,7 +305,7 @@ TEST_F(StudyDatabaseTest, LosesNoTrialWhenNothingCanBeReadOrLocked) {
   }
 }
 
-TEST_F(StudyDatabaseTest, TriesAgainInTheEndWhatTheDiskDidNotTake) {
+TEST_F(StudyDatabaseTest, TriesAgainWhatTheDiskDidNotTake) {
   StudyDatabase database = Open();
   database.Keep(1, 0, MakeOutcome(1));
   {
@@ -341,7 +314,7 @@ TEST_F(StudyDatabaseTest, TriesAgainInTheEndWhatTheDiskDidNotTake) {
     EXPECT_THAT(database.Finish().value(), HasSubstr("disk I/O error; the same command"));
   }
   database.Keep(3, 0, MakeOutcome(3));
-  EXPECT_EQ(database.TrialCount(), 2);
+  EXPECT_EQ(database.TrialCount(), 3);
   EXPECT_FALSE(database.Finish());
   for (const int seed : {1, 2, 3}) {
     EXPECT_TRUE(SameBits(Open().Take(seed, 0).value(), MakeOutcome(seed))) << seed;
@@ -354,8 +327,9 @@ TEST_F(StudyDatabaseTest, AFullDiskEndsAComparisonAtOnce) {
     database.Keep(1, 0, MakeOutcome());
     const FailingCall failing(kWrite, NoSpace);
     EXPECT_THROW(database.Keep(2, 0, MakeOutcome()), RunError);
+    EXPECT_EQ(database.TrialCount(), 1);
   }
-  EXPECT_EQ(Open().TrialCount(), 1);
+  EXPECT_EQ(Open().TrialCount(), 2);  // there was room again in the end
   fs::remove(file_);
   const FailingCall failing(kWrite, NoSpace);
   EXPECT_THAT(OpeningSays<RunError>(), HasSubstr("study.db: the disk is full"));
@@ -485,12 +459,37 @@ TEST_F(StudyDatabaseTest, TablesBesideItsOwnStay) {
 // Places where no database can be, found before the first trial.
 
 TEST_F(StudyDatabaseTest, WhatIsNoFileOfItsOwnIsTheUsersMistake) {
-  fs::create_symlink("/dev/null", file_);
-  EXPECT_THAT(OpeningSays<UserError>(), HasSubstr("study.db: is not a file of its own"));
-  EXPECT_TRUE(fs::is_symlink(file_));
-  fs::remove(file_);
   fs::create_directory(file_);
   EXPECT_THAT(OpeningSays<UserError>(), HasSubstr("study.db: is not a file of its own"));
+}
+
+// A folder of somebody else may contain any link.
+TEST_F(StudyDatabaseTest, RefusesALinkAndLeavesWhatItNames) {
+  const fs::path outside = folder_.path() / "outside";
+  const std::string journal = file_.string() + "-journal";
+  for (const std::string& link : {file_.string(), journal}) {
+    fs::create_symlink(outside, link);
+    const std::string problem =
+        link + ": is a symbolic link; remove it, or name another folder by --out";
+    EXPECT_EQ(OpeningSays<UserError>(), problem);
+    EXPECT_FALSE(fs::exists(outside));
+    std::ofstream(outside) << "mine";
+    EXPECT_EQ(OpeningSays<UserError>(), problem);
+    EXPECT_EQ(ReadBytes(outside), "mine");
+    EXPECT_TRUE(fs::is_symlink(link));
+    fs::remove(link);
+    fs::remove(outside);
+  }
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
+TEST_F(StudyDatabaseTest, TheFolderMayBeALink) {
+  fs::create_directory(folder_.path() / "real");
+  fs::create_directory_symlink("real", folder_.path() / "link");
+  file_ = folder_.path() / "link/study.db";
+  Open().Keep(1, 0, MakeOutcome());
+  EXPECT_TRUE(Open().Take(1, 0));
+  EXPECT_TRUE(fs::exists(folder_.path() / "real/study.db"));
 }
 
 TEST_F(StudyDatabaseTest, APathCanBeAsLongAsSqliteTakesIt) {
