@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <fstream>
+#include <iterator>
 #include <map>
 
 #include "sim/base/stop.h"
@@ -83,6 +85,16 @@ std::map<std::string, std::string> Definitions(const SQLite::Database& database)
   return definitions;
 }
 
+/// True for a journal of several databases. It names a file, which SQLite removes after it has
+/// undone the transaction. Gauntlet makes none. Source: sqlite.org/fileformat2.html, 3.
+bool NamesAnotherFile(const fs::path& journal) {
+  constexpr std::string_view kMark = "\xd9\xd5\x05\xf9\x20\xa1\x63\xd7";
+  char end[kMark.size()] = {};
+  std::ifstream file(journal, std::ios::binary);
+  file.seekg(-std::ssize(kMark), std::ios::end).read(end, kMark.size());
+  return file && std::string_view(end, kMark.size()) == kMark;
+}
+
 }  // namespace
 
 Trouble TroubleOf(const SQLite::Exception& error) {
@@ -114,6 +126,9 @@ void CheckDatabasePlace(const fs::path& file) {
     if (fs::is_symlink(status)) throw NotUsable(place, "is a symbolic link");
     if (fs::exists(status) && !fs::is_regular_file(status)) {
       throw NotUsable(place, "is not a file of its own");
+    }
+    if (!ending.empty() && NamesAnotherFile(place)) {
+      throw NotUsable(place, "names a file that SQLite would remove");
     }
   }
   // The journal beside it has the longest name.

@@ -27,7 +27,8 @@ Trouble TroubleOf(const SQLite::Exception& error);
 UserError NotUsable(const std::filesystem::path& file, std::string_view what);
 
 /// SQLite would refuse these less clearly, or too late: a symbolic link or a folder in place of the
-/// file or of its journal, a path that is too long. Errors: UserError.
+/// file or of its journal, a journal that names a file to be removed, a path that is too long.
+/// Errors: UserError.
 void CheckDatabasePlace(const std::filesystem::path& file);
 /// Without links in the path of its folder: a database is opened with OPEN_NOFOLLOW, which refuses
 /// a link anywhere. Absolute, since SQLite reads `file:..` as an address.

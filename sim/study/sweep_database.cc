@@ -150,6 +150,7 @@ void SweepDatabase::Collect(const fs::path& other) {
                      .problem = fs::exists(status) ? "must be a file, not a link or a device"
                                                    : "there is no such file"});
   }
+  CheckDatabasePlace(other);
   const std::string path = InRealFolder(other).string();
   SQLite::Database& ours = state_->table.database();
   try {

@@ -483,6 +483,34 @@ TEST_F(StudyDatabaseTest, RefusesALinkAndLeavesWhatItNames) {
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
+// A journal of several databases names a file that SQLite removes when it has undone the
+// transaction: the folder of another person could name any.
+TEST_F(StudyDatabaseTest, RefusesAJournalThatNamesAFileOfTheUser) {
+  Open().Keep(1, 0, MakeOutcome());
+  const std::string mine = folder_.path() / "mine";
+  std::ofstream(mine) << "mine";
+  const auto number = [](std::size_t value) {
+    std::string bytes;
+    for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(value >> shift & 0xFF);
+    return bytes;
+  };
+  const std::string mark = "\xd9\xd5\x05\xf9\x20\xa1\x63\xd7";
+  std::string head = mark + number(0) + number(1) + number(fs::file_size(file_) / 4096) +
+                     number(512) + number(4096);
+  head.resize(512);
+  std::size_t sum = 0;
+  for (const char letter : mine) sum += letter;
+  const fs::path journal = file_.string() + "-journal";
+  std::ofstream(journal) << head << number((1 << 30) / 4096 + 1) << mine << number(mine.size())
+                         << number(sum) << mark;
+  EXPECT_THAT(OpeningSays<UserError>(),
+              HasSubstr("study.db-journal: names a file that SQLite would remove; remove it"));
+  EXPECT_EQ(ReadBytes(mine), "mine");
+  EXPECT_TRUE(fs::exists(journal));
+  SQLite::Database(file_.string(), SQLite::OPEN_READWRITE).execAndGet("SELECT count(*) FROM trial");
+  EXPECT_FALSE(fs::exists(mine));  // so the journal was one that does it
+}
+
 TEST_F(StudyDatabaseTest, TheFolderMayBeALink) {
   fs::create_directory(folder_.path() / "real");
   fs::create_directory_symlink("real", folder_.path() / "link");
