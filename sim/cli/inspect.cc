@@ -7,6 +7,7 @@
 
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/inspect_hand.h"
@@ -212,7 +213,7 @@ void RunInspect(const InspectOptions& options) {
     Write(options.scenario, options.file,
           StarterScenario(inspection, SeenFrom(options.scenario, options.file),
                           SeenFrom(options.scenario, map)));
-    if (!options.json) Print("\nNext: gauntlet compare {}\n", options.scenario);
+    if (!options.json) Print("\nNext: gauntlet compare {}\n", ShellPath(options.scenario));
   }
   if (!options.plot.empty()) {
     WritePng(DrawRecording(inspection), options.plot);

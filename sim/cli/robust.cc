@@ -28,14 +28,13 @@ struct RobustCommand {
 };
 
 void RunRobustCommand(const RobustCommand& command) {
-  RobustPlan plan = MakeRobustPlan(
+  const RobustPlan plan = MakeRobustPlan(
       {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
       command.robust);
   CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust");
+  // Commands that repeat a hand begin with it: what every controller is, whatever the glove.
   WriteFileAtomically(folder.path() / "scenario.resolved.yaml",
                       ScenarioToYaml(ParseScenario(plan.sweep.scenario), folder.path()));
-  // Commands that repeat a hand begin with what every controller is, whatever the glove.
-  plan.sweep.file.scenario = (folder.path() / "scenario.resolved.yaml").string();
   folder.Run();
   folder.WriteCells();
   std::string written = "scenario.resolved.yaml, cells.csv, study.db";

@@ -6,6 +6,7 @@
 #include "sim/base/atomic_file.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/jobs_option.h"
@@ -150,7 +151,7 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
-    sets += fmt::format(" --set {}={}", plan.free[a].key, result.tried[result.chosen].values[a]);
+    sets += " --set " + ShellWord(plan.free[a].key + "=" + result.tried[result.chosen].values[a]);
   }
   Say("wrote {}: {}.yaml ({}, or{}), tune.csv, report.html\n", folder.path().string(),
       plan.controller, IncludeText(yaml), sets);
