@@ -21,9 +21,6 @@
 namespace gauntlet::sim {
 namespace {
 
-// Longer than any row of numbers; keeps memory flat on files that are not text.
-constexpr std::size_t kLongestLine = std::size_t{1} << 20;
-
 /// A line whose texts in quotes are no more than quotes: separators in them separate nothing.
 std::string OutsideQuotes(std::string_view line) {
   std::string outside;
@@ -77,7 +74,7 @@ void CsvReader::Refill() {
   if (end_ == buffer_.size()) {
     if (buffer_.size() >= kLongestLine) {
       ++row_;
-      Fail(1, fmt::format("the line is longer than {} bytes", kLongestLine));
+      Fail(1, LineTooLong());
     }
     buffer_.resize(buffer_.size() * 2);
   }
