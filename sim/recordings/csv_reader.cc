@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -63,6 +64,14 @@ void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string
 void CsvReader::Problem(RecordingProblem problem, std::size_t column, const std::string& message) {
   if (handling_ != ProblemHandling::kRepair) Fail(column, message);
   if (listener_) listener_(problem, row_);
+}
+
+std::string CsvReader::Quoted(std::string_view cell) const {
+  constexpr std::size_t kLongest = 30;
+  const bool has_letters =
+      std::ranges::any_of(cell, [](unsigned char c) { return std::isalpha(c) != 0 || c >= 0x80; });
+  const bool is_shown = !has_letters || (column_count_ > 1 && LooksLikeKey(Unquoted(cell)));
+  return fmt::format("'{}'", is_shown ? OneLine(cell, kLongest) : "...");
 }
 
 void CsvReader::Refill() {
@@ -292,11 +301,6 @@ CsvReader::Source TextSource(std::string_view text) {
     text.remove_prefix(count);
     return count;
   };
-}
-
-std::string Quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 30;
-  return fmt::format("'{}'", OneLine(text, kLongest));
 }
 
 }  // namespace gauntlet::sim
