@@ -55,6 +55,12 @@ AngleEstimator::AngleEstimator(const RobotConfig& robot, const ControllerConfig&
       held_rad_(active_.size()),
       filtered_rad_(active_.size()),
       predicted_rad_(active_.size()) {
+  // A chain of thousands, which aliases of YAML make of a few letters, would take all memory.
+  constexpr std::size_t kMostFilters = 64;
+  if (config.filters.size() > kMostFilters) {
+    throw SettingError("filter", "has " + std::to_string(config.filters.size()) +
+                                     " filters, must have at most " + std::to_string(kMostFilters));
+  }
   for (std::size_t i = 0; i < config.filters.size(); ++i) {
     chain_.push_back(WithinSetting("filter[" + std::to_string(i) + "]", [&] {
       CheckUnitOfR(config.filters[i], config.filter_on);

@@ -48,6 +48,8 @@ std::size_t CellEnd(std::string_view text, char separator) {
 
 }  // namespace
 
+std::string LineTooLong() { return fmt::format("the line is longer than {} bytes", kLongestLine); }
+
 std::string_view WithoutByteOrderMark(std::string_view text) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   return text;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,12 @@ namespace gauntlet::sim {
 
 /// How text with one row a line is cut into cells and written. What cells mean is their reader's
 /// matter.
+
+/// Bytes of a line with its end: longer than any row of numbers; keeps memory flat on what is not
+/// text.
+inline constexpr std::size_t kLongestLine = std::size_t{1} << 20;
+/// The sentence for a longer one.
+std::string LineTooLong();
 
 /// Without the mark that spreadsheets write at the beginning of a file.
 std::string_view WithoutByteOrderMark(std::string_view text);

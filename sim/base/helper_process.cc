@@ -176,7 +176,10 @@ std::size_t HelperProcess::ReadSome(std::span<char> bytes) {
     if (size <= 0) ThrowEnded();
     return static_cast<std::size_t>(size);
   }
-  throw HelperEnded(fmt::format("gave nothing for {} s", limits_.silence_s));
+  throw HelperSilent(
+      fmt::format("gave nothing for {} s: this machine is too busy, or does not get at "
+                  "its files",
+                  limits_.silence_s));
 }
 
 void HelperProcess::ReadAll(std::span<char> bytes) {

@@ -28,6 +28,13 @@ class HelperEnded : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The helper did not get to its end, which is not the file's fault: it used little processor time
+/// and sent nothing for as long as the program waits.
+class HelperSilent : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// The work of the helper threw an exception; what() is its text.
 class HelperError : public std::runtime_error {
  public:
@@ -57,7 +64,7 @@ class HelperProcess {
   HelperProcess& operator=(const HelperProcess&) = delete;
 
   /// Fills `bytes` with the next that the helper sends. Errors: HelperEnded, also where the helper
-  /// has nothing more to send; HelperError.
+  /// has nothing more to send; HelperSilent; HelperError.
   void Receive(std::span<char> bytes);
   /// Waits for the end of the work. Errors: as above, and HelperEnded where bytes are left over.
   void Finish();

@@ -99,6 +99,14 @@ std::string OneLine(std::string_view text, std::size_t longest) {
 
 std::string Shown(std::string_view value) { return OneLine(value, kLongestValue); }
 
+bool LooksLikeKey(std::string_view text) {
+  constexpr std::size_t kLongestKey = 40;
+  constexpr std::string_view kLetters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
+  return !text.empty() && text.size() <= kLongestKey && text[0] != '.' && text[0] != '-' &&
+         text.find_first_not_of(kLetters) == std::string_view::npos;
+}
+
 std::string TextProblem(std::string_view text) {
   while (!text.empty()) {
     const Character character = FirstCharacter(text);

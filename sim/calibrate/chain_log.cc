@@ -69,7 +69,7 @@ const PartColumn* FindPart(const std::vector<PartColumn>& columns, const std::st
 void RejectRepeatedParts(const CsvReader& csv, const std::vector<PartColumn>& columns) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (FindPart(columns, columns[i].part) == &columns[i]) continue;
-    csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", Quoted(columns[i].part)));
+    csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", csv.Quoted(columns[i].part)));
   }
 }
 
@@ -95,10 +95,10 @@ void PairParts(const CsvReader& csv, ChainColumns& columns) {
         motors.push_back({motor->column, command.part, motor->scale});
       }
     } else if (!csv.header()[command.column].starts_with(kChainPatterns[0].before)) {
-      csv.Fail(
-          command.column + 1,
-          fmt::format("{} has a command but no angle, add a column {}_deg{}", Quoted(command.part),
-                      OneLine(command.part, 60), Suggestion(command.part, names)));
+      csv.Fail(command.column + 1,
+               fmt::format("{} has a command but no angle, add a column {}_deg{}",
+                           csv.Quoted(command.part), OneLine(command.part, 60),
+                           Suggestion(command.part, names)));
     }
   }
   if (commands.empty()) {
@@ -123,7 +123,7 @@ ChainColumns FindChainColumns(const CsvReader& csv) {
       csv.Fail(column + 1, fmt::format("unknown column {}, must be a time (as t_s or time_ms), or "
                                        "a part's name with _command_deg, _command_rad, _deg or "
                                        "_rad behind it",
-                                       Quoted(name)));
+                                       csv.Quoted(name)));
     }
   }
   if (!columns.time) csv.Fail(1, "there is no column of time (as t_s or time_ms)");
@@ -184,7 +184,7 @@ void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& ser
     csv.FailInRow(1, column.column + 1,
                   fmt::format("{} has no value for {:.3g} s from {:.6g} s on, must have one every "
                               "{:.3g} s; cut the log there",
-                              Quoted(column.part), gap_s, series.time_s[i - 1], longest_gap_s));
+                              csv.Quoted(column.part), gap_s, series.time_s[i - 1], longest_gap_s));
   }
 }
 
@@ -243,7 +243,7 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
   const double longest_gap_s = std::max(0.1, 10.0 * period_s);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (series[i].value.empty()) {
-      csv.FailInRow(1, all[i].column + 1, fmt::format("{} has no values", Quoted(all[i].part)));
+      csv.FailInRow(1, all[i].column + 1, fmt::format("{} has no values", csv.Quoted(all[i].part)));
     }
     RejectGap(csv, all[i], series[i], longest_gap_s);
   }

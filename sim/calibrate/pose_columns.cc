@@ -56,7 +56,8 @@ void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& colum
   for (std::size_t i = 0; i < columns.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (columns[i].channel != columns[j].channel) continue;
-      csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", Quoted(columns[i].channel)));
+      csv.Fail(columns[i].column + 1,
+               fmt::format("{} appears twice", csv.Quoted(columns[i].channel)));
     }
   }
 }
@@ -72,14 +73,14 @@ void PairUp(const CsvReader& csv, PoseColumns& columns) {
     if (found == columns.angles.end()) {
       csv.Fail(counts.column + 1,
                fmt::format("{} has counts but no known angle, add a column {}_deg",
-                           Quoted(counts.channel), counts.channel));
+                           csv.Quoted(counts.channel), counts.channel));
     }
     ordered.push_back(*found);
   }
   for (const ChannelColumn& angle : columns.angles) {
     if (std::ranges::find(channels, angle.channel) != channels.end()) continue;
     csv.Fail(angle.column + 1,
-             fmt::format("{} has a known angle but no counts{}", Quoted(angle.channel),
+             fmt::format("{} has a known angle but no counts{}", csv.Quoted(angle.channel),
                          Suggestion(angle.channel, channels)));
   }
   columns.angles = std::move(ordered);
@@ -102,7 +103,7 @@ PoseColumns ColumnsByName(const CsvReader& csv) {
     csv.Fail(first_unknown + 1,
              fmt::format("unknown column {}, must be a time (as t_s or time_ms), k, or a channel's "
                          "name with _counts, _deg or _rad behind it; or --map says what it is",
-                         Quoted(csv.header()[first_unknown])));
+                         csv.Quoted(csv.header()[first_unknown])));
   }
   return columns;
 }

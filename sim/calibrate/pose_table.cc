@@ -57,7 +57,7 @@ PoseTableColumns FindTableColumns(CsvReader& csv, const std::vector<std::string>
       csv.Fail(column + 1,
                fmt::format("{} is no column of a table of poses: name, start_s, end_s, "
                            "or once per channel of the recording NAME_deg or NAME_rad{}",
-                           Quoted(name), Suggestion(name, known)));
+                           csv.Quoted(name), Suggestion(name, known)));
     }
   }
   if (!columns.start) csv.Fail(1, "there is no column start_s");

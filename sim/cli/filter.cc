@@ -17,6 +17,7 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
@@ -97,8 +98,9 @@ StreamFilter ReadFilter(const FilterOptions& options) {
   }
   for (const std::string& text : options.settings) {
     if (text.starts_with("kind=")) {
-      throw UserError({.place = "--set " + text,
-                       .problem = "the kind is an argument: gauntlet filter " + text.substr(5)});
+      throw UserError(
+          {.place = "--set " + text,
+           .problem = "the kind is an argument: gauntlet filter " + ShellWord(text.substr(5))});
     }
     if (text.ends_with(','))
       throw UserError({.place = "--set " + text, .problem = "ends with a comma"});
@@ -243,30 +245,46 @@ class FilterStream {
   std::size_t missing_ = 0;
 };
 
-/// A read that failed is no end: what comes behind it is missing.
-void CheckInput() {
-  if (std::cin.bad()) {
-    throw RunError(fmt::format("standard input: cannot be read: {}", std::strerror(errno)));
+/// The lines of standard input, without their ends.
+class InputLines {
+ public:
+  /// False at the end. Errors: UserError for a line of more than kLongestLine bytes; RunError where
+  /// a read failed, which is no end: what comes behind it is missing.
+  bool Next(std::string_view& line) {
+    ++row_;
+    std::cin.getline(buffer_.data(), std::ssize(buffer_));
+    if (std::cin.bad()) {
+      throw RunError(fmt::format("standard input: cannot be read: {}", std::strerror(errno)));
+    }
+    const auto count = static_cast<std::size_t>(std::cin.gcount());
+    if (std::cin.fail() && !std::cin.eof()) StreamTable::Fail(row_, LineTooLong());
+    line = {buffer_.data(), count - (std::cin.eof() ? 0 : 1)};  // the count has the end
+    return !std::cin.fail();
   }
-}
+  /// Of the last line, from 1.
+  std::size_t row() const { return row_; }
+
+ private:
+  std::vector<char> buffer_ = std::vector<char>(kLongestLine);
+  std::size_t row_ = 0;
+};
 
 void RunFilter(const FilterOptions& options) {
   EndAtSignals();  // it waits for its source, and has nothing to tidy up
   const StreamFilter settings = ReadFilter(options);
   std::ios::sync_with_stdio(false);
-  std::string line;
   errno = 0;
-  if (!std::getline(std::cin, line)) {
-    CheckInput();
+  InputLines lines;
+  std::string_view line;
+  if (!lines.Next(line)) {
     throw UserError({.place = "standard input", .problem = "is empty, needs a header"});
   }
   const std::string first(WithoutByteOrderMark(line));
   FilterStream stream(settings, StreamTable(first, options.map, options.columns));
   if (!stream.has_header()) stream.ReadRow(first, 1);
-  for (std::size_t row = 2; std::getline(std::cin, line); ++row) {
-    if (!Trimmed(line).empty()) stream.ReadRow(line, row);
+  while (lines.Next(line)) {
+    if (!Trimmed(line).empty()) stream.ReadRow(line, lines.row());
   }
-  CheckInput();
   stream.Finish();
 }
 

@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/inspect_hand.h"
@@ -227,7 +228,7 @@ void RunInspect(const InspectOptions& options) {
           StarterScenario(inspection, SeenFrom(options.scenario, options.file),
                           SeenFrom(options.scenario, map)),
           options.force);
-    if (!options.json) Print("\nNext: gauntlet compare {}\n", options.scenario);
+    if (!options.json) Print("\nNext: gauntlet compare {}\n", ShellPath(options.scenario));
   }
   if (!options.plot.empty()) {
     WritePng(DrawRecording(inspection), options.plot);

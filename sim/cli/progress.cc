@@ -24,7 +24,7 @@ Progress::Progress(std::string label)
     : label_(std::move(label)), on_terminal_(isatty(STDERR_FILENO) != 0) {}
 
 Progress::~Progress() {
-  if (drawn_) Say("\r\033[K");
+  if (drawn_) SayText("\r\033[K");
 }
 
 bool Progress::Update(double done, double total) {
@@ -39,8 +39,8 @@ bool Progress::Update(double done, double total) {
   const int filled = static_cast<int>(share * kWidth);
   const std::string left =
       share > 0.01 ? Duration(elapsed_s * (1.0 - share) / share) + " left" : "";
-  Say("\r\033[K{} [{}{}] {:3.0f} %  {}", label_, std::string(filled, '#'),
-      std::string(kWidth - filled, '.'), 100.0 * share, left);
+  SayText(fmt::format("\r\033[K{} [{}{}] {:3.0f} %  {}", label_, std::string(filled, '#'),
+                      std::string(kWidth - filled, '.'), 100.0 * share, left));
   return true;
 }
 

@@ -28,7 +28,7 @@ struct RobustCommand {
 };
 
 void RunRobustCommand(const RobustCommand& command) {
-  RobustPlan plan = MakeRobustPlan(
+  const RobustPlan plan = MakeRobustPlan(
       {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
       command.robust);
   CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust",
@@ -36,8 +36,6 @@ void RunRobustCommand(const RobustCommand& command) {
                       .command = "robust",
                       .results = {"scenario.resolved.yaml", "cells.csv", "robust.csv",
                                   "tornado.csv", "report.html"}});
-  // Commands that repeat a hand begin with what every controller is, whatever the glove.
-  plan.sweep.file.scenario = (folder.path() / "scenario.resolved.yaml").string();
   folder.Run();
   std::optional<RobustResult> result;
   if (!folder.is_shard()) result = ConcludeRobust(plan, folder.database());

@@ -15,6 +15,7 @@
 #include "sim/base/child_process.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/text.h"
 
 namespace gauntlet::sim {
@@ -23,13 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMostRestarts = 3;
-
-/// As one word of a shell.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
 
 /// In the quotes of an option behind #SBATCH; % would stand for numbers of the job.
 std::string Escaped(const std::string& text) {
@@ -97,11 +91,25 @@ std::vector<int> MissingShards(const SlurmArray& array) {
   return missing;
 }
 
+void CheckSlurmFolder(const fs::path& folder) {
+  std::string problem = TextProblem(folder.native());
+  // A backslash would keep sbatch from putting numbers in the place of %a.
+  if (folder.native().find_first_of("\n\t\\") != std::string::npos) {
+    problem = "has an end of a line, a tabulator or a backslash";
+  }
+  if (problem.empty()) return;
+  throw UserError(
+      {.place = "--slurm",
+       .problem = fmt::format("the path {} {}, which sbatch does not take; give another "
+                              "--out or working folder",
+                              Shown(folder.native()), problem)});
+}
+
 std::string SlurmScript(const SlurmArray& array, const std::vector<int>& shards) {
   std::string options;
   for (const std::string& option : array.options) options += "#SBATCH " + option + "\n";
   std::vector<std::string> words;
-  for (const std::string& word : array.command) words.push_back(Quoted(word));
+  for (const std::string& word : array.command) words.push_back(ShellWord(word));
   const std::string folder = array.folder.string();
   return fmt::format(
       "#!/bin/bash\n"
@@ -125,7 +133,7 @@ std::string SlurmScript(const SlurmArray& array, const std::vector<int>& shards)
       "fi\n"
       "exit $code\n",
       Escaped(array.name), fmt::join(shards, ","), array.jobs, Escaped(folder), options,
-      Quoted(folder), array.shards, fmt::join(words, " "), array.hash, kMostRestarts);
+      ShellPath(folder), array.shards, fmt::join(words, " "), array.hash, kMostRestarts);
 }
 
 void CheckSlurm() {
@@ -153,7 +161,10 @@ std::vector<int> QueuedShards(const SlurmArray& array) {
 }
 
 std::string SubmitShards(const SlurmArray& array, const std::vector<int>& shards) {
-  fs::create_directories(array.folder);
+  if (std::error_code none; fs::is_symlink(array.folder, none)) {
+    throw UserError({.place = array.folder.string(), .problem = "is a link, must be a folder"});
+  }
+  MakeDirectory(array.folder);
   const fs::path script = array.folder / "sweep.sbatch";
   WriteOutputFile(script, SlurmScript(array, shards));
   const Said said = Ask({"sbatch", "--parsable", script.string()});

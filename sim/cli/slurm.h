@@ -22,6 +22,9 @@ struct SlurmArray {
   std::vector<std::string> options;  // more for sbatch, as --partition=night
 };
 
+/// Errors: UserError for a folder that sbatch cannot write a log into.
+void CheckSlurmFolder(const std::filesystem::path& folder);
+
 /// Folders of the shards, 1 to `shards`.
 std::filesystem::path ShardFolder(const SlurmArray& array, int shard);
 /// Those that have not ended well, from 1.

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -36,6 +37,12 @@ void SayText(std::string_view text) noexcept {
     if (written <= 0) return;
     text.remove_prefix(static_cast<std::size_t>(written));
   }
+}
+
+void SayLine(std::string_view line) {
+  if (line.ends_with('\n')) line.remove_suffix(1);
+  constexpr std::size_t kLongestShownByte = 4;
+  SayText(OneLine(line, kLongestShownByte * line.size()) + "\n");
 }
 
 void PrintText(std::string_view text) {

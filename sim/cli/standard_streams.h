@@ -14,12 +14,14 @@ struct ReaderGone {};
 /// get what is meant for the terminal.
 void OpenStandardStreams();
 
-/// What a person is told, on standard error. Where nobody can read it, nothing can be done: it
-/// never fails.
+/// To standard error, as it is. Where nobody can read it, nothing can be done: it never fails.
 void SayText(std::string_view text) noexcept;
+/// What a person is told, on standard error: a line, in which no path changes the terminal or makes
+/// another line, as OneLine() shows it.
+void SayLine(std::string_view line);
 template <class... Arguments>
 void Say(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  SayText(fmt::format(format, std::forward<Arguments>(arguments)...));
+  SayLine(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
 /// Results, on standard output. CheckOutput() tells if they did not get there.

@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <numeric>
 
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/text.h"
 #include "sim/cli/cells_command.h"
 #include "sim/cli/commands.h"
@@ -64,6 +66,22 @@ void CheckSlurmOptions(const SweepCommand& command) {
   }
 }
 
+/// The options that decide which cells there are and what is in them.
+std::vector<std::string> OptionsOfCells(const SweepCommand& command) {
+  std::vector<std::string> words;
+  const auto add = [&words](const std::string& option, const std::string& value) {
+    words.insert(words.end(), {option, value});
+  };
+  if (command.max_cells != SweepCommand().max_cells) {
+    add("--max-cells", std::to_string(command.max_cells));
+  }
+  if (command.seeds > 0) add("--seeds", std::to_string(command.seeds));
+  for (const std::string& set : command.set) add("--set", set);
+  if (command.filter_only) words.emplace_back("--filter-only");
+  if (command.all_seeds) words.emplace_back("--all-seeds");
+  return words;
+}
+
 SlurmArray ArrayOf(const SweepCommand& command, const SweepPlan& plan) {
   const std::string study = std::filesystem::absolute(OwnOrDataFile(command.file)).string();
   const std::string out = command.cells.out.empty() ? "out/" + plan.file.name : command.cells.out;
@@ -73,27 +91,28 @@ SlurmArray ArrayOf(const SweepCommand& command, const SweepPlan& plan) {
       .folder = std::filesystem::absolute(out) / "slurm",
       .hash = HashOfSweep(plan),
       .options = command.sbatch};
+  CheckSlurmFolder(std::filesystem::current_path());
+  CheckSlurmFolder(array.folder);
   array.jobs = std::max(1, command.cells.jobs);
   array.shards = static_cast<int>(std::min<std::int64_t>(command.tasks, plan.cell_count()));
-  const auto add = [&array](const std::string& option, const std::string& value) {
-    array.command.insert(array.command.end(), {option, value});
-  };
-  add("--jobs", std::to_string(array.jobs));
-  add("--max-cells", std::to_string(command.max_cells));
-  if (command.seeds > 0) add("--seeds", std::to_string(command.seeds));
-  for (const std::string& set : command.set) add("--set", set);
-  if (command.filter_only) array.command.emplace_back("--filter-only");
-  if (command.all_seeds) array.command.emplace_back("--all-seeds");
+  array.command.insert(array.command.end(), {"--jobs", std::to_string(array.jobs)});
+  std::ranges::move(OptionsOfCells(command), std::back_inserter(array.command));
   return array;
+}
+
+/// Takes the shards together; the shell finds their folders.
+std::string CollectCommand(const SweepCommand& command, const SlurmArray& array) {
+  std::string text = "gauntlet sweep " + ShellPath(command.file);
+  if (!command.cells.out.empty()) text += " --out " + ShellPath(command.cells.out);
+  for (const std::string& word : OptionsOfCells(command)) text += " " + ShellWord(word);
+  return text + fmt::format(" --collect {}/shard-*-of-{}", ShellPath(array.folder), array.shards);
 }
 
 /// Hands the sweep to Slurm, or says what would be handed over.
 void SubmitSweep(const SweepCommand& command, const SweepPlan& plan) {
   if (!command.dry_run) CheckSlurm();
   const SlurmArray array = ArrayOf(command, plan);
-  const std::string collect =
-      fmt::format("gauntlet sweep {} --collect {}", command.file,
-                  (array.folder / fmt::format("shard-*-of-{}", array.shards)).string());
+  const std::string collect = CollectCommand(command, array);
   std::vector<int> shards = MissingShards(array);
   if (!command.retry) {
     shards.resize(static_cast<std::size_t>(array.shards));

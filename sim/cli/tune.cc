@@ -7,6 +7,7 @@
 #include "sim/base/manifest.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/output_file.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/jobs_option.h"
@@ -167,7 +168,7 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
-    sets += fmt::format(" --set {}={}", plan.free[a].key, result.tried[result.chosen].values[a]);
+    sets += " --set " + ShellWord(plan.free[a].key + "=" + result.tried[result.chosen].values[a]);
   }
   Say("wrote {}: {}.yaml ({}, or{}), tune.csv, report.html\n", folder.path().string(),
       plan.controller, IncludeText(yaml), sets);

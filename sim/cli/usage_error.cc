@@ -8,6 +8,7 @@
 
 #include "controller/number.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/text.h"
 
 namespace gauntlet::sim {
@@ -108,7 +109,9 @@ std::vector<std::string> WithoutWordsForOptions(std::vector<std::string> argumen
 std::string AsCalled(const std::string& text, const std::string& called) {
   if (!called.starts_with("./") && !called.starts_with("../")) return text;
   static const std::regex kCommand(R"((^|[\s(])gauntlet( --help| [a-z\[]))");
-  return std::regex_replace(text, kCommand, "$1" + called + "$2");
+  std::string word;  // in which $ begins nothing
+  for (const char c : ShellPath(called)) word += c == '$' ? "$$" : std::string(1, c);
+  return std::regex_replace(text, kCommand, "$1" + word + "$2");
 }
 
 CLI::Validator WholeNumber(std::int64_t low, std::int64_t high) {

@@ -71,6 +71,8 @@ void TryModel(const std::filesystem::path& path) {
     HelperProcess(load, kLimits).Finish();
   } catch (const HelperError& error) {
     throw UserError(error.what());
+  } catch (const HelperSilent& silent) {
+    throw RunError(path.string() + ": the process that reads it " + silent.what());
   } catch (const HelperEnded& ended) {
     throw UserError(
         {.place = path.string(),

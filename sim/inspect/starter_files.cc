@@ -16,14 +16,9 @@ namespace {
 /// Its name, if a map can have that in a cell and means this column only; else its number.
 std::string ColumnText(const Inspection& inspection, std::size_t column) {
   const std::string& name = inspection.layout.names[column];
-  const bool is_plain =
-      !name.empty() && name.size() <= 40 &&
-      std::ranges::all_of(name,
-                          [](unsigned char letter) {
-                            return std::isalnum(letter) != 0 || letter == '_' || letter == '.' ||
-                                   letter == '-';
-                          }) &&
-      std::ranges::any_of(name, [](unsigned char letter) { return std::isalpha(letter) != 0; });
+  const bool is_plain = LooksLikeKey(name) && std::ranges::any_of(name, [](unsigned char letter) {
+                          return std::isalpha(letter) != 0;
+                        });
   const bool is_only = std::ranges::count(inspection.layout.names, name) == 1;
   if (inspection.layout.has_header && is_plain && is_only) return name;
   return std::to_string(column + 1);

@@ -87,7 +87,7 @@ class MapFile {
     const std::vector<std::string>& header = csv_.header();
     for (std::size_t i = 0; i < header.size(); ++i) {
       if (std::ranges::find(kKeys, header[i]) == kKeys.end()) {
-        csv_.Fail(i + 1, fmt::format("unknown key {}{}", Quoted(header[i]),
+        csv_.Fail(i + 1, fmt::format("unknown key {}{}", csv_.Quoted(header[i]),
                                      Suggestion(header[i], {kKeys.begin(), kKeys.end()})));
       }
     }
@@ -106,6 +106,7 @@ class MapFile {
   double Number(std::string_view key, double fallback) {
     return Has(key) ? csv_.Number(Text(key, ""), Find(key) + 1) : fallback;
   }
+  std::string Quoted(const std::string& cell) const { return csv_.Quoted(cell); }
   [[noreturn]] void FailAt(std::string_view key, const std::string& problem) const {
     csv_.Fail(std::min(Find(key), csv_.header().size() - 1) + 1, problem);
   }
@@ -131,7 +132,7 @@ void AddTime(const MapFile& file, std::size_t column, ColumnMap& map) {
   }
   const double* scale_s = FindIn(kTimeUnits, unit);
   if (scale_s == nullptr) {
-    file.FailAt("unit", Quoted(unit) + " must be one of: s, ms, us, ns, min, h, day, date");
+    file.FailAt("unit", file.Quoted(unit) + " must be one of: s, ms, us, ns, min, h, day, date");
   }
   map.time.push_back({.column = column, .scale_s = *scale_s});
 }
@@ -163,7 +164,7 @@ ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
   if (unit == kVolts) file.FailAt("unit", "volts need raw_low and raw_high");
   const RecordedUnit* known = FindIn(kUnits, unit);
   if (known == nullptr) {
-    file.FailAt("unit", Quoted(unit) + " must be one of: deg, rad, counts, share, volts");
+    file.FailAt("unit", file.Quoted(unit) + " must be one of: deg, rad, counts, share, volts");
   }
   const double sign = file.Number("sign", 1.0);
   if (std::abs(sign) != 1.0) file.FailAt("sign", "must be 1 or -1");
@@ -187,7 +188,7 @@ ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
 void AddChannel(MapFile& file, std::size_t column, const std::string& channel, ColumnMap& map) {
   const auto index = FindChannel(channel);
   if (!index) {
-    file.FailAt("channel", fmt::format("unknown channel {}{}", Quoted(channel),
+    file.FailAt("channel", fmt::format("unknown channel {}{}", file.Quoted(channel),
                                        Suggestion(channel, KnownChannelNames())));
   }
   const bool two_points = file.Has("raw_low") || file.Has("raw_high");
@@ -213,7 +214,7 @@ std::size_t ColumnOf(const MapFile& map, const RecordingColumns& recording) {
     return *number - 1;
   }
   map.FailAt("column", fmt::format("{} has no column {}, must be one of its names or 1 to {}",
-                                   recording.name, Quoted(name), recording.count));
+                                   recording.name, map.Quoted(name), recording.count));
 }
 
 }  // namespace
@@ -239,7 +240,7 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
       left_out.push_back(name);
       continue;
     }
-    recording.Fail(column + 1, fmt::format("unknown column {}{}", Quoted(name),
+    recording.Fail(column + 1, fmt::format("unknown column {}{}", recording.Quoted(name),
                                            Suggestion(name, KnownChannelNames())));
   }
   if (const auto twice = Repeated(map)) {

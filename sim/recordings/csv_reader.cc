@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -21,9 +22,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-// Longer than any row of numbers; keeps memory flat on files that are not text.
-constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 
 /// A line whose texts in quotes are no more than quotes: separators in them separate nothing.
 std::string OutsideQuotes(std::string_view line) {
@@ -69,6 +67,14 @@ void CsvReader::Problem(RecordingProblem problem, std::size_t column, const std:
   if (listener_) listener_(problem, row_);
 }
 
+std::string CsvReader::Quoted(std::string_view cell) const {
+  constexpr std::size_t kLongest = 30;
+  const bool has_letters =
+      std::ranges::any_of(cell, [](unsigned char c) { return std::isalpha(c) != 0 || c >= 0x80; });
+  const bool is_shown = !has_letters || (column_count_ > 1 && LooksLikeKey(Unquoted(cell)));
+  return fmt::format("'{}'", is_shown ? OneLine(cell, kLongest) : "...");
+}
+
 void CsvReader::Refill() {
   if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
@@ -78,7 +84,7 @@ void CsvReader::Refill() {
   if (end_ == buffer_.size()) {
     if (buffer_.size() >= kLongestLine) {
       ++row_;
-      Fail(1, fmt::format("the line is longer than {} bytes", kLongestLine));
+      Fail(1, LineTooLong());
     }
     buffer_.resize(buffer_.size() * 2);
   }
@@ -296,11 +302,6 @@ CsvReader::Source TextSource(std::string_view text) {
     text.remove_prefix(count);
     return count;
   };
-}
-
-std::string Quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 30;
-  return fmt::format("'{}'", OneLine(text, kLongest));
 }
 
 }  // namespace gauntlet::sim

@@ -65,6 +65,11 @@ class CsvReader {
   std::size_t first_row() const { return first_row_line_; }
   const std::string& name() const { return name_; }
 
+  /// A cell or the name of a column as it may stand in a message: short, printable, in quotes.
+  /// '...' stands for what may be of no table at all: for letters in a file of one column, and for
+  /// what has letters and does not look like a key.
+  std::string Quoted(std::string_view cell) const;
+
   /// A UserError at a place of this file: in the row that NextRow() gave last, or in `row`.
   [[noreturn]] void Fail(std::size_t column, const std::string& problem) const;
   [[noreturn]] void FailInRow(std::size_t row, std::size_t column,
@@ -108,8 +113,5 @@ char SeparatorOf(std::string_view text);
 CsvReader::Source FileSource(const std::filesystem::path& path);
 /// A source that reads text in memory, which must outlive it.
 CsvReader::Source TextSource(std::string_view text);
-
-/// Text of a file as it may stand in a message: short, printable, in quotes.
-std::string Quoted(std::string_view text);
 
 }  // namespace gauntlet::sim

@@ -36,7 +36,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   map_ = format.map.empty() ? MapByHeader(*csv_, format.handling, left_out)
                             : ReadColumnMap(format.map, *csv_);
   for (const std::string& column : left_out) {
-    notes_.push_back(fmt::format("unknown column {} left out", Quoted(column)));
+    notes_.push_back(fmt::format("unknown column {} left out", csv_->Quoted(column)));
   }
   if (!map_.time.empty()) {
     if (format.rate_hz > 0.0) {

@@ -83,6 +83,8 @@ class HelperText {
            .problem = fmt::format("is damaged or too large: the process that read it {}; write it "
                                   "as CSV",
                                   ended.what())});
+    } catch (const HelperSilent& silent) {
+      throw RunError(fmt::format("{}: the process that reads it {}", place_, silent.what()));
     } catch (const HelperError& problem) {
       throw UserError({.place = place_, .problem = problem.what()});
     }

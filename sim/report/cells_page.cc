@@ -176,6 +176,7 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
                        {"name", any ? EscapeHtml(gathered.kept().front().point.name) : ""},
                        {"yaml", any ? EscapeHtml(gathered.kept().front().point.yaml) : ""},
                        {"command", any ? EscapeHtml(gathered.kept().front().point.command) : ""},
+                       {"command_folder", texts.command_folder},
                        {"data", JsonForScript(data)},
                        {"style", std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
                        {"script", std::string(assets::kCellsScript)}});

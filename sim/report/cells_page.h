@@ -22,6 +22,7 @@ struct CellsPageTexts {
   std::string verdict;
   std::string table;
   std::string first_sections = {};  // HTML of pictures before the others
+  std::string command_folder = "the folder where the study was run";  // where commands find files
   bool heat = true;
   bool front = true;
 };

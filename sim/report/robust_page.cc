@@ -24,7 +24,6 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database, const Ro
   CellPoints gathered(
       std::move(axes), plan.sweep.metrics, plan.sweep.best_by,
       plan.sweep.cell_count() * static_cast<std::int64_t>(result.nominal.controllers.size()));
-  const std::string scenario_name = NameHere(plan.sweep.file.scenario);
   ForEachCell(plan.sweep, database, ShardOf(plan.sweep, 1, 1), [&](const CellResult& cell) {
     if (!cell.problem.empty()) return;
     CellPoint point{.name = fmt::format("hand {}, {}", cell.number, cell.controller),
@@ -38,7 +37,7 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database, const Ro
     point.values.push_back(cell.controller);
     gathered.Add(std::move(point), [&](CellPoint& kept) {
       kept.yaml = SettingsYaml(plan.sweep.OverridesOf(cell.number));
-      kept.command = RepeatCommand(plan.sweep, scenario_name, "", cell.number);
+      kept.command = RepeatCommand(plan.sweep, "scenario.resolved.yaml", "", cell.number);
     });
   });
   gathered.Finish();
@@ -66,6 +65,7 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database, const Ro
                         "less than what matters. A word stands where high against low is "
                         "decided: all these hold together with 95 %.",
                         "<div class=\"tornadoes\">" + tornadoes + "</div>\n"),
+                    .command_folder = "the folder of this page",
                     .heat = false});
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "sim/base/data_folder.h"
+#include "sim/base/shell_word.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -72,9 +73,12 @@ std::string NameHere(const std::filesystem::path& file) {
 
 std::string CompareCommand(const std::string& scenario, int seeds, const std::string& controller,
                            const std::vector<std::string>& sets) {
-  std::string command = fmt::format("gauntlet compare {} --seeds {}", scenario, seeds);
-  if (!controller.empty()) command += " --controllers " + controller;
-  for (const std::string& set : sets) command += fmt::format(" \\\n  --set '{}'", set);
+  std::string command = fmt::format("gauntlet compare {} --seeds {}", ShellPath(scenario), seeds);
+  if (!controller.empty()) {
+    command += controller.starts_with('-') ? " --controllers=" : " --controllers ";
+    command += ShellWord(controller);
+  }
+  for (const std::string& set : sets) command += fmt::format(" \\\n  --set {}", ShellWord(set));
   return command + "\n";
 }
 

@@ -27,15 +27,20 @@ YamlReader::YamlReader(const YamlNode& node, std::string path, const YamlSource&
   std::set<std::string_view> seen;
   for (const auto& entry : node_.entries()) {
     const std::string& key = Scalar(entry.first, path_, "a key");
-    if (!seen.insert(key).second) {
-      Fail(entry.first, PathOf(key), "is given twice");
-    }
+    if (!seen.insert(key).second) FailAtKey(entry.first, "is given twice", "has a key twice");
   }
 }
 
 void YamlReader::Fail(const YamlNode& node, const std::string& path,
                       const std::string& problem) const {
   throw source_.At(node, SettingError(path, problem));
+}
+
+void YamlReader::FailAtKey(const YamlNode& key, const std::string& problem,
+                           const std::string& nameless) const {
+  const UserError error = source_.At(key, SettingError(PathOf(key.text()), problem));
+  if (LooksLikeKey(key.text())) throw error;
+  throw UserError({.place = error.place(), .key = path_, .problem = nameless});
 }
 
 std::string YamlReader::PathOf(std::string_view key) const {
@@ -225,7 +230,8 @@ void YamlReader::RejectUnknownKeys() const {
   for (const auto& entry : node_.entries()) {
     const std::string& key = entry.first.text();
     if (std::ranges::find(known_keys_, key) != known_keys_.end()) continue;
-    Fail(entry.first, PathOf(key), "unknown key" + Suggestion(key, known_keys_));
+    const std::string problem = "unknown key" + Suggestion(key, known_keys_);
+    FailAtKey(entry.first, problem, problem);
   }
   if (!missing_.empty()) Fail(node_, PathOf(missing_.front()), "is missing");
 }

@@ -47,6 +47,9 @@ class YamlReader final : public controller::SettingsVisitor {
   std::string PathOf(std::string_view key) const;
   [[noreturn]] void Fail(const YamlNode& node, const std::string& path,
                          const std::string& problem) const;
+  /// About a key that may not be there: by its name, or `nameless` where none may be repeated.
+  [[noreturn]] void FailAtKey(const YamlNode& key, const std::string& problem,
+                              const std::string& nameless) const;
   const std::string& Scalar(const YamlNode& node, const std::string& path,
                             const char* expected) const;
   double ParseNumber(const YamlNode& node, const std::string& path,

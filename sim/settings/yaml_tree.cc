@@ -259,7 +259,7 @@ class TreeBuilder final : public YAML::EventHandler {
   void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "!" || tag.starts_with("tag:yaml.org,2002:")) return;
     if (tag == kIncludeTag) fail_(PlaceOf(mark), std::string(kMisplacedInclude));
-    fail_(PlaceOf(mark), fmt::format("has the tag {}, tags have no meaning here", Shown(tag)));
+    fail_(PlaceOf(mark), "has a tag, tags have no meaning here");
   }
 
   const FailAt& fail_;
@@ -283,7 +283,8 @@ YamlNode Parse(const std::string& text, YamlIncludes includes, std::size_t most_
     }
     return builder.root();
   } catch (const YAML::Exception& problem) {
-    fail(PlaceOf(problem.mark), Shown(problem.msg));
+    // Behind a colon some have a part of the text.
+    fail(PlaceOf(problem.mark), problem.msg.substr(0, problem.msg.find(':')));
     throw;
   }
 }

@@ -84,7 +84,13 @@ std::string SweepAxis::ValueAt(double place) const {
         spacing == Spacing::kLog ? low * std::pow(high / low, place) : low + (high - low) * place;
     if (!whole) return fmt::format("{:.6g}", value);
   }
-  return fmt::format("{}", whole ? std::round(value) + 0.0 : value);
+  if (whole) value = std::clamp(std::round(value), std::ceil(low), std::floor(high)) + 0.0;
+  return fmt::format("{}", value);
+}
+
+std::string SweepAxis::WholeProblem() const {
+  if (!whole || std::ceil(low) <= std::floor(high)) return "";
+  return fmt::format("from {} to {} lies no whole number, the range must have one", low, high);
 }
 
 std::size_t FindScore(const std::string& name, const std::string& key) {
@@ -141,6 +147,7 @@ void CheckAxis(const SweepAxis& axis, SweepFile::Design design, const std::strin
   if (axis.spacing == SweepAxis::Spacing::kLog && axis.low <= 0.0) {
     fail(".low", fmt::format("is {}, must be above 0 where spacing is log", axis.low));
   }
+  if (const std::string problem = axis.WholeProblem(); !problem.empty()) fail(".whole", problem);
   const bool grid = design == SweepFile::Design::kGrid;
   if (grid && axis.count == 0) fail("", "must have count: how many values the grid has");
   if (!grid && axis.count > 0) fail(".count", "is for a grid");

@@ -26,8 +26,11 @@ struct SweepAxis {
   /// Whether it changes a controller and nothing that controllers share.
   bool of_controller() const { return key.starts_with("controllers."); }
   /// The value at a place in [0, 1], both ends included: of a list the item that this place is in,
-  /// of a range with six significant digits.
+  /// of a range with six significant digits, or the whole number of the range that is next to it.
   std::string ValueAt(double place) const;
+
+  /// The sentence for a range of whole numbers that has none; empty if all is well.
+  std::string WholeProblem() const;
 
   void Visit(controller::SettingsVisitor& visitor);
 };

@@ -247,6 +247,7 @@ SweepAxis ParseFree(const std::string& text, const std::string& controller) {
   if (axis.spacing == SweepAxis::Spacing::kLog && axis.low <= 0.0) {
     throw fail("LOW must be above 0 where spacing is log");
   }
+  if (const std::string problem = axis.WholeProblem(); !problem.empty()) throw fail(problem);
   return axis;
 }
 

@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 
 #include "sim/base/error.h"
@@ -164,11 +166,13 @@ void WriteMasked(H5::Group& group, const GloveSignal& glove) {
 template <class Action>
 void Guarded(const std::filesystem::path& path, const Action& action) {
   const auto no_helper_starts = HoldHelpers();
+  errno = 0;
   try {
     action();
   } catch (const H5::Exception& error) {
-    throw RunError(fmt::format("{}: cannot write ({}); is the disk full?", path.string(),
-                               error.getDetailMsg()));
+    const bool too_many_files = errno == EMFILE || errno == ENFILE;
+    throw RunError(fmt::format("{}: cannot write ({}); {}", path.string(), error.getDetailMsg(),
+                               too_many_files ? std::strerror(errno) : "is the disk full?"));
   }
 }
 

@@ -368,6 +368,8 @@ TraceFile ReadTraceFile(const std::filesystem::path& file, const TraceReading& r
     throw UserError(
         {.place = place,
          .problem = fmt::format("is damaged: the process that read it {}", ended.what())});
+  } catch (const HelperSilent& silent) {
+    throw RunError(fmt::format("{}: the process that reads it {}", place, silent.what()));
   } catch (const HelperError& problem) {
     throw UserError({.place = place,
                      .problem = fmt::format("is not a trace file of Gauntlet, or damaged ({})",

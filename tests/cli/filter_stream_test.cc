@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <sstream>
@@ -56,6 +57,37 @@ double AmplitudeOf(const std::string& output) {
 
 const std::vector<std::string> kFiveHz = {"butterworth", "--set", "cutoff_hz=5"};
 constexpr double kHalfPower = 0.70710678118654757;
+
+TEST(FilterLines, AreAsLongAsThoseOfARecording) {
+  constexpr std::size_t kLongest = 1 << 20;  // with its end
+  const std::string row = "0,1";
+  const std::string longest = row + std::string(kLongest - row.size() - 1, ' ');
+  EXPECT_EQ(Filter({"none"}, "time_s,a\n" + longest + "\n" + row + "\n").standard_output,
+            "time_s,a\n0,1\n0,1\n");
+  EXPECT_EQ(Filter({"none"}, "time_s,a\n" + longest).standard_output, "time_s,a\n0,1\n");
+  for (const std::string& end : {" \n", " "}) {
+    const ProgramResult longer = Filter({"none"}, "time_s,a\n" + row + "\n" + longest + end);
+    EXPECT_EQ(longer.exit_code, 2);
+    EXPECT_EQ(longer.standard_error,
+              "gauntlet: standard input:3: the line is longer than 1048576 bytes\n");
+    EXPECT_EQ(longer.standard_output, "time_s,a\n0,1\n");
+  }
+}
+
+TEST(FilterLines, WithoutAnEndAreNotReadToIt) {
+  for (const char* header : {"time_s,a\\n", ""}) {
+    const TemporaryDirectory folder;
+    const ProgramResult result =
+        RunProgram({"/bin/bash", "-c",
+                    std::string("(printf '") + header +
+                        "'; head -c 200000000 /dev/zero | tr '\\0' 1 && touch all_is_read) | " +
+                        GAUNTLET_PROGRAM + " filter none; exit ${PIPESTATUS[1]}"},
+                   {.working_directory = folder.path()});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.standard_error, HasSubstr("the line is longer than 1048576 bytes"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "all_is_read"));
+  }
+}
 
 TEST(FilterRate, IsThatOfTheColumnOfTime) {
   const auto seconds = [](double t) { return fmt::format("{:.6f}", t); };

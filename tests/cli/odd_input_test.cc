@@ -161,6 +161,105 @@ TEST_F(OddInput, AScenarioThatRefersToItselfOrExplodesIsRefused) {
   EXPECT_THAT(Refusal({"run", "/dev/zero"}), EndsWith("has more than 4 MB, is no scenario file"));
 }
 
+TEST_F(OddInput, AChainOfFiltersThatAliasesMakeLongIsRefused) {
+  std::string filters = "&m {kind: median, window: 10001}";
+  for (int i = 0; i < 3000; ++i) filters += ", *m";
+  Write("s.yaml", kQuestion + kGlove + "controllers: {a: {filter: [" + filters + "]}}\n");
+  EXPECT_EQ(Refusal({"run", "s.yaml"}),
+            "gauntlet: s.yaml:3:27: controllers.a.filter: has 3001 filters, must have at most 64");
+}
+
+/// A file of another program, or with another's secrets.
+struct OthersFile {
+  std::string name;
+  std::string text;
+  std::vector<std::string> secrets;  // parts of it that no message may have
+};
+
+const std::vector<OthersFile> kOthersFiles = {
+    {"passwd",
+     "root:x:0:0:root:/root:/bin/bash\nmary:x:1:1:Mary,,,:/home/mary:/bin/sh\n",
+     {"root", "bash", "mary", "Mary"}},
+    {"shadow",
+     "root:*:20228:0:99999:7:::\nmary:$y$j9T$hash:20228:0:99999:7:::\n",
+     {"root", "20228", "99999", "hash"}},
+    {"password", "sesame\nsesame2\n", {"sesame"}},
+    {"key.pem",
+     "-----BEGIN PRIVATE KEY-----\nMIIEvQIBADANBgkqhkiG9w0BAQEFAASCBKcwggSjAgEAAoIBAQC7\nVJTUt9Us\n"
+     "-----END PRIVATE KEY-----\n",
+     {"BEGIN", "PRIVATE", "MIIE", "VJTU", "END"}},
+    {"token.json",
+     "{\"the token\": \"sesame\", \"list\": [{\"of\": \"sesame\"}]}\n",
+     {"the token", "sesame"}},
+    {"binary",
+     std::string("\x7f"
+                 "ELF\2\1sesame\0\1\2sesame\n",
+                 21),
+     {"ELF", "sesame"}},
+    {"table.csv",
+     "name of it,card no\nmary,4111-sesame\nbob,5222-sesame\n",
+     {"name of it", "card no", "mary", "sesame"}},
+    {"environment", "PASSWORD=sesame\nTOKEN=sesame\n", {"PASSWORD", "TOKEN", "sesame"}},
+    {"settings.ini", "[sesame]\nkey = sesame\n", {"sesame"}},
+    {"alias.yaml", "a: *sesame\n", {"sesame"}},
+    {"tag.yaml", "a: !sesame 1\n", {"sesame"}},
+    {"twice.yaml", "the sesame: 1\nthe sesame: 2\n", {"sesame"}},
+    {"keys.yaml", "sesame/of/mine: 1\n", {"sesame"}},
+    {"deep.yaml", "glove: {sesame of mine: 1}\nfilter: {sesame of mine: 2}\n", {"sesame"}}};
+
+TEST_F(OddInput, NoMessageRepeatsAFileThatIsOfAnother) {
+  Write("table.yaml", "t_s,index_mcp_counts\n0,1\n0.1,2\n0.2,3\n");
+  const std::string recording = "glove: {motion: {kind: recording, file: ";
+  for (const OthersFile& file : kOthersFiles) {
+    Write(file.name, file.text);
+    Write("included.yaml", kQuestion + kGlove + "controllers: {a: !include " + file.name + "}\n");
+    Write("calibration.yaml",
+          kQuestion + kGlove + "controllers: {a: {calibration: " + file.name + "}}\n");
+    Write("chain.yaml", kQuestion + kGlove + "controllers: {a: {chain: " + file.name +
+                            ", prediction: {kind: linear}}}\n");
+    Write("recording.yaml", kQuestion + recording + file.name + "}}\n" + kControllers);
+    Write("map.yaml",
+          kQuestion + recording + "table.yaml, map: " + file.name + "}}\n" + kControllers);
+    Write("hand.yaml",
+          kQuestion + kGlove + kControllers + "hand: {model_path: " + file.name + "}\n");
+    Write("study.yaml",
+          kQuestion + "scenario: " + file.name + "\naxes: [{key: event.delay_ms, values: [0]}]\n");
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"run", file.name},
+                                               {"run", "included.yaml"},
+                                               {"run", "calibration.yaml"},
+                                               {"run", "chain.yaml"},
+                                               {"run", "recording.yaml"},
+                                               {"run", "map.yaml"},
+                                               {"run", "hand.yaml"},
+                                               {"sweep", file.name},
+                                               {"sweep", "study.yaml"},
+                                               {"calibrate", file.name},
+                                               {"calibrate", "table.yaml", "--poses", file.name},
+                                               {"identify", file.name}}) {
+      const std::string refusal = Refusal(words);
+      for (const std::string& secret : file.secrets) {
+        EXPECT_THAT(refusal, testing::Not(HasSubstr(secret))) << testing::PrintToString(words);
+      }
+    }
+  }
+}
+
+TEST_F(OddInput, AKeyThatLooksLikeOneIsRepeatedAndAnyIsGuessed) {
+  Write("s.yaml", kGood + "sede: 3\n");
+  EXPECT_EQ(Refusal({"run", "s.yaml"}),
+            "gauntlet: s.yaml:4:1: sede: unknown key (did you mean seed?)");
+  Write("s.yaml", kGood + "seed : 1\n'se ed': 3\n");
+  EXPECT_EQ(Refusal({"run", "s.yaml"}), "gauntlet: s.yaml:5:1: unknown key (did you mean seed?)");
+  Write("s.yaml", kQuestion + "glove: {'rate hz': 1}\n" + kControllers);
+  EXPECT_EQ(Refusal({"run", "s.yaml"}),
+            "gauntlet: s.yaml:2:9: glove: unknown key (did you mean rate_hz?)");
+  Write("s.yaml", kQuestion + "glove: {'a b': 1, 'a b': 1}\n" + kControllers);
+  EXPECT_EQ(Refusal({"run", "s.yaml"}), "gauntlet: s.yaml:2:19: glove: has a key twice");
+  EXPECT_EQ(Refusal({"run", "s.yaml", "--set", "glove={rate hz: 1}"}),
+            "gauntlet: --set glove={rate hz: 1}: glove: unknown key (did you mean rate_hz?)");
+}
+
 TEST_F(OddInput, AnOverrideOfAnItemThatIsNotThereIsRefused) {
   Write("s.yaml", kQuestion + "glove: {faults: [spikes, dropouts]}\n" + kControllers);
   EXPECT_EQ(

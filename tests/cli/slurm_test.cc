@@ -244,7 +244,7 @@ TEST_F(SlurmTest, ADryRunPrintsTheScriptAndLeavesNothing) {
   for (const char* part :
        {"#SBATCH --array=1,2,3,4\n", "#SBATCH --requeue\n", "#SBATCH --partition=night\n",
         "/it's 100 %%/slurm/shard-%a-of-4.log\"", "/it'\\''s 100 %/slurm'/shard-$shard-of-4\n",
-        "'--seeds' '2'", "'--set' 'glove.rate_hz=500'", "'--all-seeds' --shard \"$shard/4\""}) {
+        "--seeds 2 ", "--set 'glove.rate_hz=500' ", "--all-seeds --shard \"$shard/4\""}) {
     EXPECT_THAT(result.standard_output, HasSubstr(part));
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1);
@@ -265,6 +265,32 @@ TEST_F(SlurmTest, MistakesAreOneLineBeforeAnythingRuns) {
   mistake({"--retry"}, "--retry: is of --slurm");
   mistake({"--slurm", "--sbatch=x"}, "must be an option of sbatch");
   mistake({"--slurm", "--set", "glove.nois=1"}, "");
+}
+
+TEST_F(SlurmTest, AFolderThatWouldMakeLinesOfTheScriptIsRefusedBeforeAnythingIsWritten) {
+  const std::string lines = "x\ntouch made\n#";
+  fs::create_directory(In(lines));
+  fs::copy(In("short.yaml"), In(lines) / "short.yaml");
+  const auto refused = [](const fs::path& folder, const std::string& out, bool dry) {
+    std::vector<std::string> command = {GAUNTLET_PROGRAM, "sweep", "short.yaml", "--slurm",
+                                        "--tasks",        "2",     "--out",      out};
+    if (dry) command.emplace_back("--dry-run");
+    const ProgramResult result =
+        RunProgram(command, {.environment = {{"PATH", kDebianPath}}, .working_directory = folder});
+    EXPECT_EQ(result.exit_code, 2) << result.standard_error;
+    EXPECT_EQ(result.standard_output, "");
+    EXPECT_EQ(std::ranges::count(result.standard_error, '\n'), 1) << result.standard_error;
+  };
+  for (const bool dry : {true, false}) {
+    if (!dry && !Cluster::IsInstalled()) continue;  // without sbatch another line is first
+    for (const char* out : {"x\ntouch made\n#", "a\rb", "a\\b", "a\xff", "a\tb"}) {
+      refused(folder_.path(), out, dry);
+    }
+    refused(In(lines), "out", dry);
+    refused(In(lines), In("elsewhere").string(), dry);
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 2);
+  EXPECT_EQ(std::distance(fs::directory_iterator(In(lines)), {}), 1);
 }
 
 }  // namespace

@@ -95,6 +95,18 @@ TEST_F(StandardStreamsTest, AReaderThatHasGoneEndsTheProgramQuietlyButNotItsWork
   EXPECT_TRUE(fs::exists(In("o/comparison.mp4")));
 }
 
+TEST_F(StandardStreamsTest, APathChangesNeitherTheLinesOfMessagesNorTheTerminal) {
+  const std::string out = "x\n\x1b[2J\xff";
+  const ProgramResult result =
+      RunProgram({kProgram, "run", SourceDir() + "/scenarios/hold_still.yaml", "--controllers",
+                  "raw", "--set", "glove.motion.duration_s=0.2", "--out", out},
+                 {.working_directory = folder_.path()});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_THAT(result.standard_error, testing::StartsWith("wrote x\\n\\x1b[2J\\xff: report.html, "));
+  EXPECT_EQ(std::ranges::count(result.standard_error, '\n'), 1) << result.standard_error;
+  EXPECT_TRUE(fs::exists(In(out) / "report.html"));
+}
+
 TEST_F(StandardStreamsTest, WithoutFurtherThreadsOneDoesAllTrials) {
   // The stack of a thread would be larger than the address space.
   const std::string no_threads = "ulimit -s 274877906944 && ";

@@ -175,6 +175,12 @@ TEST_F(SweepCommandTest, RefusesMistakesInOneLineBeforeAnythingRuns) {
   mistake({"--shard", "1/2x"}, "must be i/n");
   mistake({"--shard", "1/2", "--collect", "out"}, "contradict each other");
   mistake({"--set", "glove.nois=1"}, "unknown key");
+  const std::string study = ReadFile("short.yaml");
+  const std::size_t list = study.find("  - {key: event");
+  std::ofstream(folder_.path() / "short.yaml")
+      << study.substr(0, list)
+      << "  - {key: event.delay_ms, low: 0.1, high: 0.9, whole: true}\ndesign: random\ncells: 3\n";
+  mistake({}, "short.yaml:7:55: axes[0].whole: from 0.1 to 0.9 lies no whole number");
 }
 
 TEST_F(SweepCommandTest, RobustInShardsConcludesAsOneMachineDoes) {

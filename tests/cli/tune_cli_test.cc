@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "tests/support/program.h"
@@ -84,6 +85,31 @@ TEST_F(TuneCommandTest, MistakesAreOneLine) {
   mistake({"--all", "--controller", "row"}, "unknown controller (did you mean raw?)");
   mistake({"--controller", "raw", "--free", "motor.speed_limit_rad_s=0:20000"},
           "speed_limit_rad_s: is 20000, must be");
+  mistake({"--controller", "raw", "--free", "filter.q=0.1:0.9:whole"},
+          "--free: filter.q=0.1:0.9:whole: from 0.1 to 0.9 lies no whole number, the range must "
+          "have one");
+  mistake({"--controller", "raw", "--free", "filter.q=1.1:1.9:log:whole"}, "lies no whole number");
+}
+
+TEST_F(TuneCommandTest, WholeNumbersStayWithinTheirRange) {
+  Write("median.yaml", "  median: {filter: {kind: median, window: 5}}\n");
+  const ProgramResult result =
+      Run({"tune", "median.yaml", "--controller", "median", "--free", "filter.window=1.6:3.4:whole",
+           "--evaluations", "8", "--seeds", "2", "--held-out", "2", "--filter-only"});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  std::ifstream table(folder_.path() / "out/median.tune/tune.csv");
+  std::string line;
+  std::getline(table, line);
+  ASSERT_THAT(line, HasSubstr("window"));
+  std::set<std::string> tried;
+  const auto column = std::ranges::count(line.substr(0, line.find("window")), ',');
+  while (std::getline(table, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (std::ptrdiff_t i = 0; i <= column; ++i) std::getline(cells, cell, ',');
+    tried.insert(cell);
+  }
+  EXPECT_THAT(tried, testing::ElementsAre("2", "3"));
 }
 
 }  // namespace
