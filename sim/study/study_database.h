@@ -31,9 +31,9 @@ struct StudyDatabaseOptions {
 /// every one.
 ///
 /// Opening reads all that may be asked for, and nothing later: a file that is damaged, locked or
-/// cannot be written is found before the first trial is run. From then on the results are in memory,
-/// and the file only has to take them, trial by trial. See TrialTable for locks, damage and full
-/// disks.
+/// cannot be written is found before the first trial is run. From then on the results are in
+/// memory, and the file only has to take them, trial by trial. See TrialTable for locks, damage and
+/// full disks.
 ///
 /// Any thread may call Has, Take and Keep. Errors: as of TrialTable.
 class StudyDatabase final : public TrialStore {

@@ -37,7 +37,7 @@ class SweepDatabase {
   SweepDatabase(std::filesystem::path file, std::string sweep, std::vector<std::size_t> metrics);
   ~SweepDatabase();
 
-  /// The trial of `first`, and those of the seeds after it, with the means of the kept scores alone.
+  /// The trial of `first` and those of the seeds after it, with the means of the kept scores.
   std::vector<std::optional<TrialOutcome>> Read(const TrialKey& first, int seeds = 1);
   /// See TrialTable.
   void ReadTogether(const std::function<void()>& work);
