@@ -247,7 +247,18 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
     }
     RejectGap(csv, all[i], series[i], longest_gap_s);
   }
-  const Eigen::Index samples = std::llround((last_s - first_s) / period_s) + 1;
+  // Rows that come in bunches would become a million samples of each.
+  constexpr double kMostSamplesPerRow = 20.0;
+  const double rows = static_cast<double>(steps_s.size() + 1);
+  const double periods = (last_s - first_s) / period_s;
+  if (!(periods <= kMostSamplesPerRow * rows)) {
+    csv.FailInRow(
+        1, *columns.time + 1,
+        fmt::format("most rows come {:.3g} s after the one before, but all {} take {:.6g} "
+                    "s, must come at an about even rate",
+                    period_s, rows, last_s - first_s));
+  }
+  const Eigen::Index samples = std::llround(periods) + 1;
   const Eigen::Index parts = std::ssize(log.parts);
   log.command_deg = Signal(samples, parts);
   log.angle_deg = Signal(samples, parts);

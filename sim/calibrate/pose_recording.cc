@@ -68,6 +68,13 @@ void FindStretches(const Rows& rows, bool has_time, PoseRecording& recording) {
   if (!has_time) return;
   const std::size_t together = rows.count - recording.stretch_begins.size();
   recording.rate_hz = static_cast<double>(together) / (rows.time_s.back() - gaps_s);
+  constexpr double kHighest_hz = 1e6;
+  if (!(recording.rate_hz > 0.0 && recording.rate_hz <= kHighest_hz)) {
+    throw UserError({.place = recording.name,
+                     .problem = fmt::format("the times give {:.5g} samples per second, must be at "
+                                            "most {:g}",
+                                            recording.rate_hz, kHighest_hz)});
+  }
 }
 
 void TakeTime(const CsvReader& csv, const PoseColumns& columns, const std::vector<double>& values,

@@ -112,9 +112,8 @@ void StreamTable::TakeMap(std::string_view line, const std::string& map,
                           const std::vector<std::string>& asked) {
   separator_ = SeparatorOf(line);
   std::vector<std::string_view> cells = SplitCells(line, separator_);
-  const bool has_header = !std::ranges::all_of(cells, [this](std::string_view cell) {
-    return NumberOrMissing(Plain(cell)) || SecondsOfText(Unquoted(cell));
-  });
+  const bool has_header = !std::ranges::all_of(
+      cells, [this](std::string_view cell) { return IsValue(cell, separator_); });
   if (has_header && separator_ == ' ') {  // as without a map
     separator_ = ',';
     cells = SplitCells(line, separator_);

@@ -36,19 +36,11 @@ CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bo
 }
 
 /// One pass over the table.
-TableStatistics ReadTable(const std::filesystem::path& file, const TimeGuess& time,
-                          Inspection& inspection) {
-  const auto is_whole = std::make_shared<bool>(true);
-  CsvReader csv(
-      file.string(), BeginningOf(TableSource(file, inspection.array), is_whole),
-      ProblemHandling::kRepair,
-      [&](RecordingProblem problem, std::size_t) {
-        ++inspection.problems[std::string(NameOf(problem))];
-      },
-      inspection.layout.skipped_lines);
-  for (std::size_t c = 0; c < csv.column_count(); ++c) {
-    if (inspection.columns[c].kind == CellKind::kText) csv.Ignore(c);
-    if (inspection.columns[c].kind == CellKind::kTime) csv.ReadAsTime(c);
+TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
+                          CsvReader& csv) {
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].kind == CellKind::kText) csv.Ignore(c);
+    if (columns[c].kind == CellKind::kTime) csv.ReadAsTime(c);
   }
   TableStatistics statistics(csv.column_count());
   std::vector<double> values(csv.column_count());
@@ -57,8 +49,21 @@ TableStatistics ReadTable(const std::filesystem::path& file, const TimeGuess& ti
     for (const TimePart& part : time.parts) time_s += values[part.column] * SecondsPer(part.unit);
     statistics.Add(time_s, values);
   }
-  inspection.is_whole = *is_whole;
   return statistics;
+}
+
+/// The time as it was guessed, if it goes on.
+void TakeTime(const TimeGuess& guess, const TimeStatistics& time, Inspection& inspection) {
+  inspection.has_time = !guess.parts.empty() && std::isfinite(time.rate_hz);
+  inspection.rate_is_known = inspection.has_time;
+  inspection.time_why = guess.parts.empty() || inspection.has_time
+                            ? guess.why
+                            : "its column has no two rows at different times";
+  if (!inspection.has_time) return;
+  inspection.time = time;
+  for (const TimePart& part : guess.parts) {
+    inspection.columns.at(part.column).time_unit = part.unit;
+  }
 }
 
 constexpr double kBeyondCounts = 4294967296.0;  // 2^32
@@ -256,10 +261,10 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
                                             ? statistics.KeptValues(c)
                                             : std::vector<double>());
   }
-  if (inspection.has_time) {
-    for (double& time_s : inspection.picture_time_s) time_s -= inspection.time.first_s;
-  } else {
-    for (double& time_s : inspection.picture_time_s) time_s /= inspection.time.rate_hz;
+  if (inspection.has_time) return;
+  const double period_s = static_cast<double>(statistics.kept_every()) / inspection.time.rate_hz;
+  for (std::size_t i = 0; i < inspection.picture_time_s.size(); ++i) {
+    inspection.picture_time_s[i] = static_cast<double>(i) * period_s;
   }
 }
 
@@ -298,27 +303,29 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   inspection.file_bytes = std::filesystem::file_size(file);
   inspection.array = options.array;
   inspection.arrays = ArraysIn(file, options.array);
-  inspection.layout = FindTable(file.string(), TableSource(file, options.array));
+  const auto is_whole = std::make_shared<bool>(true);
+  auto [layout, reader] =
+      FindTable(file.string(), BeginningOf(TableSource(file, options.array), is_whole),
+                [&inspection](RecordingProblem problem, std::size_t) {
+                  ++inspection.problems[std::string(NameOf(problem))];
+                });
+  inspection.layout = std::move(layout);
   inspection.columns.resize(inspection.layout.columns);
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     inspection.columns[c].name = inspection.layout.names[c];
     inspection.columns[c].kind = KindOf(inspection.layout, c);
   }
   const TimeGuess time = GuessTime(inspection.layout);
-  inspection.time_why = time.why;
-  for (const TimePart& part : time.parts) inspection.columns[part.column].time_unit = part.unit;
-  const TableStatistics statistics = ReadTable(file, time, inspection);
+  const TableStatistics statistics = ReadTable(time, inspection.columns, reader);
+  inspection.is_whole = *is_whole;
   inspection.rows = statistics.rows();
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     if (inspection.columns[c].kind == CellKind::kNumber) {
       inspection.columns[c].statistics = statistics.Column(c);
     }
   }
-  inspection.has_time = !time.parts.empty();
-  if (inspection.has_time) {
-    inspection.time = statistics.Time();
-    inspection.rate_is_known = true;
-  } else {
+  TakeTime(time, statistics.Time(), inspection);
+  if (!inspection.has_time) {
     constexpr double kAssumedRateHz = 50.0;
     inspection.rate_is_known = options.rate_hz > 0.0;
     inspection.time.rate_hz = inspection.rate_is_known ? options.rate_hz : kAssumedRateHz;

@@ -181,7 +181,9 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
                         inspection.rate_is_known ? "" : "  # an assumption: the file has no time");
   }
   // A gap is what is longer than the file's own jitter.
-  const double gap_ms = std::max({100.0, 3e3 / rate_hz, 2.0 * inspection.time.long_ms});
+  constexpr double kLongest_ms = 1e7;  // that a scenario takes
+  const double gap_ms =
+      std::clamp(std::max(3e3 / rate_hz, 2.0 * inspection.time.long_ms), 100.0, kLongest_ms);
   text += "    use: measured\n    problems: repair\n";
   if (gap_ms > 100.0) text += fmt::format("    longest_gap_ms: {:.4g}\n", gap_ms);
   const TimeStatistics& time = inspection.time;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -31,48 +32,62 @@ std::string HeadOf(const CsvReader::Source& source) {
     got = source(head.data() + size, head.size() - size);
     head.resize(size + got);
   }
-  if (head.size() == kHeadBytes) {  // there may be more: the last line is not whole
-    const std::size_t end = head.rfind('\n');
-    if (end != std::string::npos) head.resize(end);
-  }
   return head;
 }
 
-struct Line {
-  std::string_view text;
-  char separator = ',';
-  std::vector<std::string_view> cells = {};
-  std::size_t values = 0;  // cells that are numbers, times or missing
-};
-
-bool IsValue(std::string_view cell, char separator) {
-  std::string text(Unquoted(cell));
-  if (separator != ',') std::ranges::replace(text, ',', '.');
-  return NumberOrMissing(text).has_value() || SecondsOfText(cell).has_value();
+/// What was read of a source as its head, and then the rest of it.
+CsvReader::Source WithHead(std::string head, CsvReader::Source rest) {
+  return [head = std::move(head), given = std::size_t{0}, rest = std::move(rest)](
+             char* buffer, std::size_t size) mutable {
+    if (given == head.size()) return rest(buffer, size);
+    const std::size_t count = head.copy(buffer, size, given);
+    given += count;
+    return count;
+  };
 }
 
+struct Line {
+  TextLine line;
+  char separator = ',';
+  std::vector<std::string_view> cells = {};  // none: it is empty or a comment
+  std::size_t values = 0;                    // cells that are numbers, times or missing
+};
+
 std::vector<Line> LinesOf(std::string_view head) {
+  if (head.size() == kHeadBytes) {  // there may be more: the last line is not whole
+    head = head.substr(0, head.rfind('\n'));
+  }
+  TextLines text("", TextSource(head));
   std::vector<Line> lines;
-  for (const std::string_view text : SplitLines(head)) {
-    Line& line = lines.emplace_back(Line{.text = text});
-    if (Trimmed(text).empty() || Trimmed(text).front() == '#') continue;
-    line.separator = SeparatorOf(text);
-    line.cells = SplitCells(text, line.separator);
+  for (std::string_view line; text.Next(line);) {
+    lines.push_back({.line = {std::string(line), text.number()}});
+  }
+  for (Line& line : lines) {
+    const std::string_view trimmed = Trimmed(line.line.text);
+    if (trimmed.empty() || trimmed.front() == '#') continue;
+    line.separator = SeparatorOf(line.line.text);
+    line.cells = SplitCells(line.line.text, line.separator);
     line.values = std::ranges::count_if(
         line.cells, [&](std::string_view cell) { return IsValue(cell, line.separator); });
   }
   return lines;
 }
 
-/// Of cells and separator: what most lines have.
-std::pair<std::size_t, char> UsualShape(const std::vector<Line>& lines) {
+[[noreturn]] void FailWithoutTable(const std::string& name) {
+  throw UserError({.place = name, .problem = "holds no table of numbers"});
+}
+
+/// Cells and separator that most lines have, of several such shapes the widest; none if no line has
+/// a value.
+std::optional<std::pair<std::size_t, char>> UsualShape(const std::vector<Line>& lines) {
   std::map<std::pair<std::size_t, char>, std::size_t> seen;
   for (const Line& line : lines) {
     if (line.values > 0) ++seen[{line.cells.size(), line.separator}];
   }
-  const auto most =
-      std::ranges::max_element(seen, {}, [](const auto& shape) { return shape.second; });
-  return most == seen.end() ? std::pair(std::size_t{0}, ',') : most->first;
+  const auto most = std::ranges::max_element(
+      seen, {}, [](const auto& shape) { return std::pair(shape.second, shape.first.first); });
+  if (most == seen.end()) return std::nullopt;
+  return most->first;
 }
 
 std::vector<std::string> TextsOf(const std::vector<std::string_view>& cells) {
@@ -81,36 +96,56 @@ std::vector<std::string> TextsOf(const std::vector<std::string_view>& cells) {
   return texts;
 }
 
+/// The first line that has another row directly below it, as a line such as `Serial,17` stands
+/// alone; else one with another row behind empty lines and comments; else the last row.
+std::size_t FirstRow(const std::vector<Line>& lines, const std::vector<std::size_t>& rows) {
+  std::optional<std::size_t> apart;
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    if (rows[i] + 1 == rows[i + 1]) return rows[i];
+    const bool is_next = std::all_of(lines.begin() + rows[i] + 1, lines.begin() + rows[i + 1],
+                                     [](const Line& line) { return line.cells.empty(); });
+    if (is_next && !apart) apart = rows[i];
+  }
+  return apart.value_or(rows.back());
+}
+
 /// The names in the lines above the first row, if they fit: the last of them is nearest.
 void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayout& layout) {
   std::size_t line = first_row;
   while (line-- > 0) {
     const Line& above = lines[line];
-    std::string_view text = Trimmed(above.text);
+    std::string_view text = Trimmed(above.line.text);
     if (text.empty() && layout.names.empty()) continue;
     if (text.empty()) return;
     const bool is_comment = text.front() == '#';
     if (is_comment) text.remove_prefix(1);
-    std::vector<std::string> names = TextsOf(SplitCells(Trimmed(text), layout.separator));
+    const bool nearest = layout.names.empty();
+    const auto fits = [&](std::size_t names) {
+      return names == layout.columns || (names + 1 == layout.columns && nearest && !is_comment);
+    };
+    // As the reader would cut it, or at least so that its names are known.
+    const bool is_header =
+        !is_comment && above.separator == layout.separator && fits(above.cells.size());
+    std::vector<std::string> names =
+        TextsOf(is_header ? above.cells : SplitCells(Trimmed(text), layout.separator));
     if (is_comment && names.size() != layout.columns) {
       names = TextsOf(SplitCells(Trimmed(text), SeparatorOf(text)));
     }
-    const bool one_short = names.size() + 1 == layout.columns && !is_comment;
-    if (names.size() != layout.columns && !one_short) return;
+    if (!fits(names.size())) return;
     if (std::ranges::all_of(
             names, [&](const std::string& name) { return IsValue(name, layout.separator); })) {
       return;
     }
-    const bool nearest = layout.names.empty();
     if (nearest) {
-      layout.has_header = !is_comment;
-      if (!is_comment) layout.skipped_lines = static_cast<int>(line);
-      layout.names = names;
-      if (one_short) {
+      layout.has_header = is_header;
+      if (is_header) layout.skipped_lines = static_cast<int>(above.line.number - 1);
+      if (names.size() < layout.columns) {
         const bool time_is_first = TimeScaleS(names.front()).has_value();
-        layout.names.insert(time_is_first ? layout.names.end() : layout.names.begin(), "");
+        names.insert(time_is_first ? names.end() : names.begin(), "");
+        layout.names = std::move(names);
         return;
       }
+      layout.names = std::move(names);
       continue;
     }
     if (std::ranges::any_of(
@@ -121,66 +156,74 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
     for (std::size_t i = 0; i < names.size(); ++i)
       layout.names[i] = names[i] + " " + layout.names[i];
     layout.has_header = false;
-    layout.skipped_lines = static_cast<int>(first_row);
+    layout.skipped_lines = static_cast<int>(lines[first_row].line.number - 1);
     return;
   }
 }
 
-}  // namespace
-
-TableLayout FindTable(const std::string& name, const CsvReader::Source& source) {
-  const std::string head = HeadOf(source);
-  const std::vector<Line> lines = LinesOf(head);
-  const auto [columns, separator] = UsualShape(lines);
+/// The line that the reader has to begin with, and names in the lines above it.
+TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
+  const auto usual = UsualShape(lines);
+  if (!usual) FailWithoutTable(name);
   TableLayout layout;
-  layout.columns = columns;
-  layout.separator = separator;
-  const auto fits = [&, width = columns, between = separator](const Line& line) {
-    return line.cells.size() == width && line.separator == between;
+  layout.columns = usual->first;
+  layout.separator = usual->second;
+  const auto fits = [&](const Line& line) {
+    return line.cells.size() == layout.columns && line.separator == layout.separator;
   };
   std::vector<std::size_t> values;
   for (const Line& line : lines) {
     if (fits(line)) values.push_back(line.values);
   }
-  if (values.empty()) {
-    throw UserError({.place = name, .problem = "holds no table of numbers"});
-  }
   const std::size_t usual_values = controller::MedianOf(std::move(values));
-  const auto is_row = [&](const Line& line) {
-    return fits(line) && line.values > 0 && 2 * line.values >= usual_values;
-  };
-  // A line such as `Serial,17` stands alone.
-  std::size_t first_row = 0;
-  while (first_row + 1 < lines.size() &&
-         !(is_row(lines[first_row]) && is_row(lines[first_row + 1]))) {
-    ++first_row;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::size_t in_line = lines[i].values;
+    if (fits(lines[i]) && in_line > 0 && 2 * in_line >= usual_values) rows.push_back(i);
   }
-  layout.skipped_lines = static_cast<int>(first_row);
-  const auto is_blank = [](const Line& line) { return line.cells.empty(); };
-  if (std::all_of(lines.begin(), lines.begin() + first_row, is_blank)) layout.skipped_lines = 0;
+  const std::size_t first_row = FirstRow(lines, rows);
+  const bool is_first = std::all_of(lines.begin(), lines.begin() + first_row,
+                                    [](const Line& line) { return line.cells.empty(); });
+  layout.skipped_lines = is_first ? 0 : static_cast<int>(lines[first_row].line.number - 1);
   FindNames(lines, first_row, layout);
-  layout.names.resize(columns);
-  for (int i = 0; i < layout.skipped_lines; ++i) {
-    if (!Trimmed(lines[i].text).empty()) layout.notes.emplace_back(Trimmed(lines[i].text));
+  for (const auto& [line, separator, cells, count] : lines) {
+    const bool is_before = line.number <= static_cast<std::size_t>(layout.skipped_lines);
+    if (is_before && !Trimmed(line.text).empty()) layout.notes.emplace_back(Trimmed(line.text));
   }
-  for (std::size_t i = first_row; i < lines.size() && layout.rows.size() < kMostRows; ++i) {
-    if (fits(lines[i])) layout.rows.push_back(TextsOf(lines[i].cells));
-  }
+  return layout;
+}
+
+}  // namespace
+
+FoundTable FindTable(const std::string& name, CsvReader::Source source,
+                     CsvReader::Listener listener) {
+  std::string head = HeadOf(source);
+  const std::vector<Line> lines = LinesOf(head);
+  TableLayout layout = LayoutOf(name, lines);
+  CsvReader reader(name, WithHead(std::move(head), std::move(source)), ProblemHandling::kRepair,
+                   std::move(listener), layout.skipped_lines);
+  layout.separator = reader.separator();
+  layout.columns = reader.column_count();
+  layout.has_header = layout.has_header && !reader.header().empty();
+  if (layout.has_header) layout.names = reader.header();
+  layout.names.resize(layout.columns);
+  layout.rows = reader.FirstRows(kMostRows, lines.back().line.number);
+  if (layout.rows.empty()) FailWithoutTable(name);
   const auto has_comma = [](const auto& row) {
     return std::ranges::any_of(row, [](const std::string& cell) {
       return cell.find(',') != std::string::npos && !SecondsOfText(cell);
     });
   };
-  layout.decimal_comma = separator != ',' && std::ranges::any_of(layout.rows, has_comma);
+  layout.decimal_comma = layout.separator != ',' && std::ranges::any_of(layout.rows, has_comma);
   constexpr std::size_t kMostChannels = 64;
-  if (layout.rows.size() < kMostChannels && columns > 4 * kMostChannels) {
+  if (layout.rows.size() < kMostChannels && layout.columns > 4 * kMostChannels) {
     throw UserError(
         {.place = name,
          .problem = fmt::format("has a row per channel ({} rows of {} values); write it "
                                 "with a column per channel",
-                                layout.rows.size(), columns)});
+                                layout.rows.size(), layout.columns)});
   }
-  return layout;
+  return {.layout = std::move(layout), .reader = std::move(reader)};
 }
 
 CellKind KindOf(const TableLayout& layout, std::size_t column) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
+#include <utility>
 
 #include "controller/calibration/robust_statistics.h"
 #include "controller/number.h"
@@ -14,6 +16,9 @@ namespace {
 constexpr std::size_t kMostKept = 8192;
 constexpr int kWindow = 16;
 constexpr std::size_t kMostLong = 4096;
+// Sums and squares of what is not beyond them are finite; no glove and no clock is.
+constexpr double kLargest = 1e100;
+constexpr double kLatest_s = 1e12;
 
 /// Every second one, the first included, of rows of this width.
 void Halve(std::vector<double>& values, std::size_t width) {
@@ -70,12 +75,8 @@ void TableStatistics::Look(Watch& watch, double value) {
 }
 
 void TableStatistics::AddTime(double time_s) {
-  if (rows_ == 0) {
-    time_.first_s = last_s_ = time_s;
-    return;
-  }
-  const double interval_s = time_s - last_s_;
-  last_s_ = time_s;
+  const double interval_s = time_s - last_s_.value_or(time_s);
+  if (!std::exchange(last_s_, time_s)) return;
   if (interval_s < 0.0) {
     ++time_.restarts;
     return;
@@ -101,8 +102,8 @@ void TableStatistics::AddTime(double time_s) {
   }
 }
 
-void TableStatistics::Keep(double time_s, std::span<const double> values) {
-  times_s_.push_back(time_s);
+void TableStatistics::Keep(std::span<const double> values) {
+  times_s_.push_back(time_.duration_s);
   values_.insert(values_.end(), values.begin(), values.end());
   kept_curvatures_.insert(kept_curvatures_.end(), curvatures_.begin(), curvatures_.end());
   if (times_s_.size() < kMostKept) return;
@@ -113,29 +114,27 @@ void TableStatistics::Keep(double time_s, std::span<const double> values) {
 }
 
 void TableStatistics::Add(double time_s, std::span<const double> values) {
-  if (std::isfinite(time_s)) AddTime(time_s);
+  if (values.size() != columns_.size()) throw std::logic_error("a row of another table");
+  if (std::abs(time_s) <= kLatest_s) AddTime(time_s);
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     Watch& watch = columns_[c];
     curvatures_[c] = controller::kNaN;
-    if (!std::isfinite(values[c])) continue;
+    if (!(std::abs(values[c]) <= kLargest)) continue;
     if (watch.good_rows >= 2) curvatures_[c] = values[c] - 2.0 * watch.before + watch.before_that;
     Look(watch, values[c]);
   }
-  if (rows_++ % every_ == 0) {
-    const double start_s = time_.first_s;
-    Keep(std::isfinite(time_s) ? start_s + time_.duration_s : static_cast<double>(rows_ - 1),
-         values);
-  }
+  if (rows_++ % every_ == 0) Keep(values);
 }
 
 std::vector<double> TableStatistics::KeptValues(std::size_t column) const {
+  if (column >= columns_.size()) throw std::logic_error("no such column");
   std::vector<double> kept;
   for (std::size_t i = column; i < values_.size(); i += columns_.size()) kept.push_back(values_[i]);
   return kept;
 }
 
 ColumnStatistics TableStatistics::Column(std::size_t column) const {
-  const Watch& watch = columns_[column];
+  const Watch& watch = columns_.at(column);
   ColumnStatistics statistics;
   statistics.good_rows = watch.good_rows;
   statistics.low = watch.low;
@@ -145,10 +144,10 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   statistics.is_rising = watch.is_rising;
   statistics.longest_still_rows = watch.longest_run + 1;
   std::vector<double> values = KeptValues(column);
-  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  std::erase_if(values, [](double value) { return !(std::abs(value) <= kLargest); });
   constexpr double kRareShare = 0.005;
-  statistics.usual_low = Quantile(values, kRareShare);
-  statistics.usual_high = Quantile(values, 1.0 - kRareShare);
+  statistics.usual_low = values.empty() ? watch.low : Quantile(values, kRareShare);
+  statistics.usual_high = values.empty() ? watch.high : Quantile(values, 1.0 - kRareShare);
   const double rows = static_cast<double>(std::max<std::size_t>(watch.good_rows, 1));
   statistics.still_share = static_cast<double>(watch.still_rows) / rows;
   // A value that is but the lowest of many is met a few times; at a stop it is met again and again.

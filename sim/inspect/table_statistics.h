@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,7 +9,7 @@ namespace gauntlet::sim {
 
 /// What one column of numbers is like.
 struct ColumnStatistics {
-  std::size_t good_rows = 0;  // with a finite value
+  std::size_t good_rows = 0;  // with a value of at most 1e100
   double low = 0.0;
   double high = 0.0;
   double usual_low = 0.0;  // all but half a percent of the rows lie above it
@@ -24,7 +25,6 @@ struct ColumnStatistics {
 
 /// How the rows follow each other in time.
 struct TimeStatistics {
-  double first_s = 0.0;
   double duration_s = 0.0;  // without what lies between two starts of the clock
   double rate_hz = 0.0;
   double short_ms = 0.0;  // one interval in twenty is shorter
@@ -41,15 +41,20 @@ class TableStatistics {
  public:
   explicit TableStatistics(std::size_t columns);
 
-  /// `time_s` is NaN in a table without time. A value that is missing is NaN.
+  /// `time_s` is NaN in a table without time. A value that is missing is NaN; values beyond 1e100
+  /// and times beyond 1e12 s count as missing.
+  /// Errors: std::logic_error for another number of values than columns.
   void Add(double time_s, std::span<const double> values);
 
   std::size_t rows() const { return rows_; }
+  /// Errors: std::logic_error for a column that the table has not.
   ColumnStatistics Column(std::size_t column) const;
   TimeStatistics Time() const;
-  /// Of the rows that were kept.
+  /// Of the rows that were kept, since the first one with a time.
   const std::vector<double>& kept_times_s() const { return times_s_; }
   std::vector<double> KeptValues(std::size_t column) const;
+  /// From one row that was kept to the next.
+  std::size_t kept_every() const { return every_; }
 
  private:
   struct Watch {
@@ -62,7 +67,7 @@ class TableStatistics {
   };
   void AddTime(double time_s);
   void Look(Watch& watch, double value);
-  void Keep(double time_s, std::span<const double> values);
+  void Keep(std::span<const double> values);
 
   std::vector<Watch> columns_;
   std::vector<double> curvatures_;  // of the row that was added last
@@ -71,7 +76,7 @@ class TableStatistics {
   std::vector<double> times_s_;
   std::vector<double> values_;           // of the kept rows, one after another
   std::vector<double> kept_curvatures_;  // the same
-  double last_s_ = 0.0;
+  std::optional<double> last_s_;
   double window_s_ = 0.0;
   int in_window_ = 0;
   std::vector<double> intervals_s_;  // kept as the rows are

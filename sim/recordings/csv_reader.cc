@@ -10,6 +10,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
@@ -21,36 +22,14 @@
 #include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
-namespace {
-
-/// A line whose texts in quotes are no more than quotes: separators in them separate nothing.
-std::string OutsideQuotes(std::string_view line) {
-  std::string outside;
-  bool quoted = false;
-  for (const char c : line) {
-    quoted = quoted != (c == '"');
-    if (!quoted || c == '"') outside += c;
-  }
-  return quoted ? std::string(line) : outside;  // one that does not close is a letter
-}
-
-/// True for all that may stand where a number is expected, a missing value included.
-bool LooksLikeNumber(std::string_view cell, bool decimal_comma) {
-  std::string text(Unquoted(cell));
-  if (decimal_comma) std::ranges::replace(text, ',', '.');
-  return NumberOrMissing(text).has_value();
-}
-
-}  // namespace
 
 CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener,
                      int skipped_lines)
-    : name_(std::move(name)),
-      source_(std::move(source)),
+    : lines_(std::move(name), std::move(source)),
       handling_(handling),
-      listener_(std::move(listener)),
-      buffer_(std::size_t{1} << 16) {
-  ReadFirstLine(skipped_lines);
+      listener_(std::move(listener)) {
+  lines_.Skip(skipped_lines);
+  ReadFirstLine();
 }
 
 void CsvReader::Fail(std::size_t column, const std::string& problem) const {
@@ -58,7 +37,7 @@ void CsvReader::Fail(std::size_t column, const std::string& problem) const {
 }
 
 void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string& problem) const {
-  throw UserError({.place = fmt::format("{}:{}:{}", name_, std::max<std::size_t>(row, 1), column),
+  throw UserError({.place = fmt::format("{}:{}:{}", name(), std::max<std::size_t>(row, 1), column),
                    .problem = problem});
 }
 
@@ -75,82 +54,28 @@ std::string CsvReader::Quoted(std::string_view cell) const {
   return fmt::format("'{}'", is_shown ? OneLine(cell, kLongest) : "...");
 }
 
-void CsvReader::Refill() {
-  if (begin_ > 0) {
-    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
-    end_ -= begin_;
-    begin_ = 0;
-  }
-  if (end_ == buffer_.size()) {
-    if (buffer_.size() >= kLongestLine) {
-      ++row_;
-      Fail(1, LineTooLong());
-    }
-    buffer_.resize(buffer_.size() * 2);
-  }
-  const std::size_t got = source_(buffer_.data() + end_, buffer_.size() - end_);
-  if (got == 0) source_is_empty_ = true;
-  end_ += got;
-}
-
+/// The next one that is neither blank nor a comment.
 bool CsvReader::NextLine(std::string_view& line) {
-  std::size_t searched = 0;
-  for (;;) {
-    const char* start = buffer_.data() + begin_;
-    const std::size_t size = end_ - begin_;
-    const void* found = std::memchr(start + searched, '\n', size - searched);
-    if (found != nullptr) {
-      line = {start, static_cast<const char*>(found)};
-      begin_ += line.size() + 1;
-      break;
-    }
-    if (source_is_empty_) {
-      if (size == 0) return false;
-      line = {start, size};
-      begin_ = end_;
-      break;
-    }
-    searched = size;
-    Refill();
-  }
-  ++row_;
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  return true;
-}
-
-bool CsvReader::NextUsefulLine(std::string_view& line) {
-  while (NextLine(line)) {
+  while (lines_.Next(line)) {
+    row_ = lines_.number();
     const std::string_view text = Trimmed(line);
     if (!text.empty() && text[0] != '#') return true;
   }
   return false;
 }
 
-void CsvReader::ReadFirstLine(int skipped_lines) {
+void CsvReader::ReadFirstLine() {
   std::string_view line;
-  bool found = NextLine(line);
-  for (int skipped = 0; found && skipped < skipped_lines; ++skipped) found = NextLine(line);
-  line = WithoutByteOrderMark(line);
-  if (!found || Trimmed(line).empty() || Trimmed(line)[0] == '#') found = NextUsefulLine(line);
-  if (!found) {
-    row_ = 0;
-    Fail(1, "the file holds no data");
-  }
+  if (!NextLine(line)) FailInRow(1, 1, "the file holds no data");
   separator_ = SeparatorOf(line);
-  const bool decimal_comma = separator_ != ',';
-  bool is_header = false;
-  for (const std::string_view cell : SplitCells(line, separator_)) {
-    header_.emplace_back(Unquoted(cell));
-    is_header = is_header || !(LooksLikeNumber(cell, decimal_comma) || SecondsOfText(cell));
-  }
-  column_count_ = header_.size();
-  if (is_header) {
-    ReadFirstRowOfData();
-  } else {
-    header_.clear();
-    has_first_row_ = true;
-    first_row_ = line;
+  const std::vector<std::string_view> cells = SplitCells(line, separator_);
+  column_count_ = cells.size();
+  if (std::ranges::all_of(cells, [this](auto cell) { return IsValue(cell, separator_); })) {
     first_row_line_ = row_;
+    lines_.GiveBack({{std::string(line), row_}});
+  } else {
+    for (const std::string_view cell : cells) header_.emplace_back(Unquoted(cell));
+    ReadFirstRowOfData();
   }
   meanings_.assign(column_count_, Meaning::kNumber);
 }
@@ -158,41 +83,59 @@ void CsvReader::ReadFirstLine(int skipped_lines) {
 void CsvReader::ReadFirstRowOfData() {
   const std::size_t header_line = row_;
   std::string_view line;
-  if (!NextUsefulLine(line)) return;
-  has_first_row_ = true;
-  first_row_ = line;
+  if (!NextLine(line)) return;
   first_row_line_ = row_;
   row_ = header_line;  // where the reader stands, for messages, until the first row is asked for
   const std::vector<std::string_view> cells = SplitCells(line, separator_);
-  if (cells.size() != header_.size() + 1 || Trimmed(cells.back()).empty()) return;
+  const std::size_t given = cells.size();
+  const bool is_short = given == header_.size() + 1 && !Trimmed(cells.back()).empty();
+  lines_.GiveBack({{std::string(line), first_row_line_}});
+  if (!is_short) return;
   Problem(RecordingProblem::kShortHeader, header_.size(),
-          fmt::format("the header has {} names for {} values", header_.size(), cells.size()));
+          fmt::format("the header has {} names for {} values", header_.size(), given));
   const bool time_is_first = TimeScaleS(header_.front()).has_value();
   header_.insert(time_is_first ? header_.end() : header_.begin(), std::string());
   column_count_ = header_.size();
 }
 
-bool CsvReader::NextLineOfData(std::string_view& line) {
-  if (!has_first_row_) return NextUsefulLine(line);
-  has_first_row_ = false;
-  row_ = first_row_line_;
-  line = first_row_;
-  return true;
+std::vector<std::string> CsvReader::CellsOf(std::string_view line) const {
+  std::vector<std::string_view> cells = SplitCells(line, separator_);
+  // A separator behind the last value begins no cell.
+  if (cells.size() == column_count_ + 1 && Trimmed(cells.back()).empty()) cells.pop_back();
+  std::vector<std::string> texts;
+  for (const std::string_view cell : cells) texts.emplace_back(Unquoted(cell));
+  return texts;
+}
+
+std::vector<std::vector<std::string>> CsvReader::FirstRows(std::size_t most,
+                                                           std::size_t last_line) {
+  const std::size_t row = row_;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<TextLine> read;
+  std::string_view line;
+  while (rows.size() < most && NextLine(line)) {
+    read.push_back({std::string(line), row_});
+    if (row_ > last_line) break;
+    std::vector<std::string> cells = CellsOf(line);
+    if (cells.size() == column_count_) rows.push_back(std::move(cells));
+  }
+  lines_.GiveBack(std::move(read));
+  row_ = row;
+  return rows;
 }
 
 bool CsvReader::NextRow(std::span<double> values) {
+  if (values.size() != column_count_) throw std::logic_error("no place for each value of a row");
   std::string_view line;
-  if (!NextLineOfData(line)) return false;
+  if (!NextLine(line)) return false;
   ParseRow(line, values);
   return true;
 }
 
 bool CsvReader::NextRow(std::vector<std::string>& cells) {
   std::string_view line;
-  if (!NextLineOfData(line)) return false;
-  cells.clear();
-  for (const std::string_view cell : SplitCells(line, separator_))
-    cells.emplace_back(Unquoted(cell));
+  if (!NextLine(line)) return false;
+  cells = CellsOf(line);
   if (cells.size() != column_count_) {
     Problem(cells.size() < column_count_ ? RecordingProblem::kTruncatedRow
                                          : RecordingProblem::kRowTooLong,
@@ -265,21 +208,6 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
     return kMissing;
   }
   return *value;
-}
-
-char SeparatorOf(std::string_view text) {
-  const std::string line = OutsideQuotes(text);
-  for (const char candidate : {';', '\t'}) {
-    if (line.find(candidate) != std::string_view::npos) return candidate;
-  }
-  const bool has_blank = Trimmed(line).find(' ') != std::string_view::npos;
-  if (line.find(',') == std::string_view::npos) return has_blank ? ' ' : ',';
-  if (!has_blank) return ',';
-  const std::vector<std::string_view> cells = SplitCells(line, ' ');
-  const auto is_decimal = [](std::string_view cell) {
-    return !cell.starts_with(',') && !cell.ends_with(',') && LooksLikeNumber(cell, true);
-  };
-  return std::ranges::all_of(cells, is_decimal) ? ' ' : ',';
 }
 
 CsvReader::Source FileSource(const std::filesystem::path& path) {

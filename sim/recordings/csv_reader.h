@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/recordings/recording_problem.h"
+#include "sim/recordings/text_lines.h"
 
 namespace gauntlet::sim {
 
@@ -22,20 +23,18 @@ enum class ProblemHandling {
 /// As settings name the first two.
 inline constexpr std::array<std::string_view, 2> kProblemHandlingNames = {"strict", "repair"};
 
-/// Reads numbers from text with one row a line, in one pass and with a fixed buffer, so that memory
-/// does not grow with the file.
+/// Reads numbers from text with one row a line (see TextLines), in one pass. It owns the shape of
+/// the table: its separator, columns, header and rows are those that it finds, for all who use it.
 ///
-/// Takes comma, semicolon, tab or spaces between cells (found from the first line), LF or CRLF, a
-/// byte order mark, blank lines, lines that start with '#', quoted names, and a decimal comma if
-/// the separator is another character. A first line with a cell that is neither a number nor a time
-/// (see SecondsOfText) is the header.
+/// Takes comma, semicolon, tab or spaces between cells (found from the first line), blank lines,
+/// lines that start with '#', quoted names, and a decimal comma if the separator is another
+/// character. A first line with a cell that is no value (see IsValue) is the header.
 /// An empty cell, `nan` or `NA` is a missing value (see NumberOrMissing). A header one name short
 /// lacks the first column's name, or the last one's if it starts with the time. Errors: UserError
 /// `file:row:column: ...`; row is the line of the file, column the cell, from 1.
 class CsvReader {
  public:
-  /// Fills a buffer and says how many bytes it gave; 0 is the end.
-  using Source = std::function<std::size_t(char* buffer, std::size_t size)>;
+  using Source = TextLines::Source;
   /// Hears of every problem that was repaired.
   using Listener = std::function<void(RecordingProblem problem, std::size_t row)>;
 
@@ -47,12 +46,16 @@ class CsvReader {
   /// Empty if the file has none. A nameless column has an empty name.
   const std::vector<std::string>& header() const { return header_; }
   std::size_t column_count() const { return column_count_; }
+  char separator() const { return separator_; }
 
   /// Do not read this column (from 0): its values are NaN and may be text.
-  void Ignore(std::size_t column) { meanings_[column] = Meaning::kIgnored; }
+  void Ignore(std::size_t column) { meanings_.at(column) = Meaning::kIgnored; }
   /// The numbers of this column are the seconds of dates and clocks: see SecondsOfText.
-  void ReadAsTime(std::size_t column) { meanings_[column] = Meaning::kTime; }
+  void ReadAsTime(std::size_t column) { meanings_.at(column) = Meaning::kTime; }
 
+  /// The first rows that have column_count() cells, as text: at most so many of those up to a line
+  /// of the file. NextRow() gives them again.
+  std::vector<std::vector<std::string>> FirstRows(std::size_t most, std::size_t last_line);
   /// The next row; false at the end. `values` has column_count() places.
   bool NextRow(std::span<double> values);
   /// The same as text, without quotes.
@@ -63,7 +66,7 @@ class CsvReader {
   std::size_t row() const { return row_; }
   /// Line of the first row of data.
   std::size_t first_row() const { return first_row_line_; }
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return lines_.name(); }
 
   /// A cell or the name of a column as it may stand in a message: short, printable, in quotes.
   /// '...' stands for what may be of no table at all: for letters in a file of one column, and for
@@ -77,16 +80,13 @@ class CsvReader {
 
  private:
   bool NextLine(std::string_view& line);
-  bool NextUsefulLine(std::string_view& line);
-  void Refill();
-  void ReadFirstLine(int skipped_lines);
+  void ReadFirstLine();
   void ReadFirstRowOfData();
-  bool NextLineOfData(std::string_view& line);
+  std::vector<std::string> CellsOf(std::string_view line) const;
   void ParseRow(std::string_view line, std::span<double> values);
   void Problem(RecordingProblem problem, std::size_t column, const std::string& message);
 
-  std::string name_;
-  Source source_;
+  TextLines lines_;
   ProblemHandling handling_;
   Listener listener_;
   std::vector<std::string> header_;
@@ -94,20 +94,9 @@ class CsvReader {
   char separator_ = ',';
   enum class Meaning : char { kNumber, kTime, kIgnored };
   std::vector<Meaning> meanings_;  // of columns
-  bool has_first_row_ = false;
-  std::string first_row_;
   std::size_t first_row_line_ = 0;
   std::size_t row_ = 0;
-
-  std::vector<char> buffer_;
-  std::size_t begin_ = 0;
-  std::size_t end_ = 0;
-  bool source_is_empty_ = false;
 };
-
-/// What stands between the cells of a line: semicolon, tab, comma or blanks, in this order; blanks
-/// before commas where these can only be decimal ones, as in `0,01 1,5`. Not what stands in quotes.
-char SeparatorOf(std::string_view text);
 
 /// A source that reads a file. Throws UserError if it cannot be opened.
 CsvReader::Source FileSource(const std::filesystem::path& path);

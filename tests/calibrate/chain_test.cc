@@ -406,6 +406,14 @@ class ChainLogTest : public testing::Test {
   test::TemporaryDirectory folder_;
 };
 
+TEST_F(ChainLogTest, RefusesRowsThatComeInBunches) {
+  std::string csv = "t_s,a_command_deg,a_deg\n";
+  for (int k = 0; k < 100; ++k) csv += fmt::format("{:.9f},1,2\n", 0.05 * (k / 10) + 1e-6 * k);
+  EXPECT_EQ(Refusal(csv),
+            "log.csv:1:1: most rows come 1e-06 s after the one before, but all 100 take 0.450099 "
+            "s, must come at an about even rate");
+}
+
 TEST_F(ChainLogTest, BringsUnevenRowsOfAnyUnitToAnEvenRate) {
   std::string csv = "time_ms,a_command_rad,a_deg,b_command_deg,b_deg\n";
   for (int k = 0; k < 100; ++k) {

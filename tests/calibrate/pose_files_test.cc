@@ -213,6 +213,10 @@ TEST_F(PoseFiles, NameTheirMistakes) {
       Write("bits.csv",
             "column,channel,unit,bits\nflexA,index_mcp,counts,12\nflexB,ring_mcp,counts,10\n");
   EXPECT_THAT(ErrorOf(file, {.map = bits}), HasSubstr("has other bits than index_mcp"));
+  std::string text = "time_s,index_mcp_counts\n";
+  for (int row = 0; row < 20; ++row) text += fmt::format("{}e-9,{}\n", row, 500 + row);
+  EXPECT_THAT(ErrorOf(Write("wrong_unit.csv", text), {}),
+              HasSubstr("the times give 1e+09 samples per second, must be at most 1e+06"));
 }
 
 TEST_F(PoseFiles, MayHaveColumnsThatAreNoSensors) {

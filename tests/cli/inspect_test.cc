@@ -120,6 +120,61 @@ TEST_F(InspectCommand, SaysWhatToDoWithFilesThatAreNotRead) {
   EXPECT_THAT(ErrorOf(Write("turned.csv", rows)), HasSubstr("has a row per channel"));
 }
 
+TEST_F(InspectCommand, RefusesTablesWithoutRows) {
+  for (const char* text :
+       {"# glove log\ntime_s,index_mcp\n", "\na\n", "a\n\nb", "time_s,index_mcp\n"}) {
+    EXPECT_THAT(ErrorOf(Write("f.csv", text)), HasSubstr("f.csv: holds no table of numbers\n"))
+        << text;
+  }
+}
+
+TEST_F(InspectCommand, CountsOfRaggedRowsThoseOfTheShapeOfItsReader) {
+  // No row is as long as the first one that most are as long as.
+  EXPECT_THAT(ErrorOf(Write("none.csv",
+                            "6 8 7\n\n6 7.2 31 68. 89 047 22.3\n,,\n\n"
+                            ".047386  33.37978 3  79.33942   78.13732\n7\n"
+                            "7 0.79323  81.00902  51.885517 20.753948\n,,,,\n3 9\n5 8 5 3 2\n"
+                            "9 . 2 4 5 2\n2 . 7 4 2\n,,,,\n1\n")),
+              HasSubstr("holds no table of numbers"));
+  const nlohmann::json two = Inspect(Write("two.csv", "1e308 +4\n1e3 700000 -inf\n 3 +4\n1e308"));
+  EXPECT_EQ(two["columns"].size(), 2);
+  EXPECT_EQ(two["rows"], 2);
+  EXPECT_EQ(two["skipped_lines"], 2);
+  EXPECT_EQ(two["columns"][1]["low"], 4.0);
+  EXPECT_EQ(two["columns"][1]["high"], 4.0);
+  const nlohmann::json behind =
+      Inspect(Write("behind.csv", "time_s,index_mcp\n0,10,\n0.01,40,\n0.02,20,\n"));
+  ASSERT_EQ(behind["columns"].size(), 2);
+  EXPECT_EQ(behind["columns"][1]["channel"], "index_mcp");
+  EXPECT_EQ(behind["columns"][1]["high"], 40.0);
+  EXPECT_TRUE(behind["repairs"].empty());
+}
+
+TEST_F(InspectCommand, FindsNamesThatGoOverTheEndOfALine) {
+  std::string text = "\"time\n(s)\",\"index\nmcp\",\"index\npip\"\n";
+  for (int row = 0; row < 300; ++row) {
+    const double angle = 45.0 + 30.0 * std::sin(0.05 * row);
+    text += std::to_string(0.01 * row) + "," + std::to_string(angle) + "," +
+            std::to_string(90.0 - angle) + "\n";
+  }
+  const fs::path file = Write("names.csv", text);
+  const nlohmann::json found = Inspect(file);
+  EXPECT_EQ(found["columns"][0]["time_unit"], "s");
+  EXPECT_EQ(found["columns"][1]["name"], "index mcp");
+  EXPECT_EQ(found["columns"][1]["channel"], "index_mcp");
+  EXPECT_EQ(found["columns"][2]["channel"], "index_pip");
+  EXPECT_EQ(found["rows"], 300);
+  const std::string map =
+      Write("map.csv", "column,channel,unit\ntime (s),time,s\nindex pip,index_pip,deg\n").string();
+  const std::string scenario =
+      Write("names.yaml",
+            "question: q\nglove:\n  channels: [index_pip]\n  motion: {kind: recording, file: "
+            "names.csv, map: map.csv}\ncontrollers: {raw: {}}\n")
+          .string();
+  const ProgramResult run = Gauntlet({"run", scenario, "--out", (folder_.path() / "o").string()});
+  EXPECT_EQ(run.exit_code, 0) << run.standard_error;
+}
+
 TEST_F(InspectCommand, FindsDamagedFilesOfArrays) {
   for (const GloveFile& file : GloveFiles()) {
     if (!file.name.ends_with(".npz") && !file.name.ends_with(".mat") &&

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -172,6 +173,46 @@ TEST_F(ResumeTest, APlaceWhereNoDatabaseCanBeIsFoundBeforeTheFirstTrial) {
   const ProgramResult folder = Run("a");
   EXPECT_EQ(folder.exit_code, 2);
   EXPECT_THAT(folder.standard_error, HasSubstr("a/study.db: is not a file of its own; remove it"));
+}
+
+// The folder of another person may contain any link.
+TEST_F(ResumeTest, ADatabaseThatIsALinkIsRefusedAndNothingAppearsOutside) {
+  fs::create_directory(Out("theirs"));
+  for (const char* name : {"study.db", "study.db-journal"}) {
+    const fs::path link = Out("theirs") / name;
+    fs::create_symlink(Out("outside.db"), link);
+    const ProgramResult result = Run("theirs");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.standard_error,
+              std::string("gauntlet: theirs/") + name +
+                  ": is a symbolic link; remove it, or name another folder by --out\n");
+    EXPECT_FALSE(fs::exists(Out("outside.db")));
+    EXPECT_TRUE(fs::is_symlink(link));
+    fs::remove(link);
+  }
+}
+
+// With two trials at a time the last controllers of a seed begin while the next seed is looked up.
+TEST_F(ResumeTest, AControllerThatIsAddedRunsAloneOfAllSeedsButTheFirst) {
+  const auto compare = [this](const std::string& controllers) {
+    std::vector<std::string> command = Command("a");
+    std::ranges::replace(command, std::string("raw,tuned_kalman"), controllers);
+    command.insert(command.end(), {"--jobs", "2"});
+    return RunProgram(command, {.working_directory = folder_.path()});
+  };
+  ASSERT_EQ(compare("raw,mean_20,tuned_kalman").exit_code, 0);
+  SQLite::Database database(Out("a") / "study.db");
+  const auto rows_of_later_seeds = [&] {
+    return database
+        .execAndGet(
+            "SELECT group_concat(id) FROM (SELECT id FROM trial WHERE seed > 1 AND "
+            "controller <> 'paper_kalman' ORDER BY id)")
+        .getString();
+  };
+  const std::string before = rows_of_later_seeds();
+  ASSERT_EQ(compare("raw,mean_20,paper_kalman,tuned_kalman").exit_code, 0);
+  EXPECT_EQ(rows_of_later_seeds(), before);
+  EXPECT_EQ(database.execAndGet("SELECT count(*) FROM trial").getInt(), 4 * 4);
 }
 
 }  // namespace

@@ -1,7 +1,12 @@
-// `gauntlet filter`: the first line of an input has its arguments, the rest is standard input.
+// `gauntlet filter`: the first line of an input has its arguments, the rest is standard input and,
+// behind a byte of zero, a column map.
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 #include <sstream>
 #include <string>
@@ -18,16 +23,25 @@ extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** /*argv*/) {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::istringstream text(std::string(reinterpret_cast<const char*>(data), size));
+  const std::string input(reinterpret_cast<const char*>(data), size);
+  const std::size_t end = std::min(input.find('\0'), size);
+  std::istringstream text(input.substr(0, end));
   std::string line;
   std::getline(text, line);
   std::istringstream words(line);
   std::vector<std::string> arguments;  // from the last to the first, as CLI11 takes them
   for (std::string word; words >> word;) {
-    if (!arguments.empty()) arguments.insert(arguments.begin(), "--set");
+    const bool is_setting = !arguments.empty() && !word.starts_with("--columns=");
+    if (is_setting) arguments.insert(arguments.begin(), "--set");
     arguments.insert(arguments.begin(), word);
   }
   arguments.push_back("filter");
+  if (end < size) {
+    static const std::string map =
+        "/dev/shm/gauntlet_fuzz_filter_" + std::to_string(getpid()) + ".csv";
+    std::ofstream(map, std::ios::binary) << input.substr(end + 1);
+    arguments.insert(arguments.begin(), "--map=" + map);
+  }
   std::streambuf* const before = std::cin.rdbuf(text.rdbuf());
   std::cin.clear();
   try {

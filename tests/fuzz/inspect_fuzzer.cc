@@ -1,34 +1,44 @@
-// What gauntlet inspect finds in a text of anybody: the place of its table, its time, the joints in
-// its names, and column maps. Whatever it is, it ends with a table or with a UserError of one line.
-#include <cstdlib>
-#include <string_view>
+// `gauntlet inspect` of any text, with the column map, the scenario and the picture that it makes.
+// The text is refused in one line, or the numbers are finite and the files can be read. Files with
+// arrays are read in a helper process: `arrays` is for them.
+#include <unistd.h>
 
-#include "sim/base/error.h"
-#include "sim/inspect/joint_names.h"
-#include "sim/inspect/table_layout.h"
-#include "sim/inspect/time_guess.h"
+#include <cstdio>
+#include <cstdlib>
+
 #include "sim/recordings/time_text.h"
+#include "sim/scenario/scenario_reader.h"
+#include "sim/video/recording_picture.h"
+#include "tests/inspect/inspected_text.h"
 
 namespace gauntlet::sim {
 namespace {
 
+void Check(const std::string& problem) {
+  if (problem.empty()) return;
+  std::fprintf(stderr, "%s\n", problem.c_str());
+  std::abort();
+}
+
 void Read(std::string_view text) {
+  static const std::filesystem::path folder =
+      "/dev/shm/gauntlet_fuzz_inspect_" + std::to_string(getpid());
+  std::filesystem::create_directory(folder);
   if (const auto seconds = SecondsOfText(text); seconds && !(*seconds > -1e12 && *seconds < 1e12)) {
     std::abort();
   }
+  const FileFormat format = FormatOfBytes(text);
+  if (format != FileFormat::kText && format != FileFormat::kUtf16) return;
+  const InspectedText result = InspectText(text, folder);
+  Check(result.problem);
+  if (result.scenario.empty()) return;
   try {
-    const TableLayout layout = FindTable("fuzz", TextSource(text));
-    if (layout.names.size() != layout.columns || layout.skipped_lines < 0) std::abort();
-    for (const auto& row : layout.rows) {
-      if (row.size() != layout.columns) std::abort();
-    }
-    for (const TimePart& part : GuessTime(layout).parts) {
-      if (part.column >= layout.columns) std::abort();
-    }
-    std::vector<std::string> why;
-    if (ChannelsByNames(layout.names, why).size() != layout.columns) std::abort();
+    ParseScenario({.file = "starter.yaml", .text = result.scenario});
+    // A picture takes a hundred times as long as all else.
+    constexpr std::size_t kPerPicture = 256;
+    if (std::hash<std::string_view>()(text) % kPerPicture == 0) DrawRecording(*result.inspection);
   } catch (const UserError& error) {
-    if (std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();
+    if (result.inspection->picture_time_s.size() > 1) Check(error.what());
   }
 }
 

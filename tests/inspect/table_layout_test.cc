@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
+#include "sim/base/error.h"
 #include "sim/inspect/time_guess.h"
 
 namespace gauntlet::sim {
@@ -10,7 +13,7 @@ namespace {
 
 using testing::ElementsAre;
 
-TableLayout LayoutOf(const std::string& text) { return FindTable("in", TextSource(text)); }
+TableLayout LayoutOf(const std::string& text) { return FindTable("in", TextSource(text)).layout; }
 
 TEST(FindTable, PassesOverWhatASensorsSoftwareWrites) {
   const TableLayout layout = LayoutOf("Glove 2.1\nSerial,17\n\nt,a\n0,1\n1,2\n2,3\n");
@@ -39,6 +42,41 @@ TEST(FindTable, NeedsNoHeader) {
   EXPECT_EQ(layout.separator, ' ');
   EXPECT_TRUE(layout.decimal_comma);
   EXPECT_THAT(layout.names, ElementsAre("", ""));
+}
+
+TEST(FindTable, FindsNamesInQuotesThatGoOverLines) {
+  const TableLayout layout =
+      LayoutOf("Glove 2.1\n\"time\n(s)\",\"index\r\nmcp\",x\n0,1,2\n1,2,3\n2,3,4\n");
+  EXPECT_EQ(layout.skipped_lines, 1);
+  EXPECT_TRUE(layout.has_header);
+  EXPECT_THAT(layout.names, ElementsAre("time (s)", "index mcp", "x"));
+  EXPECT_EQ(layout.rows.size(), 3u);
+}
+
+TEST(FindTable, HasTheShapeThatItsReaderHas) {
+  const std::pair<const char*, std::size_t> columns_of[] = {
+      {"t,a\n0,1,\n1,2,\n2,3,\n", 2},               // a separator behind the rows
+      {"a\tb\t\n1\t2\n3\t4\n", 2},                  // or behind the names
+      {"time a;b\n0,1,2\n1,2,3\n2,3,4\n", 3},       // separators of names that rows have not
+      {"5,rest\n0,1,2\n\n1,2,3\n3,4\n\n4,5,6", 3},  // rows apart
+      {"x,y\n1,2\n3\n", 2},
+  };
+  for (const auto& [text, columns] : columns_of) {
+    FoundTable table = FindTable("in", TextSource(text));
+    EXPECT_EQ(table.reader.column_count(), columns) << text;
+    EXPECT_EQ(table.layout.columns, columns) << text;
+    EXPECT_EQ(table.layout.names.size(), columns) << text;
+    for (const auto& row : table.layout.rows) EXPECT_EQ(row.size(), columns) << text;
+    std::vector<double> values(columns);
+    EXPECT_TRUE(table.reader.NextRow(values)) << text;
+    EXPECT_EQ(std::to_string(static_cast<int>(values[0])), table.layout.rows[0][0]) << text;
+  }
+}
+
+TEST(FindTable, RefusesTextsWithoutARow) {
+  for (const char* text : {"# glove log\ntime_s,index_mcp\n", "\na\n", "a\n\nb", "t,a\n", ""}) {
+    EXPECT_THROW(LayoutOf(text), UserError) << text;
+  }
 }
 
 /// Units of the columns that are the time, in their order.

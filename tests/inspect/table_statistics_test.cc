@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <numeric>
+#include <span>
+#include <stdexcept>
 
 namespace gauntlet::sim {
 namespace {
@@ -27,6 +29,37 @@ TEST(TableStatistics, KeepsFewRowsOfALongTableSpreadOverAllOfIt) {
   EXPECT_EQ(statistics.Column(1).good_rows, 0U);
   EXPECT_NEAR(statistics.Time().rate_hz, 100.0, 1e-6);
   EXPECT_NEAR(statistics.Time().duration_s, 0.01 * (kRows - 1), 1e-6);
+}
+
+TEST(TableStatistics, RefusesRowsAndColumnsOfAnotherTable) {
+  TableStatistics statistics(2);
+  const double values[] = {1.0, 2.0, 3.0};
+  EXPECT_THROW(statistics.Add(0.0, values), std::logic_error);
+  statistics.Add(0.0, std::span(values).first(2));
+  EXPECT_THROW(statistics.Column(2), std::logic_error);
+  EXPECT_THROW(statistics.KeptValues(2), std::logic_error);
+}
+
+TEST(TableStatistics, StaysFiniteWhereNumbersAreNot) {
+  TableStatistics statistics(1);
+  for (const double value : {1e308, -1e308, 1.0, 2.0, 1.0, std::nan("")}) {
+    statistics.Add(1e300 * value, {&value, 1});
+  }
+  EXPECT_EQ(statistics.Column(0).good_rows, 3u);
+  EXPECT_EQ(statistics.Column(0).high, 2.0);
+  EXPECT_EQ(statistics.Column(0).step, 1.0);
+  EXPECT_TRUE(std::isfinite(statistics.Column(0).noise));
+  EXPECT_EQ(statistics.Time().duration_s, 0.0);
+}
+
+TEST(TableStatistics, KnowsTheRangeOfAColumnThatKeptRowsMiss) {
+  TableStatistics statistics(1);
+  for (int row = 0; row < 20'000; ++row) {
+    const double value = row % 2 == 1 ? row : std::nan("");
+    statistics.Add(0.01 * row, {&value, 1});
+  }
+  EXPECT_EQ(statistics.Column(0).usual_low, 1.0);
+  EXPECT_EQ(statistics.Column(0).usual_high, 19'999.0);
 }
 
 TEST(UsualInterval, IsMovedNeitherByGapsNorByBunches) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,40 @@ TEST(CsvReader, TakesASeparatorInQuotesForText) {
   EXPECT_EQ(ErrorOf("a,b\n\"1,234\",2\n"), "in.csv:2:1: '\"1,234\"' is not a number");
   EXPECT_EQ(SeparatorOf("\"time s\" \"a b\""), ' ');
   EXPECT_EQ(SeparatorOf("6\" drum;a"), ';');
+}
+
+TEST(CsvReader, JoinsLinesWithinQuotes) {
+  CsvReader reader("in.csv", TextSource("\"time\r\n(s)\",\"a\n\n\"\"b\"\"\"\n0,1\n\n2,x\n"),
+                   ProblemHandling::kRepair);
+  EXPECT_THAT(reader.header(), ElementsAre("time (s)", "a  \"\"b\"\""));
+  std::vector<double> row(2);
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_THAT(row, ElementsAre(0.0, 1.0));
+  EXPECT_EQ(reader.row(), 5u);
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_EQ(reader.row(), 7u);
+  EXPECT_EQ(ErrorOf("a,\"note\non two\"\n1,2\n\"one\ncell\",x\n"),
+            "in.csv:4:1: '\"one cell\"' is not a number");
+  // A quote that nothing closes is a letter, as is one within a cell or a comment.
+  EXPECT_EQ(ErrorOf("a,b\n\"1,2\n3,4\n"), "in.csv:2:1: '\"1' is not a number");
+  EXPECT_EQ(ErrorOf("6\" drum,b\n1,2\n3,4\" x\n"), "in.csv:3:2: '4\" x' is not a number");
+  EXPECT_EQ(ReadAll("# \"said\n1,2\n# so\"\n3,4\n"),
+            (std::vector<std::vector<double>>{{1, 2}, {3, 4}}));
+  EXPECT_EQ(ReadAll("\"a,b\n1,2\n3,4\n").size(), 2u);
+}
+
+TEST(CsvReader, GivesItsFirstRowsAgain) {
+  CsvReader reader("in.csv", TextSource("a,b\n1,2,\n3\n4,x\n# here\n5,6\n7,8\n"),
+                   ProblemHandling::kRepair);
+  using Rows = std::vector<std::vector<std::string>>;
+  EXPECT_EQ(reader.FirstRows(9, 6), (Rows{{"1", "2"}, {"4", "x"}, {"5", "6"}}));
+  EXPECT_EQ(reader.FirstRows(1, 9), (Rows{{"1", "2"}}));
+  std::vector<double> row(2);
+  std::vector<std::size_t> lines;
+  while (reader.NextRow(row)) lines.push_back(reader.row());
+  EXPECT_THAT(lines, ElementsAre(2, 3, 4, 6, 7));
+  std::vector<double> wide(3);
+  EXPECT_THROW(reader.NextRow(wide), std::logic_error);
 }
 
 TEST(CsvReader, TakesTheFirstLineAsNamesOnlyIfItHoldsText) {

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gauntlet::sim {
+
+struct TextLine {
+  std::string text;        // without its end
+  std::size_t number = 0;  // in the file, from 1
+};
+
+/// Gives a text line by line, with a fixed buffer, so that memory does not grow with the text.
+///
+/// Ends are LF or CRLF; the byte order mark is left out. A cell in double quotes may contain ends
+/// of lines (RFC 4180): up to 16 lines are one then, with a blank in place of each end. A quote
+/// that no line closes is a letter. Lines that begin with '#' are never joined.
+class TextLines {
+ public:
+  /// Fills a buffer and says how many bytes it gave; 0 is the end.
+  using Source = std::function<std::size_t(char* buffer, std::size_t size)>;
+
+  /// `name` stands for the file in messages.
+  TextLines(std::string name, Source source);
+
+  const std::string& name() const { return name_; }
+  /// Passes over the first lines of the file.
+  void Skip(int lines);
+  /// False at the end. `line` is valid until the next call.
+  /// Errors: UserError `file:line:1: ...` for one of more than 1 MB.
+  bool Next(std::string_view& line);
+  /// Of the line that Next() gave last, from 1: the first one, if it is several.
+  std::size_t number() const { return number_; }
+  /// Next() gives these again, before all others.
+  void GiveBack(std::vector<TextLine> lines);
+
+ private:
+  bool Take(std::string_view& line);
+  bool TakeFromBuffer(std::string_view& line);
+  void Refill();
+  void Complete(std::string_view& line);
+
+  std::string name_;
+  Source source_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  bool source_is_empty_ = false;
+  std::size_t lines_read_ = 0;  // from the source
+  std::deque<TextLine> given_back_;
+  std::string current_;  // the line that Next() gave last, if it is not in the buffer
+  std::size_t number_ = 0;
+};
+
+/// Separator between the cells of a line: semicolon, tab, comma or blanks, in this order; blanks
+/// before commas where these can only be decimal ones, as in `0,01 1,5`. Texts in quotes do not
+/// count.
+char SeparatorOf(std::string_view text);
+
+/// True for all that may stand where a number is expected: numbers, times (see SecondsOfText) and
+/// missing values.
+bool IsValue(std::string_view cell, char separator);
+
+}  // namespace gauntlet::sim
