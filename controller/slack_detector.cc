@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "controller/angle.h"
+#include "controller/assert.h"
 #include "controller/one_for_each.h"
 
 namespace gauntlet::controller {
@@ -82,6 +83,7 @@ void SlackDetector::StepMotor(Motor& motor, double angle_rad, double torque_nm) 
 
 void SlackDetector::Step(std::span<const double> angle_rad,
                          std::span<const double> torque_nm) noexcept {
+  GAUNTLET_ASSERT(angle_rad.size() == motors_.size() && torque_nm.size() == motors_.size());
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     if (!std::isfinite(angle_rad[i]) || !std::isfinite(torque_nm[i])) continue;
     Motor& motor = motors_[i];

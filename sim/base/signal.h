@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "controller/assert.h"
 #include "sim/base/signal_storage.h"
 
 namespace gauntlet::sim {
@@ -84,6 +85,7 @@ using IntegerSignal = SignalOf<int>;
 
 /// Every `step`-th row, from the first on.
 inline Signal EveryRow(const Signal& signal, Eigen::Index step) {
+  GAUNTLET_ASSERT(step > 0);
   Signal result((signal.rows() + step - 1) / step, signal.cols());
   for (Eigen::Index c = 0; c < signal.cols(); ++c) {
     result.col(c) = signal.col(c)(Eigen::seqN(0, result.rows(), step));
