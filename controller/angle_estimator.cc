@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "controller/assert.h"
 #include "controller/filters/kalman_noise.h"
 #include "controller/prediction/predictor.h"
 
@@ -55,6 +56,7 @@ AngleEstimator::AngleEstimator(const RobotConfig& robot, const ControllerConfig&
       held_rad_(active_.size()),
       filtered_rad_(active_.size()),
       predicted_rad_(active_.size()) {
+  GAUNTLET_ASSERT(path_rows >= 0);
   // A chain of thousands, which aliases of YAML make of a few letters, would take all memory.
   constexpr std::size_t kMostFilters = 64;
   if (config.filters.size() > kMostFilters) {
@@ -88,6 +90,9 @@ void AngleEstimator::Filtered(std::span<const double> input, std::span<double> o
 
 void AngleEstimator::Step(std::span<const double> counts,
                           std::span<double> predicted_rad) noexcept {
+  GAUNTLET_ASSERT(!counts.empty() && counts.size() % active_.size() == 0);
+  GAUNTLET_ASSERT(predicted_rad.size() == counts.size());
+  GAUNTLET_ASSERT(predicted_rad.data() != counts.data());
   if (filter_on_ == FilterOn::kCounts) {
     Filtered(counts, predicted_rad);
     linearisation_->ToAngles(predicted_rad, predicted_rad);
@@ -100,6 +105,7 @@ void AngleEstimator::Step(std::span<const double> counts,
 
 void AngleEstimator::StepLinearised(std::span<const double> counts,
                                     std::span<const double> linearised_rad) noexcept {
+  GAUNTLET_ASSERT(counts.size() == active_.size() && linearised_rad.size() == active_.size());
   if (filter_on_ == FilterOn::kCounts) return Step(counts, predicted_rad_);
   Filtered(linearised_rad, predicted_rad_);
   Finish(predicted_rad_);
@@ -137,12 +143,14 @@ void AngleEstimator::HoldInactiveChannels(std::span<double> angle_rad) noexcept 
 }
 
 void AngleEstimator::StartChannel(int channel) noexcept {
+  GAUNTLET_ASSERT(0 <= channel && channel < channel_count());
   for (const auto& filter : chain_) filter->ResetChannel(channel);
   if (predictor_) predictor_->ResetChannel(channel);
   path_.ResetChannel(channel);
 }
 
 void AngleEstimator::SetChannelActive(int channel, bool on) noexcept {
+  GAUNTLET_ASSERT(0 <= channel && channel < channel_count());
   const auto index = static_cast<std::size_t>(channel);
   if (on == (active_[index] == 1)) return;
   active_[index] = on ? 1 : 0;
@@ -153,12 +161,14 @@ void AngleEstimator::SetChannelActive(int channel, bool on) noexcept {
 
 void AngleEstimator::MoveTo(const JointMap& joint_map,
                             std::span<const double> joint_angle_rad) noexcept {
+  GAUNTLET_ASSERT(joint_map.channel_count() == channel_count());
   std::copy(middle_rad_.begin(), middle_rad_.end(), predicted_rad_.begin());
   joint_map.ToChannels(joint_angle_rad, predicted_rad_);
   std::copy(predicted_rad_.begin(), predicted_rad_.end(), held_rad_.begin());
 }
 
 void AngleEstimator::Reset(std::span<const double> counts) noexcept {
+  GAUNTLET_ASSERT(counts.size() == active_.size());
   for (const auto& filter : chain_) filter->Reset();
   if (predictor_) predictor_->Reset();
   path_.Reset();
@@ -171,6 +181,8 @@ void AngleEstimator::Reset(std::span<const double> counts) noexcept {
 }
 
 void AngleEstimator::TakeMemory(AngleEstimator& before, std::span<const double> counts) noexcept {
+  GAUNTLET_ASSERT(before.active_.size() == active_.size());
+  GAUNTLET_ASSERT(counts.size() == active_.size());
   const bool same_step = step_rate_hz_ == before.step_rate_hz_;
   const bool same_unit = filter_on_ == before.filter_on_;
   const std::span<const double> here =

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "controller/assert.h"
 #include "controller/controller_config.h"
 #include "controller/filters/filter.h"
 #include "controller/joint_map.h"
@@ -38,6 +39,7 @@ class AngleEstimator {
   void StartChannel(int channel) noexcept;
   void SetChannelActive(int channel, bool active) noexcept;
   bool channel_active(int channel) const noexcept {
+    GAUNTLET_ASSERT(0 <= channel && channel < channel_count());
     return active_[static_cast<std::size_t>(channel)] == 1;
   }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "controller/assert.h"
+
 namespace gauntlet::controller {
 namespace {
 
@@ -116,6 +118,7 @@ void Controller::State::PlanCommands() noexcept {
 }
 
 void Controller::State::Reset(std::span<const std::int32_t> at_counts) noexcept {
+  GAUNTLET_ASSERT(at_counts.size() == motor_counts.size());
   std::copy(at_counts.begin(), at_counts.end(), motor_counts.begin());
   rounding.Reset(motor_counts);
   tendon_map.ToJointAngles(motor_counts, target_rad);
@@ -140,6 +143,9 @@ void Controller::State::Reset() noexcept {
 }
 
 void Controller::State::TakeOver(State& before) noexcept {
+  GAUNTLET_ASSERT(before.start_counts.size() == start_counts.size());
+  GAUNTLET_ASSERT(before.target_rad.size() == target_rad.size());
+  GAUNTLET_ASSERT(before.motor_counts.size() == motor_counts.size());
   estimator.linearisation().ToCounts(before.estimator.filtered_rad(), start_counts);
   guard.TakeMemory(before.guard, start_counts);
   estimator.TakeMemory(before.estimator, start_counts);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "controller/angle.h"
+#include "controller/assert.h"
 #include "controller/one_for_each.h"
 
 namespace gauntlet::controller {
@@ -80,6 +81,7 @@ JointLoop::JointLoop(const JointLoopConfig& config, const TendonTransmission& ha
       stale_events_(1e-3 * config.stale_after_ms * events_per_s),
       limit_rad_(config.max_correction_deg * kRadPerDeg),
       half_turn_rad_(0.5 * config.friction_turn_deg * kRadPerDeg) {
+  GAUNTLET_ASSERT(events_per_s > 0.0);
   CheckSettings(config);
   if (!on()) return;
   const bool measures = config.proportional > 0.0 || config.integral_per_s > 0.0;
@@ -106,6 +108,7 @@ JointLoop::JointLoop(const JointLoopConfig& config, const TendonTransmission& ha
 }
 
 void JointLoop::Reset(std::span<const double> target_rad) noexcept {
+  GAUNTLET_ASSERT(!on() || target_rad.size() == joints_.size());
   if (!on()) return;
   events_since_reading_ = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < targets_rad_.size(); ++i) {
@@ -142,6 +145,8 @@ double JointLoop::CorrectionOf(const Joint& joint, double error_rad, double leas
 }
 
 void JointLoop::Step(std::span<const double> target_rad, std::span<double> corrected_rad) noexcept {
+  GAUNTLET_ASSERT(on() && target_rad.size() == joints_.size() &&
+                  corrected_rad.size() == joints_.size());
   newest_row_ = (newest_row_ + 1) % (targets_rad_.size() / joints_.size());
   const bool fresh = events_since_reading_ <= stale_events_;
   events_since_reading_ += 1.0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "controller/angle.h"
+#include "controller/assert.h"
 #include "controller/controller_config.h"
 
 namespace gauntlet::controller {
@@ -114,6 +115,8 @@ JointMap::JointMap(const JointMapConfig& config, const std::vector<std::string>&
 
 void JointMap::ToJoints(std::span<const double> channel_angle_rad,
                         std::span<double> joint_angle_rad) const noexcept {
+  GAUNTLET_ASSERT(std::ssize(channel_angle_rad) == channel_count_);
+  GAUNTLET_ASSERT(joint_angle_rad.size() == joints_.size());
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     double angle = joints_[i].offset_rad;  // offset + W channel
     for (const Term& term : joints_[i].terms) {
@@ -125,6 +128,8 @@ void JointMap::ToJoints(std::span<const double> channel_angle_rad,
 
 void JointMap::ToChannels(std::span<const double> joint_angle_rad,
                           std::span<double> channel_angle_rad) const noexcept {
+  GAUNTLET_ASSERT(joint_angle_rad.size() == joints_.size());
+  GAUNTLET_ASSERT(std::ssize(channel_angle_rad) == channel_count_);
   for (std::size_t i = joints_.size(); i-- > 0;) {  // the first joint that a channel moves decides
     const Joint& joint = joints_[i];
     if (joint.terms.size() != 1 || joint.terms[0].weight == 0.0) continue;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "controller/assert.h"
+
 namespace gauntlet::controller {
 
 void MotorRoundingConfig::Visit(SettingsVisitor& visitor) {
@@ -35,6 +37,8 @@ MotorRounding::MotorRounding(const MotorRoundingConfig& config, const TendonTran
       min_counts_(hand.min_counts.begin(), hand.min_counts.end()),
       max_counts_(hand.max_counts.begin(), hand.max_counts.end()),
       motors_(hand.counts_per_rad.size()) {
+  GAUNTLET_ASSERT(events_per_s > 0.0);
+  GAUNTLET_ASSERT(min_counts_.size() == motors_.size() && max_counts_.size() == motors_.size());
   const double limit_rad = config.speed_limit_rad_s > 0.0 ? config.speed_limit_rad_s / events_per_s
                                                           : std::numeric_limits<double>::infinity();
   for (const double counts_per_rad : hand.counts_per_rad) {
@@ -65,6 +69,7 @@ std::int32_t MotorRounding::Round(Motor& motor) const noexcept {
 
 void MotorRounding::Step(std::span<const double> exact_counts,
                          std::span<std::int32_t> motor_counts) noexcept {
+  GAUNTLET_ASSERT(exact_counts.size() == motors_.size() && motor_counts.size() == motors_.size());
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     Motor& motor = motors_[i];
     const double limit = limit_counts_[i];
@@ -79,6 +84,7 @@ void MotorRounding::Reset() noexcept {
 }
 
 void MotorRounding::Reset(std::span<const std::int32_t> motor_counts) noexcept {
+  GAUNTLET_ASSERT(motor_counts.size() == motors_.size());
   for (std::size_t i = 0; i < motors_.size(); ++i) motors_[i].command = motor_counts[i];
   Reset();
 }

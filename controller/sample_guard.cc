@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "controller/assert.h"
 #include "controller/filters/vectorise.h"
 #include "controller/number.h"
 
@@ -101,6 +102,8 @@ SampleGuard::SampleGuard(const SampleGuardConfig& config, std::span<const double
       frame_number_bits_(frame_number_bits),
       values_(kValues, static_cast<int>(start_counts.size())),
       untrusted_samples_(start_counts.size()) {
+  GAUNTLET_ASSERT(full_scale_counts > 0.0 && rate_hz > 0.0);
+  GAUNTLET_ASSERT(1 <= frame_number_bits && frame_number_bits <= 64);
   for (auto& counts : untrusted_by_kind_) counts.resize(start_counts.size());
   Reset(start_counts);
 }
@@ -186,6 +189,7 @@ double SampleGuard::StartAt(double counts) const noexcept {
 }
 
 void SampleGuard::Reset(std::span<const double> start_counts) noexcept {
+  GAUNTLET_ASSERT(start_counts.size() == untrusted_samples_.size());
   values_.SetZero();
   for (std::size_t i = 0; i < untrusted_samples_.size(); ++i) {
     values_[kTrusted][i] = StartAt(start_counts[i]);
@@ -198,6 +202,8 @@ void SampleGuard::Reset(std::span<const double> start_counts) noexcept {
 }
 
 void SampleGuard::TakeMemory(SampleGuard& from, std::span<const double> start_counts) noexcept {
+  GAUNTLET_ASSERT(from.untrusted_samples_.size() == untrusted_samples_.size());
+  GAUNTLET_ASSERT(start_counts.size() == untrusted_samples_.size());
   std::swap(values_, from.values_);
   std::swap(last_number_, from.last_number_);
   std::swap(stale_number_, from.stale_number_);

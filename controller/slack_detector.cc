@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "controller/angle.h"
+#include "controller/assert.h"
 #include "controller/number.h"
 #include "controller/one_for_each.h"
 
@@ -81,6 +82,7 @@ void SlackDetector::StepMotor(Motor& motor, double angle_rad, double torque_nm) 
 
 void SlackDetector::Step(std::span<const double> angle_rad,
                          std::span<const double> torque_nm) noexcept {
+  GAUNTLET_ASSERT(angle_rad.size() == motors_.size() && torque_nm.size() == motors_.size());
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     if (!std::isfinite(angle_rad[i]) || !std::isfinite(torque_nm[i])) continue;
     Motor& motor = motors_[i];

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "controller/assert.h"
 #include "controller/number.h"
 
 namespace gauntlet::controller {
@@ -159,6 +160,8 @@ TendonMap::TendonMap(const TendonTransmission& hand, bool coupling_compensation)
 
 void TendonMap::ToExactMotorCounts(std::span<const double> joint_angle_rad,
                                    std::span<double> motor_counts) noexcept {
+  GAUNTLET_ASSERT(std::ssize(joint_angle_rad) == joint_count());
+  GAUNTLET_ASSERT(std::ssize(motor_counts) == motor_count());
   for (Eigen::Index i = 0; i < joint_.size(); ++i) {
     const double angle = ClampOr(joint_angle_rad[static_cast<std::size_t>(i)], joint_min_rad_[i],
                                  joint_max_rad_[i], reference_rad_[i]);
@@ -182,17 +185,20 @@ void TendonMap::ToMotorCounts(std::span<const double> joint_angle_rad,
 
 void TendonMap::ToJointAngles(std::span<const std::int32_t> motor_counts,
                               std::span<double> joint_angle_rad) noexcept {
+  GAUNTLET_ASSERT(std::ssize(motor_counts) == motor_count());
   std::copy(motor_counts.begin(), motor_counts.end(), spool_.begin());
   SolveJointAngles(joint_angle_rad);
 }
 
 void TendonMap::ToJointAngles(std::span<const double> motor_counts,
                               std::span<double> joint_angle_rad) noexcept {
+  GAUNTLET_ASSERT(std::ssize(motor_counts) == motor_count());
   std::copy(motor_counts.begin(), motor_counts.end(), spool_.begin());
   SolveJointAngles(joint_angle_rad);
 }
 
 void TendonMap::SolveJointAngles(std::span<double> joint_angle_rad) noexcept {
+  GAUNTLET_ASSERT(std::ssize(joint_angle_rad) == joint_count());
   spool_ = (spool_ - center_counts_).cwiseQuotient(counts_per_rad_);
   joint_.noalias() = inverse_ * spool_;
   joint_ += reference_rad_;
@@ -205,6 +211,8 @@ Eigen::MatrixXd TendonMap::AnglePerCount() const {
 
 void TendonMap::ToSpoolAngles(std::span<const double> joint_angle_rad,
                               std::span<double> spool_angle_rad) noexcept {
+  GAUNTLET_ASSERT(std::ssize(joint_angle_rad) == joint_count());
+  GAUNTLET_ASSERT(std::ssize(spool_angle_rad) == motor_count());
   std::copy(joint_angle_rad.begin(), joint_angle_rad.end(), joint_.begin());
   joint_ -= reference_rad_;
   spool_.noalias() = coupling_ * joint_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "controller/assert.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -54,7 +55,9 @@ struct Timing {
 class PeriodicClock {
  public:
   /// `period_ticks` may be any number above 0; up to 1 is every tick.
-  explicit PeriodicClock(double period_ticks) : period_(period_ticks) {}
+  explicit PeriodicClock(double period_ticks) : period_(period_ticks) {
+    GAUNTLET_ASSERT(period_ticks > 0.0);
+  }
 
   /// Whether it happens at this tick; the next call is about the next tick.
   bool Tick() noexcept {

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "controller/assert.h"
 #include "controller/calibration/noise_correlation.h"
 #include "controller/calibration/noise_estimate.h"
 #include "controller/calibration/rounded_noise.h"
@@ -120,6 +121,7 @@ double RoundingOfMean(const std::vector<VectorXd>& runs, const ChannelNoise& noi
 }  // namespace
 
 CurveFit FitTable(const VectorXd& counts, const VectorXd& angle_deg, double resolution_counts) {
+  GAUNTLET_ASSERT(resolution_counts >= 0.0);
   CheckData(counts, angle_deg);
   const std::map<double, Pose> poses =
       counts.size() > 0 ? PosesOf(counts, angle_deg) : std::map<double, Pose>();

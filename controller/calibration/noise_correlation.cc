@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <numeric>
 
+#include "controller/assert.h"
+
 namespace gauntlet::controller {
 namespace {
 
@@ -79,6 +81,7 @@ std::vector<double> ProductsBeyondChance(const std::vector<Stretch>& stretches, 
 }  // namespace
 
 double ChannelNoise::MeanFactor(double sample_count) const {
+  GAUNTLET_ASSERT(sample_count >= 0.0);
   double factor = 1.0;
   for (std::size_t i = 0; i < correlation.size(); ++i) {
     const double lag = static_cast<double>(i + 1);
@@ -94,6 +97,7 @@ double ChannelNoise::VarianceFactor() const {
 }
 
 ChannelNoise DescribeNoise(const std::vector<VectorXd>& values, double rounding_variance) {
+  GAUNTLET_ASSERT(rounding_variance >= 0.0);
   const std::vector<Stretch> stretches = Centred(values);
   ChannelNoise noise;
   double square_sum = 0.0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/assert.h"
 #include "controller/calibration/noise_correlation.h"
 #include "controller/calibration/robust_statistics.h"
 #include "controller/calibration/rounded_noise.h"
@@ -93,6 +94,7 @@ void SetVariance(Index i, const StillChannel& channel, const ChannelNoise& noise
 }  // namespace
 
 double NormalQuantile(double probability) {
+  GAUNTLET_ASSERT(0.0 < probability && probability < 1.0);
   // Newton on Phi(x) = erfc(-x / sqrt 2) / 2 from a rough start; converges from everywhere inside
   // because steps are bounded.
   double x = 0.0;
@@ -107,6 +109,7 @@ double NormalQuantile(double probability) {
 }
 
 double ChiSquaredQuantileRatio(double probability, double degrees_of_freedom) {
+  GAUNTLET_ASSERT(degrees_of_freedom > 0.0);
   const double spread = 2.0 / (9.0 * degrees_of_freedom);
   const double root = 1.0 - spread + NormalQuantile(probability) * std::sqrt(spread);
   return root > 0.0 ? root * root * root : 0.0;
@@ -115,9 +118,12 @@ double ChiSquaredQuantileRatio(double probability, double degrees_of_freedom) {
 NoiseEstimate EstimateNoise(const Eigen::MatrixXd& counts,
                             const std::vector<StillStretch>& stretches,
                             const NoiseEstimateOptions& options) {
+  GAUNTLET_ASSERT(0.0 < options.confidence && options.confidence < 1.0);
+  GAUNTLET_ASSERT(options.resolution_counts >= 0.0);
   if (!counts.allFinite()) throw SettingError("recording", "has values that are not finite");
   NoiseEstimate estimate;
   for (const StillStretch& stretch : stretches) {
+    GAUNTLET_ASSERT(0 <= stretch.begin && stretch.end <= counts.rows());
     estimate.degrees_of_freedom +=
         static_cast<double>(std::max<Index>(stretch.end - stretch.begin - 1, 0));
   }

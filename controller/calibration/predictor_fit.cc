@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "controller/assert.h"
 #include "controller/number.h"
 #include "controller/prediction/horizon.h"
 
@@ -28,6 +29,8 @@ struct Geometry {
   /// Of some rows from `begin` on what will be there after the horizon, linear between samples.
   Eigen::VectorXd Ahead(const Eigen::Ref<const Eigen::VectorXd>& signal, Index begin,
                         Index rows) const {
+    GAUNTLET_ASSERT(0 <= begin &&
+                    begin + static_cast<Index>(std::ceil(horizon)) + rows <= signal.size());
     const auto below = static_cast<Index>(std::floor(horizon));
     const auto above = static_cast<Index>(std::ceil(horizon));
     const double share = horizon - static_cast<double>(below);
@@ -68,6 +71,7 @@ constexpr int kFolds = 5;
 std::vector<Moments> MomentsOf(std::span<const Eigen::MatrixXd> recordings,
                                std::span<const Eigen::MatrixXd> components, Index channel,
                                const Geometry& g) {
+  GAUNTLET_ASSERT(components.size() == recordings.size());
   const Index signals = 1 + components.front().cols();
   std::vector<Moments> folds(kFolds, Moments(g.order * signals));
   Index all = 0;
@@ -139,6 +143,7 @@ Eigen::MatrixXd LoadingsOf(std::span<const Eigen::MatrixXd> recordings, int comp
 /// None where they are not determined. `noise`: covariance of the white noise that is to be added
 /// to the signals that p is made of.
 std::optional<Eigen::VectorXd> WeightsOf(const Moments& moments, const Eigen::MatrixXd& noise) {
+  GAUNTLET_ASSERT(noise.rows() == noise.cols() && moments.with_end.size() % noise.rows() == 0);
   const Index signals = noise.rows();
   const Index order = moments.with_end.size() / signals;
   Eigen::MatrixXd matrix = moments.of_past / moments.samples;

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "controller/assert.h"
+
 namespace gauntlet::controller {
 
 /// Statistics that a few wrong values do not move.
@@ -12,6 +14,7 @@ namespace gauntlet::controller {
 /// The value in the middle, of an even number the upper of the two. `values` is not empty.
 template <class Value = double>
 Value MedianOf(std::vector<Value> values) {
+  GAUNTLET_ASSERT(!values.empty());
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;

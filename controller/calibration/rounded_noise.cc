@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "controller/assert.h"
 #include "controller/calibration/noise_estimate.h"
 
 namespace gauntlet::controller {
@@ -109,6 +110,8 @@ class Profile {
 
 RoundedNoise EstimateRoundedNoise(const std::vector<Eigen::VectorXd>& stretches, double step,
                                   double weight, double confidence) {
+  GAUNTLET_ASSERT(step > 0.0 && weight > 0.0);
+  GAUNTLET_ASSERT(0.0 < confidence && confidence < 1.0);
   constexpr double kEqual = 1e-3;  // of log-likelihoods
   std::vector<Histogram> histograms;
   for (const Eigen::VectorXd& stretch : stretches) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "controller/assert.h"
 #include "controller/calibration/robust_statistics.h"
 
 namespace gauntlet::controller {
@@ -133,6 +134,7 @@ Noise NoiseOf(const Eigen::Ref<const Eigen::VectorXd>& z, Index block, double ra
 
 std::vector<StillStretch> FindStillStretches(const Eigen::MatrixXd& counts, double rate_hz,
                                              double min_duration_s) {
+  GAUNTLET_ASSERT(rate_hz > 0.0);
   const Index block = std::max<Index>(2, std::lround(kBlockS * rate_hz));
   std::vector<StillStretch> stretches;
   if (counts.rows() < 2 * block) return stretches;

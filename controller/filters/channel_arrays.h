@@ -5,6 +5,8 @@
 #include <memory>
 #include <new>
 
+#include "controller/assert.h"
+
 namespace gauntlet::controller {
 
 /// Several arrays with one value per channel: the state of a filter as a structure of arrays, each
@@ -17,7 +19,9 @@ class ChannelArrays {
         stride_((static_cast<std::size_t>(channel_count) + kLineValues - 1) / kLineValues *
                 kLineValues),
         size_(stride_ * static_cast<std::size_t>(array_count)),
-        values_(new (kLine) double[size_]()) {}
+        values_(new (kLine) double[size_]()) {
+    GAUNTLET_ASSERT(array_count >= 0 && channel_count > 0);
+  }
 
   static constexpr std::size_t kLineValues = 64 / sizeof(double);
 
@@ -27,8 +31,10 @@ class ChannelArrays {
   int array_count() const noexcept { return static_cast<int>(size_ / stride_); }
 
   void SetZero() noexcept { std::fill_n(values_.get(), size_, 0.0); }
-  /// Arrays `first` to `last` - 1 from others of the same shape.
+  /// Arrays `first` to `last` - 1 from others with as many channels.
   void Copy(const ChannelArrays& from, int first, int last) noexcept {
+    GAUNTLET_ASSERT(from.channel_count_ == channel_count_ && first <= last &&
+                    last <= array_count());
     std::copy(from[first], from[last], (*this)[first]);
   }
 
@@ -38,7 +44,10 @@ class ChannelArrays {
     void operator()(double* values) const { operator delete[](values, kLine); }
   };
 
-  std::size_t Begin(int array) const noexcept { return stride_ * static_cast<std::size_t>(array); }
+  std::size_t Begin(int array) const noexcept {
+    GAUNTLET_ASSERT(array >= 0 && stride_ * static_cast<std::size_t>(array) <= size_);
+    return stride_ * static_cast<std::size_t>(array);
+  }
 
   int channel_count_;
   std::size_t stride_;

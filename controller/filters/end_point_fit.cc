@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 
+#include "controller/assert.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -23,6 +24,7 @@ GAUNTLET_VECTORISED void SumRows(const double* rows, int row_count, int newest,
 }  // namespace
 
 Eigen::ArrayXd EndPointWeights(int window, int order, int derivative) {
+  GAUNTLET_ASSERT(0 <= derivative && derivative <= order && order < window);
   // Polynomials in t = -age / (window - 1), so that powers stay within 1.
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   const long double scale = window > 1 ? window - 1 : 1;
@@ -50,6 +52,7 @@ Eigen::ArrayXd EndPointWeights(int window, int order, int derivative) {
 }
 
 void WeightedSum(const SampleWindow& window, const Eigen::ArrayXd& weights, double* sum) noexcept {
+  GAUNTLET_ASSERT(weights.size() == window.length());
   SumRows(window.rows(), window.length(), window.newest(), weights.data(), sum,
           window.channel_count());
 }

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <cassert>
 #include <cstddef>
 #include <span>
+
+#include "controller/assert.h"
 
 namespace gauntlet::controller {
 
@@ -15,8 +16,8 @@ namespace gauntlet::controller {
 ///
 /// Shapes: `input`, `output` and `values` have channel_count() values; `input` and `output` may be
 /// the same memory, or are apart. Units: those of the input; parameters with a unit name it.
-/// Errors: other shapes, or a channel that there is not, fail an assertion; where assertions are
-/// off such a call does nothing.
+/// Errors: other shapes, or a channel that there is not, do nothing; in Gauntlet's own build they
+/// fail an assertion.
 class Filter {
  public:
   virtual ~Filter() = default;
@@ -30,7 +31,7 @@ class Filter {
   void StepSamples(std::span<const double> input, std::span<double> output) noexcept {
     const bool fits = output.size() == input.size() &&
                       input.size() % static_cast<std::size_t>(channel_count_) == 0;
-    assert(fits);
+    GAUNTLET_ASSERT(fits);
     if (fits) StepSamplesChecked(input, output);
   }
   /// Back to the state after construction.
@@ -38,7 +39,7 @@ class Filter {
   /// One channel back to the state after construction; the others keep every bit.
   void ResetChannel(int channel) noexcept {
     const bool exists = channel >= 0 && channel < channel_count_;
-    assert(exists);
+    GAUNTLET_ASSERT(exists);
     if (exists) ResetChecked(channel);
   }
   /// As new, and as if `values` had been the first sample; a `start` of zero does not count.
@@ -57,7 +58,7 @@ class Filter {
 
   bool Fits(std::size_t size) const noexcept {
     const bool fits = size == static_cast<std::size_t>(channel_count_);
-    assert(fits);
+    GAUNTLET_ASSERT(fits);
     return fits;
   }
 

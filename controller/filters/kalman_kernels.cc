@@ -1,5 +1,6 @@
 #include "controller/filters/kalman_kernels.h"
 
+#include "controller/assert.h"
 #include "controller/filters/lanes.h"
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
@@ -152,6 +153,7 @@ GAUNTLET_VECTORISED void States3(double* x, double* w, double* a, const double* 
 }  // namespace
 
 void StepCovariance2(ChannelArrays& arrays, const ProcessNoiseFactors& q) {
+  GAUNTLET_ASSERT(arrays.array_count() >= kKalmanArrays2);
   const Covariance2 covariance = {.p11 = arrays[kP11],
                                   .p12 = arrays[kP12],
                                   .p22 = arrays[kP22],
@@ -163,6 +165,7 @@ void StepCovariance2(ChannelArrays& arrays, const ProcessNoiseFactors& q) {
 }
 
 void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& q) {
+  GAUNTLET_ASSERT(arrays.array_count() >= kKalmanArrays3);
   const Covariance3 covariance = {.p11 = arrays[kP11Of3],
                                   .p12 = arrays[kP12Of3],
                                   .p13 = arrays[kP13Of3],

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "controller/assert.h"
 #include "controller/filters/subnormal.h"
 
 /// For what has to be compiled into the function that is made for a kind of processor.
@@ -45,6 +46,9 @@ GAUNTLET_INLINE void DropSubnormals(Lanes& lanes) noexcept {
 template <int kCount, class Filter, class Memory>
 GAUNTLET_INLINE void StepRows(const Memory& memory, int first, int channels, const double* input,
                               double* output, int stride, int samples) noexcept {
+  GAUNTLET_ASSERT(channels >= kLanes && kLanes * (kCount - 1) < channels &&
+                  channels <= kLanes * kCount);
+  GAUNTLET_ASSERT(0 <= first && first + channels <= stride);
   int begin[kCount];
   for (int i = 0; i < kCount; ++i) begin[i] = first + i * kLanes;
   begin[kCount - 1] = first + channels - kLanes;
@@ -69,6 +73,7 @@ GAUNTLET_INLINE void StepRows(const Memory& memory, int first, int channels, con
 /// multiple of four or a little less, and no more than registers hold.
 template <class Step>
 GAUNTLET_INLINE void ForParts(int channels, const Step& step) noexcept {
+  GAUNTLET_ASSERT(channels >= kLanes);
   constexpr int kMost = 5 * kLanes;
   const int parts = (channels + kMost - 1) / kMost;
   for (int part = 0; part < parts; ++part) {

@@ -3,10 +3,14 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "controller/assert.h"
+
 namespace gauntlet::controller {
 
 Eigen::MatrixXd SolveRiccati(const Eigen::MatrixXd& a, const Eigen::MatrixXd& h,
                              const Eigen::MatrixXd& q, const Eigen::MatrixXd& r) {
+  GAUNTLET_ASSERT(a.rows() == a.cols() && q.rows() == a.rows() && q.cols() == a.rows());
+  GAUNTLET_ASSERT(h.cols() == a.rows() && r.rows() == h.rows() && r.cols() == h.rows());
   // Extended precision: the gains of slow filters are small differences of large covariances.
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   const Matrix h_long = h.cast<long double>();

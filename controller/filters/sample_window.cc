@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "controller/assert.h"
 #include "controller/filters/subnormal.h"
 
 namespace gauntlet::controller {
@@ -10,9 +11,12 @@ SampleWindow::SampleWindow(int length, int channel_count, double empty)
     : rows_(Rows::Constant(length, channel_count, empty)),
       empty_(empty),
       counts_(channel_count, 0),
-      filling_(channel_count) {}
+      filling_(channel_count) {
+  GAUNTLET_ASSERT(length > 0 && channel_count > 0);
+}
 
 void SampleWindow::Push(std::span<const double> sample) noexcept {
+  GAUNTLET_ASSERT(std::ssize(sample) == channel_count());
   CopyWithoutSubnormals(sample.data(), rows_.row(next_).data(), channel_count());
   next_ = next_ + 1 == length() ? 0 : next_ + 1;
   if (filling_ == 0) return;
@@ -22,6 +26,7 @@ void SampleWindow::Push(std::span<const double> sample) noexcept {
 }
 
 void SampleWindow::SetCount(int channel, int count) noexcept {
+  GAUNTLET_ASSERT(0 <= channel && channel < channel_count());
   int& current = counts_[channel];
   filling_ += (current == length()) - (count == length());
   current = count;

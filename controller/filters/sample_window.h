@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "controller/assert.h"
+
 namespace gauntlet::controller {
 
 /// The last `length` samples of every channel. Rows are moments, so that a loop over channels
@@ -20,6 +22,7 @@ class SampleWindow {
   const double* Leaving() const noexcept { return rows_.row(next_).data(); }
   /// The sample of `age` steps ago; 0 is the newest.
   const double* Row(int age) const noexcept {
+    GAUNTLET_ASSERT(0 <= age && age < length());
     const int row = next_ - 1 - age;
     return rows_.row(row < 0 ? row + length() : row).data();
   }
@@ -29,7 +32,10 @@ class SampleWindow {
   void Push(std::span<const double> sample) noexcept;
 
   /// How many samples of the channel the window holds.
-  int count(int channel) const noexcept { return counts_[channel]; }
+  int count(int channel) const noexcept {
+    GAUNTLET_ASSERT(0 <= channel && channel < channel_count());
+    return counts_[channel];
+  }
   bool all_full() const noexcept { return filling_ == 0; }
 
   void Reset() noexcept;

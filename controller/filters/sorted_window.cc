@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/assert.h"
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
@@ -95,6 +96,7 @@ SortedWindow::SortedWindow(int length, int channel_count)
 }
 
 void SortedWindow::Push(std::span<const double> sample) noexcept {
+  GAUNTLET_ASSERT(std::ssize(sample) == channel_count());
   CopyWithoutSubnormals(sample.data(), carried_.data(), channel_count());
   std::fill(removed_.begin(), removed_.end(), 0.0);
   Replace(sorted_.data(), length(), window_.Leaving(), carried_.data(), removed_.data(),

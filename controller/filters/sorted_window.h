@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "controller/assert.h"
 #include "controller/filters/sample_window.h"
 
 namespace gauntlet::controller {
@@ -26,6 +27,7 @@ class SortedWindow {
   /// The smallest, second smallest, ... samples, one row of all channels each. Places that are not
   /// filled yet come last and are infinite.
   const double* row(int rank) const noexcept {
+    GAUNTLET_ASSERT(0 <= rank && rank < length());
     return sorted_.data() + std::ptrdiff_t{rank} * channel_count();
   }
 

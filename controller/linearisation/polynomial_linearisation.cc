@@ -5,6 +5,7 @@
 #include <string>
 
 #include "controller/angle.h"
+#include "controller/assert.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -85,12 +86,14 @@ class PolynomialLinearisation final : public Linearisation {
   int channel_count() const noexcept override { return polynomials_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
+    GAUNTLET_ASSERT(angle_rad.size() == counts.size() && std::ssize(counts) % channel_count() == 0);
     for (std::size_t at = 0; at < counts.size(); ++at) {
       angle_rad[at] = polynomials_[at % polynomials_.size()].Angle(counts[at]);
     }
   }
   void ToCounts(std::span<const double> angle_rad,
                 std::span<double> counts) const noexcept override {
+    GAUNTLET_ASSERT(counts.size() == angle_rad.size() && std::ssize(counts) % channel_count() == 0);
     for (std::size_t at = 0; at < angle_rad.size(); ++at) {
       counts[at] = polynomials_[at % polynomials_.size()].Counts(angle_rad[at]);
     }

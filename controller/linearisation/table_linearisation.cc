@@ -5,6 +5,7 @@
 #include <string>
 
 #include "controller/angle.h"
+#include "controller/assert.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -62,6 +63,7 @@ class TableLinearisation final : public Linearisation {
   int channel_count() const noexcept override { return tables_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
+    GAUNTLET_ASSERT(angle_rad.size() == counts.size() && std::ssize(counts) % channel_count() == 0);
     for (std::size_t at = 0; at < counts.size(); ++at) {
       const Table& table = tables_[at % tables_.size()];
       angle_rad[at] = Interpolate(table.counts, table.angle_rad, counts[at]);
@@ -69,6 +71,7 @@ class TableLinearisation final : public Linearisation {
   }
   void ToCounts(std::span<const double> angle_rad,
                 std::span<double> counts) const noexcept override {
+    GAUNTLET_ASSERT(counts.size() == angle_rad.size() && std::ssize(counts) % channel_count() == 0);
     for (std::size_t at = 0; at < angle_rad.size(); ++at) {
       const Table& table = tables_[at % tables_.size()];
       counts[at] = Interpolate(table.angle_rad_growing, table.counts_by_angle, angle_rad[at]);

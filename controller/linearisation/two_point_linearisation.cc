@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "controller/assert.h"
 #include "controller/filters/lanes.h"
 #include "controller/filters/vectorise.h"
 
@@ -93,6 +94,7 @@ class TwoPointLinearisation final : public Linearisation {
   int channel_count() const noexcept override { return low_counts_.size(); }
   void ToAngles(std::span<const double> counts,
                 std::span<double> angle_rad) const noexcept override {
+    GAUNTLET_ASSERT(angle_rad.size() == counts.size() && std::ssize(counts) % channel_count() == 0);
     MapLines({.source_origin = low_counts_.data(),
               .slope = rad_per_count_.data(),
               .target_origin = low_angle_rad_.data()},
@@ -100,6 +102,7 @@ class TwoPointLinearisation final : public Linearisation {
   }
   void ToCounts(std::span<const double> angle_rad,
                 std::span<double> counts) const noexcept override {
+    GAUNTLET_ASSERT(counts.size() == angle_rad.size() && std::ssize(counts) % channel_count() == 0);
     MapLines({.source_origin = low_angle_rad_.data(),
               .slope = counts_per_rad_.data(),
               .target_origin = low_counts_.data()},

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "controller/angle.h"
+#include "controller/assert.h"
 #include "controller/one_for_each.h"
 #include "controller/prediction/motion_model.h"
 
@@ -80,6 +81,7 @@ ModelPredictive::ModelPredictive(const ModelPredictiveConfig& config,
       event_s_(1.0 / events_per_s),
       change_limit_rad_(LimitOf(config.speed_limit_deg_s) * event_s_),
       lead_limit_rad_(LimitOf(config.lead_limit_deg)) {
+  GAUNTLET_ASSERT(events_per_s > 0.0);
   CheckSettings(config);
   if (!on()) return;
   const auto count = static_cast<int>(hand.joint_names.size());
@@ -179,6 +181,8 @@ bool ModelPredictive::Plan(Joint& joint, std::size_t index, std::span<const doub
 
 void ModelPredictive::Step(std::span<const double> path_rad,
                            std::span<double> command_rad) noexcept {
+  GAUNTLET_ASSERT(path_rad.size() == static_cast<std::size_t>(path_length_) * joints_.size());
+  GAUNTLET_ASSERT(command_rad.size() == joints_.size());
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     Joint& joint = joints_[i];
     Memory& memory = memory_[i];
@@ -191,6 +195,7 @@ void ModelPredictive::Step(std::span<const double> path_rad,
 
 void ModelPredictive::Sent(std::span<const double> wanted_rad,
                            std::span<const double> sent_rad) noexcept {
+  GAUNTLET_ASSERT(wanted_rad.size() == joints_.size() && sent_rad.size() == joints_.size());
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const double off = sent_rad[i] - wanted_rad[i];
     if (std::isfinite(off)) memory_[i].state += joints_[i].command_to_state * off;
@@ -198,6 +203,7 @@ void ModelPredictive::Sent(std::span<const double> wanted_rad,
 }
 
 void ModelPredictive::Reset(std::span<const double> angle_rad) noexcept {
+  GAUNTLET_ASSERT(!on() || angle_rad.size() == joints_.size());
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const double angle = std::clamp(angle_rad[i], joints_[i].min_rad, joints_[i].max_rad);
     memory_[i] = {.state = {angle, 0.0}, .command_rad = angle};

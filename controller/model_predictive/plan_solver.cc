@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "controller/assert.h"
+
 namespace gauntlet::controller {
 namespace {
 
@@ -16,6 +18,8 @@ constexpr double kDependent = 1e-9;
 }  // namespace
 
 PlanSolver::PlanSolver(const Eigen::MatrixXd& hessian) {
+  GAUNTLET_ASSERT(hessian.cols() == hessian.rows());
+  GAUNTLET_ASSERT(1 <= hessian.rows() && hessian.rows() <= kMostPlanSteps);
   const Eigen::Index n = hessian.rows();
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n - 1, n);
   a.topRows(n).setIdentity();
@@ -100,6 +104,7 @@ bool PlanSolver::Add(int limit, double side, double missed, int most_iterations)
     for (int i = 0; i < active_count_; ++i) Multiplier(i) -= step * taken[i];
     multiplier += step;
     if (dropped < 0) {
+      GAUNTLET_ASSERT(active_count_ < std::ssize(active_));
       active_[static_cast<std::size_t>(active_count_++)] = {limit, side, multiplier};
       return true;
     }
@@ -111,6 +116,8 @@ bool PlanSolver::Add(int limit, double side, double missed, int most_iterations)
 
 bool PlanSolver::Solve(const PlanVector& g, const PlanLimits& low, const PlanLimits& high,
                        int most_iterations, PlanVector& plan) noexcept {
+  GAUNTLET_ASSERT(g.size() == step_count());
+  GAUNTLET_ASSERT(low.size() == limit_count() && high.size() == limit_count());
   const int limits = limit_count();
   iterations_ = 0;
   unlimited_.noalias() = limits_to_plan_ * g;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/assert.h"
 #include "controller/filters/riccati.h"
 
 namespace gauntlet::controller {
@@ -55,6 +56,7 @@ MotionModel Swing(double frequency_hz, double damping, double q_deg2_per_s3,
 }
 
 SettledFilter Settle(const MotionModel& model, double r_deg2, double step_s) {
+  GAUNTLET_ASSERT(r_deg2 > 0.0 && step_s > 0.0);
   // exp([-F Q; 0 F'] T) = [. inv(A) Q_T; 0 A']
   using Matrix6 = Eigen::Matrix<long double, 6, 6>;
   Matrix6 both = Matrix6::Zero();

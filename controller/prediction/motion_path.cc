@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "controller/assert.h"
 #include "controller/prediction/horizon.h"
 #include "controller/prediction/predictor.h"
 
@@ -70,6 +71,7 @@ void MotionPath::RepeatInput(std::span<const double> angle_rad) noexcept {
 }
 
 void MotionPath::Step(std::span<const double> angle_rad, std::span<const double> now_rad) noexcept {
+  GAUNTLET_ASSERT(std::ssize(angle_rad) == channel_count_ && std::ssize(now_rad) == channel_count_);
   if (row_count_ == 0) return;
   auto later = std::copy(now_rad.begin(), now_rad.end(), rows_rad_.begin());
   if (later_) {
@@ -81,6 +83,7 @@ void MotionPath::Step(std::span<const double> angle_rad, std::span<const double>
 }
 
 void MotionPath::Hold(int channel, double angle_rad) noexcept {
+  GAUNTLET_ASSERT(0 <= channel && channel < channel_count_);
   for (int row = 0; row < row_count_; ++row) {
     rows_rad_.data()[std::ptrdiff_t{row} * channel_count_ + channel] = angle_rad;
   }

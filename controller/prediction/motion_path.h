@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "controller/assert.h"
 #include "controller/filters/filter.h"
 #include "controller/prediction/prediction_config.h"
 
@@ -24,6 +25,7 @@ class MotionPath {
 
   int row_count() const noexcept { return row_count_; }
   std::span<const double> Row(int row) const noexcept {
+    GAUNTLET_ASSERT(0 <= row && row < row_count_);
     return {rows_rad_.data() + std::ptrdiff_t{row} * channel_count_,
             static_cast<std::size_t>(channel_count_)};
   }

@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 
+#include "controller/assert.h"
 #include "controller/settings.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
@@ -62,6 +63,7 @@ int ChannelIndex(std::string_view name) {
 }
 
 std::size_t PlaceInList(std::size_t channel, std::size_t list_size) {
+  GAUNTLET_ASSERT(channel < KnownChannels().size());
   if (list_size == 1) return 0;
   if (channel < list_size) return channel;
   const std::string_view name = kChannels.at(channel).name;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 
 void Extent::Take(double value) {
@@ -18,6 +20,7 @@ void Extent::Widen(double share) {
 }
 
 double TickStep(const Extent& extent, int count) {
+  GAUNTLET_ASSERT(count > 0);
   const double rough = std::max((extent.high - extent.low) / count, 1e-12);
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
   for (const double factor : {1.0, 2.0, 5.0}) {
@@ -27,6 +30,7 @@ double TickStep(const Extent& extent, int count) {
 }
 
 std::vector<double> Ticks(const Extent& extent, double step) {
+  GAUNTLET_ASSERT(step > 0.0);
   constexpr double kRounding = 1e-9;  // of a step
   std::vector<double> ticks;
   const auto last = static_cast<int>(std::floor(extent.high / step + kRounding));

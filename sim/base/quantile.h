@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "controller/assert.h"
 #include "controller/number.h"
 
 namespace gauntlet::sim {
@@ -11,6 +12,7 @@ namespace gauntlet::sim {
 /// The value below which this share of the others lies, from 0 to 1: one of the values, and between
 /// two of them the lower; NaN if there are none.
 inline double Quantile(std::vector<double> values, double share) {
+  GAUNTLET_ASSERT(0.0 <= share && share <= 1.0);
   if (values.empty()) return controller::kNaN;
   const auto last = static_cast<double>(std::ssize(values) - 1);
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * last);

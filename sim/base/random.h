@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 
 /// A stream of random numbers that is fixed by a seed, a purpose and an index (a channel, say), so
@@ -35,6 +37,7 @@ class RandomStream {
   double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
   /// Uniform in 0 .. count - 1, for a count far below 2^64.
   std::uint64_t Index(std::uint64_t count) {
+    GAUNTLET_ASSERT(count > 0);
     return static_cast<std::uint64_t>((static_cast<Wide>(Bits()) * count) >> 64);
   }
 

@@ -12,7 +12,7 @@ constexpr std::string_view kPlain =
     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:,+@%-";
 
 /// $'..' with three digits for each byte that is not printable ASCII, as any may be behind it.
-std::string Escaped(std::string_view text) {
+std::string InDollarQuotes(std::string_view text) {
   std::string escaped = "$'";
   for (const char c : text) {
     if (c == '\'' || c == '\\') {
@@ -33,7 +33,7 @@ std::string ShellWord(std::string_view text) {
     return std::string(text);
   }
   if (text.find_first_of("\n\t") != std::string_view::npos || !TextProblem(text).empty()) {
-    return Escaped(text);
+    return InDollarQuotes(text);
   }
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);

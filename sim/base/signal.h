@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "controller/angle.h"
+#include "controller/assert.h"
 #include "controller/number.h"
 #include "sim/base/signal_storage.h"
 
@@ -86,6 +87,7 @@ using IntegerSignal = SignalOf<int>;
 
 /// Every `step`-th row, from the first on.
 inline Signal EveryRow(const Signal& signal, Eigen::Index step) {
+  GAUNTLET_ASSERT(step > 0);
   Signal result((signal.rows() + step - 1) / step, signal.cols());
   for (Eigen::Index c = 0; c < signal.cols(); ++c) {
     result.col(c) = signal.col(c)(Eigen::seqN(0, result.rows(), step));

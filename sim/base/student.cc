@@ -3,6 +3,8 @@
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 
 double StudentProbability(double t, double degrees_of_freedom) {
@@ -11,6 +13,7 @@ double StudentProbability(double t, double degrees_of_freedom) {
 }
 
 double StudentHalfWidth(double level, double degrees_of_freedom) {
+  GAUNTLET_ASSERT(0.0 < level && level < 1.0);
   // The root of ln(probability) over ln(t), which is nearly straight in the tail, by the Illinois
   // method: a chord, and half the weight for an end that stays twice.
   const auto excess = [&](double log_t) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -10,6 +12,7 @@ constexpr double kLongestTickMs = 1.0;
 
 /// The smallest whole number of parts of which none is longer than `longest_ms`.
 int PartsOf(double whole_ms, double longest_ms) {
+  GAUNTLET_ASSERT(whole_ms > 0.0 && longest_ms > 0.0);
   constexpr double kRounding = 1e-9;
   return static_cast<int>(std::ceil(whole_ms / longest_ms - kRounding));
 }

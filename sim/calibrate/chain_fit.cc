@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "controller/assert.h"
 #include "sim/base/signal.h"
 #include "sim/calibrate/least_squares.h"
 #include "sim/score/delay.h"
@@ -355,6 +356,7 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
 
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
                   double rate_hz, int parts, const std::optional<FrameClock>& frames) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && parts > 0 && angle_deg.size() == command_deg.size());
   ChainFit fit;
   fit.frames = frames ? frames : FindFrameClock(ChangesOf(command_deg));
   double delay_s = 0.0;
@@ -391,6 +393,7 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
 
 void AddMotor(std::span<const double> command_deg, std::span<const double> motor_deg,
               std::span<const double> angle_deg, double rate_hz, ChainFit& fit, int parts) {
+  GAUNTLET_ASSERT(motor_deg.size() == command_deg.size() && angle_deg.size() == command_deg.size());
   if (!fit.problem.empty()) return;
   const Eigen::Map<const VectorXd> motor(motor_deg.data(), std::ssize(motor_deg));
   const Eigen::Map<const VectorXd> angle(angle_deg.data(), std::ssize(angle_deg));

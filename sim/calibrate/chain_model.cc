@@ -5,6 +5,8 @@
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -25,6 +27,7 @@ bool IsSmooth(std::span<const double> rows) {
 
 /// At a share of the way from row k to the next, of Lagrange's cubic through four rows.
 double CubicAt(std::span<const double> rows, Index k, double share) {
+  GAUNTLET_ASSERT(1 <= k && k + 2 < std::ssize(rows));
   const double before = share + 1.0;
   const double next = share - 1.0;
   const double behind = share - 2.0;
@@ -102,6 +105,7 @@ LagStep LagStepOf(const ChainModel& model, double rate_hz) {
 
 FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
                           const std::optional<FrameClock>& frames) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && !command_deg.empty());
   constexpr double kFineRate_hz = 500.0;
   FineCommand fine{.values_deg = {}, .smooth = !frames && IsSmooth(command_deg)};
   if (frames || fine.smooth) {
@@ -120,6 +124,9 @@ FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
 
 void SimulateChain(const ChainModel& model, const FineCommand& command,
                    std::span<double> angle_deg) {
+  GAUNTLET_ASSERT(command.steps_per_row > 0 && model.dead_time_s >= 0.0);
+  GAUNTLET_ASSERT(std::ssize(command.values_deg) >
+                  (std::ssize(angle_deg) - 1) * command.steps_per_row);
   const double dead_samples = model.dead_time_s * command.rate_hz + command.late_steps;
   const double whole = std::floor(dead_samples);
   const double fraction = dead_samples - whole;

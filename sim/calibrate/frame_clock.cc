@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -27,7 +29,10 @@ std::vector<Change> ChangesIn(std::span<const double> sizes) {
   return changes;
 }
 
-double RowsOf(std::span<const Change> changes) { return changes.back().row - changes.front().row; }
+double RowsOf(std::span<const Change> changes) {
+  GAUNTLET_ASSERT(!changes.empty());
+  return changes.back().row - changes.front().row;
+}
 
 /// The shortest part of a period in which all changes are, wherever in their period they are.
 struct Arc {
@@ -36,6 +41,7 @@ struct Arc {
 };
 
 Arc ArcOf(std::span<const Change> changes, double period_rows) {
+  GAUNTLET_ASSERT(!changes.empty() && period_rows > 0.0);
   std::vector<double> phases;
   phases.reserve(changes.size() + 1);
   for (const Change& change : changes) phases.push_back(std::fmod(change.row, period_rows));
@@ -96,6 +102,7 @@ std::optional<FrameClock> BestClock(std::vector<Change> changes, double period_r
 /// Whether changes may be steps to which a smooth command is rounded: those are as large as each
 /// other, or larger where it is so fast that none of the rows rests.
 bool MayBeRounded(std::span<const Change> changes, double period_rows) {
+  GAUNTLET_ASSERT(changes.size() >= 2);
   constexpr double kAsLarge = 1.2;
   constexpr double kSmaller = 0.6;
   constexpr double kTooFew = 10.0;

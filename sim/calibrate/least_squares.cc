@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "controller/assert.h"
 #include "sim/base/student.h"
 
 namespace gauntlet::sim {
@@ -51,6 +52,9 @@ LeastSquaresFit Minimise(LeastSquaresProblem& problem, VectorXd start) {
 
 std::optional<std::vector<WithoutBlock>> WithoutEachBlock(const LeastSquaresFit& fit,
                                                           std::optional<Index> held) {
+  GAUNTLET_ASSERT(fit.derivatives.rows() == fit.residual.size());
+  GAUNTLET_ASSERT(fit.derivatives.cols() == fit.parameters.size());
+  GAUNTLET_ASSERT(!held || (0 <= *held && *held < fit.parameters.size()));
   constexpr double kLeastEigenvalue = 1e-7;  // of the normal matrix with ones in its diagonal
   std::vector<Index> told(static_cast<std::size_t>(fit.parameters.size()));
   std::iota(told.begin(), told.end(), Index{0});
@@ -84,6 +88,7 @@ double HalfWidthOf(double standard_error, double degrees_of_freedom) {
 }
 
 double StudentOfGain(const LeastSquaresFit& better, const LeastSquaresFit& other) {
+  GAUNTLET_ASSERT(other.residual.size() >= better.residual.size());
   const Index rows = better.residual.size();
   const VectorXd gain = other.residual.tail(rows).cwiseAbs2() - better.residual.cwiseAbs2();
   Eigen::Vector<double, kBlocks> of_block;
@@ -96,6 +101,7 @@ double StudentOfGain(const LeastSquaresFit& better, const LeastSquaresFit& other
 }
 
 bool IsByChance(double t, int questions) {
+  GAUNTLET_ASSERT(questions > 0);
   constexpr double kChance = 0.05;
   return t <= 0.0 || 0.5 * StudentProbability(t, kBlocks - 1) * questions > kChance;
 }

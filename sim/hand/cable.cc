@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -20,6 +22,7 @@ double CableTension(double stiffness_n_m, double damping_n_s_m, double stretch_m
 
 void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_s,
                std::span<CablePlace> places, CableState& state) noexcept {
+  GAUNTLET_ASSERT(cord.stiffness_n_m > 0.0 && step_s > 0.0);
   const bool linear = std::abs(state.log_ratio) < kSmallLogRatio;
   const double whole = linear ? 1.0 : std::expm1(state.log_ratio);
   double rate = 0.0;
@@ -58,6 +61,7 @@ double CableEnergy(const Cord& cord, const CableState& state) noexcept {
 }
 
 double DrumAngle(double shaft_rad, double balance_rad, double play_rad) noexcept {
+  GAUNTLET_ASSERT(play_rad >= 0.0);
   return std::clamp(balance_rad, shaft_rad - 0.5 * play_rad, shaft_rad + 0.5 * play_rad);
 }
 

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 
+#include "controller/assert.h"
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {
@@ -205,6 +206,7 @@ bool Agree(const mjModel& model, const mjData& data, const std::vector<Drive>& d
 
 double MeasureCable(const Cable& cable, const double* qpos, const double* qvel,
                     std::span<double> arm_m, double& rate_m_s) noexcept {
+  GAUNTLET_ASSERT(arm_m.size() == cable.crossings.size());
   std::ranges::fill(arm_m, 0.0);
   double length = cable.fixed_length_m;
   rate_m_s = 0.0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/assert.h"
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {
@@ -30,6 +31,8 @@ double AngleBetween(const mjtNum* a, const mjtNum* b, const mjtNum* c, const mjt
 }  // namespace
 
 double MomentArm(const mjModel& model, const mjData& data, int tendon, int dof) noexcept {
+  GAUNTLET_ASSERT(0 <= tendon && tendon < model.ntendon);
+  GAUNTLET_ASSERT(0 <= dof && dof < model.nv);
   if (!mj_isSparse(&model)) return data.ten_J[static_cast<std::size_t>(tendon) * model.nv + dof];
   const int begin = data.ten_J_rowadr[tendon];
   const int end = begin + data.ten_J_rownnz[tendon];

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "controller/assert.h"
 #include "controller/tendon_map.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
@@ -157,6 +158,7 @@ double Hand::State::Bend(const Cable& cable) const noexcept {
 /// The cable's pull on the joints that it passes, while its drum winds it up at `wound_rate_m_s`.
 void Hand::State::Pull(const Cable& cable, double stretch_m, double wound_rate_m_s,
                        std::span<const double> arm_m, CableState& state) noexcept {
+  GAUNTLET_ASSERT(arm_m.size() == cable.crossings.size());
   const double bend = Bend(cable);
   places.resize(cable.crossings.size() + 1);
   places[0] = {.speed_m_s = wound_rate_m_s};
@@ -179,6 +181,7 @@ void Hand::State::Pull(const Cable& cable, double stretch_m, double wound_rate_m
 DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
                                  std::span<const CableState> states, std::span<const CableWay> ways,
                                  double& angle_rad) const noexcept {
+  GAUNTLET_ASSERT(states.size() == ways.size() && ways.size() <= drive.cables.size());
   const double before = std::exchange(angle_rad, spool.angle_rad);
   if (drive.play_rad == 0.0) return {spool.angle_rad, spool.speed_rad_s};
   double pull = 0.0;
@@ -210,6 +213,7 @@ void Hand::State::PullCables() noexcept {
 /// they turn the spool back.
 double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
                                std::span<CableState> states, double& drum_angle_rad) noexcept {
+  GAUNTLET_ASSERT(states.size() == drive.cables.size() && states.size() <= kMostCables);
   CableWay way_of_cable[kMostCables];
   const std::span<CableWay> ways(way_of_cable, states.size());
   for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -289,6 +293,7 @@ Hand::Hand(std::shared_ptr<const HandModel> model)
 Hand::~Hand() = default;
 
 void Hand::Reset(std::span<const double> joint_angle_rad) {
+  GAUNTLET_ASSERT(joint_angle_rad.size() == state_->joint_qpos.size());
   State& state = *state_;
   const HandModel& hand = *state.hand;
   const controller::TendonTransmission& map = hand.as_built();
@@ -330,6 +335,7 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
 }
 
 void Hand::SetCommand(std::span<const std::int32_t> motor_counts) noexcept {
+  GAUNTLET_ASSERT(motor_counts.size() == state_->counts.size());
   const controller::TendonTransmission& map = hand_model().transmission();
   for (std::size_t motor = 0; motor < state_->counts.size(); ++motor) {
     state_->counts[motor] =
@@ -353,27 +359,32 @@ void Hand::Step() noexcept {
 }
 
 void Hand::ReadJointAngles(std::span<double> joint_angle_rad) const noexcept {
+  GAUNTLET_ASSERT(joint_angle_rad.size() == state_->joint_qpos.size());
   const std::vector<int>& qpos = state_->joint_qpos;
   for (std::size_t i = 0; i < qpos.size(); ++i) joint_angle_rad[i] = data().qpos[qpos[i]];
 }
 
 void Hand::ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept {
+  GAUNTLET_ASSERT(spool_angle_rad.size() == state_->spools.size());
   for (std::size_t i = 0; i < state_->spools.size(); ++i) {
     spool_angle_rad[i] = state_->spools[i].angle_rad;
   }
 }
 
 void Hand::ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept {
+  GAUNTLET_ASSERT(spool_speed_rad_s.size() == state_->spools.size());
   for (std::size_t i = 0; i < state_->spools.size(); ++i) {
     spool_speed_rad_s[i] = state_->spools[i].speed_rad_s;
   }
 }
 
 void Hand::ReadServoTorques(std::span<double> torque_nm) const noexcept {
+  GAUNTLET_ASSERT(torque_nm.size() == state_->torque_nm.size());
   std::copy(state_->torque_nm.begin(), state_->torque_nm.end(), torque_nm.begin());
 }
 
 void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
+  GAUNTLET_ASSERT(tension_n.size() == state_->cables.size());
   for (std::size_t i = 0; i < state_->cables.size(); ++i) {
     tension_n[i] = state_->cables[i].tension_n;
   }
@@ -400,10 +411,12 @@ GripReading Hand::ReadGrip() const noexcept {
 
 void Hand::ReadObjectPose(std::span<double> pose) const noexcept {
   const GraspParts& grasp = hand_model().grasp_in_physics();
+  GAUNTLET_ASSERT(!grasp.exists() || pose.size() == 7);
   if (grasp.exists()) std::copy_n(data().qpos + grasp.qpos, 7, pose.begin());
 }
 
 void Hand::ReadSaturation(std::span<std::uint8_t> saturated) const noexcept {
+  GAUNTLET_ASSERT(saturated.size() == state_->saturated.size());
   std::copy(state_->saturated.begin(), state_->saturated.end(), saturated.begin());
 }
 

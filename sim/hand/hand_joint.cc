@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 
 std::vector<HandJoint> FindJoints(const mjModel& model, const std::vector<Follower>& followers,
@@ -31,6 +33,7 @@ std::vector<HandJoint> FindJoints(const mjModel& model, const std::vector<Follow
 std::vector<double> PostureOf(const mjModel& model, const std::vector<HandJoint>& joints,
                               const std::vector<double>& joint_angle_rad,
                               const std::vector<Follower>& followers) {
+  GAUNTLET_ASSERT(joint_angle_rad.size() == joints.size());
   std::vector<double> qpos(model.qpos0, model.qpos0 + model.nq);
   for (std::size_t i = 0; i < joints.size(); ++i) qpos[joints[i].qpos] = joint_angle_rad[i];
   for (const Follower& follower : followers) {

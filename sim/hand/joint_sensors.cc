@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "controller/assert.h"
 #include "sim/base/normal_pair.h"
 #include "sim/base/signal.h"
 
@@ -71,6 +72,7 @@ void JointSensors::Read(std::span<const double> joint_angle_rad,
 }
 
 std::span<const double> JointSensors::Step(std::span<const double> joint_angle_rad) noexcept {
+  GAUNTLET_ASSERT(joint_angle_rad.size() == joints_);
   if (!exist()) return {};
   const auto row = [this](std::size_t index) {
     return std::span(on_the_way_rad_).subspan(index * joints_, joints_);

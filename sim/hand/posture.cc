@@ -4,10 +4,14 @@
 
 #include <algorithm>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 
 void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
                 std::span<const double> spool_angle_rad, mjData& data) {
+  GAUNTLET_ASSERT(joint_angle_rad.size() == model.joints().size());
+  GAUNTLET_ASSERT(spool_angle_rad.size() == model.drives().size());
   for (std::size_t i = 0; i < model.joints().size(); ++i) {
     data.qpos[model.joints()[i].qpos] = joint_angle_rad[i];
   }
@@ -25,6 +29,7 @@ void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
 }
 
 void SetObjectPose(const HandModel& model, std::span<const double> pose, mjData& data) {
+  GAUNTLET_ASSERT(!model.grasp().exists() || pose.size() == 7);
   if (model.grasp().exists()) std::copy_n(pose.begin(), 7, data.qpos + model.grasp().qpos);
 }
 

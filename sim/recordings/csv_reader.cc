@@ -211,10 +211,10 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
 }
 
 CsvReader::Source FileSource(const std::filesystem::path& path) {
-  const std::shared_ptr<std::FILE> file(
-      std::fopen(InputFile(path).c_str(), "rb"), [](std::FILE* open) {
-        if (open != nullptr) std::fclose(open);
-      });
+  const std::shared_ptr<std::FILE> file(std::fopen(InputFile(path).c_str(), "rb"),
+                                        [](std::FILE* open) {
+                                          if (open != nullptr) std::fclose(open);
+                                        });
   if (file == nullptr) {
     throw UserError({.place = path.string(),
                      .problem = fmt::format("cannot be read: {}", std::strerror(errno))});

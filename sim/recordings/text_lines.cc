@@ -56,8 +56,8 @@ void TextLines::Refill() {
   }
   if (end_ == buffer_.size()) {
     if (buffer_.size() >= kLongestLine) {
-      throw UserError({.place = fmt::format("{}:{}:1", name_, lines_read_ + 1),
-                       .problem = LineTooLong()});
+      throw UserError(
+          {.place = fmt::format("{}:{}:1", name_, lines_read_ + 1), .problem = LineTooLong()});
     }
     buffer_.resize(buffer_.size() * 2);
   }

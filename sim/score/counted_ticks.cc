@@ -2,12 +2,17 @@
 
 #include <algorithm>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 
 CountedTicks CountTicks(std::span<const MaskedStretch> masked, const std::vector<bool>& follows,
                         int recovery_ticks, int ticks) {
+  GAUNTLET_ASSERT(recovery_ticks >= 0 && ticks >= 0);
   std::vector<TickRange> left_out;
   for (const MaskedStretch& stretch : masked) {
+    GAUNTLET_ASSERT(0 <= stretch.channel && stretch.channel < std::ssize(follows));
+    GAUNTLET_ASSERT(0 <= stretch.begin && stretch.begin <= stretch.end && stretch.end <= ticks);
     if (!follows[static_cast<std::size_t>(stretch.channel)]) continue;
     const int recovery = stretch.reason == MaskReason::kClipped ? 0 : recovery_ticks;
     left_out.push_back({stretch.begin, std::min(ticks, stretch.end + recovery)});
@@ -21,6 +26,15 @@ CountedTicks CountTicks(std::span<const MaskedStretch> masked, const std::vector
   }
   if (begin < ticks) counted.push_back({begin, ticks});
   return counted;
+}
+
+bool AreWithin(const CountedTicks& counted, std::ptrdiff_t ticks) {
+  int end = 0;
+  return std::ranges::all_of(counted, [&](const TickRange& range) {
+    const bool rises = end <= range.begin && range.begin <= range.end && range.end <= ticks;
+    end = range.end;
+    return rises;
+  });
 }
 
 CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& counted) {

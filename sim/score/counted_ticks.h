@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,9 @@ struct CountedParts {
 ///     clipped  not while it lasts: what the sensor says goes on from its stop, without a jump
 CountedTicks CountTicks(std::span<const MaskedStretch> masked, const std::vector<bool>& follows,
                         int recovery_ticks, int ticks);
+
+/// Whether these are ranges of the ticks 0 .. `ticks` that rise.
+bool AreWithin(const CountedTicks& counted, std::ptrdiff_t ticks);
 
 /// What lies in both.
 CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& counted);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "controller/assert.h"
 #include "sim/base/signal.h"
 
 namespace gauntlet::sim {
@@ -66,6 +67,7 @@ struct Pair {
 };
 
 Pair Transform(Centred leader, Centred follower, int largest_lag, Fourier& fourier) {
+  GAUNTLET_ASSERT(leader.values.size() == follower.values.size());
   const int samples = static_cast<int>(leader.values.size());
   Pair pair{.samples = samples,
             .size = FastTransformSize(samples + largest_lag),  // lags must not wrap around
@@ -137,6 +139,7 @@ struct AtLag {
 /// Adds the sums of one range at lags -bound .. bound.
 void AddOverlaps(const Pair& pair, std::span<const double> products, int bound,
                  std::vector<AtLag>& sums) {
+  GAUNTLET_ASSERT(std::ssize(products) == pair.size && std::ssize(sums) == 2 * bound + 1);
   for (const int direction : {1, -1}) {
     Moments leader = pair.leader.moments;
     Moments follower = pair.follower.moments;
@@ -198,6 +201,8 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
 
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
                                    double rate_hz, const CountedTicks& counted, Fourier& fourier) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && follower.size() == leader.size());
+  GAUNTLET_ASSERT(AreWithin(counted, std::ssize(leader)));
   if (counted.empty()) return std::nullopt;
   const auto length = [](const TickRange& range) { return range.end - range.begin; };
   const auto longest = std::ranges::max_element(counted, {}, length);
@@ -249,6 +254,8 @@ std::optional<double> DelaySamples(std::span<const double> leader, std::span<con
 
 double AlignedRms(std::span<const double> leader, std::span<const double> follower,
                   double delay_samples, const CountedTicks& counted) {
+  GAUNTLET_ASSERT(follower.size() == leader.size());
+  GAUNTLET_ASSERT(AreWithin(counted, std::ssize(leader)));
   const double whole = std::floor(delay_samples);
   const int lag = static_cast<int>(whole);
   const double fraction = delay_samples - whole;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "controller/assert.h"
 #include "sim/score/delay.h"
 #include "sim/score/jitter.h"
 
@@ -77,6 +78,7 @@ void UnmarkLimits(const ScoreInput& input, int joint, TickMarks& marks) {
 /// The reference of `delay_ticks` ago, linear between ticks; before the first and beyond the last
 /// it goes on as it is there.
 VectorXd Delayed(const Column& reference, double delay_ticks) {
+  GAUNTLET_ASSERT(reference.size() > 0);
   const Index ticks = reference.size();
   const double whole = std::floor(-delay_ticks);
   const double fraction = -delay_ticks - whole;
@@ -122,6 +124,8 @@ class SumsWithin {
     std::partial_sum(values.begin(), values.end(), until_.begin() + 1);
   }
   double MovedBy(Index by) const {
+    GAUNTLET_ASSERT(ranges_.empty() ||
+                    (ranges_.front().begin + by >= 0 && ranges_.back().end + by < until_.size()));
     double sum = 0.0;
     for (const TickRange& range : ranges_) sum += until_[range.end + by] - until_[range.begin + by];
     return sum;

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -271,6 +273,7 @@ void Fourier::Forward(const std::vector<double>& values, Values& lower_half) {
 }
 
 void Fourier::Inverse(Values lower_half, std::vector<double>& values) {
+  GAUNTLET_ASSERT(lower_half.size() > values.size() / 2);
   const std::size_t size = values.size();
   const std::size_t half = size / 2;
   if (size % 2 != 0) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/assert.h"
 #include "sim/score/jitter.h"
 #include "sim/score/no_score.h"
 
@@ -15,6 +16,7 @@ constexpr double kTouchN = 0.1;
 
 double GripForceRipple(std::span<const double> force_n, double rate_hz, double above_hz,
                        const CountedTicks& counted, Fourier& fourier) {
+  GAUNTLET_ASSERT(AreWithin(counted, std::ssize(force_n)));
   double squares = 0.0;
   Eigen::Index count = 0;
   const auto holds = [](double force) { return force >= kTouchN; };

@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
 constexpr double kTransitionShare = 0.4;  // of the edge, centred on it
 
 int Reach(double rate_hz, double above_hz) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && above_hz > 0.0);
   return LowPassReach(kTransitionShare * above_hz, rate_hz);
 }
 

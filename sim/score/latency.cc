@@ -66,7 +66,7 @@ void CheckShapes(const LatencyInput& input) {
   }
   if (input.counted == nullptr) return;
   const auto is_within = [&input](const CountedTicks& counted) {
-    return counted.empty() || counted.back().end <= input.hand_angle_rad->rows();
+    return AreWithin(counted, input.hand_angle_rad->rows());
   };
   if (std::ssize(*input.counted) != input.hand_angle_rad->cols() ||
       !std::ranges::all_of(*input.counted, is_within)) {
@@ -124,7 +124,7 @@ std::vector<Signal> Stations(const LatencyInput& input, int step, Fourier& fouri
       {.signal = input.target_angle_rad, .held_for_ticks = input.ticks_per_event},
       {.signal = input.command_angle_rad},
       {.signal = input.command_angle_rad,
-       .held_for_ticks = input.ticks_per_servo_frame,
+       .held_for_ticks = std::max(1.0, input.ticks_per_servo_frame),
        .first_tick = input.first_servo_frame},
       {.signal = input.hand_angle_rad},
   };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -35,6 +37,7 @@ int LowPassReach(double transition_hz, double rate_hz) {
 }
 
 LowPass DesignLowPass(double cutoff_hz, double transition_hz, double rate_hz) {
+  GAUNTLET_ASSERT(cutoff_hz > 0.0 && transition_hz > 0.0 && rate_hz > 0.0);
   const int reach = LowPassReach(transition_hz, rate_hz);
   const double beta = 0.1102 * (kAttenuation_db - 8.7);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "controller/assert.h"
 #include "controller/filters/lanes.h"
 #include "controller/filters/vectorise.h"
 
@@ -80,6 +81,7 @@ GAUNTLET_VECTORISED void AddSquares(const TwoRows& angles, int columns, const do
 
 MeanSquareError::MeanSquareError(std::vector<int> columns, std::vector<CountedTicks> counted)
     : columns_(std::move(columns)), counted_(std::move(counted)) {
+  GAUNTLET_ASSERT(counted_.size() == columns_.size());
   for (const int column : columns_) {
     squares_.resize(std::max(squares_.size(), static_cast<std::size_t>(column) + 1));
   }
@@ -88,6 +90,9 @@ MeanSquareError::MeanSquareError(std::vector<int> columns, std::vector<CountedTi
 template <class Matrix, class SquareAt>
 bool MeanSquareError::AddPart(const Matrix& hand_rad, const Matrix& reference_rad,
                               const SquareAt& square_of) {
+  GAUNTLET_ASSERT(reference_rad.rows() == hand_rad.rows());
+  GAUNTLET_ASSERT(hand_rad.cols() >= std::ssize(squares_) &&
+                  reference_rad.cols() >= std::ssize(squares_));
   const TickRange block{static_cast<int>(ticks_), static_cast<int>(ticks_ + hand_rad.rows())};
   ticks_ = block.end;
   const auto has_all = [&block](const CountedTicks& counted) {

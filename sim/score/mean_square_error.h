@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "controller/assert.h"
 #include "sim/score/counted_ticks.h"
 
 namespace gauntlet::sim {
@@ -30,7 +31,10 @@ class MeanSquareError {
 
   int joint_count() const { return static_cast<int>(columns_.size()); }
   /// Of the joint in one of the columns; kNoScore if none of its ticks counts.
-  double Of(int joint) const { return squares_[columns_[joint]] / CountOf(counted_[joint]); }
+  double Of(int joint) const {
+    GAUNTLET_ASSERT(0 <= joint && joint < joint_count());
+    return squares_[columns_[joint]] / CountOf(counted_[joint]);
+  }
 
  private:
   /// Counts the ticks in. False if all of them count for every joint; else what counts is added.

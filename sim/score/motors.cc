@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/assert.h"
 #include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
@@ -23,6 +24,7 @@ std::vector<double> HannWindow(int size) {
 
 double SpectralCentroid(std::span<const double> speed, double rate_hz, const CountedTicks& counted,
                         Fourier& fourier) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && AreWithin(counted, std::ssize(speed)));
   const int samples = CountOf(counted);
   const int size = FastTransformSize(static_cast<int>(kPiece_s * rate_hz));
   double mean = 0.0;
@@ -63,6 +65,7 @@ double SpectralCentroid(std::span<const double> speed, double rate_hz, const Cou
 }
 
 double SlackShare(std::span<const double> tension_n, const CountedTicks& counted) {
+  GAUNTLET_ASSERT(AreWithin(counted, std::ssize(tension_n)));
   std::ptrdiff_t slack = 0;
   for (const TickRange& range : counted) {
     slack += std::count_if(tension_n.begin() + range.begin, tension_n.begin() + range.end,

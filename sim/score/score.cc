@@ -5,6 +5,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "controller/assert.h"
 #include "sim/score/fourier.h"
 #include "sim/score/metrics.h"
 #include "sim/score/no_score.h"
@@ -100,7 +101,10 @@ void Score(const Part& part, const std::vector<bool>& wanted, std::vector<double
 /// Per metric; nothing named is all.
 std::vector<bool> Wanted(std::span<const std::size_t> metrics) {
   std::vector<bool> wanted(Metrics().size(), metrics.empty());
-  for (const std::size_t metric : metrics) wanted[metric] = true;
+  for (const std::size_t metric : metrics) {
+    GAUNTLET_ASSERT(metric < wanted.size());
+    wanted[metric] = true;
+  }
   return wanted;
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "controller/assert.h"
 #include "sim/score/delay.h"
 #include "sim/score/jitter.h"
 #include "sim/score/no_score.h"
@@ -14,6 +15,7 @@ namespace gauntlet::sim {
 namespace {
 
 std::span<const double> Column(const Signal& signal, int column, Eigen::Index rows) {
+  GAUNTLET_ASSERT(rows <= signal.rows() && 0 <= column && column < signal.cols());
   return {signal.col(column).data(), static_cast<std::size_t>(rows)};
 }
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "controller/assert.h"
 #include "sim/score/low_pass.h"
 #include "sim/score/no_score.h"
 
@@ -54,6 +55,7 @@ std::vector<double> VelocityIn(const Movement& movement, std::span<const double>
 }  // namespace
 
 double SpectralArcLength(std::span<const double> speed, double rate_hz, Fourier& fourier) {
+  GAUNTLET_ASSERT(rate_hz > 0.0);
   const std::size_t size = std::bit_ceil(speed.size()) << kPaddingLevel;
   std::vector<double> padded(size);
   std::copy(speed.begin(), speed.end(), padded.begin());
@@ -85,6 +87,7 @@ double SpectralArcLength(std::span<const double> speed, double rate_hz, Fourier&
 }
 
 double LogDimensionlessJerk(std::span<const double> speed, double rate_hz) {
+  GAUNTLET_ASSERT(rate_hz > 0.0);
   if (speed.size() < 3) return kNoScore;
   double peak = 0.0;
   for (const double value : speed) peak = std::max(peak, std::abs(value));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "controller/assert.h"
 #include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
@@ -57,6 +58,8 @@ std::optional<double> SamplesBeforeOnset(std::span<const double> angle, const Mo
 double Overshoot(std::span<const double> wearer_rad, std::span<const double> hand_rad,
                  double rate_hz, std::span<const Movement> movements, double delay_samples,
                  const CountedTicks& counted) {
+  GAUNTLET_ASSERT(hand_rad.size() == wearer_rad.size());
+  GAUNTLET_ASSERT(AreWithin(counted, std::ssize(wearer_rad)));
   const double offset = MeanDifference(wearer_rad, hand_rad, counted);
   const int delay = static_cast<int>(std::lround(std::max(0.0, delay_samples)));
   double sum = 0.0;
@@ -82,6 +85,7 @@ double Overshoot(std::span<const double> wearer_rad, std::span<const double> han
 
 double OnsetDelay(std::span<const double> wearer_rad, std::span<const double> hand_rad,
                   double rate_hz, std::span<const Movement> movements) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && hand_rad.size() == wearer_rad.size());
   const int first = static_cast<int>(kBaselineBegin_s * rate_hz);
   const int last = std::min(first - 1, static_cast<int>(kBaselineEnd_s * rate_hz));
   double sum = 0.0;

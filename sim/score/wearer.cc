@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "controller/assert.h"
 #include "sim/base/signal.h"
 
 namespace gauntlet::sim {
@@ -161,6 +162,7 @@ std::vector<TickRange> Reversals(const std::vector<Movement>& movements, int rea
 
 WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
                            std::span<const Segment> segments) {
+  GAUNTLET_ASSERT(rate_hz > 0.0);
   const int samples = static_cast<int>(angle_rad.size());
   const auto in_samples = [&](double time_s) {
     return static_cast<int>(std::lround(time_s * rate_hz));
@@ -194,6 +196,7 @@ WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
 
 WearerMotion AnalyseWearer(std::span<const double> angle_rad, double rate_hz,
                            std::span<const Segment> segments, const CountedTicks& counted) {
+  GAUNTLET_ASSERT(AreWithin(counted, std::ssize(angle_rad)));
   WearerMotion all;
   for (const TickRange& range : counted) {
     std::vector<Segment> labels(segments.begin(), segments.end());

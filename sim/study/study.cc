@@ -6,10 +6,10 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/fast_hash.h"
 #include "sim/base/nearest_name.h"
 #include "sim/hand/camera_view.h"
 #include "sim/study/counted_parts.h"
-#include "sim/base/fast_hash.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "controller/angle_estimator.h"
+#include "controller/assert.h"
 #include "sim/base/stop.h"
 
 namespace gauntlet::sim {
@@ -22,6 +23,7 @@ Index SamplesBefore(Index ticks, Index ticks_per_sample) {
 }
 
 std::span<const double> RowsOf(const AngleRows& rows, Index first, Index count) {
+  GAUNTLET_ASSERT(0 <= first && 0 <= count && first + count <= rows.rows());
   return {rows.data() + first * rows.cols(), static_cast<std::size_t>(count * rows.cols())};
 }
 
@@ -38,6 +40,7 @@ struct GloveBlock {
   /// Whether the glove has a new sample at a tick of the block.
   bool HasSample(Index tick) const { return (first_tick + tick) % ticks_per_sample == 0; }
   std::span<const double> SampleAt(Index tick) const {
+    GAUNTLET_ASSERT(HasSample(tick));
     return RowsOf(counts, (first_tick + tick) / ticks_per_sample - first_sample, 1);
   }
 
@@ -94,11 +97,15 @@ class FilterSteps {
     return RowsOf(counts_, first, count);
   }
   Index count() const { return steps_; }
-  Index CountUntil(Index tick) const { return steps_until_[static_cast<std::size_t>(tick)]; }
+  Index CountUntil(Index tick) const {
+    GAUNTLET_ASSERT(0 <= tick && tick < std::ssize(steps_until_));
+    return steps_until_[static_cast<std::size_t>(tick)];
+  }
   std::span<const Start> starts() const { return starts_; }
 
  private:
   void AddStep() {
+    GAUNTLET_ASSERT(steps_ < counts_.rows());
     const std::span<const double> trusted = guard_.trusted_counts();
     std::copy(trusted.begin(), trusted.end(), &counts_(steps_++, 0));
   }
@@ -144,6 +151,7 @@ class FilterTrial {
 
   /// The joints' angles of the block. Good until `angles` are used again.
   Eigen::Map<const AngleRows> Run(const FilterSteps& steps, Index ticks, BlockAngles& angles) {
+    GAUNTLET_ASSERT(steps.count() <= ticks && ticks <= kBlockTicks);
     // What held before, then what each step gives.
     std::ranges::copy(estimator_.predicted_rad(), angles.predicted_rad.data());
     Index done = 0;
@@ -202,6 +210,7 @@ Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove) {
 
 std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const GloveSignal& glove,
                                    const SeeAngles& see) {
+  GAUNTLET_ASSERT(glove.counts.cols() == std::ssize(glove.channel_names));
   std::vector<FilterSteps> steps;
   std::vector<FilterTrial> trials;
   for (const TrialSetup& setup : setups) {

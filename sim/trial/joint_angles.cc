@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "controller/assert.h"
 #include "controller/tendon_map.h"
 
 namespace gauntlet::sim {
@@ -33,6 +34,7 @@ void PutJointAngle(const controller::JointMap& joint_map, int joint,
 }  // namespace
 
 Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_angle_rad) {
+  GAUNTLET_ASSERT(channel_angle_rad.cols() == joint_map.channel_count());
   Signal joints(channel_angle_rad.rows(), joint_map.joint_count());
   for (int joint = 0; joint < joint_map.joint_count(); ++joint) {
     PutJointAngle(joint_map, joint, channel_angle_rad, joints.col(joint));
@@ -62,6 +64,7 @@ JointAngleRows::JointAngleRows(controller::JointMap joint_map)
 }
 
 Eigen::Map<const AngleRows> JointAngleRows::Of(std::span<const double> channel_angle_rad) {
+  GAUNTLET_ASSERT(std::ssize(channel_angle_rad) % joint_map_.channel_count() == 0);
   const auto channels = static_cast<std::size_t>(joint_map_.channel_count());
   const auto rows = static_cast<Eigen::Index>(channel_angle_rad.size() / channels);
   const Eigen::Index joints = joint_map_.joint_count();
@@ -78,6 +81,7 @@ Eigen::Map<const AngleRows> JointAngleRows::Of(std::span<const double> channel_a
 Signal CommandAngles(const controller::TendonTransmission& transmission,
                      const IntegerSignal& command_counts) {
   controller::TendonMap map(transmission, true);
+  GAUNTLET_ASSERT(command_counts.cols() == map.motor_count());
   Signal angle(command_counts.rows(), map.joint_count());
   std::vector<std::int32_t> counts(static_cast<std::size_t>(command_counts.cols()));
   std::vector<double> joints(transmission.joint_names.size());

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "controller/assert.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 #include "sim/trial/joint_angles.h"
@@ -22,6 +23,8 @@ void StepLoop(const GloveSignal& glove, Eigen::Index tick, std::vector<double>& 
 }  // namespace
 
 Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOptions& options) {
+  GAUNTLET_ASSERT(glove.true_angle_rad.rows() > 0);
+  GAUNTLET_ASSERT(glove.counts.cols() == std::ssize(glove.channel_names));
   HandLoop loop(setup.controller, setup.calibration, setup.joint_map, setup.hand);
   const controller::JointMap joint_map(setup.joint_map, glove.channel_names,
                                        setup.hand->transmission());

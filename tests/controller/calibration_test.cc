@@ -6,6 +6,7 @@
 #include "controller/calibration/curve_fit.h"
 #include "controller/calibration/noise_correlation.h"
 #include "controller/calibration/noise_estimate.h"
+#include "controller/calibration/rounded_noise.h"
 #include "controller/filters/paper_noise.h"
 #include "tests/controller/test_signal.h"
 
@@ -151,6 +152,21 @@ TEST(EstimateNoise, IsUnsureEnoughOfSlowNoise) {
   }
 }
 
+TEST(EstimateRoundedNoise, HasTheWidthOfChiSquaredWhereRoundingHidesLittle) {
+  TestNoise noise(20);
+  constexpr int kSamples = 4000;
+  const std::vector<Eigen::VectorXd> stretches = {StillChannel(kSamples, 400.3, 1.5, 0.0, noise)};
+  const auto width = [&](double weight, double confidence) {
+    const RoundedNoise estimate = EstimateRoundedNoise(stretches, 1.0, weight, confidence);
+    return (estimate.variance_high - estimate.variance_low) / estimate.variance;
+  };
+  // Of the variance, relative, if all that rounding adds were known: 1/12 to 1.5^2.
+  const double deviation = std::sqrt(2.0 / kSamples) * (1.0 + 1.0 / (12.0 * 1.5 * 1.5));
+  EXPECT_NEAR(width(1.0, 0.95), 2.0 * NormalQuantile(0.975) * deviation, 0.1 * deviation);
+  EXPECT_NEAR(width(1.0, 0.5), 2.0 * NormalQuantile(0.75) * deviation, 0.1 * deviation);
+  EXPECT_NEAR(width(0.25, 0.95), 4.0 * NormalQuantile(0.975) * deviation, 0.3 * deviation);
+}
+
 TEST(EstimateNoise, SaysWhatRoundingHides) {
   TestNoise noise(13);
   Eigen::MatrixXd counts(4000, 3);
@@ -257,6 +273,14 @@ TEST(FindStillStretches, FindsNoneInASlowSwing) {
   }
 }
 
+TEST(FindStillStretches, FindsNoneInASlowDrift) {
+  TestNoise noise(19);
+  Eigen::MatrixXd counts = StillChannel(8000, 0.0, 3.0, 0.0, noise);
+  // 1 count from one level to the next, which alone is within the noise.
+  for (int k = 0; k < 8000; ++k) counts(k, 0) += std::round(300.0 + 0.02 * k);
+  EXPECT_TRUE(FindStillStretches(counts, 1000.0).empty());
+}
+
 TEST(FindStillStretches, FindsTheRestsBetweenMotions) {
   Eigen::MatrixXd counts = StillHand(6000, 9);
   for (int k = 2000; k < 3500; ++k) counts(k, 4) += 150.0 * std::sin(0.004 * (k - 2000));
@@ -264,8 +288,8 @@ TEST(FindStillStretches, FindsTheRestsBetweenMotions) {
   const auto stretches = FindStillStretches(counts, 1000.0);
   ASSERT_EQ(stretches.size(), 2u);
   EXPECT_EQ(stretches[0].begin, 0);
-  EXPECT_NEAR(stretches[0].end, 2000, 60);
-  EXPECT_NEAR(stretches[1].begin, 3500, 60);
+  EXPECT_EQ(stretches[0].end, 1950) << "the 50 ms beside a motion are left out";
+  EXPECT_EQ(stretches[1].begin, 3550);
   EXPECT_EQ(stretches[1].end, 6000);
 }
 

@@ -1,7 +1,7 @@
 # Builds controller/ by itself, shared, with Eigen alone, installs it, and builds a program of somebody else
 # against it, and against the static library of BUILD_DIR: by all compilers that there are, in C++20 and 23,
 # with warnings as errors. So do the examples in C and Python. Called with -DSOURCE_DIR, -DBUILD_DIR,
-# -DWORK_DIR, -DCXX, and -DLAUNCHER and -DPYTHON, which may be empty.
+# -DWORK_DIR, -DCXX, -DRELEASE (BUILD_DIR is one), and -DLAUNCHER and -DPYTHON, which may be empty.
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 set(strict -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror)
@@ -119,6 +119,18 @@ if(PYTHON)
 else()
   message("not tried: there is no python3")
 endif()
+
+# Neither has assertions, which are for Gauntlet's own builds; those for the debugger have them.
+set(without_assertions ${library})
+if(RELEASE)
+  list(APPEND without_assertions ${WORK_DIR}/static/lib/libgauntlet_controller.a)
+endif()
+foreach(file IN LISTS without_assertions)
+  file(STRINGS ${file} found REGEX "assertion failed")
+  if(found)
+    message(FATAL_ERROR "${file} has assertions:\n${found}")
+  endif()
+endforeach()
 
 # The static library can be part of somebody's shared object: a plug-in, a ROS node.
 run(${CXX} -shared -o ${WORK_DIR}/plugin.so -Wl,--whole-archive

@@ -85,6 +85,18 @@ TEST(MotorRounding, LimitsTheSpeedFromTheCenterOn) {
   EXPECT_EQ(commands, std::vector<std::int32_t>({522, 532, 542, 545, 545, 535}));
 }
 
+TEST(MotorRounding, LimitsTheSpeedOfAMotorThatTurnsTheOtherWay) {
+  TendonTransmission hand = CoupledHand(1);
+  hand.counts_per_rad = {-100.0};
+  MotorRounding rounding({.speed_limit_rad_s = 5.0}, hand, kEventsPerSecond);
+  const double exact[] = {545.0, 400.0};
+  std::int32_t command = 0;
+  rounding.Step({&exact[0], 1}, {&command, 1});
+  EXPECT_EQ(command, 522);
+  rounding.Step({&exact[1], 1}, {&command, 1});
+  EXPECT_EQ(command, 512);
+}
+
 TEST(MotorRounding, LimitsTheSpeedFromWhereTheMotorsAre) {
   MotorRounding rounding({.speed_limit_rad_s = 5.0}, CoupledHand(1), kEventsPerSecond);
   const double exact = 745.0;

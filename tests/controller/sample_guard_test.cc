@@ -161,5 +161,17 @@ TEST(SampleGuard, TellsWhichChannelsBecomeGood) {
   EXPECT_EQ(started, std::vector<int>({0, 1}));
 }
 
+TEST(SampleGuard, HandsOnWhatItHasSeenAndStartsOtherChannelsAnew) {
+  const double start[] = {400.0, 400.0};
+  const double counts[] = {500.0, kNan};
+  SampleGuard before({}, start, 1023.0, 1000.0);
+  before.Take({.counts = counts}, [](int) {});
+  SampleGuard after({}, start, 1023.0, 1000.0);
+  const double other_start[] = {300.0, 700.0};
+  after.TakeMemory(before, other_start);
+  EXPECT_EQ(after.trusted_counts()[0], 500.0);
+  EXPECT_EQ(after.trusted_counts()[1], 700.0);
+}
+
 }  // namespace
 }  // namespace gauntlet::controller

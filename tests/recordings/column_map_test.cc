@@ -200,6 +200,7 @@ TEST(SecondsOfText, ReadsDatesAndClocks) {
       {"12:00 am", 0.0},
       {"05:07.25", 307.25},
       {"\"00:00:01\"", 1.0},
+      {"23:59:60", day_s},  // a leap second
   };
   for (const auto& [text, seconds] : known) {
     const auto read = SecondsOfText(text);
@@ -210,8 +211,8 @@ TEST(SecondsOfText, ReadsDatesAndClocks) {
 
 TEST(SecondsOfText, ReadsNothingElse) {
   for (const char* text :
-       {"", "1", "1.5", "1,5", "-3", "12:", "12:61", "25:00", "2024-02-30", "12:00x", "1.2.3",
-        "index", "2024-01-01T", "1e5", "nan", "10:20:30:40", "1-2"}) {
+       {"", "1", "1.5", "1,5", "-3", "12:", "12:61", "23:59:61", "25:00", "2024-02-30", "12:00x",
+        "1.2.3", "index", "2024-01-01T", "1e5", "nan", "10:20:30:40", "1-2"}) {
     EXPECT_FALSE(SecondsOfText(text)) << text;
   }
 }

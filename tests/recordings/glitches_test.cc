@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sim/base/channels.h"
+#include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
 #include "sim/recordings/recording.h"
 #include "sim/recordings/recording_reader.h"
@@ -187,6 +188,24 @@ TEST(Glitches, OfTwentyDegreesAreFoundInRealMotionsAlsoWideAndSlowOnes) {
   EXPECT_GT(FoundShare({20, 20, 20, 20, 20, 20}), 0.8);
   EXPECT_GT(FoundShare({40}), 0.95);
   EXPECT_GT(FoundShare({14, 42, 30, 12}), 0.9);
+}
+
+/// Rest in noise of this deviation, at 100 Hz.
+std::vector<double> NoisyRest(double deviation) {
+  RandomStream random(1, "noisy rest");
+  std::vector<double> values(2000);
+  for (double& value : values) value = 0.5 + deviation * BoxMuller(random).first;
+  return values;
+}
+
+TEST(Glitches, AreNotTheChannelsOwnNoise) {
+  EXPECT_THAT(Glitches(NoisyRest(0.06)), IsEmpty());
+  std::vector<double> values = NoisyRest(0.02);
+  values[1000] = 0.5;
+  values[1001] = 0.5 + 0.05;  // within the noise: where the hand was when it began
+  values[1002] = 0.5 + 0.9;
+  values[1003] = 0.5;
+  EXPECT_THAT(Glitches(values), ElementsAre(1002));
 }
 
 }  // namespace

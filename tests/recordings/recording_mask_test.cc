@@ -66,6 +66,22 @@ TEST(Clipping, IsNotWhereASensorHasFewStepsIsSlowOrStandsStill) {
   EXPECT_TRUE(FindClipped(Times(500), slow).empty());
 }
 
+TEST(Clipping, LastsLongerThanAnyOtherValue) {
+  // A value in the middle and the highest one, each for so many rows.
+  const auto clipped = [](std::size_t middle, std::size_t highest) {
+    std::vector<double> values = {0.0, 0.1};
+    values.insert(values.end(), middle, 0.5);
+    values.insert(values.end(), {0.6, 0.7});
+    values.insert(values.end(), highest, 1.0);
+    values.insert(values.end(), {0.7, 0.2});
+    return FindClipped(Times(values.size()), values).size();
+  };
+  EXPECT_EQ(clipped(10, 10), 0u);
+  EXPECT_EQ(clipped(10, 11), 1u);
+  EXPECT_EQ(clipped(1, 5), 0u);  // for 80 ms
+  EXPECT_EQ(clipped(1, 7), 1u);
+}
+
 class MaskedRecording : public testing::Test {
  protected:
   std::string Write(const std::string& name, const std::string& text) {

@@ -134,6 +134,16 @@ TEST(Delay, DoesNotExistWhereAnObjectPushesTheFingerTheOtherWay) {
   EXPECT_FALSE(Delay_ms(leader, follower));
 }
 
+TEST(Delay, DoesNotExistWhereOnlyTheRestOfTheWearersMotionIsFollowed) {
+  // The hand follows a tremor 0.35 s ahead of the wearer, and not the one movement, which is ten
+  // times as large. Only at lags that leave the movement out do both go the same way.
+  const auto tremor = [](double t) { return std::sin(2.0 * kPi * t); };
+  const auto leader =
+      Sampled(10.0, kRate_hz, [&](double t) { return (t < 0.3 ? 0.0 : 1.0) + 0.02 * tremor(t); });
+  const auto follower = Sampled(10.0, kRate_hz, [&](double t) { return 0.3 * tremor(t + 0.35); });
+  EXPECT_FALSE(Delay_ms(leader, follower));
+}
+
 TEST(Delay, OfNotANumberDoesNotExist) {
   const auto motion = Sampled(10.0, kRate_hz, Motion);
   auto broken = motion;

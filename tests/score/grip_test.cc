@@ -39,6 +39,16 @@ TEST(GripForceRipple, PoolsSeveralGrips) {
   EXPECT_NEAR(Ripple(both), 0.5, 2e-3);
 }
 
+TEST(GripForceRipple, BeginsAtATenthOfANewton) {
+  const auto swings_around = [](double force_n) {
+    return Sampled(5.0, 1000.0, [force_n](double t) {
+      return force_n + 0.005 * std::sin(2.0 * kPi * 25.0 * t);
+    });
+  };
+  EXPECT_NEAR(Ripple(swings_around(0.106)), 0.005 / std::sqrt(2.0), 1e-5);
+  EXPECT_TRUE(std::isnan(Ripple(swings_around(0.094))));
+}
+
 TEST(GripForceRipple, DoesNotExistWithoutAGrip) {
   EXPECT_TRUE(std::isnan(Ripple({})));
   EXPECT_TRUE(std::isnan(Ripple(std::vector<double>(5000, 0.0))));

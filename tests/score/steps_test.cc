@@ -57,6 +57,22 @@ TEST(OnsetDelay, DoesNotExistForAHandThatStaysOrAWearerWhoNeverRests) {
   EXPECT_TRUE(std::isnan(Score(sine, sine, 0.0).onset_delay));
 }
 
+TEST(OnsetDelay, LooksAtNoTickThatDoesNotCount) {
+  const auto wearer = Sampled(5.0, kRate_hz, Ramp);
+  const auto hand = Sampled(5.0, kRate_hz, [](double t) { return Ramp(t - 0.037); });
+  Movement movement{.begin = 2000,
+                    .end = 2500,
+                    .from_rad = 0.0,
+                    .to_rad = 1.0,
+                    .from_rest = true,
+                    .within = {1700, 5000}};  // its rest is measured from tick 1700 on
+  EXPECT_NEAR(OnsetDelay(wearer, hand, kRate_hz, {&movement, 1}), 37.0, 0.1);
+  movement.within.begin = 1701;
+  EXPECT_TRUE(std::isnan(OnsetDelay(wearer, hand, kRate_hz, {&movement, 1})));
+  movement.within = {1700, 2250};  // the hand has come as far only later
+  EXPECT_TRUE(std::isnan(OnsetDelay(wearer, hand, kRate_hz, {&movement, 1})));
+}
+
 TEST(Overshoot, OfADampedOscillationIsItsFirstPeak) {
   // A hand that swings beyond by 0.2 rad, once, 50 ms after the wearer stopped, and back in 50 ms.
   const auto hand = [](double t) {

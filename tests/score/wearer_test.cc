@@ -79,6 +79,46 @@ TEST(Wearer, ASineTurnsTwiceAPeriodAndNeverRests) {
   }
 }
 
+TEST(Wearer, RestsFromThreeTenthsOfASecondOn) {
+  for (const double pause_s : {0.28, 0.32}) {
+    const auto stairs = Sampled(4.0, kRate_hz, [pause_s](double t) {
+      return std::clamp(t - 1.0, 0.0, 0.5) + std::clamp(t - 1.5 - pause_s, 0.0, 0.5);
+    });
+    const auto motion = AnalyseWearer(stairs, kRate_hz, {});
+    const bool rests = pause_s > 0.3;
+    EXPECT_EQ(motion.movements.size(), rests ? 2u : 1u);
+    EXPECT_EQ(motion.Of(Regime::kOnset).size(), rests ? 2u : 1u);
+    EXPECT_EQ(motion.movements.back().from_rest, true);
+  }
+}
+
+TEST(Wearer, CountsNoTickTwiceWhereReversalsFollowCloseOnEachOther) {
+  // Turning points every 0.2 s from 0.1 s on, each with 0.15 s to both sides.
+  const auto sine = Sampled(2.0, kRate_hz, [](double t) { return std::sin(5.0 * kPi * t); });
+  const auto motion = AnalyseWearer(sine, kRate_hz, {});
+  const auto& reversals = motion.Of(Regime::kReversal);
+  ASSERT_EQ(reversals.size(), 10u);
+  for (std::size_t i = 1; i < reversals.size(); ++i) {
+    EXPECT_EQ(reversals[i].begin, reversals[i - 1].end) << i;
+  }
+  EXPECT_EQ(Length(reversals), 2000);
+}
+
+TEST(Wearer, MovesUntilItsFarthestPoint) {
+  // Up by 30 deg, back by 20 and, before it rests, forward by 3, which is no movement.
+  const auto angle = Sampled(5.0, kRate_hz, [](double t) {
+    return kRadPerDeg *
+           (30.0 * std::clamp(t - 1.0, 0.0, 1.0) - 40.0 * std::clamp(t - 2.0, 0.0, 0.5) +
+            10.0 * std::clamp(t - 2.5, 0.0, 0.3));
+  });
+  const auto motion = AnalyseWearer(angle, kRate_hz, {});
+  ASSERT_EQ(motion.movements.size(), 2u);
+  EXPECT_EQ(motion.movements[0].end, 2000);
+  EXPECT_EQ(motion.movements[1].begin, 2000);
+  EXPECT_EQ(motion.movements[1].end, 2500);
+  EXPECT_NEAR(motion.movements[1].to_rad, 10.0 * kRadPerDeg, 1e-9);
+}
+
 TEST(Wearer, TremblingBelowTheSmallestMovementMakesNoMovements) {
   const auto tremble = Sampled(5.0, kRate_hz, [](double t) {
     return kRadPerDeg * (10.0 * t + 2.0 * std::sin(2.0 * kPi * 8.0 * t));

@@ -19,8 +19,11 @@ TEST(JudgeDifference, FollowsFromTheIntervalAndWhatMatters) {
   EXPECT_EQ(Of(-3.0, -1.5), Judgement::kBetter);
   EXPECT_EQ(Of(1.5, 3.0), Judgement::kWorse);
   EXPECT_EQ(Of(-0.9, 0.9), Judgement::kEqual);
-  EXPECT_EQ(Of(0.1, 0.9), Judgement::kEqual);       // other than 0, but by nothing that matters
-  EXPECT_EQ(Of(0.1, 1.1), Judgement::kUndecided);   // may matter
+  EXPECT_EQ(Of(0.1, 0.9), Judgement::kEqual);      // other than 0, but by nothing that matters
+  EXPECT_EQ(Of(0.1, 1.1), Judgement::kUndecided);  // may matter
+  EXPECT_EQ(Of(-1.1, -0.1), Judgement::kUndecided);
+  EXPECT_EQ(Of(-1.5, -0.5), Judgement::kBetter);  // by what just matters
+  EXPECT_EQ(Of(0.5, 1.5), Judgement::kWorse);
   EXPECT_EQ(Of(0.1, 2.1), Judgement::kWorse);       // does in the mean, and is surely above 0
   EXPECT_EQ(Of(-0.1, 5.0), Judgement::kUndecided);  // may be nothing
   EXPECT_EQ(Of(-1.0, 0.5), Judgement::kUndecided);  // what just matters does matter

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "controller/assert.h"
 #include "sim/base/random.h"
 #include "sim/glove/motions/motion.h"
 
@@ -27,6 +28,7 @@ double Exponential(RandomStream& random, double mean) {
 /// the rate and the duration are as stated.
 void AddEvents(const FaultConfig& fault, RandomStream random, int channel, int samples,
                double rate_hz, std::vector<FaultEvent>& events) {
+  GAUNTLET_ASSERT(rate_hz > 0.0);
   const FaultOccurrence& when = fault.when();
   const double last = samples;
   const double mean_length = 1e-3 * when.duration_ms * rate_hz;
@@ -87,6 +89,7 @@ void ApplyFaults(FaultStage stage, const std::vector<FaultConfig>& faults, doubl
     if (nature.last_first) std::ranges::reverse(events);
     int channel = kFrame;
     for (const FaultEvent& event : events) {
+      GAUNTLET_ASSERT(0 <= event.begin && event.begin < event.end && event.end <= counts.rows());
       if (std::exchange(channel, event.channel) != event.channel) TrimSignals();
       const auto moment = static_cast<std::uint64_t>(event.begin) << 32;
       RandomStream random(seed, "fault/how", moment + StreamIndex(number, event.channel));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -17,6 +19,7 @@ Eigen::Index SampleAt(double time_s, double rate_hz, Eigen::Index samples) {
 
 void MoveChannel(std::size_t channel, double start_rad, const std::vector<Move>& moves,
                  double rate_hz, Motion& motion) {
+  GAUNTLET_ASSERT(rate_hz > 0.0);
   const auto column = static_cast<Eigen::Index>(channel);
   const Eigen::Index samples = motion.angle_rad.rows();
   HoldChannel(channel, 0.0, motion);
@@ -50,6 +53,8 @@ MovePlan::MovePlan(std::vector<double> start_rad)
 
 void MovePlan::MoveTo(double start_s, double duration_s, const std::vector<double>& target_rad,
                       const std::vector<double>& lag_s) {
+  GAUNTLET_ASSERT(target_rad.size() == now_rad_.size());
+  GAUNTLET_ASSERT(lag_s.empty() || lag_s.size() == now_rad_.size());
   for (std::size_t channel = 0; channel < now_rad_.size(); ++channel) {
     const double delta = target_rad[channel] - now_rad_[channel];
     if (delta == 0.0) continue;

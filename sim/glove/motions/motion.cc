@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "controller/assert.h"
 #include "controller/settings.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
@@ -46,6 +47,7 @@ Motion StillMotion(const MotionContext& context, int samples) {
 }
 
 void HoldChannel(std::size_t channel, double angle_rad, Motion& motion) {
+  GAUNTLET_ASSERT(std::cmp_less(channel, motion.angle_rad.cols()));
   const auto column = static_cast<Eigen::Index>(channel);
   motion.angle_rad.col(column).setConstant(angle_rad);
   TrimSignals();
@@ -67,6 +69,7 @@ std::vector<bool> SelectChannels(const std::vector<std::string>& names) {
 }
 
 Excursion ChannelExcursion(std::size_t channel, double range_percent) {
+  GAUNTLET_ASSERT(channel < KnownChannels().size());
   const Channel& whole = KnownChannels()[channel];
   const auto clear = std::ranges::find(kClearOfFingers, whole.name, &Channel::name);
   const Channel& joint = clear != kClearOfFingers.end() ? *clear : whole;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "controller/assert.h"
 #include "controller/settings.h"
 #include "sim/base/channels.h"
 #include "sim/base/nearest_name.h"
@@ -72,6 +73,7 @@ std::size_t PostureIndex(std::string_view name) {
 }
 
 void BendEndJoints(std::vector<double>& angle_rad) {
+  GAUNTLET_ASSERT(angle_rad.size() >= GloveChannels().size());
   const std::size_t first = GloveChannels().size();
   angle_rad.resize(KnownChannels().size());
   for (std::size_t channel = first; channel < angle_rad.size(); ++channel) {

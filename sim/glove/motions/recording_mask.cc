@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/assert.h"
 #include "sim/recordings/clipping.h"
 #include "sim/recordings/zero_phase.h"
 
@@ -16,6 +17,7 @@ int PlayedStretch::TickAt(double time_s) const {
 
 void AddGapsAndRestarts(const Recording& recording, int channel, const PlayedStretch& stretch,
                         const std::vector<bool>& in_gap, std::vector<MaskedStretch>& masked) {
+  GAUNTLET_ASSERT(std::ssize(in_gap) == stretch.ticks);
   auto begin = std::ranges::find(in_gap, true);
   while (begin != in_gap.end()) {
     const auto end = std::find(begin, in_gap.end(), false);
@@ -49,6 +51,8 @@ void SmoothBetween(const std::vector<MaskedStretch>& masked, int channel, double
   std::vector<std::size_t> borders{0, angle_rad.size()};
   for (const MaskedStretch& stretch : masked) {
     if (stretch.channel != channel || stretch.reason == MaskReason::kClipped) continue;
+    GAUNTLET_ASSERT(0 <= stretch.begin && stretch.begin <= stretch.end);
+    GAUNTLET_ASSERT(stretch.end <= std::ssize(angle_rad));
     borders.push_back(stretch.begin);
     borders.push_back(stretch.end);
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "controller/assert.h"
 #include "sim/base/channels.h"
 #include "sim/glove/motions/motion_config.h"
 
@@ -120,6 +121,8 @@ Motion MakeMotion(const SequenceConfig& config, const MotionContext& context) {
 }
 
 void AppendMotion(Motion next, double blend_s, double rate_hz, Motion& motion) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && next.angle_rad.cols() == motion.angle_rad.cols());
+  GAUNTLET_ASSERT(next.angle_rad.rows() > 0 && motion.angle_rad.rows() > 0);
   const double step_s = 1.0 / rate_hz;
   const Eigen::Index blend =
       std::min(static_cast<Eigen::Index>(blend_s * rate_hz), next.angle_rad.rows());

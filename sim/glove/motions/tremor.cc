@@ -4,6 +4,7 @@
 #include <complex>
 #include <numbers>
 
+#include "controller/assert.h"
 #include "sim/base/channels.h"
 #include "sim/base/random.h"
 #include "sim/glove/motions/motion.h"
@@ -56,6 +57,7 @@ void TremorConfig::Visit(controller::SettingsVisitor& visitor) {
 
 Signal SynthesiseTremor(const TremorConfig& config, int samples, double rate_hz,
                         std::uint64_t seed) {
+  GAUNTLET_ASSERT(samples >= 0 && rate_hz > 0.0);
   if (config.rms_deg == 0.0) return {};
   if (config.to_hz < config.from_hz) {
     throw controller::SettingError("to_hz", "is below from_hz");

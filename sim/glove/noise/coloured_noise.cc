@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "controller/assert.h"
 #include "sim/base/normal_pair.h"
 
 namespace gauntlet::sim {
@@ -17,6 +18,7 @@ constexpr double kStagesPerDecade = 2.0;
 class PinkFilter {
  public:
   explicit PinkFilter(double rate_hz) {
+    GAUNTLET_ASSERT(rate_hz > 0.0);
     const double decades = std::log10(0.25 * rate_hz / kLowestHz);
     const int stages = static_cast<int>(std::ceil(decades * kStagesPerDecade));
     for (int k = 0; k < stages; ++k) {

@@ -4,9 +4,12 @@
 #include <bit>
 #include <cmath>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 
 int DropGaltonBall(RandomStream& random, int rows) {
+  GAUNTLET_ASSERT(rows >= 0);
   int right = 0;
   for (; rows >= 64; rows -= 64) right += std::popcount(random.Bits());
   if (rows > 0) right += std::popcount(random.Bits() >> (64 - rows));
@@ -22,6 +25,7 @@ std::vector<std::int64_t> GaltonHistogram(RandomStream& random, int rows, std::i
 }
 
 std::vector<double> GaltonProbabilities(int rows) {
+  GAUNTLET_ASSERT(rows >= 0);
   std::vector<double> probabilities;
   for (int bin = 0; bin <= rows; ++bin) {
     const double logarithm = std::lgamma(rows + 1.0) - std::lgamma(bin + 1.0) -
@@ -47,6 +51,7 @@ double GaltonDistanceFromNormal(int rows) {
 
 void AddGalton(RandomStream& random, int rows, int balls, double standard_deviation,
                std::span<double> signal) {
+  GAUNTLET_ASSERT(rows > 0 && balls > 0);
   // Balls fall one after another through the same rows: as if there were rows * balls rows.
   const int all_rows = rows * balls;
   const double scale = standard_deviation / std::sqrt(all_rows);

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "controller/assert.h"
 #include "sim/base/channels.h"
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
@@ -119,6 +120,9 @@ SensorParameters DrawSensor(const SensorConfig& config, std::uint64_t seed) {
 
 Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
                  const Signal& angle_rad, double rate_hz, double full_scale_counts) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && angle_rad.cols() <= std::ssize(sensor.gain));
+  GAUNTLET_ASSERT(sensor.drift_share.size() == sensor.gain.size() &&
+                  sensor.offset_share.size() == sensor.gain.size());
   Signal bend(angle_rad.rows(), angle_rad.cols());
   for (Eigen::Index c = 0; c < bend.cols(); ++c) {
     const auto channel = static_cast<std::size_t>(c);

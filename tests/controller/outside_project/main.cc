@@ -31,6 +31,12 @@ int main() {
   controller.Reset(std::vector<std::int32_t>{555, 620});  // where the motors are
   const double counts[] = {400.0, 600.0};
   const gc::Command command = controller.Step({.counts = counts});
+  // Values of another shape: nothing is done, and nothing ends the program.
+  std::vector<double> three(3, 7.0);
+  const auto filter = gc::MakeFilter({gc::KalmanConfig{.noise = {.r = {10.0}}}}, 2, 1000.0);
+  filter->Step(three, three);
+  filter->ResetChannel(2);
+  if (three != std::vector<double>(3, 7.0)) return 1;
   // 0.5 and 1.0 rad: 512 + 100 * 0.5, and 512 + 100 (0.5 * 0.5 + 1.0).
   std::printf("%d %d\n", command.motor_counts[0], command.motor_counts[1]);
   return command.motor_counts[0] == 562 && command.motor_counts[1] == 637 ? 0 : 1;
