@@ -11,6 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/input_file.h"
 #include "sim/base/stop.h"
 #include "sim/study/study_schema.h"
 #include "sim/study/trial_table.h"
@@ -150,7 +151,7 @@ void SweepDatabase::Collect(const fs::path& other) {
                      .problem = fs::exists(status) ? "must be a file, not a link or a device"
                                                    : "there is no such file"});
   }
-  CheckDatabasePlace(other);
+  CheckDatabasePlace(InputFile(other));
   const std::string path = InRealFolder(other).string();
   SQLite::Database& ours = state_->table.database();
   try {

@@ -10,7 +10,7 @@
 namespace gauntlet::controller {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 struct Accepted {
   const char* text;
@@ -130,10 +130,10 @@ TEST(Number, IsWholeByItsValueAndWithinItsRange) {
 TEST(Number, OfAProgramMayBeNoneOrBeyondADouble) {
   for (const auto& [text, value] : kNumbers) EXPECT_EQ(ParseNumberOfProgram(text), value) << text;
   for (const char* const text : {"inf", "INF", "infinity", "+inf", "1e999"}) {
-    EXPECT_EQ(ParseNumberOfProgram(text), kInfinity) << text;
+    EXPECT_EQ(ParseNumberOfProgram(text), kInfinite) << text;
   }
   for (const char* const text : {"-inf", "-1e999"}) {
-    EXPECT_EQ(ParseNumberOfProgram(text), -kInfinity) << text;
+    EXPECT_EQ(ParseNumberOfProgram(text), -kInfinite) << text;
   }
   EXPECT_EQ(ParseNumberOfProgram("1e-999"), 0.0);
   for (const char* const text : {"nan", "NaN", "-nan", "nan(ind)"}) {

@@ -163,7 +163,7 @@ TEST(SampleGuard, TellsWhichChannelsBecomeGood) {
 
 TEST(SampleGuard, HandsOnWhatItHasSeenAndStartsOtherChannelsAnew) {
   const double start[] = {400.0, 400.0};
-  const double counts[] = {500.0, kNan};
+  const double counts[] = {500.0, kNaN};
   SampleGuard before({}, start, 1023.0, 1000.0);
   before.Take({.counts = counts}, [](int) {});
   SampleGuard after({}, start, 1023.0, 1000.0);
