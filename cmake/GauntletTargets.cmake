@@ -37,7 +37,7 @@ if(GAUNTLET_BUILD_SIM)
 endif()
 # A file is named as it is seen from the root, in what is installed.
 target_compile_options(gauntlet_options INTERFACE
-                       $<$<CONFIG:Release>:-fmacro-prefix-map=${GAUNTLET_SOURCE_DIR}/=>)
+                       $<$<CONFIG:Release>:-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=>)
 option(GAUNTLET_UNITY_BUILD "Compile ten sources of a library or a test as one: a whole build takes a third less time" OFF)
 if(GAUNTLET_UNITY_BUILD)
   # Types of unnamed namespaces are in files that are included then, which is no mistake here.

@@ -171,10 +171,6 @@ std::filesystem::path TargetOf(const CalibrateOptions& options) {
     const char* ending = options.predictor ? ".predictor.yaml" : ".calibration.yaml";
     return std::filesystem::path("out") / (stem + ending);
   }
-  std::error_code none;
-  if (std::filesystem::equivalent(options.out, options.recording, none)) {
-    throw UserError({.place = "--out " + options.out, .problem = "is the recording itself"});
-  }
   return options.out;
 }
 

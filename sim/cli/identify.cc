@@ -214,7 +214,6 @@ void RunIdentify(const IdentifyOptions& options) {
   const fs::path hand = BesideTarget(target, ".hand.yaml");
   const fs::path page = BesideTarget(target, ".html");
   ChainLog log = LoadLog(options);
-  MakeDirectoryOf(target);
   OutputFiles files({.folder = target.parent_path(),
                      .command = "identify",
                      .manifest = BesideTarget(target, ".manifest.json").filename(),
@@ -233,6 +232,7 @@ void RunIdentify(const IdentifyOptions& options) {
       "the order of parts.\n# " +
       WhatHysteresisIs(fits) + "\n" +
       SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); });
+  MakeDirectoryOf(target);
   files.Write([&](const fs::path& place) {
     WriteOutputFile(place / target.filename(), WithChecksum(chain_text));
     if (!servo.empty()) WriteOutputFile(place / hand.filename(), WithChecksum(servo));
@@ -250,7 +250,7 @@ void RunIdentify(const IdentifyOptions& options) {
     Say("gauntlet: {}: {} missing values, straight lines go over them\n", log.name,
         log.values_missing);
   }
-  Say("wrote {}, {}{}\n", target.string(), servo.empty() ? "" : hand.string() + ", ",
+  Say("wrote {}{} and {}\n", target.string(), servo.empty() ? "" : ", " + hand.string(),
       page.string());
 }
 

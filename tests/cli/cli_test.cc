@@ -298,7 +298,8 @@ TEST_F(CliTest, RenderMakesAVideoOfAFinishedRun) {
   EXPECT_THAT(refusal({"--size", "800"}), HasSubstr("as 1280x720"));
   EXPECT_THAT(refusal({"--size", "801x450"}), HasSubstr("even"));
   EXPECT_THAT(refusal({"--fps", "0"}), HasSubstr("--fps 0: is 0, must be from 1 to 120"));
-  EXPECT_THAT(refusal({"--speed", "0"}), HasSubstr("must be from 0.01 to 100"));
+  EXPECT_THAT(refusal({"--speed", "0"}),
+              HasSubstr("--speed: is '0', must be a number from 0.01 to 100"));
   EXPECT_THAT(refusal({"--from", "2", "--to", "1"}), HasSubstr("--from must come before --to"));
   EXPECT_THAT(refusal({"--from", "99"}), HasSubstr("nothing to show from"));
   EXPECT_THAT(refusal({"--frame", "99"}), HasSubstr("--frame 99: must be from 0 to"));
@@ -656,7 +657,7 @@ TEST_F(CliTest, CalibrateRefusesBadInputInOneLineAndWritesNothing) {
          "scenario.yaml:2:3: 'x' is not a number");
   refuse("t_s,index_mcp_count\n0,1\n", {}, "scenario.yaml:1:2: unknown column 'index_mcp_count'");
   refuse(ramp, {}, "scenario.yaml: index_mcp: has 0 poses");
-  refuse(ramp, {"--out", "scenario.yaml", "--settle-ms", "0"}, "is the recording itself");
+  refuse(ramp, {"--out", "scenario.yaml", "--settle-ms", "0"}, "is an input of this command");
   refuse(ramp, {"--linearisation", "spline"}, "spline");
   refuse(ramp, {"--degree", "0"}, "--degree");
   refuse(ramp, {"--full-scale", "500"}, "must be from 0 to the converter's full scale of 500");
@@ -757,7 +758,7 @@ TEST_F(CliTest, IdentifyRefusesBadInputInOneLineAndWritesNothing) {
   refuse(still, {}, "scenario.yaml: index_mcp: its command does not move");
   const std::string short_log = still.substr(0, still.find("\n3,") + 1);
   refuse(short_log, {}, "index_mcp: is 3 s long, must be at least 5 s");
-  refuse(still, {"--out", "scenario.yaml"}, "is the log itself");
+  refuse(still, {"--out", "scenario.yaml"}, "is an input of this command");
   refuse(still, {"--controller", "raw"}, "a CSV has but one");
   refuse(still, {"--from", "motor"}, "motor");
   refuse("t_s,index_mcp_deg\n0,1\n", {}, "scenario.yaml:1:1: there is no part with a command");

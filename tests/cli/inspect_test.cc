@@ -305,7 +305,7 @@ TEST_F(InspectCommand, DrawsItsSensorsAndLeavesTheRecordingAlone) {
   EXPECT_EQ(bytes, "\x89PNG\r\n\x1a\n");
   const ProgramResult over = Gauntlet({"inspect", path.string(), "--write-map", path.string()});
   EXPECT_EQ(over.exit_code, 2);
-  EXPECT_THAT(over.standard_error, HasSubstr("is the recording itself"));
+  EXPECT_THAT(over.standard_error, HasSubstr("is an input of this command"));
 }
 
 TEST(InspectHand, TellsWhatAHandHasOrWhatItLacks) {
