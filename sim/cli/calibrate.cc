@@ -247,6 +247,7 @@ void PrintFit(const PoseRecording& recording, const controller::PredictorFit& fi
 void RunPredictorFit(const CalibrateOptions& options) {
   const std::filesystem::path target = TargetOf(options);
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
+  RefuseInput(target);
   const controller::PredictorFit fit = FitTo(recording, options);
   controller::PredictionConfig prediction = {fit.predictor};
   MakeDirectoryOf(target);
@@ -271,6 +272,7 @@ void RunCalibrate(const CalibrateOptions& options) {
   if (options.predictor) return RunPredictorFit(options);
   const std::filesystem::path target = TargetOf(options);
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
+  RefuseInput(target);
   CurveErrors errors;
   Calibration calibration = Calibrate(recording, options.calibration, errors);
   MakeDirectoryOf(target);
