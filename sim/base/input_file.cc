@@ -36,7 +36,7 @@ std::string IdentityOf(const fs::path& file) {
   return identity;
 }
 
-/// What this process has read, and where it may read.
+/// The files that this process has read, and the folder in which it may read.
 struct Inputs {
   std::mutex mutex;
   std::set<std::string> files;

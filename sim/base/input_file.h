@@ -19,7 +19,7 @@ std::filesystem::path InputRoot();
 /// Errors: UserError for a path outside InputRoot(), whether there is a file or not.
 void RefuseOutside(const std::filesystem::path& path);
 
-/// Whether `path`, or the file that a link there leads to, was read as an input.
+/// True if the file at `path`, links followed, was read as an input.
 bool IsInput(const std::filesystem::path& path);
 
 }  // namespace gauntlet::sim

@@ -125,7 +125,7 @@ std::string ReadText(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Whether there is a file at `target` that a manifest beside it names (manifest.h), a manifest, or
+/// True if there is a file at `target` that a manifest beside it names (manifest.h), a manifest, or
 /// the trials of a study.
 bool IsResult(const fs::path& target) {
   constexpr std::string_view kManifest = "manifest.json";

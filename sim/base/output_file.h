@@ -47,14 +47,14 @@ class TemporaryEntry {
 /// A new file at `target`. Without Commit() the destructor removes it.
 class OutputFile {
  public:
-  /// What may be at the target. A manifest replaces itself.
+  /// Kinds of files that may be at the target. A manifest replaces itself.
   enum class Replaces { kNoResult, kResult };
   /// Errors: UserError for a target that is an input or a result; RunError.
   explicit OutputFile(std::filesystem::path target);
   OutputFile(std::filesystem::path target, Replaces replaces);
 
   const std::filesystem::path& target() const { return target_; }
-  /// Where to write until Commit(), for a library that wants a path.
+  /// The place to write until Commit(), for a library that wants a path.
   const std::filesystem::path& temporary_path() const { return temporary_.path(); }
   /// Appends. Errors: RunError.
   void Write(std::string_view content);
@@ -95,7 +95,7 @@ void RefuseEdited(const std::filesystem::path& target);
 /// RefuseEdited().
 void WriteEditableFile(const std::filesystem::path& target, std::string_view text, bool force);
 
-/// Errors: UserError for what is at `target` and was read as an input.
+/// Errors: UserError if the file at `target` was read as an input.
 void RefuseInput(const std::filesystem::path& target);
 
 /// Makes `directory` if it is not there. Errors: RunError with the path and the system's reason.

@@ -23,9 +23,9 @@ std::string OneLine(std::string_view text, std::size_t longest = 300);
 /// The same for a value in a message, which is to leave place for the rest.
 std::string Shown(std::string_view value);
 
-/// Whether a text of a file can be a key or the name of a column: 1 to 40 letters, digits, `_`, `.`
-/// and `-`, of which the last two do not begin it. Of another a message repeats nothing: the file
-/// may hold what is nobody's business, as it may not be meant for us at all.
+/// True for a text that can be a key or the name of a column: 1 to 40 letters, digits, `_`, `.` and
+/// `-`; the last two do not begin it. Messages repeat no other text of a file: the file may not be
+/// meant for Gauntlet, and may be confidential.
 bool LooksLikeKey(std::string_view text);
 
 /// The sentence for a text that has a byte that is not UTF-8, or a control character besides the

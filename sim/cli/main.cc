@@ -58,12 +58,13 @@ int Run(int argc, char** argv) {
   sim::AddIdentifyCommand(app);
   sim::AddReproduceCommand(app);
   sim::AddListCommand(app);
-  // Options of all commands stand behind the command, too.
-  app.add_option_function<std::string>("--inside", sim::ReadOnlyInside,
-                                       "read no file outside this folder (and Gauntlet's own), "
-                                       "for scenarios of other people")
-      ->type_name("DIR");
-  for (CLI::App* command : app.get_subcommands({})) command->fallthrough();
+  for (CLI::App* command : app.get_subcommands({})) {
+    command
+        ->add_option_function<std::string>("--inside", sim::ReadOnlyInside,
+                                           "read no file outside this folder, but for Gauntlet's "
+                                           "own: for scenarios of other people")
+        ->type_name("DIR");
+  }
   int exit_code = 0;
   if (argc > 1 && std::string_view(argv[1]) == "--complete") {  // what shells ask
     sim::PrintText(sim::Completions(app, {argv + 2, argv + argc}));

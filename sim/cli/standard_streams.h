@@ -14,10 +14,10 @@ struct ReaderGone {};
 /// get what is meant for the terminal.
 void OpenStandardStreams();
 
-/// To standard error, as it is. Where nobody can read it, nothing can be done: it never fails.
+/// Writes to standard error, as it is. Never fails: without a reader nothing can be done.
 void SayText(std::string_view text) noexcept;
-/// What a person is told, on standard error: a line, in which no path changes the terminal or makes
-/// another line, as OneLine() shows it.
+/// A line for a person, on standard error, as OneLine() shows it: no path in it changes the
+/// terminal or makes another line.
 void SayLine(std::string_view line);
 template <class... Arguments>
 void Say(fmt::format_string<Arguments...> format, Arguments&&... arguments) {

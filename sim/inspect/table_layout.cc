@@ -35,7 +35,7 @@ std::string HeadOf(const CsvReader::Source& source) {
   return head;
 }
 
-/// What was read of a source as its head, and then the rest of it.
+/// A source that gives `head` and then `rest`.
 CsvReader::Source WithHead(std::string head, CsvReader::Source rest) {
   return [head = std::move(head), given = std::size_t{0}, rest = std::move(rest)](
              char* buffer, std::size_t size) mutable {

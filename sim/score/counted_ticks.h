@@ -35,7 +35,7 @@ struct CountedParts {
 CountedTicks CountTicks(std::span<const MaskedStretch> masked, const std::vector<bool>& follows,
                         int recovery_ticks, int ticks);
 
-/// Whether these are ranges of the ticks 0 .. `ticks` that rise.
+/// True for rising ranges of the ticks 0 .. `ticks`.
 bool AreWithin(const CountedTicks& counted, std::ptrdiff_t ticks);
 
 /// What lies in both.

@@ -136,7 +136,7 @@ TEST_F(Security, InsideAFolderNothingElseIsRead) {
   fs::copy(In("hands"), In("jail/hands"), fs::copy_options::recursive);
   const std::string own = "hand.model_path=" + In("jail/hands/hand_arm.xml").string();
   const ProgramResult inside =
-      Gauntlet({"--inside", "jail", "run", "jail/s.yaml", "--set", own, "--out", "o"});
+      Gauntlet({"run", "jail/s.yaml", "--inside", "jail", "--set", own, "--out", "o"});
   EXPECT_EQ(inside.exit_code, 0) << inside.standard_error;
   const ProgramResult ready = Gauntlet({"run", "hold_still", "--set", "glove.motion.duration_s=0.2",
                                         "--inside", "jail", "--out", "ready"});

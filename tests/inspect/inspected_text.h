@@ -18,7 +18,7 @@
 
 namespace gauntlet::sim {
 
-/// Inspection of a text that anybody may have written, and the files that are made of it.
+/// Inspection of any text, and the files that are made of it.
 struct InspectedText {
   std::optional<Inspection> inspection;  // none: refused with a UserError
   std::string scenario;                  // empty: no column looks like a sensor
