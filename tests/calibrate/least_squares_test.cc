@@ -39,10 +39,10 @@ class Parabola : public LeastSquaresProblem {
 
 Parabola NoisyParabola(Index rows, double noise) {
   std::mt19937 random(7);
-  std::normal_distribution<double> normal(0.0, noise);
+  std::normal_distribution<double> normal;
   const VectorXd x = VectorXd::LinSpaced(rows, -1.0, 3.0);
   VectorXd y = 2.0 - 3.0 * x.array() + 0.5 * x.array().square();
-  for (double& value : y) value += normal(random);
+  for (double& value : y) value += noise * normal(random);
   return {x, y};
 }
 
