@@ -17,7 +17,7 @@ int PlayedStretch::TickAt(double time_s) const {
 
 void AddGapsAndRestarts(const Recording& recording, int channel, const PlayedStretch& stretch,
                         const std::vector<bool>& in_gap, std::vector<MaskedStretch>& masked) {
-  GAUNTLET_ASSERT(std::ssize(in_gap) == stretch.ticks);
+  GAUNTLET_ASSERT(in_gap.size() == stretch.ticks);
   auto begin = std::ranges::find(in_gap, true);
   while (begin != in_gap.end()) {
     const auto end = std::find(begin, in_gap.end(), false);
