@@ -46,8 +46,8 @@ GAUNTLET_INLINE void DropSubnormals(Lanes& lanes) noexcept {
 template <int kCount, class Filter, class Memory>
 GAUNTLET_INLINE void StepRows(const Memory& memory, int first, int channels, const double* input,
                               double* output, int stride, int samples) noexcept {
-  GAUNTLET_ASSERT(channels >= kLanes && kLanes * (kCount - 1) < channels &&
-                  channels <= kLanes * kCount);
+  GAUNTLET_ASSERT(kLanes <= channels);
+  GAUNTLET_ASSERT(kLanes * (kCount - 1) < channels && channels <= kLanes * kCount);
   GAUNTLET_ASSERT(0 <= first && first + channels <= stride);
   int begin[kCount];
   for (int i = 0; i < kCount; ++i) begin[i] = first + i * kLanes;

@@ -38,9 +38,9 @@ void YamlReader::Fail(const YamlNode& node, const std::string& path,
 
 void YamlReader::FailAtKey(const YamlNode& key, const std::string& problem,
                            const std::string& nameless) const {
-  const UserError error = source_.At(key, SettingError(PathOf(key.text()), problem));
-  if (LooksLikeKey(key.text())) throw error;
-  throw UserError({.place = error.place(), .key = path_, .problem = nameless});
+  const std::string path = PathOf(key.text());
+  if (LooksLikeKey(key.text())) throw source_.At(key, SettingError(path, problem));
+  throw UserError({.place = source_.PlaceOf(key, path), .key = path_, .problem = nameless});
 }
 
 std::string YamlReader::PathOf(std::string_view key) const {
