@@ -274,11 +274,12 @@ void MakeDirectoryOf(const fs::path& target) {
 }
 
 void RemoveIfEmptyLater(const fs::path& folder) {
-  const char* copy = strdup(folder.c_str());
+  char* copy = strdup(folder.c_str());
   for (std::atomic<const char*>& place : new_folders) {
     const char* expected = nullptr;
     if (place.compare_exchange_strong(expected, copy)) return;
   }
+  free(copy);  // no place is left: a signal leaves it
 }
 
 void RemoveUncommittedFiles() noexcept {
