@@ -15,8 +15,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -274,12 +276,12 @@ void MakeDirectoryOf(const fs::path& target) {
 }
 
 void RemoveIfEmptyLater(const fs::path& folder) {
-  char* copy = strdup(folder.c_str());
-  for (std::atomic<const char*>& place : new_folders) {
-    const char* expected = nullptr;
-    if (place.compare_exchange_strong(expected, copy)) return;
-  }
-  free(copy);  // no place is left: a signal leaves it
+  static std::mutex mutex;
+  static std::deque<std::string> names;  // as long as there is a handler
+  const std::lock_guard lock(mutex);
+  const auto place =
+      std::ranges::find(new_folders, nullptr, [](const auto& name) { return name.load(); });
+  if (place != new_folders.end()) *place = names.emplace_back(folder.string()).c_str();
 }
 
 void RemoveUncommittedFiles() noexcept {
