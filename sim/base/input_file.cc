@@ -101,8 +101,9 @@ void RefuseOutside(const fs::path& path) {
 }
 
 bool IsInput(const fs::path& path) {
+  const std::string identity = IdentityOf(path);
   const std::lock_guard lock(TheInputs().mutex);
-  return TheInputs().files.contains(IdentityOf(path));
+  return !identity.empty() && TheInputs().files.contains(identity);
 }
 
 }  // namespace gauntlet::sim
