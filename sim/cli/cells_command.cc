@@ -111,7 +111,7 @@ CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, con
       hash_(HashBefore(plan, FolderOf(command, out))),
       folder_(FolderOf(command, out)),
       files_(In(path(), std::move(files))),
-      database_(path() / "study.db", hash_, plan.metrics) {
+      database_(KeepsTrials(path() / "study.db"), hash_, plan.metrics) {
   const std::filesystem::path file = path() / "study.db";
   if (const std::int64_t known = database_.TrialCount(); known > 0) {
     Say("goes on from {}, which holds {} trial{}\n", file.string(), known, known == 1 ? "" : "s");
@@ -122,8 +122,6 @@ CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, con
 void CellsFolder::Run() {
   const int jobs = JobsOrCores(command_.jobs);
   const std::filesystem::path file = path() / "study.db";
-  SetWhatIsKept(fmt::format("finished trials are kept in {}: the same command goes on from there",
-                            file.string()));
   Progress progress(fmt::format("{} cells", cells_.end - cells_.first));
   try {
     RunSweep(plan_, database_,
@@ -142,8 +140,8 @@ void CellsFolder::Run() {
   } catch (const Cancelled&) {
     database_.Flush();
     const std::int64_t known = database_.TrialCount();
-    throw Cancelled{fmt::format("{} trial{} kept in {}: the same command goes on from there", known,
-                                known == 1 ? " is" : "s are", file.string())};
+    throw Cancelled{
+        fmt::format("{} trial{} {}", known, known == 1 ? " is" : "s are", KeptIn(file))};
   }
   if (const int damaged = database_.DamagedCount(); damaged > 0) {
     Say("gauntlet: {}: {} damaged trial{}, computed again\n", file.string(), damaged,

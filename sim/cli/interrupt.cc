@@ -9,7 +9,6 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "sim/base/output_file.h"
 #include "sim/base/stop.h"
@@ -82,10 +81,15 @@ void CatchSignals() {
 
 void EndAtSignals() { at_once = true; }
 
-void SetWhatIsKept(std::string text) {
+std::string KeptIn(const std::filesystem::path& file) {
+  return "kept in " + file.string() + ": the same command goes on from there";
+}
+
+const std::filesystem::path& KeepsTrials(const std::filesystem::path& file) {
   static std::string kept;  // for the handler, as long as there is one
-  kept = "; " + std::move(text);
+  kept = "; finished trials are " + KeptIn(file);
   what_is_kept = kept.c_str();
+  return file;
 }
 
 int ExitCodeOfStop() {

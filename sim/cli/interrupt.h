@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -19,9 +20,12 @@ void CatchSignals();
 /// tidy.
 void EndAtSignals();
 
-/// What a signal that ends the program at once says besides: what was not in vain. To be called
-/// once, before the work.
-void SetWhatIsKept(std::string text);
+/// "kept in FILE: the same command goes on from there".
+std::string KeptIn(const std::filesystem::path& file);
+
+/// A signal that ends the program at once says besides that `file` keeps finished trials. To be
+/// called once, before the file is made. Returns `file`.
+const std::filesystem::path& KeepsTrials(const std::filesystem::path& file);
 
 /// The signal was heard, and the program has stopped: 128 + the signal, as shells have it.
 int ExitCodeOfStop();

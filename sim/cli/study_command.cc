@@ -84,7 +84,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   const std::filesystem::path file = folder / "study.db";
   std::optional<StudyDatabase> database;
   if (options.comparison) {
-    database.emplace(file, study, StudyDatabaseOptions{.seeds = options.seeds});
+    database.emplace(KeepsTrials(file), study, StudyDatabaseOptions{.seeds = options.seeds});
     if (const int known = database->TrialCount(); known > 0) {
       Say("goes on from {}, which holds {}\n", file.string(), Trials(known));
     }
@@ -92,9 +92,6 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
       Say("gauntlet: {}: {} damaged, computed again\n", file.string(), Trials(damaged));
     }
   }
-  const std::string go_on =
-      fmt::format("kept in {}: the same command goes on from there", file.string());
-  if (database) SetWhatIsKept("finished trials are " + go_on);
   Progress progress(Trials(total));
   try {
     StudyResult result = RunStudy(
@@ -110,7 +107,8 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
     if (database) not_kept = database->Finish();
     const int known = database ? database->TrialCount() : 0;
     if (known == 0) throw;
-    throw Cancelled{fmt::format("{} {} {}", Trials(known), known == 1 ? "is" : "are", go_on)};
+    throw Cancelled{
+        fmt::format("{} {} {}", Trials(known), known == 1 ? "is" : "are", KeptIn(file))};
   }
 }
 

@@ -52,10 +52,14 @@ std::string MapRow(const Inspection& inspection, std::size_t c) {
   }
   double low = column.statistics.usual_low;
   double high = column.statistics.usual_high;
-  if (!(high > low)) high = low + 1.0;
+  if (!(high > low)) high = low + std::max(1.0, 1e-3 * std::abs(low));
+  std::string ends = fmt::format("{:.6g},{:.6g}", low, high);
+  if (high - low < 1e-3 * std::max(std::abs(low), std::abs(high))) {
+    ends = fmt::format("{},{}", low, high);  // six digits would not tell them apart
+  }
   return fmt::format(
-      "{},{},{},,{:.6g},{:.6g},{:g},{:g}\n", name, joint.name,
-      NameOf(inspection.unit == RawUnit::kUnknown ? RawUnit::kCounts : inspection.unit), low, high,
+      "{},{},{},,{},{:g},{:g}\n", name, joint.name,
+      NameOf(inspection.unit == RawUnit::kUnknown ? RawUnit::kCounts : inspection.unit), ends,
       LowDegOf(joint), joint.max_deg);
 }
 
