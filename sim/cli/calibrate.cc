@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,9 +20,11 @@
 #include "sim/base/output_file.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/calibration.h"
+#include "sim/calibrate/calibration_tables.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/terminal_option.h"
 #include "sim/cli/usage_error.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
@@ -47,71 +48,6 @@ struct CalibrateOptions {
 CurveKind KindOf(const std::string& name) {
   if (name == "two_point") return CurveKind::kTwoPoint;
   return name == "polynomial" ? CurveKind::kPolynomial : CurveKind::kTable;
-}
-
-constexpr CurveKind kCurves[] = {CurveKind::kTwoPoint, CurveKind::kPolynomial, CurveKind::kTable};
-
-const std::vector<double>& ErrorsOf(const CurveErrors& errors, CurveKind kind) {
-  if (kind == CurveKind::kTwoPoint) return errors.two_point_rms_deg;
-  return kind == CurveKind::kPolynomial ? errors.polynomial_rms_deg : errors.table_rms_deg;
-}
-
-void PrintTable(const Calibration& calibration, const CurveErrors& errors, CurveKind chosen) {
-  std::size_t width = 7;
-  for (const ChannelCalibration& channel : calibration.channels) {
-    width = std::max(width, channel.channel.size());
-  }
-  const bool has_curves = !errors.table_rms_deg.empty();
-  Print("{} samples at {:.6g} Hz; R from {:.0f} still ones\n\n", calibration.samples,
-        calibration.rate_hz, calibration.degrees_of_freedom);
-  Print("{:<{}}", "", width);
-  if (has_curves) Print("  RMS error of the curve [deg]     ");
-  Print("  R [counts^2]\n{:<{}}", "channel", width);
-  if (has_curves) Print("  two_point  polynomial     table ");
-  Print("  variance   {:.4g} % interval\n", calibration.confidence_percent);
-  for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
-    const ChannelCalibration& channel = calibration.channels[i];
-    Print("{:<{}}", channel.channel, width);
-    if (has_curves) {
-      for (const CurveKind kind : kCurves) {
-        const double error = ErrorsOf(errors, kind)[i];
-        Print("  {:>9}{}", std::isfinite(error) ? fmt::format("{:.3f}", error) : "-",
-              kind == chosen ? '*' : ' ');
-      }
-    }
-    Print("  {:>8.3f}   {:.3f} to {:.3f}{}{}\n", channel.variance_counts2,
-          channel.variance_low_counts2, channel.variance_high_counts2,
-          channel.hidden_by_rounding ? ", rounding hides it" : "",
-          channel.spikes > 0 ? fmt::format(", {} spikes left out", channel.spikes) : "");
-  }
-  if (has_curves) Print("* in the file; the noise of the sensor is part of each error\n");
-}
-
-void PrintJson(const Calibration& calibration, const CurveErrors& errors) {
-  nlohmann::ordered_json channels = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
-    const ChannelCalibration& channel = calibration.channels[i];
-    nlohmann::ordered_json row = {{"channel", channel.channel}};
-    if (!errors.table_rms_deg.empty()) {  // a NaN becomes null
-      row["two_point_rms_deg"] = errors.two_point_rms_deg[i];
-      row["polynomial_rms_deg"] = errors.polynomial_rms_deg[i];
-      row["table_rms_deg"] = errors.table_rms_deg[i];
-    }
-    row["variance_counts2"] = channel.variance_counts2;
-    row["variance_low_counts2"] = channel.variance_low_counts2;
-    row["variance_high_counts2"] = channel.variance_high_counts2;
-    row["hidden_by_rounding"] = channel.hidden_by_rounding;
-    row["spikes"] = channel.spikes;
-    row["covariance_counts2"] = channel.covariance_counts2;
-    channels.push_back(std::move(row));
-  }
-  const nlohmann::ordered_json json = {{"recording", calibration.recording},
-                                       {"samples", calibration.samples},
-                                       {"rate_hz", calibration.rate_hz},
-                                       {"degrees_of_freedom", calibration.degrees_of_freedom},
-                                       {"confidence_percent", calibration.confidence_percent},
-                                       {"channels", channels}};
-  Print("{}\n", json.dump(2));
 }
 
 void RemarkOnRows(const PoseRecording& recording) {
@@ -227,23 +163,6 @@ controller::PredictorFit FitTo(const PoseRecording& recording, const CalibrateOp
   }
 }
 
-/// What the fit takes away of the change within the horizon, noise included.
-void PrintFit(const PoseRecording& recording, const controller::PredictorFit& fit,
-              std::string_view unit) {
-  Print(
-      "{} samples at {:.6g} Hz\n\n{:<20}  noise  change in the horizon  left by the fit  left by "
-      "other fits\n{:<20}  [{} RMS]\n",
-      recording.counts.rows(), recording.rate_hz, "", "channel", unit);
-  for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
-    const auto channel = static_cast<Eigen::Index>(i);
-    const double held_out = fit.held_out_rms[channel];
-    Print("{:<20}  {:>5.2f}  {:>21.2f}  {:>15.2f}  {:>18}\n", recording.channel_names[i],
-          std::sqrt(fit.noise_variance[channel]), fit.hold_rms[channel], fit.fit_rms[channel],
-          std::isfinite(held_out) ? fmt::format("{:.2f}", held_out) : "-");
-  }
-  Print("Left by other fits: each fifth of the recording by weights fitted to the rest of it.\n");
-}
-
 void RunPredictorFit(const CalibrateOptions& options) {
   const std::filesystem::path target = TargetOf(options);
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
@@ -258,7 +177,8 @@ void RunPredictorFit(const CalibrateOptions& options) {
           SettingsToYaml([&](controller::SettingsVisitor& visitor) {
             VisitGroup(visitor, {.key = "prediction", .help = {}}, prediction);
           }));
-  PrintFit(recording, fit, options.curves.empty() ? "counts" : "deg");
+  PrintText(TextOf(PredictorFitText(recording, fit, options.curves.empty() ? "counts" : "deg"),
+                   StyleOf({})));
   FlushOutput();
   RemarkOnRows(recording);
   if (const std::size_t gaps = recording.stretch_begins.size() - 1; gaps > 0) {
@@ -280,11 +200,9 @@ void RunCalibrate(const CalibrateOptions& options) {
                   "# Made by gauntlet calibrate. A controller of a scenario includes it: "
                   "`calibration: FILE`.\n" +
                       SettingsToYaml([&](auto& visitor) { calibration.Visit(visitor); }));
-  if (options.json) {
-    PrintJson(calibration, errors);
-  } else {
-    PrintTable(calibration, errors, options.calibration.curve);
-  }
+  PrintText(options.json ? CalibrationJson(calibration, errors)
+                         : TextOf(CalibrationText(calibration, errors, options.calibration.curve),
+                                  StyleOf({})));
   FlushOutput();
   Remark(recording, calibration);
   Say("wrote {}\n", target.string());

@@ -16,6 +16,7 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/study/early_stop.h"
+#include "sim/study/sweep_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -152,8 +153,8 @@ void CellsFolder::Run() {
 SweepSummary CellsFolder::WriteCells(const std::filesystem::path& place) {
   OutputFile table(place / "cells.csv");
   std::ofstream csv(table.temporary_path(), std::ios::binary);
-  const auto write = [&csv](std::string_view text) { csv << text; };
-  SweepSummary summary = SummariseSweep(plan_, database_, cells_, write, {});
+  SweepSummary summary =
+      WriteCellsCsv(plan_, database_, cells_, [&csv](std::string_view text) { csv << text; });
   csv.close();
   if (!csv) throw RunError(table.target().string() + ": could not be written");
   table.Commit();

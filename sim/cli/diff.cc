@@ -32,8 +32,7 @@ void Diff(const DiffOptions& options) {
   if (options.json) {
     PrintText(StudyDifferenceJson(a, b, difference));
   } else {
-    PrintText(DifferenceTable(a, b, difference,
-                              {.all = options.all, .style = StyleOf(options.terminal)}));
+    PrintText(TextOf(DifferenceText(a, b, difference, options.all), StyleOf(options.terminal)));
   }
   if (!difference.Same()) throw CLI::RuntimeError(kDifferent);
 }

@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -13,6 +10,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/chain_log.h"
+#include "sim/calibrate/chain_tables.h"
 #include "sim/calibrate/identified_chain.h"
 #include "sim/calibrate/identified_servo.h"
 #include "sim/cli/commands.h"
@@ -79,113 +77,6 @@ ChainLog LoadLog(const IdentifyOptions& options) {
   return LoadChainLog(path, options.array);
 }
 
-/// A value and its interval, below each other or beside.
-std::vector<TableColumn::Line> Cell(const ChainEstimate& estimate, int digits, bool below) {
-  if (!std::isfinite(estimate.value)) return {{"-"}};
-  const std::string value = fmt::format("{:.{}f}", estimate.value, digits);
-  const std::string interval =
-      fmt::format("({:.{}f}..{:.{}f})", estimate.low, digits, estimate.high, digits);
-  if (below) return {{value}, {interval}};
-  return {{value + " " + interval}};
-}
-
-/// A quantity of a chain as a column, with so many digits behind the point.
-struct ChainColumn {
-  std::vector<std::string> head;
-  ChainEstimate ChainFit::*estimate;
-  int digits;
-};
-
-std::vector<TableColumn> TableColumns(const std::vector<ChainFit>& fits, bool below) {
-  const std::vector<ChainColumn> quantities = {
-      {{"delay", "ms"}, &ChainFit::delay_ms, 1},
-      {{"dead time", "ms"}, &ChainFit::dead_time_ms, 1},
-      {{"lag", "ms"}, &ChainFit::lag_ms, 1},
-      {{"frequency", "Hz"}, &ChainFit::natural_frequency_hz, 1},
-      {{"damping"}, &ChainFit::damping_ratio, 2},
-      {{"gain"}, &ChainFit::gain, 3},
-      {{"hysteresis", "deg"}, &ChainFit::hysteresis_deg, 2},
-      {{"of motor", "deg"}, &ChainFit::motor_hysteresis_deg, 2},
-      {{"lost motion", "deg"}, &ChainFit::lost_motion_deg, 2}};
-  const auto any_known = [&fits](ChainEstimate ChainFit::*estimate) {
-    return std::ranges::any_of(
-        fits, [&](const ChainFit& fit) { return std::isfinite((fit.*estimate).value); });
-  };
-  std::vector<TableColumn> columns;
-  for (const auto& [head, estimate, digits] : quantities) {
-    const bool of_motor =
-        estimate == &ChainFit::motor_hysteresis_deg || estimate == &ChainFit::lost_motion_deg;
-    if (of_motor && !any_known(estimate)) continue;
-    TableColumn& column = columns.emplace_back(TableColumn{.head = head, .rows = {}});
-    for (const ChainFit& fit : fits) column.rows.push_back(Cell(fit.*estimate, digits, below));
-  }
-  TableColumn& left = columns.emplace_back(TableColumn{.head = {"left", "deg"}, .rows = {}});
-  for (const ChainFit& fit : fits) {
-    const bool known = fit.problem.empty() && fit.split_problem.empty();
-    left.rows.push_back({{known ? fmt::format("{:.2f}", fit.residual_rms_deg) : "-"}});
-  }
-  return columns;
-}
-
-/// The first thing that keeps a part from being known, if there is any.
-const std::string& ProblemOf(const ChainFit& fit) {
-  if (!fit.problem.empty()) return fit.problem;
-  return fit.split_problem.empty() ? fit.motor_problem : fit.split_problem;
-}
-
-std::string Table(const ChainLog& log, const std::vector<ChainFit>& fits,
-                  const TerminalStyle& style) {
-  std::string text =
-      fmt::format("{:.1f} s at {:.6g} Hz; in brackets the 95 % interval\n\n",
-                  static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
-  std::vector<TableColumn> columns = TableColumns(fits, false);
-  const bool fits_beside = TableWidth("part", log.parts, columns) <= style.table_width;
-  if (!fits_beside) columns = TableColumns(fits, true);
-  text += TableText("part", log.parts, columns, style);
-  for (std::size_t i = 0; i < fits.size(); ++i) {
-    const std::string& problem = ProblemOf(fits[i]);
-    if (problem.empty()) continue;
-    text += Wrapped(fmt::format("{}: {}", log.parts[i], problem), style.width) + "\n";
-  }
-  const std::string frames = WhatFramesAre(log, fits);
-  if (!frames.empty()) text += Wrapped(frames, style.width) + "\n";
-  text += Wrapped(WhatHysteresisIs(fits), style.width) + "\n";
-  return text;
-}
-
-void PrintJson(const ChainLog& log, const std::vector<ChainFit>& fits) {
-  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < fits.size(); ++i) {
-    const ChainFit& fit = fits[i];
-    nlohmann::ordered_json row = {{"part", log.parts[i]}};
-    const std::string& problem = ProblemOf(fit);
-    if (!problem.empty()) row["problem"] = problem;
-    const auto add = [&row](const std::string& key, const ChainEstimate& estimate) {
-      row[key] = {// a NaN becomes null
-                  {"value", estimate.value},
-                  {"ci95_low", estimate.low},
-                  {"ci95_high", estimate.high}};
-    };
-    add("delay_ms", fit.delay_ms);
-    add("dead_time_ms", fit.dead_time_ms);
-    add("lag_ms", fit.lag_ms);
-    add("natural_frequency_hz", fit.natural_frequency_hz);
-    add("damping_ratio", fit.damping_ratio);
-    add("gain", fit.gain);
-    add("hysteresis_deg", fit.hysteresis_deg);
-    add("motor_hysteresis_deg", fit.motor_hysteresis_deg);
-    add("lost_motion_deg", fit.lost_motion_deg);
-    row["residual_rms_deg"] = fit.residual_rms_deg;
-    row["shifted_rms_deg"] = fit.shifted_rms_deg;
-    parts.push_back(std::move(row));
-  }
-  const nlohmann::ordered_json json = {{"log", log.name},
-                                       {"samples", log.command_deg.rows()},
-                                       {"rate_hz", log.rate_hz},
-                                       {"parts", parts}};
-  Print("{}\n", json.dump(2));
-}
-
 fs::path TargetOf(const IdentifyOptions& options) {
   if (options.out.empty()) {
     fs::path log = options.log;
@@ -236,15 +127,11 @@ void RunIdentify(const IdentifyOptions& options) {
   files.Write([&](const fs::path& place) {
     WriteOutputFile(place / target.filename(), WithChecksum(chain_text));
     if (!servo.empty()) WriteOutputFile(place / hand.filename(), WithChecksum(servo));
-    WriteOutputFile(place / page.filename(),
-                    ChainPage(log, fits, Table(log, fits, TerminalStyle::Unlimited())));
+    WriteOutputFile(place / page.filename(), ChainPage(log, fits));
   });
   files.Commit();
-  if (options.json) {
-    PrintJson(log, fits);
-  } else {
-    PrintText(Table(log, fits, StyleOf(options.terminal)));
-  }
+  PrintText(options.json ? ChainJson(log, fits)
+                         : TextOf(ChainText(log, fits), StyleOf(options.terminal)));
   FlushOutput();
   if (log.values_missing > 0) {
     Say("gauntlet: {}: {} missing values, straight lines go over them\n", log.name,

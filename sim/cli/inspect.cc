@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,8 +14,10 @@
 #include "sim/cli/inspect_hand.h"
 #include "sim/cli/out_option.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/terminal_option.h"
 #include "sim/cli/usage_error.h"
 #include "sim/inspect/inspection.h"
+#include "sim/inspect/inspection_tables.h"
 #include "sim/inspect/starter_files.h"
 #include "sim/video/png_file.h"
 #include "sim/video/recording_picture.h"
@@ -35,19 +36,6 @@ struct InspectOptions {
   bool force = false;
   bool json = false;
 };
-
-std::string SeparatorText(char separator) {
-  switch (separator) {
-    case '\t':
-      return "tab";
-    case ' ':
-      return "blanks";
-    case ';':
-      return "semicolon";
-    default:
-      return "comma";
-  }
-}
 
 std::string HeaderText(const TableLayout& layout) {
   std::string text;
@@ -87,28 +75,6 @@ void PrintTime(const Inspection& inspection) {
   if (time.repeats > 0) Print("        the time repeats {} times\n", time.repeats);
 }
 
-void PrintColumns(const Inspection& inspection) {
-  Print("\n{:>3}  {:<20}  {:<17}  {:>10}  {:>10}  {:>9}  {:>9}  {:>6}  {:>7}  {}\n", "", "column",
-        "taken for", "lowest", "highest", "step", "noise", "still", "clipped", "why");
-  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
-    const InspectedColumn& column = inspection.columns[c];
-    const ColumnStatistics& numbers = column.statistics;
-    std::string taken_for = column.channel.empty() ? "-" : column.channel;
-    if (!column.time_unit.empty()) taken_for = "time, " + column.time_unit;
-    const std::string why = column.time_unit.empty() ? column.why : "";
-    const std::string name = OneLine(column.name, 20);
-    if (column.kind != CellKind::kNumber || numbers.good_rows == 0) {
-      Print("{:>3}  {:<20}  {:<17}  {:>62}  {}\n", c + 1, name, taken_for, "", why);
-      continue;
-    }
-    Print(
-        "{:>3}  {:<20}  {:<17}  {:>10.5g}  {:>10.5g}  {:>9.3g}  {:>9.3g}  {:>4.0f} %  {:>5.0f} "
-        "%  {}\n",
-        c + 1, name, taken_for, numbers.low, numbers.high, numbers.step, numbers.noise,
-        100.0 * numbers.still_share, 100.0 * numbers.clipped_share, why);
-  }
-}
-
 void PrintInspection(const Inspection& inspection) {
   const TableLayout& layout = inspection.layout;
   Print("{}\n\n", OneLine(inspection.file));
@@ -129,54 +95,7 @@ void PrintInspection(const Inspection& inspection) {
   for (const auto& [kind, count] : inspection.problems) {
     Print("repair  {}: {} times\n", kind, count);
   }
-  PrintColumns(inspection);
-}
-
-void PrintJson(const Inspection& inspection) {
-  nlohmann::ordered_json columns = nlohmann::ordered_json::array();
-  for (const InspectedColumn& column : inspection.columns) {
-    const ColumnStatistics& numbers = column.statistics;
-    nlohmann::ordered_json row = {{"name", OneLine(column.name)}};
-    if (!column.time_unit.empty()) row["time_unit"] = column.time_unit;
-    if (!column.channel.empty()) row["channel"] = column.channel;
-    row["why"] = OneLine(column.why);
-    if (column.kind == CellKind::kNumber && numbers.good_rows > 0) {
-      row.update({{"low", numbers.low},
-                  {"high", numbers.high},
-                  {"step", numbers.step},
-                  {"noise", numbers.noise},
-                  {"still_share", numbers.still_share},
-                  {"clipped_share", numbers.clipped_share},
-                  {"longest_still_rows", numbers.longest_still_rows}});
-    }
-    columns.push_back(std::move(row));
-  }
-  nlohmann::ordered_json arrays = nlohmann::ordered_json::array();
-  for (const ListedArray& array : inspection.arrays) {
-    arrays.push_back({{"name", array.name},
-                      {"rows", array.rows},
-                      {"columns", array.columns},
-                      {"is_taken", array.is_taken}});
-  }
-  nlohmann::ordered_json json = {{"file", OneLine(inspection.file)},
-                                 {"format", NameOf(inspection.format)},
-                                 {"arrays", std::move(arrays)},
-                                 {"separator", SeparatorText(inspection.layout.separator)},
-                                 {"decimal_comma", inspection.layout.decimal_comma},
-                                 {"skipped_lines", inspection.layout.skipped_lines},
-                                 {"rows", inspection.rows},
-                                 {"is_whole", inspection.is_whole},
-                                 {"has_time", inspection.has_time},
-                                 {"rate_hz", inspection.time.rate_hz},
-                                 {"rate_is_known", inspection.rate_is_known},
-                                 {"duration_s", inspection.time.duration_s},
-                                 {"gaps", inspection.time.gaps},
-                                 {"restarts", inspection.time.restarts},
-                                 {"unit", NameOf(inspection.unit)},
-                                 {"bits", inspection.bits},
-                                 {"repairs", inspection.problems},
-                                 {"columns", std::move(columns)}};
-  Print("{}\n", json.dump(2));
+  Print("\n{}", TextOf(ColumnsTable(inspection), StyleOf({})));
 }
 
 /// As a file in the folder of `from` names it.
@@ -217,7 +136,7 @@ void RunInspect(const InspectOptions& options) {
   const Inspection inspection = Inspect(options.file, options.inspection);
   CheckTargets(map, options);
   if (options.json) {
-    PrintJson(inspection);
+    PrintText(InspectionJson(inspection));
   } else {
     PrintInspection(inspection);
   }

@@ -12,9 +12,9 @@
 #include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
 #include "sim/report/robust_page.h"
-#include "sim/report/robust_table.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
+#include "sim/study/robust_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -46,9 +46,7 @@ void RunRobustCommand(const RobustCommand& command) {
     if (!result) return;
     WriteOutputFile(place / "robust.csv", RobustCsv(*result));
     WriteOutputFile(place / "tornado.csv", TornadoCsv(plan, *result));
-    WriteOutputFile(place / "report.html",
-                    RobustPage(plan, folder.database(), *result,
-                               RobustTable(plan, *result, TerminalStyle::Unlimited())));
+    WriteOutputFile(place / "report.html", RobustPage(plan, folder.database(), *result));
   });
   folder.files().Commit();
   const std::string written = "scenario.resolved.yaml, cells.csv, study.db, manifest.json";
@@ -58,7 +56,7 @@ void RunRobustCommand(const RobustCommand& command) {
     return;
   }
   PrintText(command.json ? RobustJson(plan, *result)
-                         : RobustTable(plan, *result, StyleOf(command.cells.terminal)));
+                         : TextOf(RobustText(plan, *result), StyleOf(command.cells.terminal)));
   FlushOutput();
   Say("wrote {}: report.html, robust.csv, tornado.csv, {}\n", folder.path().string(), written);
 }

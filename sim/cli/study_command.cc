@@ -234,7 +234,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (options.json) {
     PrintText(ScoresJson(finished));
   } else {
-    PrintText(ScoreTable(finished, StyleOf(options.terminal)));
+    PrintText(TextOf(ScoreText(finished), StyleOf(options.terminal)));
   }
   FlushOutput();
   std::string written =

@@ -17,7 +17,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/usage_error.h"
 #include "sim/report/sweep_page.h"
-#include "sim/report/sweep_table.h"
+#include "sim/study/sweep_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -158,17 +158,14 @@ void RunSweepCommand(const SweepCommand& command) {
   folder.files().Write([&](const std::filesystem::path& place) {
     summary = folder.WriteCells(place);
     WriteOutputFile(place / "report.html",
-                    SweepPage(plan, folder.database(), folder.cells(), summary, response,
-                              SweepTable(plan, summary, response, TerminalStyle::Unlimited())));
+                    SweepPage(plan, folder.database(), folder.cells(), summary, response));
   });
   folder.files().Commit();
   if (command.json) {
-    Print("{{\n{},\n \"cells\": ", SweepJsonHead(plan, summary));
-    SummariseSweep(plan, folder.database(), folder.cells(), {},
+    WriteSweepJson(plan, folder.database(), folder.cells(), summary,
                    [](std::string_view text) { PrintText(text); });
-    PrintText("\n}\n");
   } else {
-    PrintText(SweepTable(plan, summary, response, StyleOf(command.cells.terminal)));
+    PrintText(TextOf(SweepText(plan, summary, response), StyleOf(command.cells.terminal)));
   }
   FlushOutput();
   Say("wrote {}: report.html, cells.csv, study.db, manifest.json\n", folder.path().string());

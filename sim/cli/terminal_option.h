@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "sim/report/table_text.h"
+#include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 

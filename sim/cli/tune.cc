@@ -18,12 +18,10 @@
 #include "sim/cli/study_command.h"
 #include "sim/cli/usage_error.h"
 #include "sim/report/tune_all_page.h"
-#include "sim/report/tune_all_table.h"
 #include "sim/report/tune_page.h"
-#include "sim/report/tune_table.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
-#include "sim/study/tune_files.h"
+#include "sim/study/tune_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -159,12 +157,12 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
   files.Write([&](const std::filesystem::path& place) {
     WriteOutputFile(place / yaml.filename(), WithChecksum(ControllerYaml(result.controller)));
     WriteOutputFile(place / "tune.csv", TuneCsv(plan, result));
-    WriteOutputFile(place / "report.html",
-                    TunePage(plan, result, TuneTable(plan, result, TerminalStyle::Unlimited())));
+    WriteOutputFile(place / "report.html", TunePage(plan, result));
   });
   files.Commit();
   folder.Keep();
-  PrintText(asked.json ? TuneJson(plan, result) : TuneTable(plan, result, StyleOf(asked.terminal)));
+  PrintText(asked.json ? TuneJson(plan, result)
+                       : TextOf(TuneText(plan, result), StyleOf(asked.terminal)));
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
@@ -190,14 +188,12 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
                       WithChecksum(ControllerYaml(tuned.result.controller)));
     }
     WriteOutputFile(place / "tune.csv", TuneAllCsv(kinds));
-    WriteOutputFile(
-        place / "report.html",
-        TuneAllPage(plan, kinds, TuneAllTable(plan, kinds, TerminalStyle::Unlimited())));
+    WriteOutputFile(place / "report.html", TuneAllPage(plan, kinds));
   });
   files.Commit();
   folder.Keep();
   PrintText(asked.json ? TuneAllJson(plan, kinds)
-                       : TuneAllTable(plan, kinds, StyleOf(asked.terminal)));
+                       : TextOf(TuneAllText(plan, kinds), StyleOf(asked.terminal)));
   FlushOutput();
   if (!kinds.front().has_answer()) {
     Say("wrote {}: tune.csv, report.html\n", folder.path().string());

@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/galton_board.h"
-#include "sim/report/table_text.h"
+#include "sim/results/table_text.h"
 #include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {

@@ -6,8 +6,8 @@
 #include "controller/number.h"
 #include "sim/base/chart_scale.h"
 #include "sim/report/drawing.h"
-#include "sim/report/html_text.h"
-#include "sim/report/table_text.h"
+#include "sim/results/html_text.h"
+#include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 

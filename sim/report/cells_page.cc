@@ -10,7 +10,7 @@
 
 #include "sim/report/assets.h"
 #include "sim/report/front_chart.h"
-#include "sim/report/html_text.h"
+#include "sim/results/html_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -171,7 +171,7 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
                        {"question", EscapeHtml(texts.question)},
                        {"facts", EscapeHtml(facts)},
                        {"verdict", EscapeHtml(texts.verdict)},
-                       {"table", EscapeHtml(texts.table)},
+                       {"table", HtmlOf(ResultText(texts.text.begin() + 1, texts.text.end()))},
                        {"sections", sections},
                        {"name", any ? EscapeHtml(gathered.kept().front().point.name) : ""},
                        {"yaml", any ? EscapeHtml(gathered.kept().front().point.yaml) : ""},

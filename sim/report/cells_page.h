@@ -4,12 +4,13 @@
 #include <vector>
 
 #include "sim/report/cell_points.h"
+#include "sim/results/table_text.h"
 #include "sim/study/sweep_result.h"
 
 namespace gauntlet::sim {
 
-// A page of many settings, self-contained as ReportPage() is: a table, which is what the terminal
-// shows, and pictures, which stand there without scripts: a heat map per pair of settings, parallel
+// A page of many settings, self-contained as ReportPage() is: tables, as the terminal has them, and
+// pictures, which stand there without scripts: a heat map per pair of settings, parallel
 // coordinates, jitter against delay. With scripts ranges can be brushed, and a click gives a
 // point's settings as YAML and the command that repeats it. See sim/report/README.md.
 
@@ -20,7 +21,7 @@ struct CellsPageTexts {
   std::string question;
   std::string facts;
   std::string verdict;
-  std::string table;
+  ResultText text;                  // without its first part, which is the title
   std::string first_sections = {};  // HTML of pictures before the others
   std::string command_folder = "the folder where the study was run";  // where commands find files
   bool heat = true;

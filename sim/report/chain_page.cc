@@ -6,10 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/calibrate/chain_tables.h"
 #include "sim/report/assets.h"
 #include "sim/report/cells_page.h"
-#include "sim/report/html_text.h"
 #include "sim/report/svg_chart.h"
+#include "sim/results/html_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -113,8 +114,7 @@ std::string ChainVerdict(const std::vector<ChainFit>& fits) {
 
 }  // namespace
 
-std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits,
-                      const std::string& table) {
+std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits) {
   std::string figures;
   for (std::size_t part = 0; part < fits.size(); ++part)
     figures += PartFigures(log, fits[part], part);
@@ -127,7 +127,7 @@ std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits,
        {"style", std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
        {"verdict", EscapeHtml(ChainVerdict(fits))},
        {"facts", EscapeHtml(facts)},
-       {"table", EscapeHtml(table)},
+       {"table", HtmlOf(ChainText(log, fits))},
        {"figures",
         PageSection("parts", "Measured beside simulated",
                     "Both follow the same command. Where they part, the hand does what no model of "

@@ -11,7 +11,6 @@ namespace gauntlet::sim {
 /// part of the log, over the command, what was measured beside what the model makes of the same
 /// command; in the stretch of a few seconds in which it moves most, and the difference over the
 /// whole log but its first second.
-std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits,
-                      const std::string& table);
+std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits);
 
 }  // namespace gauntlet::sim

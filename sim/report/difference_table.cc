@@ -4,16 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <numeric>
 
-#include "sim/score/score.h"
+#include "sim/study/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Row = std::array<std::string, 7>;
 
 std::string SeedsText(std::vector<int> seeds) {
   std::sort(seeds.begin(), seeds.end());
@@ -30,18 +25,18 @@ std::string ValueText(const std::optional<std::string>& value) {
   return value->empty() ? "\"\"" : *value;
 }
 
-void AppendSettings(const std::string& title, const std::vector<SettingDifference>& settings,
-                    std::string& out) {
+void AddSettings(const std::string& title, const std::vector<SettingDifference>& settings,
+                 ResultText& text) {
   if (settings.empty()) return;
-  out += "\n" + title + "\n";
+  text.emplace_back(title);
   for (const SettingDifference& setting : settings) {
-    out += fmt::format("  {}: {} -> {}\n", setting.key, ValueText(setting.a), ValueText(setting.b));
+    AddLine(fmt::format("{}: {} -> {}", setting.key, ValueText(setting.a), ValueText(setting.b)),
+            text);
   }
 }
 
-void AppendNames(const std::string& title, const std::vector<std::string>& names,
-                 std::string& out) {
-  if (!names.empty()) out += fmt::format("{}: {}\n", title, fmt::join(names, ", "));
+void AddNames(const std::string& title, const std::vector<std::string>& names, ResultText& text) {
+  if (!names.empty()) AddLine(fmt::format("{}: {}", title, fmt::join(names, ", ")), text);
 }
 
 /// " of the common seeds 1 to 4" where A or B has others besides; these are not compared.
@@ -66,79 +61,6 @@ std::string MethodText(const StudyDifference& difference) {
                  : "one seed has no interval, so every difference counts";
   }
   return "";
-}
-
-Row RowOf(const ScoreDifference& score) {
-  const MeanInterval& difference = score.difference;
-  Row row{score.controller,
-          std::string(Metrics()[score.metric].key),
-          Short(score.a),
-          Short(score.b),
-          "-",
-          "-",
-          std::string(ChangeText(score.change))};
-  if (std::isfinite(difference.mean)) row[4] = fmt::format("{:+.3g}", difference.mean);
-  if (std::isfinite(difference.low)) {
-    row[5] = fmt::format("{:+.3g} to {:+.3g}", difference.low, difference.high);
-  }
-  return row;
-}
-
-std::string Coloured(const std::string& text, ScoreChange change, bool colour) {
-  if (!colour || change == ScoreChange::kNone) return text;
-  return change == ScoreChange::kBetter ? Good(text) : Warning(text);
-}
-
-/// Rows below the names of their controllers, for terminals on which a whole row is too wide.
-void AppendByController(const std::vector<Row>& rows, const std::vector<ScoreChange>& changes,
-                        const TerminalStyle& style, std::string& out) {
-  for (std::size_t first = 1; first < rows.size();) {
-    std::size_t end = first;
-    std::vector<std::string> scores;
-    while (end < rows.size() && rows[end][0] == rows[first][0]) scores.push_back(rows[end++][1]);
-    std::vector<TableColumn> columns;
-    for (std::size_t c = 2; c < rows[0].size(); ++c) {
-      TableColumn& column = columns.emplace_back(TableColumn{.head = {rows[0][c]}, .rows = {}});
-      const bool judges = c + 1 == rows[0].size();
-      for (std::size_t r = first; r < end; ++r) {
-        const char mark = !judges || changes[r] == ScoreChange::kNone ? ' '
-                          : changes[r] == ScoreChange::kBetter        ? '*'
-                                                                      : '!';
-        column.rows.push_back({TableColumn::Line{.text = rows[r][c], .mark = mark}});
-      }
-    }
-    if (first > 1) out += "\n";
-    out += TableText(rows[first][0], scores, columns, style);
-    first = end;
-  }
-}
-
-void AppendScores(const StudyDifference& difference, const std::string& of_seeds,
-                  const DifferenceTableOptions& options, std::string& out) {
-  std::vector<Row> rows = {{"controller", "score", "A", "B", "B - A", "95 % interval", "B is"}};
-  std::vector<ScoreChange> changes = {ScoreChange::kNone};
-  for (const ScoreDifference& score : difference.scores) {
-    if (score.change == ScoreChange::kNone && !options.all) continue;
-    rows.push_back(RowOf(score));
-    changes.push_back(score.change);
-  }
-  if (rows.size() == 1) return;
-  std::array<std::size_t, std::tuple_size_v<Row>> widths{};
-  for (const Row& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], Width(row[i]));
-  }
-  out += fmt::format("\nscores{}, {}:\n", of_seeds, MethodText(difference));
-  if (std::accumulate(widths.begin(), widths.end(), 2 * (widths.size() - 1)) >
-      options.style.table_width) {
-    AppendByController(rows, changes, options.style, out);
-    return;
-  }
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    for (std::size_t i = 0; i + 1 < rows[r].size(); ++i) {
-      out += Padded(rows[r][i], widths[i], i >= 2) + "  ";
-    }
-    out += Coloured(rows[r].back(), changes[r], options.style.colour) + "\n";
-  }
 }
 
 std::string Count(std::size_t count, const std::string& what) {
@@ -167,29 +89,32 @@ std::string VerdictOf(const StudyDifference& difference, const std::string& of_s
 
 }  // namespace
 
-std::string DifferenceTable(const StudyFolder& a, const StudyFolder& b,
-                            const StudyDifference& difference,
-                            const DifferenceTableOptions& options) {
-  std::string out;
-  const std::size_t width = std::max(Width(a.name), Width(b.name));
+ResultText DifferenceText(const StudyFolder& a, const StudyFolder& b,
+                          const StudyDifference& difference, bool all) {
+  ResultText text;
   for (const auto& [letter, folder] : {std::pair("A", &a), std::pair("B", &b)}) {
-    out += fmt::format("{}: {}  {}, {}, Gauntlet {}\n", letter, Padded(folder->name, width, false),
-                       folder->scenario.name, SeedsText(folder->scores.seeds),
-                       folder->scenario.made_with.gauntlet_version);
+    AddLine(
+        fmt::format("{}: {}, {}, {}, Gauntlet {}", letter, folder->name, folder->scenario.name,
+                    SeedsText(folder->scores.seeds), folder->scenario.made_with.gauntlet_version),
+        text);
   }
-  AppendSettings("settings, A -> B:", difference.settings, out);
-  AppendSettings("versions, A -> B:", difference.versions, out);
-  std::string names;
-  AppendNames("controllers only in A", difference.controllers_only_in_a, names);
-  AppendNames("controllers only in B", difference.controllers_only_in_b, names);
-  AppendNames("channels only in A", difference.channels_only_in_a, names);
-  AppendNames("channels only in B", difference.channels_only_in_b, names);
-  AppendNames("scores that only A knows", difference.metrics_only_in_a, names);
-  AppendNames("scores that only B knows", difference.metrics_only_in_b, names);
-  if (!names.empty()) out += "\n" + names;
+  AddSettings("settings, A -> B:", difference.settings, text);
+  AddSettings("versions, A -> B:", difference.versions, text);
+  text.emplace_back("");
+  AddNames("controllers only in A", difference.controllers_only_in_a, text);
+  AddNames("controllers only in B", difference.controllers_only_in_b, text);
+  AddNames("channels only in A", difference.channels_only_in_a, text);
+  AddNames("channels only in B", difference.channels_only_in_b, text);
+  AddNames("scores that only A knows", difference.metrics_only_in_a, text);
+  AddNames("scores that only B knows", difference.metrics_only_in_b, text);
   const std::string of_seeds = OfCommonSeeds(a, b, difference);
-  AppendScores(difference, of_seeds, options, out);
-  return out + "\n" + VerdictOf(difference, of_seeds) + "\n";
+  ResultTable scores = ScoreDifferences(difference, all);
+  if (!scores.rows.empty()) {
+    text.emplace_back(fmt::format("scores{}, {}:", of_seeds, MethodText(difference)));
+    text.emplace_back(std::move(scores));
+  }
+  text.emplace_back(VerdictOf(difference, of_seeds));
+  return text;
 }
 
 }  // namespace gauntlet::sim

@@ -2,20 +2,14 @@
 
 #include <string>
 
-#include "sim/report/table_text.h"
+#include "sim/results/table_text.h"
 #include "sim/study/study_difference.h"
 
 namespace gauntlet::sim {
 
-struct DifferenceTableOptions {
-  bool all = false;  // also the scores that are the same
-  TerminalStyle style = TerminalStyle::Unlimited();
-};
-
-/// What differs between two output folders, for a person at a terminal: settings, versions, names,
-/// a row per score that changed, and the verdict in one sentence.
-std::string DifferenceTable(const StudyFolder& a, const StudyFolder& b,
-                            const StudyDifference& difference,
-                            const DifferenceTableOptions& options);
+/// What differs between two output folders, for a person: settings, versions, names, a row per
+/// score that changed, or `all`, and the verdict in one sentence.
+ResultText DifferenceText(const StudyFolder& a, const StudyFolder& b,
+                          const StudyDifference& difference, bool all);
 
 }  // namespace gauntlet::sim

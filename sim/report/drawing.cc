@@ -1,6 +1,6 @@
 #include "sim/report/drawing.h"
 
-#include "sim/report/html_text.h"
+#include "sim/results/html_text.h"
 
 namespace gauntlet::sim {
 

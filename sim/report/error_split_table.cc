@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "sim/study/result_cells.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -25,27 +27,21 @@ std::vector<double> ErrorByCause(const ControllerSummary& controller) {
   return parts;
 }
 
-std::string ErrorSplitTable(const Summary& summary, const TerminalStyle& style) {
-  std::vector<TableColumn> columns;
+ResultTable ErrorSplitTable(const Summary& summary) {
+  ResultTable table{.columns = {ForPeople("of the squared error")}};
   for (const TrackingErrorPart& part : TrackingErrorParts()) {
-    TableColumn& column = columns.emplace_back();
-    for (std::size_t begin = 0; begin < part.name.size();) {  // a line for each word
-      const std::size_t end = std::min(part.name.find(' ', begin), part.name.size());
-      column.head.emplace_back(part.name.substr(begin, end - begin));
-      begin = end + 1;
-    }
+    std::string heading(part.name);
+    std::ranges::replace(heading, ' ', kBreak);
+    table.columns.push_back(ForPeople(heading));
   }
-  std::vector<std::string> names;
   for (const ControllerSummary& controller : summary.controllers) {
     const std::vector<double> parts = ErrorByCause(controller);
     const double whole = std::accumulate(parts.begin(), parts.end(), 0.0);
     if (!(whole > 0.0)) continue;
-    names.push_back(controller.name);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      columns[i].rows.push_back({{.text = Percent(parts[i] / whole)}});
-    }
+    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell::Text(controller.name)});
+    for (const double part : parts) row.push_back(ResultCell::Text(Percent(part / whole)));
   }
-  return names.empty() ? "" : TableText("of the squared error", names, columns, style);
+  return table;
 }
 
 }  // namespace gauntlet::sim

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/table_text.h"
+#include "sim/results/table_text.h"
 #include "sim/study/summary.h"
 
 namespace gauntlet::sim {
@@ -12,8 +12,7 @@ namespace gauntlet::sim {
 /// over joints and seeds [deg^2], which sum to the whole. Empty where there is no split.
 std::vector<double> ErrorByCause(const ControllerSummary& controller);
 
-/// Which share of the squared error each cause has, for a person at a terminal: a line per
-/// controller. Empty where no controller has a split.
-std::string ErrorSplitTable(const Summary& summary, const TerminalStyle& style);
+/// Which share of the squared error each cause has: a row per controller that has a split.
+ResultTable ErrorSplitTable(const Summary& summary);
 
 }  // namespace gauntlet::sim

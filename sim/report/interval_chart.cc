@@ -5,8 +5,10 @@
 
 #include "sim/base/chart_scale.h"
 #include "sim/report/drawing.h"
-#include "sim/report/html_text.h"
-#include "sim/report/table_text.h"
+#include "sim/results/html_text.h"
+#include "sim/results/table_text.h"
+#include "sim/study/result_cells.h"
+#include "sim/study/robust_tables.h"
 
 namespace gauntlet::sim {
 

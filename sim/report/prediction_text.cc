@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sim/report/table_text.h"
+#include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -14,7 +14,7 @@
 #include "sim/base/hash.h"
 #include "sim/base/quantile.h"
 #include "sim/recordings/recording.h"
-#include "sim/report/html_text.h"
+#include "sim/results/html_text.h"
 #include "sim/study/counted_parts.h"
 
 namespace gauntlet::sim {

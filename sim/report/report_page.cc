@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "sim/report/assets.h"
-#include "sim/report/html_text.h"
 #include "sim/report/page_data.h"
 #include "sim/report/recording_section.h"
 #include "sim/report/score_table.h"
+#include "sim/results/html_text.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/study_files.h"
 #include "sim/trial/joint_angles.h"

@@ -4,13 +4,13 @@
 
 #include "sim/report/cells_page.h"
 #include "sim/report/interval_chart.h"
-#include "sim/report/robust_table.h"
-#include "sim/report/sweep_table.h"
+#include "sim/study/robust_tables.h"
+#include "sim/study/sweep_tables.h"
 
 namespace gauntlet::sim {
 
-std::string RobustPage(const RobustPlan& plan, SweepDatabase& database, const RobustResult& result,
-                       const std::string& table) {
+std::string RobustPage(const RobustPlan& plan, SweepDatabase& database,
+                       const RobustResult& result) {
   std::vector<ChartAxis> axes;
   for (const RobustParameter& parameter : plan.parameters) {
     const double within = 0.01 * plan.within_percent;
@@ -56,7 +56,7 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database, const Ro
                     .question = plan.sweep.file.question,
                     .facts = HandsText(plan),
                     .verdict = RobustVerdicts(result).front(),
-                    .table = table,
+                    .text = RobustText(plan, result),
                     .first_sections = PageSection(
                         "tornado", "What matters",
                         "How the difference between the two that are best on the scenario's own "

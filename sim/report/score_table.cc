@@ -18,7 +18,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::size_t kHeadLines = 4;
+constexpr int kHeadLines = 4;
 
 /// The main metrics that some controller has a value of.
 std::vector<std::size_t> ShownMetrics(const Summary& summary) {
@@ -36,89 +36,67 @@ std::vector<std::size_t> ShownMetrics(const Summary& summary) {
 
 /// What stands above a column, from the top: the words of the metric's key. Below each other they
 /// take less room, and read downwards they are the key.
-std::vector<std::string> HeadOf(std::string_view key) {
-  std::vector<std::string> words = {""};
-  for (const char c : key) {
-    if (c == '_') {
-      words.emplace_back();
-    } else {
-      words.back() += c;
-    }
+std::string HeadOf(std::string_view key) {
+  std::string head(key);
+  const bool is_rate = key.ends_with("_per_s") || key.ends_with("_deg_s");  // which stays together
+  std::size_t place = is_rate ? head.rfind('_') : head.size();
+  for (int lines = 1; lines < kHeadLines; ++lines) {
+    place = head.rfind('_', place - 1);
+    if (place == std::string::npos) break;
+    head[place] = kBreak;
   }
-  const auto join = [&words](std::size_t first) {
-    words[first] = fmt::format("{}_{}", words[first], words[first + 1]);
-    words.erase(words.begin() + static_cast<std::ptrdiff_t>(first) + 1);
-  };
-  if (key.ends_with("_per_s") || key.ends_with("_deg_s")) join(words.size() - 2);
-  while (words.size() > kHeadLines) join(0);
-  return words;
+  return head;
 }
 
 /// "+0.41" and "±0.05", with as many digits as the interval allows; one alone where nothing else is
 /// known.
-std::vector<std::string> DifferenceTexts(const MeanInterval& difference) {
+std::string DifferenceText(const MeanInterval& difference) {
   const double half_width = difference.high - difference.mean;
-  if (std::isnan(difference.mean)) return {};
+  if (std::isnan(difference.mean)) return "";
   if (!(half_width > 0.0)) {
-    return {fmt::format("{}{}", difference.mean >= 0.0 ? "+" : "", Short(difference.mean))};
+    return fmt::format("{}{}", difference.mean >= 0.0 ? "+" : "", Short(difference.mean));
   }
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width))), 0, 3);
-  return {fmt::format("{:+.{}f}", difference.mean, decimals),
-          fmt::format("±{:.{}f}", half_width, decimals)};
+  return fmt::format("{:+.{}f}{}±{:.{}f}", difference.mean, decimals, kSoftBreak, half_width,
+                     decimals);
 }
 
 /// What the table says of a controller's metric: its value, below it the difference to the best.
-std::vector<TableColumn::Line> CellOf(const Summary& summary, const ControllerSummary& controller,
-                                      std::size_t metric) {
+ResultCell CellOf(const Summary& summary, const ControllerSummary& controller, std::size_t metric) {
   const MeanInterval& own = controller.summary[metric];
-  std::vector<TableColumn::Line> lines = {{.text = Short(own.mean)}};
-  if (summary.one_run) return lines;
+  ResultCell cell(own.mean);
+  const auto add_line = [&cell](const std::string& text) {
+    if (!text.empty()) cell.text += kBreak + text;
+  };
+  if (summary.one_run) return cell;
   if (summary.controllers.size() == 1) {  // has nobody to differ from
-    if (std::isfinite(own.low)) lines.push_back({fmt::format("±{}", Short(own.high - own.mean))});
-    return lines;
+    if (std::isfinite(own.low)) add_line(fmt::format("±{}", Short(own.high - own.mean)));
+    return cell;
   }
   const Comparison& to_best = controller.to_best[metric];
   if (controller.as_good_as_best[metric]) {
-    lines.front().mark = '*';
+    cell.mark = '*';
   } else if (to_best.judgement == Judgement::kUndecided) {
-    lines.front().mark = '~';
+    cell.mark = '~';
   }
-  if (controller.IsWorseThanBaseline(metric)) lines.front().mark = '!';
-  if (controller.as_good_as_best[metric] && to_best.judgement == Judgement::kNone) {
-    lines.push_back({"best"});
-    return lines;
-  }
-  for (const std::string& text : DifferenceTexts(to_best.difference)) lines.push_back({text});
-  return lines;
+  if (controller.IsWorseThanBaseline(metric)) cell.mark = '!';
+  const bool is_best = controller.as_good_as_best[metric] && to_best.judgement == Judgement::kNone;
+  add_line(is_best ? "best" : DifferenceText(to_best.difference));
+  return cell;
 }
 
-/// The same with difference and interval in one line.
-void JoinDifferences(std::vector<TableColumn>& columns) {
-  for (TableColumn& column : columns) {
-    for (auto& lines : column.rows) {
-      if (lines.size() < 3) continue;
-      lines[1].text += lines[2].text;
-      lines.resize(2);
-    }
+ResultTable MeansTable(const Summary& summary) {
+  ResultTable table{.columns = {{"name", "controller"}}};
+  const std::vector<std::size_t> shown = ShownMetrics(summary);
+  for (const std::size_t metric : shown) {
+    const std::string_view key = Metrics()[metric].key;
+    table.columns.push_back({std::string(key), HeadOf(key)});
   }
-}
-
-void AppendRows(const Summary& summary, const TerminalStyle& style, std::string& out) {
-  std::vector<std::string> names;
-  for (const auto& controller : summary.controllers) names.push_back(controller.name);
-  std::vector<TableColumn> columns;
-  for (const std::size_t metric : ShownMetrics(summary)) {
-    TableColumn& column = columns.emplace_back();
-    column.head = HeadOf(Metrics()[metric].key);
-    for (const auto& controller : summary.controllers) {
-      column.rows.push_back(CellOf(summary, controller, metric));
-    }
+  for (const ControllerSummary& controller : summary.controllers) {
+    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
+    for (const std::size_t metric : shown) row.push_back(CellOf(summary, controller, metric));
   }
-  const std::string corner = "controller";
-  std::vector<TableColumn> joined = columns;
-  JoinDifferences(joined);
-  const bool fits = TableWidth(corner, names, joined) <= style.table_width;
-  out += TableText(corner, names, fits ? joined : columns, style);
+  return table;
 }
 
 /// Where a score of the table is a mean over some of the seeds, as the others have none.
@@ -193,14 +171,12 @@ std::string ReasonForNoChance(const StudyResult& result) {
          "runs several).";
 }
 
-/// In one line if it fits.
-std::string Legend(const Summary& summary, std::size_t width) {
-  std::vector<std::string> marks = {"* best, or equal within what matters", "~ undecided"};
+std::string Legend(const Summary& summary) {
+  std::string legend = "* best, or equal within what matters   ~ undecided";
   if (summary.baseline) {
-    marks.push_back("! worse than " + summary.controllers[*summary.baseline].name);
+    legend += "   ! worse than " + summary.controllers[*summary.baseline].name;
   }
-  const std::string line = fmt::format("{}", fmt::join(marks, "   "));
-  return Width(line) <= width ? line : fmt::format("{}", fmt::join(marks, "\n"));
+  return legend;
 }
 
 /// "97 % the motions' and 3 % the noise's", a mean over controllers; empty where it is not known.
@@ -430,33 +406,25 @@ std::string Measured(const Study& study) {
                      study.joint_count);
 }
 
-std::string ScoreTable(const FinishedStudy& finished, const TerminalStyle& style) {
+ResultText ScoreText(const FinishedStudy& finished) {
   const StudyResult& result = finished.result;
   const Summary& summary = finished.summary;
   const Scenario& scenario = finished.study.scenario;
-  std::string out;
-  const auto say = [&](const std::string& text) { out += Wrapped(text, style.width) + "\n"; };
-  say(fmt::format("{}: {}", scenario.name, scenario.question));
   const std::string seeds = summary.one_run
                                 ? fmt::format("seed {}", result.seeds.front().seed)
                                 : fmt::format("seeds {} to {}: {}", result.seeds.front().seed,
                                               result.seeds.back().seed, WhatVaries(result));
-  say(fmt::format("{}, {}; {}; reference: {}", DurationText(result), Measured(finished.study),
-                  seeds, result.reference_name));
-  out += "\n";
-  AppendRows(summary, style, out);
-  if (summary.pairs > 0) out += Legend(summary, style.width) + "\n";
-  for (const std::string& failure : Failures(summary, result.seeds.size())) say(failure);
-  for (const std::string& missing : MissingSeeds(result, summary)) say(missing);
-  for (const std::string& note : Notes(finished)) say(note);
-  if (const std::string split = ErrorSplitTable(summary, style); !split.empty()) {
-    out.append("\n").append(split);
-  }
-  if (const std::string verdict = Verdict(summary); !verdict.empty()) {
-    out += "\n";
-    say(verdict);
-  }
-  return out;
+  ResultText text = {
+      fmt::format("{}: {}\n{}, {}; {}; reference: {}", scenario.name, scenario.question,
+                  DurationText(result), Measured(finished.study), seeds, result.reference_name),
+      MeansTable(summary)};
+  if (summary.pairs > 0) AddLine(Legend(summary), text);
+  for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
+  for (const std::string& missing : MissingSeeds(result, summary)) AddLine(missing, text);
+  for (const std::string& note : Notes(finished)) AddLine(note, text);
+  text.emplace_back(ErrorSplitTable(summary));
+  text.emplace_back(Verdict(summary));
+  return text;
 }
 
 }  // namespace gauntlet::sim

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/table_text.h"
+#include "sim/results/table_text.h"
 #include "sim/study/summary.h"
 
 namespace gauntlet::sim {
@@ -27,11 +27,11 @@ std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
 /// How the marks and intervals come about, a sentence or two each: for the table and the page.
 std::vector<std::string> Notes(const FinishedStudy& finished);
 
-/// The scores for a person at a terminal: what was asked; per controller its means and, below each,
-/// the difference to the best with the interval that decides; a star at the best of each column and
-/// at those equal to it, a tilde where it is undecided, an exclamation mark where a filter is worse
+/// The scores for a person: what was asked; per controller its means and, below each, the
+/// difference to the best with the interval that decides; a star at the best of each column and at
+/// those equal to it, a tilde where it is undecided, an exclamation mark where a filter is worse
 /// than the baseline; a verdict. Columns are the main metrics that have a value. Of one run alone
-/// nothing is marked, and the table says why.
-std::string ScoreTable(const FinishedStudy& finished, const TerminalStyle& style);
+/// nothing is marked, and the text says why.
+ResultText ScoreText(const FinishedStudy& finished);
 
 }  // namespace gauntlet::sim

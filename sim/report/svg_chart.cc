@@ -9,7 +9,7 @@
 
 #include "sim/base/chart_scale.h"
 #include "sim/report/curve_codec.h"
-#include "sim/report/html_text.h"
+#include "sim/results/html_text.h"
 
 namespace gauntlet::sim {
 namespace {

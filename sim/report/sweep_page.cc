@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "sim/report/cells_page.h"
-#include "sim/report/html_text.h"
 #include "sim/report/interval_chart.h"
-#include "sim/report/sweep_table.h"
+#include "sim/results/html_text.h"
 #include "sim/scenario/scenario_reader.h"
+#include "sim/study/sweep_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -28,8 +28,7 @@ std::string ResponseSection(const SweepPlan& plan, const Response& response) {
 }  // namespace
 
 std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
-                      const SweepSummary& summary, const Response& response,
-                      const std::string& table) {
+                      const SweepSummary& summary, const Response& response) {
   std::vector<ChartAxis> axes;
   for (std::size_t a = 0; a < plan.file.axes.size(); ++a) {
     axes.push_back(ChartAxisOf(plan.file.axes[a], ShortKey(plan, a),
@@ -75,7 +74,7 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
                                          Metrics()[plan.best_by].key, BoundsText(plan.constraints),
                                          plan.file.physics ? "" : " · filters only, no hand"),
                     .verdict = verdict,
-                    .table = table,
+                    .text = SweepText(plan, summary, response),
                     .first_sections = ResponseSection(plan, response)});
 }
 

@@ -9,7 +9,6 @@ namespace gauntlet::sim {
 
 /// Page of `gauntlet sweep`.
 std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
-                      const SweepSummary& summary, const Response& response,
-                      const std::string& table);
+                      const SweepSummary& summary, const Response& response);
 
 }  // namespace gauntlet::sim

@@ -6,8 +6,8 @@
 
 #include "sim/report/cells_page.h"
 #include "sim/report/front_chart.h"
-#include "sim/report/sweep_table.h"
-#include "sim/report/tune_all_table.h"
+#include "sim/study/sweep_tables.h"
+#include "sim/study/tune_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -48,8 +48,7 @@ std::vector<std::string> SetsOf(const TunedKind& tuned, const TunedSetting& sett
 
 }  // namespace
 
-std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kinds,
-                        const std::string& table) {
+std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
   ChartAxis axis{.name = "filter"};
   std::int64_t all = 0;
   for (const TunedKind& tuned : kinds) {
@@ -111,7 +110,7 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
                             plan.evaluations, plan.seeds, plan.held_out,
                             plan.physics ? "" : " · filters only, no hand"),
        .verdict = TuneAllVerdict(plan, kinds),
-       .table = table,
+       .text = TuneAllText(plan, kinds),
        .first_sections = PageSection(
            "fronts", "Jitter against delay, kind by kind",
            "A line joins the settings of one kind that no other of its kind beats in both means, "

@@ -9,7 +9,6 @@ namespace gauntlet::sim {
 
 /// Page of `gauntlet tune --all`: the fronts of all kinds of filters in one picture. A point is a
 /// setting that was tried.
-std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kinds,
-                        const std::string& table);
+std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kinds);
 
 }  // namespace gauntlet::sim

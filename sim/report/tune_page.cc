@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include "sim/report/cells_page.h"
-#include "sim/report/sweep_table.h"
+#include "sim/study/sweep_tables.h"
+#include "sim/study/tune_tables.h"
 
 namespace gauntlet::sim {
 
-std::string TunePage(const TunePlan& plan, const TuneResult& result, const std::string& table) {
+std::string TunePage(const TunePlan& plan, const TuneResult& result) {
   std::vector<ChartAxis> axes;
-  const std::size_t prefix = std::string("controllers.").size() + plan.controller.size() + 1;
-  for (const SweepAxis& axis : plan.free) {
-    axes.push_back(ChartAxisOf(axis, axis.key.substr(prefix), false));
+  for (std::size_t a = 0; a < plan.free.size(); ++a) {
+    axes.push_back(ChartAxisOf(plan.free[a], KeyInController(plan, a), false));
   }
   CellPoints gathered(std::move(axes), result.metrics, plan.minimise, std::ssize(result.tried));
   const std::string scenario_name = NameHere(plan.scenario.file);
@@ -50,7 +50,7 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result, const std::
        .verdict = fmt::format("Try {} is the answer: see its intervals on the held-out "
                               "seeds below.",
                               result.chosen),
-       .table = table});
+       .text = TuneText(plan, result)});
 }
 
 }  // namespace gauntlet::sim

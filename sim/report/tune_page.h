@@ -7,6 +7,6 @@
 namespace gauntlet::sim {
 
 /// Page of `gauntlet tune`: a point is a setting that was tried.
-std::string TunePage(const TunePlan& plan, const TuneResult& result, const std::string& table);
+std::string TunePage(const TunePlan& plan, const TuneResult& result);
 
 }  // namespace gauntlet::sim

@@ -68,9 +68,6 @@ struct TornadoBar {
   std::string problem;  // why one of the two cells has no scores
 };
 
-/// "matters", "does not matter", "undecided"; empty where there is nothing to judge.
-std::string_view TornadoVerdict(const TornadoBar& bar);
-
 struct RobustScore {
   std::size_t metric = 0;                     // in Metrics()
   std::vector<RobustController> controllers;  // in the order of the scenario
@@ -90,11 +87,5 @@ struct RobustResult {
 /// (Bonferroni); those of shares hold each by itself, for other draws of hands and the same seeds.
 /// Errors: RunError if cells are missing, or the scenario's own hand has no scores.
 RobustResult ConcludeRobust(const RobustPlan& plan, SweepDatabase& database);
-
-/// `robust.csv`: a row per score and controller.
-std::string RobustCsv(const RobustResult& result);
-/// `tornado.csv`: a row per score and parameter.
-std::string TornadoCsv(const RobustPlan& plan, const RobustResult& result);
-std::string RobustJson(const RobustPlan& plan, const RobustResult& result);
 
 }  // namespace gauntlet::sim

@@ -1,12 +1,14 @@
 #include "sim/study/study_difference.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "sim/base/json_number.h"
 #include "sim/score/score.h"
+#include "sim/study/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -233,6 +235,37 @@ std::string_view ChangeText(ScoreChange change) {
   return "";
 }
 
+ResultTable ScoreDifferences(const StudyDifference& difference, bool all) {
+  ResultTable table{.columns = {{"controller", "controller"},
+                                {"metric", "score"},
+                                {"a", "A"},
+                                {"b", "B"},
+                                MeanColumn("difference", "B - A"),
+                                ForPeople("95 % interval"),
+                                ResultColumn("change", "B is").Words()},
+                    .rows = {},
+                    .names = 2};
+  for (const ScoreDifference& score : difference.scores) {
+    if (score.change == ScoreChange::kNone && !all) continue;
+    const MeanInterval& change = score.difference;
+    ResultRow& row = table.rows.emplace_back();
+    row = {ResultCell(score.controller),
+           ResultCell(std::string(Metrics()[score.metric].key)),
+           ResultCell(score.a),
+           ResultCell(score.b),
+           CellOf(change),
+           ResultCell::Text(std::isfinite(change.low)
+                                ? fmt::format("{:+.3g} to {:+.3g}", change.low, change.high)
+                                : "-"),
+           ResultCell(std::string(ChangeText(score.change)))};
+    row[4].text = std::isfinite(change.mean) ? fmt::format("{:+.3g}", change.mean) : "-";
+    if (score.change != ScoreChange::kNone) {
+      row.back().mark = score.change == ScoreChange::kBetter ? '*' : '!';
+    }
+  }
+  return table;
+}
+
 std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
                                 const StudyDifference& difference) {
   constexpr const char* kMethods[] = {"paired", "unpaired", "plain"};
@@ -250,18 +283,7 @@ std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
   json["metrics_only_in_b"] = difference.metrics_only_in_b;
   json["method"] = kMethods[static_cast<int>(difference.method)];
   json["common_seeds"] = difference.common_seeds;
-  json["scores"] = Json::array();
-  for (const ScoreDifference& score : difference.scores) {
-    json["scores"].push_back({{"controller", score.controller},
-                              {"metric", Metrics()[score.metric].key},
-                              {"a", NumberOrNull(score.a)},
-                              {"b", NumberOrNull(score.b)},
-                              {"difference",
-                               {{"mean", NumberOrNull(score.difference.mean)},
-                                {"ci95_low", NumberOrNull(score.difference.low)},
-                                {"ci95_high", NumberOrNull(score.difference.high)}}},
-                              {"change", ChangeText(score.change)}});
-  }
+  json["scores"] = JsonOf(ScoreDifferences(difference, true));
   return json.dump(2) + "\n";
 }
 

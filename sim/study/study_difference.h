@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/results/result_table.h"
 #include "sim/study/statistics.h"
 #include "sim/study/study_folder.h"
 
@@ -61,6 +62,9 @@ struct StudyDifference {
 
 /// Pure and deterministic.
 StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b);
+
+/// A row per score that A and B have, or per one that changed.
+ResultTable ScoreDifferences(const StudyDifference& difference, bool all);
 
 /// The difference as JSON.
 std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,

@@ -45,7 +45,7 @@ std::size_t PlaceOf(std::vector<Value>& list, const Value& value) {
 }
 
 /// The metric of each column behind the key columns.
-std::vector<std::size_t> MetricColumns(const std::string& name, std::string_view line) {
+std::vector<std::size_t> PlacesOfMetrics(const std::string& name, std::string_view line) {
   const std::vector<std::string_view> columns = SplitCells(line);
   for (std::size_t i = 0; i < kKeyColumns.size(); ++i) {
     if (i < columns.size() && columns[i] == kKeyColumns[i]) continue;
@@ -121,7 +121,7 @@ std::string ReadText(const std::filesystem::path& file) {
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
   const std::vector<std::string_view> lines = SplitLines(text);
   if (lines.size() < 2) throw UserError({.place = name, .problem = "holds no scores"});
-  const std::vector<std::size_t> metrics = MetricColumns(name, lines[0]);
+  const std::vector<std::size_t> metrics = PlacesOfMetrics(name, lines[0]);
   ScoreFile file;
   file.has_metric.assign(Metrics().size(), false);
   for (const std::size_t metric : metrics) file.has_metric[metric] = true;

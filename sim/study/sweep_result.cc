@@ -5,17 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
-#include "sim/base/csv_line.h"
-#include "sim/base/data_folder.h"
-#include "sim/base/json_number.h"
 #include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostBest = 10;
 constexpr std::size_t kMostNear = 3;
@@ -69,55 +63,6 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
   }
   KeepSeeds(plan, result.motions.size(), result);
   return result;
-}
-
-std::string CsvHead(const SweepPlan& plan) {
-  std::vector<std::string> fields = {"cell", "controller"};
-  for (const SweepAxis& axis : plan.file.axes) fields.push_back(axis.key);
-  fields.emplace_back("seeds");
-  for (const std::size_t metric : plan.metrics) {
-    for (const char* ending : {"", "_low", "_high"}) {
-      fields.push_back(std::string(Metrics()[metric].key) + ending);
-    }
-  }
-  fields.insert(fields.end(), {"constraints_met", "failed_trials", "problem"});
-  return CsvLine(fields);
-}
-
-std::string CsvRow(const CellResult& result) {
-  std::vector<std::string> fields = {std::to_string(result.number), result.controller};
-  fields.insert(fields.end(), result.values.begin(), result.values.end());
-  fields.push_back(std::to_string(result.motions.size()));
-  for (const MeanInterval& score : result.scores) {
-    for (const double value : {score.mean, score.low, score.high}) {
-      fields.push_back(NumberOrNothing(value));
-    }
-  }
-  const bool has_scores = result.problem.empty();
-  fields.emplace_back(has_scores ? MetText(result.met) : "");
-  fields.push_back(std::to_string(result.failed_trials));
-  fields.push_back(result.problem);
-  return CsvLine(fields);
-}
-
-Json ToJson(const SweepPlan& plan, const CellResult& result) {
-  Json json;
-  json["cell"] = result.number;
-  json["controller"] = result.controller;
-  for (std::size_t a = 0; a < result.values.size(); ++a) {
-    json["settings"][plan.file.axes[a].key] = result.values[a];
-  }
-  json["seeds"] = result.motions.size();
-  for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
-    json["scores"][std::string(Metrics()[plan.metrics[m]].key)] = {
-        {"mean", NumberOrNull(result.scores[m].mean)},
-        {"ci95_low", NumberOrNull(result.scores[m].low)},
-        {"ci95_high", NumberOrNull(result.scores[m].high)}};
-  }
-  if (result.problem.empty()) json["constraints_met"] = MetText(result.met);
-  if (result.failed_trials > 0) json["failed_trials"] = result.failed_trials;
-  if (!result.problem.empty()) json["problem"] = result.problem;
-  return json;
 }
 
 void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summary) {
@@ -201,21 +146,16 @@ void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange
 }
 
 SweepSummary SummariseSweep(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
-                            const std::function<void(std::string_view)>& csv,
-                            const std::function<void(std::string_view)>& json) {
+                            const std::function<void(const CellResult&)>& see) {
   SweepSummary summary;
   std::int64_t seen = 0;
   std::int64_t last = -1;
-  if (csv) csv(CsvHead(plan));
-  if (json) json("[");
   ForEachCell(plan, database, cells, [&](const CellResult& result) {
     Count(plan, result, summary);
-    if (csv) csv(CsvRow(result));
-    if (json) json((last < 0 ? "\n" : ",\n") + ToJson(plan, result).dump());
+    if (see) see(result);
     if (result.number != last) ++seen;
     last = result.number;
   });
-  if (json) json("\n]");
   summary.missing = cells.end - cells.first - seen;
   return summary;
 }
@@ -242,41 +182,6 @@ CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
   return ComparePaired(plan.best_by, std::span(first.by_seed[place]).first(seeds),
                        std::span(second.by_seed[place]).first(seeds),
                        std::span(first.motions).first(seeds), 0.5 * count * (count - 1.0));
-}
-
-std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary) {
-  Json json;
-  json["sweep"] = plan.file.name;
-  json["question"] = plan.file.question;
-  json["scenario"] = PathFrom(std::filesystem::current_path(), plan.file.scenario);
-  json["physics"] = plan.file.physics;
-  json["seeds"] = plan.file.seeds;
-  json["best_by"] = Metrics()[plan.best_by].key;
-  json["constraints"] = Json::array();
-  for (const Constraint& constraint : plan.constraints)
-    json["constraints"].push_back(constraint.Text());
-  json["results"] = summary.results;
-  json["meeting"] = summary.meeting;
-  json["not_built"] = summary.not_built;
-  json["failed"] = summary.failed;
-  json["stopped"] = summary.stopped;
-  json["missing"] = summary.missing;
-  json["best"] = Json::array();
-  for (const CellResult& result : summary.best) {
-    Json best = ToJson(plan, result);
-    const CellComparison comparison =
-        CompareCells(plan, result, summary.best.front(), summary.results);
-    best["to_best"] = {{"mean", NumberOrNull(comparison.difference.mean)},
-                       {"low", NumberOrNull(comparison.difference.low)},
-                       {"high", NumberOrNull(comparison.difference.high)},
-                       {"level", comparison.difference.level},
-                       {"verdict", JudgementText(comparison.judgement)}};
-    json["best"].push_back(std::move(best));
-  }
-  std::string text = json.dump(1);
-  text.erase(0, 2);                     // "{\n"
-  text.erase(text.find_last_of('\n'));  // "\n}"
-  return text;
 }
 
 }  // namespace gauntlet::sim

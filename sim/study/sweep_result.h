@@ -63,11 +63,9 @@ void KeepSeeds(const SweepPlan& plan, std::size_t seeds, CellResult& result);
 void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
                  const std::function<void(const CellResult&)>& see);
 
-/// One pass over all cells. `csv` gets the text of cells.csv piece by piece, `json` that of an
-/// array of cells; both may be empty.
+/// One pass over all cells; `see` may be empty.
 SweepSummary SummariseSweep(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
-                            const std::function<void(std::string_view)>& csv,
-                            const std::function<void(std::string_view)>& json);
+                            const std::function<void(const CellResult&)>& see = {});
 
 /// How one setting stands against another in one score, paired by seed.
 struct CellComparison {
@@ -81,8 +79,5 @@ CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
 /// In the score that decides, among all pairs of `results`.
 CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
                             const CellResult& second, std::int64_t results);
-
-/// All but the cells, as the members of a JSON object without its braces.
-std::string SweepJsonHead(const SweepPlan& plan, const SweepSummary& summary);
 
 }  // namespace gauntlet::sim

@@ -255,9 +255,10 @@ TuneResult SearchSettings(const TunePlan& plan, int jobs,
                           const std::function<bool(double done, double all)>& progress) {
   TuneResult result;
   result.metrics = TuneMetrics(plan);
-  const int first_seed = ParseScenario(plan.scenario).seed;
-  const TuneBench search(plan, result.metrics, first_seed, plan.seeds, jobs);
-  const TuneBench verdict(plan, result.metrics, first_seed + plan.seeds, plan.held_out, jobs);
+  result.first_seed = ParseScenario(plan.scenario).seed;
+  const TuneBench search(plan, result.metrics, result.first_seed, plan.seeds, jobs);
+  const TuneBench verdict(plan, result.metrics, result.first_seed + plan.seeds, plan.held_out,
+                          jobs);
   search.ControllerWith({});  // what is wrong with it is the user's mistake
   const double all = plan.evaluations + 2.0;
   double done = 0.0;

@@ -48,6 +48,7 @@ struct EqualRange {
 };
 
 struct TuneResult {
+  int first_seed = 1;                // of the search; the held-out ones follow behind it
   std::vector<std::size_t> metrics;  // in Metrics(), the minimised one first
   std::vector<TunedSetting> tried;   // in the order of the search
   std::size_t chosen = 0;            // of `tried`

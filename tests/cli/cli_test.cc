@@ -617,7 +617,7 @@ TEST_F(CliTest, CalibrateFitsAPredictorWithComponentsThatAScenarioIncludes) {
                                "--order", "10", "--tap-ms", "10", "--out", "ahead.yaml"});
     return Gauntlet(more);
   };
-  EXPECT_THAT(fit({}).standard_output, HasSubstr("[counts RMS]"));
+  EXPECT_THAT(fit({}).standard_output, HasSubstr("counts RMS"));
   const ProgramResult refused = fit({"--components", "2"});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.standard_error,
@@ -625,7 +625,7 @@ TEST_F(CliTest, CalibrateFitsAPredictorWithComponentsThatAScenarioIncludes) {
   const std::string curves = kScenarios + "calibrations/glove_of_seed_1.yaml";
   const ProgramResult fitted = fit({"--components", "2", "--calibration", curves});
   ASSERT_EQ(fitted.exit_code, 0) << fitted.standard_error;
-  EXPECT_THAT(fitted.standard_output, AllOf(HasSubstr("[deg RMS]"), HasSubstr("index_mcp"),
+  EXPECT_THAT(fitted.standard_output, AllOf(HasSubstr("deg RMS"), HasSubstr("index_mcp"),
                                             HasSubstr("left by other fits")));
   std::ofstream(folder_.path() / "scenario.yaml")
       << "question: q\nglove: {motion: {kind: random, duration_s: 2}}\n"
@@ -676,8 +676,8 @@ TEST_F(CliTest, CalibrateTakesAnyGloveAndSaysWhatItLeftOut) {
   const ProgramResult result = Gauntlet({"calibrate", "poses.csv", "--out", "glove.yaml"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.standard_output,
-              AllOf(HasSubstr("my sensor"), HasSubstr(", 20 spikes left out"),
-                    HasSubstr(", rounding hides it")));
+              AllOf(HasSubstr("my sensor"), HasSubstr("20 spikes left out"),
+                    HasSubstr("rounding hides it")));
   EXPECT_THAT(result.standard_error,
               AllOf(HasSubstr("1 rows with a count below 0 or above 1023 left out"),
                     HasSubstr("indx_mcp is not a channel of the simulated glove (did you mean "

@@ -138,7 +138,7 @@ class Copy:
             if not os.path.exists(new) or open(old, "rb").read() != open(new, "rb").read():
                 shutil.copy(old, new)
         if not run(["cmake", "-S", self.tree, "-B", self.build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug",
-                    "-DCMAKE_CXX_FLAGS_DEBUG=-O0", "-DGAUNTLET_BUILD_BENCHMARKS=OFF",
+                    "-DCMAKE_CXX_FLAGS_DEBUG=-O1", "-DGAUNTLET_BUILD_BENCHMARKS=OFF",
                     *cmake_arguments], self.log):
             sys.exit(f"cmake fails: {self.log.name}")
 
@@ -149,7 +149,7 @@ class Copy:
         """The first program that fails, or takes much longer than it did without an error."""
         for program in programs:
             path = os.path.join(self.build, "tests", program.split("_")[0], program)
-            if not run([path, "--gtest_brief=1"], self.log, 30.0 + 10.0 * seconds.get(program, 1e4),
+            if not run([path, "--gtest_brief=1", "--gtest_fail_fast"], self.log, 30.0 + 10.0 * seconds.get(program, 1e4),
                        cwd=os.path.dirname(path)):
                 return program
         return None

@@ -77,9 +77,9 @@ void Measure(const std::filesystem::path& folder, int cells) {
   fmt::print("{} trials, {} scores, {:.0f} bytes a trial\n", database.TrialCount(),
              database.TrialCount() * 4, size / static_cast<double>(database.TrialCount()));
   const SweepSummary summary =
-      Timed("summary and cells.csv", [&] { return SummariseSweep(plan, database, all, {}, {}); });
+      Timed("summary and cells.csv", [&] { return SummariseSweep(plan, database, all); });
   Timed("page", [&] {
-    return SweepPage(plan, database, all, summary, ReadResponse(plan, database, all), "").size();
+    return SweepPage(plan, database, all, summary, ReadResponse(plan, database, all)).size();
   });
   SQLite::Database reader(file.string());
   Timed("mean of a score per cell, by SQL", [&] {

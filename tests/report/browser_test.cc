@@ -16,10 +16,10 @@
 #include <random>
 #include <sstream>
 
-#include "sim/report/html_text.h"
 #include "sim/report/page_data.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
+#include "sim/results/html_text.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {

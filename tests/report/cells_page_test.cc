@@ -9,8 +9,8 @@
 #include <map>
 
 #include "sim/report/interval_chart.h"
-#include "sim/report/sweep_table.h"
 #include "sim/report/tune_page.h"
+#include "sim/study/sweep_tables.h"
 #include "tests/report/browser.h"
 
 namespace gauntlet::sim {
@@ -42,6 +42,8 @@ TuneResult MadeUpResult(const TunePlan& plan, int count) {
       setting.scores.push_back({.mean = score});
     }
   }
+  result.before.scores = result.verdict.scores = result.tried.front().scores;
+  result.equal = {{"0.5", "<b>"}, {"0.1", "0.9"}};
   return result;
 }
 
@@ -55,10 +57,10 @@ std::size_t Count(const std::string& text, const std::string& part) {
 
 TEST(CellsPage, StandsThereWithoutScripts) {
   const TunePlan plan = MadeUpPlan();
-  const std::string page = TunePage(plan, MadeUpResult(plan, 40), "the table <b>");
+  const std::string page = TunePage(plan, MadeUpResult(plan, 40));
   const std::string body =
       page.substr(page.find("<body>"), page.find("<script") - page.find("<body>"));
-  EXPECT_THAT(body, AllOf(HasSubstr("the table &lt;b&gt;"), HasSubstr("it of made_up"),
+  EXPECT_THAT(body, AllOf(HasSubstr("<td>0.5 to &lt;b&gt;</td>"), HasSubstr("it of made_up"),
                           HasSubstr("min_cutoff_hz: 1\n"),
                           HasSubstr("gauntlet compare made_up.yaml --seeds 8 --controllers it")));
   EXPECT_EQ(Count(body, "<path data-point"), 40u);
@@ -69,7 +71,7 @@ TEST(CellsPage, StandsThereWithoutScripts) {
 
 TEST(CellsPage, StaysSmallHoweverManySettingsThereAre) {
   const TunePlan plan = MadeUpPlan();
-  const std::string page = TunePage(plan, MadeUpResult(plan, 30'000), "table");
+  const std::string page = TunePage(plan, MadeUpResult(plan, 30'000));
   EXPECT_LT(page.size(), 3'000'000u);
   EXPECT_GT(Count(page, "<path data-point"), kPagePoints / 2);
   EXPECT_LE(Count(page, "<path data-point"), kPagePoints);
@@ -92,7 +94,7 @@ TEST(CellsPage, ShowsTheBestThatKeepsItsBoundsHoweverManyBreakThem) {
       best = i;
     }
   }
-  EXPECT_THAT(TunePage(plan, result, "table"),
+  EXPECT_THAT(TunePage(plan, result),
               HasSubstr("id=\"point-name\">try " + std::to_string(best) + "<"));
 }
 
@@ -124,7 +126,7 @@ TEST(Response, SaysWhereAControllerIsBetterAndDrawsEachOne) {
   EXPECT_EQ(ResponseText(plan, response),
             "<b> against raw, by frequency_hz: better at 1 to 2; equal at 0.5; worse at 4.\n"
             "In tracking_rmse_deg, paired by seed; all 5 comparisons hold together with 95 % "
-            "(Bonferroni).\n");
+            "(Bonferroni).");
 
   const std::string svg = ResponseSvg(response, 0, "frequency_hz");
   EXPECT_EQ(Count(svg, "class=\"curve\""), 2u);
@@ -176,7 +178,7 @@ TEST(CellsPage, BrushesAndShowsWhatIsClicked) {
   int upper = 0;
   for (const TunedSetting& setting : result.tried) upper += std::stod(setting.values[0]) >= 1.0;
   const nlohmann::json seen =
-      test::UsePage(TunePage(plan, result, "table"), std::string(test::kSaved) + kUse, 500);
+      test::UsePage(TunePage(plan, result), std::string(test::kSaved) + kUse, 500);
   EXPECT_EQ(seen["problems"], nlohmann::json::array());
   EXPECT_EQ(seen["lines"], 40);
   EXPECT_EQ(seen["first"], "try 0, the answer");

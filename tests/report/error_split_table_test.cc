@@ -38,7 +38,7 @@ TEST(ErrorSplitTable, TellsTheShareOfEveryCause) {
   Summary summary;
   summary.controllers = {Controller("raw", kParts),
                          Controller("a_longer_name_of_a_filter", kParts)};
-  EXPECT_EQ(ErrorSplitTable(summary, {}),
+  EXPECT_EQ(TextOf(ErrorSplitTable(summary), {}),
             "                                                  motors'\n"
             "of the squared error       delay  constant  gain    limit  frames  noise  rest\n"
             "raw                         61 %      12 %   3 %     16 %     0 %   -2 %  10 %\n"
@@ -48,23 +48,23 @@ TEST(ErrorSplitTable, TellsTheShareOfEveryCause) {
 TEST(ErrorSplitTable, LeavesOutWhatHasNoSplit) {
   Summary summary;
   summary.controllers = {Controller("raw", {}), Controller("mean", kParts)};
-  EXPECT_THAT(ErrorSplitTable(summary, {}), Not(HasSubstr("raw")));
+  EXPECT_THAT(TextOf(ErrorSplitTable(summary), {}), Not(HasSubstr("raw")));
   EXPECT_TRUE(ErrorByCause(summary.controllers[0]).empty());
   summary.controllers.pop_back();
-  EXPECT_EQ(ErrorSplitTable(summary, {}), "");
+  EXPECT_TRUE(ErrorSplitTable(summary).rows.empty());
 }
 
 TEST(ErrorSplitTable, FitsBesideOtherTextAtATerminal) {
   Summary summary;
   summary.controllers = {Controller("raw", {1e-9, 0, 0, 0, 0, 0, 1}), Controller("mean", kParts)};
-  for (const std::string_view line : SplitLines(ErrorSplitTable(summary, {}))) {
+  for (const std::string_view line : SplitLines(TextOf(ErrorSplitTable(summary), {}))) {
     EXPECT_LE(line.size(), 80u) << line;
   }
 }
 
 TEST(ErrorSplitTable, TheTableOfScoresAndThePageHaveIt) {
   test::MadeUpStudy made = test::MakeUpStudy({});
-  EXPECT_THAT(ScoreTable(made, {}), HasSubstr("\nof the squared error "));
+  EXPECT_THAT(TextOf(ScoreText(made), {}), HasSubstr("\nof the squared error "));
   const auto json = PageData(made, made.first_seed())["error_split"];
   EXPECT_EQ(json["parts"].size(), TrackingErrorParts().size());
   EXPECT_EQ(json["parts"][0], "delay");
@@ -76,7 +76,7 @@ TEST(ErrorSplitTable, TheTableOfScoresAndThePageHaveIt) {
     controller.summary[TrackingErrorParts()[2].metric].mean =
         std::numeric_limits<double>::quiet_NaN();
   }
-  EXPECT_THAT(ScoreTable(made, {}), Not(HasSubstr("of the squared error")));
+  EXPECT_THAT(TextOf(ScoreText(made), {}), Not(HasSubstr("of the squared error")));
   EXPECT_TRUE(PageData(made, made.first_seed())["error_split"].is_null());
 }
 

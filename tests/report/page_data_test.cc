@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/report/curve_codec.h"
-#include "sim/report/html_text.h"
 #include "sim/report/report_page.h"
+#include "sim/results/html_text.h"
 #include "tests/report/curve_decoder.h"
 #include "tests/report/made_up_study.h"
 

@@ -36,7 +36,7 @@ std::vector<std::string> Words(const std::string& text) {
 
 TEST(ScoreTable, ShowsTheGripOnlyWhereSomethingWasHeld) {
   test::MadeUpStudy made = test::MakeUpStudy({});
-  const auto table = [&] { return ScoreTable(made, kInOnePiece); };
+  const auto table = [&] { return TextOf(ScoreText(made), kInOnePiece); };
   EXPECT_THAT(table(), HasSubstr("grip_force"));
   EXPECT_THAT(table(), HasSubstr("0.01 or 7 %"));
   for (ControllerSummary& controller : made.summary.controllers) {
@@ -54,7 +54,7 @@ TEST(ScoreTable, SaysOnceHowLongDigitsWereInEachOther) {
     for (std::size_t c = 0; c < shares.size(); ++c) {
       made.summary.controllers[c].summary[overlap].mean = shares[c];
     }
-    return ScoreTable(made, kInOnePiece);
+    return TextOf(ScoreText(made), kInOnePiece);
   };
   EXPECT_THAT(table_with({0.123, 0.1, 0.25}),
               HasSubstr("Digits of the hand were in each other for 10.0 to 25.0 % of the time "
@@ -67,7 +67,7 @@ TEST(ScoreTable, SaysOnceHowLongDigitsWereInEachOther) {
 
 TEST(ScoreTable, OfOneSeedClaimsNoIntervalAndNoChance) {
   const test::MadeUpStudy one = test::MakeUpStudy({.seeds = 1});
-  const std::string table = ScoreTable(one, kInOnePiece);
+  const std::string table = TextOf(ScoreText(one), kInOnePiece);
   EXPECT_THAT(table, HasSubstr("3 of 3 joints measured; seed 1; reference"));
   EXPECT_THAT(table, HasSubstr("One seed tells nothing about chance"));
   EXPECT_THAT(table, Not(HasSubstr("±")));
@@ -75,7 +75,7 @@ TEST(ScoreTable, OfOneSeedClaimsNoIntervalAndNoChance) {
   EXPECT_THAT(table, Not(HasSubstr("!")));
   const test::MadeUpStudy five = test::MakeUpStudy({});
   EXPECT_THAT(
-      ScoreTable(five, kInOnePiece),
+      TextOf(ScoreText(five), kInOnePiece),
       AllOf(HasSubstr("seeds 1 to 5"), HasSubstr("±"), HasSubstr("equal within what matters"),
             HasSubstr("One motion: the intervals tell of noise only."),
             Not(HasSubstr("of 5 seeds"))));
@@ -94,7 +94,7 @@ TEST(ScoreTable, ShowsTheDifferenceThatItsStarsComeFrom) {
   }
   made.summary = Summarise(made.study, made.result);
   const MeanInterval& difference = made.summary.controllers[2].to_best[tracking].difference;
-  const std::string table = ScoreTable(made, kInOnePiece);
+  const std::string table = TextOf(ScoreText(made), kInOnePiece);
   EXPECT_THAT(table, HasSubstr(fmt::format("{:+.3f}±{:.3f}", difference.mean,
                                            difference.high - difference.mean)));
   EXPECT_THAT(table, Not(HasSubstr("±2")));  // no interval of a mean, which the seeds make wide
@@ -104,7 +104,7 @@ TEST(ScoreTable, ShowsTheDifferenceThatItsStarsComeFrom) {
 
 TEST(ScoreTable, OfOneControllerShowsItsOwnInterval) {
   const test::MadeUpStudy made = test::MakeUpStudy({.controllers = 1});
-  EXPECT_THAT(ScoreTable(made, kInOnePiece),
+  EXPECT_THAT(TextOf(ScoreText(made), kInOnePiece),
               AllOf(HasSubstr("±0."), HasSubstr("95 % interval of the mean"),
                     Not(HasSubstr("best")), Not(HasSubstr("pairs"))));
 }
@@ -113,7 +113,7 @@ TEST(ScoreTable, FitsTheTerminal) {
   const test::MadeUpStudy made = test::MakeUpStudy({.controllers = 4});
   for (const std::size_t width : {40u, 60u, 80u, 100u, 140u}) {
     for (const std::string& line :
-         Lines(ScoreTable(made, {.width = width, .table_width = width}))) {
+         Lines(TextOf(ScoreText(made), {.width = width, .table_width = width}))) {
       EXPECT_LE(Width(line), width) << line;
     }
   }
@@ -121,12 +121,12 @@ TEST(ScoreTable, FitsTheTerminal) {
 
 TEST(ScoreTable, InPiecesSaysTheSameAsInOne) {
   const test::MadeUpStudy made = test::MakeUpStudy({.controllers = 4});
-  const std::string narrow = ScoreTable(made, {.width = 60, .table_width = 60});
+  const std::string narrow = TextOf(ScoreText(made), {.width = 60, .table_width = 60});
   // At 80, seven metrics need two pieces; each names the controllers again.
   const auto count = [](const std::string& text, const std::string& word) {
     return std::ranges::count(Words(text), word);
   };
-  const std::string one_piece = ScoreTable(made, {.width = 60, .table_width = 10'000});
+  const std::string one_piece = TextOf(ScoreText(made), {.width = 60, .table_width = 10'000});
   EXPECT_EQ(count(one_piece, "filter_3"), 2);  // scores and causes of the error
   EXPECT_GT(count(narrow, "filter_3"), 2);
   // A difference and its interval stand side by side in the one, below each other in the other.
@@ -147,21 +147,21 @@ TEST(ScoreTable, InPiecesSaysTheSameAsInOne) {
 TEST(ScoreTable, GivesALongNameALineOfItsOwn) {
   test::MadeUpStudy made = test::MakeUpStudy({});
   made.summary.controllers[1].name = std::string(60, 'x');
-  const std::string table = ScoreTable(made, {.width = 60, .table_width = 60});
+  const std::string table = TextOf(ScoreText(made), {.width = 60, .table_width = 60});
   EXPECT_THAT(table, HasSubstr("\n" + std::string(60, 'x') + "\n    "));
 }
 
 TEST(ScoreTable, HasColoursOnlyWhereAsked) {
   const test::MadeUpStudy made = test::MakeUpStudy({});
-  EXPECT_THAT(ScoreTable(made, {.colour = true}), HasSubstr("\033["));
-  EXPECT_THAT(ScoreTable(made, {.colour = false}), Not(HasSubstr("\033")));
+  EXPECT_THAT(TextOf(ScoreText(made), {.colour = true}), HasSubstr("\033["));
+  EXPECT_THAT(TextOf(ScoreText(made), {.colour = false}), Not(HasSubstr("\033")));
 }
 
 TEST(ScoreTable, TellsWhoseTheScatterIs) {
   test::MadeUpStudy made = test::MakeUpStudy({.seeds = 6});
   for (int s = 0; s < 6; ++s) made.result.seeds[s].motion = s % 3;
   made.summary = Summarise(made.study, made.result);
-  EXPECT_THAT(ScoreTable(made, kInOnePiece),
+  EXPECT_THAT(TextOf(ScoreText(made), kInOnePiece),
               AllOf(HasSubstr("3 motions are what repeats"), Not(HasSubstr("One motion")),
                     HasSubstr("The variance of tracking_rmse_deg is"), HasSubstr("% the noise's")));
 }
@@ -172,7 +172,7 @@ TEST(ScoreTable, NamesWhatFailedAndDoesNotRankIt) {
   trial.health = {.ok = false, .problem = "at 0.1 s: bad value in qacc (dof 12)"};
   trial.scores.summary.assign(Metrics().size(), std::numeric_limits<double>::quiet_NaN());
   made.summary = Summarise(made.study, made.result);
-  const std::string table = ScoreTable(made, kInOnePiece);
+  const std::string table = TextOf(ScoreText(made), kInOnePiece);
   EXPECT_THAT(table, HasSubstr("filter_1 failed in 1 of 5 trials, and is not ranked: at 0.1 s: bad "
                                "value in qacc (dof 12) (seed 2)\n"));
   EXPECT_THAT(Verdict(made.summary), Not(HasSubstr("filter_1")));
@@ -184,18 +184,18 @@ TEST(ScoreTable, NamesWhatFailedAndDoesNotRankIt) {
 TEST(ScoreTable, SaysWhenEverySeedGivesTheSameRun) {
   test::MadeUpStudy made = test::MakeUpStudy({.seeds = 1});
   made.result.seeds_alike = true;
-  EXPECT_THAT(ScoreTable(made, kInOnePiece), HasSubstr("Every seed gives the same run"));
+  EXPECT_THAT(TextOf(ScoreText(made), kInOnePiece), HasSubstr("Every seed gives the same run"));
 }
 
 TEST(ScoreTable, NamesTheBaselineAndIsSilentWithoutOne) {
   test::MadeUpStudy made = test::MakeUpStudy({});
   made.study.scenario.baseline = "filter_1";
   made.summary = Summarise(made.study, made.result);
-  EXPECT_THAT(ScoreTable(made, kInOnePiece), HasSubstr("! worse than filter_1"));
+  EXPECT_THAT(TextOf(ScoreText(made), kInOnePiece), HasSubstr("! worse than filter_1"));
   made.study.scenario.baseline.clear();
   made.study.scenario.controllers.front().config = made.study.scenario.controllers.back().config;
   made.summary = Summarise(made.study, made.result);
-  EXPECT_THAT(ScoreTable(made, kInOnePiece), Not(HasSubstr("worse than")));
+  EXPECT_THAT(TextOf(ScoreText(made), kInOnePiece), Not(HasSubstr("worse than")));
 }
 
 TEST(ScoreTable, TellsOfHowManySeedsAScoreIs) {
@@ -205,7 +205,7 @@ TEST(ScoreTable, TellsOfHowManySeedsAScoreIs) {
   for (const int seed : {0, 2}) made.result.seeds[seed].controllers[1].scores.summary[delay] = kNaN;
   for (SeedOutcome& seed : made.result.seeds) seed.controllers[2].scores.summary[delay] = kNaN;
   made.summary = Summarise(made.study, made.result);
-  const std::string table = ScoreTable(made, kInOnePiece);
+  const std::string table = TextOf(ScoreText(made), kInOnePiece);
   EXPECT_THAT(table, HasSubstr("filter_1: delay_ms from 3 of 5 seeds; the others have none\n"));
   EXPECT_THAT(table, Not(HasSubstr("filter_2: ")));  // a "-" says it
 }

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "sim/base/random.h"
+#include "sim/study/sweep_tables.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {
@@ -174,8 +175,8 @@ class EarlyStoppedSweep : public testing::Test {
     }
     RunSweep(plan, database, {.jobs = jobs, .cells = ShardOf(plan, shard, shards)});
     Outcome outcome;
-    outcome.summary = SummariseSweep(plan, database, ShardOf(plan, 1, 1),
-                                     [&](std::string_view text) { outcome.csv += text; }, {});
+    outcome.summary = WriteCellsCsv(plan, database, ShardOf(plan, 1, 1),
+                                    [&](std::string_view text) { outcome.csv += text; });
     outcome.trials = database.TrialCount();
     return outcome;
   }

@@ -1,5 +1,6 @@
 // Robustness: which hands are tried, and that made-up scores give the shares and bars they must.
 #include "sim/study/robust.h"
+#include "sim/study/robust_tables.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

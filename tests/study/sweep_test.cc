@@ -13,6 +13,7 @@
 #include "sim/study/response.h"
 #include "sim/study/sobol.h"
 #include "sim/study/sweep_result.h"
+#include "sim/study/sweep_tables.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 
@@ -85,8 +86,8 @@ class SweepTest : public testing::Test {
   }
   static std::string Csv(const SweepPlan& plan, SweepDatabase& database) {
     std::string csv;
-    SummariseSweep(plan, database, ShardOf(plan, 1, 1),
-                   [&csv](std::string_view text) { csv += text; }, {});
+    WriteCellsCsv(plan, database, ShardOf(plan, 1, 1),
+                  [&csv](std::string_view text) { csv += text; });
     return csv;
   }
 
@@ -180,7 +181,7 @@ TEST_F(SweepTest, KeepsACellThatCannotBeBuiltWithItsReason) {
   const SweepPlan plan = LoadSweepPlan(Path("sweep.yaml"));
   SweepDatabase database(Path("a.db"), HashOfSweep(plan), plan.metrics);
   RunSweep(plan, database, {.cells = ShardOf(plan, 1, 1)});
-  const SweepSummary summary = SummariseSweep(plan, database, ShardOf(plan, 1, 1), {}, {});
+  const SweepSummary summary = SummariseSweep(plan, database, ShardOf(plan, 1, 1));
   EXPECT_EQ(summary.not_built, 2);        // window 0 at either rate
   EXPECT_EQ(summary.results, 2 * 2 * 3);  // two controllers
   EXPECT_THAT(summary.first_problem, AllOf(HasSubstr("cell 2"), HasSubstr("window")));

@@ -12,7 +12,7 @@
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/study/filter_search.h"
-#include "sim/study/tune_files.h"
+#include "sim/study/tune_tables.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -13,7 +13,7 @@
 #include "sim/base/random.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/optimise.h"
-#include "sim/study/tune_files.h"
+#include "sim/study/tune_tables.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "sim/results/table_text.h"
+
 namespace gauntlet::sim {
 
 /// Text as it stands between tags or in a quoted attribute of HTML: & < > " ' are escaped.
@@ -18,5 +20,10 @@ std::string JsonForScript(const nlohmann::ordered_json& json);
 /// looked at again. Errors: std::logic_error for a name without a value.
 std::string FillTemplate(std::string_view page,
                          const std::map<std::string, std::string, std::less<>>& values);
+
+/// A table that scrolls by itself where the page is too narrow; the columns with a heading.
+std::string HtmlOf(const ResultTable& table);
+/// Paragraphs, tables and commands, one behind the other.
+std::string HtmlOf(const ResultText& result);
 
 }  // namespace gauntlet::sim

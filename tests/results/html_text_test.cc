@@ -1,4 +1,4 @@
-#include "sim/report/html_text.h"
+#include "sim/results/html_text.h"
 
 #include <gtest/gtest.h>
 
