@@ -13,8 +13,9 @@
 
 namespace gauntlet::sim {
 
-/// A matrix whose values are on the disk if there are many: see SignalStorage. It is an Eigen map
-/// and supports all operations of an Eigen::Matrix. As there, new values are not initialised.
+/// A matrix whose values are on the disk if there are many: see SignalStorage. It derives from
+/// Eigen::Map, so that it can be used in any expression like an Eigen::Matrix. As there, new values
+/// are not initialised.
 ///
 /// A long signal that is assigned from an expression is computed column by column.
 template <class Scalar>
