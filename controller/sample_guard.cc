@@ -15,15 +15,15 @@ namespace gauntlet::controller {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// So many stale frames that rise among themselves are right, and the number before was wrong.
+/// Consecutive stale frames with rising numbers that prove the number before them wrong.
 constexpr int kRisingFrames = 5;
 
 double SamplesOf(double duration_ms, double rate_hz) {
-  // A glove slower than the duration still has to say it once more.
+  // Rounded up: a glove slower than the duration must repeat the value once.
   return std::ceil(duration_ms * 1e-3 * rate_hz - 1e-6);
 }
 
-/// Where the values of all channels lie, and between what they are trusted without more ado.
+/// Per-channel state arrays, and the limits for the fast path.
 struct Channels {
   double *trusted, *raw, *same, *confirmed;
   const double* seen;
@@ -33,8 +33,8 @@ struct Limits {
   double full_scale, jump, stuck;
 };
 
-/// Takes in what is inside the converter's range, near the last good value and not stuck: those are
-/// good, 1 or 0. Whether all are.
+/// Fast path: takes the values that are inside the converter's range, near the last good value and
+/// not stuck. `good` is 1 for these channels, else 0. True if it is 1 for all.
 GAUNTLET_VECTORISED bool TakeGood(const double* counts, const Channels& channels,
                                   const Limits& limits, int channel_count) {
   const auto [trusted, raw, same, confirmed, seen, good] = channels;
@@ -47,7 +47,7 @@ GAUNTLET_VECTORISED bool TakeGood(const double* counts, const Channels& channels
     const double repeats = same[i];
     const double waits = confirmed[i];
     const double known = seen[i];
-    // One choice per line, among what has been read: the compiler gives up vectors for others.
+    // One conditional per line on values in registers. The compiler does not vectorise other forms.
     const double again = z == before ? 1.0 : 0.0;
     const double samples = again * (repeats + 1.0);
     const double above = z > 0.0 ? known : 0.0;
@@ -119,7 +119,7 @@ bool SampleGuard::IsStale(const GloveSample& sample) noexcept {
   if (last_number_ && !IsAhead(*sample.number, *last_number_)) {
     if (stale_frames_ == 0 || IsAhead(*sample.number, stale_number_)) {
       ++stale_frames_;
-    } else if (*sample.number != stale_number_) {  // a repeated one says nothing
+    } else if (*sample.number != stale_number_) {  // a repeated number is no evidence
       stale_frames_ = 1;
     }
     stale_number_ = *sample.number;
@@ -193,7 +193,7 @@ void SampleGuard::Reset(std::span<const double> start_counts) noexcept {
   values_.SetZero();
   for (std::size_t i = 0; i < untrusted_samples_.size(); ++i) {
     values_[kTrusted][i] = StartAt(start_counts[i]);
-    values_[kRaw][i] = kNaN;  // the same as no value
+    values_[kRaw][i] = kNaN;  // like a missing value
   }
   last_number_.reset();
   stale_frames_ = 0;

@@ -11,31 +11,31 @@
 
 namespace gauntlet::controller {
 
-/// One sample of the data glove, as the analog-digital converter gives it.
+/// One sample of the data glove, as the analog-digital converter returns it.
 ///
-/// Shapes: one value per channel. Units: counts. NaN stands for a missing value; a shorter or empty
-/// `counts` lacks its last or all channels; what is beyond the last channel is not read.
+/// Shapes: one value per channel. Units: counts. NaN is a missing value. If `counts` is too short,
+/// the last channels are missing; values beyond the last channel are ignored.
 struct GloveSample {
   std::span<const double> counts;
-  /// The frame's number, if the glove counts its frames: each is one more than the one before, and
-  /// begins anew at the width that GloveCalibration tells. A frame that is not ahead of the last
-  /// one (by less than half of all numbers) is late or repeated.
+  /// Number of the frame, if the glove counts its frames. It increases by one per frame and wraps
+  /// at the width in GloveCalibration. A frame is late or repeated if its number is not ahead of
+  /// the last one by less than half of all numbers.
   std::optional<std::int64_t> number = {};
 };
 
-/// Why a value is not trusted.
+/// Reason why a value is not trusted.
 enum class Untrusted {
-  kMissing,     // NaN, or not there at all
+  kMissing,     // NaN, or no value
   kInfinite,    // plus or minus infinity
-  kOutOfRange,  // below 0 or above full scale: no converter gives that
+  kOutOfRange,  // below 0 or above full scale: impossible for the converter
   kFullScale,   // at an end of the converter: a broken wire or a short circuit
   kStuck,       // unchanged for too long
-  kJumped,      // farther from the last good value than a joint can move, and not confirmed
-  kStale,       // of a late or repeated frame
+  kJumped,      // further from the last good value than a joint can move, not confirmed
+  kStale,       // from a late or repeated frame
 };
 inline constexpr int kUntrustedKinds = 7;
 
-/// What makes a value untrusted besides not being a number within the converter's range.
+/// Conditions for an untrusted value, in addition to missing values and values outside the range.
 struct SampleGuardConfig {
   bool full_scale = true;
   double stuck_after_ms = 1000.0;
@@ -46,25 +46,25 @@ struct SampleGuardConfig {
   void Visit(SettingsVisitor& visitor);
 };
 
-/// Lets only values through that can be trusted; a channel without one holds its last good value,
-/// and recovers by itself with the next good one.
+/// Passes trusted values only. A channel without one holds its last good value, and recovers with
+/// the next good one.
 ///
-/// A jump is confirmed, and then trusted, when the value stays near its new place for
-/// `jump_confirm_ms`: what looked like a fault was a motion or a change of the sensor. The first
-/// value of all is held against where the hand is, in the same way.
-/// A stuck value cannot be told from a hand at rest without noise; it is held either way, so the
-/// count is all that changes.
-/// Stale frames whose numbers rise from one to the next are a glove that has begun to count anew,
-/// or a number before them that was wrong: the fifth of them is trusted, and others after it.
+/// A jump is confirmed, and then trusted, if the value stays near its new level for
+/// `jump_confirm_ms`: it was a motion or a change of the sensor, not a fault. The first value is
+/// compared with the position of the hand in the same way.
+/// A stuck value looks like a resting hand without noise. The channel holds the value in both
+/// cases; only the count differs.
+/// Stale frames with rising numbers mean that the glove restarted its count, or that a number
+/// before them was wrong. The fifth of them and those after it are trusted.
 /// Units: counts. Shapes: one value per channel.
 class SampleGuard {
  public:
-  /// `start_counts`: what a channel holds before its first good value. Frames are counted modulo
+  /// `start_counts`: value of a channel before its first good value. Frames are counted modulo
   /// 2^frame_number_bits.
   SampleGuard(const SampleGuardConfig& config, std::span<const double> start_counts,
               double full_scale_counts, double rate_hz, int frame_number_bits = 64);
 
-  /// Takes a sample in; trusted_counts() is up to date afterwards.
+  /// Takes a sample; trusted_counts() is up to date afterwards.
   /// Calls first_good(channel) for a channel whose first good value this is.
   template <class FirstGood>
   void Take(const GloveSample& sample, FirstGood first_good) noexcept {
@@ -77,11 +77,10 @@ class SampleGuard {
       if (first && values_[kSeen][channel] == 1.0) first_good(channel);
     }
   }
-  /// As new; a channel holds `start_counts` before its first good value.
+  /// Resets to the initial state; a channel holds `start_counts` before its first good value.
   void Reset(std::span<const double> start_counts) noexcept;
-  /// Takes values and counts of another guard with as many channels, which goes on with those of
-  /// this one; the settings stay. Channels that still wait for their first good value hold
-  /// `start_counts`.
+  /// Swaps values and counts with another guard of the same number of channels. The settings stay.
+  /// Channels without a good value yet hold `start_counts`.
   void TakeMemory(SampleGuard& from, std::span<const double> start_counts) noexcept;
 
   std::span<const double> trusted_counts() const noexcept {
@@ -93,15 +92,15 @@ class SampleGuard {
   }
 
  private:
-  /// What is kept per channel: the value that is trusted; the last one in range, and for how many
-  /// samples it has been the same; where it jumped to, and for how many samples it has been there;
-  /// whether there has been a good value, 1 or 0; whether that of this sample was taken at once.
+  /// State per channel: the trusted value; the last value in range, and the number of its
+  /// repetitions; the level of a jump, and the number of its samples; 1 after the first good value;
+  /// 1 if the fast path took the value of this sample.
   enum Value { kTrusted, kRaw, kSame, kCandidate, kConfirmed, kSeen, kGood, kValues };
 
-  /// Frames are numbered on a circle; whether one number is ahead of another.
+  /// True if frame number `number` is ahead of `of` on the circle of numbers.
   bool IsAhead(std::int64_t number, std::int64_t of) const noexcept;
   bool IsStale(const GloveSample& sample) noexcept;
-  /// Takes all values in that nothing speaks against. False if there are others.
+  /// Takes all values that pass the fast path. False if one does not.
   bool TakeTrusted(const GloveSample& sample, bool stale) noexcept;
   void TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept;
   bool IsJump(int channel, double counts) noexcept;
@@ -109,14 +108,14 @@ class SampleGuard {
   double StartAt(double counts) const noexcept;
 
   bool refuse_full_scale_;
-  double stuck_samples_;  // infinite: never
-  double jump_counts_;    // infinite: never
+  double stuck_samples_;  // infinite: disabled
+  double jump_counts_;    // infinite: disabled
   double confirm_samples_;
   double full_scale_counts_;
   int frame_number_bits_;
   ChannelArrays values_;
   std::optional<std::int64_t> last_number_;
-  std::int64_t stale_number_ = 0;  // of the last stale frame, and how many have risen up to it
+  std::int64_t stale_number_ = 0;  // of the last stale frame, and number of rising ones
   int stale_frames_ = 0;
   std::vector<std::int64_t> untrusted_samples_;
   std::array<std::vector<std::int64_t>, kUntrustedKinds> untrusted_by_kind_;

@@ -25,16 +25,16 @@ std::vector<std::string> GloveChannelNames();
 /// Index in KnownChannels(); throws UserError with the nearest name if there is none.
 int ChannelIndex(std::string_view name);
 
-/// How much the end joint of a finger bends when nobody bends it by itself, of its middle joint's
-/// angle. Source: Rijpkema and Girard, Computer Animation of Knowledge-Based Human Grasping,
+/// Angle of a finger's end joint per angle of its middle joint while the end joint is not bent on
+/// its own. Source: Rijpkema and Girard, Computer Animation of Knowledge-Based Human Grasping,
 /// SIGGRAPH 1991.
 inline constexpr double kEndJointPerMiddleJoint = 2.0 / 3.0;
 
-/// Where a channel finds its value in a list of one for all, of one for each of GloveChannels(), in
-/// which an end joint takes that of its finger's middle joint, or of one for each of
-/// KnownChannels().
+/// Index of a channel's value in a list of settings. The list has one value for all channels, one
+/// per channel of GloveChannels(), or one per channel of KnownChannels(). In the second case an end
+/// joint takes the value of its finger's middle joint.
 std::size_t PlaceInList(std::size_t channel, std::size_t list_size);
-/// Errors: SettingError of `key` for a list of another size.
+/// Errors: SettingError of `key` for a list of any other size.
 void CheckListOfChannels(std::string_view key, std::size_t list_size);
 
 }  // namespace gauntlet::sim

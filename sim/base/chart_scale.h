@@ -5,23 +5,23 @@
 
 namespace gauntlet::sim {
 
-/// From the lowest to the highest of some values.
+/// Range of some values, from the lowest to the highest.
 struct Extent {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
 
-  /// What is not finite does not count.
+  /// Extends the range to this value. Ignores a value that is not finite.
   void Take(double value);
-  /// By this share of the extent to both sides; by 1 where there is none.
+  /// Extends the range by this share of its width at both ends; by 1 if the width is 0.
   void Widen(double share);
-  /// Where a value lies, 0 to 1; in the middle where there is no extent.
+  /// Relative position of a value in the range, 0 to 1; 0.5 if the width is 0.
   double Share(double value) const { return high > low ? (value - low) / (high - low) : 0.5; }
 };
 
 /// A round step that gives about `count` ticks: 1, 2 or 5 times a power of ten.
 double TickStep(const Extent& extent, int count);
 
-/// The multiples of `step` in the extent, its ends included.
+/// All multiples of `step` in the range, both ends included.
 std::vector<double> Ticks(const Extent& extent, double step);
 
 }  // namespace gauntlet::sim

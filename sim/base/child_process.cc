@@ -14,7 +14,8 @@
 namespace gauntlet::sim {
 
 ChildProcess::ChildProcess(const std::function<void()>& work) {
-  // Signals wait until the child is no longer one that would tidy up as its parent does.
+  // Signals are blocked until the child has replaced the parent's handlers, which would remove
+  // files.
   sigset_t all;
   sigset_t before;
   sigfillset(&all);
@@ -23,7 +24,7 @@ ChildProcess::ChildProcess(const std::function<void()>& work) {
   process_ = fork();
   if (process_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(0);  // it ended before it was said what to do then
+    if (getppid() != parent) _exit(0);  // the parent ended before prctl() took effect
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
     sigset_t none;
     sigemptyset(&none);

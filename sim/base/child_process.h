@@ -8,30 +8,31 @@
 
 namespace gauntlet::sim {
 
-/// How a child ended.
+/// The way in which a child ended.
 struct ChildEnd {
-  int signal = 0;     // that ended it; 0: it ended by itself
-  int exit_code = 0;  // if it ended by itself
+  int signal = 0;     // signal that ended it; 0: none
+  int exit_code = 0;  // only without a signal
 };
 
-/// A copy of this process, as it is when the child is made, for work that may crash. Nothing of the
-/// parent is tidied up there: no destructor, no exit handler. The parent hears the signals that ask
-/// the program to stop; the child never outlives it.
+/// A child process for work that may crash: a copy (fork) of this process. The child runs no
+/// destructors and no exit handlers of the parent. It ignores the signals that ask the program to
+/// stop, and it ends when the parent ends.
 ///
-/// Other threads of the parent are not there: the copy of a lock that one of them holds stays
-/// closed.
+/// Other threads of the parent do not exist in the child. A lock that one of them holds stays
+/// locked there.
 class ChildProcess {
  public:
   /// `work` runs in the child, which ends with exit code 0 when it returns; it throws nothing.
   /// Errors: std::system_error if the system gives no process.
   explicit ChildProcess(const std::function<void()>& work);
-  /// Ends the child, wherever it is, and waits for its end.
+  /// Kills the child if it still runs, and waits for its end.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   void Kill();
-  /// Waits for the end. None if the system does not know it any more. To be asked once.
+  /// Waits for the end of the child. None if the system no longer knows the child, and in a second
+  /// call.
   std::optional<ChildEnd> Wait();
 
  private:

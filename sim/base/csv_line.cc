@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// How programs write that there is no value, in small letters.
+/// Texts for a missing value, in lower case.
 constexpr std::array<std::string_view, 6> kMissing = {"", "nan", "na", "n/a", "null", "none"};
 
 bool IsMissing(std::string_view cell) {
@@ -26,8 +26,9 @@ bool IsMissing(std::string_view cell) {
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// Where the first cell ends: at the separator or the end of the text. One in double quotes may
-/// hold separators and quotes twice (RFC 4180); a quote that does not close begins none.
+/// End of the first cell: the separator or the end of the text. A cell in double quotes may contain
+/// separators, and quotes written twice (RFC 4180). A quote that is never closed is an ordinary
+/// character.
 std::size_t CellEnd(std::string_view text, char separator) {
   const std::size_t begin = text.find_first_not_of(" \t");
   if (begin == std::string_view::npos || text[begin] != '"' || separator == '"') {

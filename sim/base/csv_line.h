@@ -8,44 +8,43 @@
 
 namespace gauntlet::sim {
 
-/// How text with one row a line is cut into cells and written. What cells mean is their reader's
-/// matter.
+/// Cutting of lines into cells, and writing of cells. The meaning of a cell is not known here.
 
-/// Bytes of a line with its end: longer than any row of numbers; keeps memory flat on what is not
-/// text.
+/// Longest line in bytes, with its end. It is longer than any row of numbers, and bounds the memory
+/// for files that are not text.
 inline constexpr std::size_t kLongestLine = std::size_t{1} << 20;
-/// The sentence for a longer one.
+/// The error message for a longer line.
 std::string LineTooLong();
 
-/// Without the mark that spreadsheets write at the beginning of a file.
+/// `text` without the byte order mark that spreadsheets write.
 std::string_view WithoutByteOrderMark(std::string_view text);
 
-/// Without blanks at both ends, the carriage return of a line that ends with CRLF included.
+/// `text` without blanks at both ends; the carriage return of CRLF counts as blank.
 std::string_view Trimmed(std::string_view text);
 
-/// Trimmed, then without the quotes around it, single or double.
+/// Trimmed text without surrounding quotes, single or double.
 std::string_view Unquoted(std::string_view text);
 
-/// The number in a cell, infinite beyond the range of a double and 0 below it; NaN where the value
-/// is missing: an empty cell, `nan`, `NA`, `N/A`, `null` or `none` in any case of the letters.
-/// Nothing for any other text.
+/// The number in a cell: infinite above the range of a double, 0 below it. NaN for a missing value:
+/// an empty cell, `nan`, `NA`, `N/A`, `null` or `none` in upper or lower case. None for any other
+/// text.
 std::optional<double> NumberOrMissing(std::string_view cell);
 
-/// Takes the first cell off `rest`, which then begins behind the separator. The separator ' '
+/// Removes the first cell and its separator from `rest` and returns the cell. The separator ' '
 /// stands for any number of blanks.
 std::string_view TakeCell(std::string_view& rest, char separator);
 
-/// All cells of a line: one more than separators, so that an empty line has one empty cell.
+/// All cells of a line: one more than there are separators. So an empty line has one empty cell.
 std::vector<std::string_view> SplitCells(std::string_view line, char separator = ',');
 
-/// The lines of a text, without their ends and the byte order mark.
+/// The lines of a text, without line ends and byte order mark.
 std::vector<std::string_view> SplitLines(std::string_view text);
 
-/// A row of a CSV table with its end; what would be read as its structure stands in quotes (RFC
-/// 4180).
+/// A row of a CSV table with its line end. Cells with separators, quotes or line ends are quoted
+/// (RFC 4180).
 std::string CsvLine(const std::vector<std::string>& cells);
 
-/// As text that reads back to the same; empty for what is not finite.
+/// Shortest text that reads back as the same value; empty if the value is not finite.
 std::string NumberOrNothing(double value);
 
 }  // namespace gauntlet::sim

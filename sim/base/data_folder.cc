@@ -15,15 +15,15 @@ namespace fs = std::filesystem;
 constexpr const char* kVariable = "GAUNTLET_DATA_DIR";
 constexpr const char* kData = "share/gauntlet";
 
-/// Empty if the variable is not set.
+/// The folder of GAUNTLET_DATA_DIR; empty if the variable is not set.
 fs::path FolderOfVariable() {
   const char* folder = std::getenv(kVariable);
   return folder == nullptr ? "" : folder;
 }
 
-/// Where the program looks for `folder`. /proc/self/exe is the program itself, also when a link
-/// started it.
-/// Errors: RunError where there is no /proc.
+/// The two places where `folder` may be, relative to the program. /proc/self/exe names the program
+/// itself, also if a link started it.
+/// Errors: RunError without /proc.
 std::array<fs::path, 2> FoldersOfProgram(const char* folder) {
   std::error_code unknown;
   const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
@@ -37,7 +37,7 @@ std::array<fs::path, 2> FoldersOfProgram(const char* folder) {
   return {above / folder, above.parent_path() / folder};
 }
 
-/// Without links on the way, so that a file has one name however the program was started.
+/// The path without links. So a file has one name, no matter how the program was started.
 std::optional<fs::path> Find(const fs::path& name) {
   std::error_code missing;
   if (const fs::path folder = FolderOfVariable(); !folder.empty()) {

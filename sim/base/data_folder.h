@@ -6,33 +6,33 @@
 
 namespace gauntlet::sim {
 
-/// A folder of the files that Gauntlet brings along: "models" or "scenarios". They lie in
-/// share/gauntlet beside the program's own folder (`<prefix>/share/gauntlet` for
-/// `<prefix>/bin/gauntlet`) or one above it, as in the build tree; the variable GAUNTLET_DATA_DIR
-/// names another place. So an installed Gauntlet can be moved as a whole.
+/// A folder of Gauntlet's own files: "models" or "scenarios". It is in share/gauntlet next to the
+/// program's folder (`<prefix>/share/gauntlet` for `<prefix>/bin/gauntlet`), or one level higher,
+/// as in the build tree. GAUNTLET_DATA_DIR names another place. So an installed Gauntlet can be
+/// moved as a whole.
 ///
 /// Errors: UserError if GAUNTLET_DATA_DIR has no such folder, RunError if the program has none.
 std::filesystem::path DataFolder(const std::string& name);
 
-/// The file that a user means: `file` itself if it is there, else the one of that name that
-/// Gauntlet brings along, so that scenarios/hold_still.yaml means one in every working folder. If
-/// neither is there: `file`.
+/// The file that a user means: `file` if it exists, else Gauntlet's own file of that name. So
+/// scenarios/hold_still.yaml works in every working folder. `file` if neither exists.
 std::filesystem::path OwnOrDataFile(const std::filesystem::path& file);
 
-/// The file of this name ("scenarios/recordings/a.csv") that Gauntlet brings along, if there is
-/// one. Names that lead out of its folders are none.
+/// Gauntlet's own file of this name ("scenarios/recordings/a.csv"); none if it does not exist or
+/// the name leads out of Gauntlet's folders.
 std::optional<std::filesystem::path> DataFile(const std::filesystem::path& name);
 
-/// The name that DataFile() finds this file by; empty for a file that Gauntlet does not bring
-/// along. `file` is absolute.
+/// The name by which DataFile() finds this file; empty if it is not Gauntlet's own. `file` is
+/// absolute.
 std::string DataName(const std::filesystem::path& file);
 
-/// How a file in `folder` names an absolute path, so that both can be moved together: relative to
-/// it, or as DataName(). Without a folder, and of a relative path, as it is.
+/// An absolute path as a file in `folder` names it, so that both can be moved together: relative to
+/// `folder`, or as DataName(). Unchanged if there is no folder or the path is relative.
 std::string PathFrom(const std::filesystem::path& folder, const std::filesystem::path& file);
 
-/// A library that only this program loads, in lib/gauntlet beside its own folder or one above it.
-/// Errors: RunError if it is in neither.
+/// A library for this program only, in lib/gauntlet next to the program's folder or one level
+/// higher.
+/// Errors: RunError if it is in neither place.
 std::filesystem::path OwnLibrary(const std::string& name);
 
 }  // namespace gauntlet::sim

@@ -7,9 +7,9 @@
 
 namespace gauntlet::sim {
 
-/// What is wrong, where, and with which setting. Only the problem is always known.
+/// The parts of an error message. Only the problem is always present.
 struct ErrorParts {
-  std::string place = {};  // `file:line:column`, as far as it is known, or `--set key=value`
+  std::string place = {};  // `file:line:column` as far as known, or `--set key=value`
   std::string key = {};    // path of keys, joined by dots
   std::string problem = {};
 };
@@ -17,7 +17,7 @@ struct ErrorParts {
 /// The user's mistake: one line with place, field, value and allowed range. Exit code 2.
 class UserError : public std::runtime_error {
  public:
-  /// From one text. (A template, so that braces can only mean parts.)
+  /// From one text. (A template, so that braces always mean ErrorParts.)
   template <std::convertible_to<std::string> Text>
   explicit UserError(const Text& problem) : UserError(ErrorParts{.problem = problem}) {}
   explicit UserError(ErrorParts parts)
@@ -28,7 +28,7 @@ class UserError : public std::runtime_error {
   const std::string& problem() const { return parts_.problem; }
 
  private:
-  /// The parts that are known, with colons between them: what() gives this.
+  /// The parts that are present, joined by colons. what() returns this line.
   static std::string Line(const ErrorParts& parts) {
     std::string line;
     for (const std::string* part : {&parts.place, &parts.key}) {
@@ -48,7 +48,7 @@ class RunError : public std::runtime_error {
 
 /// Long work was stopped on request (Ctrl-C).
 struct Cancelled {
-  std::string kept = {};  // what of it was not in vain, for the user; may be empty
+  std::string kept = {};  // sentence for the user about results that are kept; may be empty
 };
 
 }  // namespace gauntlet::sim

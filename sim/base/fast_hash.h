@@ -11,7 +11,7 @@
 
 namespace gauntlet::sim {
 
-/// The purpose of Hash where there is much, some ten times as fast: XXH64 with seed 0.
+/// A hash with the purpose of Hash for large data, about ten times as fast: XXH64 with seed 0.
 class FastHash {
  public:
   FastHash() { XXH64_reset(&state_, 0); }
@@ -29,7 +29,7 @@ class FastHash {
   XXH64_state_t state_;
 };
 
-/// Of a whole file: 16 hexadecimal digits. Errors: as ReadBlocks().
+/// Hash of a whole file: 16 hexadecimal digits. Errors: as of ReadBlocks().
 std::string FastHashOfFile(const std::filesystem::path& file);
 
 }  // namespace gauntlet::sim

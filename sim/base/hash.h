@@ -10,7 +10,8 @@
 
 namespace gauntlet::sim {
 
-/// Tells contents apart, the same on every machine: FNV-1a, 64 bits. Not against attackers.
+/// A hash that distinguishes contents and is the same on every machine: FNV-1a, 64 bits. No
+/// protection against attackers.
 /// Source: Fowler, Noll, Vo, draft-eastlake-fnv.
 class Hash {
  public:
@@ -33,12 +34,12 @@ class Hash {
   std::uint64_t value_ = 0xCBF29CE484222325u;
 };
 
-/// Hands all bytes of a file to `add`, a block at a time. Errors: RunError with the path and the
+/// Passes all bytes of a file to `add`, block by block. Errors: RunError with the path and the
 /// system's reason; Cancelled.
 void ReadBlocks(const std::filesystem::path& file,
                 const std::function<void(std::string_view bytes)>& add);
 
-/// Of a whole file: 16 hexadecimal digits. Errors: as ReadBlocks().
+/// Hash of a whole file: 16 hexadecimal digits. Errors: as of ReadBlocks().
 std::string HashOfFile(const std::filesystem::path& file);
 
 }  // namespace gauntlet::sim

@@ -40,7 +40,8 @@ void Limit(int resource, rlim_t most) {
   setrlimit(resource, &limit);
 }
 
-/// The timer tells why and is fine; the limit of whole seconds cannot be switched off.
+/// Two limits: the timer has a resolution of microseconds and a signal of its own (SIGPROF). The
+/// work could switch it off, but not the limit in whole seconds.
 void LimitProcessorTime(double limit_s) {
   const auto whole_s = static_cast<std::int64_t>(limit_s);
   itimerval timer = {};
@@ -55,7 +56,7 @@ std::shared_mutex& StartOfHelpers() {
   return mutex;
 }
 
-/// Address space of this process; 0 where the system does not tell.
+/// Address space of this process in bytes; 0 if the system does not report it.
 std::size_t AddressSpaceBytes() {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -63,7 +64,7 @@ std::size_t AddressSpaceBytes() {
 }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // takes terabytes of address space
+constexpr bool kSanitized = true;  // sanitizers reserve terabytes of address space
 #else
 constexpr bool kSanitized = false;
 #endif
@@ -73,7 +74,8 @@ void LimitMemory(std::size_t more_bytes) {
   if (const std::size_t now = AddressSpaceBytes(); now > 0) Limit(RLIMIT_AS, now + more_bytes);
 }
 
-/// Standard streams lead nowhere, the pipe is the only other descriptor. Returns its number.
+/// Redirects the standard streams to /dev/null and closes every descriptor but the pipe. Returns
+/// the pipe's new number.
 int CloseAllBut(int pipe) {
   const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
   constexpr int kPipe = 3;
@@ -106,7 +108,7 @@ void HelperProcess::WriteFrame(int pipe, Frame frame, std::span<const char> byte
   head.size = static_cast<std::uint32_t>(bytes.size());
   const bool written = WriteAll(pipe, reinterpret_cast<const char*>(&head), sizeof head) &&
                        WriteAll(pipe, bytes.data(), bytes.size());
-  if (!written) _exit(1);  // nobody listens
+  if (!written) _exit(1);  // the program no longer reads
 }
 
 void HelperProcess::Work(const std::function<void(const Send&)>& work, const HelperLimits& limits,
@@ -150,13 +152,13 @@ HelperProcess::HelperProcess(const std::function<void(const Send&)>& work,
   }
   close(ends[1]);
   pipe_ = ends[0];
-  fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);  // fewer changes from one process to the other
+  fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);  // fewer switches between the processes
 }
 
 HelperProcess::~HelperProcess() { close(pipe_); }
 
 void HelperProcess::ThrowEnded() {
-  process_->Kill();  // should it only have closed the pipe
+  process_->Kill();  // in case it only closed the pipe
   const std::optional<ChildEnd> end = process_->Wait();
   if (!end || end->signal == 0) throw HelperEnded("ended too early");
   if (end->signal == SIGPROF) {
@@ -166,7 +168,7 @@ void HelperProcess::ThrowEnded() {
 }
 
 std::size_t HelperProcess::ReadSome(std::span<char> bytes) {
-  // Counted in polls, not by a clock: a program that was stopped for an hour goes on.
+  // Counts polls instead of reading a clock: a program that was stopped for an hour continues.
   for (int polls = 0; polls < limits_.silence_s * kPollsPerSecond; ++polls) {
     if (keep_going_ && !keep_going_()) throw Cancelled{};
     pollfd waiting = {.fd = pipe_, .events = POLLIN, .revents = 0};

@@ -14,22 +14,22 @@
 
 namespace gauntlet::sim {
 
-/// What a helper process may use before it is ended.
+/// Resources of a helper process. Beyond them it is ended.
 struct HelperLimits {
   double processor_s = 10.0;
-  std::size_t memory_bytes = std::size_t{512} << 20;  // on top of what the program has by then
-  int silence_s = 60;                                 // that the program waits for the next bytes
+  std::size_t memory_bytes = std::size_t{512} << 20;  // in addition to the program's own
+  int silence_s = 60;                                 // longest wait for the next bytes
 };
 
-/// The helper did not get to its end: it crashed or went beyond its limits. what() says so as the
-/// end of a sentence: "ended by signal 11 (Segmentation fault)".
+/// The helper crashed or exceeded its limits. what() is the end of a sentence: "ended by signal 11
+/// (Segmentation fault)".
 class HelperEnded : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The helper did not get to its end, which is not the file's fault: it used little processor time
-/// and sent nothing for as long as the program waits.
+/// The helper sent nothing within the longest wait and used little processor time. The file is not
+/// the cause.
 class HelperSilent : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -41,20 +41,21 @@ class HelperError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A helper starts as a copy of the program with all locks as they are: of a library that locks
-/// itself (HDF5) and that another thread is just inside, it would wait for ever. Who calls such a
-/// library in the program holds this meanwhile; helpers start while nobody does.
+/// Prevents the start of helpers while the returned lock is held. A helper is a copy of the program
+/// with all locks as they are. If another thread is inside a library with a lock of its own (HDF5),
+/// the helper would wait forever. So the program holds this lock during calls of such a library.
 std::shared_lock<std::shared_mutex> HoldHelpers();
 
-/// Work on what a stranger made, with a library that may crash, hang or take all memory over it: in
-/// a process of its own, which has nothing open but the way back, writes no file, gains no rights,
-/// and goes when the program goes. It sends bytes; what they say is to be doubted, too.
+/// Work on a third-party file, with a library that may crash, hang or use all memory. The work runs
+/// in a process of its own. This process has no open descriptor but the pipe to the program, writes
+/// no file, gains no rights, and ends with the program. The program must check the bytes that it
+/// receives.
 class HelperProcess {
  public:
   using Send = std::function<void(std::span<const char>)>;
 
-  /// Starts `work`. While the program waits for it, `keep_going` is asked some times per second;
-  /// false ends the helper by a Cancelled exception.
+  /// Starts `work`. While the program waits for bytes, it calls `keep_going` several times per
+  /// second. False ends the helper, and the program throws Cancelled.
   /// Errors: RunError if no process can be started.
   HelperProcess(const std::function<void(const Send&)>& work, const HelperLimits& limits,
                 std::function<bool()> keep_going = {});
@@ -63,15 +64,16 @@ class HelperProcess {
   HelperProcess(const HelperProcess&) = delete;
   HelperProcess& operator=(const HelperProcess&) = delete;
 
-  /// Fills `bytes` with the next that the helper sends. Errors: HelperEnded, also where the helper
-  /// has nothing more to send; HelperSilent; HelperError.
+  /// Fills `bytes` with the next bytes from the helper. Errors: HelperEnded, also if the helper has
+  /// sent everything; HelperSilent; HelperError.
   void Receive(std::span<char> bytes);
-  /// Waits for the end of the work. Errors: as above, and HelperEnded where bytes are left over.
+  /// Waits for the end of the work. Errors: as of Receive(), and HelperEnded if bytes are left
+  /// over.
   void Finish();
 
  private:
   enum class Frame : char { kBytes, kError, kEnd };
-  /// On the pipe before what is sent.
+  /// Header of a frame on the pipe.
   struct FrameHead {
     Frame frame;
     std::uint32_t size;
@@ -79,10 +81,10 @@ class HelperProcess {
   [[noreturn]] static void Work(const std::function<void(const Send&)>& work,
                                 const HelperLimits& limits, int pipe);
   static void WriteFrame(int pipe, Frame frame, std::span<const char> bytes);
-  /// Reads as much of `bytes` as there is, at least one.
+  /// Reads the bytes that are available, at least one, at most the size of `bytes`.
   std::size_t ReadSome(std::span<char> bytes);
   void ReadAll(std::span<char> bytes);
-  /// Begins the next frame of bytes; false at the end.
+  /// Reads the header of the next frame. False at the end.
   bool NextFrame();
   [[noreturn]] void ThrowEnded();
 
@@ -93,11 +95,11 @@ class HelperProcess {
   std::size_t left_of_frame_ = 0;
 };
 
-/// For the work of a helper that has opened its file: from now on no other can be opened, by
-/// whatever name the file has for it.
+/// For a helper whose file is open: forbids the process to open any other file, also one that the
+/// file refers to.
 void OpenNoMoreFiles();
 
-/// The same for files outside these folders.
+/// Forbids the process to open files outside these folders.
 /// Errors: UserError where the system has no Landlock (Linux before 5.13).
 void ReadOnlyBelow(std::initializer_list<std::filesystem::path> folders);
 

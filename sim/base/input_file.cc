@@ -20,8 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Device and inode of a file, and which of those that had this inode one after the other it is,
-/// where the file system tells. Empty without a file.
+/// Device, inode and, where the file system has it, generation of the inode. Empty without a file.
 std::string IdentityOf(const fs::path& file) {
   struct stat status = {};
   if (stat(file.c_str(), &status) != 0) return "";
@@ -36,7 +35,7 @@ std::string IdentityOf(const fs::path& file) {
   return identity;
 }
 
-/// The files that this process has read, and the folder in which it may read.
+/// The files that this process has read, and the only folder in which it may read.
 struct Inputs {
   std::mutex mutex;
   std::set<std::string> files;

@@ -23,15 +23,15 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kName = "manifest.json";
 constexpr const char* kScenario = "scenario.resolved.yaml";
-/// Raised whenever the file changes.
+/// Increased whenever the format of the file changes.
 constexpr int kFormat = 1;
 
-/// How the checksums of a manifest are made.
+/// A checksum algorithm of manifests.
 struct Checksum {
   std::string_view name;
   std::string (*of_file)(const fs::path&);
 };
-/// That of new manifests, then what those up to version 0.2.0 have.
+/// The algorithm of new manifests, then the one of versions up to 0.2.0.
 constexpr Checksum kChecksums[] = {{"XXH64", FastHashOfFile}, {"FNV-1a, 64 bits", HashOfFile}};
 
 struct Content {
@@ -45,7 +45,7 @@ FileMark MarkOf(const fs::path& file) {
   return {.bytes = fs::file_size(file), .checksum = kChecksums[0].of_file(file)};
 }
 
-/// The same files, the same name of the run.
+/// Name of a run: the same for the same files.
 std::string RunOf(const std::map<std::string, FileMark>& files) {
   Hash hash;
   for (const auto& [name, mark] : files) {
@@ -71,7 +71,7 @@ void WriteManifest(const fs::path& file, const Content& content) {
   output.Commit();
 }
 
-/// Nothing if there is no such file. Errors: what nlohmann::json throws; UserError.
+/// None if the file does not exist. Errors: those of nlohmann::json; UserError.
 std::optional<Content> Read(const fs::path& file) {
   std::error_code ignored;
   if (const auto status = fs::status(file, ignored);
@@ -89,7 +89,7 @@ std::optional<Content> Read(const fs::path& file) {
   Content content;
   content.finished = json.at("finished").get<bool>();
   content.command = json.value("command", "");
-  if (!json.contains("files")) return content;  // an unfinished one up to version 0.2.0
+  if (!json.contains("files")) return content;  // an unfinished manifest up to version 0.2.0
   const auto checksum =
       std::ranges::find(kChecksums, json.at("checksum").get<std::string>(), &Checksum::name);
   if (checksum == std::end(kChecksums)) throw of_another();
@@ -101,8 +101,8 @@ std::optional<Content> Read(const fs::path& file) {
   return content;
 }
 
-/// That of a folder that is to be written into: a damaged one counts as unfinished.
-/// Errors: UserError for a file of this name that is no manifest of Gauntlet.
+/// Manifest of a folder that is about to be written. A damaged manifest counts as unfinished.
+/// Errors: UserError if the file is not a manifest of Gauntlet.
 std::optional<Content> Earlier(const fs::path& file) {
   try {
     return Read(file);
@@ -122,7 +122,7 @@ bool IsSameScenario(const Content& earlier, const Content& now) {
          of_earlier->second == of_now->second;
 }
 
-/// Made of a finished folder by render, run --csv and export.
+/// True for files that render, run --csv and export make from a finished folder.
 bool IsMadeOfResults(const std::string& name) {
   const bool table = name.starts_with("trace.") && name.ends_with(".csv");
   const bool robot =
@@ -130,7 +130,7 @@ bool IsMadeOfResults(const std::string& name) {
   return table || robot || name == "comparison.mp4";
 }
 
-/// Removes what would be taken for files of the new run.
+/// Removes files of an earlier run that would be mistaken for files of this run.
 void RemoveLeftovers(const fs::path& folder, const Content& earlier, const Content& now) {
   std::vector<fs::path> leftovers;
   std::error_code ignored;

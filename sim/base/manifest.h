@@ -12,28 +12,27 @@
 
 namespace gauntlet::sim {
 
-/// Size and checksum of a file, as its run wrote it.
+/// Size and checksum of a file at the end of its run.
 struct FileMark {
   std::uintmax_t bytes = 0;
   std::string checksum;  // see FastHash
   bool operator==(const FileMark&) const = default;
 };
 
-/// `manifest.json` of an output folder: the files that one command wrote, each with size and
-/// checksum, so that damage and a mixture of runs are seen. It is no seal: a person who changes a
-/// file on purpose can change the manifest, too. While files are exchanged it says that the folder
-/// is unfinished.
+/// `manifest.json` of an output folder: the files of one command, each with size and checksum. It
+/// detects damage and files of different runs. It is not a seal: a person can change a file and the
+/// manifest. While files are exchanged, the manifest marks the folder as unfinished.
 class Manifest {
  public:
-  /// Reads that of `folder`. A folder without one, of an earlier version or put together by hand,
-  /// is taken as it is. Errors: UserError in one line if the folder does not exist, was left while
-  /// its files were exchanged, or if its manifest cannot be read.
+  /// Reads the manifest of `folder`. A folder without manifest (of an earlier version, or made by
+  /// hand) is accepted unchecked. Errors: UserError in one line if the folder does not exist, is
+  /// marked as unfinished, or has an unreadable manifest.
   explicit Manifest(std::filesystem::path folder);
 
-  /// False: there is no manifest, so nothing is checked.
+  /// False: there is no manifest, and nothing is checked.
   bool exists() const { return exists_; }
-  /// The path of a file of the folder that is as its run wrote it. Costs the reading of the file.
-  /// Errors: UserError in one line if it is missing or another.
+  /// Path of a file whose size and checksum match the manifest. Reads the whole file.
+  /// Errors: UserError in one line if the file is missing or differs.
   std::filesystem::path Checked(const std::string& name) const;
 
  private:
@@ -43,33 +42,35 @@ class Manifest {
   std::map<std::string, FileMark> files_;
 };
 
-/// The files that a command is going to write into a folder.
+/// The files that a command will write into a folder.
 struct OutputPlan {
   std::filesystem::path folder;
-  std::string command = {};  // the folder's files belong to it; see Manifest
+  std::string command = {};  // owner of the folder's files; see Manifest
   std::string manifest = "manifest.json";
-  std::vector<std::string> results = {};   // names that are known before the work begins
-  std::vector<std::string> editable = {};  // names of those among them that begin with a checksum
-  bool force = false;                      // replaces edited ones
+  std::vector<std::string> results = {};   // known before the work begins
+  std::vector<std::string> editable = {};  // results that begin with a checksum
+  bool force = false;                      // replace edited ones
 };
 
-/// New files of an output folder, which all appear together: written into a folder inside it, then
-/// renamed one after the other in a moment. A program that ends before leaves the folder as it was;
-/// one that is killed in that moment leaves it marked as unfinished. The destructor removes what
+/// New files of an output folder that appear together. They are written into a temporary folder and
+/// then renamed at once. If the program ends before, the folder is unchanged. If it is killed
+/// during the renaming, the folder is marked as unfinished. The destructor removes files that were
+/// not committed.
 /// was not committed.
 ///
-/// Files of the folder that its manifest names are replaced, also where the command has read them:
-/// they are its own results. No other input is, nor what another command wrote, nor an edited file.
+/// Files that the folder's manifest names are replaced, even if the command has read them: they are
+/// results of the same command. Other inputs, results of other commands and edited files are never
+/// replaced.
 class OutputFiles {
  public:
-  /// Errors: UserError for a planned result that would replace what it must not.
+  /// Errors: UserError for a planned result that must not be replaced.
   explicit OutputFiles(OutputPlan plan);
 
-  /// Lets `write` fill the folder that it gets. Its RunErrors name the files as they will be
-  /// called. Errors: RunError.
+  /// Calls `write` with the temporary folder. RunErrors name the files by their final names.
+  /// Errors: RunError.
   void Write(const std::function<void(const std::filesystem::path&)>& write);
-  /// Renames them and writes the manifest. What the folder held of another scenario (files of its
-  /// manifest, video, trace tables, exported controllers) is removed.
+  /// Renames the files and writes the manifest. Removes files of another scenario from the folder:
+  /// those of its manifest, video, trace tables, exported controllers.
   /// Errors: as of the constructor, for all files; RunError.
   void Commit();
 

@@ -5,15 +5,15 @@
 
 namespace gauntlet::sim {
 
-/// Why a stretch of a recording says nothing of what the wearer did.
+/// Reason why a stretch of a recording has no valid data.
 enum class MaskReason {
-  kGap,      // nothing was recorded
-  kRestart,  // the clock started anew: what follows is of another moment
-  kClipped,  // the sensor stood at its stop
+  kGap,      // no rows
+  kRestart,  // the clock started anew; the next rows are of another moment
+  kClipped,  // the sensor was saturated
 };
 inline constexpr std::array<std::string_view, 3> kMaskReasonNames = {"gap", "restart", "clipped"};
 
-/// Such a stretch of one channel: ticks [begin, end); a restart is a moment, and empty.
+/// A stretch of one channel without valid data: ticks [begin, end). A restart is empty.
 struct MaskedStretch {
   MaskReason reason = MaskReason::kGap;
   int channel = 0;

@@ -9,7 +9,7 @@
 namespace gauntlet::sim {
 
 std::string HashOfMathematics() {
-  // So many that functions which differ in one place of a thousand differ here.
+  // Enough points to detect functions that differ at one point in a thousand.
   constexpr int kPoints = 4096;
   Hash hash;
   for (int i = 1; i <= kPoints; ++i) {

@@ -4,9 +4,9 @@
 
 namespace gauntlet::sim {
 
-/// Tells machines apart whose mathematical functions (sin, exp, pow, ...) differ in the last bit:
-/// the C library has others for processors with FMA and AVX2 than for those without, and other
-/// versions of it may have others again. 16 hexadecimal digits, made of what the functions give.
+/// Hash that differs between machines whose sin, exp, pow, ... differ in the last bit. The C
+/// library has different versions of these functions for processors with and without FMA and AVX2.
+/// 16 hexadecimal digits, computed from values of the functions.
 std::string HashOfMathematics();
 
 }  // namespace gauntlet::sim

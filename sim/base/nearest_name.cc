@@ -7,9 +7,9 @@
 namespace gauntlet::sim {
 namespace {
 
-// A message is one line: a list that takes more of it ends with the number of those left out.
+// Longest list in a message, in characters; a longer one ends with the number of names left out.
 constexpr std::size_t kLongList = 120;
-// No name is longer; a longer text is near to none.
+// Longest name. A longer text has no near name.
 constexpr std::size_t kLongName = 100;
 
 /// Damerau-Levenshtein distance (optimal string alignment).
@@ -33,7 +33,8 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-/// Whether all letters of `name` stand in `candidate`, in their order: a letter was forgotten.
+/// True if `candidate` contains all letters of `name` in their order: letters are missing in
+/// `name`.
 bool LacksLettersOnly(std::string_view name, std::string_view candidate) {
   std::size_t found = 0;
   for (const char letter : candidate) {

@@ -6,13 +6,13 @@
 
 namespace gauntlet::sim {
 
-/// The candidate that `name` was probably meant to be: the smallest number of inserted, removed,
-/// replaced or swapped letters, at most a third of the name's length. Of several equally near, the
-/// first that only has letters more, else the first. Empty if there is none.
+/// The candidate that the user probably meant: the one with the fewest inserted, removed, replaced
+/// or swapped letters, at most a third of the name's length. Among equally near ones, the first
+/// that only adds letters, else the first. Empty if none is near.
 std::string NearestName(std::string_view name, const std::vector<std::string>& candidates);
 
-/// ` (did you mean X?)`, or ` (one of: A, B, C)` where no name is near. Of a long list the
-/// beginning, and how many more there are.
+/// ` (did you mean X?)`, or ` (one of: A, B, C)` if no candidate is near. A long list is cut and
+/// ends with the number of names left out.
 std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates);
 
 }  // namespace gauntlet::sim

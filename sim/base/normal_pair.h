@@ -12,7 +12,7 @@ struct NormalPair {
   double second;
 };
 
-/// The next two of a stream, by the basic form of the Box-Muller transform.
+/// The next two normal numbers of a stream, by the basic form of the Box-Muller transform.
 ///
 ///     Z0 = sqrt(-2 ln U1) cos(2 pi U2)        U1 in (0, 1], U2 in [0, 1) independent
 ///     Z1 = sqrt(-2 ln U1) sin(2 pi U2)

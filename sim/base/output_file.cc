@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSuffix = ".part";
 constexpr std::string_view kChecksum = "# checksum ";
 
-/// A temporary entry, for the signal handler.
+/// A temporary entry in the list that the signal handler reads.
 struct Uncommitted {
   enum State : int { kFree, kBeingSet, kThere };
   std::atomic<int> state = kFree;
@@ -41,8 +41,8 @@ struct Uncommitted {
   std::array<char, NAME_MAX + 1> name = {};
 };
 
-// Fixed places, because a signal handler may read them at any moment. A program has few files open
-// at once; a file beyond the last place is only not removed by a signal.
+// Fixed memory, because a signal handler may read it at any moment. A program has few files open at
+// once. A signal does not remove temporary files beyond the last slot.
 constexpr int kPlaces = 64;
 std::array<Uncommitted, kPlaces> uncommitted;
 std::array<std::atomic<const char*>, kPlaces> new_folders;
@@ -69,10 +69,10 @@ void Forget(int place) {
   throw RunError(fmt::format("{}: cannot {}: {}", path.string(), action, std::strerror(error)));
 }
 
-/// Also for the processes that this one starts.
+/// Path of an open descriptor, also valid in child processes.
 fs::path PathOf(int descriptor) { return fmt::format("/proc/{}/fd/{}", getpid(), descriptor); }
 
-/// The beginning of the temporary names of a target. Leaves room for what follows.
+/// Common beginning of the temporary names of a target, short enough for the random part behind it.
 std::string PrefixOf(const fs::path& target) {
   constexpr std::size_t kLongest = 180;
   return fmt::format(".{}.", target.filename().string().substr(0, kLongest));
@@ -84,7 +84,7 @@ std::string RandomName(const fs::path& target) {
   return fmt::format("{}{}.{:016x}{}", PrefixOf(target), getpid(), random, kSuffix);
 }
 
-/// Removes what a killed program was writing at the same target: its process is no more.
+/// Removes temporary entries of the same target whose process no longer exists.
 void RemoveRemains(int folder, const fs::path& target) {
   const std::string prefix = PrefixOf(target);
   std::error_code ignored;
@@ -104,7 +104,7 @@ int OpenFolder(const fs::path& folder) {
   return readable >= 0 ? readable : open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
 }
 
-/// For a signal handler, too: system calls only, no memory from the heap.
+/// Safe in a signal handler: system calls only, no heap.
 void RemoveEntry(int folder, const char* name) noexcept {
   if (unlinkat(folder, name, 0) == 0) return;
   const int below = openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
@@ -114,7 +114,7 @@ void RemoveEntry(int folder, const char* name) noexcept {
        size = getdents64(below, entries, sizeof entries)) {
     for (ssize_t at = 0; at < size;) {
       const auto* entry = reinterpret_cast<const dirent64*>(entries + at);
-      unlinkat(below, entry->d_name, 0);  // "." and ".." are refused
+      unlinkat(below, entry->d_name, 0);  // the system refuses "." and ".."
       at += entry->d_reclen;
     }
   }
@@ -127,8 +127,8 @@ std::string ReadText(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// True if there is a file at `target` that a manifest beside it names (manifest.h), a manifest, or
-/// the trials of a study.
+/// True if the file at `target` is a manifest, a study database, or named by a manifest beside it
+/// (manifest.h).
 bool IsResult(const fs::path& target) {
   constexpr std::string_view kManifest = "manifest.json";
   std::error_code ignored;
@@ -210,7 +210,7 @@ void OutputFile::Write(std::string_view content) {
 }
 
 void OutputFile::Commit() {
-  RefuseInput(target_);  // by now more may have been read
+  RefuseInput(target_);  // more files may have been read meanwhile
   temporary_.Rename();
 }
 
@@ -277,7 +277,7 @@ void MakeDirectoryOf(const fs::path& target) {
 
 void RemoveIfEmptyLater(const fs::path& folder) {
   static std::mutex mutex;
-  static std::deque<std::string> names;  // as long as there is a handler
+  static std::deque<std::string> names;  // must outlive the signal handler
   const std::lock_guard lock(mutex);
   const auto place =
       std::ranges::find(new_folders, nullptr, [](const auto& name) { return name.load(); });

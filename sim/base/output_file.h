@@ -6,32 +6,31 @@
 
 namespace gauntlet::sim {
 
-/// The one writer of files. A file appears under its name only when it is whole: it is written
-/// beside its target under a random name that did not exist before, flushed to the disk, then
-/// renamed. All of this happens below the descriptor of the target's folder, so no link in that
-/// folder is followed. A file that was read as an input (input_file.h), and a result that a
-/// manifest beside it names (manifest.h), is never replaced.
+/// The only writer of files. A file appears under its name when it is complete: it is written
+/// beside its target under a random new name, flushed to the disk, then renamed. All steps use the
+/// descriptor of the target's folder, so no link in that folder is followed. A registered input
+/// (input_file.h) and a result that a manifest names (manifest.h) are never replaced.
 
-/// An entry of a folder under a name that others cannot know. The destructor removes it unless it
-/// got its final name.
+/// A file or folder under a temporary name that others cannot guess. The destructor removes it
+/// unless Rename() was called.
 class TemporaryEntry {
  public:
   enum class Kind { kFile, kFolder };
-  /// Beside `target`, with its name in the temporary one. Removes what a killed program left of
-  /// such entries. Errors: RunError.
+  /// Makes the entry beside `target`; its name begins with that of the target. Removes such entries
+  /// of killed programs. Errors: RunError.
   TemporaryEntry(const std::filesystem::path& target, Kind kind);
   ~TemporaryEntry();
   TemporaryEntry(const TemporaryEntry&) = delete;
   TemporaryEntry& operator=(const TemporaryEntry&) = delete;
 
   int descriptor() const { return entry_; }
-  /// That of the folder in which the entry is.
+  /// Descriptor of the folder that contains the entry.
   int folder() const { return folder_; }
-  /// A path of the open entry itself, whatever has become of its name.
+  /// Path through the open descriptor; it stays valid if the name changes.
   const std::filesystem::path& path() const { return path_; }
   /// Flushes the file and gives it its final name. Errors: RunError.
   void Rename();
-  /// A rename is on the disk only when the folder is. Not every file system can do that.
+  /// Flushes the folder, so that the rename is on the disk. Some file systems cannot do this.
   void FlushFolder() const;
 
  private:
@@ -40,21 +39,21 @@ class TemporaryEntry {
   std::string name_;
   int folder_ = -1;
   int entry_ = -1;
-  int place_ = -1;  // in the list of what a signal removes
+  int place_ = -1;  // slot in the list for the signal handler
   bool renamed_ = false;
 };
 
 /// A new file at `target`. Without Commit() the destructor removes it.
 class OutputFile {
  public:
-  /// Kinds of files that may be at the target. A manifest replaces itself.
+  /// Permission to replace a result. A manifest replaces itself.
   enum class Replaces { kNoResult, kResult };
   /// Errors: UserError for a target that is an input or a result; RunError.
   explicit OutputFile(std::filesystem::path target);
   OutputFile(std::filesystem::path target, Replaces replaces);
 
   const std::filesystem::path& target() const { return target_; }
-  /// The place to write until Commit(), for a library that wants a path.
+  /// Place to write until Commit(), for a library that needs a path.
   const std::filesystem::path& temporary_path() const { return temporary_.path(); }
   /// Appends. Errors: RunError.
   void Write(std::string_view content);
@@ -66,15 +65,15 @@ class OutputFile {
   TemporaryEntry temporary_;
 };
 
-/// A folder for new files of another folder, in which it stands under a temporary name. The
-/// destructor removes it with all that is in it.
+/// A temporary folder inside another folder, for its new files. The destructor removes it with its
+/// content.
 class StagingFolder {
  public:
   /// Errors: RunError.
   explicit StagingFolder(const std::filesystem::path& folder);
 
   const std::filesystem::path& path() const { return temporary_.path(); }
-  /// Renames every file in it to the same name in the folder. Errors: RunError.
+  /// Moves every file in it into the folder, under the same name. Errors: RunError.
   void MoveUp();
 
  private:
@@ -82,28 +81,28 @@ class StagingFolder {
   TemporaryEntry temporary_;
 };
 
-/// The whole of `content` as a file. Errors: as of OutputFile.
+/// Writes `content` as a file. Errors: as of OutputFile.
 void WriteOutputFile(const std::filesystem::path& target, std::string_view content);
 
-/// `text` for a file that people are meant to edit: in front of it a comment (# ..) with the
-/// checksum of the rest.
+/// `text` for a file that people may edit, with a first line (# ..) that contains the checksum of
+/// the rest.
 std::string WithChecksum(std::string_view text);
-/// Errors: UserError if the file at `target`, which WithChecksum() made, was edited since, or has
-/// no checksum.
+/// Errors: UserError if the file at `target` has no checksum line, or was edited since
+/// WithChecksum().
 void RefuseEdited(const std::filesystem::path& target);
-/// Writes such a file. `force`: also over an edited one. Errors: as of OutputFile and
+/// Writes such a file. `force`: also over an edited file. Errors: as of OutputFile and
 /// RefuseEdited().
 void WriteEditableFile(const std::filesystem::path& target, std::string_view text, bool force);
 
-/// Errors: UserError if the file at `target` was read as an input.
+/// Errors: UserError if the file at `target` is a registered input.
 void RefuseInput(const std::filesystem::path& target);
 
-/// Makes `directory` if it is not there. Errors: RunError with the path and the system's reason.
+/// Makes `directory` if it does not exist. Errors: RunError with the path and the system's reason.
 void MakeDirectory(const std::filesystem::path& directory);
-/// The same for a folder that `target` is to be written into.
+/// Makes the folder of `target` if it does not exist. Errors: as of MakeDirectory().
 void MakeDirectoryOf(const std::filesystem::path& target);
 
-/// A new folder that goes away with the temporary files if nothing else is in it then.
+/// Registers a new folder. RemoveUncommittedFiles() removes it if it is empty by then.
 void RemoveIfEmptyLater(const std::filesystem::path& folder);
 
 /// Removes every temporary entry that is not yet renamed; safe to call in a signal handler.

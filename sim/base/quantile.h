@@ -9,8 +9,8 @@
 
 namespace gauntlet::sim {
 
-/// The value below which this share of the others lies, from 0 to 1: one of the values, and between
-/// two of them the lower; NaN if there are none.
+/// Quantile of the values at `share`, 0 to 1: one of the values, the lower one between two. NaN
+/// without values.
 inline double Quantile(std::vector<double> values, double share) {
   GAUNTLET_ASSERT(0.0 <= share && share <= 1.0);
   if (values.empty()) return controller::kNaN;

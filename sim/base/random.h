@@ -8,10 +8,10 @@
 
 namespace gauntlet::sim {
 
-/// A stream of random numbers that is fixed by a seed, a purpose and an index (a channel, say), so
-/// that the order in which streams are made or drawn from never changes what they give.
+/// A stream of random numbers, fixed by a seed, a purpose and an index (for example a channel). So
+/// the order in which streams are made or read never changes their numbers.
 ///
-/// xoshiro256++ (Blackman, Vigna 2021), its state filled by SplitMix64 of the three.
+/// xoshiro256++ (Blackman, Vigna 2021); SplitMix64 fills its state from the three.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::string_view purpose, std::uint64_t index = 0);

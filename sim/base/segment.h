@@ -4,10 +4,10 @@
 
 namespace gauntlet::sim {
 
-/// A stretch of the wearer's motion that a person gave a name: samples [begin, end).
+/// A labelled stretch of the wearer's motion: samples [begin, end).
 ///
-/// The label rest, slow, fast, onset or reversal says under what the stretch is scored, in place of
-/// each joint's own speed; any other name is only stored.
+/// A label rest, slow, fast, onset or reversal decides how the stretch is scored; it overrides each
+/// joint's own speed. Any other label is only stored.
 struct Segment {
   std::string label;
   int begin = 0;

@@ -7,11 +7,12 @@
 namespace gauntlet::sim {
 namespace {
 
-/// No shell gives these a meaning, wherever they stand in a word.
+/// Characters without a special meaning in any shell.
 constexpr std::string_view kPlain =
     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:,+@%-";
 
-/// $'..' with three digits for each byte that is not printable ASCII, as any may be behind it.
+/// $'..' with three octal digits per byte that is not printable ASCII; three, because a digit may
+/// follow.
 std::string InDollarQuotes(std::string_view text) {
   std::string escaped = "$'";
   for (const char c : text) {

@@ -6,12 +6,11 @@
 
 namespace gauntlet::sim {
 
-/// `text` as one word of a command that a person copies or a script runs, on one line: as it is
-/// where a shell takes it so, else in quotes; with control characters, or bytes that are not UTF-8,
-/// as bash writes them: $'a\nb'.
+/// `text` as one word of a shell command, on one line: unchanged if the shell accepts it, else in
+/// quotes. Control characters and bytes that are not UTF-8 are written as in bash: $'a\nb'.
 std::string ShellWord(std::string_view text);
 
-/// The same of a file or folder, which is never taken for an option: `-a` becomes `./-a`.
+/// The same for a path, which must not look like an option: `-a` becomes `./-a`.
 std::string ShellPath(const std::filesystem::path& path);
 
 }  // namespace gauntlet::sim

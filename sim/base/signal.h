@@ -13,11 +13,11 @@
 
 namespace gauntlet::sim {
 
-/// A matrix whose values lie on the disk when there are many: see SignalStorage. For Eigen it is a
-/// map, so it can do all that an Eigen::Matrix can; as there, values that are not given are not
-/// set.
+/// A matrix whose values are on the disk if there are many: see SignalStorage. It derives from
+/// Eigen::Map, so that it can be used in any expression like an Eigen::Matrix. As there, new values
+/// are not initialised.
 ///
-/// A long one that is made from an expression is made column by column.
+/// A long signal that is assigned from an expression is computed column by column.
 template <class Scalar>
 class SignalOf
     : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>, Eigen::Aligned16> {
@@ -59,7 +59,7 @@ class SignalOf
   using Base::setZero;
   void setZero(Eigen::Index rows, Eigen::Index cols) {  // NOLINT(readability-identifier-naming)
     *this = SignalOf(rows, cols);
-    if (!storage_.is_on_disk()) setZero();  // there all is 0 from the start
+    if (!storage_.is_on_disk()) setZero();  // on the disk all values are 0 from the start
   }
   /// Keeps the first rows.
   void KeepRows(Eigen::Index rows) {
@@ -72,7 +72,7 @@ class SignalOf
   SignalOf(SignalStorage storage, Eigen::Index rows, Eigen::Index cols)
       : Base(static_cast<Scalar*>(storage.data()), rows, cols), storage_(std::move(storage)) {}
 
-  /// Eigen's own way to let a map show something else.
+  /// Eigen's documented way to let a map refer to other memory: placement new.
   void PointTo(Eigen::Index rows, Eigen::Index cols) {
     new (static_cast<Base*>(this)) Base(static_cast<Scalar*>(storage_.data()), rows, cols);
   }
@@ -80,12 +80,12 @@ class SignalOf
   SignalStorage storage_;
 };
 
-/// Samples x channels, column-major: the history of one channel is contiguous.
+/// Matrix of samples x channels, column-major: the values of one channel are contiguous.
 using Signal = SignalOf<double>;
-/// The same for integer commands.
+/// The same for integers, such as commands.
 using IntegerSignal = SignalOf<int>;
 
-/// Every `step`-th row, from the first on.
+/// Every `step`-th row, beginning with the first.
 inline Signal EveryRow(const Signal& signal, Eigen::Index step) {
   GAUNTLET_ASSERT(step > 0);
   Signal result((signal.rows() + step - 1) / step, signal.cols());
@@ -96,7 +96,7 @@ inline Signal EveryRow(const Signal& signal, Eigen::Index step) {
   return result;
 }
 
-/// Some columns of a signal, in this order; without a copy where they are all of it.
+/// Some columns of a signal, in this order. No copy if these are all columns in their order.
 template <class Matrix>
 class Columns {
  public:
@@ -113,7 +113,7 @@ class Columns {
   Matrix part_;
 };
 
-/// Rows that are worth a call of TrimSignals() where signals are walked row by row.
+/// Number of rows between two calls of TrimSignals() in a loop over rows.
 inline constexpr Eigen::Index kTrimRows = 4096;
 
 using controller::kDegPerRad;

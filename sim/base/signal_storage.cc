@@ -33,7 +33,7 @@ SignalStorageLimits limits;
 std::atomic<std::size_t> bytes_on_heap{0};  // of those that count
 std::atomic<std::size_t> bytes_on_disk{0};
 
-/// The mappings that there are, and the folder of the next.
+/// The existing mappings, and the folder for the next one.
 struct Mappings {
   std::mutex mutex;
   std::map<void*, std::size_t> bytes;
@@ -44,7 +44,7 @@ Mappings& TheMappings() {
   return mappings;
 }
 
-/// Where to try, the best first.
+/// Folders to try, the best first.
 std::vector<fs::path> Folders() {
   std::vector<fs::path> folders;
   {
@@ -58,7 +58,7 @@ std::vector<fs::path> Folders() {
   return folders;
 }
 
-/// A new file that no name leads to; below 0 if the folder takes none.
+/// Opens a new file without a name; below 0 if the folder does not support it.
 int OpenNamelessFile(const fs::path& folder) {
   const int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (file >= 0) return file;
@@ -76,8 +76,8 @@ std::uintmax_t FreeBytes(const fs::path& folder) {
   return error ? 0 : std::min(space.available, allowed);
 }
 
-/// Bytes of files that are mapped and in memory: the third number of statm, in pages. More than any
-/// limit where the system does not say.
+/// Resident bytes of mapped files: the third number of /proc/self/statm, in pages. The largest
+/// value if the system does not report it.
 std::size_t ResidentFileBytes() {
   char text[128] = {};
   const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
@@ -89,12 +89,12 @@ std::size_t ResidentFileBytes() {
   return pages * kPageBytes;
 }
 
-/// All pages of a long signal: taken one after the other they take twice the time.
+/// Allocates all pages of a long signal at once. One page at a time takes twice as long.
 void TakeAtOnce(void* data, std::size_t bytes) {
   static const auto kPageBytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   const std::size_t into_page = reinterpret_cast<std::uintptr_t>(data) % kPageBytes;
   void* const begin = static_cast<std::byte*>(data) - into_page;
-  madvise(begin, into_page + bytes, MADV_POPULATE_WRITE);  // of older systems it takes no notice
+  madvise(begin, into_page + bytes, MADV_POPULATE_WRITE);  // older systems ignore this
 }
 
 }  // namespace
@@ -208,12 +208,12 @@ SignalSpace FreeSignalSpace() {
 }
 
 void TrimSignals() {
-  // So few that they cannot be too many in memory.
+  // Too few bytes to exceed the limit.
   if (bytes_on_disk.load(std::memory_order_relaxed) <= limits.resident_bytes / 2) return;
   ThrowIfStopped();
   if (ResidentFileBytes() <= limits.resident_bytes) return;
   const std::lock_guard lock(TheMappings().mutex);
-  // Of a shared mapping of a file this forgets where the pages are, and not what is in them.
+  // For a shared mapping of a file, this releases the pages and keeps the content.
   for (const auto& [place, bytes] : TheMappings().bytes) madvise(place, bytes, MADV_DONTNEED);
 }
 

@@ -6,12 +6,13 @@
 
 namespace gauntlet::sim {
 
-/// Memory for the values of one signal. Short signals lie on the heap. A long one, or one too many,
-/// lies in a file without a name that is mapped into memory: its pages come and go, so a long trial
-/// needs disk and not memory. The file is gone with the object, however the program ends.
+/// Memory for the values of one signal. Short signals are on the heap. A long one, or one beyond
+/// the total for the heap, is in a file without a name that is mapped into memory. The system loads
+/// and drops its pages, so a long trial needs disk space and little memory. The file vanishes with
+/// the object, however the program ends.
 ///
-/// All of its space is there from the start: a full disk is an error here and not in the middle of
-/// a computation. On the disk all bytes are 0 at first, on the heap they are not set.
+/// The whole disk space is allocated in the constructor: a full disk is an error there, not during
+/// a computation. On the disk all bytes are 0 at first; on the heap they are not initialised.
 ///
 /// Errors: RunError with the folder and its free space; std::bad_alloc.
 class SignalStorage {
@@ -22,7 +23,7 @@ class SignalStorage {
   SignalStorage(SignalStorage&& other) noexcept;
   SignalStorage& operator=(SignalStorage&& other) noexcept;
 
-  void* data() const { return data_; }  // null for no bytes; else at a multiple of 64
+  void* data() const { return data_; }  // null if empty; else aligned to 64 bytes
   bool is_on_disk() const { return is_on_disk_; }
 
  private:
@@ -31,39 +32,39 @@ class SignalStorage {
 
   void* data_ = nullptr;
   std::size_t bytes_ = 0;
-  std::size_t counted_bytes_ = 0;  // of the heap's share
+  std::size_t counted_bytes_ = 0;  // counted against the total for the heap
   bool is_on_disk_ = false;
 };
 
-/// Where signals go to the disk, and when.
+/// Thresholds for signals on the disk.
 struct SignalStorageLimits {
-  std::size_t counted_from_bytes = std::size_t{1} << 20;  // shorter ones are always on the heap
+  std::size_t counted_from_bytes = std::size_t{1} << 20;  // shorter ones: always on the heap
   std::size_t longest_on_heap_bytes = std::size_t{16} << 20;
   std::size_t all_on_heap_bytes = std::size_t{192} << 20;
-  /// Beyond this the disk counts as full.
+  /// Largest total on the disk. Beyond it the disk counts as full.
   std::uintmax_t all_on_disk_bytes = UINTMAX_MAX;
-  /// Of files in memory (the program's own, too), before TrimSignals() does something.
+  /// Resident bytes of mapped files (the program's own included) from which TrimSignals() acts.
   std::size_t resident_bytes = std::size_t{160} << 20;
 };
-/// For the start of a program, and tests; not while another thread makes signals.
+/// To be called at the start of a program or in tests, while no other thread makes signals.
 void SetSignalStorageLimits(const SignalStorageLimits& limits);
 const SignalStorageLimits& GetSignalStorageLimits();
 
-/// From now on signals lie on the disk of this folder, or of the nearest one above it that is
-/// there; if it takes no file, in TMPDIR or /var/tmp, as before the first call.
+/// Puts later signals on the disk of this folder, or of the nearest existing folder above it. If it
+/// accepts no file, TMPDIR or /var/tmp is used, as before the first call.
 void SetSignalFolder(const std::filesystem::path& folder);
 
-/// The folder that signals go to, and how much still fits there.
+/// The folder for signals, and its free space.
 struct SignalSpace {
   std::filesystem::path folder;
   std::uintmax_t free_bytes = 0;
 };
 SignalSpace FreeSignalSpace();
 
-/// Takes signals on the disk out of memory if they have come to use much of it; nothing is lost,
-/// and what is touched again comes back. Whoever walks through long signals calls it every few
-/// megabytes, on any thread; it costs next to nothing while all signals are short. As this is where
-/// long work passes again and again, it is also where it ends when it is asked to.
+/// Releases the memory of signals on the disk if they use much of it. The values stay, and the
+/// system loads them again when needed. Loops over long signals call it every few megabytes, from
+/// any thread; without long signals it costs almost nothing. Because long work passes here often,
+/// it also checks the stop request.
 /// Errors: Cancelled.
 void TrimSignals();
 

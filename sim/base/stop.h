@@ -6,20 +6,18 @@
 
 namespace gauntlet::sim {
 
-/// The signal that asked the program to stop; 0: none did. Only a program that handles signals sets
-/// it.
+/// The signal that asked the program to stop; 0: none. Only a program with signal handlers sets it.
 inline std::atomic<int> stop_signal{0};
 
 inline bool StopAsked() { return stop_signal.load(std::memory_order_relaxed) != 0; }
 
-/// Long work asks several times per second; a question costs next to nothing.
+/// Check for long work, several times per second. It costs almost nothing.
 /// Errors: Cancelled if the program was asked to stop.
 inline void ThrowIfStopped() {
   if (StopAsked()) throw Cancelled{};
 }
 
-/// While there is one, the program is in the middle of a change of files that takes a moment: even
-/// a second Ctrl-C lets it get to its end.
+/// Marks a short change of files that must be completed, also after a second Ctrl-C.
 class Unbroken {
  public:
   Unbroken() { ++count; }

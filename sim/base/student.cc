@@ -14,8 +14,8 @@ double StudentProbability(double t, double degrees_of_freedom) {
 
 double StudentHalfWidth(double level, double degrees_of_freedom) {
   GAUNTLET_ASSERT(0.0 < level && level < 1.0);
-  // The root of ln(probability) over ln(t), which is nearly straight in the tail, by the Illinois
-  // method: a chord, and half the weight for an end that stays twice.
+  // Root of ln(probability) as a function of ln(t), which is nearly linear in the tail. Illinois
+  // method: regula falsi with half the weight for an end that is kept twice.
   const auto excess = [&](double log_t) {
     return std::log(StudentProbability(std::exp(log_t), degrees_of_freedom)) - std::log1p(-level);
   };

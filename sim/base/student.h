@@ -2,9 +2,9 @@
 
 namespace gauntlet::sim {
 
-/// Student's t: the chance of a value at least so far from 0, to either side.
+/// Two-sided tail probability of Student's t: P(|T| >= |t|).
 double StudentProbability(double t, double degrees_of_freedom);
-/// Its inverse: within how many standard errors to both sides the truth lies with this confidence.
+/// Its inverse: half width of the confidence interval at this level, in standard errors.
 double StudentHalfWidth(double level, double degrees_of_freedom);
 
 }  // namespace gauntlet::sim

@@ -18,7 +18,7 @@ struct Character {
   std::size_t size = 0;  // bytes; 0: not UTF-8
 };
 
-/// At the beginning of a text that is not empty.
+/// The first character of a text that is not empty.
 Character FirstCharacter(std::string_view text) {
   const char* end = text.data();
   try {
@@ -29,8 +29,8 @@ Character FirstCharacter(std::string_view text) {
   }
 }
 
-/// No control character, no end of a line or paragraph, and nothing that turns the direction of
-/// what follows.
+/// False for control characters, line and paragraph separators, and characters that change the text
+/// direction.
 bool IsPrintable(std::uint32_t code) {
   const bool control = code < 0x20 || (code >= 0x7f && code < 0xa0);
   const bool line = code == 0x2028 || code == 0x2029;
@@ -47,7 +47,8 @@ std::string Escaped(std::string_view bytes) {
   return escaped;
 }
 
-/// The first character of `text`, or its first byte if that is none, as it is shown.
+/// Removes the first character from `text` and returns its printable form. Bytes that are not UTF-8
+/// are taken one by one.
 std::string TakeShown(std::string_view& text) {
   const Character character = FirstCharacter(text);
   const std::string_view bytes = text.substr(0, character.size == 0 ? 1 : character.size);
@@ -69,8 +70,8 @@ std::size_t Width(std::string_view text) {
 }
 
 std::string OneLine(std::string_view text, std::size_t longest) {
-  // No character takes less than a byte nor is a byte shown as more than four: of a long text only
-  // the ends are looked at. A character that is cut there is beyond what is kept.
+  // A character has at least one byte, and a byte is shown with at most four characters. So only
+  // the two ends of a long text matter. A character that is cut there is never shown.
   if (text.size() > 8 * longest) {
     return OneLine(std::string(text.substr(0, 4 * longest)) + ' ' +
                        std::string(text.substr(text.size() - 4 * longest + 1)),
@@ -79,7 +80,7 @@ std::string OneLine(std::string_view text, std::size_t longest) {
   std::vector<std::string> shown;
   std::size_t size = 0;
   while (!text.empty()) size += shown.emplace_back(TakeShown(text)).size();
-  std::size_t begin = shown.size();  // of what is left out
+  std::size_t begin = shown.size();  // of the part left out
   std::size_t end = shown.size();
   std::string_view middle;
   if (size > longest) {

@@ -40,7 +40,7 @@ void ForEachOnThreads(std::size_t threads, std::size_t count,
       try {
         task(i);
       } catch (...) {
-        next = count;  // the others end
+        next = count;  // ends the other threads
         throw;
       }
     }

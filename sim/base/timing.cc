@@ -7,10 +7,10 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Joints move below 10 Hz and tremble below 100: what happens within 1 ms is not seen in them.
+/// Joints move below 10 Hz and jitter below 100 Hz, so 1 ms resolves both.
 constexpr double kLongestTickMs = 1.0;
 
-/// The smallest whole number of parts of which none is longer than `longest_ms`.
+/// The smallest number of equal parts that are not longer than `longest_ms`.
 int PartsOf(double whole_ms, double longest_ms) {
   GAUNTLET_ASSERT(whole_ms > 0.0 && longest_ms > 0.0);
   constexpr double kRounding = 1e-9;

@@ -20,7 +20,8 @@ constexpr double kCloseEnough = 0.05;
 
 bool IsKnown(const ChainFit& fit) { return fit.problem.empty() && fit.split_problem.empty(); }
 
-/// The log tells how wide the loop is, within half of it or 0.4 of the usual one.
+/// True if the upper half of the interval of the hysteresis is narrower than half its value, or
+/// than 0.4 of the usual hysteresis.
 bool TellsHysteresis(const ChainFit& fit, double usual_deg) {
   const auto& [value, low, high] = fit.hysteresis_deg;
   return high - value < std::max(0.5 * value, 0.4 * usual_deg);
@@ -34,13 +35,13 @@ double MedianHysteresis(const std::vector<ChainFit>& fits) {
   return values.empty() ? 0.0 : controller::MedianOf(values);
 }
 
-/// By how much an answer misses the log, over the parts that have a model in both.
+/// Difference between a simulated answer and the log, over the parts that both have a model for.
 struct Miss {
-  double dead_time_ms = 0.0;                       // median of what is missing
-  double lag_ratio = 1.0;                          // median of wanted over given
-  std::map<std::string, double> hysteresis_ratio;  // of each part that tells, wanted over given
+  double dead_time_ms = 0.0;                       // median of log minus answer
+  double lag_ratio = 1.0;                          // median of log over answer
+  std::map<std::string, double> hysteresis_ratio;  // log over answer, by part
 
-  /// As a share, of the quantity that misses most; of hysteresis, the mean over the parts.
+  /// Largest relative difference of the three quantities; for hysteresis, the mean over the parts.
   double Share(double delay_ms) const {
     double hysteresis = 0.0;
     for (const auto& [part, ratio] : hysteresis_ratio) hysteresis += std::abs(std::log(ratio));
@@ -53,7 +54,7 @@ struct Miss {
 std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fits,
                            const ChainLog& answer, const std::vector<ChainFit>& answer_fits) {
   constexpr double kNoLag_ms = 1.0;
-  constexpr double kNoHysteresis_deg = 0.1;  // less counts as if it were this
+  constexpr double kNoHysteresis_deg = 0.1;  // smallest hysteresis in a ratio
   std::vector<double> dead_time_ms;
   std::vector<double> lag_ratio;
   const double usual_deg = MedianHysteresis(fits);
@@ -76,8 +77,8 @@ std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fit
   return miss;
 }
 
-/// The servo of the next trial. Little friction gives no hysteresis, beyond that it grows faster
-/// than friction does: the power keeps trials from swinging around it.
+/// The servo of the next trial. Little friction causes no hysteresis; beyond that, hysteresis grows
+/// faster than friction. The exponent below 1 keeps the trials from oscillating.
 AnsweringServo Corrected(AnsweringServo servo, const Miss& miss, const std::vector<Drive>& drives) {
   servo.dead_time_ms = std::max(0.0, servo.dead_time_ms + miss.dead_time_ms);
   servo.damping_ms *= std::clamp(miss.lag_ratio, 0.5, 2.0);
@@ -127,7 +128,7 @@ std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<Chain
     for (int trial = 0; trial < kTrials && least_miss > kCloseEnough; ++trial) {
       ChainLog answer = SimulatedAnswer(log, servo.PutInto(usual));
       if (answer.angle_deg.rows() == 0) break;
-      answer.motor_deg = {};  // nothing is asked of it
+      answer.motor_deg = {};  // not compared
       std::vector<ChainFit> answer_fits = FitChains(answer);
       const std::optional<Miss> miss = MissOf(log, fits, answer, answer_fits);
       if (!miss) break;
@@ -137,7 +138,7 @@ std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<Chain
       least_miss = miss->Share(delay_ms);
       best = {.servo = tried, .answer = std::move(answer), .fits = std::move(answer_fits)};
     }
-  } catch (const UserError&) {  // a hand that is refused, or an answer that no chain fits
+  } catch (const UserError&) {  // an invalid hand, or an answer without a fit
   }
   return best;
 }

@@ -23,20 +23,21 @@ using controller::SettingError;
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// At an end of the converter's scale a sensor says nothing more.
+/// True at an end of the converter's range, where the sensor is saturated.
 bool IsClipped(const PoseRecording& recording, Index sample, Index channel) {
   const double counts = recording.counts(sample, channel);
   return counts == 0.0 || counts == recording.full_scale_counts;
 }
 
-/// Samples of one channel that has one level in all of them.
+/// Samples of one channel at one constant level.
 struct LevelSamples {
   std::vector<Index> without_spikes;
-  bool clipped = false;  // reaches an end of the scale, not only by spikes
+  bool clipped = false;  // saturated, and not only by spikes
 };
 
-/// A spike is more than 5 standard deviations from the median, by the median distance to it. Where
-/// an end of the scale cuts noise, more than 1 % of the samples are there.
+/// Splits off spikes and detects saturation. A spike is more than 5 standard deviations from the
+/// median; the deviation is estimated from the median distance to the median. The level is
+/// saturated if more than 1 % of the samples are at an end of the range.
 LevelSamples SamplesOfLevel(const PoseRecording& recording, Index channel,
                             const std::vector<Index>& samples) {
   constexpr double kSigmas = 5.0;
@@ -59,13 +60,12 @@ LevelSamples SamplesOfLevel(const PoseRecording& recording, Index channel,
   return level;
 }
 
-/// The settled samples of one channel, without spikes, of poses that do not reach an end of the
-/// scale.
+/// The settled samples of one channel without spikes, from poses that are not saturated.
 struct Poses {
   VectorXd counts;
   VectorXd angle_deg;
   double resolution_counts = 0.0;
-  std::size_t clipped = 0;  // poses that do reach one
+  std::size_t clipped = 0;  // number of saturated poses
 };
 
 Poses PosesOf(const PoseRecording& recording, Index channel) {
@@ -101,7 +101,7 @@ std::map<double, double> MeanCounts(const Poses& poses) {
   return counts;
 }
 
-/// What keeps a curve from being fitted, in the words of a recording; empty if nothing does.
+/// The reason why no curve can be fitted, in terms of the recording; empty if one can.
 std::string ProblemOf(const PoseRecording& recording, const std::string& channel,
                       const Poses& poses, CurveKind kind) {
   const std::map<double, double> counts = MeanCounts(poses);
@@ -133,7 +133,7 @@ CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
     return controller::FitTable(poses.counts, poses.angle_deg, poses.resolution_counts);
   if (kind == CurveKind::kTwoPoint)
     return controller::FitTwoPoint(poses.counts, poses.angle_deg, poses.resolution_counts);
-  // Noise makes all counts different, so that the fit itself cannot see that poses are too few.
+  // With noise all counts differ, so the fit itself cannot detect that there are too few poses.
   const int angles = MeanCounts(poses).size();
   if (degree >= angles) {
     throw SettingError("degree", fmt::format("is {}, must be from 1 to {}, below its {} poses of "
@@ -192,7 +192,7 @@ void FitCurves(const PoseRecording& recording, const CalibrationOptions& options
   }
 }
 
-/// Six digits: more than an estimate is worth.
+/// Value rounded to six digits, more than the accuracy of an estimate.
 double Short(double value) {
   return controller::ParseNumber(controller::NumberText(value)).value_or(value);
 }
@@ -203,7 +203,7 @@ std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
   return values;
 }
 
-/// Still stretches in which no channel reaches an end of the converter's scale: noise is cut there.
+/// Still stretches in which no channel is saturated. Saturation would cut off noise.
 std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& recording) {
   std::vector<controller::StillStretch> stretches = recording.still;
   if (stretches.empty()) {
@@ -216,7 +216,7 @@ std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& reco
                          "estimated: record it at rest for a second or more, or say where it is "
                          "still (--still 2:5)"});
   }
-  Index at_the_end = 0;  // a channel that spoils stretches
+  Index at_the_end = 0;  // a channel that is saturated in a stretch
   std::erase_if(stretches, [&](const controller::StillStretch& stretch) {
     std::vector<Index> samples(static_cast<std::size_t>(stretch.end - stretch.begin));
     std::iota(samples.begin(), samples.end(), stretch.begin);
@@ -257,7 +257,7 @@ void EstimateR(const PoseRecording& recording, Calibration& calibration) {
   }
 }
 
-/// Where each named channel stands in the calibration.
+/// Index of each named channel in the calibration.
 std::vector<std::size_t> PlacesOf(const Calibration& calibration,
                                   const std::vector<std::string>& channel_names) {
   std::vector<std::size_t> places;
@@ -271,8 +271,8 @@ std::vector<std::size_t> PlacesOf(const Calibration& calibration,
   return places;
 }
 
-/// R of the channels at `places`, row by row. Rounding to counts is noise, too: where the sensor
-/// has less, its variance stands on the diagonal.
+/// R of the channels at `places`, row by row. Quantisation is noise too: it bounds the variances on
+/// the diagonal from below.
 std::vector<double> CovarianceOf(const Calibration& calibration,
                                  const std::vector<std::size_t>& places) {
   const double rounding = calibration.resolution_counts * calibration.resolution_counts / 12.0;

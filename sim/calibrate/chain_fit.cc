@@ -22,15 +22,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The state in which the log begins is not known: so much of it is not compared.
+/// Beginning of the log that is not compared, because the state of the chain is unknown there.
 constexpr double kBeginning_s = 0.5;
 constexpr double kLeastDamping = 0.05;
 constexpr double kLongestDelay_s = 2.0;
-/// So many standard deviations of a motor's noise may be taken for play.
+/// Noise of a motor's angle that may appear as play, in standard deviations.
 constexpr double kNoiseInLost = 3.0;
 
-/// Places of the parameters of a fit. That of the delay alone has the first three, that of lost
-/// motion between two angles the first four, that of a chain that loses none the first six.
+/// Indices of the parameters of a fit. The fit of the delay has the first three, the fit of lost
+/// motion between two angles the first four, the fit of a chain without lost motion the first six.
 enum Parameter { kDeadTime, kGain, kOffset, kPlay, kLag, kInertia, kLostPlay };
 constexpr Index kShiftParameters = 3;
 constexpr Index kPlayParameters = 4;
@@ -55,8 +55,8 @@ double Rms(const VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
-/// One log and the model's parameters with their bounds and the steps of its derivatives; the
-/// offset needs none.
+/// Least-squares problem for one log: the model's parameters with bounds and steps for derivatives.
+/// The offset needs no step.
 class Problem : public LeastSquaresProblem {
  public:
   Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
@@ -73,8 +73,8 @@ class Problem : public LeastSquaresProblem {
     const double period_s = 1.0 / rate_hz;
     const auto [least, most] = std::ranges::minmax(command_deg);
     const double travel_deg = most - least;
-    // Of a command that goes in steps, as frames do, only a wide difference is a slope. Where
-    // motion is lost, corners of the angle make that of a smooth one too flat.
+    // A command in steps, such as command frames, needs a wide difference quotient. For a smooth
+    // command with lost motion a wide one is too flat, because of the corners of the angle.
     constexpr double kWide_s = 0.01;
     constexpr double kNarrow_s = 0.001;
     const bool narrow = parameters == kLooseParameters && command_.smooth;
@@ -82,7 +82,8 @@ class Problem : public LeastSquaresProblem {
     Bound(kGain, 0.01, 100.0, 1e-4);
     Bound(kOffset, -1e4, 1e4);
     if (parameters == kShiftParameters) return;
-    // Between two plays squares are rough: over less than rows tell, slopes are those of noise.
+    // With two plays the sum of squares is rough. A step smaller than the row distance would give
+    // the slope of the noise.
     const double play_step_deg = (parameters == kLooseParameters ? 2e-3 : 1e-4) * travel_deg;
     Bound(kPlay, 0.0, travel_deg, play_step_deg);
     if (parameters == kPlayParameters) return;
@@ -101,7 +102,7 @@ class Problem : public LeastSquaresProblem {
     return angle_deg_ - Eigen::Map<const VectorXd>(simulated_deg_.data() + first_, rows());
   }
 
-  /// What the model's angle does per parameter; from one side only at a bound.
+  /// Derivative of the model's angle for each parameter, one-sided at a bound.
   MatrixXd Derivatives(const VectorXd& parameters) override {
     MatrixXd result(rows(), this->parameters());
     const bool loose = this->parameters() == kLooseParameters;
@@ -129,9 +130,10 @@ class Problem : public LeastSquaresProblem {
   }
 
  private:
-  /// What the angle does per play that is lost behind the lag in place of before it. The sum of
-  /// both moves all corners of the angle, where derivatives are rough, and the difference of two
-  /// has little else left; at the same sum corners stay, and a wider step is smooth.
+  /// Derivative of the angle for play that is moved from before the lag to behind it. The sum of
+  /// both plays stays the same. The two separate derivatives are rough, because they move all
+  /// corners of the angle, and their difference would be mostly error. With a constant sum the
+  /// corners stay, so a wider step is smooth.
   VectorXd DerivativeOfExchange(const VectorXd& parameters) {
     VectorXd below = parameters;
     VectorXd above = parameters;
@@ -160,7 +162,7 @@ class Problem : public LeastSquaresProblem {
   VectorXd step_;
 };
 
-/// `value_of`: from parameters to the value; its interval is cut at the bounds.
+/// `value_of` maps parameters to the value. The interval is cut off at `least`.
 template <class ValueOf>
 ChainEstimate EstimateOf(const LeastSquaresFit& solution, const std::vector<WithoutBlock>& without,
                          double least, const ValueOf& value_of) {
@@ -170,7 +172,7 @@ ChainEstimate EstimateOf(const LeastSquaresFit& solution, const std::vector<With
   return {value, std::max(least, value - half_width), value + half_width};
 }
 
-/// Of an estimate, through a function that only rises or only falls.
+/// Image of an estimate under a monotonic function.
 template <class Function>
 ChainEstimate Through(const ChainEstimate& estimate, const Function& function) {
   const auto [low, high] = std::minmax({function(estimate.low), function(estimate.high)});
@@ -181,14 +183,14 @@ void KeepBetter(LeastSquaresFit solution, std::optional<LeastSquaresFit>& best) 
   if (!best || solution.squares < best->squares) best = std::move(solution);
 }
 
-/// A fit of all parameters, and as it would be without each of the blocks.
+/// A fit of all parameters, and the same fit without each of the blocks.
 struct Split {
   LeastSquaresFit solution;
   std::vector<WithoutBlock> without;
-  bool second_order = true;  // a lag of first order does not say as much
+  bool second_order = true;  // false: a first-order lag explains the log as well
 };
 
-/// None where the log does not tell the parameters apart.
+/// None if the log does not distinguish the parameters.
 std::optional<Split> SplitOf(const LeastSquaresFit& solution) {
   if (const auto without = WithoutEachBlock(solution)) return Split{solution, *without};
   if (const auto without = WithoutEachBlock(solution, kInertia)) {
@@ -222,21 +224,21 @@ void TakeSplit(const Split& split, ChainFit& fit) {
   fit.natural_frequency_hz = Through(inertia_s2, [](double inertia) {
     return 1.0 / (2.0 * std::numbers::pi * std::sqrt(inertia));
   });
-  // The logarithm of the damping ratio is nearest to normal, and defined wherever both are.
+  // The logarithm of the damping ratio is closest to a normal distribution and always defined.
   const auto log_damping = [](const VectorXd& p) {
     return std::log(std::max(p[kLag], 1e-9) / (2.0 * std::sqrt(std::max(p[kInertia], 1e-12))));
   };
   fit.damping_ratio = Through(estimate(log_damping, -1e3), [](double l) { return std::exp(l); });
 }
 
-/// By what is open of when the command's frames were sent.
+/// Widens the interval by the uncertainty of the times at which the frames were sent.
 void WidenDeadTime(double open_ms, ChainEstimate& dead_time_ms) {
   dead_time_ms.low = std::max(dead_time_ms.low - open_ms, 0.0);
   dead_time_ms.high += open_ms;
 }
 
-/// Standard deviation of white noise and of an encoder's steps, from third differences, of which
-/// motion has next to none.
+/// Standard deviation of white noise and encoder quantisation, from third differences. Motion
+/// contributes almost nothing to them.
 double FastNoise(const VectorXd& values) {
   const Index count = values.size() - 3;
   const VectorXd third = values.tail(count) - values.head(count) -
@@ -244,7 +246,7 @@ double FastNoise(const VectorXd& values) {
   return Rms(third) / std::sqrt(20.0);  // 1 + 9 + 9 + 1
 }
 
-/// Where to begin with a fit of all parameters, if `share` of the delay is dead time.
+/// Start of a fit of all parameters, with `share` of the delay as dead time.
 VectorXd StartOfSplit(const LeastSquaresFit& shifted, double share) {
   constexpr double kDamping = 0.8;
   const double lag_s = (1.0 - share) * shifted.parameters[kDeadTime];
@@ -255,11 +257,11 @@ VectorXd StartOfSplit(const LeastSquaresFit& shifted, double share) {
   return start;
 }
 
-/// When the angle has forgotten where in its hysteresis the log began, which it has once the
-/// command has gone all of its width; as usual, if that takes half of the log.
+/// Time at which the angle no longer depends on the initial state of the hysteresis: the command
+/// has travelled its whole width. kBeginning_s if that takes half of the log.
 double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
                            const LeastSquaresFit& tight) {
-  constexpr double kMargin = 1.25;  // the width is that of a fit that may not fit
+  constexpr double kMargin = 1.25;  // the fitted width may be too small
   const double width_deg = kMargin * 2.0 * tight.parameters[kPlay] / tight.parameters[kGain];
   double least = command_deg.front();
   double most = least;
@@ -273,7 +275,7 @@ double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
   return static_cast<double>(row) / rate_hz + kBeginning_s;
 }
 
-/// With lost motion behind the lag; none where the log does not show that there is any.
+/// Fit with lost motion behind the lag. None if the log gives no evidence of lost motion.
 std::optional<Split> FitLoose(std::span<const double> command_deg,
                               std::span<const double> angle_deg, double rate_hz, int parts,
                               const std::optional<FrameClock>& frames,
@@ -281,13 +283,13 @@ std::optional<Split> FitLoose(std::span<const double> command_deg,
   Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters, frames,
                   BeginningBehindPlay(command_deg, rate_hz, tight));
   std::optional<LeastSquaresFit> best;
-  for (const double share : {0.1, 0.5, 0.9}) {  // of the hysteresis that is lost motion
+  for (const double share : {0.1, 0.5, 0.9}) {  // lost motion over hysteresis
     VectorXd start(kLooseParameters);
     start << StartOfSplit(shifted, 0.5), share * tight.parameters[kPlay];
     start[kPlay] = (1.0 - share) * tight.parameters[kPlay];
     KeepBetter(Minimise(problem, start), best);
   }
-  constexpr double kLeastLost_deg = 0.01;  // angles without noise are fitted better by nothing
+  constexpr double kLeastLost_deg = 0.01;  // noise-free angles always gain a little
   if (!(2.0 * best->parameters[kLostPlay] > kLeastLost_deg)) return std::nullopt;
   if (IsByChance(StudentOfGain(*best, tight), 1)) return std::nullopt;
   std::optional<Split> split = SplitOf(*best);
@@ -298,10 +300,11 @@ std::optional<Split> FitLoose(std::span<const double> command_deg,
   return split;
 }
 
-/// Dead time and play alone, between a motor and its joint.
+/// Fit of dead time and play only, between a motor and its joint.
 LeastSquaresFit FitLost(std::span<const double> motor_deg, std::span<const double> angle_deg,
                         double rate_hz) {
-  // The motor's angle so much earlier: two sensors are late by different times.
+  // Shift of the motor's angle to earlier times, so that the dead time stays positive: the two
+  // sensors have different delays.
   constexpr double kEarlier_s = 0.1;
   const auto earlier = static_cast<std::size_t>(std::lround(kEarlier_s * rate_hz));
   const std::span<const double> motor = motor_deg.subspan(earlier);
@@ -311,7 +314,7 @@ LeastSquaresFit FitLost(std::span<const double> motor_deg, std::span<const doubl
       Minimise(shift, Eigen::Vector3d(static_cast<double>(earlier) / rate_hz, 1.0, 0.0));
   Problem lost(motor, angle, rate_hz, kPlayParameters);
   std::optional<LeastSquaresFit> best;
-  for (const double share : {0.2, 1.0, 2.0}) {  // of what a shift leaves, that is half the loop
+  for (const double share : {0.2, 1.0, 2.0}) {  // play over RMS residual of a shift
     VectorXd start(kPlayParameters);
     start << shifted.parameters, share * Rms(shifted.residual);
     KeepBetter(Minimise(lost, start), best);
@@ -319,7 +322,8 @@ LeastSquaresFit FitLost(std::span<const double> motor_deg, std::span<const doubl
   return *best;
 }
 
-/// What keeps a chain from being found; empty if nothing is seen. `delay_s` gets where to begin.
+/// The reason why no chain can be fitted; empty if there is none. `delay_s` receives the start
+/// value.
 std::string ProblemOf(std::span<const double> command_deg, std::span<const double> angle_deg,
                       double rate_hz, double& delay_s) {
   const double duration_s = static_cast<double>(command_deg.size()) / rate_hz;
@@ -373,7 +377,7 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
 
   Problem problem(command_deg, angle_deg, rate_hz, kTightParameters, fit.frames);
   std::optional<LeastSquaresFit> tight;
-  for (const double share : {0.25, 0.5, 0.75}) {  // of the delay that is dead time
+  for (const double share : {0.25, 0.5, 0.75}) {  // dead time over delay
     KeepBetter(Minimise(problem, StartOfSplit(shifted, share)), tight);
   }
   std::optional<Split> split = SplitOf(*tight);
@@ -412,7 +416,7 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
                     std::abs(correlation), kLeastCorrelation);
     return;
   }
-  // In the joint's degrees and sense.
+  // In the joint's degrees and sign.
   VectorXd scaled = covariance / around.squaredNorm() * around;
   const LeastSquaresFit lost = FitLost({scaled.data(), motor_deg.size()}, angle_deg, rate_hz);
   const auto without = WithoutEachBlock(lost);
@@ -425,7 +429,7 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
   ChainEstimate& own = fit.motor_hysteresis_deg;
   own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts, fit.frames)
             .hysteresis_deg;
-  // Degrees of the joint are only as well known as the gain between both.
+  // The interval also contains the uncertainty of the gain between motor and joint.
   const ChainEstimate gain =
       EstimateOf(lost, *without, 0.0, [](const VectorXd& p) { return p[kGain]; });
   const double of_gain = (gain.high - gain.value) / gain.value * own.value;

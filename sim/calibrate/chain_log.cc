@@ -19,7 +19,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Which column is what of a part; `scale` brings it to degrees.
+/// A column of a part's command, angle or motor angle; `scale` converts it to degrees.
 struct PartColumn {
   std::size_t column = 0;
   std::string part;
@@ -30,8 +30,8 @@ struct ChainColumns {
   std::optional<std::size_t> time;
   double time_scale_s = 1.0;
   std::vector<PartColumn> commands;
-  std::vector<PartColumn> angles;  // in the order of `commands` once paired
-  std::vector<PartColumn> motors;  // once paired: of the parts that have one, by their names
+  std::vector<PartColumn> angles;  // after pairing: in the order of `commands`
+  std::vector<PartColumn> motors;  // after pairing: of parts with a motor angle, by name
 };
 
 struct ChainPattern {
@@ -40,7 +40,7 @@ struct ChainPattern {
   bool is_command;
   double scale;
 };
-/// The first that fits counts.
+/// Patterns of column names. The first match counts.
 constexpr ChainPattern kChainPatterns[] = {{"true_angle_rad.", "", true, kDegPerRad},
                                            {"hand_angle_rad.", "", false, kDegPerRad},
                                            {"", "_command_deg", true, 1.0},
@@ -73,8 +73,8 @@ void RejectRepeatedParts(const CsvReader& csv, const std::vector<PartColumn>& co
   }
 }
 
-/// Puts the angles in the order of the commands. In a trace only joints without a channel of their
-/// name, and the other way round, have no partner.
+/// Sorts the angles in the order of the commands. In a trace, a joint without a channel of its name
+/// has no partner, and vice versa.
 void PairParts(const CsvReader& csv, ChainColumns& columns) {
   RejectRepeatedParts(csv, columns.commands);
   RejectRepeatedParts(csv, columns.angles);
@@ -88,7 +88,7 @@ void PairParts(const CsvReader& csv, ChainColumns& columns) {
     if (angle != nullptr) {
       commands.push_back(command);
       angles.push_back(*angle);
-      // A part may be called so itself.
+      // A part may have this name itself.
       const std::string motor_name = command.part + "_motor";
       const PartColumn* motor = FindPart(columns.angles, motor_name);
       if (motor != nullptr && FindPart(columns.commands, motor_name) == nullptr) {
@@ -131,13 +131,13 @@ ChainColumns FindChainColumns(const CsvReader& csv) {
   return columns;
 }
 
-/// Good values of one column at their times.
+/// Valid values of one column and their times.
 struct Series {
   std::vector<double> time_s;
   std::vector<double> value;
 };
 
-/// On straight lines, from start_s on; constant beyond the ends.
+/// Linear interpolation at an even rate, beginning at start_s; constant beyond the ends.
 void InterpolateLine(const Series& series, double start_s, double rate_hz,
                      Eigen::Ref<Eigen::VectorXd> result) {
   std::size_t next = 0;
@@ -154,8 +154,8 @@ void InterpolateLine(const Series& series, double start_s, double rate_hz,
   }
 }
 
-/// As InterpolateLine(), but of a command that steps, which never was between two values, the
-/// nearest row's.
+/// Like InterpolateLine(), for a command in steps: takes the value of the nearest row, because the
+/// command never had a value in between.
 void InterpolateCommand(const Series& series, double start_s, double rate_hz,
                         Eigen::Ref<Eigen::VectorXd> result) {
   if (!FindFrameClock(ChangesOf(series.value))) {
@@ -247,7 +247,7 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
     }
     RejectGap(csv, all[i], series[i], longest_gap_s);
   }
-  // Rows that come in bunches would become a million samples of each.
+  // Rows in bunches would make up to a million samples of each row.
   constexpr double kMostSamplesPerRow = 20.0;
   const double rows = static_cast<double>(steps_s.size() + 1);
   const double periods = (last_s - first_s) / period_s;

@@ -10,39 +10,39 @@
 
 namespace gauntlet::sim {
 
-/// What parts of a hand (joints or motors) were told, and what they did.
+/// Commands and measured angles of the parts (joints or motors) of a hand.
 ///
-/// Shapes: samples x parts, at an even rate, finite.
+/// Shapes: samples x parts, at a constant rate, finite.
 struct ChainLog {
   std::string name;  // of the file, for messages
   std::vector<std::string> parts;
   double rate_hz = 1000.0;
   Signal command_deg;
   Signal angle_deg;
-  Signal motor_deg;          // of any scale, zero and sense; NaN for a part without, empty: of none
-  bool from_wearer = false;  // the command is what the wearer did, not what a motor was told
-  bool held = false;         // each row's command until the next where no other frames are seen
-  std::size_t values_missing = 0;  // a straight line goes over them
+  Signal motor_deg;          // any scale, offset and sign; NaN for a part without, empty: none
+  bool from_wearer = false;  // the command is the wearer's motion, not a motor command
+  bool held = false;         // rows hold their command if no other frames are found
+  std::size_t values_missing = 0;  // interpolated
 };
 
-/// Reads a table of any format of TableSource with a header and a column of time (see TimeScaleS).
-/// Per part `NAME_command_deg` (or `_rad`), and `NAME_deg` (or `_rad`) for the angle that was
-/// measured; where its motor was in `NAME_motor_deg` (or `_rad`), if known; or the CSV of a trace:
-/// `true_angle_rad.NAME` and `hand_angle_rad.NAME`, whose other signals are left out. Other columns
-/// are an error. Times need not be even: values are brought to the median rate on straight lines,
-/// commands that step (see FindFrameClock()) to that of the nearest row.
-/// `array` chooses of a file with arrays, see ListArrays().
+/// Reads a table of any format of TableSource with a header and a time column (see TimeScaleS).
+/// Each part has a column `NAME_command_deg` (or `_rad`), a column `NAME_deg` (or `_rad`) with the
+/// measured angle, and optionally `NAME_motor_deg` (or `_rad`) with the angle of its motor. The CSV
+/// of a trace is also accepted: `true_angle_rad.NAME` and `hand_angle_rad.NAME`; its other signals
+/// are ignored. Other columns are an error. Times may be uneven: values are interpolated linearly
+/// at the median rate, commands in steps (see FindFrameClock()) by the nearest row.
+/// `array` selects the array of a file with several, see ListArrays().
 /// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows.
 ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array = {});
 
-/// Of each part the clock of its command's frames: that of all commands together, or its own, where
-/// they have none; none where none is seen.
+/// Clock of the command frames for each part: the common clock of all commands, or the part's own
+/// if there is no common one. None if no clock is found.
 std::vector<std::optional<FrameClock>> FramesOf(const ChainLog& log);
 
-/// What hysteresis is of, in one sentence, as far as the log's parts tell it apart.
+/// One sentence about the causes of the hysteresis, as far as the log distinguishes them.
 std::string WhatHysteresisIs(const std::vector<ChainFit>& fits);
 
-/// How the commands come, in one sentence; empty where no frames are seen.
+/// One sentence about the timing of the commands; empty if no frames are found.
 std::string WhatFramesAre(const ChainLog& log, const std::vector<ChainFit>& fits);
 
 /// Fits every part.

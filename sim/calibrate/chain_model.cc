@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Whether the rows beside each row tell it better by a cubic than by a straight line.
+/// True if a cubic through the neighbours predicts the rows better than a straight line does.
 bool IsSmooth(std::span<const double> rows) {
   double line = 0.0;
   double cubic = 0.0;
@@ -25,7 +25,7 @@ bool IsSmooth(std::span<const double> rows) {
   return cubic < line;
 }
 
-/// At a share of the way from row k to the next, of Lagrange's cubic through four rows.
+/// Lagrange's cubic through four rows, between row k (share 0) and the next row (share 1).
 double CubicAt(std::span<const double> rows, Index k, double share) {
   GAUNTLET_ASSERT(1 <= k && k + 2 < std::ssize(rows));
   const double before = share + 1.0;
@@ -35,7 +35,8 @@ double CubicAt(std::span<const double> rows, Index k, double share) {
          before * share * behind / 2.0 * rows[k + 1] + before * share * next / 6.0 * rows[k + 2];
 }
 
-/// The command until the last row, `steps` values per row: by a cubic where there are four rows.
+/// The command up to the last row, `steps` values per row: cubic, linear in the first and last
+/// interval.
 std::vector<double> SmoothValues(std::span<const double> rows, Index steps) {
   const Index last = std::ssize(rows) - 1;
   std::vector<double> values;
@@ -53,7 +54,7 @@ std::vector<double> SmoothValues(std::span<const double> rows, Index steps) {
   return values;
 }
 
-/// The mean of each fine step's way to the next value.
+/// Mean of the command over each fine step. The command steps to row k when its frame is sent.
 std::vector<double> HeldValues(std::span<const double> rows, Index steps,
                                const FrameClock& frames) {
   const Index last = std::ssize(rows) - 1;
@@ -69,22 +70,23 @@ std::vector<double> HeldValues(std::span<const double> rows, Index steps,
   return values;
 }
 
-/// Where what has so much play around `middle` is, that was at `before`.
+/// Position of an element with backlash +-play after its driver moves to `middle`.
 double Dragged(double before, double middle, double play) {
   return std::min(std::max(before, middle - play), middle + play);
 }
 
-/// What becomes in one step of: the angle, its change per step, what pushes it, and the change of
-/// that. As it stands, the angle is at once where it is pushed to.
+/// Discrete transition of the second-order lag over one step: a 2 x 4 matrix from [angle, change of
+/// the angle per step, input, change of the input per step] to the next [angle, change]. Default:
+/// no lag, so the angle equals the input.
 struct LagStep {
   std::array<double, 4> angle = {0.0, 0.0, 1.0, 1.0};
   std::array<double, 4> change = {};
 };
 
-/// Of inertia z'' + lag z' + z = q, exact where q goes in a line.
+/// Transition of inertia z'' + lag z' + z = q, exact if q changes linearly within the step.
 LagStep LagStepOf(const ChainModel& model, double rate_hz) {
   if (model.inertia_s2 <= 0.0 && model.lag_s <= 0.0) return {};
-  constexpr double kLeastInertia = 1e-4;  // a hundredth of a step; stands for a first order
+  constexpr double kLeastInertia = 1e-4;  // steps^2; approximates a first-order lag
   const double inertia = std::max(model.inertia_s2 * rate_hz * rate_hz, kLeastInertia);
   const double stiffness = 1.0 / inertia;
   const double friction = model.lag_s * rate_hz / inertia;
@@ -113,7 +115,8 @@ FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
   }
   fine.rate_hz = rate_hz * static_cast<double>(fine.steps_per_row);
   if (frames) {
-    // Lines lead up to the value of a step that is done halfway on them.
+    // Lines rise over one step before each value, so they reach half of a step change half a step
+    // early.
     fine.late_steps = 0.5;
     fine.values_deg = HeldValues(command_deg, fine.steps_per_row, *frames);
   } else {
@@ -136,7 +139,7 @@ void SimulateChain(const ChainModel& model, const FineCommand& command,
   double angle = played;
   double change = 0.0;
   double joint = played;
-  Index step = static_cast<Index>(whole) + 1;  // until the second value arrives all stands still
+  Index step = static_cast<Index>(whole) + 1;  // nothing moves before the second value arrives
   for (std::size_t row = 0; row < angle_deg.size(); ++row) {
     const Index last = static_cast<Index>(row) * command.steps_per_row;
     for (; step <= last; ++step) {

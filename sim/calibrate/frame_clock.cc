@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Index;
 
-/// A row that brings a change, the first of a frame, and the number of that frame.
+/// A row with a changed command (the first row of a frame), and the frame's number.
 struct Change {
   double row = 0.0;
   double size = 0.0;
@@ -34,7 +34,7 @@ double RowsOf(std::span<const Change> changes) {
   return changes.back().row - changes.front().row;
 }
 
-/// The shortest part of a period in which all changes are, wherever in their period they are.
+/// Shortest arc of the period that contains the phases of all changes.
 struct Arc {
   double begin_rows = 0.0;
   double rows = 0.0;
@@ -47,7 +47,7 @@ Arc ArcOf(std::span<const Change> changes, double period_rows) {
   for (const Change& change : changes) phases.push_back(std::fmod(change.row, period_rows));
   std::ranges::sort(phases);
   phases.push_back(phases.front() + period_rows);
-  double widest = 0.0;  // without a change
+  double widest = 0.0;  // widest gap between two phases
   double begin = 0.0;
   for (std::size_t i = 1; i < phases.size(); ++i) {
     if (phases[i] - phases[i - 1] <= widest) continue;
@@ -57,16 +57,17 @@ Arc ArcOf(std::span<const Change> changes, double period_rows) {
   return {.begin_rows = begin, .rows = period_rows - widest};
 }
 
-/// Of what a period is longer than a row, as frames beside their clock are seen in rows that have
-/// none of it; of a row for longer ones.
+/// Jitter tolerance [rows]: share min(1, period - 1). Frames that are further from their clock
+/// appear in rows that do not belong to them. For periods of two rows and more it is a share of a
+/// row.
 double ShareOf(double share, double period_rows) {
   return share * std::min(1.0, period_rows - 1.0);
 }
-/// By so much of it changes may be spread over more than one row.
+/// Largest spread of the changes beyond one row, as a share in ShareOf().
 constexpr double kJitter = 0.25;
 
-/// Of this period and these numbers of the frames: how far all can be moved so that each is sent
-/// between its row and the row before; below 0 by how far they cannot.
+/// Clock with this period and the given frame numbers. Each frame is sent between its row and the
+/// row before. open_rows: by how much all frames can be shifted; if negative, the missing amount.
 FrameClock ClockOfPeriod(std::span<const Change> changes, double period_rows) {
   double after = -1e300;
   double by = 1e300;
@@ -79,8 +80,8 @@ FrameClock ClockOfPeriod(std::span<const Change> changes, double period_rows) {
       .period_rows = period_rows, .first_row = 0.5 * (after + by), .open_rows = 0.5 * (by - after)};
 }
 
-/// The clock near `period_rows` that leaves most open, which is concave over its period. None if
-/// frames are further from it than they may be.
+/// The clock near `period_rows` with the largest open_rows, found by ternary search because
+/// open_rows is concave over the period. None if a frame exceeds the jitter tolerance.
 std::optional<FrameClock> BestClock(std::vector<Change> changes, double period_rows) {
   const Arc arc = ArcOf(changes, period_rows);
   const double middle = arc.begin_rows + 0.5 * arc.rows;
@@ -99,8 +100,8 @@ std::optional<FrameClock> BestClock(std::vector<Change> changes, double period_r
   return clock;
 }
 
-/// Whether changes may be steps to which a smooth command is rounded: those are as large as each
-/// other, or larger where it is so fast that none of the rows rests.
+/// True if the changes may be quantisation steps of a smooth command. Such steps have equal sizes,
+/// or are larger where the command is fast and no row repeats a value.
 bool MayBeRounded(std::span<const Change> changes, double period_rows) {
   GAUNTLET_ASSERT(changes.size() >= 2);
   constexpr double kAsLarge = 1.2;
@@ -109,7 +110,7 @@ bool MayBeRounded(std::span<const Change> changes, double period_rows) {
   const double shorter = std::floor(period_rows);
   double least = changes[1].size;
   double sum = 0.0;
-  double sums[2] = {0.0, 0.0};  // after as many rows as frames have at least, and after one more
+  double sums[2] = {0.0, 0.0};  // after floor(period) rows, and after one row more
   double count[2] = {0.0, 0.0};
   for (std::size_t i = 1; i < changes.size(); ++i) {
     least = std::min(least, changes[i].size);
@@ -125,16 +126,17 @@ bool MayBeRounded(std::span<const Change> changes, double period_rows) {
   return sums[1] / count[1] < kSmaller * sums[0] / count[0];
 }
 
-/// Of as many changes at random, minus the logarithm of the chance that no row has one. One of the
-/// 10^7 clocks that can be told apart is by chance as good as kLeastSurprise in 10^-6.
+/// -ln P(no row has a change) for this number of random changes. There are about 10^7
+/// distinguishable clocks, so at kLeastSurprise one of them fits by chance with a probability of
+/// 10^-6.
 double SurpriseOf(std::span<const Change> changes) {
   const double rows = RowsOf(changes);
   return -std::log1p(-static_cast<double>(changes.size() - 1) / rows) * rows;
 }
 constexpr double kLeastSurprise = 30.0;
 
-/// Of rows the share that is further from the middle of those with changes than they are, so that
-/// changes at random would not all be elsewhere: a period of 3/2 or 4/3 leaves out none.
+/// Share of the rows that are further from the middle of the changed rows than all changes. Random
+/// changes would also fall into these rows. A period of 3/2 or 4/3 has no such rows.
 double ShareWithoutFrame(const Arc& arc, double period_rows, double first_row, double rows) {
   constexpr double kRounding = 1e-6;
   const double half = std::max(0.5 * arc.rows, 0.5 - kRounding) + 0.5 * kRounding;
@@ -148,7 +150,7 @@ double ShareWithoutFrame(const Arc& arc, double period_rows, double first_row, d
   return static_cast<double>(without) / rows;
 }
 
-/// None if chance might make as good a clock, or slow motion.
+/// None if chance or a slow motion may explain the clock.
 std::optional<FrameClock> SurprisingClock(const std::vector<Change>& changes, double period_rows) {
   std::optional<FrameClock> clock = BestClock(changes, period_rows);
   if (!clock || MayBeRounded(changes, clock->period_rows)) return std::nullopt;
@@ -159,7 +161,7 @@ std::optional<FrameClock> SurprisingClock(const std::vector<Change>& changes, do
   return clock;
 }
 
-/// Changes from begin to end, and periods from low to high.
+/// Range of changes [begin, end), and range of periods.
 struct Search {
   std::size_t begin;
   std::size_t end;
@@ -167,21 +169,21 @@ struct Search {
   double high_rows;
 };
 
-/// From one period that is tried to the next, of what changes may be spread over.
+/// Step between two tried periods, as a share in ShareOf().
 constexpr double kStep = 0.1;
 
-/// Whether all changes may be of such a period, or of one that is half a step away.
+/// True if all changes may have this period, or one that differs by half a step.
 bool MayBear(std::span<const Change> changes, double period_rows) {
   constexpr double kManyRows = 200.0;
   const Arc arc = ArcOf(changes, period_rows);
   if (arc.rows > 1.0 + ShareOf(kJitter + kStep, period_rows)) return false;
   const double without = ShareWithoutFrame(arc, period_rows, changes.front().row,
                                            std::max(RowsOf(changes), kManyRows));
-  return without > 0.5 * (1.0 - 1.0 / period_rows);  // of all, if changes were on time
+  return without > 0.5 * (1.0 - 1.0 / period_rows);  // half the share for exact frames
 }
 
-/// The longest period that all changes bear: each that some of them bear is looked at closer with
-/// as many more to both sides, as of more changes a period is the better known.
+/// The longest period that explains all changes. A period that explains a part of them is refined
+/// with as many changes more on each side: more changes determine the period better.
 std::optional<FrameClock> LongestPeriod(const std::vector<Change>& changes, const Search& search) {
   const std::span part(changes.begin() + static_cast<std::ptrdiff_t>(search.begin),
                        changes.begin() + static_cast<std::ptrdiff_t>(search.end));
@@ -203,7 +205,7 @@ std::optional<FrameClock> LongestPeriod(const std::vector<Change>& changes, cons
   return std::nullopt;
 }
 
-/// Where so many changes in a row lie nearest to each other.
+/// First of `count` consecutive changes that span the fewest rows.
 std::size_t DensestPart(const std::vector<Change>& changes, std::size_t count) {
   std::size_t densest = 0;
   for (std::size_t i = 0; i + count <= changes.size(); ++i) {
@@ -218,7 +220,7 @@ std::size_t DensestPart(const std::vector<Change>& changes, std::size_t count) {
 std::optional<FrameClock> ClockBetweenRows(const std::vector<Change>& changes) {
   constexpr std::size_t kFirstPart = 32;
   constexpr double kLeastPeriod_rows = 1.04;
-  constexpr double kChanging = 0.9;  // at least, of the frames where changes are densest
+  constexpr double kChanging = 0.9;  // least share of frames with a change in the densest part
   if (changes.size() < kFirstPart) return std::nullopt;
   const std::size_t begin = DensestPart(changes, kFirstPart);
   const double rows = changes[begin + kFirstPart - 1].row - changes[begin].row;
@@ -229,9 +231,9 @@ std::optional<FrameClock> ClockBetweenRows(const std::vector<Change>& changes) {
                                  .high_rows = (rows + 2.0) / gaps});
 }
 
-/// Whether changes come at every n-th row only, n of 2 or more.
+/// Clock with frames at every n-th row, n >= 2; none if changes come at other distances.
 std::optional<FrameClock> ClockAtRows(std::span<const Change> changes) {
-  constexpr Index kLeastChanges = 20;  // fewer may lie so by chance
+  constexpr Index kLeastChanges = 20;  // fewer may have this distance by chance
   if (std::ssize(changes) < kLeastChanges) return std::nullopt;
   const double first = changes.front().row;
   std::int64_t rows = 0;
@@ -249,7 +251,7 @@ double FrameClock::SentAt(Index row) const {
 }
 
 std::vector<double> ChangesOf(std::span<const double> command_deg) {
-  constexpr double kStill = 1e-6;  // of the travel: what rounding leaves
+  constexpr double kStill = 1e-6;  // of the travel; rounding errors
   std::vector<double> changes(command_deg.size(), 0.0);
   if (command_deg.empty()) return changes;
   const auto [least, most] = std::ranges::minmax(command_deg);

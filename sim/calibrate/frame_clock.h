@@ -9,41 +9,41 @@
 
 namespace gauntlet::sim {
 
-/// When the frames of a command were sent, in rows of a log: at first_row + n period_rows. Rows are
-/// counted from 0, and each shows the command of the last frame before it, or of one that is sent
+/// Clock of the command frames in rows of a log (counted from 0): frame n is sent at first_row + n
+/// period_rows. A row contains the command of the last frame that was sent before it or together
 /// with it. By default each row is a frame.
 struct FrameClock {
   double period_rows = 1.0;
   double first_row = 0.0;
-  double open_rows = 0.0;  // so much earlier or later all frames may have been sent
+  double open_rows = 0.0;  // possible error of all times
 
-  /// When the frame was sent that this row is the first to show: after the row before, by `row`.
+  /// Time at which the frame that appears first in this row was sent: after the row before, at the
+  /// latest at `row`.
   double SentAt(Eigen::Index row) const;
 };
 
-/// How far a command is from that of the row before, of its travel; 0 in the first row and where it
-/// holds still.
+/// Change of the command from row to row, as a share of its travel; 0 in the first row and where it
+/// is constant.
 std::vector<double> ChangesOf(std::span<const double> command_deg);
 
-/// The same of all commands together, which one frame brings: their sum.
+/// Sum of the changes of all commands, which one frame changes together.
 std::vector<double> ChangesOf(const Signal& command_deg);
 
-/// The clock that rows tell of frames. A change at row k says of the frame n that brought it
+/// Finds the clock of the frames. A change at row k belongs to a frame n with
 ///
 ///     k - 1 < first_row + n period_rows <= k,
 ///
-/// and hundreds of changes leave next to nothing open of such a line; of what they leave the middle
-/// is taken. If changes come at every n-th row only, n of 2 or more, frames are sent with their
-/// rows, as in a log that is written where commands are sent. A frame may bring no change.
+/// Hundreds of changes leave almost no freedom for such a line; the middle of the rest is taken. If
+/// changes come at multiples of n >= 2 rows only, frames are sent together with their rows, as in a
+/// log that is written where the commands are sent. A frame need not change the command.
 ///
-/// Frames may be spread around their clock by a quarter of a row, or of what the period is longer
-/// than a row. They have to be longer than a row by 4 %: shorter ones change in each row, and their
-/// clock is not to be seen.
+/// Frames may deviate from their clock by a quarter of min(1, period - 1) rows. Their period must
+/// exceed a row by 4 %. With shorter periods every row changes, and the clock is not visible.
 ///
-/// None where no such clock is seen: of a command that is smooth, or noise, or rounded, whose rests
-/// lie on no line; and of one that may lie on it by chance, as few changes do, changes that are all
-/// as large, and those of a command that is so slow wherever it rests.
-/// Source: a line between bounds on both sides: O'Rourke, CACM 24, 574-578 (1981).
+/// None if no clock is found: for a smooth, noisy or quantised command. Also none if chance may
+/// explain the clock: with few changes, with changes of equal size, and for a command that moves
+/// slowly wherever a row repeats a value.
+/// Source: line between upper and lower bounds: O'Rourke, CACM 24, 574-578 (1981).
 std::optional<FrameClock> FindFrameClock(std::span<const double> changes);
 
 }  // namespace gauntlet::sim

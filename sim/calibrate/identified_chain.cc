@@ -12,8 +12,8 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Three digits behind the point are more than any log bears; an end that is not known is left out
-/// with the whole.
+/// Value and ends of the interval with three decimals, more than the accuracy of any log. Empty if
+/// one of them is unknown.
 std::vector<double> ListOf(const ChainEstimate& estimate) {
   if (!std::isfinite(estimate.value + estimate.low + estimate.high)) return {};
   std::vector<double> list = {estimate.value, estimate.low, estimate.high};
@@ -21,7 +21,7 @@ std::vector<double> ListOf(const ChainEstimate& estimate) {
   return list;
 }
 
-/// `member` of every part; the mean of the others where there is none.
+/// `member` of every part; the mean of the others for a part without a value.
 std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
                              std::vector<double> IdentifiedPart::*member, double& mean) {
   double sum = 0.0;
@@ -40,7 +40,7 @@ std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
   return values;
 }
 
-/// The same, but empty if there is none at all.
+/// The same, but empty if no part has a value.
 std::vector<double> KnownValuesOf(const std::vector<IdentifiedPart>& parts,
                                   std::vector<double> IdentifiedPart::*member) {
   if (std::ranges::all_of(parts, [&](const auto& part) { return (part.*member).empty(); })) {
@@ -50,7 +50,7 @@ std::vector<double> KnownValuesOf(const std::vector<IdentifiedPart>& parts,
   return ValuesOf(parts, member, mean);
 }
 
-/// None if the chain does not tell of it.
+/// None if the chain does not contain the part's delay.
 std::optional<double> HorizonOfPart(const IdentifiedChain& chain, const std::string& name) {
   const auto part = std::ranges::find(chain.parts, name, &IdentifiedPart::part);
   if (part == chain.parts.end()) return std::nullopt;

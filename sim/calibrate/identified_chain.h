@@ -9,8 +9,8 @@
 
 namespace gauntlet::sim {
 
-/// What `gauntlet identify` writes of one joint or motor. Lists are the value and the ends of its
-/// 95 % interval; empty: not to be had from the log.
+/// Results of `gauntlet identify` for one joint or motor. A list has the value and the ends of its
+/// 95 % interval; it is empty if the log does not determine the value.
 struct IdentifiedPart {
   std::string part;
   std::vector<double> delay_ms;
@@ -20,26 +20,26 @@ struct IdentifiedPart {
   std::vector<double> damping_ratio;
   std::vector<double> gain;
   std::vector<double> hysteresis_deg;
-  std::vector<double> motor_hysteresis_deg;  // this and the next: parts of it, where told apart
+  std::vector<double> motor_hysteresis_deg;  // this and the next: parts of hysteresis_deg
   std::vector<double> lost_motion_deg;
-  double residual_rms_deg = 0.0;  // 0 if the model was not fitted
+  double residual_rms_deg = 0.0;  // 0 without a fitted model
 
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// Of the delay, how far a prediction looks ahead. At the whole delay, noise and turns of the
-/// motion cost more than the last fifth brings: tracking and jitter over this share are in
+/// Horizon of a prediction as a share of the delay. The last fifth costs more, by noise and
+/// reversals, than it gains: see tracking and jitter over this share in
 /// tests/measurements/README.md.
 inline constexpr double kHorizonShare = 0.8;
 
-/// The chain from a command to the angles of a hand. The first lists are settings of a controller,
-/// in the order of `parts`: one without a value of its own has the mean of the others.
+/// The chain from a command to the angles of a hand. The first lists are settings of a controller
+/// in the order of `parts`. A part without a value has the mean of the others.
 struct IdentifiedChain {
-  std::string log;                   // that it was made from
-  std::vector<double> horizon_ms;    // of a prediction: kHorizonShare of the delay
-  double expected_delay_ms = 0.0;    // of a joint loop: its mean
-  std::vector<double> friction_deg;  // of a joint loop: half the hysteresis
-  // Of model_predictive, for a log that begins with commands; empty if no part tells of it.
+  std::string log;                   // source
+  std::vector<double> horizon_ms;    // prediction: kHorizonShare times delay
+  double expected_delay_ms = 0.0;    // joint loop: mean delay
+  std::vector<double> friction_deg;  // joint loop: half the hysteresis
+  // For model_predictive, if the log begins with commands; empty if no part has a value.
   std::vector<double> dead_time_ms;
   std::vector<double> lag_ms;
   std::vector<double> natural_frequency_hz;
@@ -50,10 +50,11 @@ struct IdentifiedChain {
 
 IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits);
 
-/// Lets the prediction of a controller look as far ahead as the chain is late: for each channel by
-/// the part of its name, or else by the mean of the joints that the joint map lets it move.
-/// Errors: SettingError for a channel of which the chain tells nothing, or a controller without a
-/// prediction that has a horizon, or with planned commands, which look ahead by themselves.
+/// Sets the prediction horizon of a controller from the delay of the chain. Each channel takes the
+/// delay of the part of its name, or else the mean over the joints that it moves by the joint map.
+/// Errors: SettingError for a channel without a delay in the chain, a controller without a
+/// prediction that has a horizon, or a controller with planned commands, which look ahead by
+/// themselves.
 void UseChain(const IdentifiedChain& chain, const std::vector<std::string>& channel_names,
               const controller::JointMapConfig& joint_map, controller::ControllerConfig& config);
 

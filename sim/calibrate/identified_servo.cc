@@ -13,7 +13,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// A quantity of all parts that have it.
+/// Median and range of a quantity over the parts.
 struct OverParts {
   double median = 0.0;
   double low = 0.0;
@@ -27,10 +27,10 @@ OverParts Over(const std::vector<double>& values) {
 
 bool HasHandServo(const Drive& drive) { return drive.servo_key == "hand.servo"; }
 
-/// The motors of the model's hand, in the median, each scale taken out.
+/// Median over the hand's motors, without the scales of their settings.
 struct UsualSpool {
   double stall_per_inertia = 0.0;   // 1/s^2
-  double friction_per_stall = 0.0;  // of the dry friction
+  double friction_per_stall = 0.0;  // dry friction over stall torque
 };
 
 UsualSpool UsualSpoolOf(const HandModel& hand) {
@@ -47,13 +47,13 @@ UsualSpool UsualSpoolOf(const HandModel& hand) {
           .friction_per_stall = controller::MedianOf(friction_per_stall)};
 }
 
-/// Elbow and shoulder have other servos.
+/// True for parts with another servo: elbow and shoulder.
 bool HasOtherServo(const HandModel& hand, const std::string& part) {
   const auto drive = std::ranges::find(hand.drives(), part, &Drive::name);
   return drive != hand.drives().end() && !HasHandServo(*drive);
 }
 
-/// How far a spool turns per turn of its own joint, by the names of joints.
+/// Turns of a spool per turn of the joint of the same name.
 double SpoolPerJoint(const HandModel& hand, const std::string& part) {
   const controller::TendonTransmission& transmission = hand.transmission();
   const std::vector<std::string>& joints = transmission.joint_names;
@@ -68,8 +68,8 @@ double SpoolPerJoint(const HandModel& hand, const std::string& part) {
 
 double WidthOf(const ChainEstimate& estimate) { return estimate.high - estimate.low; }
 
-/// Parts with a model that hand.servo turns, of them the half whose lag the log tells best: others
-/// have a lag that may as well be dead time.
+/// Parts with a model and a motor of hand.servo: the half with the best-known lag. In the others
+/// the lag may as well be dead time.
 std::vector<std::size_t> TellingParts(const ChainLog& log, const std::vector<ChainFit>& fits,
                                       const HandModel& hand) {
   std::vector<std::size_t> parts;
@@ -86,7 +86,7 @@ std::vector<std::size_t> TellingParts(const ChainLog& log, const std::vector<Cha
   return parts;
 }
 
-/// What the telling parts of a log say.
+/// Values of these parts of a log.
 struct LogOfServo {
   std::vector<double> dead_time_ms;
   std::vector<double> lag_ms;
@@ -120,7 +120,7 @@ std::string Line(const std::string& key, double asked, double value, const std::
                      within ? "" : fmt::format("; {:.4g}, which the key does not take", asked));
 }
 
-/// Per part, what the log has and what the simulated hand gives with these settings.
+/// Comment text: hysteresis of each part in the log and in the simulated hand with these settings.
 std::string HysteresisOfParts(const ChainLog& log, const std::vector<ChainFit>& fits,
                               const ServoTrial& trial) {
   const auto value = [](const ChainFit& fit) {
@@ -151,7 +151,8 @@ std::optional<AnsweringServo> UntriedServo(const ChainLog& log, const std::vecto
   servo.inertia_scale = hand.config().servo.numbers().inertia_scale;
   servo.full_torque_error_deg =
       Over(of_log.inertia_s2).median * spool.stall_per_inertia / servo.inertia_scale * kDegPerRad;
-  // What moves the spool against its friction, as a share of the stall torque, is half the loop.
+  // The torque that overcomes the friction, as a share of the stall torque, belongs to half the
+  // loop.
   const double error_deg = servo.PutInto(hand.config()).servo.numbers().full_torque_error_deg;
   servo.friction_scale =
       0.5 * Over(of_log.at_spool_deg).median / error_deg / spool.friction_per_stall;

@@ -55,7 +55,7 @@ std::optional<std::vector<WithoutBlock>> WithoutEachBlock(const LeastSquaresFit&
   GAUNTLET_ASSERT(fit.derivatives.rows() == fit.residual.size());
   GAUNTLET_ASSERT(fit.derivatives.cols() == fit.parameters.size());
   GAUNTLET_ASSERT(!held || (0 <= *held && *held < fit.parameters.size()));
-  constexpr double kLeastEigenvalue = 1e-7;  // of the normal matrix with ones in its diagonal
+  constexpr double kLeastEigenvalue = 1e-7;  // of the normal matrix, scaled to a unit diagonal
   std::vector<Index> told(static_cast<std::size_t>(fit.parameters.size()));
   std::iota(told.begin(), told.end(), Index{0});
   if (held) told.erase(told.begin() + *held);

@@ -8,13 +8,13 @@
 
 namespace gauntlet::sim {
 
-/// What a fit is asked of: residuals that depend on parameters, which have bounds.
+/// Interface of a least-squares fit: residuals as a function of parameters with bounds.
 class LeastSquaresProblem {
  public:
   virtual ~LeastSquaresProblem() = default;
-  /// What the model leaves of each row.
+  /// Residual: measured minus model, one value per row.
   virtual Eigen::VectorXd Residual(const Eigen::VectorXd& parameters) = 0;
-  /// By how much the model's rows rise per parameter: rows x parameters.
+  /// Derivatives of the model's rows: rows x parameters.
   virtual Eigen::MatrixXd Derivatives(const Eigen::VectorXd& parameters) = 0;
   virtual void KeepWithinBounds(Eigen::VectorXd& parameters) const = 0;
 
@@ -28,30 +28,29 @@ struct LeastSquaresFit {
   Eigen::VectorXd parameters;
   Eigen::VectorXd residual;
   Eigen::MatrixXd derivatives;
-  double squares = 0.0;  // of the residual
+  double squares = 0.0;  // sum of squares of the residual
 };
 
-/// Levenberg and Marquardt, with the scales of Marquardt, from where it starts to the next minimum.
+/// Levenberg-Marquardt with Marquardt's scaling, from `start` to the next minimum.
 LeastSquaresFit Minimise(LeastSquaresProblem& problem, Eigen::VectorXd start);
 
-/// How sure a fit is comes from this many stretches of its rows, in a row: what disturbs one row
-/// also disturbs the next, and stretches hardly.
+/// Number of contiguous blocks of rows for the jackknife. Neighbouring rows have correlated errors;
+/// blocks are nearly independent.
 inline constexpr int kBlocks = 20;
 
-/// A fit as it would be without one of the blocks.
+/// Parameters of a fit without one of the blocks.
 struct WithoutBlock {
   Eigen::VectorXd parameters;
-  /// Covariance of what the block does to the parameters, of white noise of variance 1.
+  /// Covariance of the block's effect on the parameters, for white noise of variance 1.
   Eigen::MatrixXd pull;
 };
 
-/// All parameters but `held` as they would be without each of the blocks, by one step of Gauss and
-/// Newton, which is exact where the model is linear. None where the rows do not tell the
-/// parameters apart.
+/// All parameters but `held`, without each of the blocks, by one Gauss-Newton step; exact for a
+/// linear model. None if the rows do not distinguish the parameters.
 std::optional<std::vector<WithoutBlock>> WithoutEachBlock(const LeastSquaresFit& fit,
                                                           std::optional<Eigen::Index> held = {});
 
-/// Jackknife (Quenouille, Tukey) of a value that `value_of` makes of the parameters.
+/// Jackknife standard error (Quenouille, Tukey) of a function `value_of` of the parameters.
 template <class ValueOf>
 double StandardErrorOf(const LeastSquaresFit& fit, const std::vector<WithoutBlock>& without,
                        const ValueOf& value_of) {
@@ -63,17 +62,17 @@ double StandardErrorOf(const LeastSquaresFit& fit, const std::vector<WithoutBloc
   return std::sqrt(squares * (kBlocks - 1.0) / kBlocks);
 }
 
-/// How well that standard error is known, in degrees of freedom: kBlocks - 1 if each block tells as
-/// much of the value, fewer where few blocks tell most of it, as few turns do of lost motion.
+/// Degrees of freedom of that standard error: kBlocks - 1 if all blocks contribute equally, fewer
+/// if few blocks determine the value (lost motion: those with reversals).
 ///
 ///     v_b  = gradient' pull_b gradient,     (sum v_b)^2 / sum v_b^2 - 1
 ///
-/// Source: Satterthwaite, Biometrics Bulletin 2, 110-114 (1946), of blocks as Bell, McCaffrey,
-/// Survey Methodology 28, 169-181 (2002), take it: as of white noise.
+/// Source: Satterthwaite, Biometrics Bulletin 2, 110-114 (1946); for blocks and white noise: Bell,
+/// McCaffrey, Survey Methodology 28, 169-181 (2002).
 template <class ValueOf>
 double DegreesOfFreedomOf(const LeastSquaresFit& fit, const std::vector<WithoutBlock>& without,
                           const ValueOf& value_of) {
-  constexpr double kStep = 1e-4;  // of a parameter
+  constexpr double kStep = 1e-4;  // relative step of a parameter
   Eigen::VectorXd gradient(fit.parameters.size());
   for (Eigen::Index i = 0; i < gradient.size(); ++i) {
     Eigen::VectorXd below = fit.parameters;
@@ -93,14 +92,13 @@ double DegreesOfFreedomOf(const LeastSquaresFit& fit, const std::vector<WithoutB
   return squares > 0.0 ? std::max(sum * sum / squares - 1.0, 1.0) : kBlocks - 1.0;
 }
 
-/// Of 95 %, as wide to both sides as Student's t says.
+/// Half width of the 95 % interval by Student's t.
 double HalfWidthOf(double standard_error, double degrees_of_freedom);
 
-/// Student's t of what a fit leaves less of the squares of the last rows than another, from block
-/// to block.
+/// Student's t of the reduction of the squares, block by block, in the rows that both fits have.
 double StudentOfGain(const LeastSquaresFit& better, const LeastSquaresFit& other);
 
-/// Whether so large a t is met by chance, at 5 %, in one or more of so many questions (Bonferroni).
+/// True if chance explains a t of this size at 5 %, for this number of tests (Bonferroni).
 bool IsByChance(double t, int questions);
 
 }  // namespace gauntlet::sim

@@ -36,7 +36,7 @@ bool AddChannel(const std::string& name, std::size_t column, PoseColumns& column
     }
     const std::string channel = name.substr(
         pattern.before.size(), name.size() - pattern.before.size() - pattern.after.size());
-    // `target_angle_rad.NAME` and its like are other signals of a trace.
+    // `target_angle_rad.NAME` and similar columns are other signals of a trace.
     if (pattern.after.empty() && channel.find('.') != std::string::npos) continue;
     (pattern.is_angle ? columns.angles : columns.counts)
         .push_back({column, channel, pattern.scale});
@@ -62,7 +62,7 @@ void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& colum
   }
 }
 
-/// Puts the angles in the order of the counts.
+/// Sorts the angles in the order of the counts.
 void PairUp(const CsvReader& csv, PoseColumns& columns) {
   if (columns.angles.empty()) return;
   std::vector<std::string> channels;
@@ -108,8 +108,8 @@ PoseColumns ColumnsByName(const CsvReader& csv) {
   return columns;
 }
 
-/// Of the map only counts which columns are times and sensors, and their bits: scale and offset are
-/// what the calibration is to find. Known angles have the names of the channels.
+/// Uses only the time columns, sensor columns and bits of the map: scale and offset are the
+/// unknowns of the calibration. Known angles have the names of the channels.
 PoseColumns ColumnsByMap(const CsvReader& csv, const std::string& file) {
   const ColumnMap map = ReadColumnMap(file, csv);
   PoseColumns columns;

@@ -9,24 +9,24 @@
 
 namespace gauntlet::sim {
 
-/// A column of a channel's counts or angle; `scale` brings the angle to degrees.
+/// A column with a channel's counts or angle; `scale` converts the angle to degrees.
 struct ChannelColumn {
   std::size_t column = 0;
   std::string channel;
   double scale = 1.0;
 };
 
-/// Which column of a recording of known poses is what: see LoadPoseRecording.
+/// Meaning of the columns of a recording of known poses: see LoadPoseRecording.
 struct PoseColumns {
-  std::vector<TimeMapping> time;  // its sum; empty: the file has none
+  std::vector<TimeMapping> time;  // summed; empty: no time column
   std::vector<ChannelColumn> counts;
-  std::vector<ChannelColumn> angles;  // in the order of `counts`; empty: none is known
-  double full_scale_counts = 0.0;     // by the map's bits; 0: it has none
-  std::size_t left_out = 0;           // other signals of a trace
-  std::vector<std::string> unknown;   // names of other columns that are left out
+  std::vector<ChannelColumn> angles;  // in the order of `counts`; empty: no known angles
+  double full_scale_counts = 0.0;     // from the bits of the map; 0: not given
+  std::size_t left_out = 0;           // number of other signals of a trace
+  std::vector<std::string> unknown;   // names of other ignored columns
 };
 
-/// By their names, or by a column map.
+/// Finds the columns by their names, or by a column map.
 /// Errors: UserError `file:row:column: ...`.
 PoseColumns FindPoseColumns(const CsvReader& csv, const std::string& map);
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kFewestRows = 10;
 
-/// Values that no converter of this scale gives: glitches of its line, or it has another scale.
+/// Counts outside the converter's range: glitches of the line, or a wrong full scale.
 struct BeyondScale {
   std::size_t rows = 0;
   // The first of them.
@@ -30,27 +30,27 @@ struct BeyondScale {
   double counts = 0.0;
 };
 
-/// The rows of the file, and the times of the first and the last.
+/// The rows of the file, with the times of the first and last row.
 struct Rows {
   std::vector<double> counts;
   std::vector<double> angle_deg;
   double first_s = kMissing;
   double last_s = kMissing;
-  std::vector<double> time_s;  // of those with counts, since the first row
+  std::vector<double> time_s;  // of rows with counts, since the first row
   std::size_t count = 0;
-  std::vector<std::size_t> distances;  // from each row with counts to the next, in rows of the file
+  std::vector<std::size_t> distances;  // rows of the file between two rows with counts
   BeyondScale beyond_scale;
 };
 
-/// Every how many rows of the file there are counts: a trace of a slow glove has rows in between.
+/// Rows of the file per sample. A trace of a slow glove has rows between samples.
 std::size_t RowsPerSample(std::vector<std::size_t> distances) {
   if (distances.empty()) return 1;
   return controller::MedianOf(std::move(distances));
 }
 
-/// Where a sample does not follow the one before; and the rate of those that do.
+/// Finds the beginnings of stretches without gaps, and the sampling rate within them.
 void FindStretches(const Rows& rows, bool has_time, PoseRecording& recording) {
-  constexpr double kGap = 1.5;  // usual distances, in rows or in time
+  constexpr double kGap = 1.5;  // times the median distance, in rows and in time
   const std::vector<double> distances(rows.distances.begin(), rows.distances.end());
   std::vector<double> steps_s;
   for (std::size_t k = 1; k < rows.time_s.size(); ++k) {
@@ -105,7 +105,7 @@ bool IsBeyondScale(const CsvReader& csv, const PoseColumns& columns,
   return false;
 }
 
-/// A few such values are glitches.
+/// Refuses the recording if too many rows are outside the range. A few are glitches.
 void RejectAnotherScale(const CsvReader& csv, const Rows& rows, double full_scale_counts) {
   constexpr double kMostShare = 0.05;
   const BeyondScale& beyond = rows.beyond_scale;
@@ -120,7 +120,7 @@ void RejectAnotherScale(const CsvReader& csv, const Rows& rows, double full_scal
                   beyond.counts, full_scale_counts, beyond.rows, beyond.rows + rows.count));
 }
 
-/// All columns are read that `columns` has, no other.
+/// Reads only the columns in `columns`.
 void ReadOnly(const PoseColumns& columns, CsvReader& csv) {
   std::vector<bool> used(csv.column_count(), false);
   for (const TimeMapping& time : columns.time) {
@@ -134,7 +134,7 @@ void ReadOnly(const PoseColumns& columns, CsvReader& csv) {
   }
 }
 
-/// The angles of a table of poses, not known between them.
+/// The angles of a pose table at each sample, NaN between poses.
 Signal AnglesOf(const std::vector<KnownPose>& poses, const std::vector<double>& time_s,
                 std::size_t channels) {
   Signal angle_deg(std::ssize(time_s), channels);
@@ -149,7 +149,7 @@ Signal AnglesOf(const std::vector<KnownPose>& poses, const std::vector<double>& 
   return angle_deg;
 }
 
-/// Samples of the stretches that were said to be still.
+/// Samples of the stretches that the user named as still.
 std::vector<controller::StillStretch> SamplesOf(const std::vector<TimeStretch>& stretches,
                                                 const std::vector<double>& time_s) {
   constexpr Eigen::Index kFewestSamples = 10;
@@ -163,7 +163,7 @@ std::vector<controller::StillStretch> SamplesOf(const std::vector<TimeStretch>& 
       throw UserError({.place = fmt::format("--still {}:{}", stretch.start_s, stretch.end_s),
                        .problem = problem});
     };
-    // It may name the end of the last row, which lasts as long as the others.
+    // A stretch may end at the end of the last row, which lasts as long as the others.
     const double last_s = time_s.back() * (1.0 + 1.0 / static_cast<double>(time_s.size() - 1));
     if (stretch.end_s > last_s + 1e-6) {
       complain(fmt::format("the recording ends at {:.6g} s", time_s.back()));
@@ -186,7 +186,7 @@ void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> a
   double held = kMissing;
   Eigen::Index since = 0;
   for (Eigen::Index k = 0; k < angle_deg.size(); ++k) {
-    const double angle = std::round(angle_deg[k] * 1e6) / 1e6 + 0.0;  // no minus zero
+    const double angle = std::round(angle_deg[k] * 1e6) / 1e6 + 0.0;  // + 0.0: no negative zero
     if (!(angle == held)) since = k;
     held = angle;
     angle_deg[k] = k - since >= settle_samples ? angle : kMissing;
@@ -200,7 +200,7 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   ReadOnly(columns, csv);
 
   PoseRecording recording;
-  recording.name = OneLine(file.string());  // as results have it, too
+  recording.name = OneLine(file.string());  // as results show it
   recording.columns_left_out = columns.left_out;
   recording.columns_unknown = columns.unknown;
   recording.full_scale_counts =
@@ -217,7 +217,7 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
 
   Rows rows;
   std::size_t row = 0;         // of the file
-  std::size_t last_whole = 0;  // the newest row with all counts
+  std::size_t last_whole = 0;  // newest row with all counts
   std::vector<double> values(csv.column_count());
   for (; csv.NextRow(values); ++row) {
     TakeTime(csv, columns, values, rows);

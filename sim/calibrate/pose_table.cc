@@ -27,7 +27,7 @@ struct PoseTableColumns {
   std::vector<std::optional<AngleColumn>> angles;  // one per channel
 };
 
-/// `index_mcp_deg`: which channel's angle it is; nothing for another name.
+/// Adds a column such as `index_mcp_deg` as the angle of its channel. False for any other name.
 bool AddAngle(const std::string& name, std::size_t column,
               const std::vector<std::string>& channel_names, PoseTableColumns& columns) {
   const std::size_t cut = std::min(name.rfind('_'), name.size());

@@ -9,7 +9,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Nothing if the channel has too few values to tell; 0 if they have no step.
+/// None if the channel has too few different values; 0 if they have no common step.
 std::optional<double> StepOf(std::span<const double> values) {
   constexpr std::size_t kFewestLevels = 8;
   constexpr double kNearSteps = 5.0;

@@ -6,13 +6,14 @@
 
 namespace gauntlet::sim {
 
-/// The step to which values were rounded: 1 for counts, the volts of one count for volts; 0 for
-/// values that were not rounded.
+/// Quantisation step of the values: 1 for counts, the volts of one count for volts, 0 without
+/// quantisation.
 ///
-/// Of each channel, the smallest distance between values that occur, if it has eight values or
-/// more, half of the neighbours among them lie one step apart, and the others up to five steps do
-/// so in whole steps (to a quarter of one, as the text of volts is rounded once more). Of the
-/// channels that tell, the smallest; if none does, 1 for whole numbers.
+/// The step of a channel is the smallest distance between two different values. Conditions: eight
+/// different values or more; half of the neighbouring values are one step apart; distances up to
+/// five steps are multiples of it, with a tolerance of a quarter step, because the text of volts is
+/// rounded again. The result is the smallest step of the channels that meet them. If none does, it
+/// is 1 for whole numbers.
 /// Shapes: samples x channels, finite.
 double ResolutionOf(const Signal& values);
 

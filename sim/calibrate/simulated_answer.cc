@@ -17,7 +17,7 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kFullScale_counts = 1e6;
-constexpr double kMostAngle_rad = 10.0;  // more than any joint turns
+constexpr double kMostAngle_rad = 10.0;  // beyond the range of any joint
 
 struct MovedJoint {
   Eigen::Index part;
@@ -52,8 +52,8 @@ double CommandAt(const ChainLog& log, const MovedJoint& joint, double row) {
   return std::lerp(command[before], command[behind], row - static_cast<double>(before));
 }
 
-/// A glove of these joints whose counts are angles, exactly: without a filter, what it says is what
-/// the hand is told.
+/// A glove of these joints with an exact scale from counts to angles: without a filter its counts
+/// are the command of the hand.
 controller::GloveCalibration ExactGlove(const std::vector<std::string>& joints) {
   return {.channel_names = joints,
           .low_counts = std::vector<double>(joints.size(), 0.0),
@@ -67,7 +67,7 @@ double CountsOf(double angle_rad) {
   return kFullScale_counts * 0.5 * (1.0 + angle_rad / kMostAngle_rad);
 }
 
-/// Where spools put the joints if cables neither stretch nor go slack.
+/// Joint angles for given spool angles, with cables that neither stretch nor go slack.
 class JointsOfSpools {
  public:
   explicit JointsOfSpools(const controller::TendonTransmission& hand)

@@ -21,7 +21,8 @@
 namespace gauntlet::sim {
 namespace {
 
-/// The beginning of a source, up to the end of a line. `is_whole` tells whether that is all of it.
+/// The beginning of a source, cut at the end of a line. `is_whole` becomes false if the source has
+/// more.
 CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bool>& is_whole) {
   return [source = std::move(source), is_whole, given = std::uintmax_t{0}](
              char* buffer, std::size_t size) mutable -> std::size_t {
@@ -35,7 +36,7 @@ CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bo
   };
 }
 
-/// One pass over the table.
+/// Reads the whole table once.
 TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
                           CsvReader& csv) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -52,7 +53,7 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
   return statistics;
 }
 
-/// The time as it was guessed, if it goes on.
+/// Takes over the guessed time columns if their time advances.
 void TakeTime(const TimeGuess& guess, const TimeStatistics& time, Inspection& inspection) {
   inspection.has_time = !guess.parts.empty() && std::isfinite(time.rate_hz);
   inspection.rate_is_known = inspection.has_time;
@@ -68,7 +69,7 @@ void TakeTime(const TimeGuess& guess, const TimeStatistics& time, Inspection& in
 
 constexpr double kBeyondCounts = 4294967296.0;  // 2^32
 
-/// Columns that can be sensors of a hand.
+/// Columns that may be sensors of a hand.
 std::vector<std::size_t> FindSensors(Inspection& inspection) {
   std::vector<std::size_t> sensors;
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
@@ -96,7 +97,7 @@ std::vector<std::size_t> FindSensors(Inspection& inspection) {
   return sensors;
 }
 
-/// The range that all sensors lie in, without the rarest values.
+/// Common range of all sensors, without the rarest values.
 struct Range {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -130,10 +131,10 @@ int BitsFor(double high) {
   return 32;
 }
 
-/// The unit of all sensors, as a glove has but one.
+/// Guesses one unit for all sensors: a glove has only one.
 void GuessUnit(const std::vector<std::size_t>& sensors, Inspection& inspection) {
   Range range;
-  std::size_t around_zero = 0;  // columns that have both signs, or begin near zero
+  std::size_t around_zero = 0;  // columns with both signs, or with values near zero
   for (const std::size_t c : sensors) {
     const ColumnStatistics& column = inspection.columns[c].statistics;
     range.low = std::min(range.low, column.usual_low);
@@ -174,7 +175,7 @@ void GuessUnit(const std::vector<std::size_t>& sensors, Inspection& inspection) 
   if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(range.high);
 }
 
-/// The channels of a preset, in the order of its columns; empty for sensors that drive no joint.
+/// The channels of a preset by sensor number; empty for sensors that drive no joint.
 std::vector<std::string> ChannelsOfPreset(const std::string& preset) {
   const std::filesystem::path file = FileOfMap(preset);
   CsvReader csv(file.string(), FileSource(file), ProblemHandling::kAllowMissing);
@@ -189,7 +190,7 @@ std::vector<std::string> ChannelsOfPreset(const std::string& preset) {
   return channels;
 }
 
-/// The glove that has so many sensors; empty if none is known.
+/// The preset with this number of sensors; empty if there is none.
 std::string PresetFor(std::size_t sensors) {
   switch (sensors) {
     case 5:
@@ -238,7 +239,8 @@ void GuessChannels(const std::vector<std::size_t>& sensors, const std::string& a
   }
 }
 
-/// An angle whose joint bends to the other side only falls where the joint bends.
+/// Marks angles as inverted if they fall while the joint bends: nearly all values are negative,
+/// although the joint bends mainly to the positive side.
 void GuessSigns(Inspection& inspection) {
   for (InspectedColumn& column : inspection.columns) {
     if (column.channel.empty()) continue;

@@ -13,56 +13,56 @@
 
 namespace gauntlet::sim {
 
-/// Of a larger file the beginning is read: hours of any glove.
+/// Largest part of a file that is read: hours of any glove.
 inline constexpr std::uintmax_t kMostInspectedBytes = std::uintmax_t{1} << 30;
 
-/// What the numbers of a glove's columns are.
+/// Unit of the values in a glove's columns.
 enum class RawUnit { kCounts, kShare, kDegrees, kRadians, kVolts, kUnknown };
 std::string_view NameOf(RawUnit unit);
 
-/// A column, and what it is taken for.
+/// A column and its interpretation.
 struct InspectedColumn {
   std::string name;  // may be empty
   CellKind kind = CellKind::kNumber;
-  ColumnStatistics statistics;  // of numbers
-  std::string time_unit;        // as in a column map; empty: it has no part in the time
-  std::string channel;          // empty: it is left out
-  bool is_inverted = false;     // it falls where the joint bends
-  std::string why;              // it is taken for this, or left out
+  ColumnStatistics statistics;  // for numbers
+  std::string time_unit;        // as in a column map; empty: not a time
+  std::string channel;          // empty: ignored
+  bool is_inverted = false;     // falls while the joint bends
+  std::string why;              // reason for the channel, or for ignoring the column
 };
 
-/// What a stranger's recording is.
+/// Findings about a third-party recording.
 struct Inspection {
   std::string file;
   FileFormat format = FileFormat::kText;
-  std::string array;                // as it was chosen
-  std::vector<ListedArray> arrays;  // of a file that has any
+  std::string array;                // name of the chosen array
+  std::vector<ListedArray> arrays;  // of a file with arrays
   std::uintmax_t file_bytes = 0;
-  bool is_whole = true;  // only the beginning of a large file is read
+  bool is_whole = true;  // false: only the beginning of a large file was read
   TableLayout layout;
   std::size_t rows = 0;
-  std::map<std::string, std::size_t> problems;  // in rows, by NameOf() them
-  std::string time_why;                         // why these columns, or none, are the time
+  std::map<std::string, std::size_t> problems;  // number of rows by problem, see NameOf()
+  std::string time_why;                         // reason for these time columns, or for none
   bool has_time = false;
   bool rate_is_known = false;
-  TimeStatistics time;  // rate_hz also without a time, as it was given or is assumed
+  TimeStatistics time;  // without time columns: rate_hz as given or assumed
   RawUnit unit = RawUnit::kUnknown;
-  int bits = 0;  // of counts
+  int bits = 0;  // for counts
   std::string unit_why;
   std::vector<InspectedColumn> columns;
   std::vector<double> picture_time_s;               // of some rows
-  std::vector<std::vector<double>> picture_values;  // per column; empty for one without numbers
+  std::vector<std::vector<double>> picture_values;  // per column; empty without numbers
 
   std::vector<std::size_t> MappedColumns() const;
 };
 
 struct InspectionOptions {
-  double rate_hz = 0.0;  // of a file without time, if the user knows it; 0: unknown
-  std::string array;     // of a file with arrays, see ListArrays(); empty: by their sizes
-  std::string preset;    // glove whose sensors the columns are, in its order; empty: by names
+  double rate_hz = 0.0;  // of a file without time, if known; 0: unknown
+  std::string array;     // of a file with arrays, see ListArrays(); empty: by size
+  std::string preset;    // glove with these sensors in its order; empty: by names
 };
 
-/// Errors: UserError in one line for a file without a table that can be read.
+/// Errors: UserError in one line if the file has no readable table.
 Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& options);
 
 }  // namespace gauntlet::sim

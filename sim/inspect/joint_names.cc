@@ -93,7 +93,7 @@ bool IsChannel(const std::string& name) {
   return std::ranges::find(KnownChannels(), name, &Channel::name) != KnownChannels().end();
 }
 
-/// Wrist, forearm, elbow and shoulder.
+/// Channel of the wrist, forearm, elbow or shoulder; empty for other names.
 std::string ChannelOfArm(const Words& words) {
   if (Has(words, "wrist") || Has(words, "wr")) {
     for (const char* word : {"dev", "deviation", "yaw", "abd", "abduction", "ulnar", "radial"}) {
@@ -110,7 +110,7 @@ std::string ChannelOfArm(const Words& words) {
   return "";
 }
 
-/// Channels of a finger of which so many sensors have no name of a joint.
+/// Channels of a finger for this number of sensors without a joint in their names.
 std::vector<std::string> ChannelsOfFinger(const std::string& finger, std::size_t sensors) {
   if (finger == "thumb") {
     if (sensors == 1) return {"thumb_ip"};
@@ -122,7 +122,7 @@ std::vector<std::string> ChannelsOfFinger(const std::string& finger, std::size_t
   if (sensors == 1) return {finger + "_pip"};
   if (sensors == 2) return {finger + "_mcp", finger + "_pip"};
   if (sensors == 3) return {finger + "_mcp", finger + "_pip", finger + "_dip"};
-  // Before them what moves the finger sideways, and the palm's bone behind it.
+  // The sensors before these three measure sideways motion and the palm bone.
   std::vector<std::string> channels(sensors - 3);
   for (const char* joint : {"_mcp", "_pip", "_dip"}) channels.push_back(finger + joint);
   return channels;

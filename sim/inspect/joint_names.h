@@ -7,24 +7,24 @@
 
 namespace gauntlet::sim {
 
-/// What the name of a column says about the wearer's hand.
+/// Sensor of the wearer's hand as named by a column.
 struct NamedSensor {
-  std::string finger = {};   // thumb, index, middle, ring or little; empty: none is named
-  std::string joint = {};    // a part of a channel's name, as mcp; empty: none is named
-  bool is_spread = false;    // between fingers
-  std::string channel = {};  // what they make together; empty: it takes all columns to tell
+  std::string finger = {};   // thumb, index, middle, ring or little; empty: not named
+  std::string joint = {};    // part of a channel's name, such as mcp; empty: not named
+  bool is_spread = false;    // measures the angle between fingers
+  std::string channel = {};  // channel of both; empty: needs the other columns
 };
 
-/// Small words of a name: `IndexPIP_deg2` is index, pip, deg, 2.
+/// Words of a name in lower case: `IndexPIP_deg2` is index, pip, deg, 2.
 std::vector<std::string> WordsOf(std::string_view name);
 
 NamedSensor ReadSensorName(std::string_view name);
 
-/// What this column is, if by its name it is no sensor of the hand: "a quaternion".
+/// Kind of a column that by its name is no sensor of the hand: "a quaternion". Empty for others.
 std::string NoSensor(std::string_view name);
 
-/// Channels for columns by their names; empty where a name says nothing, or what another has said
-/// before. `why` gets a reason for each.
+/// Channels of columns by their names; empty if the name has no joint, or its channel is taken by
+/// an earlier column. `why` receives a reason for each column.
 std::vector<std::string> ChannelsByNames(const std::vector<std::string>& names,
                                          std::vector<std::string>& why);
 

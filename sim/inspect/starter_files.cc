@@ -13,7 +13,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Its name, if a map can have that in a cell and means this column only; else its number.
+/// The column's name if it is valid in a map and unique, else its number.
 std::string ColumnText(const Inspection& inspection, std::size_t column) {
   const std::string& name = inspection.layout.names[column];
   const bool is_plain = LooksLikeKey(name) && std::ranges::any_of(name, [](unsigned char letter) {
@@ -24,13 +24,13 @@ std::string ColumnText(const Inspection& inspection, std::size_t column) {
   return std::to_string(column + 1);
 }
 
-/// Counts, volts and shares: what the glove gave at most and at least are the ends of the joint's
-/// range, or of that part of it in which a hand moves.
+/// True for counts, volts and unknown units. The lowest and highest values of the recording then
+/// stand for the ends of the joint's range, or of the part that a hand uses.
 bool NeedsTwoPoints(RawUnit unit) {
   return unit == RawUnit::kCounts || unit == RawUnit::kVolts || unit == RawUnit::kUnknown;
 }
 
-/// A knuckle bends back 45 degrees for few people only.
+/// Lower end of the range that a hand uses. Few people bend a knuckle back by 45 degrees.
 double LowDegOf(const Channel& joint) {
   return joint.name.ends_with("_mcp") ? std::max(joint.min_deg, 0.0) : joint.min_deg;
 }
@@ -42,7 +42,7 @@ std::string MapRow(const Inspection& inspection, std::size_t c) {
   const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
   if (!NeedsTwoPoints(inspection.unit)) {
     const bool is_share = inspection.unit == RawUnit::kShare;
-    // A share of the whole range would take a straight finger's knuckle backwards.
+    // The whole range would let 0 mean a knuckle that is bent back, not a straight finger.
     if (is_share) {
       return fmt::format("{},{},deg,,0,1,{:g},{:g}\n", name, joint.name, LowDegOf(joint),
                          joint.max_deg);
@@ -55,7 +55,7 @@ std::string MapRow(const Inspection& inspection, std::size_t c) {
   if (!(high > low)) high = low + std::max(1.0, 1e-3 * std::abs(low));
   std::string ends = fmt::format("{:.6g},{:.6g}", low, high);
   if (high - low < 1e-3 * std::max(std::abs(low), std::abs(high))) {
-    ends = fmt::format("{},{}", low, high);  // six digits would not tell them apart
+    ends = fmt::format("{},{}", low, high);  // six digits would make them equal
   }
   return fmt::format(
       "{},{},{},,{},{:g},{:g}\n", name, joint.name,
@@ -63,8 +63,8 @@ std::string MapRow(const Inspection& inspection, std::size_t c) {
       LowDegOf(joint), joint.max_deg);
 }
 
-/// A glove's noise in counts of the scenario's converter, 10 bits over the joint's range: the
-/// median over channels of its variance, not below that of the rounding.
+/// Noise variance of the glove in counts^2 of the scenario's converter (10 bits over the joint's
+/// range): the median over the channels, at least the quantisation noise.
 double VarianceCounts2(const Inspection& inspection) {
   constexpr double kCountsPerRange = 0.8 * 1023.0;
   std::vector<double> variances;
@@ -85,8 +85,8 @@ double VarianceCounts2(const Inspection& inspection) {
   return std::clamp(variances[variances.size() / 2], 0.1, 1e4);
 }
 
-/// Whether rows of a mapped angle are glitches of the joint that it is taken for: more than half of
-/// the joint's range outside it.
+/// True if a mapped angle exceeds its joint's range by more than half of it. Such rows are glitches
+/// or belong to another joint.
 bool LeavesItsJoint(const Inspection& inspection) {
   const bool is_angle =
       inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
@@ -102,7 +102,7 @@ bool LeavesItsJoint(const Inspection& inspection) {
          });
 }
 
-/// The text of a name within a YAML string of double quotes.
+/// Text in double quotes for YAML.
 std::string YamlText(const std::string& text) {
   std::string quoted = "\"";
   for (const char letter : text) {
@@ -184,8 +184,8 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
     text += fmt::format("    file_rate_hz: {:.6g}{}\n", rate_hz,
                         inspection.rate_is_known ? "" : "  # an assumption: the file has no time");
   }
-  // A gap is what is longer than the file's own jitter.
-  constexpr double kLongest_ms = 1e7;  // that a scenario takes
+  // A gap must exceed the file's own jitter.
+  constexpr double kLongest_ms = 1e7;  // upper limit of the setting
   const double gap_ms =
       std::clamp(std::max(3e3 / rate_hz, 2.0 * inspection.time.long_ms), 100.0, kLongest_ms);
   text += "    use: measured\n    problems: repair\n";

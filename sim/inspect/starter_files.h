@@ -10,8 +10,8 @@ namespace gauntlet::sim {
 /// Errors: UserError if no column can be a sensor of the hand.
 std::string StarterMap(const Inspection& inspection);
 
-/// A scenario that plays the recording through a few filters. `map` and `recording` are as the
-/// scenario shall name them.
+/// A scenario that plays the recording through several filters. `map` and `recording` are their
+/// paths in the scenario.
 std::string StarterScenario(const Inspection& inspection, const std::string& recording,
                             const std::string& map);
 

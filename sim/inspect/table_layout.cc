@@ -35,7 +35,7 @@ std::string HeadOf(const CsvReader::Source& source) {
   return head;
 }
 
-/// A source that gives `head` and then `rest`.
+/// A source that returns `head`, then the bytes of `rest`.
 CsvReader::Source WithHead(std::string head, CsvReader::Source rest) {
   return [head = std::move(head), given = std::size_t{0}, rest = std::move(rest)](
              char* buffer, std::size_t size) mutable {
@@ -49,12 +49,12 @@ CsvReader::Source WithHead(std::string head, CsvReader::Source rest) {
 struct Line {
   TextLine line;
   char separator = ',';
-  std::vector<std::string_view> cells = {};  // none: it is empty or a comment
-  std::size_t values = 0;                    // cells that are numbers, times or missing
+  std::vector<std::string_view> cells = {};  // none: an empty line or a comment
+  std::size_t values = 0;                    // cells with a number, a time or a missing value
 };
 
 std::vector<Line> LinesOf(std::string_view head) {
-  if (head.size() == kHeadBytes) {  // there may be more: the last line is not whole
+  if (head.size() == kHeadBytes) {  // probably cut: the last line may be incomplete
     head = head.substr(0, head.rfind('\n'));
   }
   TextLines text("", TextSource(head));
@@ -77,8 +77,8 @@ std::vector<Line> LinesOf(std::string_view head) {
   throw UserError({.place = name, .problem = "holds no table of numbers"});
 }
 
-/// Cells and separator that most lines have, of several such shapes the widest; none if no line has
-/// a value.
+/// Number of cells and separator of most lines; the larger number on a tie. None if no line has a
+/// value.
 std::optional<std::pair<std::size_t, char>> UsualShape(const std::vector<Line>& lines) {
   std::map<std::pair<std::size_t, char>, std::size_t> seen;
   for (const Line& line : lines) {
@@ -96,8 +96,9 @@ std::vector<std::string> TextsOf(const std::vector<std::string_view>& cells) {
   return texts;
 }
 
-/// The first line that has another row directly below it, as a line such as `Serial,17` stands
-/// alone; else one with another row behind empty lines and comments; else the last row.
+/// First row of the table: the first line with another row directly below it (a line such as
+/// `Serial,17` has none). Else the first one with only empty lines and comments before the next
+/// row, else the last row.
 std::size_t FirstRow(const std::vector<Line>& lines, const std::vector<std::size_t>& rows) {
   std::optional<std::size_t> apart;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
@@ -109,7 +110,7 @@ std::size_t FirstRow(const std::vector<Line>& lines, const std::vector<std::size
   return apart.value_or(rows.back());
 }
 
-/// The names in the lines above the first row, if they fit: the last of them is nearest.
+/// Finds the column names in the lines above the first row, beginning with the nearest.
 void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayout& layout) {
   std::size_t line = first_row;
   while (line-- > 0) {
@@ -123,7 +124,7 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
     const auto fits = [&](std::size_t names) {
       return names == layout.columns || (names + 1 == layout.columns && nearest && !is_comment);
     };
-    // As the reader would cut it, or at least so that its names are known.
+    // Cut as the reader does it, or else only to find the names.
     const bool is_header =
         !is_comment && above.separator == layout.separator && fits(above.cells.size());
     std::vector<std::string> names =
@@ -152,7 +153,7 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
             names, [](const std::string& name) { return name.empty() || IsValue(name, ','); })) {
       return;
     }
-    // Names above units: what is read by number has both in its name.
+    // Names above units: both are joined, and the reader must use column numbers.
     for (std::size_t i = 0; i < names.size(); ++i)
       layout.names[i] = names[i] + " " + layout.names[i];
     layout.has_header = false;
@@ -161,7 +162,7 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
   }
 }
 
-/// The line that the reader has to begin with, and names in the lines above it.
+/// The first line for the reader, and the names in the lines above.
 TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
   const auto usual = UsualShape(lines);
   if (!usual) FailWithoutTable(name);

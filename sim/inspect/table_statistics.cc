@@ -16,11 +16,11 @@ namespace {
 constexpr std::size_t kMostKept = 8192;
 constexpr int kWindow = 16;
 constexpr std::size_t kMostLong = 4096;
-// Sums and squares of what is not beyond them are finite; no glove and no clock is.
+// Limit with finite sums and squares, beyond the values of any glove or clock.
 constexpr double kLargest = 1e100;
 constexpr double kLatest_s = 1e12;
 
-/// Every second one, the first included, of rows of this width.
+/// Keeps every second row, beginning with the first; `width` values per row.
 void Halve(std::vector<double>& values, std::size_t width) {
   std::size_t kept = 0;
   for (std::size_t row = 0; row * width < values.size(); row += 2, ++kept) {
@@ -91,7 +91,7 @@ void TableStatistics::AddTime(double time_s) {
     window_s_ = 0.0;
     in_window_ = 0;
   }
-  // The longest few: which of them are gaps is known when the usual interval is.
+  // Keeps the longest intervals. Gaps among them are known when the usual interval is.
   if (longest_s_.size() < kMostLong || interval_s > longest_s_.front()) {
     if (longest_s_.size() == kMostLong) {
       std::ranges::pop_heap(longest_s_, std::greater<>());
@@ -150,7 +150,7 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   statistics.usual_high = values.empty() ? watch.high : Quantile(values, 1.0 - kRareShare);
   const double rows = static_cast<double>(std::max<std::size_t>(watch.good_rows, 1));
   statistics.still_share = static_cast<double>(watch.still_rows) / rows;
-  // A value that is but the lowest of many is met a few times; at a stop it is met again and again.
+  // The lowest value of noise is rare. The value of a saturated sensor is frequent.
   constexpr double kCommonShare = 0.01;
   for (const std::size_t at_end : {watch.at_low, watch.at_high}) {
     const double share = static_cast<double>(at_end) / rows;
@@ -160,7 +160,7 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   for (std::size_t i = column; i < kept_curvatures_.size(); i += columns_.size()) {
     if (std::isfinite(kept_curvatures_[i])) bends.push_back(std::abs(kept_curvatures_[i]));
   }
-  // White noise of deviation s bends three rows by s sqrt(1 + 4 + 1).
+  // Second differences of white noise with deviation s have the deviation s sqrt(1 + 4 + 1).
   if (!bends.empty()) {
     statistics.noise = controller::DeviationFromDistances(std::move(bends)) / std::sqrt(6.0);
   }

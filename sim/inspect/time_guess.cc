@@ -39,8 +39,8 @@ std::vector<double> ValuesOf(const TableLayout& layout, std::size_t column) {
 
 struct Steps {
   double usual = 0.0;
-  double rising_share = 0.0;   // of steps that do not go back
-  double forward_share = 0.0;  // of steps that go ahead
+  double rising_share = 0.0;   // share of steps >= 0
+  double forward_share = 0.0;  // share of steps > 0
   bool is_count = false;       // nearly all steps are 1
 };
 
@@ -65,7 +65,7 @@ Steps StepsOf(const std::vector<double>& values) {
   return steps;
 }
 
-/// By the size of the numbers if they count from 1970, else by the rate that a glove can have.
+/// Unit by the size of the numbers if they count from 1970, else by the sampling rates of gloves.
 std::string_view UnitByValues(double first, double usual_step) {
   constexpr std::array<std::pair<double, std::string_view>, 4> kSince1970 = {
       {{1e17, "ns"}, {1e14, "us"}, {1e11, "ms"}, {5e8, "s"}}};
@@ -79,7 +79,7 @@ std::string_view UnitByValues(double first, double usual_step) {
   return "ns";
 }
 
-/// The unit at the end of the name, as time_ms has one; empty if there is none.
+/// Unit at the end of a name such as time_ms; empty if there is none.
 std::string_view UnitByName(const std::string& name) {
   const auto scale_s = TimeScaleS(name);
   if (!scale_s) return "";
@@ -138,7 +138,7 @@ std::vector<TimePart> NamedParts(const TableLayout& layout) {
   return {};
 }
 
-/// Columns of dates and clocks: one that has both, or one of each.
+/// Columns of dates and clock times: one with both, or one of each.
 std::vector<TimePart> DateParts(const TableLayout& layout) {
   std::vector<TimePart> parts;
   for (std::size_t column = 0; column < layout.columns; ++column) {
@@ -168,7 +168,7 @@ TimeGuess GuessTime(const TableLayout& layout) {
     return {parts, "by the names of its parts, which add up"};
   }
   constexpr double kNearlyAll = 0.9;
-  constexpr double kAll = 0.98;  // but where the clock starts anew
+  constexpr double kAll = 0.98;  // except where the clock starts anew
   TimeGuess best = {{}, "no column rises as a time does"};
   for (const bool by_name : {true, false}) {
     for (std::size_t column = 0; column < layout.columns; ++column) {
@@ -179,7 +179,7 @@ TimeGuess GuessTime(const TableLayout& layout) {
       if (is_named != by_name) continue;
       const std::vector<double> values = ValuesOf(layout, column);
       const Steps steps = StepsOf(values);
-      // A glove that is slower than the program that asked it repeats its time.
+      // A program may poll faster than the glove samples. Then times repeat.
       const bool rises = steps.rising_share > kNearlyAll && steps.usual > 0.0;
       if (values.size() < 3 || !rises || (!by_name && steps.forward_share < kAll)) continue;
       if (steps.is_count && UnitByName(name).empty()) {

@@ -161,7 +161,7 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
   const std::string facts =
       texts.facts + (shown < gathered.seen()
                          ? fmt::format(" · pictures have {} of {} settings: the best {} and every "
-                                       "so manieth of the others; heat maps have all",
+                                       "n-th of the rest; heat maps have all",
                                        shown, gathered.seen(), kPagePoints / 2)
                          : "");
   const bool any = !gathered.kept().empty();
