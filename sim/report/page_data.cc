@@ -10,6 +10,7 @@
 #include "sim/report/error_split_table.h"
 #include "sim/report/replay_data.h"
 #include "sim/report/score_table.h"
+#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 namespace {

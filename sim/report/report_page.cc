@@ -9,6 +9,7 @@
 #include "sim/results/html_text.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/study_files.h"
+#include "sim/study/verdict.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/latency_of_trace.h"
 
@@ -80,7 +81,7 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
   return AssemblePage({.title = finished.study.scenario.name,
                        .question = finished.study.scenario.question,
                        .facts = Facts(finished),
-                       .verdict = Verdict(finished.summary),
+                       .verdict = VerdictOf(finished.summary).Text(),
                        .recording = RecordingSection(finished),
                        .data = JsonForScript(PageData(finished, MeasureFirstSeed(finished))),
                        .resolved_scenario = ResolvedScenario(finished),

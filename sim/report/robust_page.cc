@@ -6,6 +6,7 @@
 #include "sim/report/interval_chart.h"
 #include "sim/study/robust_tables.h"
 #include "sim/study/sweep_tables.h"
+#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 
@@ -55,7 +56,7 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database,
                     .title = plan.sweep.file.name,
                     .question = plan.sweep.file.question,
                     .facts = HandsText(plan),
-                    .verdict = RobustVerdicts(result).front(),
+                    .verdict = VerdictOf(plan, result).reasons.front().text,
                     .text = RobustText(plan, result),
                     .first_sections = PageSection(
                         "tornado", "What matters",

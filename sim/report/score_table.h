@@ -17,13 +17,6 @@ std::string DurationText(const StudyResult& result);
 /// What differs from seed to seed: "one motion, 8 noises", "25 motions, one noise each".
 std::string WhatVaries(const StudyResult& result);
 
-/// What the numbers say, in one sentence; empty where tracking or jitter has no value.
-std::string Verdict(const Summary& summary);
-
-/// The controllers in the order of the verdict: who follows best, who shakes least, the others by
-/// how they follow.
-std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
-
 /// How the marks and intervals come about, a sentence or two each: for the table and the page.
 std::vector<std::string> Notes(const FinishedStudy& finished);
 

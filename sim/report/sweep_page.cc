@@ -7,6 +7,7 @@
 #include "sim/results/html_text.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/sweep_tables.h"
+#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -60,11 +61,6 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
     });
   });
   gathered.Finish();
-  const std::string verdict =
-      summary.best.empty()
-          ? "No cell keeps all bounds."
-          : fmt::format("Best by {}: cell {}, {}.", Metrics()[plan.best_by].key,
-                        summary.best.front().number, summary.best.front().controller);
   return CellsPage(gathered,
                    {.kind = "Gauntlet sweep",
                     .title = plan.file.name,
@@ -73,7 +69,7 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
                                          plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
                                          Metrics()[plan.best_by].key, BoundsText(plan.constraints),
                                          plan.file.physics ? "" : " · filters only, no hand"),
-                    .verdict = verdict,
+                    .verdict = VerdictOf(plan, summary).Text(),
                     .text = SweepText(plan, summary, response),
                     .first_sections = ResponseSection(plan, response)});
 }

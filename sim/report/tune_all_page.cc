@@ -8,6 +8,7 @@
 #include "sim/report/front_chart.h"
 #include "sim/study/sweep_tables.h"
 #include "sim/study/tune_tables.h"
+#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -109,7 +110,7 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
        .facts = fmt::format("at most {} settings of each kind on {} seeds · judged on {} others{}",
                             plan.evaluations, plan.seeds, plan.held_out,
                             plan.physics ? "" : " · filters only, no hand"),
-       .verdict = TuneAllVerdict(plan, kinds),
+       .verdict = VerdictOf(plan, kinds).Text(),
        .text = TuneAllText(plan, kinds),
        .first_sections = PageSection(
            "fronts", "Jitter against delay, kind by kind",

@@ -5,6 +5,7 @@
 #include "sim/report/cells_page.h"
 #include "sim/study/sweep_tables.h"
 #include "sim/study/tune_tables.h"
+#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 
@@ -47,9 +48,7 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result) {
        .facts =
            fmt::format("{} settings tried on {} seeds · judged on {} others{}", result.tried.size(),
                        plan.seeds, plan.held_out, plan.physics ? "" : " · filters only, no hand"),
-       .verdict = fmt::format("Try {} is the answer: see its intervals on the held-out "
-                              "seeds below.",
-                              result.chosen),
+       .verdict = VerdictOf(plan, result).Text(),
        .text = TuneText(plan, result)});
 }
 

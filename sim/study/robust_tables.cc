@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/study/result_cells.h"
+#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -141,6 +142,7 @@ std::string RobustJson(const RobustPlan& plan, const RobustResult& result) {
                                  {"not_varied", plan.not_varied},
                                  {"not_built", result.not_built},
                                  {"failed", result.failed},
+                                 {"verdict", JsonOf(VerdictOf(plan, result))},
                                  {"scores", nlohmann::ordered_json::array()}};
   for (const RobustParameter& parameter : plan.parameters) {
     json["parameters"].push_back({{"name", parameter.name}, {"is", parameter.help}});
@@ -164,20 +166,6 @@ std::string HandsText(const RobustPlan& plan) {
   }
   return text + fmt::format("; {} seed{} each", plan.sweep.file.seeds,
                             plan.sweep.file.seeds == 1 ? "" : "s");
-}
-
-std::vector<std::string> RobustVerdicts(const RobustResult& result) {
-  std::vector<std::string> verdicts;
-  for (const RobustScore& score : result.scores) {
-    const RobustController& best = score.controllers[score.two_best.front()];
-    verdicts.push_back(fmt::format(
-        "{}: {} is best on the scenario's own hand, and as good as the best on {} of {} hands "
-        "({:.0f} "
-        "to {:.0f} %).",
-        Metrics()[score.metric].key, best.name, best.near_best.hits, best.near_best.count,
-        std::floor(100.0 * best.near_best.low), std::ceil(100.0 * best.near_best.high)));
-  }
-  return verdicts;
 }
 
 ResultText RobustText(const RobustPlan& plan, const RobustResult& result) {
@@ -212,7 +200,8 @@ ResultText RobustText(const RobustPlan& plan, const RobustResult& result) {
             text);
   }
   AddLine(result.first_problem, text);
-  text.emplace_back(fmt::format("{}", fmt::join(RobustVerdicts(result), "\n")));
+  text.emplace_back("");
+  for (const VerdictRemark& reason : VerdictOf(plan, result).reasons) AddLine(reason.text, text);
   return text;
 }
 

@@ -28,9 +28,6 @@ std::string RobustJson(const RobustPlan& plan, const RobustResult& result);
 /// that decides, and in the end a sentence per score.
 ResultText RobustText(const RobustPlan& plan, const RobustResult& result);
 
-/// One sentence per score: who is best on the scenario's own hand, and on how many of the others.
-std::vector<std::string> RobustVerdicts(const RobustResult& result);
-
 /// What the hands are: "32 hands, each with friction, delay ... within 30 % of the scenario's".
 std::string HandsText(const RobustPlan& plan);
 

@@ -11,6 +11,7 @@
 #include "sim/base/output_file.h"
 #include "sim/scenario/scenario_files.h"
 #include "sim/study/counted_parts.h"
+#include "sim/study/verdict.h"
 #include "sim/trial/trace_csv.h"
 #include "sim/trial/trace_file.h"
 
@@ -163,6 +164,7 @@ std::string ScoresJson(const FinishedStudy& finished) {
   json["reference"] = result.reference_name;
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
+  json["verdict"] = JsonOf(VerdictOf(summary));
   json["measured_joints"] = finished.study.measured_joint_names;
   const std::vector<double> counted_shares = CountedShares(finished.study);
   if (std::ranges::any_of(counted_shares, [](double share) { return share < 1.0; })) {

@@ -10,6 +10,7 @@
 #include "sim/base/data_folder.h"
 #include "sim/base/shell_word.h"
 #include "sim/study/result_cells.h"
+#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -144,6 +145,7 @@ void WriteSweepJson(const SweepPlan& plan, SweepDatabase& database, const CellRa
                {"failed", summary.failed},
                {"stopped", summary.stopped},
                {"missing", summary.missing},
+               {"verdict", JsonOf(VerdictOf(plan, summary))},
                {"best", Json::array()}};
   for (const Constraint& constraint : plan.constraints) {
     head["constraints"].push_back(constraint.Text());
@@ -214,7 +216,7 @@ ResultText SweepText(const SweepPlan& plan, const SweepSummary& summary, const R
                   Cells(plan.cell_count()), plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
                   plan.file.physics ? "" : ", filters only, no hand", best_by.key),
       std::move(best)};
-  if (summary.best.empty()) AddLine("No cell keeps all constraints.", text);
+  if (summary.best.empty()) AddLine(VerdictOf(plan, summary).reasons.front().text, text);
   AddCounts(plan, summary, text);
   if (shown > 1) {
     AddLine(fmt::format("To the best: in {}, paired by seed; all {} pairs hold together with 95 % "
@@ -223,7 +225,9 @@ ResultText SweepText(const SweepPlan& plan, const SweepSummary& summary, const R
             text);
   }
   text.emplace_back(ResponseText(plan, response));
-  if (!plan.file.physics) AddLine("Without a hand: confirm with physics before it counts.", text);
+  for (const VerdictRemark& warning : VerdictOf(plan, summary).warnings) {
+    AddLine(warning.text, text);
+  }
   if (!summary.best.empty()) {
     text.emplace_back(
         CommandLines{RepeatCommand(plan, NameHere(plan.file.scenario),

@@ -9,6 +9,7 @@
 #include "sim/base/data_folder.h"
 #include "sim/settings/yaml_writer.h"
 #include "sim/study/result_cells.h"
+#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -145,6 +146,7 @@ std::string TuneCsv(const TunePlan& plan, const TuneResult& result) {
 std::string TuneJson(const TunePlan& plan, const TuneResult& result) {
   Json json = AskedJson(plan);
   json.update(ResultJson(plan, result));
+  json["verdict"] = JsonOf(VerdictOf(plan, result));
   return json.dump(1) + "\n";
 }
 
@@ -165,6 +167,7 @@ std::string TuneAllCsv(const std::vector<TunedKind>& kinds) {
 
 std::string TuneAllJson(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
   Json json = AskedJson(plan);
+  json["verdict"] = JsonOf(VerdictOf(plan, kinds));
   json["filters"] = Json::array();
   for (const TunedKind& tuned : kinds) {
     Json& entry = json["filters"].emplace_back(Json{{"filter", tuned.kind}});
@@ -228,23 +231,6 @@ ResultText TuneText(const TunePlan& plan, const TuneResult& result) {
   return text;
 }
 
-std::string TuneAllVerdict(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
-  if (!kinds.front().has_answer()) return "No kind of filter keeps the bounds.";
-  std::vector<std::string> equal;
-  for (const TunedKind& tuned : kinds) {
-    if (tuned.to_best.judgement == Judgement::kEqual && &tuned != &kinds.front()) {
-      equal.push_back(tuned.kind);
-    }
-  }
-  const Metric& metric = Metrics()[plan.minimise];
-  std::string text = fmt::format("{} has the {} {}", kinds.front().kind,
-                                 metric.lower_is_better ? "least" : "most", metric.key);
-  if (!equal.empty()) {
-    text += fmt::format("; equal to it within what matters: {}", fmt::join(equal, ", "));
-  }
-  return text + ".";
-}
-
 ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
   ResultTable table{.columns = {ForPeople("filter")}};
   std::ranges::move(MetricColumns(kinds.front().result.metrics, ""),
@@ -267,7 +253,7 @@ ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds
   return {fmt::format("{}\nat most {} settings of each tried on {}, which no search has seen",
                       QuestionText(plan, ", each kind of filter as its filter"), plan.evaluations,
                       SeedsText(plan, kinds.front().result)),
-          std::move(table), others + TuneAllVerdict(plan, kinds)};
+          std::move(table), others + VerdictOf(plan, kinds).Text()};
 }
 
 }  // namespace gauntlet::sim

@@ -38,7 +38,4 @@ std::string SeedsText(const TunePlan& plan, const TuneResult& result);
 /// What `tune --all` found, for a person: a row per kind of filter, the best first.
 ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds);
 
-/// `kalman has the least delay_ms (jitter_rms_deg<=0.2), equal to it within what matters: ..`
-std::string TuneAllVerdict(const TunePlan& plan, const std::vector<TunedKind>& kinds);
-
 }  // namespace gauntlet::sim

@@ -39,13 +39,13 @@ double DrawLines(Painter& painter, const std::string& text, Point at, double wid
   return at.y;
 }
 
-Color ColorOf(VerdictCell::Tone tone) {
+Color ColorOf(ScoreBoardCell::Tone tone) {
   switch (tone) {
-    case VerdictCell::Tone::kAsGoodAsBest:
+    case ScoreBoardCell::Tone::kAsGoodAsBest:
       return palette::kGood;
-    case VerdictCell::Tone::kWorseThanBaseline:
+    case ScoreBoardCell::Tone::kWorseThanBaseline:
       return palette::kWarning;
-    case VerdictCell::Tone::kPlain:
+    case ScoreBoardCell::Tone::kPlain:
       break;
   }
   return palette::kInk;
@@ -65,8 +65,8 @@ void DrawTitleCard(Painter& painter, const Rect& frame, double unit, const std::
   DrawLines(painter, question, {margin, top}, width, asked);
 }
 
-void DrawVerdictCard(Painter& painter, const Rect& frame, double unit, const std::string& title,
-                     const Verdict& verdict) {
+void DrawScoreBoard(Painter& painter, const Rect& frame, double unit, const std::string& title,
+                     const ScoreBoard& verdict) {
   painter.Fill(frame, palette::kPage);
   const double margin = kCardMargin * unit, width = frame.width - 2.0 * margin;
   const TextStyle heading = {.size_px = 22.0 * unit, .color = palette::kMutedInk};
@@ -85,13 +85,13 @@ void DrawVerdictCard(Painter& painter, const Rect& frame, double unit, const std
                  {first + static_cast<double>(i) * column_width, top - 14.0 * unit}, column);
   }
   double y = top;
-  for (const VerdictRow& row : verdict.rows) {
+  for (const ScoreBoardRow& row : verdict.rows) {
     painter.Line({margin, y}, {margin + width, y}, palette::kCardEdge, unit);
     const double baseline = y + 0.5 * row_height + 2.0 * unit;
     painter.Text(painter.Elide(row.controller, (kNameWidth - 16.0) * unit, name),
                  {margin, baseline}, name);
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
-      const VerdictCell& cell = row.cells[i];
+      const ScoreBoardCell& cell = row.cells[i];
       const Color color = ColorOf(cell.tone);
       const double x = first + static_cast<double>(i) * column_width;
       painter.Text(cell.value, {x, baseline},

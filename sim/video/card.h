@@ -3,7 +3,7 @@
 #include <string>
 
 #include "sim/video/painter.h"
-#include "sim/video/verdict.h"
+#include "sim/video/score_board.h"
 
 namespace gauntlet::sim {
 
@@ -11,7 +11,7 @@ namespace gauntlet::sim {
 /// of a pixel of the design at 1280 x 720.
 void DrawTitleCard(Painter& painter, const Rect& frame, double unit, const std::string& title,
                    const std::string& question);
-void DrawVerdictCard(Painter& painter, const Rect& frame, double unit, const std::string& title,
-                     const Verdict& verdict);
+void DrawScoreBoard(Painter& painter, const Rect& frame, double unit, const std::string& title,
+                     const ScoreBoard& verdict);
 
 }  // namespace gauntlet::sim

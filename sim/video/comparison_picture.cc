@@ -459,7 +459,7 @@ void ComparisonPicture::DrawTitle(ImageView image) const {
 
 void ComparisonPicture::DrawVerdict(ImageView image) const {
   Painter painter(image);
-  DrawVerdictCard(painter, FrameOf(input_), layout_.unit, input_.title, input_.verdict);
+  DrawScoreBoard(painter, FrameOf(input_), layout_.unit, input_.title, input_.verdict);
 }
 
 void ComparisonPicture::Draw(int frame, const DrawnHands& hands, ImageView image) const {

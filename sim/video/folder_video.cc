@@ -92,7 +92,7 @@ void FolderVideo::AddWords() {
   std::vector<std::string> names;
   for (const Trace& trace : file_.traces) names.push_back(trace.controller_name);
   const std::filesystem::path scores = manifest_.Checked("scores.json");
-  if (std::filesystem::exists(scores)) input_.verdict = ReadVerdict(scores, names);
+  if (std::filesystem::exists(scores)) input_.verdict = ReadScoreBoard(scores, names);
 }
 
 void FolderVideo::AddPanes() {

@@ -20,6 +20,7 @@
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/results/html_text.h"
+#include "sim/study/verdict.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "sim/study/verdict.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {
@@ -175,7 +176,7 @@ TEST(ScoreTable, NamesWhatFailedAndDoesNotRankIt) {
   const std::string table = TextOf(ScoreText(made), kInOnePiece);
   EXPECT_THAT(table, HasSubstr("filter_1 failed in 1 of 5 trials, and is not ranked: at 0.1 s: bad "
                                "value in qacc (dof 12) (seed 2)\n"));
-  EXPECT_THAT(Verdict(made.summary), Not(HasSubstr("filter_1")));
+  EXPECT_THAT(VerdictOf(made.summary).Text(), Not(HasSubstr("filter_1")));
   const std::size_t row = table.find("\nfilter_1 ") + 1;
   EXPECT_THAT(table.substr(row, table.find("\nfilter_2") - row),
               AllOf(Not(HasSubstr("±")), Not(HasSubstr("*")), Not(HasSubstr("~"))));

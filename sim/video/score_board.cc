@@ -1,4 +1,4 @@
-#include "sim/video/verdict.h"
+#include "sim/video/score_board.h"
 
 #include <fmt/format.h>
 
@@ -40,20 +40,20 @@ std::string DetailOf(const json& difference, bool as_good, const Column& column)
                      as_good ? "equal" : difference.at("verdict").get<std::string>());
 }
 
-VerdictCell CellOf(const json& controller, const Column& column, bool one_run) {
+ScoreBoardCell CellOf(const json& controller, const Column& column, bool one_run) {
   const json& score = controller.at("summary").at(column.metric);
   const json& mean = score.is_object() ? score.at("mean") : score;  // a run has the value itself
   if (!mean.is_number()) return {.value = "–", .detail = {}};
-  VerdictCell cell = {
+  ScoreBoardCell cell = {
       .value = fmt::format("{:.{}f}{}", mean.get<double>(), column.decimals, column.unit),
       .detail = {}};
   if (one_run) return cell;
   const bool as_good = Holds(controller.at("as_good_as_best"), column.metric);
   cell.detail = DetailOf(controller.at("difference_to_best").at(column.metric), as_good, column);
   if (Holds(controller.at("worse_than_baseline"), column.metric)) {
-    cell.tone = VerdictCell::Tone::kWorseThanBaseline;
+    cell.tone = ScoreBoardCell::Tone::kWorseThanBaseline;
   } else if (as_good) {
-    cell.tone = VerdictCell::Tone::kAsGoodAsBest;
+    cell.tone = ScoreBoardCell::Tone::kAsGoodAsBest;
   }
   return cell;
 }
@@ -73,13 +73,13 @@ std::string RemarkOf(const json& scores, bool one_run) {
 
 }  // namespace
 
-Verdict ReadVerdict(const std::filesystem::path& file,
+ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
                     const std::vector<std::string>& controllers) {
   try {
     std::ifstream stream(file);
     const json scores = json::parse(stream);
     const bool one_run = !scores.contains("seeds") || scores.at("seeds").size() < 2;
-    Verdict verdict = {.columns = {}, .rows = {}, .remark = RemarkOf(scores, one_run)};
+    ScoreBoard verdict = {.columns = {}, .rows = {}, .remark = RemarkOf(scores, one_run)};
     for (const Column& column : kColumns) verdict.columns.emplace_back(column.title);
     for (const std::string& name : controllers) {
       const json& all = scores.at("controllers");
@@ -87,7 +87,7 @@ Verdict ReadVerdict(const std::filesystem::path& file,
           std::ranges::find_if(all, [&](const json& one) { return one.at("name") == name; });
       if (found == all.end())
         throw UserError({.place = file.string(), .problem = "has no controller " + name});
-      VerdictRow row = {.controller = name, .cells = {}};
+      ScoreBoardRow row = {.controller = name, .cells = {}};
       for (const Column& column : kColumns) row.cells.push_back(CellOf(*found, column, one_run));
       verdict.rows.push_back(std::move(row));
     }

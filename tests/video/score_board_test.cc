@@ -1,4 +1,4 @@
-#include "sim/video/verdict.h"
+#include "sim/video/score_board.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ constexpr const char* kScores = R"({
                             "jitter_rms_deg": {"mean": null}},
      "as_good_as_best": ["jitter_rms_deg"], "worse_than_baseline": ["delay_ms"]}]})";
 
-class VerdictTest : public testing::Test {
+class ScoreBoardTest : public testing::Test {
  protected:
   std::filesystem::path Write(const std::string& text) const {
     std::ofstream(folder_.path() / "scores.json") << text;
@@ -43,33 +43,33 @@ class VerdictTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(VerdictTest, SaysWhatTheTableSays) {
-  const Verdict verdict = ReadVerdict(Write(kScores), {"slow", "raw"});
+TEST_F(ScoreBoardTest, SaysWhatTheTableSays) {
+  const ScoreBoard verdict = ReadScoreBoard(Write(kScores), {"slow", "raw"});
   ASSERT_EQ(verdict.rows.size(), 2u);
-  const VerdictRow &slow = verdict.rows[0], &raw = verdict.rows[1];
+  const ScoreBoardRow &slow = verdict.rows[0], &raw = verdict.rows[1];
   EXPECT_EQ(slow.controller, "slow");
   EXPECT_EQ(raw.cells[0].value, "6.44°");
   EXPECT_EQ(raw.cells[0].detail, "+0.01 ± 0.02: equal");
-  EXPECT_EQ(raw.cells[0].tone, VerdictCell::Tone::kAsGoodAsBest);
+  EXPECT_EQ(raw.cells[0].tone, ScoreBoardCell::Tone::kAsGoodAsBest);
   EXPECT_EQ(raw.cells[1].value, "104 ms");
   EXPECT_EQ(raw.cells[1].detail, "best");
   EXPECT_EQ(raw.cells[2].value, "0.278°");
   EXPECT_EQ(raw.cells[2].detail, "+0.178 ± 0.014: worse");
-  EXPECT_EQ(raw.cells[2].tone, VerdictCell::Tone::kPlain);
+  EXPECT_EQ(raw.cells[2].tone, ScoreBoardCell::Tone::kPlain);
   EXPECT_EQ(slow.cells[0].value, "–");
-  EXPECT_EQ(slow.cells[1].tone, VerdictCell::Tone::kWorseThanBaseline);
+  EXPECT_EQ(slow.cells[1].tone, ScoreBoardCell::Tone::kWorseThanBaseline);
   EXPECT_THAT(verdict.remark, HasSubstr("3 seeds"));
   EXPECT_THAT(verdict.remark, HasSubstr("worse than raw"));
 }
 
-TEST_F(VerdictTest, OneRunSaysNothingAboutChance) {
+TEST_F(ScoreBoardTest, OneRunSaysNothingAboutChance) {
   std::string scores = kScores;
   scores.replace(scores.find("[1, 2, 3]"), 9, "[1]");
-  const Verdict verdict = ReadVerdict(Write(scores), {"raw"});
+  const ScoreBoard verdict = ReadScoreBoard(Write(scores), {"raw"});
   EXPECT_EQ(verdict.rows[0].cells[2].detail, "");
   EXPECT_EQ(verdict.remark, "One run: nothing is said about chance.");
 
-  const Verdict run = ReadVerdict(Write(R"({"seed": 1, "controllers": [{"name": "raw", "summary":
+  const ScoreBoard run = ReadScoreBoard(Write(R"({"seed": 1, "controllers": [{"name": "raw", "summary":
           {"tracking_rmse_deg": 6.444, "delay_ms": null, "jitter_rms_deg": 0.2781}}]})"),
                                   {"raw"});
   EXPECT_EQ(run.rows[0].cells[0].value, "6.44°");
@@ -77,15 +77,15 @@ TEST_F(VerdictTest, OneRunSaysNothingAboutChance) {
   EXPECT_EQ(run.rows[0].cells[2].detail, "");
 }
 
-TEST_F(VerdictTest, WhatIsNoScoresFileIsTheUsersMistake) {
-  EXPECT_THROW(ReadVerdict(Write("{\"controllers\": 3}"), {"raw"}), UserError);
-  EXPECT_THROW(ReadVerdict(Write("[1"), {"raw"}), UserError);
-  EXPECT_THROW(ReadVerdict(folder_.path() / "none.json", {"raw"}), UserError);
-  EXPECT_THROW(ReadVerdict(Write(kScores), {"rav"}), UserError);
+TEST_F(ScoreBoardTest, WhatIsNoScoresFileIsTheUsersMistake) {
+  EXPECT_THROW(ReadScoreBoard(Write("{\"controllers\": 3}"), {"raw"}), UserError);
+  EXPECT_THROW(ReadScoreBoard(Write("[1"), {"raw"}), UserError);
+  EXPECT_THROW(ReadScoreBoard(folder_.path() / "none.json", {"raw"}), UserError);
+  EXPECT_THROW(ReadScoreBoard(Write(kScores), {"rav"}), UserError);
 }
 
-TEST_F(VerdictTest, CardsHoldTheirTextInsideTheFrame) {
-  const Verdict verdict = ReadVerdict(Write(kScores), {"slow", "raw"});
+TEST_F(ScoreBoardTest, CardsHoldTheirTextInsideTheFrame) {
+  const ScoreBoard verdict = ReadScoreBoard(Write(kScores), {"slow", "raw"});
   for (const auto& [width, height] : {std::pair(1280, 720), std::pair(480, 270)}) {
     const Rect frame = {0.0, 0.0, double(width), double(height)};
     const double unit = std::min(width / 1280.0, height / 720.0);
@@ -96,7 +96,7 @@ TEST_F(VerdictTest, CardsHoldTheirTextInsideTheFrame) {
         if (title) {
           DrawTitleCard(painter, frame, unit, "a_scenario", std::string(60, 'w') + " or not?");
         } else {
-          DrawVerdictCard(painter, frame, unit, "a_scenario", verdict);
+          DrawScoreBoard(painter, frame, unit, "a_scenario", verdict);
         }
       }
       int dark = 0;
