@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "controller/assert.h"
@@ -44,6 +44,7 @@ std::string TextOfValue(const ResultValue& value) {
 bool IsThere(const ResultValue& value) { return !std::holds_alternative<std::monostate>(value); }
 
 void AddToJson(const ResultColumn& column, const ResultCell& cell, Json& row) {
+  GAUNTLET_ASSERT(cell.values.size() <= std::max<std::size_t>(1, column.parts.size()));
   for (std::size_t i = 0; i < cell.values.size(); ++i) {
     const std::string& name = column.parts.empty() ? column.key : column.parts[i].json;
     if (name.empty() || !IsThere(cell.values[i])) continue;
