@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/cli/command.h"
+
+namespace gauntlet::sim {
+
+/// An argument that has to be given.
+Option Argument(std::string name, std::string* variable, Offer offer, std::string help);
+/// A file, or the name of a ready scenario, see ScenarioFile().
+Option ScenarioArgument(std::string& file);
+/// Changes values of a scenario.
+Option SetOption(std::vector<std::string>& overrides, const std::string& help);
+/// Only these of the scenario.
+Option ControllersOption(std::vector<std::string>& names);
+/// How many trials run at a time; 0, its default, is one per core.
+Option JobsOption(int& jobs);
+int JobsOrCores(int jobs);
+/// A folder. An empty `out` has no default in --help: the command has a place of its own. An empty
+/// path that is given is a mistake.
+Option OutOption(std::string& out, const std::string& help);
+/// The same for a file; `value` is its name in --help.
+Option OutFileOption(std::string& out, const std::string& help, const std::string& value);
+/// Of a command that writes files that people edit.
+Option ForceOption(bool& force);
+/// Of a command that reads a recording.
+Option ArrayOption(std::string& array);
+
+}  // namespace gauntlet::sim
