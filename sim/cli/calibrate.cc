@@ -29,7 +29,7 @@ namespace gauntlet::sim {
 namespace {
 
 /// A number of the fit, which needs --predictor.
-Option OfPredictor(const char* name, Variable variable, const char* help, Range range) {
+Option OfPredictor(const char* name, Variable variable, Range range, const char* help) {
   return Option(name, std::move(variable),
                 {.range = range, .shows_default = true, .needs = {"--predictor"}}, help);
 }
@@ -57,7 +57,7 @@ struct CalibrateOptions {
         Argument("recording", &recording, Offer::kFiles,
                  "CSV with NAME_counts and NAME_deg per channel, or a trace of run --csv; with "
                  "--map any table that inspect reads"),
-        OutFileOption(out, "file to write [out/<recording>.calibration.yaml]", "FILE.yaml"),
+        OutOption(out, "file to write [out/<recording>.calibration.yaml]", "FILE.yaml"),
         Option("--linearisation", &curve,
                {.value = "KIND",
                 .choices = {"table", "two_point", "polynomial"},
@@ -95,16 +95,15 @@ struct CalibrateOptions {
         Option("--predictor", &predictor, {.excludes = {"--still", "--poses"}},
                "fit the weights of a prediction {kind: fitted} instead, to motions like those that "
                "will come"),
-        OfPredictor("--horizon-ms", &fit.horizon_ms,
-                    "how far it looks ahead, one for all channels or one for each", {0.0, 1000.0}),
-        OfPredictor("--order", &fit.order, "how many samples of the past it uses", {1, 1000}),
-        OfPredictor("--tap-ms", &fit.tap_ms, "how far they lie apart", {0.1, 1000.0}),
-        OfPredictor("--caution", &fit.caution, "fit as if the noise had so many times its variance",
-                    {1.0, 1e6}),
-        OfPredictor("--components", &fit.components,
+        OfPredictor("--horizon-ms", &fit.horizon_ms, {0.0, 1000.0},
+                    "how far it looks ahead, one for all channels or one for each"),
+        OfPredictor("--order", &fit.order, {1, 1000}, "how many samples of the past it uses"),
+        OfPredictor("--tap-ms", &fit.tap_ms, {0.1, 1000.0}, "how far they lie apart"),
+        OfPredictor("--caution", &fit.caution, {1.0, 1e6},
+                    "fit as if the noise had so many times its variance"),
+        OfPredictor("--components", &fit.components, {0, 100},
                     "of all channels together, so many sums are looked at, too; worth it where "
-                    "fingers move together and what is left by other fits becomes less",
-                    {0, 100}),
+                    "fingers move together and what is left by other fits becomes less"),
         Option("--calibration", &curves,
                {.value = "FILE.yaml", .offer = Offer::kFiles, .needs = {"--predictor"}},
                "file of gauntlet calibrate, whose curves make angles of counts: for --components"),

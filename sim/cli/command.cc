@@ -84,13 +84,6 @@ bool IsOption(const std::string& argument) { return argument.size() > 1 && argum
 /// --seed of --seed=3.
 std::string NameOf(const std::string& option) { return option.substr(0, option.find('=')); }
 
-/// Of commands, or of the options of one.
-std::vector<std::string> NamesOf(const auto& rows) {
-  std::vector<std::string> names;
-  for (const auto& row : rows) names.push_back(row.name);
-  return names;
-}
-
 bool HasOption(const Command& command, const std::string& name) {
   return name == "-h" || name == "--help" || FindNamed<Option>(command.options, name) != nullptr;
 }
@@ -108,7 +101,7 @@ std::optional<std::string> UnknownOption(const std::vector<Command>& commands,
     for (const Command& other : commands) {
       if (HasOption(other, name)) return fmt::format("{}; {} has", problem, other.name);
     }
-    std::vector<std::string> names = NamesOf(command.options);
+    std::vector<std::string> names = AllNames(command.options);
     names.insert(names.begin(), "--help");
     std::erase_if(names, [](const std::string& other) { return !IsOption(other); });
     const std::string nearest = NearestName(name, names);
@@ -139,12 +132,12 @@ std::string ExplainUsage(const std::vector<Command>& commands,
     if (!arguments.empty()) {
       return UnknownOption(commands, program, arguments).value_or(ReasonOf(error));
     }
-    return "a command is missing" + Suggestion("", NamesOf(commands)) + "; see gauntlet --help";
+    return "a command is missing" + Suggestion("", AllNames(commands)) + "; see gauntlet --help";
   }
   const Command* command = FindNamed(commands, *word);
   if (command == nullptr) {
     return fmt::format("{}: no such command{}; see gauntlet --help", Shown(*word),
-                       Suggestion(*word, NamesOf(commands)));
+                       Suggestion(*word, AllNames(commands)));
   }
   std::string problem = ReasonOf(error);
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {

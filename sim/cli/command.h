@@ -114,6 +114,12 @@ const Row* FindNamed(const std::vector<Row>& rows, const std::string& name) {
   return found == rows.end() ? nullptr : &*found;
 }
 
+std::vector<std::string> AllNames(const auto& rows) {
+  std::vector<std::string> names;
+  for (const auto& row : rows) names.emplace_back(row.name);
+  return names;
+}
+
 /// Reads a command line into the variables of a command's options and returns the command; nullptr
 /// after it has printed the text of --help or --version. Errors: UserError with the argument, the
 /// problem and what was probably meant; those of the options' checks.

@@ -1,12 +1,10 @@
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/output_file.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
@@ -38,7 +36,7 @@ struct ExportOptions {
         Option("--controller", &controller,
                {.value = "NAME", .offer = Offer::kControllers, .required = true},
                "which controller of the scenario"),
-        OutFileOption(out, "file to write [NAME.robot.yaml in the folder]", "FILE"),
+        OutOption(out, "file to write [NAME.robot.yaml in the folder]", "FILE"),
         Option("--header", &header, {},
                "write a C++ header of constants [NAME.robot.h], for a robot that reads no files"),
         Option("--text", &text, {.excludes = {"--header"}},

@@ -128,11 +128,8 @@ std::string WithList(const std::string& text) {
 }
 
 StreamFilter ReadFilter(const FilterOptions& options) {
-  std::vector<std::string> kinds;
-  for (const controller::FilterKind& kind : controller::FilterKinds()) {
-    kinds.emplace_back(kind.name);
-  }
-  if (std::find(kinds.begin(), kinds.end(), options.kind) == kinds.end()) {
+  const std::vector<std::string> kinds = AllNames(controller::FilterKinds());
+  if (std::ranges::find(kinds, options.kind) == kinds.end()) {
     throw UserError({.place = "filter " + options.kind,
                      .problem = "unknown kind" + Suggestion(options.kind, kinds)});
   }

@@ -8,7 +8,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/chain_log.h"
 #include "sim/calibrate/identified_chain.h"
@@ -44,7 +43,7 @@ struct IdentifyOptions {
                  "table with a time, and NAME_command_deg and NAME_deg per joint or motor, and "
                  "NAME_motor_deg for what a joint's motor did, if known; or an output folder of "
                  "run, or its trace.h5"),
-        OutFileOption(out, "file to write [out/<log>.chain.yaml]", "FILE.yaml"),
+        OutOption(out, "file to write [out/<log>.chain.yaml]", "FILE.yaml"),
         Option("--from", &from,
                {.value = "SIGNAL", .choices = {"wearer", "target"}, .shows_default = true},
                "of an output folder: the chain from the wearer's angles (what a prediction has to "

@@ -24,7 +24,15 @@
 namespace gauntlet::sim {
 namespace {
 
-std::vector<std::string> NamesOfTopics();
+struct Entry;
+
+struct Topic {
+  std::string name;
+  std::string summary;
+  std::function<std::vector<Entry>()> entries;
+};
+
+const std::vector<Topic>& Topics();
 
 struct ListOptions {
   static constexpr auto kName = "list";
@@ -36,7 +44,7 @@ struct ListOptions {
 
   Options Rows() {
     return {
-        Option("what", &what, {.words = NamesOfTopics()},
+        Option("what", &what, {.words = AllNames(Topics())},
                "one of the lists; all are named if left out"),
         Option("--json", &json, {}, "print JSON"),
     };
@@ -165,12 +173,6 @@ std::vector<Entry> ScenarioKeys() {
            })}};
 }
 
-struct Topic {
-  std::string name;
-  std::string summary;
-  std::function<std::vector<Entry>()> entries;
-};
-
 const std::vector<Topic>& Topics() {
   static const std::vector<Topic> kTopics = {
       {"filters", "what a controller can do with the noise",
@@ -234,12 +236,6 @@ nlohmann::ordered_json Json(const Topic& topic) {
   return json;
 }
 
-std::vector<std::string> NamesOfTopics() {
-  std::vector<std::string> names;
-  for (const Topic& topic : Topics()) names.push_back(topic.name);
-  return names;
-}
-
 void List(const ListOptions& options) {
   if (options.what.empty()) {
     if (options.json) {
@@ -256,7 +252,7 @@ void List(const ListOptions& options) {
   const Topic* topic = FindNamed(Topics(), options.what);
   if (topic == nullptr) {
     throw UserError({.place = "list " + options.what,
-                     .problem = "unknown list" + Suggestion(options.what, NamesOfTopics())});
+                     .problem = "unknown list" + Suggestion(options.what, AllNames(Topics()))});
   }
   if (options.json) {
     Print("{}\n", Json(*topic).dump(2));

@@ -65,10 +65,10 @@ struct RenderChoices {
                "of the encoding [good]"),
         Option("--frame", &frame_s, {.value = "S", .range = kMomentRange},
                "no video, but the frame at this moment"),
-        OutFileOption(out,
-                      "file .mp4, .webm, .gif, or .png with --frame [comparison.mp4 or "
-                      "comparison.png in the folder]",
-                      "FILE"),
+        OutOption(out,
+                  "file .mp4, .webm, .gif, or .png with --frame [comparison.mp4 or "
+                  "comparison.png in the folder]",
+                  "FILE"),
     };
   }
 

@@ -44,17 +44,12 @@ int JobsOrCores(int jobs) {
   return jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-Option OutOption(std::string& out, const std::string& help) {
+Option OutOption(std::string& out, const std::string& help, const std::string& value) {
   return Option("--out", &out,
-                {.value = "DIR",
-                 .offer = Offer::kFolders,
+                {.value = value,
+                 .offer = value == "DIR" ? Offer::kFolders : Offer::kFiles,
                  .shows_default = !out.empty(),
                  .check = ProblemOfPath},
-                help);
-}
-
-Option OutFileOption(std::string& out, const std::string& help, const std::string& value) {
-  return Option("--out", &out, {.value = value, .offer = Offer::kFiles, .check = ProblemOfPath},
                 help);
 }
 

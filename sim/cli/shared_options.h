@@ -18,11 +18,9 @@ Option ControllersOption(std::vector<std::string>& names);
 /// How many trials run at a time; 0, its default, is one per core.
 Option JobsOption(int& jobs);
 int JobsOrCores(int jobs);
-/// A folder. An empty `out` has no default in --help: the command has a place of its own. An empty
-/// path that is given is a mistake.
-Option OutOption(std::string& out, const std::string& help);
-/// The same for a file; `value` is its name in --help.
-Option OutFileOption(std::string& out, const std::string& help, const std::string& value);
+/// A folder, or a file: `value` is its name in --help. An empty `out` has no default there: the
+/// command has a place of its own. An empty path that is given is a mistake.
+Option OutOption(std::string& out, const std::string& help, const std::string& value = "DIR");
 /// Of a command that writes files that people edit.
 Option ForceOption(bool& force);
 /// Of a command that reads a recording.

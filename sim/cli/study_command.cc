@@ -131,10 +131,9 @@ std::string ScenarioFile(const std::string& given) {
 const NamedController& FindController(const Scenario& scenario, const std::string& name) {
   const NamedController* found = FindNamed(scenario.controllers, name);
   if (found != nullptr) return *found;
-  std::vector<std::string> known;
-  for (const NamedController& named : scenario.controllers) known.push_back(named.name);
   throw UserError(
-      {.place = "--controller " + name, .problem = "unknown controller" + Suggestion(name, known)});
+      {.place = "--controller " + name,
+       .problem = "unknown controller" + Suggestion(name, AllNames(scenario.controllers))});
 }
 
 void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,

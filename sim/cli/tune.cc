@@ -4,7 +4,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
 #include "sim/base/signal_storage.h"
@@ -207,9 +206,7 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
 }
 
 void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folder) {
-  std::vector<std::string> names;
-  for (const auto& kind : controller::FilterKinds()) names.emplace_back(kind.name);
-  OutputFiles files = FilesOf(names, asked, folder);
+  OutputFiles files = FilesOf(AllNames(controller::FilterKinds()), asked, folder);
   const std::vector<TunedKind> kinds = [&] {
     Progress progress("kinds of filters");
     return TuneAll(plan, JobsOrCores(asked.jobs),
