@@ -8,7 +8,7 @@
 #include "controller/filters/filter_registry.h"
 #include "sim/base/channels.h"
 #include "sim/base/data_folder.h"
-#include "sim/cli/study_command.h"
+#include "sim/cli/shared_options.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/setting_rows.h"

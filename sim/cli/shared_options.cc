@@ -1,9 +1,12 @@
 #include "sim/cli/shared_options.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <thread>
 
-#include "sim/cli/study_command.h"
+#include "sim/base/data_folder.h"
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -16,6 +19,23 @@ std::string ProblemOfPath(const std::string& path) {
 
 Option Argument(std::string name, std::string* variable, Offer offer, std::string help) {
   return Option(std::move(name), variable, {.offer = offer, .required = true}, std::move(help));
+}
+
+std::string ScenarioFile(const std::string& given) {
+  namespace fs = std::filesystem;
+  std::error_code unreadable;
+  const fs::path file = OwnOrDataFile(given);
+  const bool is_name = file == fs::path(given).stem() && !given.empty();
+  if (!is_name || fs::exists(file, unreadable)) return file.string();
+  const fs::path ready = OwnOrDataFile(fs::path("scenarios") / (given + ".yaml"));
+  if (fs::exists(ready, unreadable)) return ready.string();
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(DataFolder("scenarios"))) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
+  }
+  std::ranges::sort(names);
+  throw UserError(
+      {.place = given, .problem = "no such file or scenario" + Suggestion(given, names)});
 }
 
 Option ScenarioArgument(std::string& file) {

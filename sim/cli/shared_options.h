@@ -9,8 +9,11 @@ namespace gauntlet::sim {
 
 /// An argument that has to be given.
 Option Argument(std::string name, std::string* variable, Offer offer, std::string help);
-/// A file, or the name of a ready scenario, see ScenarioFile().
+/// A file, or the name of a ready scenario. It becomes what ScenarioFile() returns.
 Option ScenarioArgument(std::string& file);
+/// The file that a user means: one that is there, or a ready scenario, also by its name alone.
+/// Errors: UserError for a name that no scenario has.
+std::string ScenarioFile(const std::string& given);
 /// Changes values of a scenario.
 Option SetOption(std::vector<std::string>& overrides, const std::string& help);
 /// Only these of the scenario.

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/mathematics.h"
@@ -110,23 +109,6 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
 }
 
 }  // namespace
-
-std::string ScenarioFile(const std::string& given) {
-  namespace fs = std::filesystem;
-  std::error_code unreadable;
-  const fs::path file = OwnOrDataFile(given);
-  const bool is_name = file == fs::path(given).stem() && !given.empty();
-  if (!is_name || fs::exists(file, unreadable)) return file.string();
-  const fs::path ready = OwnOrDataFile(fs::path("scenarios") / (given + ".yaml"));
-  if (fs::exists(ready, unreadable)) return ready.string();
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(DataFolder("scenarios"))) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
-  }
-  std::ranges::sort(names);
-  throw UserError(
-      {.place = given, .problem = "no such file or scenario" + Suggestion(given, names)});
-}
 
 const NamedController& FindController(const Scenario& scenario, const std::string& name) {
   const NamedController* found = FindNamed(scenario.controllers, name);

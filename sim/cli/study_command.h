@@ -41,10 +41,6 @@ struct StudyCommand {
   }
 };
 
-/// The file that a user means: one that is there, or a ready scenario, also by its name alone.
-/// Errors: UserError for a name that no scenario has.
-std::string ScenarioFile(const std::string& given);
-
 /// The controller of `--controller`. Errors: UserError for a name that the scenario does not have.
 const NamedController& FindController(const Scenario& scenario, const std::string& name);
 
