@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,17 +20,25 @@
 #include "sim/calibrate/calibration.h"
 #include "sim/calibrate/calibration_tables.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/out_option.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/cli/usage_error.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
 namespace {
 
+/// A number of the fit, which needs --predictor.
+Option OfPredictor(const char* name, Variable variable, Range range, const char* help) {
+  return Option(name, std::move(variable),
+                {.range = range, .shows_default = true, .needs = {"--predictor"}}, help);
+}
+
 struct CalibrateOptions {
+  static constexpr auto kName = "calibrate";
+  static constexpr auto kPurpose =
+      "Linearisation and measurement covariance R of a glove, from a recording";
   std::string recording;
   std::string out;  // empty: out/<recording>.calibration.yaml
   std::string curve = "table";
@@ -43,6 +49,90 @@ struct CalibrateOptions {
   std::string curves;  // file of a calibration whose curves make angles; empty: counts stay counts
   controller::PredictorFitOptions fit;
   bool json = false;
+
+  Options Rows() { return {SensorRows(), PredictorRows()}; }
+
+  /// Curves of the sensors, and the noise.
+  Options SensorRows() {
+    return {
+        Argument("recording", &recording, Offer::kFiles,
+                 "CSV with NAME_counts and NAME_deg per channel, or a trace of run --csv; with "
+                 "--map any table that inspect reads"),
+        OutOption(out, "file to write [out/<recording>.calibration.yaml]", "FILE.yaml"),
+        Option("--linearisation", &curve,
+               {.value = "KIND",
+                .choices = {"table", "two_point", "polynomial"},
+                .shows_default = true},
+               "curve in the file: table (a corner per pose), two_point or polynomial"),
+        Option("--degree", &calibration.degree, {.range = {1, 9}, .shows_default = true},
+               "of the polynomial"),
+        Option("--confidence", &calibration.confidence_percent,
+               {.range = {1.0, 99.9999}, .shows_default = true},
+               "of the intervals of R, in percent"),
+        Option("--map", &format.map, {.value = "FILE.csv", .offer = Offer::kFiles},
+               "column map, or the name of a preset: which columns are sensors of which channels, "
+               "and the time; what it says of scales does not matter, of bits it does"),
+        ArrayOption(format.array),
+        Option("--still", &still, {.value = "a:b"},
+               "from a to b seconds after the first row the hand is still; may be repeated "
+               "[stretches are found in which no sensor moves]"),
+        Option("--poses", &format.poses, {.value = "FILE.csv", .offer = Offer::kFiles},
+               "table of the known poses: start_s, end_s (or until the next), NAME_deg"),
+        Option("--settle-ms", &format.settle_ms, {.range = {0.0, 1e6}, .shows_default = true},
+               "a pose counts from so long after its angle last changed; 0 if angles were measured "
+               "and never stand still"),
+        Option("--rate-hz", &format.rate_hz, {.range = {1.0, 1e6}, .shows_default = true},
+               "of a recording without a column of time"),
+        Option("--full-scale", &format.full_scale_counts,
+               {.range = {1e-6, 1e9}, .shows_default = true},
+               "of the converter, in counts (or volts), unless the map says its bits; values at "
+               "either end are not used"),
+    };
+  }
+
+  /// Weights of a prediction instead.
+  Options PredictorRows() {
+    return {
+        Option("--predictor", &predictor, {.excludes = {"--still", "--poses"}},
+               "fit the weights of a prediction {kind: fitted} instead, to motions like those that "
+               "will come"),
+        OfPredictor("--horizon-ms", &fit.horizon_ms, {0.0, 1000.0},
+                    "how far it looks ahead, one for all channels or one for each"),
+        OfPredictor("--order", &fit.order, {1, 1000}, "how many samples of the past it uses"),
+        OfPredictor("--tap-ms", &fit.tap_ms, {0.1, 1000.0}, "how far they lie apart"),
+        OfPredictor("--caution", &fit.caution, {1.0, 1e6},
+                    "fit as if the noise had so many times its variance"),
+        OfPredictor("--components", &fit.components, {0, 100},
+                    "of all channels together, so many sums are looked at, too; worth it where "
+                    "fingers move together and what is left by other fits becomes less"),
+        Option("--calibration", &curves,
+               {.value = "FILE.yaml", .offer = Offer::kFiles, .needs = {"--predictor"}},
+               "file of gauntlet calibrate, whose curves make angles of counts: for --components"),
+        Option("--json", &json, {.excludes = {"--predictor"}}, "print JSON instead of the table"),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+Known angles are empty where they are not known. Stretches in which no sensor moves for half
+a second or more give R; spikes and values beyond the scale are left out and counted. A
+scenario takes channels by the names of gauntlet list channels.
+
+A table of poses, in seconds from the recording's first row:
+  name,start_s,end_s,index_mcp_deg,index_pip_deg
+  flat hand,1.0,4.0,0,0
+  fist,5.5,8.5,85,100
+
+Example:
+  gauntlet run scenarios/known_poses.yaml --csv
+  gauntlet calibrate out/known_poses/trace.raw.csv --out out/my_glove.yaml
+  gauntlet run scenarios/calibrated_glove.yaml --set controllers.calibrated_kalman.calibration=out/my_glove.yaml
+
+  gauntlet calibrate glove.csv --map map.csv --poses poses.csv --still 1:4 --still 10:15
+
+  gauntlet run scenarios/random_motion.yaml --csv --controllers raw
+  gauntlet calibrate out/random_motion/trace.raw.csv --predictor --horizon-ms 100
+  gauntlet calibrate moving.csv --predictor --components 2 --calibration out/my_glove.yaml
+)";
 };
 
 CurveKind KindOf(const std::string& name) {
@@ -188,7 +278,10 @@ void RunPredictorFit(const CalibrateOptions& options) {
   Say("wrote {}\n", target.string());
 }
 
-void RunCalibrate(const CalibrateOptions& options) {
+void RunCalibrate(const CalibrateOptions& given) {
+  CalibrateOptions options = given;
+  options.calibration.curve = KindOf(options.curve);
+  for (const std::string& text : options.still) options.format.still.push_back(StretchOf(text));
   if (options.predictor) return RunPredictorFit(options);
   const std::filesystem::path target = TargetOf(options);
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
@@ -210,137 +303,6 @@ void RunCalibrate(const CalibrateOptions& options) {
 
 }  // namespace
 
-void AddCalibrateCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "calibrate", "Linearisation and measurement covariance R of a glove, from a recording");
-  const auto options = std::make_shared<CalibrateOptions>();
-  command
-      ->add_option("recording", options->recording,
-                   "CSV with NAME_counts and NAME_deg per channel, or a "
-                   "trace of run --csv; with --map any table that inspect reads")
-      ->required();
-  AddOutOption(*command, options->out, "file to write [out/<recording>.calibration.yaml]",
-               "FILE.yaml");
-  command
-      ->add_option("--linearisation", options->curve,
-                   "curve in the file: table (a corner per pose), two_point or polynomial")
-      ->type_name("KIND")
-      ->check(CLI::IsMember({"table", "two_point", "polynomial"}))
-      ->capture_default_str();
-  command->add_option("--degree", options->calibration.degree, "of the polynomial")
-      ->transform(WholeNumber(1, 9))
-      ->capture_default_str();
-  command
-      ->add_option("--confidence", options->calibration.confidence_percent,
-                   "of the intervals of R, in percent")
-      ->transform(Number(1.0, 99.9999))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--map", options->format.map,
-          "column map, or the name of a preset: which columns are sensors of which "
-          "channels, and the time; what it says of scales does not matter, of bits it does")
-      ->type_name("FILE.csv");
-  command
-      ->add_option("--array", options->format.array,
-                   "of a file with several arrays the one to take, or a group of them [those of "
-                   "the number of rows that holds the most values]")
-      ->type_name("NAME");
-  CLI::Option* still =
-      command
-          ->add_option("--still", options->still,
-                       "from a to b seconds after the first row the hand is still; may be repeated "
-                       "[stretches are found in which no sensor moves]")
-          ->type_name("a:b")
-          ->take_all();
-  CLI::Option* poses =
-      command
-          ->add_option("--poses", options->format.poses,
-                       "table of the known poses: start_s, end_s (or until the next), NAME_deg")
-          ->type_name("FILE.csv");
-  command
-      ->add_option("--settle-ms", options->format.settle_ms,
-                   "a pose counts from so long after its angle last changed; 0 if angles were "
-                   "measured and never stand still")
-      ->transform(Number(0.0, 1e6))
-      ->capture_default_str();
-  command
-      ->add_option("--rate-hz", options->format.rate_hz, "of a recording without a column of time")
-      ->transform(Number(1.0, 1e6))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--full-scale", options->format.full_scale_counts,
-          "of the converter, in counts (or volts), unless the map says its bits; values at "
-          "either end are not used")
-      ->transform(Number(1e-6, 1e9))
-      ->capture_default_str();
-  CLI::Option* predictor = command
-                               ->add_flag("--predictor", options->predictor,
-                                          "fit the weights of a prediction {kind: fitted} "
-                                          "instead, to motions like those that will come")
-                               ->excludes(still)
-                               ->excludes(poses);
-  command
-      ->add_option("--horizon-ms", options->fit.horizon_ms,
-                   "how far it looks ahead, one for all channels or one for each")
-      ->needs(predictor)
-      ->transform(Number(0.0, 1000.0))
-      ->capture_default_str();
-  command->add_option("--order", options->fit.order, "how many samples of the past it uses")
-      ->needs(predictor)
-      ->transform(WholeNumber(1, 1000))
-      ->capture_default_str();
-  command->add_option("--tap-ms", options->fit.tap_ms, "how far they lie apart")
-      ->needs(predictor)
-      ->transform(Number(0.1, 1000.0))
-      ->capture_default_str();
-  command
-      ->add_option("--caution", options->fit.caution,
-                   "fit as if the noise had so many times its variance")
-      ->needs(predictor)
-      ->transform(Number(1.0, 1e6))
-      ->capture_default_str();
-  command
-      ->add_option("--components", options->fit.components,
-                   "of all channels together, so many sums are looked at, too; worth it where "
-                   "fingers move together and what is left by other fits becomes less")
-      ->needs(predictor)
-      ->transform(WholeNumber(0, 100))
-      ->capture_default_str();
-  command
-      ->add_option("--calibration", options->curves,
-                   "file of gauntlet calibrate, whose curves make angles of counts: for "
-                   "--components")
-      ->needs(predictor)
-      ->type_name("FILE.yaml");
-  command->add_flag("--json", options->json, "print JSON instead of the table")
-      ->excludes(predictor);
-  command->footer(
-      "\nKnown angles are empty where they are not known. Stretches in which no sensor moves for "
-      "half\n"
-      "a second or more give R; spikes and values beyond the scale are left out and counted. A\n"
-      "scenario takes channels by the names of gauntlet list channels.\n"
-      "\nA table of poses, in seconds from the recording's first row:\n"
-      "  name,start_s,end_s,index_mcp_deg,index_pip_deg\n"
-      "  flat hand,1.0,4.0,0,0\n"
-      "  fist,5.5,8.5,85,100\n"
-      "\nExample:\n  gauntlet run scenarios/known_poses.yaml --csv\n"
-      "  gauntlet calibrate out/known_poses/trace.raw.csv --out out/my_glove.yaml\n"
-      "  gauntlet run scenarios/calibrated_glove.yaml --set "
-      "controllers.calibrated_kalman.calibration=out/my_glove.yaml\n"
-      "\n  gauntlet calibrate glove.csv --map map.csv --poses poses.csv --still 1:4 --still 10:15\n"
-      "\n  gauntlet run scenarios/random_motion.yaml --csv --controllers raw\n"
-      "  gauntlet calibrate out/random_motion/trace.raw.csv --predictor --horizon-ms 100\n"
-      "  gauntlet calibrate moving.csv --predictor --components 2 --calibration "
-      "out/my_glove.yaml\n");
-  command->callback([options] {
-    options->calibration.curve = KindOf(options->curve);
-    for (const std::string& text : options->still) {
-      options->format.still.push_back(StretchOf(text));
-    }
-    RunCalibrate(*options);
-  });
-}
+Command MakeCalibrateCommand() { return MakeCommand(RunCalibrate); }
 
 }  // namespace gauntlet::sim

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 
 #include "controller/number.h"
@@ -12,8 +11,8 @@
 #include "sim/base/signal_storage.h"
 #include "sim/base/text.h"
 #include "sim/cli/interrupt.h"
-#include "sim/cli/jobs_option.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/study/early_stop.h"
 #include "sim/study/sweep_tables.h"
@@ -89,20 +88,6 @@ void CollectShards(const std::vector<std::string>& places, SweepDatabase& databa
 }
 
 }  // namespace
-
-void AddCellsOptions(CLI::App& command, CellsCommand& options) {
-  AddJobsOption(command, options.jobs);
-  command
-      .add_option("--shard", options.shard,
-                  "run only part i of n equal parts, into a folder of its own")
-      ->type_name("i/n");
-  command
-      .add_option("--collect", options.collect,
-                  "take over the trials in these folders of shards, then run what is missing")
-      ->type_name("DIR")
-      ->take_all();
-  AddTableOptions(command, options.terminal);
-}
 
 CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, const std::string& out,
                          OutputPlan files)

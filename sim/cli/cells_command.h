@@ -1,12 +1,12 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "sim/base/manifest.h"
 #include "sim/cli/output_folder.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/study/sweep_result.h"
 
@@ -20,10 +20,19 @@ struct CellsCommand {
   std::string shard;
   std::vector<std::string> collect;
   TerminalOptions terminal;
-};
 
-/// --jobs, --shard, --collect, --color and --wide.
-void AddCellsOptions(CLI::App& command, CellsCommand& options);
+  /// --jobs, --shard, --collect, --color and --wide.
+  Options Rows() {
+    return {
+        JobsOption(jobs),
+        Option("--shard", &shard, {.value = "i/n"},
+               "run only part i of n equal parts, into a folder of its own"),
+        Option("--collect", &collect, {.value = "DIR", .offer = Offer::kFolders},
+               "take over the trials in these folders of shards, then run what is missing"),
+        terminal.Rows(),
+    };
+  }
+};
 
 /// The folder of a sweep, locked, with its database and what shards have brought.
 class CellsFolder {

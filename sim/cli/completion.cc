@@ -1,7 +1,5 @@
 #include "sim/cli/completion.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -10,7 +8,7 @@
 #include "controller/filters/filter_registry.h"
 #include "sim/base/channels.h"
 #include "sim/base/data_folder.h"
-#include "sim/cli/study_command.h"
+#include "sim/cli/shared_options.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/setting_rows.h"
@@ -36,42 +34,34 @@ Candidates Plain(const std::vector<std::string>& words) {
   return candidates;
 }
 
-Candidates Commands(const CLI::App& app) {
+/// Names of rows, and their meanings.
+Candidates Named(const auto& rows, auto meaning) {
   Candidates candidates;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) {
-    candidates.push_back({.word = command->get_name(), .meaning = command->get_description()});
+  for (const auto& row : rows) {
+    candidates.push_back({.word = std::string(row.name), .meaning = std::string(row.*meaning)});
   }
   return candidates;
 }
 
-Candidates Options(const CLI::App& command) {
-  Candidates candidates;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_positional()) continue;
-    candidates.push_back({.word = option->get_name(), .meaning = option->get_description()});
+Candidates OptionsOf(const Command& command) {
+  Candidates candidates = {{.word = "--help", .meaning = "Print this help message and exit"}};
+  for (const Option& option : command.options) {
+    if (!option.is_argument()) candidates.push_back({.word = option.name, .meaning = option.help});
   }
   return candidates;
 }
 
-/// {a,b} of an option whose help says so.
-Candidates ChoicesOf(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const std::size_t begin = type.find('{');
-  const std::size_t end = type.find('}');
-  if (begin == std::string::npos || end == std::string::npos) return {};
-  return Plain(CLI::detail::split(type.substr(begin + 1, end - begin - 1), ','));
-}
+bool TakesValue(const Option* option) { return option != nullptr && !option->is_flag(); }
 
 /// The words that stand for the arguments of a command, without options and their values.
-std::vector<std::string> Arguments(const CLI::App& command, const std::vector<std::string>& words) {
+std::vector<std::string> Arguments(const Command& command, const std::vector<std::string>& words) {
   std::vector<std::string> arguments;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!words[i].starts_with('-')) {
       arguments.push_back(words[i]);
-      continue;
+    } else if (TakesValue(FindNamed<Option>(command.options, words[i]))) {
+      ++i;
     }
-    const CLI::Option* option = command.get_option_no_throw(words[i]);
-    if (option != nullptr && option->get_items_expected_max() > 0) ++i;
   }
   return arguments;
 }
@@ -140,81 +130,62 @@ Candidates ReadyFiles(const std::string& folder, bool by_name) {
   return candidates;
 }
 
-Candidates Channels() {
-  Candidates candidates;
-  for (const Channel& channel : KnownChannels()) {
-    candidates.push_back({.word = std::string(channel.name), .meaning = std::string(channel.help)});
-  }
-  return candidates;
-}
-
-Candidates ForValue(const CLI::App& command, const CLI::Option& option, const std::string& current,
+Candidates ForValue(const Option& option, const std::string& current,
                     const std::vector<std::string>& arguments) {
-  const std::string name = option.get_name();
-  if (name == "--set") {
-    return command.get_name() == "filter" ? FilterKeys(arguments)
-                                          : ScenarioKeys(ScenarioOf(arguments));
+  const Offer offer = option.rules.offer;
+  if (offer == Offer::kFiles) return {kFiles};
+  if (offer == Offer::kFolders) return {kFolders};
+  if (offer == Offer::kScenarios) return ReadyFiles("scenarios", true);
+  if (offer == Offer::kStudies) return ReadyFiles("studies", false);
+  if (offer == Offer::kControllers) {
+    const bool is_list = option.rules.separator != '\0';
+    return Controllers(ScenarioOf(arguments),
+                       is_list ? current.substr(0, current.rfind(',') + 1) : "");
   }
-  if (name == "--controller") return Controllers(ScenarioOf(arguments));
-  if (name == "--controllers" || name == "--overlay") {
-    return Controllers(ScenarioOf(arguments), current.substr(0, current.rfind(',') + 1));
-  }
-  if (name == "--channel") return Channels();
-  const std::string type = option.get_type_name();
-  if (type.starts_with("DIR")) return {kFolders};
-  if (type.starts_with("FILE")) return {kFiles};
-  return ChoicesOf(option);
+  if (offer == Offer::kChannels) return Named(KnownChannels(), &Channel::help);
+  if (offer == Offer::kFilterKinds)
+    return Named(controller::FilterKinds(), &controller::FilterKind::summary);
+  if (offer == Offer::kScenarioKeys) return ScenarioKeys(ScenarioOf(arguments));
+  if (offer == Offer::kFilterKeys) return FilterKeys(arguments);
+  return Plain(option.rules.choices.empty() ? option.rules.words : option.rules.choices);
 }
 
-Candidates ForArgument(const CLI::App& command, std::size_t index) {
-  std::vector<const CLI::Option*> positionals;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_positional()) positionals.push_back(option);
+Candidates ForArgument(const Command& command, const std::string& current,
+                       const std::vector<std::string>& arguments) {
+  std::size_t behind = arguments.size();
+  for (const Option& option : command.options) {
+    if (option.is_argument() && behind-- == 0) return ForValue(option, current, arguments);
   }
-  if (index >= positionals.size()) return {};
-  const std::string name = positionals[index]->get_name();
-  if (name == "scenario") return ReadyFiles("scenarios", true);
-  if (name == "study") return ReadyFiles("studies", false);
-  if (name == "folder" || name == "A" || name == "B") return {kFolders};
-  if (name == "recording" || name == "log") return {kFiles};
-  if (name != "kind") return ChoicesOf(*positionals[index]);
-  Candidates candidates;
-  for (const auto& kind : controller::FilterKinds()) {
-    candidates.push_back({.word = std::string(kind.name), .meaning = std::string(kind.summary)});
-  }
-  return candidates;
+  return {};
 }
 
-Candidates For(const CLI::App& app, const std::vector<std::string>& words) {
+Candidates For(const std::vector<Command>& commands, const std::vector<std::string>& words) {
   const std::string& current = words.back();
   if (words.size() == 1) {
-    Candidates candidates = Commands(app);
+    Candidates candidates = Named(commands, &Command::purpose);
     for (const char* option : {"--help", "--version"}) candidates.push_back({.word = option});
     return candidates;
   }
-  if (words[0] == "help") return Commands(app);
-  const std::vector<const CLI::App*> commands = app.get_subcommands(nullptr);
-  const auto found = std::ranges::find(commands, words[0], &CLI::App::get_name);
-  if (found == commands.end()) return {};
-  const CLI::App& command = **found;
+  if (words[0] == "help") return Named(commands, &Command::purpose);
+  const Command* command = FindNamed(commands, words[0]);
+  if (command == nullptr) return {};
   const std::string& previous = words[words.size() - 2];
   if (current == "=" || previous == "=") return {kFiles};  // bash splits --set key=value
-  const auto arguments = Arguments(command, {words.begin() + 1, words.end() - 1});
-  const CLI::Option* option =
-      previous.starts_with('-') ? command.get_option_no_throw(previous) : nullptr;
-  if (option != nullptr && option->get_items_expected_max() > 0) {
-    return ForValue(command, *option, current, arguments);
-  }
-  if (current.starts_with('-')) return Options(command);
-  return ForArgument(command, arguments.size());
+  const auto arguments = Arguments(*command, {words.begin() + 1, words.end() - 1});
+  const Option* option =
+      previous.starts_with('-') ? FindNamed<Option>(command->options, previous) : nullptr;
+  if (TakesValue(option)) return ForValue(*option, current, arguments);
+  if (current.starts_with('-')) return OptionsOf(*command);
+  return ForArgument(*command, current, arguments);
 }
 
 }  // namespace
 
-std::string Completions(const CLI::App& app, const std::vector<std::string>& words) {
+std::string Completions(const std::vector<Command>& commands,
+                        const std::vector<std::string>& words) {
   std::string text;
   if (words.empty()) return text;
-  for (const Candidate& candidate : For(app, words)) {
+  for (const Candidate& candidate : For(commands, words)) {
     const bool request = candidate.word.starts_with(':');
     if (!request && !candidate.word.starts_with(words.back()) && words.back() != "=") continue;
     text += candidate.word;

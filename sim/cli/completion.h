@@ -1,8 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+#include "sim/cli/command.h"
 
 namespace gauntlet::sim {
 
@@ -11,6 +12,7 @@ namespace gauntlet::sim {
 /// tabulator and its meaning behind it where there is one. `:files` and `:folders` ask the shell
 /// for those, too; `:open` means that the word goes on behind what is offered. Never fails: where
 /// nothing is known, nothing is offered.
-std::string Completions(const CLI::App& app, const std::vector<std::string>& words);
+std::string Completions(const std::vector<Command>& commands,
+                        const std::vector<std::string>& words);
 
 }  // namespace gauntlet::sim

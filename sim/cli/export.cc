@@ -1,16 +1,13 @@
 
-#include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/output_file.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/out_option.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/scenario/scenario.h"
@@ -23,22 +20,40 @@ namespace gauntlet::sim {
 namespace {
 
 struct ExportOptions {
+  static constexpr auto kName = "export";
+  static constexpr auto kPurpose =
+      "All that a controller on the robot needs, as one file that its program loads";
   std::string folder;
   std::string controller;
   std::string out;  // empty: NAME.robot.yaml (or another ending) in the folder
   bool header = false;
   bool text = false;
   bool embedded = false;
-};
 
-const NamedController& Find(const Scenario& scenario, const std::string& name) {
-  const auto found = std::ranges::find(scenario.controllers, name, &NamedController::name);
-  if (found != scenario.controllers.end()) return *found;
-  std::vector<std::string> known;
-  for (const NamedController& named : scenario.controllers) known.push_back(named.name);
-  throw UserError(
-      {.place = "--controller " + name, .problem = "unknown controller" + Suggestion(name, known)});
-}
+  Options Rows() {
+    return {
+        Argument("folder", &folder, Offer::kFolders, "output folder of run or compare"),
+        Option("--controller", &controller,
+               {.value = "NAME", .offer = Offer::kControllers, .required = true},
+               "which controller of the scenario"),
+        OutOption(out, "file to write [NAME.robot.yaml in the folder]", "FILE"),
+        Option("--header", &header, {},
+               "write a C++ header of constants [NAME.robot.h], for a robot that reads no files"),
+        Option("--text", &text, {.excludes = {"--header"}},
+               "write plain text [NAME.robot.txt], for C, Python, MATLAB and others"),
+        Option("--embedded", &embedded, {.excludes = {"--header", "--text"}},
+               "write a C++ header for a microcontroller, in float [NAME.embedded.robot.h]"),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+The file holds the controller's settings, the calibration of the glove that its trials used, the
+joint map, the hand's motors and coupling, and the clocks. Its first lines tell how a program loads it.
+
+Example:
+  gauntlet export out/door_opening --controller tuned_kalman --out robot.yaml
+)";
+};
 
 std::filesystem::path TargetOf(const ExportOptions& options) {
   const std::filesystem::path folder = options.folder;
@@ -75,7 +90,7 @@ std::string ContentOf(const ExportOptions& options, const controller::RobotConfi
 void RunExport(const ExportOptions& options) {
   const Manifest manifest(options.folder);
   const Scenario scenario = LoadScenario(manifest.Checked("scenario.resolved.yaml"), {});
-  const NamedController& named = Find(scenario, options.controller);
+  const NamedController& named = FindController(scenario, options.controller);
   const HandModel hand(scenario.hand, TimingOf(scenario));
   WarnIfUnchecked(options.folder, manifest.exists());
   WarnIfMadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");
@@ -92,36 +107,6 @@ void RunExport(const ExportOptions& options) {
 
 }  // namespace
 
-void AddExportCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "export", "All that a controller on the robot needs, as one file that its program loads");
-  const auto options = std::make_shared<ExportOptions>();
-  command->add_option("folder", options->folder, "output folder of run or compare")->required();
-  command->add_option("--controller", options->controller, "which controller of the scenario")
-      ->type_name("NAME")
-      ->required();
-  AddOutOption(*command, options->out, "file to write [NAME.robot.yaml in the folder]", "FILE");
-  CLI::Option* header = command->add_flag(
-      "--header", options->header,
-      "write a C++ header of constants [NAME.robot.h], for a robot that reads no files");
-  CLI::Option* text =
-      command
-          ->add_flag("--text", options->text,
-                     "write plain text [NAME.robot.txt], for C, Python, MATLAB and others")
-          ->excludes(header);
-  command
-      ->add_flag("--embedded", options->embedded,
-                 "write a C++ header for a microcontroller, in float [NAME.embedded.robot.h]")
-      ->excludes(header)
-      ->excludes(text);
-  command->footer(
-      "\nThe file holds the controller's settings, the calibration of the glove that its trials "
-      "used, the\n"
-      "joint map, the hand's motors and coupling, and the clocks. Its first lines tell how a "
-      "program loads it.\n"
-      "\nExample:\n  gauntlet export out/door_opening --controller tuned_kalman --out "
-      "robot.yaml\n");
-  command->callback([options] { RunExport(*options); });
-}
+Command MakeExportCommand() { return MakeCommand(RunExport); }
 
 }  // namespace gauntlet::sim

@@ -22,6 +22,7 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/row_clock.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/stream_table.h"
 #include "sim/settings/yaml_reader.h"
@@ -30,10 +31,49 @@ namespace gauntlet::sim {
 namespace {
 
 struct FilterOptions {
+  static constexpr auto kName = "filter";
+  static constexpr auto kPurpose =
+      "Filter a stream: CSV with a header in, the same columns out, line by line";
   std::string kind;
   std::vector<std::string> settings;
   std::vector<std::string> columns;  // to filter; empty: all but the time
   std::string map;                   // empty: columns as their names say
+
+  Options Rows() {
+    return {
+        Argument("kind", &kind, Offer::kFilterKinds, "kind of filter (gauntlet list filters)"),
+        Option("--set", &settings, {.value = "key=value", .offer = Offer::kFilterKeys},
+               "a setting of the filter, or rate_hz (if no column of time tells it); lists as "
+               "r=21.18,12.52; may be repeated"),
+        Option("--columns", &columns, {.value = "NAME,..", .separator = ','},
+               "columns to filter, by names or numbers from 1; all others pass through, also as "
+               "text [all but the time]"),
+        Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
+               "column map, or the name of a preset, as a scenario's glove.motion.map: its "
+               "channels are filtered, in degrees, and come out as NAME_deg; with --columns those "
+               "named, as NAME"),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+Cells stand between commas, semicolons or tabs, and come out so. A column of
+time (time, timestamp, t, with a unit as in time_ms; in s without) passes through, and k,
+frame or sample if it is the first; all others are channels, unless --columns names some.
+The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that
+only count samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is
+held at the last good one.
+
+A map's columns need no such names, nor a header. Each channel comes out where the first
+column stood that it is made of, not cut to the joint's range; columns without a row in the
+map pass through. Counts whose bits the map does not say are of 10 bits.
+
+Example:
+  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv
+
+  gauntlet inspect glove.csv --write-map map.csv
+  gauntlet filter one_euro --map map.csv < glove.csv > angles.csv
+  gauntlet filter butterworth --map map.csv --columns index_mcp,index_pip < glove.csv
+)";
 };
 
 /// The filter of the command line, and the rate that `rate_hz` gives beside the filter's own keys.
@@ -88,11 +128,8 @@ std::string WithList(const std::string& text) {
 }
 
 StreamFilter ReadFilter(const FilterOptions& options) {
-  std::vector<std::string> kinds;
-  for (const controller::FilterKind& kind : controller::FilterKinds()) {
-    kinds.emplace_back(kind.name);
-  }
-  if (std::find(kinds.begin(), kinds.end(), options.kind) == kinds.end()) {
+  const std::vector<std::string> kinds = AllNames(controller::FilterKinds());
+  if (std::ranges::find(kinds, options.kind) == kinds.end()) {
     throw UserError({.place = "filter " + options.kind,
                      .problem = "unknown kind" + Suggestion(options.kind, kinds)});
   }
@@ -290,46 +327,6 @@ void RunFilter(const FilterOptions& options) {
 
 }  // namespace
 
-void AddFilterCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "filter", "Filter a stream: CSV with a header in, the same columns out, line by line");
-  const auto options = std::make_shared<FilterOptions>();
-  command->add_option("kind", options->kind, "kind of filter (gauntlet list filters)")->required();
-  command
-      ->add_option("--set", options->settings,
-                   "a setting of the filter, or rate_hz (if no column of time tells it); lists as "
-                   "r=21.18,12.52; may be repeated")
-      ->type_name("key=value")
-      ->take_all();
-  command
-      ->add_option(
-          "--columns", options->columns,
-          "columns to filter, by names or numbers from 1; all others pass through, also as "
-          "text [all but the time]")
-      ->type_name("NAME,..")
-      ->delimiter(',');
-  command
-      ->add_option("--map", options->map,
-                   "column map, or the name of a preset, as a scenario's glove.motion.map: its "
-                   "channels are filtered, in degrees, and come out as NAME_deg; with --columns "
-                   "those named, as NAME")
-      ->type_name("FILE.csv");
-  command->footer(
-      "\nCells stand between commas, semicolons or tabs, and come out so. A column of\n"
-      "time (time, timestamp, t, with a unit as in time_ms; in s without) passes through, and k,\n"
-      "frame or sample if it is the first; all others are channels, unless --columns names some.\n"
-      "The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that\n"
-      "only count samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is\n"
-      "held at the last good one.\n"
-      "\nA map's columns need no such names, nor a header. Each channel comes out where the first\n"
-      "column stood that it is made of, not cut to the joint's range; columns without a row in "
-      "the\n"
-      "map pass through. Counts whose bits the map does not say are of 10 bits.\n"
-      "\nExample:\n  gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv\n"
-      "\n  gauntlet inspect glove.csv --write-map map.csv\n"
-      "  gauntlet filter one_euro --map map.csv < glove.csv > angles.csv\n"
-      "  gauntlet filter butterworth --map map.csv --columns index_mcp,index_pip < glove.csv\n");
-  command->callback([options] { RunFilter(*options); });
-}
+Command MakeFilterCommand() { return MakeCommand(RunFilter); }
 
 }  // namespace gauntlet::sim

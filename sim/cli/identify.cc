@@ -1,20 +1,17 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/chain_log.h"
 #include "sim/calibrate/chain_tables.h"
 #include "sim/calibrate/identified_chain.h"
 #include "sim/calibrate/identified_servo.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/out_option.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/report/chain_page.h"
@@ -24,9 +21,10 @@
 namespace gauntlet::sim {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct IdentifyOptions {
+  static constexpr auto kName = "identify";
+  static constexpr auto kPurpose =
+      "Delay, dead time, lag, gain and hysteresis of a hand, from commands and angles";
   std::string log;
   std::string array;       // of a file with several
   std::string controller;  // empty: the first of a trace
@@ -36,7 +34,56 @@ struct IdentifyOptions {
   bool force = false;
   bool json = false;
   TerminalOptions terminal;
+
+  Options Rows() {
+    return {
+        Argument("log", &log, Offer::kFiles,
+                 "table with a time, and NAME_command_deg and NAME_deg per joint or motor, and "
+                 "NAME_motor_deg for what a joint's motor did, if known; or an output folder of "
+                 "run, or its trace.h5"),
+        OutOption(out, "file to write [out/<log>.chain.yaml]", "FILE.yaml"),
+        Option("--from", &from,
+               {.value = "SIGNAL", .choices = {"wearer", "target"}, .shows_default = true},
+               "of an output folder: the chain from the wearer's angles (what a prediction has to "
+               "make up for), or from the controller's targets"),
+        Option("--controller", &controller, {.value = "NAME", .offer = Offer::kControllers},
+               "of an output folder [the scenario's first]"),
+        ArrayOption(array),
+        Option("--held", &held, {},
+               "each row's command held until the next row's [where the command steps at every "
+               "n-th row only]"),
+        ForceOption(force),
+        Option("--json", &json, {}, "print JSON instead of the table"),
+        terminal.Rows(),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+The delay is the shift in time that makes command and angle most alike. The model behind the
+rest: dead time, play (dry friction or backlash), a lag of second order, lost motion behind it
+where the angle shows any, gain and offset. A log of 10 s or more of motion at several speeds
+tells them apart.
+
+Between rows a smooth command counts as a smooth curve, at 50 Hz or more. One that steps at every
+n-th row (n of 2 or more) steps there, as in a log that is written where commands are sent; if that
+is every row, say --held. A log that is written beside sees frames up to a row late: if they come
+at an even pace, 4 % or more longer than a row and each within an eighth of a row of its time,
+when they were sent is found from the rows, and said. If not, or if the command is rounded so that
+nearly all steps are as large, straight lines go from row to row, and the dead time is wrong by
+half a row: then log at 200 Hz or more. Any other command counts as straight lines, too.
+
+Beside FILE.chain.yaml stand FILE.html, what was measured beside what the model makes of the same
+command, and FILE.hand.yaml, the servo with which the simulated hand answers so; not where the
+log begins with the wearer (--from wearer), as that chain is more than the hand.
+
+Example:
+  gauntlet run scenarios/probe_chain.yaml
+  gauntlet identify out/probe_chain
+  gauntlet identify out/probe_chain --from target --out out/my_hand.yaml
+)";
 };
+
+namespace fs = std::filesystem;
 
 /// One controller of a trace, the whole hand.
 ChainLog LogOfTrace(const fs::path& file, const IdentifyOptions& options) {
@@ -143,71 +190,6 @@ void RunIdentify(const IdentifyOptions& options) {
 
 }  // namespace
 
-void AddIdentifyCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "identify", "Delay, dead time, lag, gain and hysteresis of a hand, from commands and angles");
-  const auto options = std::make_shared<IdentifyOptions>();
-  command
-      ->add_option("log", options->log,
-                   "table with a time, and NAME_command_deg and NAME_deg per joint or motor, and "
-                   "NAME_motor_deg for what a joint's motor did, if known; or an output folder of "
-                   "run, or its trace.h5")
-      ->required();
-  AddOutOption(*command, options->out, "file to write [out/<log>.chain.yaml]", "FILE.yaml");
-  command
-      ->add_option("--from", options->from,
-                   "of an output folder: the chain from the wearer's angles (what a prediction has "
-                   "to make up for), or from the controller's targets")
-      ->type_name("SIGNAL")
-      ->check(CLI::IsMember({"wearer", "target"}))
-      ->capture_default_str();
-  command
-      ->add_option("--controller", options->controller,
-                   "of an output folder [the scenario's first]")
-      ->type_name("NAME");
-  command
-      ->add_option("--array", options->array,
-                   "of a file with several arrays the one to take, or a group of them [those of "
-                   "the number of rows that holds the most values]")
-      ->type_name("NAME");
-  command->add_flag("--held", options->held,
-                    "each row's command held until the next row's [where the command steps at "
-                    "every n-th row only]");
-  AddForceOption(*command, options->force);
-  command->add_flag("--json", options->json, "print JSON instead of the table");
-  AddTableOptions(*command, options->terminal);
-  command->footer(
-      "\nThe delay is the shift in time that makes command and angle most alike. The model behind "
-      "the\n"
-      "rest: dead time, play (dry friction or backlash), a lag of second order, lost motion behind "
-      "it\n"
-      "where the angle shows any, gain and offset. A log of 10 s or more of motion at several "
-      "speeds\n"
-      "tells them apart.\n"
-      "\nBetween rows a smooth command counts as a smooth curve, at 50 Hz or more. One that steps "
-      "at every\n"
-      "n-th row (n of 2 or more) steps there, as in a log that is written where commands are sent; "
-      "if that\n"
-      "is every row, say --held. A log that is written beside sees frames up to a row late: if "
-      "they "
-      "come\n"
-      "at an even pace, 4 % or more longer than a row and each within an eighth of a row of its "
-      "time,\n"
-      "when they were sent is found from the rows, and said. If not, or if the command is rounded "
-      "so that\n"
-      "nearly all steps are as large, straight lines go from row to row, and the dead time is "
-      "wrong "
-      "by\n"
-      "half a row: then log at 200 Hz or more. Any other command counts as straight lines, too.\n"
-      "\nBeside FILE.chain.yaml stand FILE.html, what was measured beside what the model makes of "
-      "the same\n"
-      "command, and FILE.hand.yaml, the servo with which the simulated hand answers so; not where "
-      "the\n"
-      "log begins with the wearer (--from wearer), as that chain is more than the hand.\n"
-      "\nExample:\n  gauntlet run scenarios/probe_chain.yaml\n"
-      "  gauntlet identify out/probe_chain\n"
-      "  gauntlet identify out/probe_chain --from target --out out/my_hand.yaml\n");
-  command->callback([options] { RunIdentify(*options); });
-}
+Command MakeIdentifyCommand() { return MakeCommand(RunIdentify); }
 
 }  // namespace gauntlet::sim

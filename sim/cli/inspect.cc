@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,10 +11,9 @@
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/inspect_hand.h"
-#include "sim/cli/out_option.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/cli/usage_error.h"
 #include "sim/inspect/inspection.h"
 #include "sim/inspect/inspection_tables.h"
 #include "sim/inspect/starter_files.h"
@@ -25,9 +23,10 @@
 namespace gauntlet::sim {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct InspectOptions {
+  static constexpr auto kName = "inspect";
+  static constexpr auto kPurpose =
+      "What a stranger's recording is, and a column map and scenario that run it";
   std::string file;
   std::string map;
   std::string scenario;
@@ -35,7 +34,39 @@ struct InspectOptions {
   InspectionOptions inspection;
   bool force = false;
   bool json = false;
+
+  Options Rows() {
+    return {
+        Option("file", &file, {.required = true}, "the recording; or a hand as MJCF (.xml)"),
+        Option("--write-map", &map, {.value = "MAP.csv"},
+               "write a column map, to be checked [beside the scenario]"),
+        Option("--write-scenario", &scenario, {.value = "FILE.yaml", .offer = Offer::kFiles},
+               "write a scenario that plays the recording through a few filters"),
+        Option("--plot", &plot, {.value = "FILE.png", .offer = Offer::kFiles}, "draw its sensors"),
+        Option("--rate", &inspection.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
+               "rows per second of a file without a time [50]"),
+        ArrayOption(inspection.array),
+        Option("--preset", &inspection.preset, {.value = "NAME"},
+               "the glove whose sensors the columns are, in its order, as cyberglove22, or a "
+               "column map with numbers [by names]"),
+        ForceOption(force),
+        Option("--json", &json, {}, "print JSON instead of the table"),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+The file is known by its bytes. Of a file above 1 GB the beginning is read. Noise is the
+standard deviation from the curvature between three rows; still is how often a value is that
+of the row before, clipped how often it is the lowest or highest of all.
+
+Example:
+  gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot my_glove.png
+  gauntlet compare my_glove.yaml
+  gauntlet inspect my_hand.xml  # does it declare all that models/README.md asks for?
+)";
 };
+
+namespace fs = std::filesystem;
 
 std::string HeaderText(const TableLayout& layout) {
   std::string text;
@@ -157,48 +188,6 @@ void RunInspect(const InspectOptions& options) {
 
 }  // namespace
 
-void AddInspectCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "inspect", "What a stranger's recording is, and a column map and scenario that run it");
-  const auto options = std::make_shared<InspectOptions>();
-  command->add_option("file", options->file, "the recording; or a hand as MJCF (.xml)")->required();
-  command
-      ->add_option("--write-map", options->map,
-                   "write a column map, to be checked [beside the scenario]")
-      ->type_name("MAP.csv");
-  command
-      ->add_option("--write-scenario", options->scenario,
-                   "write a scenario that plays the recording through a few filters")
-      ->type_name("FILE.yaml");
-  command->add_option("--plot", options->plot, "draw its sensors")->type_name("FILE.png");
-  command
-      ->add_option("--rate", options->inspection.rate_hz,
-                   "rows per second of a file without a time [50]")
-      ->type_name("HZ")
-      ->transform(Number(0.01, 100000.0));
-  command
-      ->add_option("--array", options->inspection.array,
-                   "of a file with several arrays the one to take, or a group of them [those of "
-                   "the number of rows that holds the most values]")
-      ->type_name("NAME");
-  command
-      ->add_option("--preset", options->inspection.preset,
-                   "the glove whose sensors the columns are, in its order, as cyberglove22, or a "
-                   "column map with numbers [by names]")
-      ->type_name("NAME");
-  AddForceOption(*command, options->force);
-  command->add_flag("--json", options->json, "print JSON instead of the table");
-  command->footer(
-      "\nThe file is known by its bytes. Of a file above 1 GB the beginning is read. Noise is "
-      "the\n"
-      "standard deviation from the curvature between three rows; still is how often a value is "
-      "that\n"
-      "of the row before, clipped how often it is the lowest or highest of all.\n"
-      "\nExample:\n  gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot "
-      "my_glove.png\n"
-      "  gauntlet compare my_glove.yaml\n"
-      "  gauntlet inspect my_hand.xml  # does it declare all that models/README.md asks for?\n");
-  command->callback([options] { RunInspect(*options); });
-}
+Command MakeInspectCommand() { return MakeCommand(RunInspect); }
 
 }  // namespace gauntlet::sim

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -25,6 +23,38 @@
 
 namespace gauntlet::sim {
 namespace {
+
+struct Entry;
+
+struct Topic {
+  std::string name;
+  std::string summary;
+  std::function<std::vector<Entry>()> entries;
+};
+
+const std::vector<Topic>& Topics();
+
+struct ListOptions {
+  static constexpr auto kName = "list";
+  static constexpr auto kPurpose =
+      "List what there is: filters, predictions, motions, faults, servos, metrics, "
+      "channels, scenarios, keys";
+  std::string what;  // empty: the lists themselves
+  bool json = false;
+
+  Options Rows() {
+    return {
+        Option("what", &what, {.words = AllNames(Topics())},
+               "one of the lists; all are named if left out"),
+        Option("--json", &json, {}, "print JSON"),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+Example:
+  gauntlet list filters
+)";
+};
 
 /// One thing of a list: its name, a sentence, its settings, what else is known of it as JSON, and
 /// the same as sentences.
@@ -143,12 +173,6 @@ std::vector<Entry> ScenarioKeys() {
            })}};
 }
 
-struct Topic {
-  std::string name;
-  std::string summary;
-  std::function<std::vector<Entry>()> entries;
-};
-
 const std::vector<Topic>& Topics() {
   static const std::vector<Topic> kTopics = {
       {"filters", "what a controller can do with the noise",
@@ -212,9 +236,9 @@ nlohmann::ordered_json Json(const Topic& topic) {
   return json;
 }
 
-void List(const std::string& name, bool as_json) {
-  if (name.empty()) {
-    if (as_json) {
+void List(const ListOptions& options) {
+  if (options.what.empty()) {
+    if (options.json) {
       nlohmann::ordered_json all;
       for (const Topic& topic : Topics()) all[topic.name] = Json(topic);
       Print("{}\n", all.dump(2));
@@ -225,35 +249,20 @@ void List(const std::string& name, bool as_json) {
     }
     return;
   }
-  std::vector<std::string> names;
-  for (const Topic& topic : Topics()) {
-    names.push_back(topic.name);
-    if (topic.name != name) continue;
-    if (as_json) {
-      Print("{}\n", Json(topic).dump(2));
-    } else {
-      PrintTopic(topic);
-    }
-    return;
+  const Topic* topic = FindNamed(Topics(), options.what);
+  if (topic == nullptr) {
+    throw UserError({.place = "list " + options.what,
+                     .problem = "unknown list" + Suggestion(options.what, AllNames(Topics()))});
   }
-  throw UserError({.place = "list " + name, .problem = "unknown list" + Suggestion(name, names)});
+  if (options.json) {
+    Print("{}\n", Json(*topic).dump(2));
+  } else {
+    PrintTopic(*topic);
+  }
 }
 
 }  // namespace
 
-void AddListCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("list",
-                                         "List what there is: filters, predictions, motions, "
-                                         "faults, servos, metrics, channels, scenarios, keys");
-  const auto name = std::make_shared<std::string>();
-  const auto json = std::make_shared<bool>(false);
-  std::vector<std::string> names;
-  for (const Topic& topic : Topics()) names.push_back(topic.name);
-  command->add_option("what", *name, "one of the lists; all are named if left out")
-      ->type_name(fmt::format("{{{}}}", fmt::join(names, ",")));
-  command->add_flag("--json", *json, "print JSON");
-  command->footer("\nExample:\n  gauntlet list filters\n");
-  command->callback([name, json] { List(*name, *json); });
-}
+Command MakeListCommand() { return MakeCommand(List); }
 
 }  // namespace gauntlet::sim

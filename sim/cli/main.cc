@@ -1,9 +1,6 @@
-#include <fmt/format.h>
 #include <malloc.h>
 
-#include <CLI/CLI.hpp>
 #include <new>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,7 +14,6 @@
 #include "sim/cli/completion.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/usage_error.h"
 
 namespace {
 
@@ -32,56 +28,44 @@ int Complain(const std::string& message, int exit_code) {
   return exit_code;
 }
 
-int Run(int argc, char** argv) {
-  CLI::App app{
-      "Gauntlet: a testbed for glove-driven, tendon-driven prosthetic hands.\n"
-      "One noisy glove signal goes through many controllers into the same simulated hand; the\n"
-      "scores tell which setting follows best and shakes least.",
-      "gauntlet"};
-  app.set_version_flag("--version", "gauntlet " GAUNTLET_VERSION);
-  app.require_subcommand(1);
-  app.footer(
-      "\nExample:\n  gauntlet compare scenarios/door_opening.yaml --video\n\n"
-      "Exit codes: 0 done, 1 the run failed or diff found a difference, 2 a mistake in what was "
-      "asked.");
-  sim::AddRunCommand(app);
-  sim::AddCompareCommand(app);
-  sim::AddSweepCommand(app);
-  sim::AddTuneCommand(app);
-  sim::AddRobustCommand(app);
-  sim::AddRenderCommand(app);
-  sim::AddExportCommand(app);
-  sim::AddDiffCommand(app);
-  sim::AddInspectCommand(app);
-  sim::AddFilterCommand(app);
-  sim::AddCalibrateCommand(app);
-  sim::AddIdentifyCommand(app);
-  sim::AddReproduceCommand(app);
-  sim::AddListCommand(app);
-  for (CLI::App* command : app.get_subcommands({})) {
-    command
-        ->add_option_function<std::string>("--inside", sim::ReadOnlyInside,
-                                           "read no file outside this folder, but for Gauntlet's "
-                                           "own: for scenarios of other people")
-        ->type_name("DIR");
+constexpr auto kPurpose = R"(Gauntlet: a testbed for glove-driven, tendon-driven prosthetic hands.
+One noisy glove signal goes through many controllers into the same simulated hand; the
+scores tell which setting follows best and shakes least.)";
+
+constexpr auto kNotes = R"(
+Example:
+  gauntlet compare scenarios/door_opening.yaml --video
+
+Exit codes: 0 done, 1 the run failed or diff found a difference, 2 a mistake in what was asked.)";
+
+std::vector<sim::Command> Commands() {
+  std::vector<sim::Command> commands = {
+      sim::MakeRunCommand(),       sim::MakeCompareCommand(),   sim::MakeSweepCommand(),
+      sim::MakeTuneCommand(),      sim::MakeRobustCommand(),    sim::MakeRenderCommand(),
+      sim::MakeExportCommand(),    sim::MakeDiffCommand(),      sim::MakeInspectCommand(),
+      sim::MakeFilterCommand(),    sim::MakeCalibrateCommand(), sim::MakeIdentifyCommand(),
+      sim::MakeReproduceCommand(), sim::MakeListCommand()};
+  for (sim::Command& command : commands) {
+    command.options.push_back(sim::Option(
+        "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},
+        "read no file outside this folder, but for Gauntlet's own: for scenarios of other people"));
   }
-  int exit_code = 0;
+  return commands;
+}
+
+int Run(int argc, char** argv) {
+  const std::vector<sim::Command> commands = Commands();
   if (argc > 1 && std::string_view(argv[1]) == "--complete") {  // what shells ask
-    sim::PrintText(sim::Completions(app, {argv + 2, argv + argc}));
+    sim::PrintText(sim::Completions(commands, {argv + 2, argv + argc}));
     return 0;
   }
-  const std::string called = argc > 0 ? argv[0] : "";
-  const std::vector<std::string> arguments = sim::WithoutWordsForOptions({argv + 1, argv + argc});
+  const sim::Command* command =
+      sim::ReadCommandLine({"gauntlet", kPurpose, {}, {}, kNotes}, commands, argc, argv);
+  int exit_code = 0;
   try {
-    app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
-  } catch (const CLI::Success& request) {                          // --help, --version
-    std::ostringstream text;
-    app.exit(request, text, text);
-    sim::PrintText(sim::AsCalled(text.str(), called));
-  } catch (const CLI::RuntimeError& result) {  // done, with an answer that is an exit code
-    exit_code = result.get_exit_code();
-  } catch (const CLI::ParseError& error) {
-    return Complain(sim::AsCalled(sim::ExplainUsage(app, error, arguments), called), kUserMistake);
+    if (command != nullptr) command->run();
+  } catch (const sim::ExitCode& answer) {
+    exit_code = answer.value;
   }
   sim::CheckOutput();
   return exit_code;

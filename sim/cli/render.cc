@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,22 +12,21 @@
 #include "sim/base/manifest.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/controllers_option.h"
-#include "sim/cli/jobs_option.h"
-#include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/cli/usage_error.h"
 #include "sim/video/render_folder.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kLongest_s = 1e6;  // of a recording
+constexpr Range kMomentRange = {0.0, 1e6};  // of a recording [s]
 
 struct RenderChoices {
+  static constexpr auto kName = "render";
+  static constexpr auto kPurpose = "Draw the comparison video of a finished run or comparison";
   std::string folder;
   std::string out;
   std::vector<std::string> controllers;
@@ -41,6 +39,47 @@ struct RenderChoices {
   std::string quality = "good";
   Excerpt excerpt;
   std::optional<double> frame_s;
+
+  Options Rows() {
+    return {
+        Argument("folder", &folder, Offer::kFolders, "output folder of run or compare"),
+        ControllersOption(controllers),
+        Option(
+            "--overlay", &overlay,
+            {.value = "A,B", .offer = Offer::kControllers, .separator = ',', .is_one_word = true},
+            "two controllers in one picture, the second hand translucent behind the first"),
+        Option("--channel", &channel, {.value = "JOINT", .offer = Offer::kChannels},
+               "joint whose curves are drawn"),
+        Option("--camera", &camera, {.value = "NAME"},
+               "hand, fingers, close_up (the finger of the channel), arm or another camera of the "
+               "model"),
+        Option("--from", &excerpt.from_s, {.value = "S", .range = kMomentRange}, "begin here [0]"),
+        Option("--to", &excerpt.to_s, {.value = "S", .range = kMomentRange}, "end here [the end]"),
+        Option("--speed", &excerpt.speed, {.value = "FACTOR", .range = {0.01, 100.0}},
+               "0.25: four times slower [1]"),
+        Option("--size", &size, {.value = "WIDTHxHEIGHT"}, "width and height in pixels, even"),
+        Option("--fps", &frames_per_s, {.value = "N"}, "frames per second"),
+        Option("--look", &look, {.words = {"fast", "good", "best"}},
+               "how finely hands are drawn, and how fast [good]"),
+        Option("--quality", &quality, {.words = {"small", "good", "best"}},
+               "of the encoding [good]"),
+        Option("--frame", &frame_s, {.value = "S", .range = kMomentRange},
+               "no video, but the frame at this moment"),
+        OutOption(out,
+                  "file .mp4, .webm, .gif, or .png with --frame [comparison.mp4 or "
+                  "comparison.png in the folder]",
+                  "FILE"),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+Examples:
+  gauntlet render out/door_opening --controllers raw,tuned_kalman
+  gauntlet render out/door_opening --overlay raw,tuned_kalman --speed 0.5
+  gauntlet render out/door_opening --from 2 --to 3 --speed 0.25 --out slow.webm
+  gauntlet render out/door_opening --size 640x360 --fps 20 --out door.gif
+  gauntlet render out/door_opening --frame 2.6 --size 1920x1080 --out door.png
+)";
 };
 
 /// An option that takes the place of a setting of the scenario.
@@ -150,70 +189,20 @@ std::filesystem::path Render(const RenderChoices& given,
   }
 }
 
+void RunRender(const RenderChoices& options) {
+  WarnIfUnchecked(options.folder, Manifest(options.folder).exists());
+  // No run may exchange the files while they are drawn.
+  std::optional<OutputFolder> locked;
+  if (options.out.empty()) locked.emplace(options.folder);
+  SetSignalFolder(options.folder);
+  Progress progress("video");
+  const auto file =
+      Render(options, [&progress](int done, int total) { return progress.Update(done, total); });
+  Say("wrote {}\n", file.string());
+}
+
 }  // namespace
 
-void AddRenderCommand(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("render", "Draw the comparison video of a finished run or comparison");
-  const auto options = std::make_shared<RenderChoices>();
-  command->add_option("folder", options->folder, "output folder of run or compare")->required();
-  AddControllersOption(*command, options->controllers);
-  command
-      ->add_option("--overlay", options->overlay,
-                   "two controllers in one picture, the second hand translucent behind the first")
-      ->type_name("A,B")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command->add_option("--channel", options->channel, "joint whose curves are drawn")
-      ->type_name("JOINT");
-  command
-      ->add_option(
-          "--camera", options->camera,
-          "hand, fingers, close_up (the finger of the channel), arm or another camera of the "
-          "model")
-      ->type_name("NAME");
-  command->add_option("--from", options->excerpt.from_s, "begin here [0]")
-      ->type_name("S")
-      ->transform(Number(0.0, kLongest_s));
-  command->add_option("--to", options->excerpt.to_s, "end here [the end]")
-      ->type_name("S")
-      ->transform(Number(0.0, kLongest_s));
-  command->add_option("--speed", options->excerpt.speed, "0.25: four times slower [1]")
-      ->type_name("FACTOR")
-      ->transform(Number(0.01, 100.0));
-  command->add_option("--size", options->size, "width and height in pixels, even")
-      ->type_name("WIDTHxHEIGHT");
-  command->add_option("--fps", options->frames_per_s, "frames per second")->type_name("N");
-  command->add_option("--look", options->look, "how finely hands are drawn, and how fast [good]")
-      ->type_name("{fast,good,best}");
-  command->add_option("--quality", options->quality, "of the encoding [good]")
-      ->type_name("{small,good,best}");
-  command->add_option("--frame", options->frame_s, "no video, but the frame at this moment")
-      ->type_name("S")
-      ->transform(Number(0.0, kLongest_s));
-  AddOutOption(
-      *command, options->out,
-      "file .mp4, .webm, .gif, or .png with --frame [comparison.mp4 or comparison.png in the "
-      "folder]",
-      "FILE");
-  command->footer(
-      "\nExamples:\n"
-      "  gauntlet render out/door_opening --controllers raw,tuned_kalman\n"
-      "  gauntlet render out/door_opening --overlay raw,tuned_kalman --speed 0.5\n"
-      "  gauntlet render out/door_opening --from 2 --to 3 --speed 0.25 --out slow.webm\n"
-      "  gauntlet render out/door_opening --size 640x360 --fps 20 --out door.gif\n"
-      "  gauntlet render out/door_opening --frame 2.6 --size 1920x1080 --out door.png\n");
-  command->callback([options] {
-    WarnIfUnchecked(options->folder, Manifest(options->folder).exists());
-    // No run may exchange the files while they are drawn.
-    std::optional<OutputFolder> locked;
-    if (options->out.empty()) locked.emplace(options->folder);
-    SetSignalFolder(options->folder);
-    Progress progress("video");
-    const auto file =
-        Render(*options, [&progress](int done, int total) { return progress.Update(done, total); });
-    Say("wrote {}\n", file.string());
-  });
-}
+Command MakeRenderCommand() { return MakeCommand(RunRender); }
 
 }  // namespace gauntlet::sim

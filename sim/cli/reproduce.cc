@@ -1,16 +1,13 @@
 
-#include <algorithm>
-#include <memory>
 
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_file.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/jobs_option.h"
-#include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/paper/paper_page.h"
 #include "sim/study/study_files.h"
@@ -19,9 +16,29 @@ namespace gauntlet::sim {
 namespace {
 
 struct ReproduceOptions {
+  static constexpr auto kName = "reproduce";
+  static constexpr auto kPurpose =
+      "Repeat the paper's experiments and figures, and measure its claims";
   std::string out = "out/paper";
   bool quick = false;
   int jobs = 0;
+
+  Options Rows() {
+    return {
+        OutOption(out, "output folder"),
+        Option("--quick", &quick, {},
+               "6 s of motion instead of the paper's 94, to see how it looks"),
+        JobsOption(jobs),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+Bai, Jiang, Yokoi: Multiple-Channel Real Time Filtering for a Myoelectric Prosthetic
+Hand-Arm Robot System (arXiv:2103.02750).
+
+Example:
+  gauntlet reproduce --out out/paper
+)";
 };
 
 void Reproduce(const ReproduceOptions& options) {
@@ -62,19 +79,6 @@ void Reproduce(const ReproduceOptions& options) {
 
 }  // namespace
 
-void AddReproduceCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "reproduce", "Repeat the paper's experiments and figures, and measure its claims");
-  const auto options = std::make_shared<ReproduceOptions>();
-  AddOutOption(*command, options->out, "output folder", "DIR")->capture_default_str();
-  command->add_flag("--quick", options->quick,
-                    "6 s of motion instead of the paper's 94, to see how it looks");
-  AddJobsOption(*command, options->jobs);
-  command->footer(
-      "\nBai, Jiang, Yokoi: Multiple-Channel Real Time Filtering for a Myoelectric Prosthetic\n"
-      "Hand-Arm Robot System (arXiv:2103.02750).\n"
-      "\nExample:\n  gauntlet reproduce --out out/paper\n");
-  command->callback([options] { Reproduce(*options); });
-}
+Command MakeReproduceCommand() { return MakeCommand(Reproduce); }
 
 }  // namespace gauntlet::sim

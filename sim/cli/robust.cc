@@ -1,16 +1,8 @@
-#include <fmt/format.h>
-
-#include <memory>
-
-#include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/cli/cells_command.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/controllers_option.h"
-#include "sim/cli/out_option.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
-#include "sim/cli/usage_error.h"
 #include "sim/report/robust_page.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
@@ -20,17 +12,49 @@ namespace gauntlet::sim {
 namespace {
 
 struct RobustCommand {
+  static constexpr auto kName = "robust";
+  static constexpr auto kPurpose =
+      "Tell whether the verdict of a scenario holds on other hands, links and gloves";
   std::string scenario;
   CellsCommand cells;
   std::vector<std::string> set;
   RobustOptions robust;
+  int within_percent = 30;
   bool json = false;
+
+  Options Rows() {
+    return {
+        ScenarioArgument(scenario),
+        ControllersOption(robust.controllers),
+        OutOption(cells.out, "output folder [out/<scenario>.robust]"),
+        SetOption(set, "change a value of the scenario; may be repeated"),
+        Option("--hands", &robust.hands, {.range = {1, 100000}}, "how many hands are drawn [32]"),
+        Option("--seeds", &robust.seeds, {.range = {1, 100000}},
+               "seeds of each hand [8, or one for each repetition]"),
+        Option("--within", &within_percent, {.range = {1, 90}},
+               "how far settings are off the scenario's, in percent [30]"),
+        Option("--design-seed", &robust.design_seed, {.range = {0, 2'147'480'000}},
+               "draws other hands [1]"),
+        cells.Rows(),
+        Option("--json", &json, {}, "print JSON instead of the table"),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+Friction, stiffness, inertia, servo gain, delay, the glove on its wearer and noise vary
+together, and one at a time.
+
+Example:
+  gauntlet robust random_motion --controllers raw,tuned_kalman,prediction
+)";
 };
 
 void RunRobustCommand(const RobustCommand& command) {
+  RobustOptions options = command.robust;
+  options.within_percent = command.within_percent;
   const RobustPlan plan = MakeRobustPlan(
       {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
-      command.robust);
+      options);
   CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust",
                      {.folder = {},
                       .command = "robust",
@@ -63,39 +87,6 @@ void RunRobustCommand(const RobustCommand& command) {
 
 }  // namespace
 
-void AddRobustCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "robust", "Tell whether the verdict of a scenario holds on other hands, links and gloves");
-  const auto options = std::make_shared<RobustCommand>();
-  command
-      ->add_option("scenario", options->scenario,
-                   "scenario file (YAML), or the name of a ready one (gauntlet list scenarios)")
-      ->required()
-      ->transform(ScenarioFile);
-  AddControllersOption(*command, options->robust.controllers);
-  AddOutOption(*command, options->cells.out, "output folder [out/<scenario>.robust]", "DIR");
-  command->add_option("--set", options->set, "change a value of the scenario; may be repeated")
-      ->type_name("key=value")
-      ->take_all();
-  command->add_option("--hands", options->robust.hands, "how many hands are drawn [32]")
-      ->transform(WholeNumber(1, 100000));
-  command
-      ->add_option("--seeds", options->robust.seeds,
-                   "seeds of each hand [8, or one for each repetition]")
-      ->transform(WholeNumber(1, 100000));
-  command
-      ->add_option("--within", options->robust.within_percent,
-                   "how far settings are off the scenario's, in percent [30]")
-      ->transform(WholeNumber(1, 90));
-  command->add_option("--design-seed", options->robust.design_seed, "draws other hands [1]")
-      ->transform(WholeNumber(0, 2'147'480'000));
-  AddCellsOptions(*command, options->cells);
-  command->add_flag("--json", options->json, "print JSON instead of the table");
-  command->footer(
-      "\nFriction, stiffness, inertia, servo gain, delay, the glove on its wearer and noise vary\n"
-      "together, and one at a time.\n"
-      "\nExample:\n  gauntlet robust random_motion --controllers raw,tuned_kalman,prediction\n");
-  command->callback([options] { RunRobustCommand(*options); });
-}
+Command MakeRobustCommand() { return MakeCommand(RunRobustCommand); }
 
 }  // namespace gauntlet::sim

@@ -1,7 +1,6 @@
 #include "sim/cli/study_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,19 +8,16 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/mathematics.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/output_file.h"
 #include "sim/base/signal_storage.h"
-#include "sim/cli/controllers_option.h"
 #include "sim/cli/interrupt.h"
-#include "sim/cli/jobs_option.h"
-#include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
@@ -114,21 +110,12 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
 
 }  // namespace
 
-std::string ScenarioFile(const std::string& given) {
-  namespace fs = std::filesystem;
-  std::error_code unreadable;
-  const fs::path file = OwnOrDataFile(given);
-  const bool is_name = file == fs::path(given).stem() && !given.empty();
-  if (!is_name || fs::exists(file, unreadable)) return file.string();
-  const fs::path ready = OwnOrDataFile(fs::path("scenarios") / (given + ".yaml"));
-  if (fs::exists(ready, unreadable)) return ready.string();
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(DataFolder("scenarios"))) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
-  }
-  std::ranges::sort(names);
+const NamedController& FindController(const Scenario& scenario, const std::string& name) {
+  const NamedController* found = FindNamed(scenario.controllers, name);
+  if (found != nullptr) return *found;
   throw UserError(
-      {.place = given, .problem = "no such file or scenario" + Suggestion(given, names)});
+      {.place = "--controller " + name,
+       .problem = "unknown controller" + Suggestion(name, AllNames(scenario.controllers))});
 }
 
 void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
@@ -156,26 +143,6 @@ void WarnIfFilesChanged(const Scenario& scenario) {
 void WarnIfUnchecked(const std::string& folder, bool checked) {
   if (checked) return;
   Say("gauntlet: warning: {} has no manifest.json: its files are not checked\n", folder);
-}
-
-void AddStudyOptions(CLI::App& command, StudyCommand& options) {
-  command
-      .add_option("scenario", options.scenario_file,
-                  "scenario file (YAML), or the name of a ready one (gauntlet list scenarios)")
-      ->required()
-      ->transform(ScenarioFile);
-  AddOutOption(command, options.out, "output folder [out/<scenario>]", "DIR");
-  command
-      .add_option("--set", options.overrides,
-                  "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated")
-      ->type_name("key=value")
-      ->take_all();
-  AddControllersOption(command, options.controllers);
-  AddJobsOption(command, options.jobs);
-  command.add_flag("--video", options.video, "also draw comparison.mp4");
-  command.add_flag("--json", options.json, "print scores.json instead of the table");
-  command.add_flag("--csv", options.csv, "also write the trace as CSV, one file per controller");
-  AddTableOptions(command, options.terminal);
 }
 
 void RunStudyCommand(const StudyCommand& asked) {

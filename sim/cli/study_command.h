@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "sim/cli/shared_options.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
@@ -24,13 +24,25 @@ struct StudyCommand {
   bool json = false;
   bool csv = false;
   TerminalOptions terminal;
+
+  Options Rows() {
+    return {
+        ScenarioArgument(scenario_file),
+        OutOption(out, "output folder [out/<scenario>]"),
+        SetOption(overrides,
+                  "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated"),
+        ControllersOption(controllers),
+        JobsOption(jobs),
+        Option("--video", &video, {}, "also draw comparison.mp4"),
+        Option("--json", &json, {}, "print scores.json instead of the table"),
+        Option("--csv", &csv, {}, "also write the trace as CSV, one file per controller"),
+        terminal.Rows(),
+    };
+  }
 };
 
-/// The file that a user means: one that is there, or a ready scenario, also by its name alone.
-/// Errors: UserError for a name that no scenario has.
-std::string ScenarioFile(const std::string& given);
-
-void AddStudyOptions(CLI::App& command, StudyCommand& options);
+/// The controller of `--controller`. Errors: UserError for a name that the scenario does not have.
+const NamedController& FindController(const Scenario& scenario, const std::string& name);
 
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.
 void RunStudyCommand(const StudyCommand& options);

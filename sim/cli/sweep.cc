@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <memory>
 #include <numeric>
 
 #include "sim/base/data_folder.h"
@@ -12,10 +11,9 @@
 #include "sim/base/text.h"
 #include "sim/cli/cells_command.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/out_option.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/slurm.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/usage_error.h"
 #include "sim/report/sweep_page.h"
 #include "sim/study/sweep_tables.h"
 
@@ -23,6 +21,9 @@ namespace gauntlet::sim {
 namespace {
 
 struct SweepCommand {
+  static constexpr auto kName = "sweep";
+  static constexpr auto kPurpose =
+      "Run a study file: many cells of settings, each over the same seeds";
   std::string file;
   CellsCommand cells;
   std::vector<std::string> set;
@@ -36,6 +37,40 @@ struct SweepCommand {
   bool retry = false;
   int tasks = 16;
   std::vector<std::string> sbatch;
+
+  Options Rows() {
+    return {
+        Argument("study", &file, Offer::kStudies,
+                 "study file (YAML): your own, or studies/NAME.yaml that Gauntlet brings along"),
+        OutOption(cells.out, "output folder [out/<study>]"),
+        SetOption(set, "change a value of the base scenario in all cells; may be repeated"),
+        Option("--seeds", &seeds, {.range = {1, 100000}}, "number of seeds [as in the study file]"),
+        Option("--max-cells", &max_cells, {.range = {1, 1'000'000'000}},
+               "more cells than this are refused [10000]"),
+        Option("--filter-only", &filter_only, {}, "without a hand: score what the filters give"),
+        Option("--all-seeds", &all_seeds, {},
+               "no early stop: also cells that cannot win any more get all seeds"),
+        cells.Rows(),
+        Option("--json", &json, {}, "print JSON instead of the table"),
+        Option("--slurm", &slurm, {},
+               "submit the shards as an array of jobs to Slurm, which runs failed ones again"),
+        Option("--tasks", &tasks, {.range = {1, 1000}},
+               "how many shards --slurm makes at most [16]"),
+        Option("--retry", &retry, {},
+               "with --slurm: only shards that have not ended well and are not in its queue"),
+        Option("--dry-run", &dry_run, {}, "with --slurm: print the script and do nothing"),
+        Option("--sbatch", &sbatch, {.value = "--OPTION"},
+               "an option for sbatch, as in --sbatch=--partition=night; may be repeated"),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+Examples:
+  gauntlet sweep studies/kalman_q.yaml
+  gauntlet sweep studies/kalman_q.yaml --shard 1/2   # on one machine, 2/2 on another, then
+  gauntlet sweep studies/kalman_q.yaml --collect out/kalman_q.shard-*
+  gauntlet sweep studies/kalman_q.yaml --slurm --sbatch=--time=1:00:00
+)";
 };
 
 void CheckSize(const SweepPlan& plan, const SweepCommand& command) {
@@ -104,7 +139,7 @@ SlurmArray ArrayOf(const SweepCommand& command, const SweepPlan& plan) {
 std::string CollectCommand(const SweepCommand& command, const SlurmArray& array) {
   std::string text = "gauntlet sweep " + ShellPath(command.file);
   if (!command.cells.out.empty()) text += " --out " + ShellPath(command.cells.out);
-  for (const std::string& word : OptionsOfCells(command)) text += " " + ShellWord(word);
+  for (const std::string& word : OptionsOfCells(command)) text.append(" ").append(ShellWord(word));
   return text + fmt::format(" --collect {}/shard-*-of-{}", ShellPath(array.folder), array.shards);
 }
 
@@ -174,49 +209,6 @@ void RunSweepCommand(const SweepCommand& command) {
 
 }  // namespace
 
-void AddSweepCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "sweep", "Run a study file: many cells of settings, each over the same seeds");
-  const auto options = std::make_shared<SweepCommand>();
-  command
-      ->add_option("study", options->file,
-                   "study file (YAML): your own, or studies/NAME.yaml that Gauntlet brings along")
-      ->required();
-  AddOutOption(*command, options->cells.out, "output folder [out/<study>]", "DIR");
-  command
-      ->add_option("--set", options->set,
-                   "change a value of the base scenario in all cells; may be repeated")
-      ->type_name("key=value")
-      ->take_all();
-  command->add_option("--seeds", options->seeds, "number of seeds [as in the study file]")
-      ->transform(WholeNumber(1, 100000));
-  command->add_option("--max-cells", options->max_cells, "more cells than this are refused [10000]")
-      ->transform(WholeNumber(1, 1'000'000'000));
-  command->add_flag("--filter-only", options->filter_only,
-                    "without a hand: score what the filters give");
-  command->add_flag("--all-seeds", options->all_seeds,
-                    "no early stop: also cells that cannot win any more get all seeds");
-  AddCellsOptions(*command, options->cells);
-  command->add_flag("--json", options->json, "print JSON instead of the table");
-  command->add_flag("--slurm", options->slurm,
-                    "submit the shards as an array of jobs to Slurm, which runs failed ones again");
-  command->add_option("--tasks", options->tasks, "how many shards --slurm makes at most [16]")
-      ->transform(WholeNumber(1, 1000));
-  command->add_flag("--retry", options->retry,
-                    "with --slurm: only shards that have not ended well and are not in its queue");
-  command->add_flag("--dry-run", options->dry_run, "with --slurm: print the script and do nothing");
-  command
-      ->add_option("--sbatch", options->sbatch,
-                   "an option for sbatch, as in --sbatch=--partition=night; may be repeated")
-      ->type_name("--OPTION")
-      ->take_all();
-  command->footer(
-      "\nExamples:\n  gauntlet sweep studies/kalman_q.yaml\n"
-      "  gauntlet sweep studies/kalman_q.yaml --shard 1/2   # on one machine, 2/2 on another, "
-      "then\n"
-      "  gauntlet sweep studies/kalman_q.yaml --collect out/kalman_q.shard-*\n"
-      "  gauntlet sweep studies/kalman_q.yaml --slurm --sbatch=--time=1:00:00\n");
-  command->callback([options] { RunSweepCommand(*options); });
-}
+Command MakeSweepCommand() { return MakeCommand(RunSweepCommand); }
 
 }  // namespace gauntlet::sim

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
+#include "sim/cli/command.h"
 #include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
@@ -11,13 +11,16 @@ namespace gauntlet::sim {
 struct TerminalOptions {
   std::string colour = "auto";
   bool wide = false;
+
+  /// --color and --wide.
+  Options Rows() {
+    return {
+        Option("--color", &colour, {.choices = {"auto", "always", "never"}},
+               "colours: at a terminal unless NO_COLOR is set, always, or never [auto]"),
+        Option("--wide", &wide, {}, "print tables in one piece, wider than the terminal"),
+    };
+  }
 };
-
-/// --color.
-void AddColourOption(CLI::App& command, TerminalOptions& options);
-
-/// --color and --wide.
-void AddTableOptions(CLI::App& command, TerminalOptions& options);
 
 /// Of standard output. Its width is that of the variable COLUMNS, else the terminal's, else 80;
 /// `auto` colours a terminal where NO_COLOR is not set (https://no-color.org).

@@ -1,22 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/jobs_option.h"
-#include "sim/cli/out_option.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/cli/usage_error.h"
 #include "sim/report/tune_all_page.h"
 #include "sim/report/tune_page.h"
 #include "sim/scenario/scenario_reader.h"
@@ -27,6 +23,9 @@ namespace gauntlet::sim {
 namespace {
 
 struct TuneCommand {
+  static constexpr auto kName = "tune";
+  static constexpr auto kPurpose =
+      "Find the best values of a controller's settings, judged on seeds that it has not seen";
   std::string scenario;
   std::string controller;
   std::vector<std::string> free;
@@ -43,6 +42,44 @@ struct TuneCommand {
   bool force = false;
   bool json = false;
   TerminalOptions terminal;
+
+  Options Rows() {
+    return {
+        ScenarioArgument(scenario),
+        Option("--controller", &controller, {.offer = Offer::kControllers},
+               "which one of the scenario [with --all: its baseline]"),
+        Option("--all", &all, {},
+               "every kind of filter as that controller's filter, each with the same number of "
+               "evaluations over ranges of its own"),
+        Option("--free", &free, {.value = "KEY=LOW:HIGH"},
+               "a setting of the controller and its range; :log and :whole may stand behind; may "
+               "be repeated"),
+        Option("--minimise", &minimise, {},
+               "score to make small, or large where that is better [tracking_rmse_deg]"),
+        Option("--subject-to", &subject_to, {.value = "SCORE<=X"},
+               "bound of a score, as in --subject-to \"jitter_rms_deg<=0.2\"; may be repeated"),
+        SetOption(set, "change a value of the scenario; may be repeated"),
+        Option("--evaluations", &evaluations, {.range = {1, 100000}},
+               "settings to try at most [100]"),
+        Option("--seeds", &seeds, {.range = {1, 10000}}, "seeds that each is tried on [8]"),
+        Option("--held-out", &held_out, {.range = {1, 10000}},
+               "seeds behind those, for the verdict [8]"),
+        JobsOption(jobs),
+        Option("--filter-only", &filter_only, {}, "without a hand: score what the filters give"),
+        OutOption(out, "output folder [out/<scenario>.tune]"),
+        ForceOption(force),
+        Option("--json", &json, {}, "print JSON instead of the table"),
+        terminal.Rows(),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+Examples:
+  gauntlet tune scenarios/random_motion.yaml --controller tuned_kalman \
+    --free filter.q=1e-6:10:log --minimise delay_ms --subject-to "jitter_rms_deg<=0.2"
+  gauntlet tune scenarios/random_motion.yaml --all --minimise delay_ms \
+    --subject-to "jitter_rms_deg<=0.2" --filter-only   # which filter should I use?
+)";
 };
 
 /// Runs `work`; what it says of a setting is said of this option.
@@ -78,13 +115,7 @@ std::string ControllerOf(const TuneCommand& command, const Scenario& scenario) {
                      .problem = command.all ? "is needed, as the scenario has no baseline"
                                             : "is needed, or --all for all kinds of filters"});
   }
-  std::vector<std::string> known;
-  for (const NamedController& named : scenario.controllers) known.push_back(named.name);
-  if (std::ranges::find(known, command.controller) == known.end()) {
-    throw UserError({.place = "--controller " + command.controller,
-                     .problem = "unknown controller" + Suggestion(command.controller, known)});
-  }
-  return command.controller;
+  return FindController(scenario, command.controller).name;
 }
 
 /// Errors: UserError where --all and --free are both there, or neither.
@@ -173,9 +204,7 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
 }
 
 void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folder) {
-  std::vector<std::string> names;
-  for (const auto& kind : controller::FilterKinds()) names.emplace_back(kind.name);
-  OutputFiles files = FilesOf(names, asked, folder);
+  OutputFiles files = FilesOf(AllNames(controller::FilterKinds()), asked, folder);
   const std::vector<TunedKind> kinds = [&] {
     Progress progress("kinds of filters");
     return TuneAll(plan, JobsOrCores(asked.jobs),
@@ -214,58 +243,6 @@ void RunTuneCommand(const TuneCommand& asked) {
 
 }  // namespace
 
-void AddTuneCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "tune",
-      "Find the best values of a controller's settings, judged on seeds that it has not seen");
-  const auto options = std::make_shared<TuneCommand>();
-  command
-      ->add_option("scenario", options->scenario,
-                   "scenario file (YAML), or the name of a ready one (gauntlet list scenarios)")
-      ->required()
-      ->transform(ScenarioFile);
-  command->add_option("--controller", options->controller,
-                      "which one of the scenario [with --all: its baseline]");
-  command->add_flag("--all", options->all,
-                    "every kind of filter as that controller's filter, each with the same number "
-                    "of evaluations over ranges of its own");
-  command
-      ->add_option(
-          "--free", options->free,
-          "a setting of the controller and its range; :log and :whole may stand behind; may "
-          "be repeated")
-      ->type_name("KEY=LOW:HIGH")
-      ->take_all();
-  command->add_option("--minimise", options->minimise,
-                      "score to make small, or large where that is better [tracking_rmse_deg]");
-  command
-      ->add_option("--subject-to", options->subject_to,
-                   "bound of a score, as in --subject-to \"jitter_rms_deg<=0.2\"; may be repeated")
-      ->type_name("SCORE<=X")
-      ->take_all();
-  command->add_option("--set", options->set, "change a value of the scenario; may be repeated")
-      ->type_name("key=value")
-      ->take_all();
-  command->add_option("--evaluations", options->evaluations, "settings to try at most [100]")
-      ->transform(WholeNumber(1, 100000));
-  command->add_option("--seeds", options->seeds, "seeds that each is tried on [8]")
-      ->transform(WholeNumber(1, 10000));
-  command->add_option("--held-out", options->held_out, "seeds behind those, for the verdict [8]")
-      ->transform(WholeNumber(1, 10000));
-  AddJobsOption(*command, options->jobs);
-  command->add_flag("--filter-only", options->filter_only,
-                    "without a hand: score what the filters give");
-  AddOutOption(*command, options->out, "output folder [out/<scenario>.tune]", "DIR");
-  AddForceOption(*command, options->force);
-  command->add_flag("--json", options->json, "print JSON instead of the table");
-  AddTableOptions(*command, options->terminal);
-  command->footer(
-      "\nExamples:\n  gauntlet tune scenarios/random_motion.yaml --controller tuned_kalman \\\n"
-      "    --free filter.q=1e-6:10:log --minimise delay_ms --subject-to "
-      "\"jitter_rms_deg<=0.2\"\n"
-      "  gauntlet tune scenarios/random_motion.yaml --all --minimise delay_ms \\\n"
-      "    --subject-to \"jitter_rms_deg<=0.2\" --filter-only   # which filter should I use?\n");
-  command->callback([options] { RunTuneCommand(*options); });
-}
+Command MakeTuneCommand() { return MakeCommand(RunTuneCommand); }
 
 }  // namespace gauntlet::sim

@@ -7,7 +7,7 @@ function(make_page page summary)
   list(JOIN ARGN " " command)
   execute_process(
     COMMAND ${HELP2MAN} --no-info --section=1 "--name=${summary}" "--source=Gauntlet ${VERSION}"
-            --version-string=${VERSION} --include=${SECTIONS} "${command}"
+            --version-string=${VERSION} --include=${SECTIONS} --include=${OUTPUT_DIR}/see_also.h2m "${command}"
     OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
   # Titled as the page is called, and without the day on which it was made.
   string(TOUPPER ${page} title)
@@ -28,8 +28,15 @@ string(REGEX MATCHALL "\n  [^\n]+" commands "${commands}")
 if(NOT commands)
   message(FATAL_ERROR "gauntlet --help names no commands:\n${help}")
 endif()
+set(see_also "[SEE ALSO]\n.BR gauntlet (1)")
+foreach(line IN LISTS commands)
+  string(REGEX REPLACE "^\n  ([a-z]+) .*" ",\n.BR gauntlet-\\1 (1)" page "${line}")
+  string(APPEND see_also "${page}")
+endforeach()
+file(WRITE ${OUTPUT_DIR}/see_also.h2m "${see_also}\n")
 foreach(line IN LISTS commands)
   string(REGEX MATCH "^\n  ([a-z]+) +(.+)$" found "${line}")
   make_page(gauntlet-${CMAKE_MATCH_1} "${CMAKE_MATCH_2}" ${PROGRAM} ${CMAKE_MATCH_1})
 endforeach()
 make_page(gauntlet "testbed for glove-driven, tendon-driven prosthetic hands" ${PROGRAM})
+file(REMOVE ${OUTPUT_DIR}/see_also.h2m)

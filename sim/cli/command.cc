@@ -1,0 +1,196 @@
+#include "sim/cli/command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <regex>
+#include <sstream>
+#include <type_traits>
+
+#include "controller/number.h"
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/shell_word.h"
+#include "sim/base/text.h"
+#include "sim/cli/standard_streams.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Numbers as controller::ParseNumber() reads them: CLI11 alone would take hexadecimal and octal
+/// digits.
+CLI::Validator Within(const Range& range, bool is_whole) {
+  const auto low = static_cast<std::int64_t>(range.low);
+  const auto high = static_cast<std::int64_t>(range.high);
+  const auto whole = [=](std::string& text) -> std::string {
+    const auto number = controller::ParseWholeNumber(text, low, high);
+    text = number ? fmt::format("{}", *number) : Shown(text);
+    if (number) return "";
+    return fmt::format("is '{}', must be a whole number from {} to {}", text, low, high);
+  };
+  const auto any = [=](std::string& text) -> std::string {
+    const auto number = controller::ParseNumber(text);
+    const bool is_good = number && *number >= range.low && *number <= range.high;
+    text = is_good ? fmt::format("{:a}", *number) : Shown(text);  // read as the same double
+    if (is_good) return "";
+    return fmt::format("is '{}', must be a number from {} to {}", text, range.low, range.high);
+  };
+  return is_whole ? CLI::Validator(whole, "") : CLI::Validator(any, "");
+}
+
+/// The option without its rules.
+CLI::Option* AddVariable(const Option& option, CLI::App& command) {
+  const auto add = [&](const auto& variable) -> CLI::Option* {
+    using Type = std::decay_t<decltype(variable)>;
+    if constexpr (std::is_same_v<Type, bool*>) {
+      return command.add_flag(option.name, *variable, option.help);
+    } else if constexpr (std::is_pointer_v<Type>) {
+      return command.add_option(option.name, *variable, option.help);
+    } else {
+      return command.add_option_function<std::string>(option.name, variable, option.help);
+    }
+  };
+  return std::visit(add, option.variable);
+}
+
+void AddOption(const Option& option, CLI::App& command) {
+  const OptionRules& rules = option.rules;
+  CLI::Option* added = AddVariable(option, command)->required(rules.required);
+  if (!rules.words.empty()) added->type_name(fmt::format("{{{}}}", fmt::join(rules.words, ",")));
+  if (!rules.value.empty()) added->type_name(rules.value);
+  if (std::isfinite(rules.range.low)) added->transform(Within(rules.range, option.is_whole()));
+  if (!rules.choices.empty()) added->check(CLI::IsMember(rules.choices));
+  if (rules.check) added->transform(CLI::Validator(rules.check, ""));
+  if (rules.separator != '\0') added->delimiter(rules.separator);
+  if (rules.is_one_word) added->allow_extra_args(false);
+  if (rules.shows_default) added->capture_default_str();
+  for (const std::string& other : rules.needs) added->needs(command.get_option(other));
+  for (const std::string& other : rules.excludes) added->excludes(command.get_option(other));
+}
+
+void AddCommand(const Command& command, CLI::App& app) {
+  CLI::App* added = app.add_subcommand(command.name, command.purpose)->footer(command.notes);
+  for (const Option& option : command.options) AddOption(option, *added);
+}
+
+constexpr std::size_t kLongestReason = 240;  // so that the hint behind it stays whole
+
+bool IsOption(const std::string& argument) { return argument.size() > 1 && argument[0] == '-'; }
+
+/// --seed of --seed=3.
+std::string NameOf(const std::string& option) { return option.substr(0, option.find('=')); }
+
+bool HasOption(const Command& command, const std::string& name) {
+  return name == "-h" || name == "--help" || FindNamed<Option>(command.options, name) != nullptr;
+}
+
+/// An option that a command does not have; nothing if all are its own. Names one that was probably
+/// meant: a list of all options is what --help is for.
+std::optional<std::string> UnknownOption(const std::vector<Command>& commands,
+                                         const Command& command,
+                                         const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    if (argument == "--") break;
+    const std::string name = NameOf(argument);
+    if (!IsOption(argument) || HasOption(command, name)) continue;
+    std::string problem = fmt::format("{}: {} has no such option", Shown(name), command.name);
+    for (const Command& other : commands) {
+      if (HasOption(other, name)) return fmt::format("{}; {} has", problem, other.name);
+    }
+    std::vector<std::string> names = AllNames(command.options);
+    names.insert(names.begin(), "--help");
+    std::erase_if(names, [](const std::string& other) { return !IsOption(other); });
+    const std::string nearest = NearestName(name, names);
+    return nearest.empty() ? problem : fmt::format("{} (did you mean {}?)", problem, nearest);
+  }
+  return std::nullopt;
+}
+
+/// "Could not convert: --json = x" of a flag, said of the flag; options have checks of their own.
+std::string ReasonOf(const CLI::ParseError& error) {
+  std::string text = OneLine(error.what(), kLongestReason);
+  const std::string prefix = "Could not convert: ";
+  if (!text.starts_with(prefix)) return text;
+  std::string option = text.substr(prefix.size());
+  const std::size_t sign = option.find(" = ");
+  if (sign == std::string::npos) return text;
+  return fmt::format("{}: is '{}', must be true or false", option.substr(0, sign),
+                     option.substr(sign + 3));
+}
+
+/// What is wrong with a command line that CLI11 did not take: what was written, why it is not
+/// taken, and what was probably meant.
+std::string ExplainUsage(const std::vector<Command>& commands,
+                         const std::vector<std::string>& arguments, const CLI::ParseError& error) {
+  const auto word = std::ranges::find_if_not(arguments, IsOption);
+  if (word == arguments.end()) {
+    const Command program = {"gauntlet", "", {Option("--version", {}, {}, "")}, {}, ""};
+    if (!arguments.empty()) {
+      return UnknownOption(commands, program, arguments).value_or(ReasonOf(error));
+    }
+    return "a command is missing" + Suggestion("", AllNames(commands)) + "; see gauntlet --help";
+  }
+  const Command* command = FindNamed(commands, *word);
+  if (command == nullptr) {
+    return fmt::format("{}: no such command{}; see gauntlet --help", Shown(*word),
+                       Suggestion(*word, AllNames(commands)));
+  }
+  std::string problem = ReasonOf(error);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+    problem = UnknownOption(commands, *command, {word + 1, arguments.end()})
+                  .value_or(fmt::format("{}: more than {} takes", Shown(arguments.back()), *word));
+  }
+  return fmt::format("{}; see gauntlet {} --help", problem, *word);
+}
+
+/// Arguments as CLI11 knows them: `help` for --help, `help run` for run --help, `version` for
+/// --version.
+std::vector<std::string> WithoutWordsForOptions(std::vector<std::string> arguments) {
+  if (arguments.empty()) return arguments;
+  if (arguments[0] == "version") arguments[0] = "--version";
+  if (arguments[0] == "help") {
+    arguments.erase(arguments.begin());
+    arguments.emplace_back("--help");
+  }
+  return arguments;
+}
+
+/// A text that says `gauntlet COMMAND` in the way in which the program was called: `./gauntlet
+/// COMMAND` of a source tree. `called`: argv[0]; a place that no person types is left out.
+std::string AsCalled(const std::string& text, const std::string& called) {
+  if (!called.starts_with("./") && !called.starts_with("../")) return text;
+  static const std::regex kCommand(R"((^|[\s(])gauntlet( --help| [a-z\[]))");
+  std::string word;  // in which $ begins nothing
+  for (const char c : ShellPath(called)) word += c == '$' ? "$$" : std::string(1, c);
+  return std::regex_replace(text, kCommand, "$1" + word + "$2");
+}
+
+}  // namespace
+
+const Command* ReadCommandLine(const Command& program, const std::vector<Command>& commands,
+                               int argc, char** argv) {
+  const std::string called = argc > 0 ? argv[0] : "";
+  const std::vector<std::string> arguments = WithoutWordsForOptions({argv + 1, argv + argc});
+  CLI::App app{program.purpose, program.name};
+  app.set_version_flag("--version", "gauntlet " GAUNTLET_VERSION);
+  app.require_subcommand(1);
+  app.footer(program.notes);
+  for (const Command& command : commands) AddCommand(command, app);
+  try {
+    app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
+  } catch (const CLI::Success& request) {                          // --help, --version
+    std::ostringstream text;
+    app.exit(request, text, text);
+    PrintText(AsCalled(text.str(), called));
+    return nullptr;
+  } catch (const CLI::ParseError& error) {
+    throw UserError(AsCalled(ExplainUsage(commands, arguments, error), called));
+  }
+  return FindNamed(commands, app.get_subcommands().front()->get_name());
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/cli/command.h"
+
+namespace gauntlet::sim {
+
+/// An argument that has to be given.
+Option Argument(std::string name, std::string* variable, Offer offer, std::string help);
+/// A file, or the name of a ready scenario. It becomes what ScenarioFile() returns.
+Option ScenarioArgument(std::string& file);
+/// The file that a user means: one that is there, or a ready scenario, also by its name alone.
+/// Errors: UserError for a name that no scenario has.
+std::string ScenarioFile(const std::string& given);
+/// Changes values of a scenario.
+Option SetOption(std::vector<std::string>& overrides, const std::string& help);
+/// Only these of the scenario.
+Option ControllersOption(std::vector<std::string>& names);
+/// How many trials run at a time; 0, its default, is one per core.
+Option JobsOption(int& jobs);
+int JobsOrCores(int jobs);
+/// A folder, or a file: `value` is its name in --help. An empty `out` has no default there: the
+/// command has a place of its own. An empty path that is given is a mistake.
+Option OutOption(std::string& out, const std::string& help, const std::string& value = "DIR");
+/// Of a command that writes files that people edit.
+Option ForceOption(bool& force);
+/// Of a command that reads a recording.
+Option ArrayOption(std::string& array);
+
+}  // namespace gauntlet::sim
