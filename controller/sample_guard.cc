@@ -23,7 +23,7 @@ double SamplesOf(double duration_ms, double rate_hz) {
   return std::ceil(duration_ms * 1e-3 * rate_hz - 1e-6);
 }
 
-/// Where the values of all channels lie, and between what they are trusted without more ado.
+/// State of all channels, one value per channel at each pointer; see SampleGuard::Value.
 struct Channels {
   double *trusted, *raw, *same, *confirmed;
   const double* seen;
@@ -33,37 +33,39 @@ struct Limits {
   double full_scale, jump, stuck;
 };
 
-/// Takes in what is inside the converter's range, near the last good value and not stuck: those are
-/// good, 1 or 0. Whether all are.
-GAUNTLET_VECTORISED bool TakeGood(const double* counts, const Channels& channels,
-                                  const Limits& limits, int channel_count) {
+/// Takes a sample in if every value is inside the converter's range, near the last good value and
+/// not stuck. False: nothing has changed.
+GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& channels,
+                                       const Limits& limits, int channel_count) {
   const auto [trusted, raw, same, confirmed, seen, good] = channels;
   const auto [full_scale, jump, stuck] = limits;
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double z = counts[i];
     const double last = trusted[i];
-    const double before = raw[i];
-    const double repeats = same[i];
-    const double waits = confirmed[i];
     const double known = seen[i];
-    // One choice per line, among what has been read: the compiler gives up vectors for others.
-    const double again = z == before ? 1.0 : 0.0;
-    const double samples = again * (repeats + 1.0);
+    // One choice per line, among values that have been read: else the loop is not vectorised.
+    const double again = z == raw[i] ? 1.0 : 0.0;
+    const double samples = again * (same[i] + 1.0);
     const double above = z > 0.0 ? known : 0.0;
     const double inside = z < full_scale ? above : 0.0;
     const double near = std::abs(z - last) <= jump ? inside : 0.0;
-    const double yes = samples < stuck ? near : 0.0;
-    trusted[i] = yes == 1.0 ? z : last;
-    raw[i] = yes == 1.0 ? z : before;
-    same[i] = yes == 1.0 ? samples : repeats;
-    confirmed[i] = yes == 1.0 ? 0.0 : waits;
-    good[i] = yes;
+    good[i] = samples < stuck ? near : 0.0;
   }
   constexpr auto kYes = std::bit_cast<std::uint64_t>(1.0);
   std::uint64_t all = kYes;
   for (int i = 0; i < channel_count; ++i) all &= std::bit_cast<std::uint64_t>(good[i]);
-  return all == kYes;
+  if (all != kYes) return false;
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double z = counts[i];
+    const double again = z == raw[i] ? 1.0 : 0.0;
+    same[i] = again * (same[i] + 1.0);
+    trusted[i] = z;
+    raw[i] = z;
+    confirmed[i] = 0.0;
+  }
+  return true;
 }
 
 }  // namespace
@@ -131,10 +133,7 @@ bool SampleGuard::IsStale(const GloveSample& sample) noexcept {
 }
 
 bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
-  const int channels_there = values_.channel_count();
-  const auto given =
-      static_cast<int>(stale ? 0 : std::min(sample.counts.size(), untrusted_samples_.size()));
-  std::fill(values_[kGood] + given, values_[kGood] + channels_there, 0.0);
+  if (stale || sample.counts.size() < untrusted_samples_.size()) return false;
   const Channels channels = {.trusted = values_[kTrusted],
                              .raw = values_[kRaw],
                              .same = values_[kSame],
@@ -143,7 +142,7 @@ bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
                              .good = values_[kGood]};
   const Limits limits = {
       .full_scale = full_scale_counts_, .jump = jump_counts_, .stuck = stuck_samples_};
-  return TakeGood(sample.counts.data(), channels, limits, given) && given == channels_there;
+  return TakeIfAllGood(sample.counts.data(), channels, limits, values_.channel_count());
 }
 
 void SampleGuard::Refuse(int channel, Untrusted kind) noexcept {

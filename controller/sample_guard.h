@@ -71,7 +71,6 @@ class SampleGuard {
     const bool stale = IsStale(sample);
     if (TakeTrusted(sample, stale)) return;
     for (int channel = 0; channel < values_.channel_count(); ++channel) {
-      if (values_[kGood][channel] == 1.0) continue;
       const bool first = values_[kSeen][channel] == 0.0;
       TakeDoubtful(channel, sample, stale);
       if (first && values_[kSeen][channel] == 1.0) first_good(channel);
@@ -95,13 +94,13 @@ class SampleGuard {
  private:
   /// What is kept per channel: the value that is trusted; the last one in range, and for how many
   /// samples it has been the same; where it jumped to, and for how many samples it has been there;
-  /// whether there has been a good value, 1 or 0; whether that of this sample was taken at once.
+  /// whether there has been a good value, 1 or 0; scratch of TakeTrusted().
   enum Value { kTrusted, kRaw, kSame, kCandidate, kConfirmed, kSeen, kGood, kValues };
 
   /// Frames are numbered on a circle; whether one number is ahead of another.
   bool IsAhead(std::int64_t number, std::int64_t of) const noexcept;
   bool IsStale(const GloveSample& sample) noexcept;
-  /// Takes all values in that nothing speaks against. False if there are others.
+  /// Takes all values in if nothing speaks against any of them. False: nothing has changed.
   bool TakeTrusted(const GloveSample& sample, bool stale) noexcept;
   void TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept;
   bool IsJump(int channel, double counts) noexcept;
