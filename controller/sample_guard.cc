@@ -33,8 +33,8 @@ struct Limits {
   double full_scale, jump, stuck;
 };
 
-/// Takes a sample in if every value is inside the converter's range, near the last good value and
-/// not stuck. False: nothing has changed.
+/// Finds the good values of a sample, 1 or 0: those inside the converter's range, near the last
+/// good value and not stuck. Takes them in if all are; else nothing but `good` has changed.
 GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& channels,
                                        const Limits& limits, int channel_count) {
   const auto [trusted, raw, same, confirmed, seen, good] = channels;
@@ -133,7 +133,10 @@ bool SampleGuard::IsStale(const GloveSample& sample) noexcept {
 }
 
 bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
-  if (stale || sample.counts.size() < untrusted_samples_.size()) return false;
+  if (stale || sample.counts.size() < untrusted_samples_.size()) {
+    std::fill_n(values_[kGood], values_.channel_count(), 0.0);
+    return false;
+  }
   const Channels channels = {.trusted = values_[kTrusted],
                              .raw = values_[kRaw],
                              .same = values_[kSame],
@@ -167,6 +170,13 @@ bool SampleGuard::IsJump(int channel, double counts) noexcept {
 void SampleGuard::TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept {
   const auto index = static_cast<std::size_t>(channel);
   const double counts = index < sample.counts.size() ? sample.counts[index] : kNaN;
+  if (values_[kGood][channel] == 1.0) {
+    const bool again = counts == values_[kRaw][channel];
+    values_[kSame][channel] = again ? values_[kSame][channel] + 1.0 : 0.0;
+    values_[kTrusted][channel] = values_[kRaw][channel] = counts;
+    values_[kConfirmed][channel] = 0.0;
+    return;
+  }
   if (std::isnan(counts)) return Refuse(channel, Untrusted::kMissing);
   if (stale) return Refuse(channel, Untrusted::kStale);
   if (std::isinf(counts)) return Refuse(channel, Untrusted::kInfinite);
