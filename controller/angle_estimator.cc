@@ -75,17 +75,16 @@ AngleEstimator::AngleEstimator(const RobotConfig& robot, const ControllerConfig&
 }
 
 void AngleEstimator::Filtered(std::span<const double> input, std::span<double> output) noexcept {
-  if (chain_.empty()) {
-    if (input.data() != output.data()) std::copy(input.begin(), input.end(), output.begin());
-    return;
+  if (chain_.empty() && input.data() != output.data()) {
+    std::copy(input.begin(), input.end(), output.begin());
   }
-  if (input.size() == active_.size()) {
-    chain_[0]->Step(input, output);
-    for (std::size_t i = 1; i < chain_.size(); ++i) chain_[i]->Step(output, output);
-    return;
+  const std::size_t channels = active_.size();
+  for (const auto& filter : chain_) {
+    for (std::size_t at = 0; at < output.size(); at += channels) {
+      filter->Step(input.subspan(at, channels), output.subspan(at, channels));
+    }
+    input = output;
   }
-  chain_[0]->StepSamples(input, output);
-  for (std::size_t i = 1; i < chain_.size(); ++i) chain_[i]->StepSamples(output, output);
 }
 
 void AngleEstimator::Step(std::span<const double> counts,

@@ -33,37 +33,39 @@ struct Limits {
   double full_scale, jump, stuck;
 };
 
-/// Fast path: takes the values that are inside the converter's range, near the last good value and
-/// not stuck. `good` is 1 for these channels, else 0. True if it is 1 for all.
-GAUNTLET_VECTORISED bool TakeGood(const double* counts, const Channels& channels,
-                                  const Limits& limits, int channel_count) {
+/// Fast path: `good` is 1 for channels whose value is inside the converter's range, near the last
+/// good value and not stuck, else 0. Takes the values if all are good; else only `good` changes.
+GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& channels,
+                                       const Limits& limits, int channel_count) {
   const auto [trusted, raw, same, confirmed, seen, good] = channels;
   const auto [full_scale, jump, stuck] = limits;
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double z = counts[i];
     const double last = trusted[i];
-    const double before = raw[i];
-    const double repeats = same[i];
-    const double waits = confirmed[i];
     const double known = seen[i];
-    // One conditional per line on values in registers. The compiler does not vectorise other forms.
-    const double again = z == before ? 1.0 : 0.0;
-    const double samples = again * (repeats + 1.0);
+    // One conditional per line on values that were read. The compiler does not vectorise other forms.
+    const double again = z == raw[i] ? 1.0 : 0.0;
+    const double samples = again * (same[i] + 1.0);
     const double above = z > 0.0 ? known : 0.0;
     const double inside = z < full_scale ? above : 0.0;
     const double near = std::abs(z - last) <= jump ? inside : 0.0;
-    const double yes = samples < stuck ? near : 0.0;
-    trusted[i] = yes == 1.0 ? z : last;
-    raw[i] = yes == 1.0 ? z : before;
-    same[i] = yes == 1.0 ? samples : repeats;
-    confirmed[i] = yes == 1.0 ? 0.0 : waits;
-    good[i] = yes;
+    good[i] = samples < stuck ? near : 0.0;
   }
   constexpr auto kYes = std::bit_cast<std::uint64_t>(1.0);
   std::uint64_t all = kYes;
   for (int i = 0; i < channel_count; ++i) all &= std::bit_cast<std::uint64_t>(good[i]);
-  return all == kYes;
+  if (all != kYes) return false;
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double z = counts[i];
+    const double again = z == raw[i] ? 1.0 : 0.0;
+    same[i] = again * (same[i] + 1.0);
+    trusted[i] = z;
+    raw[i] = z;
+    confirmed[i] = 0.0;
+  }
+  return true;
 }
 
 }  // namespace
@@ -131,10 +133,10 @@ bool SampleGuard::IsStale(const GloveSample& sample) noexcept {
 }
 
 bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
-  const int channels_there = values_.channel_count();
-  const auto given =
-      static_cast<int>(stale ? 0 : std::min(sample.counts.size(), untrusted_samples_.size()));
-  std::fill(values_[kGood] + given, values_[kGood] + channels_there, 0.0);
+  if (stale || sample.counts.size() < untrusted_samples_.size()) {
+    std::fill_n(values_[kGood], values_.channel_count(), 0.0);
+    return false;
+  }
   const Channels channels = {.trusted = values_[kTrusted],
                              .raw = values_[kRaw],
                              .same = values_[kSame],
@@ -143,7 +145,7 @@ bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
                              .good = values_[kGood]};
   const Limits limits = {
       .full_scale = full_scale_counts_, .jump = jump_counts_, .stuck = stuck_samples_};
-  return TakeGood(sample.counts.data(), channels, limits, given) && given == channels_there;
+  return TakeIfAllGood(sample.counts.data(), channels, limits, values_.channel_count());
 }
 
 void SampleGuard::Refuse(int channel, Untrusted kind) noexcept {
@@ -168,6 +170,13 @@ bool SampleGuard::IsJump(int channel, double counts) noexcept {
 void SampleGuard::TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept {
   const auto index = static_cast<std::size_t>(channel);
   const double counts = index < sample.counts.size() ? sample.counts[index] : kNaN;
+  if (values_[kGood][channel] == 1.0) {
+    const bool again = counts == values_[kRaw][channel];
+    values_[kSame][channel] = again ? values_[kSame][channel] + 1.0 : 0.0;
+    values_[kTrusted][channel] = values_[kRaw][channel] = counts;
+    values_[kConfirmed][channel] = 0.0;
+    return;
+  }
   if (std::isnan(counts)) return Refuse(channel, Untrusted::kMissing);
   if (stale) return Refuse(channel, Untrusted::kStale);
   if (std::isinf(counts)) return Refuse(channel, Untrusted::kInfinite);

@@ -71,7 +71,6 @@ class SampleGuard {
     const bool stale = IsStale(sample);
     if (TakeTrusted(sample, stale)) return;
     for (int channel = 0; channel < values_.channel_count(); ++channel) {
-      if (values_[kGood][channel] == 1.0) continue;
       const bool first = values_[kSeen][channel] == 0.0;
       TakeDoubtful(channel, sample, stale);
       if (first && values_[kSeen][channel] == 1.0) first_good(channel);
@@ -94,13 +93,13 @@ class SampleGuard {
  private:
   /// State per channel: the trusted value; the last value in range, and the number of its
   /// repetitions; the level of a jump, and the number of its samples; 1 after the first good value;
-  /// 1 if the fast path took the value of this sample.
+  /// scratch of TakeTrusted().
   enum Value { kTrusted, kRaw, kSame, kCandidate, kConfirmed, kSeen, kGood, kValues };
 
   /// True if frame number `number` is ahead of `of` on the circle of numbers.
   bool IsAhead(std::int64_t number, std::int64_t of) const noexcept;
   bool IsStale(const GloveSample& sample) noexcept;
-  /// Takes all values that pass the fast path. False if one does not.
+  /// Takes all values if all pass the fast path. False: nothing has changed.
   bool TakeTrusted(const GloveSample& sample, bool stale) noexcept;
   void TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept;
   bool IsJump(int channel, double counts) noexcept;

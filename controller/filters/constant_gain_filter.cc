@@ -26,14 +26,6 @@ class ConstantGainFilter final : public RecursiveFilter {
                   channel_count());
     }
   }
-  void StepAllOfSamples(const double* input, double* output, int samples) noexcept override {
-    if (gains_.array_count() == 2) {
-      StepStates2(state(0), state(1), gains_[0], gains_[1], input, output, channel_count(),
-                  samples);
-    } else {
-      RecursiveFilter::StepAllOfSamples(input, output, samples);
-    }
-  }
   void SettleAt(int channel, double value) noexcept override { state(0)[channel] = value; }
 
   ChannelArrays gains_;

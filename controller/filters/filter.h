@@ -26,14 +26,6 @@ class Filter {
   void Step(std::span<const double> input, std::span<double> output) noexcept {
     if (Fits(input.size()) && Fits(output.size())) StepChecked(input, output);
   }
-  /// Samples that follow each other, for who has them already: the same bits as Step() of each, in
-  /// less time. Shapes: samples x channels, one sample after the other.
-  void StepSamples(std::span<const double> input, std::span<double> output) noexcept {
-    const bool fits = output.size() == input.size() &&
-                      input.size() % static_cast<std::size_t>(channel_count_) == 0;
-    GAUNTLET_ASSERT(fits);
-    if (fits) StepSamplesChecked(input, output);
-  }
   /// Back to the state after construction.
   virtual void Reset() noexcept = 0;
   /// One channel back to the state after construction; the others keep every bit.
@@ -65,13 +57,6 @@ class Filter {
  private:
   /// The same, once it is sure that the arguments fit.
   virtual void StepChecked(std::span<const double> input, std::span<double> output) noexcept = 0;
-  virtual void StepSamplesChecked(std::span<const double> input,
-                                  std::span<double> output) noexcept {
-    const auto channels = static_cast<std::size_t>(channel_count_);
-    for (std::size_t at = 0; at < input.size(); at += channels) {
-      StepChecked(input.subspan(at, channels), output.subspan(at, channels));
-    }
-  }
   virtual void ResetChecked(int channel) noexcept = 0;
   virtual void StartChecked(std::span<const double> values) noexcept = 0;
   virtual bool TakeChecked(Filter& from) noexcept = 0;

@@ -131,18 +131,6 @@ class ChannelKalmanFilter final : public StateFilter<KalmanFilter> {
                   arrays_[kK2Of3], arrays_[kK3Of3], input.data(), output.data(), channel_count());
     }
   }
-  void StepSamplesChecked(std::span<const double> input,
-                          std::span<double> output) noexcept override {
-    const auto channels = static_cast<std::size_t>(channel_count());
-    const auto is_steady = [&] { return all_settled_ && layout_.states == 2 && !acceleration_; };
-    std::size_t at = 0;
-    for (; at < input.size() && !is_steady(); at += channels) {
-      StepChecked(input.subspan(at, channels), output.subspan(at, channels));
-    }
-    StepStates2(arrays_[kX], arrays_[kW], arrays_[kK1], arrays_[kK2], input.data() + at,
-                output.data() + at, channel_count(),
-                static_cast<int>((input.size() - at) / channels));
-  }
   /// A channel whose covariance has settled keeps it, and its gains, whatever the others do: so it
   /// gives the same bits alone and among others.
   void StepCovariances() noexcept {

@@ -1,7 +1,6 @@
 #include "controller/filters/kalman_kernels.h"
 
 #include "controller/assert.h"
-#include "controller/filters/lanes.h"
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 
@@ -97,42 +96,6 @@ GAUNTLET_VECTORISED void States2(double* x, double* w, const double* k1, const d
   }
 }
 
-/// As States2(), of four channels.
-struct LanesOfStates2 {
-  struct Memory {
-    double *x, *w;
-    const double *k1, *k2;
-  };
-  GAUNTLET_INLINE void Load(const Memory& memory, int channel) noexcept {
-    LoadLanes(memory.x + channel, x);
-    LoadLanes(memory.w + channel, w);
-    LoadLanes(memory.k1 + channel, k1);
-    LoadLanes(memory.k2 + channel, k2);
-  }
-  GAUNTLET_INLINE void Step(Lanes& sample) noexcept {
-    const Lanes x_prior = x + w;          // x⁻ = A x
-    Lanes innovation = sample - x_prior;  // z − H x⁻
-    DropSubnormals(innovation);
-    x = x_prior + k1 * innovation;  // x = x⁻ + K (z − H x⁻)
-    w += k2 * innovation;           // w = w⁻ + K₂ (z − H x⁻)
-    sample = x;
-  }
-  GAUNTLET_INLINE void Store(const Memory& memory, int channel) const noexcept {
-    StoreLanes(x, memory.x + channel);
-    StoreLanes(w, memory.w + channel);
-  }
-
-  Lanes x, w, k1, k2;
-};
-
-GAUNTLET_VECTORISED void States2OfSamples(const LanesOfStates2::Memory& memory, const double* z,
-                                          double* output, int channel_count, int samples) {
-  ForParts(
-      channel_count, [&]<int kCount>(int first, int count) __attribute__((always_inline)) {
-        StepRows<kCount, LanesOfStates2>(memory, first, count, z, output, channel_count, samples);
-      });
-}
-
 GAUNTLET_VECTORISED void States3(double* x, double* w, double* a, const double* k1,
                                  const double* k2, const double* k3, const double* z,
                                  double* output, int channel_count) {
@@ -183,18 +146,6 @@ void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& q) {
 void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
                  double* output, int channel_count) {
   States2(x, w, k1, k2, measured, output, channel_count);
-}
-
-void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
-                 double* output, int channel_count, int samples) {
-  if (kLanesPay && channel_count >= kLanes) {
-    States2OfSamples({.x = x, .w = w, .k1 = k1, .k2 = k2}, measured, output, channel_count,
-                     samples);
-    return;
-  }
-  for (; samples > 0; --samples, measured += channel_count, output += channel_count) {
-    States2(x, w, k1, k2, measured, output, channel_count);
-  }
 }
 
 void StepStates3(double* x, double* w, double* a, const double* k1, const double* k2,

@@ -35,9 +35,6 @@ void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& q);
 /// position. `measured` and `output` may be the same memory.
 void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
                  double* output, int channel_count);
-/// The same of samples that follow each other; samples x channels, one sample after the other.
-void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
-                 double* output, int channel_count, int samples);
 void StepStates3(double* x, double* w, double* a, const double* k1, const double* k2,
                  const double* k3, const double* measured, double* output, int channel_count);
 

@@ -13,17 +13,6 @@ void RecursiveFilter::StepChecked(std::span<const double> input,
   StepAll(input.data(), output.data());
 }
 
-void RecursiveFilter::StepSamplesChecked(std::span<const double> input,
-                                         std::span<double> output) noexcept {
-  if (input.empty()) return;
-  const auto channels = static_cast<std::size_t>(channel_count());
-  if (fresh_.any()) {
-    fresh_.StartAll(input.first(channels),
-                    [this](int channel, double value) { SettleAt(channel, value); });
-  }
-  StepAllOfSamples(input.data(), output.data(), static_cast<int>(input.size() / channels));
-}
-
 void RecursiveFilter::Reset() noexcept {
   for (int channel = 0; channel < channel_count(); ++channel)
     RecursiveFilter::ResetChecked(channel);

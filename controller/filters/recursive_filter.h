@@ -24,12 +24,6 @@ class RecursiveFilter : public Filter {
 
   /// One step of all channels; `input` and `output` may be the same memory.
   virtual void StepAll(const double* input, double* output) noexcept = 0;
-  /// The same of samples that follow each other.
-  virtual void StepAllOfSamples(const double* input, double* output, int samples) noexcept {
-    for (; samples > 0; --samples, input += channel_count(), output += channel_count()) {
-      StepAll(input, output);
-    }
-  }
   /// The state that `value` for all time up to now leaves behind; all other states are 0.
   virtual void SettleAt(int channel, double value) noexcept = 0;
 
@@ -37,7 +31,6 @@ class RecursiveFilter : public Filter {
 
  private:
   void StepChecked(std::span<const double> input, std::span<double> output) noexcept final;
-  void StepSamplesChecked(std::span<const double> input, std::span<double> output) noexcept final;
   void ResetChecked(int channel) noexcept final;
   void StartChecked(std::span<const double> values) noexcept final;
   bool TakeChecked(Filter& from) noexcept final;

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "controller/assert.h"
-#include "controller/filters/lanes.h"
 #include "controller/filters/vectorise.h"
 
 namespace gauntlet::controller {
@@ -17,34 +16,13 @@ struct Lines {
   const double *source_origin, *slope, *target_origin;
 };
 
-/// Of four channels.
-struct LanesOfLines {
-  GAUNTLET_INLINE void Load(const Lines& lines, int channel) noexcept {
-    LoadLanes(lines.source_origin + channel, source_origin);
-    LoadLanes(lines.slope + channel, slope);
-    LoadLanes(lines.target_origin + channel, target_origin);
-  }
-  GAUNTLET_INLINE void Step(Lanes& value) const noexcept {
-    value = target_origin + (value - source_origin) * slope;
-  }
-  GAUNTLET_INLINE void Store(const Lines& /*unchanged*/, int /*channel*/) const noexcept {}
-
-  Lanes source_origin, slope, target_origin;
-};
-
-/// Of all samples.
-GAUNTLET_VECTORISED void MapLines(const Lines& lines, const double* from, double* to, int channels,
-                                  int samples) {
-  if (kLanesPay && channels >= kLanes) {
-    ForParts(
-        channels, [&]<int kCount>(int first, int count) __attribute__((always_inline)) {
-          StepRows<kCount, LanesOfLines>(lines, first, count, from, to, channels, samples);
-        });
-    return;
-  }
-  for (; samples > 0; --samples, from += channels, to += channels) {
-    for (int i = 0; i < channels; ++i) {
-      to[i] = lines.target_origin[i] + (from[i] - lines.source_origin[i]) * lines.slope[i];
+GAUNTLET_VECTORISED void MapLines(const Lines& lines, const double* from, double* to,
+                                  int channel_count, int samples) {
+  const auto [source_origin, slope, target_origin] = lines;
+  for (; samples > 0; --samples, from += channel_count, to += channel_count) {
+    GAUNTLET_CHANNEL_LOOP
+    for (int i = 0; i < channel_count; ++i) {
+      to[i] = target_origin[i] + (from[i] - source_origin[i]) * slope[i];
     }
   }
 }

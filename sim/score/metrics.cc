@@ -114,8 +114,7 @@ constexpr MetricRow kRows[] = {
       .definition = "sqrt(mean((hand - reference)^2))",
       .main = true,
       .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * std::sqrt(j.mean_square_error_rad2()); },
-     true},
+     [](const ScoredJoint& j) { return kDegPerRad * RmsWithin(j.error_rad(), 0, j.counted); }},
     {{.key = "delay_ms",
       .help = "how late the hand is",
       .definition = "lag of the largest Pearson correlation over the overlap, within half the "

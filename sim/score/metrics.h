@@ -16,7 +16,6 @@ using Measure = std::variant<double (*)(const ScoredJoint&), double (*)(const Sc
 struct MetricRow {
   Metric metric;
   Measure measure;
-  bool in_passing = false;  // made of the mean square error of the joint alone
 };
 
 /// All rows, in the order of Metrics().

@@ -9,7 +9,6 @@
 #include "sim/score/fourier.h"
 #include "sim/score/metrics.h"
 #include "sim/score/no_score.h"
-#include "sim/score/scores_in_passing.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -198,24 +197,13 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
   return scores;
 }
 
-bool AreInPassing(std::span<const std::size_t> metrics) {
-  return !metrics.empty() && std::ranges::all_of(metrics, [](std::size_t metric) {
-    return MetricRows()[metric].in_passing;
-  });
-}
-
-Scores ScoresInPassing(const MeanSquareError& error, const ScoreRows& table,
-                       std::span<const std::size_t> metrics) {
-  Check(error.joint_count() == std::ssize(table.joints), "the error is that of other joints");
-  Check(AreInPassing(metrics), "a score is asked for that needs the trial's signals");
-  const Signal nothing(0, error.joint_count());
-  const ScoreInput input{.reference_angle_rad = &nothing, .hand_angle_rad = &nothing};
-  Fourier fourier;
-  const AllJoints all(input, fourier, &error);
+Scores TrackingScores(std::span<const double> mean_square_error_rad2, const ScoreRows& table) {
+  GAUNTLET_ASSERT(mean_square_error_rad2.size() == table.joints.size());
+  const std::size_t metric = MetricIndex("tracking_rmse_deg");
   Scores scores = NoScores(table);
-  for (int joint = 0; joint < error.joint_count(); ++joint) {
-    Score(ScoredJoint(input, joint, all, fourier), Wanted(metrics),
-          scores.channels[table.joints[joint]]);
+  for (std::size_t joint = 0; joint < table.joints.size(); ++joint) {
+    scores.channels[table.joints[joint]][metric] =
+        kDegPerRad * std::sqrt(mean_square_error_rad2[joint]);
   }
   scores.summary = MeansOver(scores.channels);
   return scores;

@@ -121,4 +121,8 @@ bool NeedsNoiseFreeTwin(std::size_t metric);
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& rows,
                      std::span<const std::size_t> metrics = {});
 
+/// The tracking error alone, of joints whose mean square error is known already: the same bits as
+/// ComputeScores() gives. Shape: one per joint of `rows`.
+Scores TrackingScores(std::span<const double> mean_square_error_rad2, const ScoreRows& rows);
+
 }  // namespace gauntlet::sim

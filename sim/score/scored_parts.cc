@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "controller/assert.h"
@@ -37,34 +36,15 @@ std::vector<double> NoiseJitter(const AllJoints& all, Fourier& fourier) {
   return jitter;
 }
 
-MeanSquareError FindMeanSquareError(const AllJoints& all) {
-  const Signal& hand = *all.input.hand_angle_rad;
-  std::vector<int> columns(hand.cols());
-  std::iota(columns.begin(), columns.end(), 0);
-  std::vector<CountedTicks> counted;
-  for (const int joint : columns) {
-    counted.push_back(all.CountedOf(&CountedParts::joints, joint));
-  }
-  MeanSquareError error(std::move(columns), std::move(counted));
-  for (Eigen::Index row = 0; row < hand.rows(); row += kTrimRows) {
-    const Eigen::Index rows = std::min(kTrimRows, hand.rows() - row);
-    error.Add(hand.middleRows(row, rows), all.input.reference_angle_rad->middleRows(row, rows));
-    TrimSignals();
-  }
-  return error;
-}
-
 }  // namespace
 
-AllJoints::AllJoints(const ScoreInput& scored, Fourier& fourier, const MeanSquareError* error)
+AllJoints::AllJoints(const ScoreInput& scored, Fourier& fourier)
     : input(scored),
       trembling([this, &fourier] {
         return Trembling(*input.hand_angle_rad, input.rate_hz, input.jitter_above_hz, fourier);
       }),
       noise_jitter_rad([this, &fourier] { return NoiseJitter(*this, fourier); }),
-      error_splits([this, &fourier] { return SplitErrors(input, fourier); }),
-      mean_square_error(
-          [this, error] { return error != nullptr ? *error : FindMeanSquareError(*this); }) {}
+      error_splits([this, &fourier] { return SplitErrors(input, fourier); }) {}
 
 CountedTicks AllJoints::CountedOf(const std::vector<CountedTicks> CountedParts::*parts,
                                   int part) const {
@@ -106,8 +86,6 @@ std::span<const double> ScoredJoint::trembling_rad() const {
   const Signal& values = all_.trembling().values;
   return Column(values, column_, values.rows());
 }
-
-double ScoredJoint::mean_square_error_rad2() const { return all_.mean_square_error().Of(column_); }
 
 double ScoredJoint::jitter_rad() const {
   return RmsWithin(trembling_rad(), all_.trembling().first_sample, trembling_counted_);

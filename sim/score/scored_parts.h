@@ -9,7 +9,6 @@
 #include "sim/score/error_split.h"
 #include "sim/score/fourier.h"
 #include "sim/score/low_pass.h"
-#include "sim/score/mean_square_error.h"
 #include "sim/score/score.h"
 #include "sim/score/smoothness.h"
 #include "sim/score/wearer.h"
@@ -36,8 +35,7 @@ class Lazy {
 
 /// What is found for all joints together.
 struct AllJoints {
-  /// The error, if it is known already.
-  AllJoints(const ScoreInput& input, Fourier& fourier, const MeanSquareError* error = nullptr);
+  AllJoints(const ScoreInput& input, Fourier& fourier);
   AllJoints(const AllJoints&) = delete;  // its parts refer to it
   AllJoints& operator=(const AllJoints&) = delete;
 
@@ -49,7 +47,6 @@ struct AllJoints {
   Lazy<FilteredSignal> trembling;              // of the hand above jitter_above_hz
   Lazy<std::vector<double>> noise_jitter_rad;  // RMS of what noise adds to it; empty: not known
   Lazy<std::vector<ErrorSplit>> error_splits;  // empty: not known
-  Lazy<MeanSquareError> mean_square_error;
 };
 
 /// One joint. What several metrics need is found once.
@@ -67,7 +64,6 @@ struct ScoredJoint {
   Lazy<std::optional<double>> delay_ticks;
   Lazy<Smoothness> smoothness;
 
-  double mean_square_error_rad2() const;
   double jitter_rad() const;        // RMS of the trembling, above jitter_above_hz
   double noise_jitter_rad() const;  // kNoScore: not known
 

@@ -9,7 +9,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/threads.h"
-#include "sim/score/scores_in_passing.h"
 #include "sim/study/study_room.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/filter_trial.h"
@@ -23,9 +22,11 @@ std::size_t JobsOf(const StudyOptions& options) {
   return static_cast<std::size_t>(std::max(1, options.jobs));
 }
 
-/// Whether all scores are found while trials run.
+/// Whether nothing but the tracking error of trials without a hand is wanted: it is summed up while
+/// they run, and their angles are not kept.
 bool IsInPassing(const StudyOptions& options) {
-  return !options.physics && !options.keep_first_traces && AreInPassing(options.scores);
+  return !options.physics && !options.keep_first_traces &&
+         options.scores == std::vector{MetricIndex("tracking_rmse_deg")};
 }
 
 /// The glove signals of one seed, made by the first trial that needs them. They live as long as
@@ -276,12 +277,12 @@ class Schedule {
                             if (tick % kTrimRows == 0) TrimSignals();
                             tick += angle_rad.rows();
                           }
-                          errors[trial].AddRows(angle_rad, reference_rad);
+                          errors[trial].Add(angle_rad, reference_rad);
                         });
     for (std::size_t i = 0; i < controllers.size(); ++i) {
       if (!Progress(1.0)) throw Cancelled{};
       TrialOutcome& outcome = OutcomeOf(task.seed_index, controllers[i]);
-      outcome.scores = ScoreInPassing(study_, errors[i], options_.scores);
+      outcome.scores = ScoreInPassing(study_, errors[i]);
       outcome.untrusted_samples = std::move(traces[i].untrusted_samples);
       FinishTrial(task.seed_index, controllers[i]);
     }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "sim/score/scores_in_passing.h"
 #include "sim/study/counted_parts.h"
 
 namespace gauntlet::sim {
@@ -181,9 +180,8 @@ MeanSquareError ErrorInPassing(const Study& study, const GloveSignal& glove) {
                   : std::vector<CountedTicks>(study.measured_joints.size(), {{0, ticks}})};
 }
 
-Scores ScoreInPassing(const Study& study, const MeanSquareError& error,
-                      std::span<const std::size_t> metrics) {
-  return WithoutSign(ScoresInPassing(error, study.rows, metrics));
+Scores ScoreInPassing(const Study& study, const MeanSquareError& error) {
+  return WithoutSign(TrackingScores(error.Values(), study.rows));
 }
 
 }  // namespace gauntlet::sim

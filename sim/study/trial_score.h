@@ -21,10 +21,9 @@ Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& re
                   const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
                   std::span<const std::size_t> metrics = {});
 
-/// Takes the angles of a trial block by block, for scores that are found in passing.
+/// Takes the angles of a trial block by block, where the tracking error alone is wanted.
 MeanSquareError ErrorInPassing(const Study& study, const GloveSignal& glove);
-/// These scores of such a trial, once it has ended: the same bits as of ScoreTrial().
-Scores ScoreInPassing(const Study& study, const MeanSquareError& error,
-                      std::span<const std::size_t> metrics);
+/// Scores of such a trial, once it has ended: the same bits as of ScoreTrial().
+Scores ScoreInPassing(const Study& study, const MeanSquareError& error);
 
 }  // namespace gauntlet::sim

@@ -98,25 +98,6 @@ void FilterBenchmark(benchmark::State& state, const FilterConfig& config) {
   CountSamples(state, samples);
 }
 
-/// Samples that follow each other in one call, as trials without a hand step them.
-void SamplesBenchmark(benchmark::State& state, const FilterConfig& config) {
-  constexpr int kTogether = 128;
-  const int n = static_cast<int>(state.range(0));
-  const auto filter = MakeFilter(WithOneR(config), n, kRateHz);
-  const int samples = SampleCount(n);
-  const TestSignal input = GloveCounts(samples, n);
-  std::vector<double> output(static_cast<std::size_t>(kTogether * n));
-  for (auto _ : state) {
-    for (int k = 0; k < samples; k += kTogether) {
-      const auto values = static_cast<std::size_t>(std::min(kTogether, samples - k) * n);
-      filter->StepSamples({input.row(k).data(), values}, {output.data(), values});
-      benchmark::DoNotOptimize(output.data());
-      benchmark::ClobberMemory();
-    }
-  }
-  CountSamples(state, samples);
-}
-
 /// `fitted` without weights does nothing, so it gets 40.
 PredictionConfig WithWeights(PredictionConfig config, int components) {
   if (auto* fitted = std::get_if<FittedPredictionConfig>(&config.settings)) {
@@ -402,11 +383,6 @@ void Register() {
   benchmark::RegisterBenchmark("memcpy_in_cache", CachedCopyBenchmark)->Arg(18);
   for (const FilterKind& kind : FilterKinds()) {
     benchmark::RegisterBenchmark(std::string(kind.name).c_str(), FilterBenchmark, kind.defaults)
-        ->Arg(18);
-  }
-  for (const FilterKind& kind : FilterKinds()) {
-    benchmark::RegisterBenchmark(("samples/" + std::string(kind.name)).c_str(), SamplesBenchmark,
-                                 kind.defaults)
         ->Arg(18);
   }
   benchmark::RegisterBenchmark("kalman_3_states", FilterBenchmark,

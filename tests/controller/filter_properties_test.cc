@@ -66,37 +66,6 @@ TEST_P(FilterProperties, GivesTheSameBitsForOneChannelAsForMany) {
 }
 
 /// In parts of any length, in place, of few channels and of more than go through registers at once.
-TEST_P(FilterProperties, GivesTheSameBitsForSamplesThatFollowEachOther) {
-  for (const int channels : {1, 3, 4, 5, 17, 18, 21, 43}) {
-    const auto make = [&] {
-      return MakeFilter(ForOneChannel(GetParam().config, 0, kChannels), channels, kRateHz);
-    };
-    const TestSignal input = GloveCounts(200, channels);
-    const auto one_by_one = make();
-    TestSignal expected(input.rows(), input.cols());
-    const auto together = make();
-    TestSignal output = input;
-    Eigen::Index first = 0;
-    for (const Eigen::Index count : {2, 1, 0, 61, 7, 129}) {
-      if (count == 7) {  // in the middle of it all
-        one_by_one->ResetChannel(channels - 1);
-        together->ResetChannel(channels - 1);
-      }
-      for (Eigen::Index k = first; k < first + count; ++k) {
-        one_by_one->Step(RowOf(input, k), RowOf(expected, k));
-      }
-      const std::span<double> part(output.data() + first * channels,
-                                   static_cast<std::size_t>(count * channels));
-      together->StepSamples(part, part);
-      first += count;
-    }
-    ASSERT_EQ(first, input.rows());
-    EXPECT_EQ(output, expected) << channels;
-    // And what is left behind.
-    EXPECT_EQ(Filtered(*together, input), Filtered(*one_by_one, input)) << channels;
-  }
-}
-
 TEST_P(FilterProperties, ResetsOneChannelAndLeavesTheOthers) {
   const TestSignal before = GloveCounts(300, kChannels, 1);
   const TestSignal after = GloveCounts(300, kChannels, 2);
