@@ -19,6 +19,8 @@ template <class... Visitors>
 struct Overloaded : Visitors... {
   using Visitors::operator()...;
 };
+template <class... Visitors>
+Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
 Json JsonOfValue(const ResultValue& value) {
   return std::visit(Overloaded{[](std::monostate) { return Json(); },
