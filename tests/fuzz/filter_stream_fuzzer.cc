@@ -29,26 +29,29 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string line;
   std::getline(text, line);
   std::istringstream words(line);
-  std::vector<std::string> arguments;  // from the last to the first, as CLI11 takes them
+  std::vector<std::string> arguments = {"gauntlet", "filter"};
   for (std::string word; words >> word;) {
-    const bool is_setting = !arguments.empty() && !word.starts_with("--columns=");
-    if (is_setting) arguments.insert(arguments.begin(), "--set");
-    arguments.insert(arguments.begin(), word);
+    const bool is_setting = arguments.size() > 2 && !word.starts_with("--columns=");
+    if (is_setting) arguments.emplace_back("--set");
+    arguments.push_back(word);
   }
-  arguments.push_back("filter");
   if (end < size) {
     static const std::string map =
         "/dev/shm/gauntlet_fuzz_filter_" + std::to_string(getpid()) + ".csv";
     std::ofstream(map, std::ios::binary) << input.substr(end + 1);
-    arguments.insert(arguments.begin(), "--map=" + map);
+    arguments.push_back("--map=" + map);
   }
   std::streambuf* const before = std::cin.rdbuf(text.rdbuf());
   std::cin.clear();
   try {
-    CLI::App app;
-    gauntlet::sim::AddFilterCommand(app);
-    app.parse(arguments);
-  } catch (const CLI::ParseError&) {
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    const std::vector<gauntlet::sim::Command> commands = {gauntlet::sim::MakeFilterCommand()};
+    const gauntlet::sim::Command program{
+        .name = "gauntlet", .purpose = {}, .options = {}, .run = {}, .notes = {}};
+    const auto* command = gauntlet::sim::ReadCommandLine(
+        program, commands, static_cast<int>(argv.size()), argv.data());
+    if (command != nullptr) command->run();
   } catch (const gauntlet::sim::UserError&) {
   } catch (const gauntlet::controller::SettingError&) {
   }
