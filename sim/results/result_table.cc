@@ -58,7 +58,9 @@ void AddToJson(const ResultColumn& column, const ResultCell& cell, Json& row) {
 
 }  // namespace
 
-ResultCell::ResultCell(ResultValue value) : values{value}, text(TextOfValue(value)) {}
+ResultCell::ResultCell(ResultValue value) : text(TextOfValue(value)) {
+  values.push_back(std::move(value));
+}
 
 ResultCell ResultCell::IfAny(const std::string& text) {
   return text.empty() ? ResultCell() : ResultCell(text);

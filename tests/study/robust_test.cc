@@ -1,6 +1,5 @@
 // Robustness: which hands are tried, and that made-up scores give the shares and bars they must.
 #include "sim/study/robust.h"
-#include "sim/study/robust_tables.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scenario/scenario_reader.h"
+#include "sim/study/robust_tables.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {
