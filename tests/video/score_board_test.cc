@@ -69,9 +69,10 @@ TEST_F(ScoreBoardTest, OneRunSaysNothingAboutChance) {
   EXPECT_EQ(verdict.rows[0].cells[2].detail, "");
   EXPECT_EQ(verdict.remark, "One run: nothing is said about chance.");
 
-  const ScoreBoard run = ReadScoreBoard(Write(R"({"seed": 1, "controllers": [{"name": "raw", "summary":
+  const ScoreBoard run =
+      ReadScoreBoard(Write(R"({"seed": 1, "controllers": [{"name": "raw", "summary":
           {"tracking_rmse_deg": 6.444, "delay_ms": null, "jitter_rms_deg": 0.2781}}]})"),
-                                  {"raw"});
+                     {"raw"});
   EXPECT_EQ(run.rows[0].cells[0].value, "6.44°");
   EXPECT_EQ(run.rows[0].cells[1].value, "–");
   EXPECT_EQ(run.rows[0].cells[2].detail, "");
