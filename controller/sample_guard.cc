@@ -44,7 +44,7 @@ GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& cha
     const double z = counts[i];
     const double last = trusted[i];
     const double known = seen[i];
-    // One conditional per line on values that were read. The compiler does not vectorise other forms.
+    // One conditional per line on values that were read: the compiler vectorises no other form.
     const double again = z == raw[i] ? 1.0 : 0.0;
     const double samples = again * (same[i] + 1.0);
     const double above = z > 0.0 ? known : 0.0;

@@ -14,8 +14,8 @@
 #include "paper_html.h"
 #include "sim/glove/noise/galton_board.h"
 #include "sim/report/assets.h"
-#include "sim/results/html_text.h"
 #include "sim/report/score_table.h"
+#include "sim/results/html_text.h"
 #include "sim/results/table_text.h"
 #include "sim/study/study_files.h"
 

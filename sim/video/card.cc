@@ -66,7 +66,7 @@ void DrawTitleCard(Painter& painter, const Rect& frame, double unit, const std::
 }
 
 void DrawScoreBoard(Painter& painter, const Rect& frame, double unit, const std::string& title,
-                     const ScoreBoard& verdict) {
+                    const ScoreBoard& verdict) {
   painter.Fill(frame, palette::kPage);
   const double margin = kCardMargin * unit, width = frame.width - 2.0 * margin;
   const TextStyle heading = {.size_px = 22.0 * unit, .color = palette::kMutedInk};

@@ -12,6 +12,6 @@ namespace gauntlet::sim {
 void DrawTitleCard(Painter& painter, const Rect& frame, double unit, const std::string& title,
                    const std::string& question);
 void DrawScoreBoard(Painter& painter, const Rect& frame, double unit, const std::string& title,
-                     const ScoreBoard& verdict);
+                    const ScoreBoard& verdict);
 
 }  // namespace gauntlet::sim

@@ -33,7 +33,7 @@ inline constexpr double kVerdict_s = 2.5;
 struct VideoInput {
   std::string title;
   std::string question;                    // on a card of its own before the motion; empty: none
-  ScoreBoard verdict;                         // after it; no rows: none
+  ScoreBoard verdict;                      // after it; no rows: none
   double rate_hz = 1000.0;                 // of ticks
   const Signal* true_angle_rad = nullptr;  // ticks x joints: what the wearer asks of the hand
   const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered

@@ -74,7 +74,7 @@ std::string RemarkOf(const json& scores, bool one_run) {
 }  // namespace
 
 ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
-                    const std::vector<std::string>& controllers) {
+                          const std::vector<std::string>& controllers) {
   try {
     std::ifstream stream(file);
     const json scores = json::parse(stream);

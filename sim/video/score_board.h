@@ -28,6 +28,7 @@ struct ScoreBoard {
 
 /// From `scores.json`, of some controllers and in their order. Errors: UserError for a file that is
 /// none, or that lacks one of them.
-ScoreBoard ReadScoreBoard(const std::filesystem::path& file, const std::vector<std::string>& controllers);
+ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
+                          const std::vector<std::string>& controllers);
 
 }  // namespace gauntlet::sim

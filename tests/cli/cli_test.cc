@@ -625,8 +625,8 @@ TEST_F(CliTest, CalibrateFitsAPredictorWithComponentsThatAScenarioIncludes) {
   const std::string curves = kScenarios + "calibrations/glove_of_seed_1.yaml";
   const ProgramResult fitted = fit({"--components", "2", "--calibration", curves});
   ASSERT_EQ(fitted.exit_code, 0) << fitted.standard_error;
-  EXPECT_THAT(fitted.standard_output, AllOf(HasSubstr("deg RMS"), HasSubstr("index_mcp"),
-                                            HasSubstr("left by other fits")));
+  EXPECT_THAT(fitted.standard_output,
+              AllOf(HasSubstr("deg RMS"), HasSubstr("index_mcp"), HasSubstr("left by other fits")));
   std::ofstream(folder_.path() / "scenario.yaml")
       << "question: q\nglove: {motion: {kind: random, duration_s: 2}}\n"
          "controllers:\n  raw: {}\n  ahead: !include ahead.yaml\n";
@@ -675,9 +675,8 @@ TEST_F(CliTest, CalibrateTakesAnyGloveAndSaysWhatItLeftOut) {
   std::ofstream(folder_.path() / "poses.csv") << csv;
   const ProgramResult result = Gauntlet({"calibrate", "poses.csv", "--out", "glove.yaml"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.standard_output,
-              AllOf(HasSubstr("my sensor"), HasSubstr("20 spikes left out"),
-                    HasSubstr("rounding hides it")));
+  EXPECT_THAT(result.standard_output, AllOf(HasSubstr("my sensor"), HasSubstr("20 spikes left out"),
+                                            HasSubstr("rounding hides it")));
   EXPECT_THAT(result.standard_error,
               AllOf(HasSubstr("1 rows with a count below 0 or above 1023 left out"),
                     HasSubstr("indx_mcp is not a channel of the simulated glove (did you mean "
