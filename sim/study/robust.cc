@@ -5,19 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "controller/number.h"
-#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
-#include "sim/base/json_number.h"
 #include "sim/base/random.h"
 #include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// A parameter and the settings that it scales.
 struct ScaledSettings {

@@ -123,6 +123,16 @@ nlohmann::ordered_json JsonOfRemarks(const std::vector<VerdictRemark>& remarks) 
   return json;
 }
 
+/// What is not told apart from the best is no worse an answer: then nothing is recommended.
+void AddUndecided(const std::vector<std::string>& undecided, Verdict& verdict) {
+  if (undecided.empty()) return;
+  AddRemark("undecided", fmt::format("It is undecided against {}.", fmt::join(undecided, "; ")),
+            verdict.warnings);
+  verdict.alternatives.insert(verdict.alternatives.begin(), verdict.recommended);
+  verdict.alternatives.insert(verdict.alternatives.end(), undecided.begin(), undecided.end());
+  verdict.recommended.clear();
+}
+
 constexpr const char* kWithoutHand = "Without a hand: confirm with physics before it counts.";
 
 }  // namespace
@@ -195,17 +205,22 @@ Verdict VerdictOf(const SweepPlan& plan, const SweepSummary& summary) {
     };
     const CellResult& best = summary.best.front();
     verdict.recommended = name_of(best);
+    std::vector<std::string> undecided;
     for (const CellResult& cell : summary.best) {
+      if (&cell == &best) continue;
       const CellComparison to_best = CompareCells(plan, cell, best, summary.results);
       if (to_best.judgement == Judgement::kEqual) verdict.alternatives.push_back(name_of(cell));
+      if (to_best.judgement == Judgement::kUndecided) undecided.push_back(name_of(cell));
     }
     AddRemark("best_by", fmt::format("Best by {}: {}.", key, verdict.recommended), verdict.reasons);
+    AddUndecided(undecided, verdict);
   }
   if (!plan.file.physics) AddRemark("without_hand", kWithoutHand, verdict.warnings);
   return verdict;
 }
 
 Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
+  if (!result.problem.empty()) return {.reasons = {{.key = "problem", .text = result.problem}}};
   Verdict verdict{.recommended = SettingsText(plan, result.tried[result.chosen].values)};
   const std::string_view judgement = JudgementText(result.gain.judgement);
   AddRemark("answer",
@@ -224,10 +239,11 @@ Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
     return verdict;
   }
   verdict.recommended = kinds.front().kind;
+  std::vector<std::string> undecided;
   for (const TunedKind& tuned : kinds) {
-    if (tuned.to_best.judgement == Judgement::kEqual && &tuned != &kinds.front()) {
-      verdict.alternatives.push_back(tuned.kind);
-    }
+    if (!tuned.has_answer() || &tuned == &kinds.front()) continue;
+    if (tuned.to_best.judgement == Judgement::kEqual) verdict.alternatives.push_back(tuned.kind);
+    if (tuned.to_best.judgement == Judgement::kUndecided) undecided.push_back(tuned.kind);
   }
   const Metric& metric = Metrics()[plan.minimise];
   std::string text = fmt::format("{} has the {} {}", verdict.recommended,
@@ -237,6 +253,7 @@ Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
         fmt::format("; equal to it within what matters: {}", fmt::join(verdict.alternatives, ", "));
   }
   AddRemark("best_by", text + ".", verdict.reasons);
+  AddUndecided(undecided, verdict);
   if (!plan.physics) AddRemark("without_hand", kWithoutHand, verdict.warnings);
   return verdict;
 }
@@ -245,7 +262,16 @@ Verdict VerdictOf(const RobustPlan& plan, const RobustResult& result) {
   Verdict verdict;
   for (const RobustScore& score : result.scores) {
     const RobustController& best = score.controllers[score.two_best.front()];
-    if (score.metric == plan.sweep.best_by) verdict.recommended = best.name;
+    if (score.metric == plan.sweep.best_by) {
+      verdict.recommended = best.name;
+      std::vector<std::string> undecided;
+      for (const ControllerSummary& controller : result.nominal.controllers) {
+        if (controller.to_best[score.metric].judgement == Judgement::kUndecided) {
+          undecided.push_back(controller.name);
+        }
+      }
+      AddUndecided(undecided, verdict);
+    }
     verdict.reasons.push_back(
         {.key = std::string(Metrics()[score.metric].key),
          .text = fmt::format("{}: {} is best on the scenario's own hand, and as good as the best "

@@ -35,7 +35,8 @@ nlohmann::ordered_json JsonOf(const Verdict& verdict);
 /// shakes least of all. Nobody is recommended where it is undecided who follows best, after one run
 /// alone, and where tracking or jitter has no value.
 Verdict VerdictOf(const Summary& summary);
-/// The best cell by the score that decides.
+/// The best cell by the score that decides; nothing is recommended where others are undecided
+/// against it. The same of filters, below.
 Verdict VerdictOf(const SweepPlan& plan, const SweepSummary& summary);
 /// The setting that was found.
 Verdict VerdictOf(const TunePlan& plan, const TuneResult& result);
