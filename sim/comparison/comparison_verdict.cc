@@ -116,10 +116,9 @@ Verdict VerdictOf(const Summary& summary) {
   Verdict verdict;
   if (all.size() == 1) {
     if (all[0].rank[tracking] == 0 || all[0].rank[jitter] == 0) return verdict;
-    AddRemark("scores",
-              fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", all[0].name,
-                          Value(all[0], tracking), Value(all[0], jitter)),
-              verdict.reasons);
+    verdict.AddReason(
+        "scores", fmt::format("{} follows within {} deg RMS and shakes by {} deg RMS.", all[0].name,
+                              Value(all[0], tracking), Value(all[0], jitter)));
     return verdict;
   }
   const Named named = WhomToName(summary);

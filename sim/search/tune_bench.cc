@@ -6,6 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scenario/scenario_reader.h"
+#include "sim/sweep/cell_blocks.h"
 
 namespace gauntlet::sim {
 

@@ -125,11 +125,10 @@ Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
   if (!result.problem.empty()) return {.reasons = {{.key = "problem", .text = result.problem}}};
   Verdict verdict{.recommended = SettingsText(plan, result.tried[result.chosen].values)};
   const std::string_view judgement = JudgementText(result.gain.judgement);
-  AddRemark("answer",
-            fmt::format("{}: {}, against the setting before ({} {}).", verdict.recommended,
-                        judgement.empty() ? "one seed decides nothing" : judgement,
-                        IntervalText(result.gain.difference), Metrics()[plan.minimise].key),
-            verdict.reasons);
+  verdict.AddReason(
+      "answer", fmt::format("{}: {}, against the setting before ({} {}).", verdict.recommended,
+                            judgement.empty() ? "one seed decides nothing" : judgement,
+                            IntervalText(result.gain.difference), Metrics()[plan.minimise].key));
   if (!plan.physics) verdict.AddWithoutHand();
   return verdict;
 }

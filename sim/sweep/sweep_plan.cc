@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "controller/number.h"
@@ -352,6 +353,17 @@ SweepPlan LoadSweepPlan(const std::filesystem::path& path, const SweepOverrides&
   }
   CheckAxesAreReadable(plan);
   return plan;
+}
+
+std::vector<std::int64_t> CellRange::Numbers() const {
+  std::vector<std::int64_t> numbers(static_cast<std::size_t>(end - first));
+  std::iota(numbers.begin(), numbers.end(), first);
+  return numbers;
+}
+
+CellRange ShardOf(const SweepPlan& plan, int number, int count) {
+  const std::int64_t cells = plan.cell_count();
+  return {.first = cells * (number - 1) / count, .end = cells * number / count};
 }
 
 }  // namespace gauntlet::sim

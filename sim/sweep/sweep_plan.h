@@ -106,4 +106,15 @@ struct SweepOverrides {
 /// or contradictory; also for an axis of which no value can be built.
 SweepPlan LoadSweepPlan(const std::filesystem::path& file, const SweepOverrides& overrides = {});
 
+/// Cells from `first` to before `end`.
+struct CellRange {
+  std::int64_t first = 0;
+  std::int64_t end = 0;
+
+  std::vector<std::int64_t> Numbers() const;
+};
+
+/// Part `number` (from 1) of `count` parts of all cells, equal but for one cell.
+CellRange ShardOf(const SweepPlan& plan, int number, int count);
+
 }  // namespace gauntlet::sim

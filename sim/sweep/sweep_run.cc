@@ -5,89 +5,24 @@
 
 #include <algorithm>
 #include <chrono>
-#include <functional>
-#include <map>
 #include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
-#include "sim/base/threads.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_identity.h"
+#include "sim/sweep/cell_blocks.h"
 #include "sim/sweep/early_stop.h"
 
 namespace gauntlet::sim {
 namespace {
 
-/// Cells that are run together: enough to share a glove and, without a hand, its guard; few enough
-/// for their results.
-constexpr std::int64_t kBlockCells = 2500;
-
-std::vector<std::string> OverridesOf(const SweepPlan& plan, std::int64_t cell) {
-  std::vector<std::string> overrides = plan.scenario.overrides;
-  for (std::string& override : plan.OverridesOf(cell)) overrides.push_back(std::move(override));
-  return overrides;
-}
-
-/// Of what the trials of a study share, and of what a sweep keeps of them: so they are not mistaken
-/// for a comparison's, which keep more.
-std::string HashOfShared(const SweepPlan& plan, const Study& study) {
-  Hash hash;
-  hash.Add(HashOfStudy(study));
-  hash.Add(plan.file.physics ? "physics" : "filters");
-  for (const std::size_t metric : plan.metrics) {
-    hash.Add(fmt::format(" {}", Metrics()[metric].key));
-  }
-  return hash.Text();
-}
-
-/// The controllers of a block of cells as one study, each once however many cells have it.
-struct Block {
-  CellRange cells;
-  std::optional<Study> study;  // none: it could not be built
-  std::string study_hash;
-  std::vector<std::string> settings;  // hashes, per controller of the study
-  struct Cell {
-    std::int64_t number = 0;
-    std::vector<std::size_t> controllers;  // places in the study
-    std::string problem;
-  };
-  std::vector<Cell> built;
-};
-
-/// What is read of one cell.
-struct ReadCell {
-  Scenario scenario;
-  std::vector<std::string> settings;  // hashes, per controller
-  std::string problem;                // why there is nothing else; empty: none
-};
-
-/// Adds the controllers of a cell to the block's study. Gives their places there.
-std::vector<std::size_t> AddControllers(const ReadCell& cell, Block& block) {
-  std::vector<std::size_t> places;
-  for (std::size_t c = 0; c < cell.settings.size(); ++c) {
-    const auto known = std::ranges::find(block.settings, cell.settings[c]);
-    places.push_back(static_cast<std::size_t>(known - block.settings.begin()));
-    if (known != block.settings.end()) continue;
-    block.settings.push_back(cell.settings[c]);
-    block.study->scenario.controllers.push_back(cell.scenario.controllers[c]);
-  }
-  return places;
-}
-
-/// A study without controllers, of all cells that have these values of the axes that controllers
-/// share.
-struct SharedStudy {
-  std::vector<std::string> values;
-  Study study;
-  std::string hash;
-};
-
 /// Trials of one block in the database of the sweep.
 class BlockStore final : public TrialStore {
  public:
-  BlockStore(const Block& block, SweepDatabase& database) : block_(block), database_(database) {}
+  BlockStore(const CellBlock& block, SweepDatabase& database)
+      : block_(block), database_(database) {}
 
   TrialKey KeyOf(int seed, std::size_t controller) const {
     return {.study = block_.study_hash,
@@ -104,19 +39,15 @@ class BlockStore final : public TrialStore {
   }
 
  private:
-  const Block& block_;
+  const CellBlock& block_;
   SweepDatabase& database_;
 };
 
 class Sweep {
  public:
   Sweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options)
-      : plan_(plan),
-        text_(ParseScenarioText(plan.scenario.file, plan.scenario.text)),
-        database_(database),
-        options_(options) {
-    Scenario scenario = ParseScenario(text_, plan.scenario.overrides);
-    KeepControllers(plan.file.controllers, scenario);
+      : plan_(plan), blocks_(plan), database_(database), options_(options) {
+    const Scenario scenario = blocks_.BaseScenario();
     first_seed_ = scenario.seed;
     const bool twins = scenario.score.noise_free_twin && !IsWithoutNoise(scenario.glove) &&
                        std::ranges::any_of(plan.metrics, NeedsNoiseFreeTwin);
@@ -139,19 +70,13 @@ class Sweep {
   }
 
  private:
-  static std::vector<std::int64_t> Numbers(const CellRange& cells) {
-    std::vector<std::int64_t> numbers;
-    for (std::int64_t cell = cells.first; cell < cells.end; ++cell) numbers.push_back(cell);
-    return numbers;
-  }
-
   /// The first so many seeds of all that is not stopped.
   void RunSeeds(int seeds) {
     const double before = std::exchange(seeds_, seeds);
     for (std::int64_t first = options_.cells.first; first < options_.cells.end;) {
       ThrowIfStopped();
-      const CellRange cells = BlockFrom(first);
-      const std::vector<std::int64_t> numbers = Numbers(cells);
+      const CellRange cells = blocks_.BlockFrom({first, options_.cells.end});
+      const std::vector<std::int64_t> numbers = cells.Numbers();
       if (!std::ranges::all_of(numbers, [this](auto cell) { return IsKnown(cell); })) {
         RunBlock(cells);
       }
@@ -202,25 +127,6 @@ class Sweep {
     return !options_.progress || options_.progress(std::min(done_ + more, all_), all_);
   }
 
-  /// The values of axes that controllers share.
-  std::vector<std::string> SharedValues(std::int64_t cell) const {
-    std::vector<std::string> shared;
-    const std::vector<std::string> values = plan_.ValuesOf(cell);
-    for (std::size_t a = 0; a < values.size(); ++a) {
-      if (!plan_.file.axes[a].of_controller()) shared.push_back(values[a]);
-    }
-    return shared;
-  }
-
-  CellRange BlockFrom(std::int64_t first) const {
-    const std::vector<std::string> shared = SharedValues(first);
-    std::int64_t end = first + 1;
-    while (end < options_.cells.end && end - first < kBlockCells && SharedValues(end) == shared) {
-      ++end;
-    }
-    return {first, end};
-  }
-
   /// Whether the file holds the cell and all its trials.
   bool IsKnown(std::int64_t cell) {
     const std::vector<SweepCellRecord> records = database_.CellAt(cell);
@@ -231,74 +137,6 @@ class Sweep {
           database_.Read({record.study, record.controller, record.settings, first_seed_}, seeds_);
       return std::ranges::all_of(trials, [](const auto& trial) { return trial.has_value(); });
     });
-  }
-
-  /// What the cells of a block share. Blocks that follow each other often share the same, down to
-  /// the glove's signal.
-  const SharedStudy& SharedOf(std::int64_t cell, const Scenario& scenario) {
-    std::vector<std::string> values = SharedValues(cell);
-    if (shared_ && shared_->values == values) return *shared_;
-    shared_.reset();
-    Study study = PrepareShared(scenario);
-    std::string hash = HashOfShared(plan_, study);
-    return shared_.emplace(SharedStudy{std::move(values), std::move(study), std::move(hash)});
-  }
-
-  /// Does a part of what a cell needs to be built, if it still can be.
-  template <class Part>
-  static void Try(ReadCell& cell, Part part) {
-    if (!cell.problem.empty()) return;
-    try {
-      part();
-    } catch (const UserError& error) {
-      cell.problem = error.what();
-    } catch (const controller::SettingError& error) {
-      cell.problem = error.what();
-    }
-  }
-
-  void Read(std::int64_t number, ReadCell& cell) const {
-    ThrowIfStopped();
-    cell.scenario = ParseScenario(text_, OverridesOf(plan_, number));
-    KeepControllers(plan_.file.controllers, cell.scenario);
-    std::erase_if(cell.scenario.controllers,
-                  [&](const NamedController& named) { return IsStopped(number, named.name); });
-  }
-
-  /// Whether its controllers can be built for the study, and what distinguishes their settings.
-  static void Check(const Study& study, ReadCell& cell) {
-    for (const NamedController& named : cell.scenario.controllers) {
-      controller::WithinSetting("controllers." + named.name, [&] {
-        return controller::Controller(RobotOf(study.scenario, *study.hand, named.config));
-      });
-      cell.settings.push_back(HashOfSettings(named));
-    }
-  }
-
-  Block Build(const CellRange& cells) {
-    Block block{.cells = cells, .study = {}, .study_hash = {}, .settings = {}, .built = {}};
-    const std::vector<std::int64_t> numbers = Numbers(cells);
-    std::vector<ReadCell> read(numbers.size());
-    const auto for_each = [&](const std::function<void(std::size_t)>& part) {
-      ForEachOnThreads(static_cast<std::size_t>(std::max(1, options_.jobs)), read.size(),
-                       [&](std::size_t i) { Try(read[i], [&] { part(i); }); });
-    };
-    for_each([&](std::size_t i) { Read(numbers[i], read[i]); });
-    for (std::size_t i = 0; i < read.size() && !block.study; ++i) {
-      Try(read[i], [&] {
-        const SharedStudy& shared = SharedOf(numbers[i], read[i].scenario);
-        block.study = shared.study;
-        block.study_hash = shared.hash;
-      });
-    }
-    for_each([&](std::size_t i) { Check(*block.study, read[i]); });
-    for (std::size_t i = 0; i < read.size(); ++i) {
-      Block::Cell& cell = block.built.emplace_back();
-      cell.number = numbers[i];
-      cell.problem = std::move(read[i].problem);
-      if (cell.problem.empty()) cell.controllers = AddControllers(read[i], block);
-    }
-    return block;
   }
 
   StudyOptions OptionsFor(BlockStore& store) const {
@@ -314,14 +152,14 @@ class Sweep {
   }
 
   /// Times the first trials that are to be run, as many as run together or enough to know.
-  void Forecast(const Block& block, BlockStore& store) {
+  void Forecast(const CellBlock& block, BlockStore& store) {
     if (forecast_done_ || !options_.forecast) return;
     StudyOptions options = OptionsFor(store);
     options.jobs = 1;
     constexpr std::size_t kEnough = 32;
     const std::size_t most = std::min(ControllersTogether(options, block.settings.size()), kEnough);
     for (int i = 0; i < seeds_ && !forecast_done_; ++i) {
-      Block some = block;
+      CellBlock some = block;
       some.study->scenario.controllers.clear();
       some.settings.clear();
       for (std::size_t c = 0; c < block.settings.size() && some.settings.size() < most; ++c) {
@@ -347,7 +185,7 @@ class Sweep {
   }
 
   void RunBlock(const CellRange& cells) {
-    Block block = Build(cells);
+    const CellBlock block = blocks_.Build(cells, options_.jobs, stopped_);
     std::vector<int> motions;
     if (!block.settings.empty()) {
       BlockStore store(block, database_);
@@ -362,7 +200,7 @@ class Sweep {
         motions.push_back(seed.motion);
       }
     }
-    for (const Block::Cell& cell : block.built) AddCell(block, cell, motions);
+    for (const CellBlock::Cell& cell : block.cells) AddCell(block, cell, motions);
     database_.Flush();
   }
 
@@ -375,7 +213,8 @@ class Sweep {
     return values;
   }
 
-  void AddCell(const Block& block, const Block::Cell& cell, const std::vector<int>& motions) {
+  void AddCell(const CellBlock& block, const CellBlock::Cell& cell,
+               const std::vector<int>& motions) {
     const auto values = ValuesByKey(cell.number);
     SweepCellRecord record{.number = cell.number,
                            .controller = {},
@@ -394,7 +233,7 @@ class Sweep {
   }
 
   const SweepPlan& plan_;
-  const ScenarioText text_;
+  CellBlocks blocks_;
   SweepDatabase& database_;
   const SweepOptions& options_;
   int first_seed_ = 0;
@@ -402,30 +241,16 @@ class Sweep {
   std::int64_t controllers_ = 1;  // of each cell
   int seeds_ = 0;                 // that are run now, from the first on
   std::size_t candidates_ = 0;    // for the best, at the first look
-  /// Cell and controller of what gets no more seeds, and how many it has.
-  std::map<std::pair<std::int64_t, std::string>, int> stopped_;
+  StoppedCandidates stopped_;
   double all_ = 0.0;
   double done_ = 0.0;  // of blocks that are finished
   bool forecast_done_ = false;
-  std::optional<SharedStudy> shared_;  // of the block before
 };
 
 }  // namespace
 
-Study PrepareShared(Scenario scenario) {
-  scenario.controllers.clear();
-  scenario.baseline.clear();
-  return PrepareStudy(std::move(scenario));
-}
-
-CellRange ShardOf(const SweepPlan& plan, int number, int count) {
-  const std::int64_t cells = plan.cell_count();
-  return {.first = cells * (number - 1) / count, .end = cells * number / count};
-}
-
 std::string HashOfSweep(const SweepPlan& plan) {
-  Scenario scenario = ParseScenario(plan.scenario);
-  KeepControllers(plan.file.controllers, scenario);
+  Scenario scenario = CellBlocks(plan).BaseScenario();
   Hash hash;
   for (const NamedController& named : scenario.controllers) hash.Add(HashOfSettings(named));
   hash.Add(HashOfShared(plan, PrepareShared(std::move(scenario))));

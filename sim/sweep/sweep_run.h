@@ -9,19 +9,6 @@
 
 namespace gauntlet::sim {
 
-/// Cells from `first` to before `end`.
-struct CellRange {
-  std::int64_t first = 0;
-  std::int64_t end = 0;
-};
-
-/// Part `number` (from 1) of `count` parts of all cells, equal but for one cell.
-CellRange ShardOf(const SweepPlan& plan, int number, int count);
-
-/// What the controllers of a scenario share, built; without the controllers.
-/// Errors: UserError, SettingError.
-Study PrepareShared(Scenario scenario);
-
 /// What a sweep says of itself before it starts.
 struct SweepForecast {
   double trials = 0.0;  // that are still to be run, twins counted

@@ -110,28 +110,6 @@ TEST(Verdict, RecommendsNobodyWhereItIsUndecidedOrOneRun) {
   EXPECT_TRUE(VerdictOf(summary).alternatives.empty());
 }
 
-TEST(Verdict, OfFiltersRecommendsNoneThatIsNotToldApartFromOthers) {
-  TunePlan plan;
-  plan.minimise = MetricIndex("delay_ms");
-  std::vector<TunedKind> kinds(3);
-  kinds[0].kind = "kalman";
-  kinds[1].kind = "one_euro";
-  kinds[1].to_best.judgement = Judgement::kEqual;
-  kinds[2].kind = "median";
-  kinds[2].to_best.judgement = Judgement::kWorse;
-  EXPECT_EQ(VerdictOf(plan, kinds).recommended, "kalman");
-  EXPECT_EQ(VerdictOf(plan, kinds).alternatives, (std::vector<std::string>{"one_euro"}));
-  kinds[2].to_best.judgement = Judgement::kUndecided;
-  EXPECT_EQ(VerdictOf(plan, kinds).recommended, "");
-  EXPECT_EQ(VerdictOf(plan, kinds).alternatives,
-            (std::vector<std::string>{"kalman", "one_euro", "median"}));
-  EXPECT_EQ(VerdictOf(plan, kinds).Text(),
-            "kalman has the least delay_ms; equal to it within what matters: one_euro. It is "
-            "undecided against median.");
-  for (TunedKind& tuned : kinds) tuned.result.problem = "no setting keeps the bounds";
-  EXPECT_EQ(VerdictOf(plan, kinds).recommended, "");
-}
-
 TEST(Verdict, OfOneRunSpeaksOfThatRunAlone) {
   Summary summary = Of({{"raw", 4.9, 0.5, false, false}, {"calm", 5.0, 0.3, false, false}});
   summary.one_run = true;

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "tests/statistics/simulated_comparisons.h"
+#include "tests/comparison/simulated_comparisons.h"
 
 namespace {
 

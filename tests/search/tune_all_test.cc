@@ -150,5 +150,27 @@ TEST_F(TuneAllTest, SaysOfKindsThatNoneKeepsABound) {
   for (const TunedKind& tuned : Run()) EXPECT_FALSE(tuned.has_answer()) << tuned.kind;
 }
 
+TEST(TuneAll, RecommendsNoneThatIsNotToldApartFromOthers) {
+  TunePlan plan;
+  plan.minimise = MetricIndex("delay_ms");
+  std::vector<TunedKind> kinds(3);
+  kinds[0].kind = "kalman";
+  kinds[1].kind = "one_euro";
+  kinds[1].to_best.judgement = Judgement::kEqual;
+  kinds[2].kind = "median";
+  kinds[2].to_best.judgement = Judgement::kWorse;
+  EXPECT_EQ(VerdictOf(plan, kinds).recommended, "kalman");
+  EXPECT_EQ(VerdictOf(plan, kinds).alternatives, (std::vector<std::string>{"one_euro"}));
+  kinds[2].to_best.judgement = Judgement::kUndecided;
+  EXPECT_EQ(VerdictOf(plan, kinds).recommended, "");
+  EXPECT_EQ(VerdictOf(plan, kinds).alternatives,
+            (std::vector<std::string>{"kalman", "one_euro", "median"}));
+  EXPECT_EQ(VerdictOf(plan, kinds).Text(),
+            "kalman has the least delay_ms; equal to it within what matters: one_euro. It is "
+            "undecided against median.");
+  for (TunedKind& tuned : kinds) tuned.result.problem = "no setting keeps the bounds";
+  EXPECT_EQ(VerdictOf(plan, kinds).recommended, "");
+}
+
 }  // namespace
 }  // namespace gauntlet::sim

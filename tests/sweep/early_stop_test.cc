@@ -132,7 +132,7 @@ TEST(EarlyStop, FindsTheSameWinnerWithAtMostHalfOfTheTrials) {
   }
 }
 
-constexpr const char* kSweep = R"(
+constexpr const char* kStudyFile = R"(
 question: Which mean is best?
 scenario: base.yaml
 controllers: [mean, raw]
@@ -152,7 +152,7 @@ class EarlyStoppedSweep : public testing::Test {
            "glove: {motion: {kind: random, duration_s: 0.3, bandwidth_hz: 2}}\n"
            "score: {noise_free_twin: false}\n"
            "controllers: {raw: {filter: none}, mean: {filter: {kind: moving_average}}}\n";
-    std::ofstream(folder_.path() / "sweep.yaml") << kSweep;
+    std::ofstream(folder_.path() / "sweep.yaml") << kStudyFile;
   }
 
   SweepPlan Plan(bool all_seeds) const {

@@ -1,4 +1,4 @@
-#include "tests/statistics/simulated_comparisons.h"
+#include "tests/comparison/simulated_comparisons.h"
 
 #include <cmath>
 #include <vector>

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sim/base/student.h"
-#include "tests/statistics/simulated_comparisons.h"
+#include "tests/comparison/simulated_comparisons.h"
 
 namespace gauntlet::sim {
 namespace {
