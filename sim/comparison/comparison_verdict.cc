@@ -31,7 +31,8 @@ Named WhomToName(const Summary& summary) {
     const auto calmer = [&](const ControllerSummary* than) {
       return than == nullptr || controller.summary[jitter].mean < than->summary[jitter].mean;
     };
-    // Of those that follow as well as the best, the one that shakes least; one run has no such.
+    // The one with the least jitter among those that track as well as the best. One run has no
+    // such.
     const bool follows =
         summary.one_run ? controller.rank[tracking] == 1 : controller.as_good_as_best[tracking];
     if (follows && calmer(named.follower)) named.follower = &controller;
@@ -40,7 +41,7 @@ Named WhomToName(const Summary& summary) {
   return named;
 }
 
-/// What is asked of one run, without a word about chance.
+/// The sentence about a single run, which says nothing about chance.
 std::string VerdictOfOneRun(const Named& named, std::size_t tracking, std::size_t jitter) {
   const auto& [follower, calm] = named;
   if (follower == calm) {
@@ -55,8 +56,8 @@ std::string VerdictOfOneRun(const Named& named, std::size_t tracking, std::size_
       Value(*calm, jitter), Value(*calm, tracking));
 }
 
-/// What follows a controller's name in the verdict: whether it is known to be the best, only as
-/// good as others, or the best of this sample alone.
+/// The words that follow the name of a controller in the verdict: it is the best, as good as
+/// others, or the best of this sample alone.
 std::string Superlative(const Summary& summary, std::size_t metric, const char* best,
                         const char* as_good_as_any, const char* not_decided) {
   int stars = 0;
@@ -81,7 +82,7 @@ std::string Costs(const Summary& summary, const ControllerSummary& controller) {
                      summary.controllers[*summary.baseline].name, worse);
 }
 
-/// Who follows best and who shakes least, of several runs.
+/// The sentence about tracking and jitter of several runs.
 std::string BestOf(const Summary& summary, const Named& named, std::size_t tracking,
                    std::size_t jitter) {
   const auto& [follower, calm] = named;

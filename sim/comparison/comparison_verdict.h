@@ -8,9 +8,9 @@
 
 namespace gauntlet::sim {
 
-/// Of controllers: who follows best and, of those that follow as well, shakes least; beside it who
-/// shakes least of all. Nobody is recommended where it is undecided who follows best, after one run
-/// alone, and where tracking or jitter has no value.
+/// The verdict of a comparison. It recommends the controller with the least jitter among those that
+/// track best, and names the one with the least jitter of all. It recommends nobody if the best
+/// tracking is undecided, after a single run, and if tracking or jitter has no value.
 Verdict VerdictOf(const Summary& summary);
 /// The controllers in the order of the verdict: who follows best, who shakes least, the others by
 /// how they follow.

@@ -9,8 +9,8 @@
 
 namespace gauntlet::sim {
 
-/// How much of what a motion lets foresee a controller's prediction uses, at the glove and without
-/// a hand. Of each joint the error is
+/// The share of the predictable part of a motion that a controller's prediction uses, at the glove
+/// and without a hand. The error of each joint is
 ///
 ///     e(t) = what the controller asks for at t - the wearer's angle at t + horizon
 ///
@@ -24,15 +24,15 @@ struct PredictionCeiling {
   MeanInterval ours;    // of the controller
   MeanInterval fitted;  // of 40 weights per channel on its own past, fitted to other repetitions
   MeanInterval known;   // of the glove's angles if they were known so far ahead: its own errors
-  /// Of the way from `now` to `fitted`, how much `ours` goes. May be beyond 1: weights that do not
+  /// Share of the way from `now` to `fitted` that `ours` goes. May be beyond 1: weights that do not
   /// change are the best of their kind for a motion like the others, and no limit of all kinds.
   /// NaN where they foresee next to nothing.
   MeanInterval used;
 };
 
-/// Of every controller whose prediction has a horizon. Every repetition is measured with weights
-/// that were fitted to others: those of odd number to those of even, and the other way round; at
-/// most the first kMostMeasured count, and kMostFitted_s of motion are fitted to.
+/// Measures every controller whose prediction has a horizon. Every repetition is measured with
+/// weights that were fitted to others: those of odd number to those of even, and the other way
+/// round; at most the first kMostMeasured count, and kMostFitted_s of motion are fitted to.
 ///
 /// Nothing where there are less than two different repetitions. What cannot be fitted is a line for
 /// `remark`, and not in the result. Deterministic. Errors: Cancelled.

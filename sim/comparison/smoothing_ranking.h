@@ -6,8 +6,8 @@
 
 namespace gauntlet::sim {
 
-/// How the controllers follow if the wearer's motion is taken for the recording smoothed at another
-/// cut-off: nobody knows which is the wearer's, and the winner may depend on it.
+/// Tracking of the controllers if the reference is the recording, smoothed at another cut-off. The
+/// true cut-off is unknown, and the winner may depend on it.
 struct SmoothingRank {
   double smoothing_hz = 0.0;
   std::vector<double> tracking_rmse_deg;  // per controller; NaN of one that was stopped

@@ -32,8 +32,8 @@ struct ScoreDifference {
   ScoreChange change;
 };
 
-/// Where the intervals come from. Seeds that both have are compared, and no others: the same seed
-/// is the same glove.
+/// Source of the intervals. Only seeds that both folders have are compared: the same seed is the
+/// same glove.
 enum class DifferenceMethod {
   kPaired,    // several such seeds: EstimateDifference()
   kUnpaired,  // none: EstimateUnpairedDifference() of all

@@ -19,7 +19,7 @@ struct ScoreFile {
   std::vector<std::vector<std::vector<double>>> summary;
 };
 
-/// What `run` or `compare` left in a folder, as far as two of them can be compared.
+/// The output folder of `run` or `compare`, as far as two of them can be compared.
 struct StudyFolder {
   std::string name;
   Scenario scenario;

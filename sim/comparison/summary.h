@@ -35,23 +35,23 @@ struct ControllerSummary {
   }
 };
 
-/// What a comparison says. All pairs of controllers in all metrics are one family of questions, see
-/// Judge(): every pair has one interval and one judgement, whoever it is shown against, and what is
-/// called the best may be chosen from the same data. A controller of which a trial failed is in no
-/// pair.
+/// Means and judgements of a comparison. All pairs of controllers in all metrics are one family of
+/// questions, see Judge(): every pair has one interval and one judgement, whoever it is shown
+/// against, and what is called the best may be chosen from the same data. A controller of which a
+/// trial failed is in no pair.
 struct Summary {
   std::vector<ControllerSummary> controllers;
   std::vector<bool> dominated;          // another is better in jitter or delay, and equal or better
                                         // in the other
   std::optional<std::size_t> baseline;  // index of the controller that others are held against
-  /// Of fewer than two different runs nothing is said that needs chance: no interval, nothing is
-  /// called as good as the best, nothing worse than the baseline.
+  /// Fewer than two different runs allow no statement about chance: no interval, nothing is as good
+  /// as the best, nothing is worse than the baseline.
   bool one_run = true;
   int motions = 1;  // different ones of the wearer: with several, these are what repeats
   int pairs = 0;    // that were judged
   std::vector<Comparison> comparisons;  // of all pairs, both ways: see Of()
 
-  /// How much more of a metric the first controller has than the second, and whether it is better.
+  /// Difference of a metric, first controller minus second, and its judgement.
   const Comparison& Of(std::size_t metric, std::size_t first, std::size_t second) const {
     return comparisons[Place(metric, first, second)];
   }
@@ -66,8 +66,8 @@ std::vector<int> MotionsOf(const StudyResult& result);
 /// Pure and deterministic.
 Summary Summarise(const Study& study, const StudyResult& result);
 
-/// Of trials that failed, one line per controller: "raw failed in 1 of 8 trials, and is not ranked:
-/// at 1.5 s: diverged (seed 3)".
+/// One line for each controller of which a trial failed: "raw failed in 1 of 8 trials, and is not
+/// ranked: at 1.5 s: diverged (seed 3)".
 std::vector<std::string> Failures(const Summary& summary, std::size_t seeds);
 
 /// A study that has been run, with what is concluded from it.

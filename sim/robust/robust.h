@@ -17,7 +17,7 @@ struct RobustParameter {
   std::string help;  // what its settings are
 };
 
-/// What is asked of gauntlet robust.
+/// Options of `gauntlet robust`.
 struct RobustOptions {
   std::vector<std::string> controllers = {};  // of the scenario; empty: all
   int hands = 32;
@@ -58,7 +58,8 @@ struct RobustController {
   Share near_best;  // hands on which its mean is nearer to the best one than what matters
 };
 
-/// What one parameter does to the difference between the two that are best on the scenario's hand.
+/// Effect of one parameter on the difference between the two best controllers of the scenario's
+/// hand.
 struct TornadoBar {
   std::size_t parameter = 0;
   MeanInterval low;   // first - second, where the parameter is low; 95 %

@@ -19,8 +19,8 @@ ResultTable TornadoTable(const RobustPlan& plan, const RobustScore& score);
 /// "matters", "does not matter", "undecided"; empty where there is nothing to judge.
 std::string_view TornadoVerdict(const TornadoBar& bar);
 
-/// Who is best on the scenario's own hand, a reason per score; recommended by the one that decides,
-/// if nobody is undecided against it.
+/// The best controller on the scenario's own hand, with a reason for each score. It recommends the
+/// best by the score that decides, if nobody is undecided against it.
 Verdict VerdictOf(const RobustPlan& plan, const RobustResult& result);
 
 /// `robust.csv` and `tornado.csv`: the rows of all scores.
@@ -28,12 +28,13 @@ std::string RobustCsv(const RobustResult& result);
 std::string TornadoCsv(const RobustPlan& plan, const RobustResult& result);
 std::string RobustJson(const RobustPlan& plan, const RobustResult& result);
 
-/// Whether the verdicts hold on other hands, for a person: per score the verdict on the scenario's
-/// own hand and the share of hands on which each controller is best, then what matters in the score
-/// that decides, and in the end a sentence per score.
+/// The result for people: for each score the verdict on the scenario's own hand and the share of
+/// hands on which each controller is best, then the parameters that matter for the score that
+/// decides, and a sentence for each score.
 ResultText RobustText(const RobustPlan& plan, const RobustResult& result);
 
-/// What the hands are: "32 hands, each with friction, delay ... within 30 % of the scenario's".
+/// Description of the hands: "32 hands, each with friction, delay ... within 30 % of the
+/// scenario's".
 std::string HandsText(const RobustPlan& plan);
 
 }  // namespace gauntlet::sim

@@ -8,14 +8,14 @@
 
 namespace gauntlet::sim {
 
-/// What a filter's ranges follow from.
+/// Inputs of the ranges of a filter.
 struct FilterInput {
   double rate_hz = 1000.0;    // of its steps
   double unit_per_rad = 1.0;  // of its input: counts, or 1 for angles
 };
 
-/// What a search for the best settings of one kind of filter varies: the settings that decide
-/// between delay and jitter, from no smoothing to about 0.4 s of it. `key` is the setting's own.
+/// The settings of one kind of filter that a search varies: those that trade delay for jitter, from
+/// no smoothing to about 0.4 s of it. `key` is that of the setting itself.
 struct FilterSearch {
   std::vector<SweepAxis> free;
   /// Why there is nothing to search; empty if there is.

@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// What a point of the unit cube gave.
+/// The result at a point of the unit cube.
 struct Measured {
   double objective = 0.0;  // to be small; not finite: there is none here
   double violation = 0.0;  // of all bounds, each relative to its size; 0: they are kept

@@ -35,7 +35,7 @@ struct Aim {
   std::vector<Constraint> constraints;
 };
 
-/// What the search for an answer sees of a setting.
+/// The objective and the bounds of a setting for the search.
 Measured MeasuredOf(const Aim& aim, const TuneResult& result, const TunedSetting& setting) {
   if (!setting.problem.empty()) return {.objective = kNaN};
   const double mean = setting.scores[PlaceOfMetric(result, aim.minimise)].mean;

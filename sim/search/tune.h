@@ -9,7 +9,7 @@
 
 namespace gauntlet::sim {
 
-/// What is to be tuned, and how.
+/// The settings to be tuned, and the method.
 struct TunePlan {
   ScenarioSource scenario;
   std::string controller;
@@ -20,8 +20,8 @@ struct TunePlan {
   int held_out = 8;  // for the verdict: those behind
   int evaluations = 100;
   bool physics = true;
-  /// Where there are some, half of the evaluations look around what is best for the question, and
-  /// around what has the least delay at each of these levels of jitter: for the front.
+  /// Levels of jitter for the front. If there are any, half of the evaluations search around the
+  /// best setting, and around the setting with the least delay at each of these levels.
   std::vector<double> front_jitter_deg = {};
 };
 
@@ -56,7 +56,8 @@ struct TuneResult {
   TunedSetting before;               // the controller as the scenario has it, on the same
   CellComparison gain;               // verdict against before
   std::vector<EqualRange> equal;     // per free setting: among what was tried
-  /// Of `tried`, what keeps the bounds of other scores: nothing has less delay and less jitter.
+  /// Places in `tried`: the Pareto front of delay and jitter among settings that keep the bounds of
+  /// other scores.
   std::vector<std::size_t> front;
   int refused = 0;             // better ones that broke a bound on the held-out seeds
   NamedController controller;  // with the chosen values
@@ -67,7 +68,7 @@ struct TuneResult {
 /// The place of a score in `metrics`.
 std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric);
 
-/// As Tune(), but where no setting keeps the bounds the result says so.
+/// Same as Tune(), but if no setting keeps the bounds, the result says so.
 TuneResult SearchSettings(const TunePlan& plan, int jobs,
                           const std::function<bool(double done, double all)>& progress);
 

@@ -25,7 +25,7 @@ TunePlan PlanOfKind(const TunePlan& plan, std::string_view kind) {
   return of_kind;
 }
 
-/// What the filter of the controller gets. Errors: UserError.
+/// The input of the controller's filter. Errors: UserError.
 FilterInput InputOf(const Scenario& scenario, const controller::ControllerConfig& config) {
   const controller::Timing timing = TimingOf(scenario).controller;
   FilterInput input;

@@ -39,7 +39,7 @@ Json ComparisonJson(const CellComparison& comparison) {
   return json;
 }
 
-/// What was asked and found of one controller.
+/// Question and result of one controller.
 Json ResultJson(const TunePlan& plan, const TuneResult& result) {
   Json json;
   json["tried"] = result.tried.size();

@@ -34,7 +34,7 @@ std::string KeyInController(const TunePlan& plan, std::size_t axis);
 /// Every value of a controller, as it stands in a scenario below its name: what `!include` takes.
 std::string ControllerYaml(const NamedController& controller);
 
-/// What tuning found, for a person: values, scores on the held-out seeds, the front.
+/// The result of tuning for people: values, scores on the held-out seeds, the front.
 ResultText TuneText(const TunePlan& plan, const TuneResult& result);
 
 /// `tuned_kalman of door_opening: least jitter_rms_deg, delay_ms<=50`; `search`: behind the name.
@@ -42,7 +42,7 @@ std::string QuestionText(const TunePlan& plan, const std::string& search);
 /// `seeds 1 to 8; judged on seeds 9 to 16`.
 std::string SeedsText(const TunePlan& plan, const TuneResult& result);
 
-/// What `tune --all` found, for a person: a row per kind of filter, the best first.
+/// The result of `tune --all` for people: a row per kind of filter, the best first.
 ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds);
 
 }  // namespace gauntlet::sim

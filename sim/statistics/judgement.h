@@ -9,8 +9,8 @@
 
 namespace gauntlet::sim {
 
-/// What a difference between two controllers, or two settings, is found to be. The only scale of
-/// verdicts: table, page, JSON and the paper's claims all have it.
+/// The result of comparing two controllers or two settings. Table, page, JSON and the claims of the
+/// paper use this scale and no other.
 enum class Judgement {
   kNone,  // nothing to judge: no value, one run, a controller and itself
   kBetter,

@@ -146,7 +146,7 @@ double ChanceOfHits(int at_least, int count, double chance) {
   return Eigen::numext::betainc<double>(at_least, count - at_least + 1.0, chance);
 }
 
-/// Where ChanceOfHits() of this many comes to `goal`.
+/// The share at which ChanceOfHits() equals `goal`.
 double ChanceWhere(int at_least, int count, double goal) {
   double low = 0.0;
   double high = 1.0;

@@ -15,8 +15,8 @@ struct MeanInterval {
   double high = controller::kNaN;
   int count = 0;  // of the values, or pairs, that it is made of; of two groups both together
   double level = 0.95;
-  /// Which share of the variance of a single value is the motion's, see EstimateMean(); the rest is
-  /// the noise's. NaN where the two cannot be told apart.
+  /// Share of the variance of a single value that comes from the motion, see EstimateMean(). The
+  /// rest comes from noise. NaN: the two cannot be told apart.
   double motion_share = controller::kNaN;
 };
 
@@ -45,7 +45,7 @@ struct MeanEstimate {
 ///
 ///     mean = sum(m_g) / G,   error = s(m_g) / sqrt(G),   G - 1 degrees of freedom
 ///
-/// Where some motions have several values, the shares of the variance are those of the analysis of
+/// If some motions have several values, the shares of the variance are those of the analysis of
 /// variance in one way with random effects: MSW and MSB the mean squares within and between,
 /// n_0 = (N - sum(n_g^2) / N) / (G - 1),
 ///
@@ -72,12 +72,13 @@ MeanEstimate EstimateDifference(std::span<const double> first, std::span<const d
 MeanEstimate EstimateUnpairedDifference(std::span<const double> first,
                                         std::span<const double> second);
 
-/// How large a paired difference is beside its scatter: Cohen's d_z = mean(d) / s(d), d = first -
+/// Effect size of a paired difference: Cohen's d_z = mean(d) / s(d), d = first -
 /// second. 0.2 counts as small, 0.5 as medium, 0.8 as large. NaN below two pairs or without
 /// scatter. Source: Cohen 1988, section 2.3.5; Lakens 2013, doi 10.3389/fpsyg.2013.00863.
 double PairedEffectSize(std::span<const double> first, std::span<const double> second);
 
-/// How often something happens, and the interval that holds the true share with at least 95 %.
+/// Relative frequency of an event, and the interval that contains the true share with at least 95
+/// %.
 struct Share {
   int hits = 0;
   int count = 0;
@@ -87,8 +88,8 @@ struct Share {
   double value() const { return count > 0 ? static_cast<double>(hits) / count : 0.0; }
 };
 
-/// Of independent draws, exactly: at `low` so many hits or more have a chance of 2.5 %, at `high`
-/// so many or fewer. Source: Clopper, Pearson 1934, doi 10.1093/biomet/26.4.404.
+/// Exact interval for independent draws: at `low` so many hits or more have a chance of 2.5 %, at
+/// `high` so many or fewer. Source: Clopper, Pearson 1934, doi 10.1093/biomet/26.4.404.
 Share EstimateShare(int hits, int count);
 
 /// Place of each value: 1 is the best, equal values share a place (1, 2, 2, 4), 0 for NaN.

@@ -7,13 +7,14 @@
 
 namespace gauntlet::sim {
 
-/// Which seeds of a study differ: in the motion of the wearer, and in anything at all.
+/// Compares the seeds of a study: do they differ in the motion of the wearer, and in anything at
+/// all?
 class Repeats {
  public:
   /// Makes one more signal for each repetition that comes twice among so many seeds.
   Repeats(const Study& study, int seeds);
 
-  /// Whether every repetition is the same again.
+  /// True if every repetition is the same again.
   bool alike() const { return alike_; }
   /// The number of the motion of each of so many seeds; motions are numbered as they come.
   std::vector<int> MotionNumbers(std::size_t seeds) const;

@@ -23,7 +23,7 @@ std::size_t JobsOf(const StudyOptions& options) {
   return static_cast<std::size_t>(std::max(1, options.jobs));
 }
 
-/// Whether nothing but the tracking error of trials without a hand is wanted: it is summed up while
+/// True if only the tracking error of trials without a hand is wanted. Then it is summed up while
 /// they run, and their angles are not kept.
 bool IsInPassing(const StudyOptions& options) {
   return !options.physics && !options.keep_first_traces &&
@@ -129,7 +129,7 @@ class StudyRun {
     Make(task.gloves, task.seed_index);
     if (task.next) {
       const std::size_t next = task.seed_index + 1;
-      // Where the store has the first trial, it may have them all.
+      // If the store has the first trial, it may have all of them.
       if (!options_.store || !options_.store->Has(result_.seeds[next].seed, 0)) {
         Make(*task.next, next);
       }

@@ -18,7 +18,7 @@ namespace {
 /// for their results.
 constexpr std::int64_t kBlockCells = 2500;
 
-/// What is read of one cell.
+/// One cell, read from its settings.
 struct ReadCell {
   Scenario scenario;
   std::vector<std::string> settings;  // hashes, per controller
@@ -38,7 +38,7 @@ void Try(ReadCell& cell, Part part) {
   }
 }
 
-/// Whether its controllers can be built for the study, and what distinguishes their settings.
+/// Builds the controllers of a cell for the study, to find errors, and hashes their settings.
 void Check(const Study& study, ReadCell& cell) {
   for (const NamedController& named : cell.scenario.controllers) {
     controller::WithinSetting("controllers." + named.name, [&] {

@@ -27,16 +27,16 @@ struct CellBlock {
   std::vector<Cell> cells;
 };
 
-/// What the controllers of a scenario share, built; without the controllers.
+/// The study of a scenario without its controllers: glove, hand and all that controllers share.
 /// Errors: UserError, SettingError.
 Study PrepareShared(Scenario scenario);
 
-/// Of what the trials of a study share, and of what a sweep keeps of them: so they are not mistaken
-/// for a comparison's, which keep more.
+/// Hash of what the trials of a study share, and of the scores that a sweep keeps. So its trials
+/// are not mistaken for those of a comparison, which keep more.
 std::string HashOfShared(const SweepPlan& plan, const Study& study);
 
-/// Divides the cells of a sweep into blocks and builds these. Cells of a block differ in controllers
-/// alone: they share glove and hand.
+/// Divides the cells of a sweep into blocks and builds these. Cells of a block differ in
+/// controllers alone: they share glove and hand.
 class CellBlocks {
  public:
   explicit CellBlocks(const SweepPlan& plan);
@@ -59,8 +59,8 @@ class CellBlocks {
   };
 
   std::vector<std::string> SharedValues(std::int64_t cell) const;
-  /// What the cells of a block share. Blocks that follow each other often share the same, down to
-  /// the signal of the glove.
+  /// The study that the cells of a block share. Successive blocks often share the same, down to the
+  /// signal of the glove.
   const SharedStudy& SharedOf(std::int64_t cell, const Scenario& scenario);
   Scenario ScenarioWith(const std::vector<std::string>& of_cell) const;
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kStopError = 0.05;
 
-/// Of the score itself, at the level of the test.
+/// Does each score keep its bound, at the level of the test?
 std::vector<Met> BoundsMet(const SweepPlan& plan, const CellResult& result, double level) {
   std::vector<Met> met;
   for (const Constraint& constraint : plan.constraints) {

@@ -11,7 +11,8 @@ namespace gauntlet::sim {
 /// below all seeds. Fixed numbers, so that nothing depends on the schedule.
 std::vector<int> LooksOf(int seeds);
 
-/// Which controllers of cells cannot win any more, from their first seeds. One cannot
+/// True for each controller of a cell that cannot win any more, judged by the first seeds. It
+/// cannot
 ///
 /// - if a trial of it failed: then it is not ranked;
 /// - if it breaks a bound with its whole interval;

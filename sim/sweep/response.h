@@ -7,14 +7,14 @@
 
 namespace gauntlet::sim {
 
-/// What a controller is against the first one at each value of the setting.
+/// Judgement of a controller against the first one at each value of the setting.
 struct ResponseVerdict {
   std::string controller;
   std::vector<Judgement> judgements;  // one per value
 };
 
-/// How scores follow the one setting that a sweep varies, a curve for each controller: "up to which
-/// frequency does prediction help?" is a question about a curve, not about the best cell.
+/// Scores as a function of the one setting that a sweep varies, one curve for each controller. "Up
+/// to which frequency does prediction help?" asks for a curve, not for the best cell.
 struct Response {
   std::vector<double> values;            // of the setting, ascending
   std::vector<std::string> texts;        // the same as written
@@ -27,8 +27,8 @@ struct Response {
   std::size_t comparisons = 0;  // of the family
 };
 
-/// Of a sweep over one setting that is a number in every cell, of at most 100 values and 8
-/// controllers; empty (no values) of any other.
+/// Reads a sweep over one setting that is a number in every cell, with at most 100 values and 8
+/// controllers. Empty (no values) for other sweeps.
 Response ReadResponse(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells);
 
 }  // namespace gauntlet::sim

@@ -5,8 +5,8 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Of the dimensions from the second on: degree, coefficients of the primitive polynomial, and the
-/// first direction numbers.
+/// Degree and coefficients of the primitive polynomial, and the first direction numbers, of each
+/// dimension from the second on.
 struct Polynomial {
   int degree;
   std::uint32_t coefficients;

@@ -126,7 +126,7 @@ std::string Constraint::Text() const {
 
 namespace {
 
-/// How many values of this axis a grid has.
+/// Number of values of this axis in a grid.
 std::int64_t GridCount(const SweepAxis& axis) {
   return axis.is_range() ? axis.count : std::ssize(axis.values);
 }
@@ -203,7 +203,7 @@ std::vector<std::size_t> KeptMetrics(const SweepFile& file, const SweepPlan& pla
     kept.insert(FindScore(file.scores[i], fmt::format("scores[{}]", i)));
   }
   for (std::size_t m = 0; file.scores.empty() && m < Metrics().size(); ++m) {
-    // What motors do is not known without a hand.
+    // Without a hand there are no motors.
     const bool known = file.physics || Metrics()[m].part == ScoredPart::kJoint;
     if (Metrics()[m].main && known) kept.insert(m);
   }

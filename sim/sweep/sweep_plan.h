@@ -23,7 +23,7 @@ struct SweepAxis {
   bool whole = false;  // rounded to whole numbers
 
   bool is_range() const { return values.empty(); }
-  /// Whether it changes a controller and nothing that controllers share.
+  /// True if it changes only a controller, and nothing that controllers share.
   bool of_controller() const { return key.starts_with("controllers."); }
   /// The value at a place in [0, 1], both ends included: of a list the item that this place is in,
   /// of a range with six significant digits, or the whole number of the range that is next to it.
@@ -93,7 +93,7 @@ struct SweepPlan {
   std::vector<std::string> OverridesOf(std::int64_t cell) const;
 };
 
-/// What the command line puts over a study file.
+/// Options of the command line that replace keys of a study file.
 struct SweepOverrides {
   std::optional<int> seeds;
   bool filter_only = false;

@@ -16,8 +16,8 @@ constexpr std::size_t kMostNear = 3;
 
 Met Worse(Met a, Met b) { return std::max(a, b); }
 
-/// What was stopped comes last; then the score that decides, the lower the better, infinity where
-/// there is none.
+/// Sort key: stopped settings come last, then the score that decides, the lower the better,
+/// infinity if there is none.
 std::pair<bool, double> Rank(const SweepPlan& plan, const CellResult& result) {
   const double mean = result.scores[PlaceOfMetric(plan, plan.best_by)].mean;
   if (std::isnan(mean)) return {result.stopped, std::numeric_limits<double>::infinity()};

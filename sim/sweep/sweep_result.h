@@ -10,7 +10,7 @@
 
 namespace gauntlet::sim {
 
-/// Whether a score keeps to a bound.
+/// Does a score keep a bound?
 enum class Met {
   kYes,     // with its whole 95 % interval
   kLikely,  // its mean does, not its whole interval
@@ -39,7 +39,7 @@ struct CellResult {
   bool CanBeBest() const { return problem.empty() && (met == Met::kYes || met == Met::kLikely); }
 };
 
-/// What a sweep found, but for the cells themselves.
+/// The result of a sweep without the cells themselves.
 struct SweepSummary {
   std::vector<CellResult> best;   // up to ten that keep all constraints, the best first
   std::vector<CellResult> near;   // none does: up to three that are nearest in best_by
@@ -56,7 +56,7 @@ struct SweepSummary {
 /// The place of a score in the plan's metrics.
 std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric);
 
-/// As if only the first seeds had been run.
+/// Drops all but the first seeds.
 void KeepSeeds(const SweepPlan& plan, std::size_t seeds, CellResult& result);
 
 /// Reads the cells in order, one at a time.
@@ -67,12 +67,12 @@ void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange
 SweepSummary SummariseSweep(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
                             const std::function<void(const CellResult&)>& see = {});
 
-/// How one setting stands against another in one score, paired by seed.
+/// Difference of one score between two settings, paired by seed, and its judgement.
 struct CellComparison {
   MeanInterval difference;
   Judgement judgement = Judgement::kNone;
 };
-/// As one of so many pairs that are judged: see judgement.h.
+/// Judges one of so many pairs: see judgement.h.
 CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
                              std::span<const double> second, std::span<const int> motions,
                              double pairs);

@@ -127,7 +127,7 @@ class Sweep {
     return !options_.progress || options_.progress(std::min(done_ + more, all_), all_);
   }
 
-  /// Whether the file holds the cell and all its trials.
+  /// True if the file has the cell and all its trials.
   bool IsKnown(std::int64_t cell) {
     const std::vector<SweepCellRecord> records = database_.CellAt(cell);
     return !records.empty() && std::ranges::all_of(records, [&](const SweepCellRecord& record) {

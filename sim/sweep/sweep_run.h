@@ -9,7 +9,7 @@
 
 namespace gauntlet::sim {
 
-/// What a sweep says of itself before it starts.
+/// The work of a sweep, estimated before it starts.
 struct SweepForecast {
   double trials = 0.0;  // that are still to be run, twins counted
   double seconds = 0.0;
@@ -34,7 +34,7 @@ std::string HashOfSweep(const SweepPlan& plan);
 /// With plan.early_stop a controller of a cell that cannot win any more gets no more seeds, by what
 /// all of these cells do (see CannotWin()); the database says how many seeds each has.
 /// Cells that differ in controllers alone share glove, hand and one call of RunStudy().
-/// What the database holds in the end does not depend on jobs, order or interruptions.
+/// The final content of the database does not depend on jobs, order or interruptions.
 void RunSweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options);
 
 }  // namespace gauntlet::sim

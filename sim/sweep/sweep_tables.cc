@@ -77,7 +77,7 @@ void AddCounts(const SweepPlan& plan, const SweepSummary& summary, ResultText& t
   if (summary.missing > 0) AddLine(Cells(summary.missing) + " are not there yet.", text);
 }
 
-/// Where a judgement holds: neighbouring values as one stretch, "0.5 to 2.5".
+/// The values at which a judgement holds; neighbouring values form one stretch, "0.5 to 2.5".
 std::vector<std::string> StretchesOf(const ResponseVerdict& verdict, Judgement judgement,
                                      const std::vector<std::string>& values) {
   std::vector<std::string> stretches;

@@ -26,7 +26,7 @@ std::string ChecksumOf(const TrialKey& key, const TrialOutcome& outcome,
   };
   const auto add_values = [&](const std::vector<double>& values) {
     for (const double value : values) {
-      // What is not finite is not kept, and read as missing.
+      // A value that is not finite is not kept, and is read as missing.
       add_number(std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN());
     }
   };

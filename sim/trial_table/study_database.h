@@ -11,10 +11,10 @@
 
 namespace gauntlet::sim {
 
-/// How a comparison uses its database.
+/// Options of the database of a comparison.
 struct StudyDatabaseOptions {
   int seeds = 1;  // the scenario's seed and those after it: what may be asked for
-  /// How long other programs that hold the file are waited for, when it is opened and at the end.
+  /// Longest wait for other programs that hold the file, when it is opened and at the end.
   std::chrono::milliseconds patience{10'000};
 };
 

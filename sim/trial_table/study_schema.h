@@ -10,8 +10,8 @@
 
 namespace gauntlet::sim {
 
-// What `study.db` is, for all who write it: the tables are in study_schema.cc, one set for
-// comparisons and sweeps; sim/study/README.md shows how to ask them.
+// The format of `study.db`, one set of tables for comparisons and sweeps. README.md of this folder
+// describes the tables.
 
 /// The name of the row of score that is the mean over all joints, motors or cables.
 constexpr std::string_view kSummaryChannel = "summary";
@@ -41,7 +41,7 @@ void MakeTables(SQLite::Database& database);
 /// tables; SQLite::Exception.
 void CheckTables(const std::filesystem::path& file, SQLite::Database& database);
 
-/// What the constructor of a database says of an SQLite error, as an exception that names the file.
+/// Throws the error of SQLite while a database is opened as an error that names the file.
 [[noreturn]] void ThrowCannotOpen(const std::filesystem::path& file,
                                   const SQLite::Exception& error);
 

@@ -13,7 +13,7 @@
 
 namespace gauntlet::sim {
 
-/// What one controller is in one cell, or why there is no such cell.
+/// One controller in one cell, or the reason why there is no such cell.
 struct SweepCellRecord {
   std::int64_t number = 0;
   std::string controller;
@@ -43,12 +43,12 @@ class SweepDatabase {
   void ReadTogether(const std::function<void()>& work);
   /// Errors: RunError when the disk is full.
   void Keep(const TrialKey& key, const TrialOutcome& outcome);
-  /// What trials of `study` share, as a scenario's YAML.
+  /// `scenario`: the settings that the trials of `study` share, as YAML.
   void AddStudy(const std::string& study, const std::string& scenario);
   /// `values`: key and value of each axis.
   void AddCell(const SweepCellRecord& cell,
                const std::vector<std::pair<std::string, std::string>>& values);
-  /// Of one cell, a row per controller, by name.
+  /// The controllers of one cell, sorted by name.
   std::vector<SweepCellRecord> CellAt(std::int64_t number);
   /// Writes what waits, and waits for other programs. Errors: RunError where the file does not take
   /// it.
