@@ -26,6 +26,7 @@ using Eigen::VectorXd;
 constexpr double kBeginning_s = 0.5;
 constexpr double kLeastDamping = 0.05;
 constexpr double kLongestDelay_s = 2.0;
+constexpr double kLead_s = 0.2;  // a lead up to this is told from a delay of a motion that repeats
 /// Noise of a motor's angle that may appear as play, in standard deviations.
 constexpr double kNoiseInLost = 3.0;
 
@@ -345,7 +346,8 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
   if (rms(command) < kStillRms_rad) return "its command does not move";
   if (rms(angle) < kStillRms_rad) return "it does not move";
   Fourier fourier;
-  const auto delay_samples = DelaySamples(command, angle, rate_hz, fourier);
+  const CountedTicks all{{0, static_cast<int>(command.size())}};
+  const auto delay_samples = DelaySamples(command, angle, rate_hz, -kLead_s, all, fourier);
   if (!delay_samples) return "it does not follow its command: no delay to be seen";
   delay_s = *delay_samples / rate_hz;
   if (delay_s < -1.0 / rate_hz) {

@@ -24,11 +24,13 @@ std::vector<SmoothingRank> RankBySmoothing(const Study& study, const StudyResult
     const Signal reference_rad = ReferenceAngles(study.joint_map(), glove.true_angle_rad);
     SmoothingRank& rank = ranks.emplace_back();
     rank.smoothing_hz = smoothing_hz;
-    for (const Trace& trace : result.first_traces) {
-      rank.tracking_rmse_deg.push_back(
-          trace.health.ok
-              ? ScoreTrial(study, glove, reference_rad, trace, {}, wanted).summary[tracking]
-              : kNoScore);
+    for (std::size_t c = 0; c < result.first_traces.size(); ++c) {
+      const Trace& trace = result.first_traces[c];
+      rank.tracking_rmse_deg.push_back(trace.health.ok
+                                           ? ScoreTrial(study, study.scenario.controllers[c].config,
+                                                        glove, reference_rad, trace, {}, wanted)
+                                                 .summary[tracking]
+                                           : kNoScore);
     }
   }
   return ranks;

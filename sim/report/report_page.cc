@@ -46,11 +46,13 @@ FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
   FirstSeed first(*reference, traces.size());
   first.counted = CountedPartsOf(study, finished.result.first_glove->masked,
                                  static_cast<int>(reference->rows()));
-  for (const Trace& trace : traces) {
+  for (std::size_t c = 0; c < traces.size(); ++c) {
+    const Trace& trace = traces[c];
     const WayOfAngles way = MeasuredWay(study, trace);
     const Columns hand(trace.hand_angle_rad, study.measured_joints);
     first.latency.push_back(trace.health.ok
-                                ? LatencyOfTrace(*study.hand, *reference, way, *hand, first.counted)
+                                ? LatencyOfTrace(*study.hand, study.scenario.controllers[c].config,
+                                                 *reference, way, *hand, first.counted)
                                 : std::nullopt);
     first.Add(way, *hand);
   }

@@ -1,7 +1,9 @@
 #include "sim/score/delay.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "controller/assert.h"
@@ -12,8 +14,16 @@ namespace {
 
 using Values = Fourier::Values;
 
-/// Longer than any delay a person could work with, and what a mean over 4 s would cost.
-constexpr double kLargestDelay_s = 2.0;
+/// Of a motion that does not repeat, lags from so long before the earliest to so long after it.
+constexpr double kBefore_s = 0.1;
+constexpr double kAfter_s = 1.0;
+constexpr double kSideRate_hz = 100.0;  // of the autocorrelation; hands move below 10 Hz
+constexpr double kLeastSidePeak = 0.5;
+/// A maximum is flat if correlations so near to it are so far from each other.
+constexpr double kFlatWithin = 1e-4;
+constexpr double kFlatFrom_s = 0.06;
+/// Two maxima so near to each other are not told apart.
+constexpr double kSecondWithin = 0.02;
 /// An overlap that holds less of a signal's variance than this says nothing about its delay.
 constexpr double kSmallestOverlapVariance = 0.1;
 /// Stands for the coefficient of such an overlap; below any that there is.
@@ -92,29 +102,11 @@ Pair Transform(Centred leader, Centred follower, int largest_lag, Fourier& fouri
 const std::complex<double>& Mirrored(const Pair& pair, int k) {
   return pair.spectrum[k == 0 ? 0 : pair.size - k];
 }
-std::complex<double> LeaderBin(const Pair& pair, int k) {
-  return 0.5 * (pair.spectrum[k] + std::conj(Mirrored(pair, k)));
-}
 /// conj(X[k]) Y[k] = Im(a b) / 2 - i (|a|^2 - |b|^2) / 4.
 std::complex<double> CrossBin(const Pair& pair, int k) {
   const std::complex<double> a = pair.spectrum[k];
   const std::complex<double> b = Mirrored(pair, k);
   return {0.5 * (a.real() * b.imag() + a.imag() * b.real()), -0.25 * (std::norm(a) - std::norm(b))};
-}
-
-/// Period of the strongest of the frequencies k / size above 0, in samples.
-template <class Bin>
-double StrongestPeriod(int size, const Bin& bin) {
-  int strongest = 1;
-  double power = 0.0;
-  for (int k = 1; k <= size / 2; ++k) {
-    const double candidate = std::norm(bin(k));
-    if (candidate > power) {
-      power = candidate;
-      strongest = k;
-    }
-  }
-  return static_cast<double>(size) / strongest;
 }
 
 /// products[lag] = sum over n of leader[n] follower[n + lag]; negative lags from the end. They take
@@ -178,78 +170,129 @@ std::vector<double> Correlations(const std::vector<AtLag>& sums, const Moments& 
   return result;
 }
 
-}  // namespace
+int Length(const TickRange& range) { return range.end - range.begin; }
 
-double DominantPeriod(std::span<const double> signal, Fourier& fourier) {
-  std::vector<double> padded(FastTransformSize(static_cast<int>(signal.size())));
-  std::ranges::copy(signal, padded.begin());
-  Values spectrum;
-  fourier.Forward(padded, spectrum);
-  return StrongestPeriod(static_cast<int>(padded.size()), [&](int k) { return spectrum[k]; });
+const TickRange& LongestOf(const CountedTicks& counted) {
+  return *std::ranges::max_element(counted, {}, Length);
 }
 
-double ParabolaPeak(double left, double middle, double right) {
-  const double curvature = left - 2.0 * middle + right;
-  return curvature < 0.0 ? 0.5 * (left - right) / curvature : 0.0;
-}
-
-std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
-                                   double rate_hz, Fourier& fourier) {
-  const int samples = static_cast<int>(leader.size());
-  return DelaySamples(leader, follower, rate_hz, {{0, samples}}, fourier);
-}
-
-std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
-                                   double rate_hz, const CountedTicks& counted, Fourier& fourier) {
-  GAUNTLET_ASSERT(rate_hz > 0.0 && follower.size() == leader.size());
-  GAUNTLET_ASSERT(AreWithin(counted, std::ssize(leader)));
-  if (counted.empty()) return std::nullopt;
-  const auto length = [](const TickRange& range) { return range.end - range.begin; };
-  const auto longest = std::ranges::max_element(counted, {}, length);
-  const int largest_lag =
-      std::min(length(*longest) / 4, static_cast<int>(kLargestDelay_s * rate_hz));
-  if (largest_lag < 2) return std::nullopt;
+/// Pearson's coefficient at lags -bound .. bound, of all counted ranges together. Empty if one of
+/// the signals is still.
+std::vector<double> CorrelationsUpTo(int bound, std::span<const double> leader,
+                                     std::span<const double> follower, const CountedTicks& counted,
+                                     Fourier& fourier) {
   const double leader_mean = MeanOf(leader, counted);
   const double follower_mean = MeanOf(follower, counted);
-  const auto transform = [&](const TickRange& range) {
-    return Transform({.values = Part(leader, range), .mean = leader_mean},
-                     {.values = Part(follower, range), .mean = follower_mean}, largest_lag,
-                     fourier);
-  };
   Moments leader_moments;
   Moments follower_moments;
-  int bound = 0;
-  std::vector<AtLag> sums;
-  const auto add = [&](Pair pair) {
+  std::vector<AtLag> sums(2 * bound + 1);
+  for (const TickRange& range : counted) {
+    Pair pair = Transform({.values = Part(leader, range), .mean = leader_mean},
+                          {.values = Part(follower, range), .mean = follower_mean}, bound, fourier);
     leader_moments.sum += pair.leader.moments.sum;
     leader_moments.squares += pair.leader.moments.squares;
     follower_moments.sum += pair.follower.moments.sum;
     follower_moments.squares += pair.follower.moments.squares;
     const std::vector<double> products = CrossProducts(pair, fourier);
     AddOverlaps(pair, products, bound, sums);
-  };
-  {
-    Pair pair = transform(*longest);
-    const double period = StrongestPeriod(pair.size, [&pair](int k) { return LeaderBin(pair, k); });
-    bound = std::min(largest_lag, static_cast<int>(0.5 * period));
-    sums.resize(2 * bound + 1);
-    add(std::move(pair));
-  }
-  for (auto range = counted.begin(); range != counted.end(); ++range) {
-    if (range != longest) add(transform(*range));
   }
   const double still = kStillRms_rad * kStillRms_rad * CountOf(counted);
-  if (!(leader_moments.squares > still)) return std::nullopt;
-  if (!(follower_moments.squares > still)) return std::nullopt;
+  if (!(leader_moments.squares > still) || !(follower_moments.squares > still)) return {};
+  return Correlations(sums, leader_moments, follower_moments);
+}
 
-  const auto correlations = Correlations(sums, leader_moments, follower_moments);
-  const auto peak = std::max_element(correlations.begin(), correlations.end());
-  const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();
-  if (at_the_bound || !(*peak >= kLeastDelayCorrelation)) return std::nullopt;
-  // Beside an overlap that says nothing the largest coefficient is an end, too, and no peak.
-  if (peak[-1] == kNothingSaid || peak[1] == kNothingSaid) return std::nullopt;
-  const double lag = static_cast<double>(peak - correlations.begin()) - bound;
-  return lag + ParabolaPeak(peak[-1], peak[0], peak[1]);
+/// The lags among which a delay is searched.
+struct LagWindow {
+  int first = 0;
+  int last = 0;
+};
+
+LagWindow WindowOf(std::span<const double> leader, double rate_hz, double earliest_s,
+                   const CountedTicks& counted, Fourier& fourier) {
+  const int most = Length(LongestOf(counted)) / 4;
+  const std::optional<double> period_s = RepeatPeriod_s(leader, rate_hz, counted, fourier);
+  const double first_s = period_s ? earliest_s : earliest_s - kBefore_s;
+  const double last_s = earliest_s + period_s.value_or(kAfter_s);
+  const auto lag_at = [&](double time_s) {
+    return std::clamp(static_cast<int>(std::lround(time_s * rate_hz)), -most, most);
+  };
+  return {.first = lag_at(first_s), .last = lag_at(last_s)};
+}
+
+/// True if values so near to the peak are more than `apart` from each other.
+bool IsFlat(std::span<const double> values, std::size_t peak, double within, double apart) {
+  const auto is_near = [&](double value) { return value >= values[peak] - within; };
+  const auto first = std::ranges::find_if(values, is_near);
+  const auto last = std::find_if(values.rbegin(), values.rend(), is_near).base() - 1;
+  return static_cast<double>(last - first) > apart;
+}
+
+/// True if there is another maximum so near to the peak, with lower values between them.
+bool HasSecondPeak(std::span<const double> values, std::size_t peak, double within) {
+  const double least = values[peak] - within;
+  std::size_t first = peak;
+  std::size_t last = peak;
+  while (first > 0 && values[first - 1] >= least) --first;
+  while (last + 1 < values.size() && values[last + 1] >= least) ++last;
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+    if (i >= first && i <= last) continue;
+    if (values[i] >= least && values[i] >= values[i - 1] && values[i] > values[i + 1]) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+double ParabolaPeak(double left, double middle, double right) {
+  const double curvature = left - 2.0 * middle + right;
+  return curvature < 0.0 ? 0.5 * (left - right) / curvature : 0.0;
+}
+
+std::optional<double> RepeatPeriod_s(std::span<const double> motion, double rate_hz,
+                                     const CountedTicks& counted, Fourier& fourier) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && AreWithin(counted, std::ssize(motion)));
+  if (counted.empty()) return std::nullopt;
+  const TickRange& longest = LongestOf(counted);
+  const int step = std::max(1, static_cast<int>(std::lround(rate_hz / kSideRate_hz)));
+  const int samples = Length(longest) / step;
+  const int most = samples / 4;
+  if (most < 2) return std::nullopt;
+  const Eigen::Map<const Eigen::MatrixXd> blocks(motion.data() + longest.begin, step, samples);
+  const Eigen::VectorXd means = blocks.colwise().mean();
+  const std::span<const double> values(means.data(), static_cast<std::size_t>(samples));
+  const std::vector<double> both_sides =
+      CorrelationsUpTo(most, values, values, {{0, samples}}, fourier);
+  if (both_sides.empty()) return std::nullopt;
+  const std::span<const double> side = std::span(both_sides).subspan(most);
+  const auto is_high = [](double r) { return r > kLeastSidePeak; };
+  const auto fallen = std::find_if_not(side.begin(), side.end(), is_high);
+  const auto begin = std::find_if(fallen, side.end(), is_high);
+  const auto end = std::find_if_not(begin, side.end(), is_high);
+  const auto peak = std::max_element(begin, end);
+  if (peak == side.end() || peak + 1 == side.end()) return std::nullopt;
+  return static_cast<double>(peak - side.begin()) * step / rate_hz;
+}
+
+std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,
+                                   double rate_hz, double earliest_s, const CountedTicks& counted,
+                                   Fourier& fourier) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && follower.size() == leader.size());
+  GAUNTLET_ASSERT(AreWithin(counted, std::ssize(leader)));
+  if (counted.empty()) return std::nullopt;
+  const LagWindow window = WindowOf(leader, rate_hz, earliest_s, counted, fourier);
+  if (window.last - window.first < 2) return std::nullopt;
+  const int bound = std::max(std::abs(window.first), std::abs(window.last));
+  const std::vector<double> all = CorrelationsUpTo(bound, leader, follower, counted, fourier);
+  if (all.empty()) return std::nullopt;
+  const std::span<const double> r = std::span(all).subspan(
+      window.first + bound, static_cast<std::size_t>(window.last - window.first + 1));
+  const auto peak = static_cast<std::size_t>(std::ranges::max_element(r) - r.begin());
+  const bool at_the_edge = peak == 0 || peak + 1 == r.size();
+  if (at_the_edge || !(r[peak] >= kLeastDelayCorrelation)) return std::nullopt;
+  if (r[peak - 1] == kNothingSaid || r[peak + 1] == kNothingSaid) return std::nullopt;
+  if (IsFlat(r, peak, kFlatWithin, kFlatFrom_s * rate_hz)) return std::nullopt;
+  if (HasSecondPeak(r, peak, kSecondWithin)) return std::nullopt;
+  return window.first + static_cast<double>(peak) + ParabolaPeak(r[peak - 1], r[peak], r[peak + 1]);
 }
 
 double AlignedRms(std::span<const double> leader, std::span<const double> follower,

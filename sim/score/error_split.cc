@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -17,10 +17,8 @@ namespace {
 
 constexpr double kAfterLimit_s = 0.25;
 constexpr double kShortestLimit_s = 0.02;
-constexpr double kLargestDelay_s = 0.5;
 constexpr double kLeastFit_s = 0.5;
 constexpr double kRounding_ticks = 1e-6;  // a delay is whole ticks up to it
-constexpr double kSearchRate_hz = 100.0;  // hands move below 10 Hz
 
 using Eigen::Index;
 using Eigen::VectorXd;
@@ -94,94 +92,25 @@ VectorXd Delayed(const Column& reference, double delay_ticks) {
   return delayed;
 }
 
-/// Means of `step` ticks each: at a lower rate, without what could fold into the motion.
-VectorXd Means(const Column& values, int step) {
-  const Eigen::Map<const Eigen::MatrixXd> blocks(values.data(), step, values.size() / step);
-  return blocks.colwise().mean();
-}
-
-/// The blocks of `step` ticks between `begin` and `end` of which all ticks have the mark.
-std::vector<TickRange> MarkedBlocks(const TickMarks& marks, std::uint8_t mark, int step,
-                                    Index begin, Index end) {
-  std::vector<TickRange> ranges;
-  for (auto block = static_cast<int>(begin); block < end; ++block) {
-    const auto first = marks.begin() + static_cast<std::ptrdiff_t>(block) * step;
-    if (!std::all_of(first, first + step, [&](std::uint8_t of) { return (of & mark) != 0; })) {
-      continue;
-    }
-    if (ranges.empty() || ranges.back().end != block) ranges.push_back({block, block});
-    ++ranges.back().end;
+/// The ranges of ticks that have the mark.
+CountedTicks MarkedRanges(const TickMarks& marks, std::uint8_t mark) {
+  CountedTicks ranges;
+  for (int n = 0; n < static_cast<int>(marks.size()); ++n) {
+    if ((marks[static_cast<std::size_t>(n)] & mark) == 0) continue;
+    if (ranges.empty() || ranges.back().end != n) ranges.push_back({n, n});
+    ranges.back().end = n + 1;
   }
   return ranges;
 }
 
-/// Sums of the values within ranges, and of the same ranges moved.
-class SumsWithin {
- public:
-  SumsWithin(const VectorXd& values, const std::vector<TickRange>& ranges)
-      : until_(values.size() + 1), ranges_(ranges) {
-    until_[0] = 0.0;
-    std::partial_sum(values.begin(), values.end(), until_.begin() + 1);
-  }
-  double MovedBy(Index by) const {
-    GAUNTLET_ASSERT(ranges_.empty() ||
-                    (ranges_.front().begin + by >= 0 && ranges_.back().end + by < until_.size()));
-    double sum = 0.0;
-    for (const TickRange& range : ranges_) sum += until_[range.end + by] - until_[range.begin + by];
-    return sum;
-  }
-
- private:
-  VectorXd until_;
-  const std::vector<TickRange>& ranges_;
-};
-
-/// The lag in ticks at which Pearson's correlation over the ticks with the mark is largest; 0 where
-/// there is no such lag, or what correlates is hardly the wearer's motion. The same ticks of the
-/// hand count at every lag.
-double FindDelay(const Joint& joint, std::uint8_t mark, Fourier& fourier) {
-  const int step = std::max(1, static_cast<int>(std::lround(joint.rate_hz / kSearchRate_hz)));
-  const double rate_hz = joint.rate_hz / step;
-  VectorXd reference = Means(joint.reference, step);
-  VectorXd hand = Means(joint.noise_free_hand, step);
-  const Index size = reference.size();
-  if (size < 8) return 0.0;
-  reference.array() -= reference.mean();
-  hand.array() -= hand.mean();
-  const double half_period =
-      0.5 * DominantPeriod({reference.data(), static_cast<std::size_t>(size)}, fourier);
-  const auto bound = static_cast<Index>(
-      std::min({0.25 * static_cast<double>(size), kLargestDelay_s * rate_hz, half_period}));
-  const Index compared = size - 2 * bound;
-  const std::vector<TickRange> blocks =
-      MarkedBlocks(joint.marks, mark, step, bound, bound + compared);
-  const double count = CountOf(blocks);
-  if (bound < 1 || count < kLeastFit_s * rate_hz) return 0.0;
-
-  VectorXd hands = VectorXd::Zero(compared);
-  for (const TickRange& range : blocks) {
-    hands.segment(range.begin - bound, range.end - range.begin) =
-        hand.segment(range.begin, range.end - range.begin);
-  }
-  const double hand_variation = hands.squaredNorm() - hands.sum() * hands.sum() / count;
-  const double still = kStillRms_rad * kStillRms_rad * count;
-  if (!(hand_variation > still)) return 0.0;
-  const SumsWithin sums(reference, blocks);
-  const SumsWithin squares(reference.array().square(), blocks);
-  std::vector<double> correlations;
-  for (Index lag = -bound; lag <= bound; ++lag) {
-    const double sum = sums.MovedBy(-lag);
-    const double variation = squares.MovedBy(-lag) - sum * sum / count;
-    const double covariation =
-        reference.segment(bound - lag, compared).dot(hands) - sum * hands.sum() / count;
-    correlations.push_back(variation > still ? covariation / std::sqrt(variation * hand_variation)
-                                             : 0.0);
-  }
-  const auto peak = std::ranges::max_element(correlations);
-  const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();
-  if (at_the_bound || !(*peak >= kLeastDelayCorrelation)) return 0.0;
-  const auto lag = static_cast<double>(peak - correlations.begin() - bound);
-  return step * (lag + ParabolaPeak(peak[-1], peak[0], peak[1]));
+/// The delay of the noise-free hand over the ticks with the mark; 0 if there is none.
+double FindDelay(const Joint& joint, std::uint8_t mark, double earliest_s, Fourier& fourier) {
+  const auto span = [](const Column& column) {
+    return std::span(column.data(), static_cast<std::size_t>(column.size()));
+  };
+  return DelaySamples(span(joint.reference), span(joint.noise_free_hand), joint.rate_hz, earliest_s,
+                      MarkedRanges(joint.marks, mark), fourier)
+      .value_or(0.0);
 }
 
 /// Gain and constant by least squares, where the reference of `delay_ticks` ago is known.
@@ -221,11 +150,11 @@ Following FitAt(double delay_ticks, const Joint& joint, std::uint8_t mark) {
   return following;
 }
 
-Following Fit(const Joint& joint, Fourier& fourier) {
+Following Fit(const Joint& joint, double earliest_s, Fourier& fourier) {
   const auto free = std::ranges::count_if(joint.marks, [](auto of) { return (of & kFree) != 0; });
   const bool enough = static_cast<double>(free) >= kLeastFit_s * joint.rate_hz;
   const std::uint8_t mark = enough ? kFree : kCounted;
-  return FitAt(FindDelay(joint, mark, fourier), joint, mark);
+  return FitAt(FindDelay(joint, mark, earliest_s, fourier), joint, mark);
 }
 
 /// What the fit leaves of the noise-free hand.
@@ -301,7 +230,7 @@ std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
   Signal left(rows, joints);
   for (int j = 0; j < joints; ++j) {
     const Joint joint = signals_of(j);
-    left.col(j) = Left(joint, fits.emplace_back(Fit(joint, fourier)));
+    left.col(j) = Left(joint, fits.emplace_back(Fit(joint, input.earliest_delay_s, fourier)));
     TrimSignals();
   }
   const FilteredSignal above = Trembling(left, input.rate_hz, input.jitter_above_hz, fourier);

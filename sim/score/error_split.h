@@ -40,9 +40,9 @@ struct ErrorSplit {
 /// step of the staircase.
 ///
 /// d, a and b are found by least squares over the ticks that are not `limit`, or over all where
-/// these are less than half a second. |d| is at most half the dominant period of r, a quarter of
-/// the signal and 0.5 s. Where there is no such delay (as for a hand or a reference that moves by
-/// less than 0.1 deg RMS) d is 0, and without a reference that moves b is 1.
+/// these are less than half a second. d is the delay of DelaySamples(); without one (as for a hand
+/// or a reference that moves by less than 0.1 deg RMS) d is 0. Without a reference that moves b is
+/// 1.
 ///
 /// Means are over the ticks that count, and only these are fitted.
 ///

@@ -15,6 +15,8 @@ namespace {
 constexpr double kCutoff_hz = 6.0;  // hands move below 4 Hz; half a second of reach
 constexpr double kTransition_hz = 4.0;
 constexpr double kStationRate_hz = 125.0;  // ample for 8 Hz
+constexpr double kStageMargin_s = 0.05;
+constexpr int kPredictionStage = 3;
 constexpr Eigen::Index kMeansAtATime = 512;
 
 struct StageName {
@@ -164,9 +166,12 @@ LatencyBudget MeasureLatency(const LatencyInput& input) {
   const auto delay_ms = [&](int from, int to, Eigen::Index channel) {
     const CountedTicks& counted =
         input.counted == nullptr ? all : (*input.counted)[static_cast<std::size_t>(channel)];
+    const bool is_stage = to == from + 1;
+    const double look_ahead_s = from == kPredictionStage ? input.look_ahead_s : 0.0;
+    const double earliest_s = is_stage ? -kStageMargin_s - look_ahead_s : input.earliest_delay_s;
     const auto delay =
         DelaySamples(ColumnOf(stations[from], channel), ColumnOf(stations[to], channel), rate_hz,
-                     CountedRows(counted, step, reach), fourier);
+                     earliest_s, CountedRows(counted, step, reach), fourier);
     return delay ? 1000.0 * *delay / rate_hz : kNoScore;
   };
 

@@ -21,6 +21,8 @@ struct LatencyInput {
   const Signal* hand_angle_rad = nullptr;
   double ticks_per_event = 20.0;        // the controller sends a frame every so many ticks
   double ticks_per_servo_frame = 20.0;  // the servo takes one every so many; up to 1: at once
+  double look_ahead_s = 0.0;            // of the prediction
+  double earliest_delay_s = 0.0;        // of the whole way, see DelaySamples()
   int first_servo_frame = 0;            // the tick of one of the servo's frames, where they begin
   const std::vector<CountedTicks>* counted = nullptr;  // of each joint; null: all ticks of all
 };
@@ -44,6 +46,9 @@ struct LatencyBudget {
 /// comes out, and of the whole way. The stages are: sensor, filter, waiting for the event,
 /// prediction, event delay, waiting for the servo's frame, servo and cables. That of a prediction
 /// is below 0, by as much as it makes up for.
+///
+/// A stage may pass its input on: its lags begin 50 ms before 0, those of the prediction by its
+/// horizon sooner.
 ///
 /// All signals pass means over 4 ms and the same zero-phase low pass of 6 Hz (4 to 8 Hz) first:
 /// noise that a filter takes over from its input would otherwise draw the correlation to the

@@ -197,6 +197,31 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
   return scores;
 }
 
+void UseCommonParts(std::span<Scores* const> trials) {
+  for (std::size_t metric = 0; metric < Metrics().size(); ++metric) {
+    if (!Metrics()[metric].alike || Metrics()[metric].part == ScoredPart::kHand) continue;
+    std::vector<Scores*> with_value;
+    for (Scores* const trial : trials) {
+      if (std::isfinite(trial->summary[metric]) && !trial->channels.empty()) {
+        with_value.push_back(trial);
+        trial->summary[metric] = 0.0;
+      }
+    }
+    int common = 0;
+    for (std::size_t row = 0; !with_value.empty() && row < with_value[0]->channels.size(); ++row) {
+      const auto has_value = [&](const Scores* trial) {
+        return std::isfinite(trial->channels[row][metric]);
+      };
+      if (!std::ranges::all_of(with_value, has_value)) continue;
+      ++common;
+      for (Scores* const trial : with_value) trial->summary[metric] += trial->channels[row][metric];
+    }
+    for (Scores* const trial : with_value) {
+      trial->summary[metric] = common == 0 ? kNoScore : trial->summary[metric] / common;
+    }
+  }
+}
+
 Scores TrackingScores(std::span<const double> mean_square_error_rad2, const ScoreRows& table) {
   GAUNTLET_ASSERT(mean_square_error_rad2.size() == table.joints.size());
   const std::size_t metric = MetricIndex("tracking_rmse_deg");

@@ -52,6 +52,7 @@ struct ScoreInput {
   const IntegerSignal* noise_free_motor_at_limit = nullptr;  // ticks x motors: 1 or 0
   std::span<const std::vector<int>> motors_of_joint = {};    // per joint: those that turn it
   double frame_ms = 20.0;                                    // time between two commands
+  double earliest_delay_s = 0.0;                             // see DelaySamples()
   double jitter_above_hz = ScoreConfig{}.jitter_above_hz;    // where trembling begins
   std::span<const double> stall_tension_n = {};              // per cable: of its motor at stall
 };
@@ -120,6 +121,11 @@ bool NeedsNoiseFreeTwin(std::size_t metric);
 /// Errors: std::invalid_argument for signals that do not fit each other (the caller's mistake).
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& rows,
                      std::span<const std::size_t> metrics = {});
+
+/// Makes the summaries of trials comparable that differ in their controller alone: of each metric
+/// the mean over the parts in which all of them have a value. A trial without any value of a metric
+/// keeps none and does not limit the others. Trials without rows stay as they are.
+void UseCommonParts(std::span<Scores* const> trials);
 
 /// The tracking error alone, of joints whose mean square error is known already: the same bits as
 /// ComputeScores() gives. Shape: one per joint of `rows`.

@@ -71,8 +71,9 @@ ScoredJoint::ScoredJoint(const ScoreInput& input, int column, const AllJoints& a
       wearer([this, &input] {
         return AnalyseWearer(reference_rad, rate_hz, input.segments, counted);
       }),
-      delay_ticks([this, &fourier] {
-        return DelaySamples(reference_rad, hand_rad, rate_hz, counted, fourier);
+      delay_ticks([this, &input, &fourier] {
+        return DelaySamples(reference_rad, hand_rad, rate_hz, input.earliest_delay_s, counted,
+                            fourier);
       }),
       smoothness([this, &fourier] {
         return MovementSmoothness(hand_rad, rate_hz, wearer().movements,

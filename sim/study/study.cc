@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <span>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/fast_hash.h"
 #include "sim/base/nearest_name.h"
 #include "sim/hand/camera_view.h"
+#include "sim/score/delay.h"
 #include "sim/study/counted_parts.h"
+#include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -101,6 +105,31 @@ void ChooseVideoChannel(Study& study, std::string& channel) {
   if (asked.empty()) return;
   study.remarks.push_back("video.channel: " + asked + " is not measured by the glove; " + channel +
                           " is shown in its place");
+}
+
+/// One line for the user if the wearer's motion of the first seed repeats; else empty.
+std::string RepeatRemark(const Study& study) {
+  const GloveSignal& glove = *study.gloves.front();
+  const Signal reference_rad = ReferenceAngles(study.joint_map(), glove.true_angle_rad);
+  const auto ticks = static_cast<int>(reference_rad.rows());
+  const std::optional<CountedParts> counted = CountedPartsOf(study, glove.masked, ticks);
+  Fourier fourier;
+  std::vector<double> periods_ms;
+  for (std::size_t i = 0; i < study.measured_joints.size(); ++i) {
+    const std::span<const double> joint(reference_rad.col(study.measured_joints[i]).data(),
+                                        static_cast<std::size_t>(ticks));
+    const std::optional<double> period_s =
+        RepeatPeriod_s(joint, glove.tick_rate_hz,
+                       counted ? counted->joints[i] : CountedTicks{{0, ticks}}, fourier);
+    if (period_s) periods_ms.push_back(1e3 * *period_s);
+  }
+  if (periods_ms.empty()) return "";
+  const auto [least, most] = std::ranges::minmax(periods_ms);
+  return fmt::format(
+      "the motion of {} of {} joints repeats after {:.0f}{} ms: their delay is known up to a "
+      "multiple of this",
+      periods_ms.size(), study.measured_joints.size(), least,
+      least == most ? "" : fmt::format(" to {:.0f}", most));
 }
 
 }  // namespace
@@ -212,6 +241,8 @@ Study PrepareStudy(Scenario scenario) {
   study.scenario = std::move(scenario);
   const std::string counted = CountedRemark(study);
   if (!counted.empty()) study.remarks.push_back(counted);
+  const std::string repeats = RepeatRemark(study);
+  if (!repeats.empty()) study.remarks.push_back(repeats);
   return study;
 }
 

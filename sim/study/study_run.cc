@@ -159,9 +159,11 @@ class StudyRun {
                       keep ? std::vector<std::string_view>() : SignalsOfScores(options_.scores));
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
     outcome.health = trace.health;
-    outcome.scores = trace.health.ok ? ScoreTrial(study_, *glove.signal, glove.reference_rad, trace,
-                                                  twin, options_.scores)
-                                     : NoScores(study_.rows);
+    outcome.scores =
+        trace.health.ok
+            ? ScoreTrial(study_, study_.scenario.controllers[controller_index].config,
+                         *glove.signal, glove.reference_rad, trace, twin, options_.scores)
+            : NoScores(study_.rows);
     outcome.untrusted_samples = trace.untrusted_samples;
     if (keep) {
       result_.first_traces[controller_index] = std::move(trace);
@@ -293,6 +295,11 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
                                    run.threads(), reason));
       });
   StudyResult result = run.Finish();
+  for (SeedOutcome& seed : result.seeds) {
+    std::vector<Scores*> trials;
+    for (TrialOutcome& trial : seed.controllers) trials.push_back(&trial.scores);
+    UseCommonParts(trials);
+  }
   result.seeds_alike = repeats.alike();
   const std::vector<int> motions = repeats.MotionNumbers(result.seeds.size());
   for (std::size_t i = 0; i < motions.size(); ++i) result.seeds[i].motion = motions[i];

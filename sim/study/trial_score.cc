@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/study/counted_parts.h"
+#include "sim/trial/latency_of_trace.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -145,9 +146,9 @@ std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metri
   return signals;
 }
 
-Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
-                  const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
-                  std::span<const std::size_t> metrics) {
+Scores ScoreTrial(const Study& study, const controller::ControllerConfig& controller,
+                  const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
+                  const std::optional<NoiseFreeTwin>& twin, std::span<const std::size_t> metrics) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const std::optional<CountedParts> counted =
@@ -168,6 +169,7 @@ Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& re
   const HandConfig& hand_config = study.scenario.hand;
   input.frame_ms = std::max({study.scenario.event.period_ms, hand_config.servo.numbers().frame_ms,
                              hand_config.arm_servo.numbers().frame_ms});
+  input.earliest_delay_s = EarliestDelay_s(*study.hand, controller);
   input.jitter_above_hz = study.scenario.score.jitter_above_hz;
   return WithoutSign(ComputeScores(input, study.rows, metrics));
 }

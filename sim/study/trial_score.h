@@ -17,8 +17,9 @@ std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metri
 /// the true angles as the hand's joints have them [ticks x joints]; `twin` is the same trial
 /// without noise, if there is one: see ScoreInput. `metrics`: as of ComputeScores(). A signal that
 /// was not recorded is missing there, too.
-Scores ScoreTrial(const Study& study, const GloveSignal& glove, const Signal& reference_rad,
-                  const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
+Scores ScoreTrial(const Study& study, const controller::ControllerConfig& controller,
+                  const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
+                  const std::optional<NoiseFreeTwin>& twin,
                   std::span<const std::size_t> metrics = {});
 
 /// Takes the angles of a trial block by block, where the tracking error alone is wanted.

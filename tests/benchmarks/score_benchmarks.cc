@@ -109,8 +109,8 @@ void DelayOf18Channels(benchmark::State& state) {
     Fourier fourier;
     for (int c = 0; c < kChannels; ++c) {
       benchmark::DoNotOptimize(DelaySamples({recording.wearer.col(c).data(), kSamples},
-                                            {recording.hand.col(c).data(), kSamples}, 1000.0,
-                                            fourier));
+                                            {recording.hand.col(c).data(), kSamples}, 1000.0, 0.0,
+                                            {{0, kSamples}}, fourier));
     }
   }
 }

@@ -116,7 +116,7 @@ Outcome Measure(const Study& study, const Row& row, int seeds) {
     const Signal reference = ReferenceAngles(study.joint_map(), glove.true_angle_rad);
     const Trace trace =
         RunTrial(SetupOf(study, {.name = row.name, .config = row.controller}), glove);
-    const Scores scores = ScoreTrial(study, glove, reference, trace, std::nullopt);
+    const Scores scores = ScoreTrial(study, row.controller, glove, reference, trace, std::nullopt);
     outcome.tracking_deg.push_back(scores.summary[MetricIndex("tracking_rmse_deg")]);
     outcome.delay_ms.push_back(scores.summary[MetricIndex("delay_ms")]);
     outcome.jitter_deg.push_back(scores.summary[MetricIndex("jitter_rms_deg")]);

@@ -91,22 +91,15 @@ def inner(counted, reach, least):
     return [(b + reach, e - reach) for b, e in counted if e - b >= least]
 
 
-def delay_samples(reference, hand, rate_hz, counted):
-    """The lag of the largest correlation, refined by a parabola; None if there is none."""
-    if not counted:
+STILL = np.radians(0.1)
+
+
+def correlations(x, y, counted, bound):
+    """Pearson's coefficient of x(n) and y(n + lag), |lag| up to a bound, over all ranges; NaN says nothing."""
+    x = x - within(x, 0, counted).mean()
+    y = y - within(y, 0, counted).mean()
+    if not (rms(within(x, 0, counted)) > STILL and rms(within(y, 0, counted)) > STILL):
         return None
-    begin, end = max(counted, key=lambda r: r[1] - r[0])
-    largest = min((end - begin) // 4, int(2.0 * rate_hz))
-    if largest < 2:
-        return None
-    x = reference - within(reference, 0, counted).mean()
-    y = hand - within(hand, 0, counted).mean()
-    still = np.radians(0.1)
-    if not (rms(within(x, 0, counted)) > still and rms(within(y, 0, counted)) > still):
-        return None
-    size = fast_size(end - begin + largest)
-    power = np.abs(np.fft.rfft(x[begin:end], size)) ** 2
-    bound = min(largest, int(0.5 * size / (1 + np.argmax(power[1:]))))
     # Per lag: overlap, sums of x, x^2, y, y^2, x y over all ranges.
     total = np.zeros((2 * bound + 1, 6))
     for b, e in counted:
@@ -114,23 +107,68 @@ def delay_samples(reference, hand, rate_hz, counted):
         products = signal.correlate(py, px, mode="full", method="fft")  # lag 0 at count - 1
         sums = [np.concatenate(([0.0], np.cumsum(values))) for values in (px, px * px, py, py * py)]
         for lag in range(max(-bound, 1 - count), min(bound, count - 1) + 1):
-            first, last = max(0, -lag), count - max(0, lag)  # of the reference; the hand's is later by lag
+            first, last = max(0, -lag), count - max(0, lag)  # of x; y is later by lag
             total[lag + bound] += [last - first] + [s[last] - s[first] for s in sums[:2]] + [
                 s[last + lag] - s[first + lag] for s in sums[2:]] + [products[count - 1 + lag]]
     whole = [np.sum(within(v * v, 0, counted)) for v in (x, y)]
-    found = np.full(2 * bound + 1, -2.0)
+    found = np.full(2 * bound + 1, NAN)
     for place, (overlap, sx, sxx, sy, syy, sxy) in enumerate(total):
+        if overlap == 0:
+            continue
         vx, vy = sxx - sx * sx / overlap, syy - sy * sy / overlap
         if vx >= 0.1 * whole[0] and vy >= 0.1 * whole[1]:
             found[place] = (sxy - sx * sy / overlap) / np.sqrt(vx * vy)
-    peak = int(np.argmax(found))
-    if peak in (0, 2 * bound) or not found[peak] >= 0.5:
+    return found
+
+
+def repeat_period(motion, rate_hz, counted):
+    """Seconds after which a motion repeats: the first side peak of its autocorrelation; None without one."""
+    begin, end = max(counted, key=lambda r: r[1] - r[0])
+    step = max(1, half_up(rate_hz / 100.0))
+    means = block_means(motion[begin:end], step)
+    most = len(means) // 4
+    found = correlations(means, means, [(0, len(means))], most) if most >= 2 else None
+    if found is None:
         return None
-    left, middle, right = found[peak - 1 : peak + 2]
-    if left == -2.0 or right == -2.0:
+    high = np.nan_to_num(found[most:], nan=-2.0) > 0.5
+    fallen = np.flatnonzero(~high)
+    again = np.flatnonzero(high[fallen[0]:]) + fallen[0] if len(fallen) else []
+    if not len(again):
         return None
+    stop = np.flatnonzero(~high[again[0]:])
+    stop = again[0] + stop[0] if len(stop) else len(high)
+    peak = again[0] + int(np.argmax(found[most:][again[0]:stop]))
+    return None if peak + 1 == len(high) else peak * step / rate_hz
+
+
+def delay_samples(reference, hand, rate_hz, earliest_s, counted):
+    """The lag of the largest correlation, refined by a parabola; None if there is none."""
+    if not counted:
+        return None
+    most = max(e - b for b, e in counted) // 4
+    period = repeat_period(reference, rate_hz, counted)
+    first, last = ((earliest_s - 0.1, earliest_s + 1.0) if period is None
+                   else (earliest_s, earliest_s + period))
+    first, last = (int(np.clip(half_up(t * rate_hz), -most, most)) for t in (first, last))
+    if last - first < 2:
+        return None
+    bound = max(abs(first), abs(last))
+    found = correlations(reference, hand, counted, bound)
+    if found is None:
+        return None
+    r = np.nan_to_num(found[first + bound : last + bound + 1], nan=-2.0)
+    peak = int(np.argmax(r))
+    if peak in (0, len(r) - 1) or r[peak] < 0.5 or -2.0 in (r[peak - 1], r[peak + 1]):
+        return None
+    near = np.flatnonzero(r >= r[peak] - 1e-4)
+    if near[-1] - near[0] > 0.06 * rate_hz:
+        return None
+    if any(i != peak and r[i] >= r[peak] - 0.02 and r[i] >= r[i - 1] and r[i] > r[i + 1] and
+           min(r[min(i, peak) : max(i, peak)]) < r[peak] - 0.02 for i in range(1, len(r) - 1)):
+        return None
+    left, middle, right = r[peak - 1 : peak + 2]
     curvature = left - 2 * middle + right
-    return peak - bound + (0.5 * (left - right) / curvature if curvature < 0 else 0.0)
+    return first + peak + (0.5 * (left - right) / curvature if curvature < 0 else 0.0)
 
 
 def aligned_error(reference, hand, delay, counted):
@@ -389,33 +427,6 @@ def block_means(values, step):
     return values[: count * step].reshape(count, step).mean(axis=1)
 
 
-def following_delay(reference, hand, counting, rate_hz):
-    """Samples by which a hand follows, over the ticks that count: the lag of the largest correlation."""
-    step = max(1, round(rate_hz / 100.0))
-    rate_hz /= step
-    counts = block_means(counting.astype(float), step) == 1.0
-    reference, hand = (x - x.mean() for x in (block_means(reference, step), block_means(hand, step)))
-    size = len(reference)
-    if size < 8:
-        return 0.0
-    padded = fast_size(size)
-    period = padded / (1 + np.argmax(np.abs(np.fft.rfft(reference, padded))[1:]))
-    bound = min(size // 4, int(0.5 * rate_hz), int(0.5 * period))
-    inside = np.arange(bound, size - bound)
-    inside = inside[counts[inside]]
-    if bound < 1 or len(inside) < 0.5 * rate_hz or not np.std(hand[inside]) > np.radians(0.1):
-        return 0.0
-    found = [np.corrcoef(reference[inside - lag], hand[inside])[0, 1]
-             if np.std(reference[inside - lag]) > np.radians(0.1) else 0.0
-             for lag in range(-bound, bound + 1)]
-    peak = int(np.argmax(found))
-    if peak in (0, 2 * bound) or not found[peak] >= 0.5:
-        return 0.0
-    left, middle, right = found[peak - 1 : peak + 2]
-    curvature = left - 2 * middle + right
-    return step * (peak - bound + (0.5 * (left - right) / curvature if curvature < 0 else 0.0))
-
-
 def ticks_of(ranges, count):
     ticks = np.zeros(count, bool)
     for begin, end in ranges:
@@ -433,14 +444,15 @@ def limit_ticks(at_limit, shortest, after):
     return limit
 
 
-def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz, counted):
+def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz, earliest_s, counted):
     """The mean square error by its cause [deg^2]: mean(signal of the cause times the error)."""
     reference, hand, quiet_hand = (np.degrees(x) for x in (reference, hand, quiet_hand))
     n = np.arange(len(hand))
     counts = ticks_of(counted, len(hand))
     free = counts & ~limit
     counting = free if np.sum(free) >= 0.5 * rate_hz else counts
-    delay = following_delay(np.radians(reference), np.radians(quiet_hand), counting, rate_hz)
+    delay = delay_samples(np.radians(reference), np.radians(quiet_hand), rate_hz, earliest_s,
+                          [(int(b), int(e)) for b, e in stretches(counting)]) or 0.0
     late = np.interp(n - delay, n, reference)
     fitted = counting & (n - delay >= -1e-6) & (n - delay <= len(n) - 1 + 1e-6)
     gain = 1.0
@@ -489,7 +501,7 @@ class ModelCard:
 # All scores of one part
 
 
-def joint_scores(reference, hand, quiet_hand, limited, context, counted):
+def joint_scores(reference, hand, quiet_hand, limited, context, earliest_s, counted):
     """quiet_hand and limited: of the noise-free trial, None if there is none."""
     rate_hz = context.rate_hz
     wearer = Wearer(reference, rate_hz, context.segments, counted)
@@ -498,7 +510,7 @@ def joint_scores(reference, hand, quiet_hand, limited, context, counted):
     trembling, first = high_passed(np.degrees(hand), context.jitter_above_hz, rate_hz)
     # Ticks in whose trembling only ticks that count have a share.
     trembles = inner(counted, first, 2 * first + int(np.ceil(rate_hz / context.jitter_above_hz)))
-    delay = delay_samples(reference, hand, rate_hz, counted)
+    delay = delay_samples(reference, hand, rate_hz, earliest_s, counted)
     rests = [error[b:e] for b, e in wearer.regimes["rest"]]
     hand_rests = [np.degrees(hand[b:e]) for b, e in wearer.regimes["rest"]]
     scores = {
@@ -523,7 +535,8 @@ def joint_scores(reference, hand, quiet_hand, limited, context, counted):
     noise = np.degrees(hand - quiet_hand) if quiet else np.empty(0)
     noise = high_passed(noise, context.jitter_above_hz, rate_hz)[0]
     scores["noise_jitter_rms_deg"] = rms(within(noise, first, trembles)) if quiet else NAN
-    scores |= (error_parts(reference, hand, quiet_hand, limited, context.jitter_above_hz, rate_hz, counted)
+    scores |= (error_parts(reference, hand, quiet_hand, limited, context.jitter_above_hz, rate_hz, earliest_s,
+                           counted)
                if quiet else dict.fromkeys(ERROR_PARTS, NAN))
     return scores
 
@@ -576,6 +589,19 @@ class Context:
                          for row in trace["glove/segments"][()]]
 
 
+        self.text = text
+        self.link_s = half_up(float(re.search(r"^event:\n(?:  .*\n)*?  delay_ms: (\S+)", text, re.MULTILINE)[1])
+                              / 1000 * self.rate_hz) / self.rate_hz
+
+    def earliest_s(self, controller):
+        """The hand cannot be late by less: the link's delay less the horizon of the prediction."""
+        block = re.search(rf"^  {re.escape(controller)}:\n((?:    .*\n)+)",
+                          self.text[self.text.index("\ncontrollers:"):], re.MULTILINE)[1]
+        if re.search(r"model_predictive:\n\s+kind: (?!none)", block):
+            return 0.0
+        horizons = re.search(r"horizon_ms: (.*)", block)
+        return self.link_s - (max(map(float, re.findall(r"[\d.e+-]+", horizons[1]))) / 1000 if horizons else 0.0)
+
     def counted(self, channels, count):
         """Ranges of ticks that count for what follows these channels."""
         ticks = np.ones(count, bool)
@@ -616,6 +642,7 @@ def rescore(trace, controller, measured_joints, context):
                                   round(0.25 * context.rate_hz))
         rows.setdefault(name, {}).update(
             joint_scores(reference[name][:count], hand[name], quiet, limited, context,
+                         context.earliest_s(controller),
                          context.counted([name], count)))
     speed, at_limit = (columns_of(group, s) for s in ("spool_speed_rad_s", "motor_at_limit"))
     for name, counts in columns_of(group, "command_counts").items():
@@ -647,6 +674,13 @@ def difference(metric, theirs, ours):
     return abs(theirs - ours) / max(abs(theirs), abs(ours)) if abs(theirs - ours) > floor else 0.0
 
 
+def common_rows(metric, scored):
+    """The rows in which all controllers have a value that have any."""
+    having = [{row for row, values in rows.items() if not np.isnan(values.get(metric, NAN))}
+              for rows, _ in scored.values()]
+    return sorted(set.intersection(*filter(None, having))) if any(having) else []
+
+
 def compare(folder):
     """Metric -> list of (difference, place, their value, ours); and the metrics nobody knows."""
     with open(os.path.join(folder, "scores.json"), encoding="utf-8") as file:
@@ -656,12 +690,14 @@ def compare(folder):
     results, unknown = {}, set()
     with h5py.File(os.path.join(folder, "trace.h5"), "r") as trace:
         context = Context(folder, trace)
+        scored = {c["name"]: rescore(trace, c["name"], scores["measured_joints"], context)
+                  for c in scores["controllers"] if c["health"] == "ok"}
         for controller in scores["controllers"]:
             name = controller["name"]
             if controller["health"] != "ok":
                 print(f"{folder}: {name} was stopped early and has no scores")
                 continue
-            rows, of_hand = rescore(trace, name, scores["measured_joints"], context)
+            rows, of_hand = scored[name]
             for row, theirs in controller["channels"].items():
                 for metric, value in theirs.items():
                     if metric not in rows[row]:
@@ -673,8 +709,9 @@ def compare(folder):
             for metric, value in controller["summary"].items():
                 if value is None and metric in NO_SUMMARY:
                     continue
-                values = [rows[row][metric] for row in controller["channels"]
-                          if metric in rows[row] and not np.isnan(rows[row][metric])]
+                values = [rows[row][metric] for row in common_rows(metric, scored)]
+                if all(np.isnan(values_of[metric]) for values_of in rows.values() if metric in values_of):
+                    values = []
                 ours = of_hand.get(metric, np.mean(values) if values else NAN)
                 results.setdefault(metric, []).append(
                     (difference(metric, value, ours), f"{name}, summary", value, ours))

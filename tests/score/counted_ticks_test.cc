@@ -161,10 +161,11 @@ TEST(CountedTicks, InTwoRangesGiveTheDelayOfEach) {
       Sampled(20.0, 1000.0, [](double t) { return std::sin(2.0 * kPi * 0.6 * (t - 0.08)); });
   std::fill(follower.begin() + 9000, follower.begin() + 12000, 5.0);
   Fourier fourier;
-  const auto delay = DelaySamples(leader, follower, 1000.0, {{0, 9000}, {12000, 20000}}, fourier);
+  const auto delay =
+      DelaySamples(leader, follower, 1000.0, 0.0, {{0, 9000}, {12000, 20000}}, fourier);
   ASSERT_TRUE(delay);
   EXPECT_NEAR(*delay, 80.0, 0.5);
-  EXPECT_FALSE(DelaySamples(leader, follower, 1000.0, {}, fourier));
+  EXPECT_FALSE(DelaySamples(leader, follower, 1000.0, 0.0, {}, fourier));
 }
 
 }  // namespace

@@ -12,9 +12,9 @@ namespace {
 constexpr double kRate_hz = 1000.0;
 
 std::optional<double> Delay_ms(const std::vector<double>& leader,
-                               const std::vector<double>& follower) {
+                               const std::vector<double>& follower, double earliest_s = -0.1) {
   Fourier fourier;
-  auto delay = DelaySamples(leader, follower, kRate_hz, fourier);
+  auto delay = DelaySamples(leader, follower, kRate_hz, earliest_s, All(leader), fourier);
   if (delay) *delay *= 1000.0 / kRate_hz;
   return delay;
 }
@@ -150,6 +150,110 @@ TEST(Delay, OfNotANumberDoesNotExist) {
   broken[100] = NAN;
   EXPECT_FALSE(Delay_ms(motion, broken));
   EXPECT_FALSE(Delay_ms(broken, motion));
+}
+
+TEST(Delay, OfBurstsIsThatOfTheirCycleAndNotOfTheirEnvelope) {
+  // 3 Hz for 1.4 s, then rest: the strongest frequency is that of the bursts, 0.35 Hz.
+  const auto bursts = [](double t) {
+    return std::fmod(t, 2.8) < 1.4 ? std::sin(2.0 * kPi * 3.0 * std::fmod(t, 2.8)) : 0.0;
+  };
+  const auto leader = Sampled(9.0, kRate_hz, bursts);
+  for (const double delay_ms : {12.0, 40.0, 100.0, 300.0}) {
+    const auto follower = Sampled(
+        9.0, kRate_hz, [&](double t) { return t < 0.4 ? 0.0 : bursts(t - delay_ms / 1e3); });
+    EXPECT_NEAR(Delay_ms(leader, follower, 0.0).value(), delay_ms, 1.0);
+  }
+}
+
+TEST(Delay, OfAMotionThatRepeatsIsOneOfAPeriodFromTheEarliestOn) {
+  const auto sine = [](double t) { return std::sin(2.0 * kPi * 3.0 * t); };
+  const auto leader = Sampled(10.0, kRate_hz, sine);
+  const auto follower = Sampled(10.0, kRate_hz, [&](double t) { return sine(t - 0.177); });
+  EXPECT_NEAR(Delay_ms(leader, follower, 0.0).value(), 177.0, 0.1);
+  EXPECT_NEAR(Delay_ms(leader, follower, 0.115).value(), 177.0, 0.1);
+  EXPECT_NEAR(Delay_ms(leader, follower, 0.3).value(), 177.0 + 1000.0 / 3.0, 0.5);
+  EXPECT_NEAR(Delay_ms(leader, follower, -0.2).value(), 177.0 - 1000.0 / 3.0, 0.5);
+}
+
+TEST(Delay, DoesNotExistWhereManyLagsFitAsWell) {
+  // The hand is up for long around each short pulse of the wearer.
+  const auto pulse = [](double t, double begin, double end) {
+    const double phase = std::fmod(t, 2.3 + 0.1 * std::floor(t / 7.0));
+    return phase >= begin && phase < end ? 1.0 : 0.0;
+  };
+  const auto leader = Sampled(20.0, kRate_hz, [&](double t) { return pulse(t, 0.5, 0.6); });
+  const auto follower = Sampled(20.0, kRate_hz, [&](double t) { return pulse(t, 0.6, 1.0); });
+  EXPECT_FALSE(Delay_ms(leader, follower));
+}
+
+TEST(Delay, DoesNotExistWhereTheHandMovesTwice) {
+  const auto leader = Sampled(20.0, kRate_hz, Motion);
+  const auto follower = Sampled(
+      20.0, kRate_hz, [](double t) { return 0.50 * Motion(t - 0.1) + 0.5 * Motion(t - 0.75); });
+  EXPECT_FALSE(Delay_ms(leader, follower));
+}
+
+TEST(RepeatPeriod, IsThatOfAMotionThatRepeats) {
+  Fourier fourier;
+  const auto period_s = [&](const std::vector<double>& motion) {
+    return RepeatPeriod_s(motion, kRate_hz, All(motion), fourier);
+  };
+  for (const double hz : {0.5, 1.0, 3.0, 5.0}) {
+    const auto sine = [hz](double t) { return std::sin(2.0 * kPi * hz * t); };
+    EXPECT_NEAR(period_s(Sampled(10.0, kRate_hz, sine)).value(), 1.0 / hz, 0.01) << hz;
+  }
+  EXPECT_FALSE(period_s(Sampled(20.0, kRate_hz, [](double t) { return std::sin(0.4 * t * t); })));
+  EXPECT_FALSE(period_s(Sampled(10.0, kRate_hz, [](double t) { return t; })));
+  EXPECT_FALSE(period_s(Sampled(10.0, kRate_hz, [](double) { return 0.3; })));
+  EXPECT_FALSE(period_s({}));
+}
+
+/// A motion of a random kind: sines, taps, bursts, steps, or sums of sines that do not repeat.
+std::function<double(double)> RandomMotion(RandomStream& random) {
+  const double hz = random.Uniform(0.3, 5.0);
+  const double share = random.Uniform(0.2, 0.8);
+  const double at_s = random.Uniform(0.5, 1.5);
+  switch (static_cast<int>(random.Uniform(0.0, 5.0))) {
+    case 0:
+      return [=](double t) { return std::sin(2.0 * kPi * hz * t); };
+    case 1:
+      return [=](double t) { return Rise(t * hz - std::floor(t * hz), 0.0, share); };
+    case 2:
+      return [=](double t) {
+        const double phase = t / (3.0 * at_s) - std::floor(t / (3.0 * at_s));
+        return phase < share ? std::sin(2.0 * kPi * hz * t) : 0.0;
+      };
+    case 3:
+      return [=](double t) {
+        double sum = 0.0;
+        for (int i = 0; i < 20; ++i)
+          sum += std::cos(7.0 * i * i) * Rise(t, i * at_s, i * at_s + 0.1);
+        return sum;
+      };
+    default:
+      return [=](double t) { return Motion(t * (0.5 + share)); };
+  }
+}
+
+TEST(Delay, IsRightOrNotThereOrOneOfAPeriodWhateverTheMotion) {
+  RandomStream random(7, "motions");
+  Fourier fourier;
+  int found = 0;
+  for (int i = 0; i < 300; ++i) {
+    const std::function<double(double)> motion = RandomMotion(random);
+    const double delay_ms = std::floor(550.0 * random.Uniform()) - 50.0;
+    const auto leader = Sampled(10.0, kRate_hz, motion);
+    const auto follower =
+        Sampled(10.0, kRate_hz, [&](double t) { return 0.9 * motion(t - delay_ms / 1e3) + 0.1; });
+    const auto delay = Delay_ms(leader, follower, 0.0);
+    if (!delay) continue;
+    ++found;
+    const auto period_s = RepeatPeriod_s(leader, kRate_hz, All(leader), fourier);
+    const double error_ms =
+        period_s ? std::remainder(*delay - delay_ms, 1e3 * *period_s) : *delay - delay_ms;
+    EXPECT_NEAR(error_ms, 0.0, period_s ? 12.0 : 2.0) << i << ' ' << delay_ms;
+  }
+  EXPECT_GE(found, 240);
 }
 
 TEST(AlignedRms, VanishesForAPureDelay) {

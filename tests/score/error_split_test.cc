@@ -81,6 +81,7 @@ struct Trial {
     input.noise_free_hand_angle_rad = &noise_free_hand;
     input.noise_free_motor_at_limit = &at_limit;
     input.motors_of_joint = motors_of_joint;
+    input.earliest_delay_s = -0.1;
     return input;
   }
   /// [deg^2]

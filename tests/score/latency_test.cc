@@ -22,6 +22,8 @@ struct Chain {
   Signal command = Signal::Zero(kSamples, 3);
   Signal hand = Signal(kSamples, 3);
 
+  double look_ahead_s = 0.0;
+
   static double At(double ms, int channel) {
     if (channel == 2) return 0.2;
     const double t = ms / 1000.0 + 3.0 * channel;
@@ -30,7 +32,7 @@ struct Chain {
 
   /// Sensor 3 ms, filter 25 ms, event delay 30 ms, servo and cables 41 ms; events and frames each
   /// 20 ms. A moving average of 51 samples is late by 25 ms. The target looks so far ahead.
-  explicit Chain(double noise_rad, int ahead_ms = 0) {
+  explicit Chain(double noise_rad, int ahead_ms = 0) : look_ahead_s(1e-3 * ahead_ms) {
     const auto noise = Noise(3 * kSamples, 31);
     for (int c = 0; c < 3; ++c) {
       double sum = 0.0;
@@ -57,7 +59,9 @@ struct Chain {
             .filtered_angle_rad = &filtered,
             .target_angle_rad = &target,
             .command_angle_rad = &command,
-            .hand_angle_rad = &hand};
+            .hand_angle_rad = &hand,
+            .look_ahead_s = look_ahead_s,
+            .earliest_delay_s = 0.03 - look_ahead_s};
   }
 };
 

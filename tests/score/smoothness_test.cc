@@ -140,7 +140,7 @@ TEST(Smoothness, OfALaterHandIsNearlyTheSame) {
     Fourier fourier;
     const auto sparc = [&](int delay) {
       for (int n = 0; n < 40000; ++n) hand[n] = turns.At(n - delay);
-      const auto found = DelaySamples(wearer, hand, 1000.0, fourier);
+      const auto found = DelaySamples(wearer, hand, 1000.0, 0.0, {{0, 40000}}, fourier);
       return MovementSmoothness(hand, 1000.0, motion.movements, found.value(), fourier).sparc;
     };
     const double at_first = sparc(60);
