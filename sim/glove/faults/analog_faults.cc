@@ -32,8 +32,7 @@ void NoiseBurstFault::Apply(FaultStrike& strike) const {
 }
 
 void GainChangeFault::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({.key = "gain", .help = "factor on what the sensor gives", .min = 0, .max = 10},
-                 gain);
+  visitor.Number({"gain", "factor on what the sensor gives", 0, 10}, gain);
 }
 
 void GainChangeFault::Apply(FaultStrike& strike) const {

@@ -3,10 +3,8 @@
 namespace gauntlet::sim {
 
 void OffsetJumpFault::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({.key = "offset_counts",
-                  .help = "how far the signal moves, up or down, of a 10-bit converter's counts",
-                  .min = 0,
-                  .max = 1e6},
+  visitor.Number({"offset_counts",
+                  "how far the signal moves, up or down, of a 10-bit converter's counts", 0, 1e6},
                  offset_counts);
 }
 

@@ -19,8 +19,8 @@ const std::vector<std::string_view>& ChoiceNames() {
 
 void HoldConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
-  visitor.Choice({.key = "posture", .help = "what is held; as_before is rest at the start"},
-                 ChoiceNames(), posture);
+  visitor.Choice({"posture", "what is held; as_before is rest at the start"}, ChoiceNames(),
+                 posture);
 }
 
 Motion MakeMotion(const HoldConfig& config, const MotionContext& context) {

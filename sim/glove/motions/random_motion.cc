@@ -58,11 +58,9 @@ void FillSpline(RandomStream& random, const Excursion& range, double knots_per_s
 
 void RandomMotionConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
-  visitor.Number({.key = "bandwidth_hz",
-                  .help = "frequency at which the amplitude has fallen to 0.707 (-3 dB)",
-                  .min = 0.01,
-                  .max = 50},
-                 bandwidth_hz);
+  visitor.Number(
+      {"bandwidth_hz", "frequency at which the amplitude has fallen to 0.707 (-3 dB)", 0.01, 50},
+      bandwidth_hz);
   VisitRange(visitor, range_percent);
   VisitChannels(visitor, channels);
 }

@@ -82,13 +82,9 @@ Signal Stacked(const Signal& above, const Signal& below) {
 }  // namespace
 
 void SequenceConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({.key = "blend_s",
-                  .help = "time in which each part takes over from the one before",
-                  .min = 0.02,
-                  .max = 5},
+  visitor.Number({"blend_s", "time in which each part takes over from the one before", 0.02, 5},
                  blend_s);
-  controller::VisitList(visitor, {.key = "parts", .help = "motions, each with kind and settings"},
-                        parts);
+  controller::VisitList(visitor, {"parts", "motions, each with kind and settings"}, parts);
 }
 
 Motion MakeMotion(const SequenceConfig& config, const MotionContext& context) {

@@ -66,11 +66,9 @@ void SineConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitFrequency(visitor, "frequency_hz", "one number, or 18 or 22 in the order of the channels", 0,
                  frequency_hz);
   VisitRange(visitor, range_percent);
-  visitor.Number({.key = "phase_step_deg",
-                  .help = "how much earlier each channel is than the one before",
-                  .min = -360,
-                  .max = 360},
-                 phase_step_deg);
+  visitor.Number(
+      {"phase_step_deg", "how much earlier each channel is than the one before", -360, 360},
+      phase_step_deg);
   VisitChannels(visitor, channels);
 }
 
