@@ -24,7 +24,7 @@ void HoldConfig::Visit(controller::SettingsVisitor& visitor) {
 }
 
 Motion MakeMotion(const HoldConfig& config, const MotionContext& context) {
-  Motion motion = StillMotion(context, context.SampleCount(config.duration_s));
+  Motion motion = StillMotion(context.SampleCount(config.duration_s));
   std::vector<double> angles = PostureAngles(config.posture == 0 ? 0 : config.posture - 1);
   if (config.posture == 0 && !context.start_rad.empty()) angles = context.start_rad;
   for (std::size_t channel = 0; channel < angles.size(); ++channel) {

@@ -38,7 +38,7 @@ void TappingConfig::Visit(controller::SettingsVisitor& visitor) {
 }
 
 Motion MakeMotion(const TappingConfig& config, const MotionContext& context) {
-  Motion motion = StillMotion(context, context.SampleCount(config.duration_s));
+  Motion motion = StillMotion(context.SampleCount(config.duration_s));
   const std::vector<bool> selected = SelectChannels(config.channels);
   const std::vector<double> rest = context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
   const auto tapping = std::ranges::count(selected, true);
