@@ -11,9 +11,6 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr std::array<std::string_view, 3> kKindNames = {"none", "box_muller", "galton"};
-constexpr std::array<std::string_view, 3> kSummaries = {
-    "no white noise", "white Gaussian noise by the Box-Muller transform, basic form",
-    "white, nearly Gaussian noise by a Galton board"};
 
 void VisitGalton(controller::SettingsVisitor& visitor, NoiseConfig& config) {
   visitor.Integer({"galton_rows", "rows of pins", 1, 4096}, config.galton_rows);
@@ -105,18 +102,6 @@ void NoiseConfig::Visit(controller::SettingsVisitor& visitor) {
       {"walk_counts_per_sqrt_s", "random walk: standard deviation after one second", 0, 1000},
       walk_counts_per_sqrt_s);
   VisitRecording(visitor, *this);
-}
-
-std::span<const NoiseKindInfo> NoiseKinds() {
-  static const auto kKinds = [] {
-    std::array<NoiseKindInfo, kKindNames.size()> kinds;
-    for (std::size_t i = 0; i < kinds.size(); ++i) {
-      kinds[i] = {.name = kKindNames[i], .summary = kSummaries[i], .defaults = {}};
-      kinds[i].defaults.kind = static_cast<WhiteNoiseKind>(i);
-    }
-    return kinds;
-  }();
-  return kKinds;
 }
 
 }  // namespace gauntlet::sim
