@@ -136,9 +136,36 @@ class SumsWithin {
   const std::vector<TickRange>& ranges_;
 };
 
+/// Pearson's correlation of hand and reference within the blocks, at lags from -bound to bound. The
+/// same ticks of the hand count at every lag. Empty where the hand stands still.
+std::vector<double> Correlations(const VectorXd& reference, const VectorXd& hand,
+                                 const std::vector<TickRange>& blocks, Index bound) {
+  const Index compared = reference.size() - 2 * bound;
+  const double count = CountOf(blocks);
+  VectorXd hands = VectorXd::Zero(compared);
+  for (const TickRange& range : blocks) {
+    hands.segment(range.begin - bound, range.end - range.begin) =
+        hand.segment(range.begin, range.end - range.begin);
+  }
+  const double hand_variation = hands.squaredNorm() - hands.sum() * hands.sum() / count;
+  const double still = kStillRms_rad * kStillRms_rad * count;
+  std::vector<double> correlations;
+  if (!(hand_variation > still)) return correlations;
+  const SumsWithin sums(reference, blocks);
+  const SumsWithin squares(reference.array().square(), blocks);
+  for (Index lag = -bound; lag <= bound; ++lag) {
+    const double sum = sums.MovedBy(-lag);
+    const double variation = squares.MovedBy(-lag) - sum * sum / count;
+    const double covariation =
+        reference.segment(bound - lag, compared).dot(hands) - sum * hands.sum() / count;
+    correlations.push_back(variation > still ? covariation / std::sqrt(variation * hand_variation)
+                                             : 0.0);
+  }
+  return correlations;
+}
+
 /// The lag in ticks at which Pearson's correlation over the ticks with the mark is largest; 0 where
-/// there is no such lag, or what correlates is hardly the wearer's motion. The same ticks of the
-/// hand count at every lag.
+/// there is no such lag, or where the correlation is low.
 double FindDelay(const Joint& joint, std::uint8_t mark, Fourier& fourier) {
   const int step = std::max(1, static_cast<int>(std::lround(joint.rate_hz / kSearchRate_hz)));
   const double rate_hz = joint.rate_hz / step;
@@ -152,31 +179,10 @@ double FindDelay(const Joint& joint, std::uint8_t mark, Fourier& fourier) {
       0.5 * DominantPeriod({reference.data(), static_cast<std::size_t>(size)}, fourier);
   const auto bound = static_cast<Index>(
       std::min({0.25 * static_cast<double>(size), kLargestDelay_s * rate_hz, half_period}));
-  const Index compared = size - 2 * bound;
-  const std::vector<TickRange> blocks =
-      MarkedBlocks(joint.marks, mark, step, bound, bound + compared);
-  const double count = CountOf(blocks);
-  if (bound < 1 || count < kLeastFit_s * rate_hz) return 0.0;
-
-  VectorXd hands = VectorXd::Zero(compared);
-  for (const TickRange& range : blocks) {
-    hands.segment(range.begin - bound, range.end - range.begin) =
-        hand.segment(range.begin, range.end - range.begin);
-  }
-  const double hand_variation = hands.squaredNorm() - hands.sum() * hands.sum() / count;
-  const double still = kStillRms_rad * kStillRms_rad * count;
-  if (!(hand_variation > still)) return 0.0;
-  const SumsWithin sums(reference, blocks);
-  const SumsWithin squares(reference.array().square(), blocks);
-  std::vector<double> correlations;
-  for (Index lag = -bound; lag <= bound; ++lag) {
-    const double sum = sums.MovedBy(-lag);
-    const double variation = squares.MovedBy(-lag) - sum * sum / count;
-    const double covariation =
-        reference.segment(bound - lag, compared).dot(hands) - sum * hands.sum() / count;
-    correlations.push_back(variation > still ? covariation / std::sqrt(variation * hand_variation)
-                                             : 0.0);
-  }
+  const std::vector<TickRange> blocks = MarkedBlocks(joint.marks, mark, step, bound, size - bound);
+  if (bound < 1 || CountOf(blocks) < kLeastFit_s * rate_hz) return 0.0;
+  const std::vector<double> correlations = Correlations(reference, hand, blocks, bound);
+  if (correlations.empty()) return 0.0;
   const auto peak = std::ranges::max_element(correlations);
   const bool at_the_bound = peak == correlations.begin() || peak + 1 == correlations.end();
   if (at_the_bound || !(*peak >= kLeastDelayCorrelation)) return 0.0;
@@ -271,6 +277,23 @@ ErrorSplit Split(const Joint& joint, const Following& fit, const Column& above, 
   return split;
 }
 
+Joint JointOf(const ScoreInput& input, int joint) {
+  const Index rows = input.hand_angle_rad->rows();
+  const CountedTicks counted = input.counted != nullptr
+                                   ? input.counted->joints[static_cast<std::size_t>(joint)]
+                                   : CountedTicks{{0, static_cast<int>(rows)}};
+  TickMarks marks(static_cast<std::size_t>(rows), 0);
+  Mark(counted, kCounted | kFree, marks);
+  Mark(TremblingWithin(counted, input.rate_hz, input.jitter_above_hz), kUndisturbed, marks);
+  UnmarkLimits(input, joint, marks);
+  const auto column = [&](const Signal& signal) { return Column(signal.col(joint).data(), rows); };
+  return {.rate_hz = input.rate_hz,
+          .reference = column(*input.reference_angle_rad),
+          .hand = column(*input.hand_angle_rad),
+          .noise_free_hand = column(*input.noise_free_hand_angle_rad),
+          .marks = std::move(marks)};
+}
+
 }  // namespace
 
 std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
@@ -280,34 +303,17 @@ std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
     return {};
   }
   const int joints = static_cast<int>(input.hand_angle_rad->cols());
-  const auto signals_of = [&](int joint) {
-    const CountedTicks counted = input.counted != nullptr
-                                     ? input.counted->joints[static_cast<std::size_t>(joint)]
-                                     : CountedTicks{{0, static_cast<int>(rows)}};
-    TickMarks marks(static_cast<std::size_t>(rows), 0);
-    Mark(counted, kCounted | kFree, marks);
-    Mark(TremblingWithin(counted, input.rate_hz, input.jitter_above_hz), kUndisturbed, marks);
-    UnmarkLimits(input, joint, marks);
-    const auto column = [&](const Signal& signal) {
-      return Column(signal.col(joint).data(), rows);
-    };
-    return Joint{.rate_hz = input.rate_hz,
-                 .reference = column(*input.reference_angle_rad),
-                 .hand = column(*input.hand_angle_rad),
-                 .noise_free_hand = column(*input.noise_free_hand_angle_rad),
-                 .marks = std::move(marks)};
-  };
   std::vector<Following> fits;
   Signal left(rows, joints);
   for (int j = 0; j < joints; ++j) {
-    const Joint joint = signals_of(j);
+    const Joint joint = JointOf(input, j);
     left.col(j) = Left(joint, fits.emplace_back(Fit(joint, fourier)));
     TrimSignals();
   }
   const FilteredSignal above = Trembling(left, input.rate_hz, input.jitter_above_hz, fourier);
   std::vector<ErrorSplit> splits;
   for (int j = 0; j < joints; ++j) {
-    splits.push_back(Split(signals_of(j), fits[static_cast<std::size_t>(j)],
+    splits.push_back(Split(JointOf(input, j), fits[static_cast<std::size_t>(j)],
                            Column(above.values.col(j).data(), above.values.rows()),
                            above.first_sample));
     TrimSignals();
