@@ -27,7 +27,7 @@ void VisitRows(SettingsVisitor& visitor, const Setting& setting,
 }
 
 void VisitJoint(SettingsVisitor& row, TendonTransmission& hand, std::size_t i) {
-  row.Text({.key = "motor", .help = "the motor that is made for it; \"\": all that move it"},
+  row.Text({"motor", "the motor that is made for it; \"\": all that move it"},
            hand.motor_of_joint[i]);
   row.Number({.key = "reference_angle_rad", .help = "its angle at center_counts", .required = true},
              hand.reference_angle_rad[i]);
@@ -53,7 +53,7 @@ void VisitMotor(SettingsVisitor& row, TendonTransmission& hand, std::size_t i) {
 /// The matrix with a row per motor.
 void VisitCoupling(SettingsVisitor& visitor, TendonTransmission& hand) {
   const std::size_t joints = hand.joint_names.size();
-  visitor.Group({.key = "coupling", .help = "turn of each motor's spool per turn of each joint"},
+  visitor.Group({"coupling", "turn of each motor's spool per turn of each joint"},
                 [&](SettingsVisitor& matrix) {
                   for (std::size_t motor = 0; motor < hand.motor_names.size(); ++motor) {
                     const auto begin =
@@ -83,11 +83,9 @@ void GloveCalibration::Visit(SettingsVisitor& visitor) {
                   .max = kMostCounts,
                   .open_range = true},
                  full_scale_counts);
-  visitor.Integer({.key = "frame_number_bits",
-                   .help = "width of the frames' numbers, which begin anew behind it; 64 if they "
-                           "never do",
-                   .min = kLeastFrameNumberBits,
-                   .max = kMostFrameNumberBits},
+  visitor.Integer({"frame_number_bits",
+                   "width of the frames' numbers, which begin anew behind it; 64 if they never do",
+                   kLeastFrameNumberBits, kMostFrameNumberBits},
                   frame_number_bits);
   struct Column {
     std::string_view key, help;
@@ -98,7 +96,7 @@ void GloveCalibration::Visit(SettingsVisitor& visitor) {
                             {"low_angle_rad", "its angle in the first known pose", &low_angle_rad},
                             {"high_angle_rad", "and in the second", &high_angle_rad}};
   for (const Column& column : columns) column.values->resize(channel_names.size());
-  VisitRows(visitor, {.key = "channels", .help = "two known poses of each channel"}, channel_names,
+  VisitRows(visitor, {"channels", "two known poses of each channel"}, channel_names,
             [&](std::size_t i, SettingsVisitor& row) {
               for (const Column& column : columns) {
                 row.Number({.key = column.key, .help = column.help, .required = true},
@@ -121,61 +119,55 @@ void TendonTransmission::Visit(SettingsVisitor& visitor) {
   for (auto* values : {&reference_angle_rad, &joint_min_rad, &joint_max_rad}) {
     values->resize(joints);
   }
-  VisitRows(visitor, {.key = "joints", .help = "posture at center_counts, and range"}, joint_names,
+  VisitRows(visitor, {"joints", "posture at center_counts, and range"}, joint_names,
             [this](std::size_t i, SettingsVisitor& row) { VisitJoint(row, *this, i); });
   counts_per_rad.resize(motors);
   for (auto* values : {&center_counts, &min_counts, &max_counts}) values->resize(motors);
-  VisitRows(visitor, {.key = "motors", .help = "commands of each motor"}, motor_names,
+  VisitRows(visitor, {"motors", "commands of each motor"}, motor_names,
             [this](std::size_t i, SettingsVisitor& row) { VisitMotor(row, *this, i); });
   coupling.resize(motors * joints);
   VisitCoupling(visitor, *this);
-  visitor.Flag({.key = "joint_sensors", .help = "the angles of its joints are measured"},
-               joint_sensors);
+  visitor.Flag({"joint_sensors", "the angles of its joints are measured"}, joint_sensors);
 }
 
 void RobotConfig::Visit(SettingsVisitor& visitor) {
   VisitGroup(visitor, {.key = "controller", .help = "what the controller does", .required = true},
              controller);
-  VisitGroup(visitor, {.key = "glove", .help = "what is known of the glove"}, glove);
-  joint_map.Visit(visitor, {.key = "joint_map",
-                            .help = "joints that do not follow the channel of their own name"});
-  VisitGroup(visitor, {.key = "hand", .help = "what is known of the hand"}, hand);
+  VisitGroup(visitor, {"glove", "what is known of the glove"}, glove);
+  joint_map.Visit(visitor,
+                  {"joint_map", "joints that do not follow the channel of their own name"});
+  VisitGroup(visitor, {"hand", "what is known of the hand"}, hand);
   VisitGroup(visitor, {.key = "timing", .help = "clocks of the control loop", .required = true},
              timing);
 }
 
 void ControllerConfig::Visit(SettingsVisitor& visitor) {
   VisitList(visitor,
-            {.key = "filter",
-             .help = "one filter, or a list of filters that are applied in this order; a filter "
-                     "is its kind, or a group with the kind and its settings"},
+            {"filter",
+             "one filter, or a list of filters that are applied in this order; a filter is its "
+             "kind, or a group with the kind and its settings"},
             filters);
   static constexpr std::array<std::string_view, 2> kOn = {"counts", "angle"};
-  VisitEnum(visitor,
-            {.key = "filter_on",
-             .help = "counts: filter the converter's counts, then linearise (the paper); angle: "
-                     "linearise first"},
-            kOn, filter_on);
+  VisitEnum(
+      visitor,
+      {"filter_on",
+       "counts: filter the converter's counts, then linearise (the paper); angle: linearise first"},
+      kOn, filter_on);
   static constexpr std::array<std::string_view, 2> kAt = {"sample", "event"};
   VisitEnum(visitor,
-            {.key = "filter_at",
-             .help = "sample: the filter steps at every sample; event: once per command frame, on "
-                     "the newest sample"},
+            {"filter_at",
+             "sample: the filter steps at every sample; event: once per command frame, on the "
+             "newest sample"},
             kAt, filter_at);
-  visitor.Flag({.key = "coupling_compensation",
-                .help = "undo the coupling of cables that cross several joints"},
+  visitor.Flag({"coupling_compensation", "undo the coupling of cables that cross several joints"},
                coupling_compensation);
-  VisitGroup(visitor, {.key = "linearisation", .help = "from counts to bending angles"},
-             linearisation);
-  VisitGroup(visitor, {.key = "prediction", .help = "look ahead to make up for the delay"},
-             prediction);
-  VisitGroup(visitor,
-             {.key = "model_predictive", .help = "commands planned for how joints follow them"},
+  VisitGroup(visitor, {"linearisation", "from counts to bending angles"}, linearisation);
+  VisitGroup(visitor, {"prediction", "look ahead to make up for the delay"}, prediction);
+  VisitGroup(visitor, {"model_predictive", "commands planned for how joints follow them"},
              model_predictive);
-  VisitGroup(visitor, {.key = "joint_loop", .help = "what it does with measured joint angles"},
-             joint_loop);
-  VisitGroup(visitor, {.key = "motor", .help = "how commands become whole motor counts"}, motor);
-  VisitGroup(visitor, {.key = "untrusted", .help = "which samples are not trusted"}, untrusted);
+  VisitGroup(visitor, {"joint_loop", "what it does with measured joint angles"}, joint_loop);
+  VisitGroup(visitor, {"motor", "how commands become whole motor counts"}, motor);
+  VisitGroup(visitor, {"untrusted", "which samples are not trusted"}, untrusted);
 }
 
 }  // namespace gauntlet::controller

@@ -22,54 +22,36 @@ double Beyond(double value, double band) noexcept {
 void JointLoopConfig::Visit(SettingsVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> kNames = {"none", "pi"};
   VisitEnum(visitor,
-            {.key = "kind",
-             .help = "pi: commands are moved so that measured joints come where they shall (needs "
-                     "hand.joint_sensors, but with gains of 0); it steps with the command frames"},
+            {"kind",
+             "pi: commands are moved so that measured joints come where they shall (needs "
+             "hand.joint_sensors, but with gains of 0); it steps with the command frames"},
             kNames, kind);
-  visitor.Number({.key = "proportional",
-                  .help = "so much of a joint's error is added to its command (pi)",
-                  .min = 0,
-                  .max = 2},
+  visitor.Number({"proportional", "so much of a joint's error is added to its command (pi)", 0, 2},
                  proportional);
   visitor.Number(
-      {.key = "integral_per_s",
-       .help = "so much of a joint's error is added to its command per second, and stays "
-               "(pi)",
-       .min = 0,
-       .max = 50},
+      {"integral_per_s",
+       "so much of a joint's error is added to its command per second, and stays (pi)", 0, 50},
       integral_per_s);
-  visitor.Number({.key = "max_correction_deg",
-                  .help = "no command is moved by more (pi)",
-                  .min = 0,
-                  .max = 90},
+  visitor.Number({"max_correction_deg", "no command is moved by more (pi)", 0, 90},
                  max_correction_deg);
-  visitor.Number({.key = "expected_delay_ms",
-                  .help = "how late the hand is without the loop: measured angles are held against "
-                          "what was wanted then (pi)",
-                  .min = 0,
-                  .max = 1000},
+  visitor.Number({"expected_delay_ms",
+                  "how late the hand is without the loop: measured angles are held against what "
+                  "was wanted then (pi)",
+                  0, 1000},
                  expected_delay_ms);
-  visitor.Number({.key = "dead_band_deg",
-                  .help = "errors up to this, and half the turn of a motor count, are left (pi)",
-                  .min = 0,
-                  .max = 30},
+  visitor.Number({"dead_band_deg",
+                  "errors up to this, and half the turn of a motor count, are left (pi)", 0, 30},
                  dead_band_deg);
-  visitor.Numbers({.key = "friction_deg",
-                   .help = "half the width of a joint's hysteresis, added towards where it is told "
-                           "to go; one for all joints, or one for each (pi)",
-                   .min = 0,
-                   .max = 30},
+  visitor.Numbers({"friction_deg",
+                   "half the width of a joint's hysteresis, added towards where it is told to go; "
+                   "one for all joints, or one for each (pi)",
+                   0, 30},
                   friction_deg);
   visitor.Number(
-      {.key = "friction_turn_deg",
-       .help = "so far a joint must be told to come back before it counts as turned (pi)",
-       .min = 0,
-       .max = 30},
+      {"friction_turn_deg",
+       "so far a joint must be told to come back before it counts as turned (pi)", 0, 30},
       friction_turn_deg);
-  visitor.Number({.key = "stale_after_ms",
-                  .help = "measured angles that are older are not used (pi)",
-                  .min = 0,
-                  .max = 10000},
+  visitor.Number({"stale_after_ms", "measured angles that are older are not used (pi)", 0, 10000},
                  stale_after_ms);
 }
 

@@ -32,14 +32,10 @@ void JointSource::Visit(SettingsVisitor& visitor) {
                  .required = true},
                 channels);
   visitor.Numbers(
-      {.key = "weights",
-       .help = "how far each channel moves it [deg per deg], one for all or one for each",
-       .min = -100,
-       .max = 100},
+      {"weights", "how far each channel moves it [deg per deg], one for all or one for each", -100,
+       100},
       weights);
-  visitor.Number(
-      {.key = "offset_deg", .help = "added to the joint's angle", .min = -360, .max = 360},
-      offset_deg);
+  visitor.Number({"offset_deg", "added to the joint's angle", -360, 360}, offset_deg);
 }
 
 void JointMapConfig::Visit(SettingsVisitor& visitor, const Setting& setting) {

@@ -21,7 +21,7 @@ namespace gauntlet::controller {
 ///     struct ShapeConfig {
 ///       ShapeSettings settings;
 ///       void Visit(SettingsVisitor& visitor) {
-///         VisitKind(visitor, {.key = "kind", .help = "which shape"}, settings);
+///         VisitKind(visitor, {"kind", "which shape"}, settings);
 ///       }
 ///     };
 ///

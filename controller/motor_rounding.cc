@@ -13,22 +13,18 @@ void MotorRoundingConfig::Visit(SettingsVisitor& visitor) {
   static constexpr std::array<std::string_view, 3> kNames = {"nearest", "hysteresis",
                                                              "noise_shaping"};
   VisitEnum(visitor,
-            {.key = "rounding",
-             .help = "to whole motor counts: nearest; hysteresis: stays until clearly off; "
-                     "noise_shaping: takes back the last rounding, exact on average"},
+            {"rounding",
+             "to whole motor counts: nearest; hysteresis: stays until clearly off; noise_shaping: "
+             "takes back the last rounding, exact on average"},
             kNames, rounding);
+  visitor.Number({"hysteresis_counts",
+                  "how far beyond the middle between two counts a command must be to change "
+                  "(rounding: hysteresis)",
+                  0, 100},
+                 hysteresis_counts);
   visitor.Number(
-      {.key = "hysteresis_counts",
-       .help = "how far beyond the middle between two counts a command must be to change "
-               "(rounding: hysteresis)",
-       .min = 0,
-       .max = 100},
-      hysteresis_counts);
-  visitor.Number({.key = "speed_limit_rad_s",
-                  .help = "commands of a spool change no faster; 0 is no limit",
-                  .min = 0,
-                  .max = 1e4},
-                 speed_limit_rad_s);
+      {"speed_limit_rad_s", "commands of a spool change no faster; 0 is no limit", 0, 1e4},
+      speed_limit_rad_s);
 }
 
 MotorRounding::MotorRounding(const MotorRoundingConfig& config, const TendonTransmission& hand,

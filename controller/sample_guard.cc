@@ -71,26 +71,21 @@ GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& cha
 }  // namespace
 
 void SampleGuardConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Flag({.key = "full_scale",
-                .help = "do not trust values at 0 or at full scale (broken wire, short circuit)"},
-               full_scale);
-  visitor.Number({.key = "stuck_after_ms",
-                  .help = "a value unchanged for so long counts as stuck; 0 is never",
-                  .min = 0,
-                  .max = 1e6},
-                 stuck_after_ms);
-  visitor.Number({.key = "jump_share",
-                  .help = "a change between two samples by more than this share of full scale is a "
-                          "jump; 0 is never",
-                  .min = 0,
-                  .max = 1},
-                 jump_share);
-  visitor.Number({.key = "jump_confirm_ms",
-                  .help = "a jump is trusted after the value has stayed at its new place for so "
-                          "long",
-                  .min = 0,
-                  .max = 1e6},
-                 jump_confirm_ms);
+  visitor.Flag(
+      {"full_scale", "do not trust values at 0 or at full scale (broken wire, short circuit)"},
+      full_scale);
+  visitor.Number(
+      {"stuck_after_ms", "a value unchanged for so long counts as stuck; 0 is never", 0, 1e6},
+      stuck_after_ms);
+  visitor.Number(
+      {"jump_share",
+       "a change between two samples by more than this share of full scale is a jump; 0 is never",
+       0, 1},
+      jump_share);
+  visitor.Number(
+      {"jump_confirm_ms",
+       "a jump is trusted after the value has stayed at its new place for so long", 0, 1e6},
+      jump_confirm_ms);
 }
 
 SampleGuard::SampleGuard(const SampleGuardConfig& config, std::span<const double> start_counts,

@@ -11,7 +11,9 @@
 
 namespace gauntlet::controller {
 
-/// What a person may know of one setting. The unit is the suffix of the key (`cutoff_hz`).
+/// Description of one setting for a person. The unit is the suffix of the key (`cutoff_hz`).
+/// Written in the order of the fields: {"cutoff_hz", "frequency of -3 dB", 0.1, 20}; with names
+/// where a field after `max` is given.
 struct Setting {
   std::string_view key;
   std::string_view help;

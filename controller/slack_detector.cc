@@ -17,26 +17,16 @@ constexpr double kTurnedBack_rad = 0.5 * kRadPerDeg;
 }  // namespace
 
 void SlackDetectorConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Numbers({.key = "healthy_friction_nm",
-                   .help = "friction of each motor with cables as they should be; one for all, or "
-                           "one for each",
-                   .min = 0,
-                   .max = 1000},
-                  healthy_friction_nm);
-  visitor.Number({.key = "alarm_share",
-                  .help = "less friction than this share of the healthy one is slack",
-                  .min = 0,
-                  .max = 1},
+  visitor.Numbers(
+      {"healthy_friction_nm",
+       "friction of each motor with cables as they should be; one for all, or one for each", 0,
+       1000},
+      healthy_friction_nm);
+  visitor.Number({"alarm_share", "less friction than this share of the healthy one is slack", 0, 1},
                  alarm_share);
-  visitor.Number({.key = "memory_deg",
-                  .help = "turning each way over which friction is averaged",
-                  .min = 1,
-                  .max = 1e6},
+  visitor.Number({"memory_deg", "turning each way over which friction is averaged", 1, 1e6},
                  memory_deg);
-  visitor.Number({.key = "reversal_deg",
-                  .help = "turning that does not count after each reversal",
-                  .min = 0,
-                  .max = 90},
+  visitor.Number({"reversal_deg", "turning that does not count after each reversal", 0, 90},
                  reversal_deg);
 }
 

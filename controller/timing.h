@@ -32,20 +32,11 @@ struct Timing {
   }
 
   void Visit(SettingsVisitor& visitor) {
-    visitor.Number({.key = "tick_rate_hz",
-                    .help = "steps of the control loop per second",
-                    .min = 1,
-                    .max = 1e5},
-                   tick_rate_hz);
-    visitor.Integer({.key = "ticks_per_sample",
-                     .help = "the glove brings a new sample at every so many steps of the loop",
-                     .min = 1,
-                     .max = 100000},
+    visitor.Number({"tick_rate_hz", "steps of the control loop per second", 1, 1e5}, tick_rate_hz);
+    visitor.Integer({"ticks_per_sample",
+                     "the glove brings a new sample at every so many steps of the loop", 1, 100000},
                     ticks_per_sample);
-    visitor.Number({.key = "event_period_ms",
-                    .help = "time between two command frames",
-                    .min = 0.01,
-                    .max = 1e5},
+    visitor.Number({"event_period_ms", "time between two command frames", 0.01, 1e5},
                    event_period_ms);
   }
 };

@@ -89,8 +89,7 @@ class ButterworthFilter final : public RecursiveFilter {
 }  // namespace
 
 void ButterworthConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Integer({.key = "order", .help = "steepness: -6 dB per octave each", .min = 1, .max = 8},
-                  order);
+  visitor.Integer({"order", "steepness: -6 dB per octave each", 1, 8}, order);
   visitor.Number({.key = "cutoff_hz",
                   .help = "frequency of -3 dB, below half the sampling rate",
                   .min = 0,

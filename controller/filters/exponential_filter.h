@@ -21,9 +21,7 @@ struct ExponentialConfig {
   double alpha = 0.1;
 
   void Visit(SettingsVisitor& visitor) {
-    visitor.Number(
-        {.key = "alpha", .help = "weight of the new sample; 1 is no filter", .min = 1e-9, .max = 1},
-        alpha);
+    visitor.Number({"alpha", "weight of the new sample; 1 is no filter", 1e-9, 1}, alpha);
   }
 };
 

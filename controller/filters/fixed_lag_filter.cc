@@ -171,8 +171,7 @@ class FixedLagFilter final : public StateFilter<Filter> {
 void FixedLagConfig::Visit(SettingsVisitor& visitor) {
   VisitStart(visitor, start);
   noise.Visit(visitor);
-  visitor.Integer({.key = "lag", .help = "delay of the estimate in samples", .min = 0, .max = 1000},
-                  lag);
+  visitor.Integer({"lag", "delay of the estimate in samples", 0, 1000}, lag);
 }
 
 std::unique_ptr<Filter> MakeFilter(const FixedLagConfig& config, int channel_count,

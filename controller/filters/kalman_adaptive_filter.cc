@@ -160,16 +160,12 @@ class LearningKalmanFilter final : public StateFilter<KalmanAdaptiveFilter> {
 void KalmanAdaptiveConfig::Visit(SettingsVisitor& visitor) {
   VisitStart(visitor, start);
   noise.Visit(visitor);
+  visitor.Number({"memory", "samples that R and q are averaged over", 2, 1e9}, memory);
   visitor.Number(
-      {.key = "memory", .help = "samples that R and q are averaged over", .min = 2, .max = 1e9},
-      memory);
-  visitor.Number({.key = "range",
-                  .help = "how many times larger or smaller than at the start R and q may become",
-                  .min = 1,
-                  .max = 1e12},
-                 range);
-  visitor.Flag({.key = "adapt_r", .help = "learn the measurement variance"}, adapt_r);
-  visitor.Flag({.key = "adapt_q", .help = "learn how much the motion changes"}, adapt_q);
+      {"range", "how many times larger or smaller than at the start R and q may become", 1, 1e12},
+      range);
+  visitor.Flag({"adapt_r", "learn the measurement variance"}, adapt_r);
+  visitor.Flag({"adapt_q", "learn how much the motion changes"}, adapt_q);
 }
 
 std::unique_ptr<KalmanAdaptiveFilter> MakeKalmanAdaptiveFilter(const KalmanAdaptiveConfig& config,

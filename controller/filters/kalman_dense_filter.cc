@@ -162,17 +162,15 @@ class KalmanDenseFilter final : public StateFilter<Filter> {
 
 void KalmanDenseConfig::Visit(SettingsVisitor& visitor) {
   VisitStart(visitor, start);
-  visitor.Numbers({.key = "r",
-                   .help = "measurement covariance [unit of the input squared]: one variance for "
-                           "all, one each, or the full matrix row by row",
-                   .min = -1e20,
-                   .max = 1e20},
+  visitor.Numbers({"r",
+                   "measurement covariance [unit of the input squared]: one variance for all, one "
+                   "each, or the full matrix row by row",
+                   -1e20, 1e20},
                   r);
-  visitor.Numbers({.key = "q",
-                   .help = "process covariance per step: one variance for all, one each, the full "
-                           "matrix of the channels, or the full matrix of all 2n states",
-                   .min = -1e20,
-                   .max = 1e20},
+  visitor.Numbers({"q",
+                   "process covariance per step: one variance for all, one each, the full matrix "
+                   "of the channels, or the full matrix of all 2n states",
+                   -1e20, 1e20},
                   q);
 }
 

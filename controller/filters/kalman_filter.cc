@@ -204,11 +204,10 @@ void KalmanConfig::Visit(SettingsVisitor& visitor) {
   VisitStart(visitor, start);
   noise.Visit(visitor);
   VisitStates(visitor, states);
-  visitor.Integer({.key = "acceleration_window",
-                   .help = "samples from which the acceleration input is estimated, at least 3; 0 "
-                           "is without that input",
-                   .min = 0,
-                   .max = 10000},
+  visitor.Integer({"acceleration_window",
+                   "samples from which the acceleration input is estimated, at least 3; 0 is "
+                   "without that input",
+                   0, 10000},
                   acceleration_window);
 }
 

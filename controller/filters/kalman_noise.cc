@@ -7,17 +7,15 @@
 namespace gauntlet::controller {
 
 void KalmanNoise::Visit(SettingsVisitor& visitor) {
-  visitor.Numbers({.key = "r",
-                   .help = "measurement variance [unit of the input squared], one for all channels "
-                           "or one for each; the default is the paper's, for 18 channels in counts",
-                   .min = 1e-20,
-                   .max = 1e20},
+  visitor.Numbers({"r",
+                   "measurement variance [unit of the input squared], one for all channels or one "
+                   "for each; the default is the paper's, for 18 channels in counts",
+                   1e-20, 1e20},
                   r);
-  visitor.Numbers({.key = "q",
-                   .help = "how much the motion may change, one for all channels or one for each; "
-                           "see process_noise; the default is the paper's Q = I",
-                   .min = 0,
-                   .max = 1e20},
+  visitor.Numbers({"q",
+                   "how much the motion may change, one for all channels or one for each; see "
+                   "process_noise; the default is the paper's Q = I",
+                   0, 1e20},
                   q);
   VisitProcessNoise(visitor, process_noise);
 }

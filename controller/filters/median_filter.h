@@ -18,7 +18,7 @@ struct MedianConfig {
   int window = 21;
 
   void Visit(SettingsVisitor& visitor) {
-    visitor.Integer({.key = "window", .help = "samples looked at", .min = 1, .max = 10001}, window);
+    visitor.Integer({"window", "samples looked at", 1, 10001}, window);
   }
 };
 
@@ -37,11 +37,9 @@ struct HampelConfig {
   double threshold_sigma = 3.0;
 
   void Visit(SettingsVisitor& visitor) {
-    visitor.Integer({.key = "window", .help = "samples looked at", .min = 1, .max = 10001}, window);
-    visitor.Number({.key = "threshold_sigma",
-                    .help = "distance from the median, in standard deviations, that is an outlier",
-                    .min = 0,
-                    .max = 1e6},
+    visitor.Integer({"window", "samples looked at", 1, 10001}, window);
+    visitor.Number({"threshold_sigma",
+                    "distance from the median, in standard deviations, that is an outlier", 0, 1e6},
                    threshold_sigma);
   }
 };

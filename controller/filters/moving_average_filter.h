@@ -21,7 +21,7 @@ struct MovingAverageConfig {
   int window = 20;  // one command frame of 20 ms at 1 kHz
 
   void Visit(SettingsVisitor& visitor) {
-    visitor.Integer({.key = "window", .help = "samples averaged", .min = 1, .max = 100000}, window);
+    visitor.Integer({"window", "samples averaged", 1, 100000}, window);
   }
 };
 

@@ -60,23 +60,16 @@ class OneEuroFilter final : public RecursiveFilter {
 }  // namespace
 
 void OneEuroConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Number({.key = "min_cutoff_hz",
-                  .help = "cutoff frequency at rest; lower means less jitter",
-                  .min = 1e-6,
-                  .max = 1e6},
+  visitor.Number({"min_cutoff_hz", "cutoff frequency at rest; lower means less jitter", 1e-6, 1e6},
                  min_cutoff_hz);
   visitor.Number(
-      {.key = "beta",
-       .help = "how fast the cutoff rises with the speed [Hz / (input unit / s)]; higher "
-               "means less lag",
-       .min = 0,
-       .max = 1e9},
+      {"beta",
+       "how fast the cutoff rises with the speed [Hz / (input unit / s)]; higher means less lag", 0,
+       1e9},
       beta);
-  visitor.Number({.key = "derivative_cutoff_hz",
-                  .help = "cutoff frequency of the speed's own low pass",
-                  .min = 1e-6,
-                  .max = 1e6},
-                 derivative_cutoff_hz);
+  visitor.Number(
+      {"derivative_cutoff_hz", "cutoff frequency of the speed's own low pass", 1e-6, 1e6},
+      derivative_cutoff_hz);
 }
 
 std::unique_ptr<Filter> MakeFilter(const OneEuroConfig& config, int channel_count, double rate_hz) {

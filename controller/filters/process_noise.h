@@ -34,19 +34,16 @@ inline ProcessNoiseFactors FactorsOf(ProcessNoise kind, int states, double step_
 }
 
 inline void VisitStates(SettingsVisitor& visitor, int& states) {
-  visitor.Integer({.key = "states",
-                   .help = "2: position and velocity (the paper); 3: acceleration, too",
-                   .min = 2,
-                   .max = 3},
+  visitor.Integer({"states", "2: position and velocity (the paper); 3: acceleration, too", 2, 3},
                   states);
 }
 
 inline void VisitProcessNoise(SettingsVisitor& visitor, ProcessNoise& kind) {
   static constexpr std::array<std::string_view, 2> kNames = {"identity", "white"};
   VisitEnum(visitor,
-            {.key = "process_noise",
-             .help = "identity: Q = q I per step (the paper); white: q is the density of white "
-                     "acceleration [unit^2/s^3], or of white jerk [unit^2/s^5] with 3 states"},
+            {"process_noise",
+             "identity: Q = q I per step (the paper); white: q is the density of white "
+             "acceleration [unit^2/s^3], or of white jerk [unit^2/s^5] with 3 states"},
             kNames, kind);
 }
 

@@ -52,10 +52,8 @@ class SavitzkyGolayFilter final : public Filter {
 }  // namespace
 
 void SavitzkyGolayConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Integer({.key = "window", .help = "samples fitted", .min = 1, .max = 10000}, window);
-  visitor.Integer(
-      {.key = "order", .help = "degree of the polynomial, below window", .min = 0, .max = 6},
-      order);
+  visitor.Integer({"window", "samples fitted", 1, 10000}, window);
+  visitor.Integer({"order", "degree of the polynomial, below window", 0, 6}, order);
 }
 
 std::unique_ptr<Filter> MakeFilter(const SavitzkyGolayConfig& config, int channel_count,

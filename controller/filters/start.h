@@ -12,10 +12,8 @@ enum class Start { kFirst, kZero };
 
 inline void VisitStart(SettingsVisitor& visitor, Start& start) {
   static constexpr std::array<std::string_view, 2> kNames = {"first", "zero"};
-  VisitEnum(
-      visitor,
-      {.key = "start", .help = "first: the state starts at the first sample; zero: it starts at 0"},
-      kNames, start);
+  VisitEnum(visitor, {"start", "first: the state starts at the first sample; zero: it starts at 0"},
+            kNames, start);
 }
 
 }  // namespace gauntlet::controller

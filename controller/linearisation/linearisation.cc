@@ -61,16 +61,14 @@ std::vector<ChannelCurve> InOrder(const std::vector<ChannelCurve>& curves,
 }  // namespace
 
 void ChannelCurve::Visit(SettingsVisitor& visitor) {
-  visitor.Text({.key = "channel", .help = "name of the channel; empty is the next in order"},
-               channel);
-  visitor.Numbers({.key = "counts", .help = "corners of the table, growing"}, counts);
-  visitor.Numbers({.key = "angle_deg", .help = "bending angle at each corner"}, angle_deg);
-  visitor.Numbers({.key = "coefficients_deg",
-                   .help = "of the polynomial in (counts - center_counts) / scale_counts, from the "
-                           "constant upwards"},
-                  coefficients_deg);
-  visitor.Number({.key = "center_counts", .help = "middle of the polynomial's range"},
-                 center_counts);
+  visitor.Text({"channel", "name of the channel; empty is the next in order"}, channel);
+  visitor.Numbers({"counts", "corners of the table, growing"}, counts);
+  visitor.Numbers({"angle_deg", "bending angle at each corner"}, angle_deg);
+  visitor.Numbers(
+      {"coefficients_deg",
+       "of the polynomial in (counts - center_counts) / scale_counts, from the constant upwards"},
+      coefficients_deg);
+  visitor.Number({"center_counts", "middle of the polynomial's range"}, center_counts);
   visitor.Number({.key = "scale_counts",
                   .help = "half of the polynomial's range",
                   .min = 0,
@@ -81,11 +79,11 @@ void ChannelCurve::Visit(SettingsVisitor& visitor) {
 void LinearisationConfig::Visit(SettingsVisitor& visitor) {
   static constexpr std::array<std::string_view, 3> kNames = {"glove", "table", "polynomial"};
   VisitEnum(visitor,
-            {.key = "kind",
-             .help = "glove: the line through the glove's two known poses; table, polynomial: a "
-                     "measured curve per channel, as `gauntlet calibrate` writes it"},
+            {"kind",
+             "glove: the line through the glove's two known poses; table, polynomial: a measured "
+             "curve per channel, as `gauntlet calibrate` writes it"},
             kNames, kind);
-  VisitList(visitor, {.key = "channels", .help = "the measured curves, one per channel"}, channels);
+  VisitList(visitor, {"channels", "the measured curves, one per channel"}, channels);
 }
 
 std::unique_ptr<Linearisation> MakeLinearisation(const LinearisationConfig& config,

@@ -23,55 +23,42 @@ double LimitOf(double setting) {
 
 void ModelPredictiveConfig::Visit(SettingsVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> kNames = {"none", "second_order"};
-  VisitEnum(visitor,
-            {.key = "kind",
-             .help = "second_order: commands are planned for joints that follow them with a dead "
-                     "time and a lag of second order, to be where the prediction sees the wearer; "
-                     "once per command frame"},
-            kNames, kind);
-  visitor.Integer({.key = "steps",
-                   .help = "so many command frames are planned (second_order)",
-                   .min = 1,
-                   .max = kMostPlanSteps},
+  VisitEnum(
+      visitor,
+      {"kind",
+       "second_order: commands are planned for joints that follow them with a dead time and a lag "
+       "of second order, to be where the prediction sees the wearer; once per command frame"},
+      kNames, kind);
+  visitor.Integer({"steps", "so many command frames are planned (second_order)", 1, kMostPlanSteps},
                   steps);
-  visitor.Numbers({.key = "dead_time_ms",
-                   .help = "until a command begins to move a joint; one for all joints, or one for "
-                           "each (second_order)",
-                   .min = 0,
-                   .max = 500},
-                  dead_time_ms);
-  visitor.Numbers({.key = "lag_ms",
-                   .help = "how late a joint then is in slow motion; one for all joints, or one "
-                           "for each (second_order)",
-                   .min = 0.1,
-                   .max = 1000},
+  visitor.Numbers(
+      {"dead_time_ms",
+       "until a command begins to move a joint; one for all joints, or one for each (second_order)",
+       0, 500},
+      dead_time_ms);
+  visitor.Numbers({"lag_ms",
+                   "how late a joint then is in slow motion; one for all joints, or one for each "
+                   "(second_order)",
+                   0.1, 1000},
                   lag_ms);
-  visitor.Numbers({.key = "natural_frequency_hz",
-                   .help = "of the lag; one for all joints, or one for each (second_order)",
-                   .min = 0.1,
-                   .max = 100},
+  visitor.Numbers({"natural_frequency_hz",
+                   "of the lag; one for all joints, or one for each (second_order)", 0.1, 100},
                   natural_frequency_hz);
-  visitor.Number({.key = "change_weight",
-                  .help = "what the square of a command's change costs, in squares of a joint's "
-                          "error: more is calmer, and later (second_order)",
-                  .min = 1e-4,
-                  .max = 1e4},
+  visitor.Number({"change_weight",
+                  "what the square of a command's change costs, in squares of a joint's error: "
+                  "more is calmer, and later (second_order)",
+                  1e-4, 1e4},
                  change_weight);
-  visitor.Number({.key = "speed_limit_deg_s",
-                  .help = "commands of a joint change no faster; 0 is no limit (second_order)",
-                  .min = 0,
-                  .max = 1e5},
+  visitor.Number({"speed_limit_deg_s",
+                  "commands of a joint change no faster; 0 is no limit (second_order)", 0, 1e5},
                  speed_limit_deg_s);
-  visitor.Number({.key = "lead_limit_deg",
-                  .help = "a command is no farther ahead of where the joint will be, beyond which "
-                          "a servo has no more torque; 0 is no limit (second_order)",
-                  .min = 0,
-                  .max = 1000},
+  visitor.Number({"lead_limit_deg",
+                  "a command is no farther ahead of where the joint will be, beyond which a servo "
+                  "has no more torque; 0 is no limit (second_order)",
+                  0, 1000},
                  lead_limit_deg);
-  visitor.Integer({.key = "iterations",
-                   .help = "a joint whose plan takes more keeps its last command (second_order)",
-                   .min = 0,
-                   .max = 1000},
+  visitor.Integer({"iterations",
+                   "a joint whose plan takes more keeps its last command (second_order)", 0, 1000},
                   iterations);
 }
 

@@ -229,9 +229,7 @@ class AdaptivePredictor final : public StateFilter<Filter> {
 void AdaptivePredictionConfig::Visit(SettingsVisitor& visitor) {
   VisitHorizon(visitor, horizon_ms);
   VisitMeasurementNoise(visitor, r_deg2);
-  visitor.Number(
-      {.key = "memory_ms", .help = "how long a miss is remembered", .min = 1, .max = 1e5},
-      memory_ms);
+  visitor.Number({"memory_ms", "how long a miss is remembered", 1, 1e5}, memory_ms);
 }
 
 std::unique_ptr<Filter> MakePredictor(const AdaptivePredictionConfig& config, int channel_count,

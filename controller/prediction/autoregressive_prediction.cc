@@ -286,22 +286,13 @@ class AutoregressivePredictor final : public StateFilter<Filter> {
 
 void AutoregressivePredictionConfig::Visit(SettingsVisitor& visitor) {
   VisitHorizon(visitor, horizon_ms);
-  visitor.Integer({.key = "order", .help = "how many samples of the past", .min = 1, .max = 20},
-                  order);
-  visitor.Number({.key = "tap_ms", .help = "how far they lie apart", .min = 0.1, .max = 1000},
-                 tap_ms);
-  visitor.Number({.key = "smoothing_ms",
-                  .help = "time constant of the smoothing of what it learns from",
-                  .min = 0.1,
-                  .max = 1e4},
-                 smoothing_ms);
+  visitor.Integer({"order", "how many samples of the past", 1, 20}, order);
+  visitor.Number({"tap_ms", "how far they lie apart", 0.1, 1000}, tap_ms);
   visitor.Number(
-      {.key = "memory_ms", .help = "how long a sample is remembered", .min = 10, .max = 1e7},
-      memory_ms);
-  visitor.Number({.key = "leash_deg",
-                  .help = "how far ahead of the smoothed angle it may look",
-                  .min = 0,
-                  .max = 360},
+      {"smoothing_ms", "time constant of the smoothing of what it learns from", 0.1, 1e4},
+      smoothing_ms);
+  visitor.Number({"memory_ms", "how long a sample is remembered", 10, 1e7}, memory_ms);
+  visitor.Number({"leash_deg", "how far ahead of the smoothed angle it may look", 0, 360},
                  leash_deg);
 }
 

@@ -49,10 +49,7 @@ class DoubleExponentialPredictor final : public RecursiveFilter {
 
 void DoubleExponentialPredictionConfig::Visit(SettingsVisitor& visitor) {
   VisitHorizon(visitor, horizon_ms);
-  visitor.Number({.key = "smoothing_ms",
-                  .help = "time constant of each of the two smoothings",
-                  .min = 1,
-                  .max = 1e4},
+  visitor.Number({"smoothing_ms", "time constant of each of the two smoothings", 1, 1e4},
                  smoothing_ms);
 }
 

@@ -155,10 +155,8 @@ void CheckCount(std::string_view key, const std::vector<double>& values, std::si
 }  // namespace
 
 void FittedPredictionConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Integer({.key = "order", .help = "how many samples of the past", .min = 1, .max = 1000},
-                  order);
-  visitor.Number({.key = "tap_ms", .help = "how far they lie apart", .min = 0.1, .max = 1000},
-                 tap_ms);
+  visitor.Integer({"order", "how many samples of the past", 1, 1000}, order);
+  visitor.Number({"tap_ms", "how far they lie apart", 0.1, 1000}, tap_ms);
   visitor.Numbers({.key = "weights",
                    .help = "of the differences to the newest sample, from new to old; `order` for "
                            "all channels, or so many for each, channel by channel",
@@ -166,22 +164,17 @@ void FittedPredictionConfig::Visit(SettingsVisitor& visitor) {
                    .max = 1e6,
                    .required = true},
                   weights);
-  visitor.Integer({.key = "components",
-                   .help = "how many sums over all channels it looks at besides",
-                   .min = 0,
-                   .max = 100},
+  visitor.Integer({"components", "how many sums over all channels it looks at besides", 0, 100},
                   components);
-  visitor.Numbers({.key = "loadings",
-                   .help = "of each component on each channel, component by component; none "
-                           "without components",
-                   .min = -1e6,
-                   .max = 1e6},
-                  loadings);
-  visitor.Numbers({.key = "component_weights",
-                   .help = "as `weights`, of the samples of the components, component by "
-                           "component; none without components",
-                   .min = -1e6,
-                   .max = 1e6},
+  visitor.Numbers(
+      {"loadings",
+       "of each component on each channel, component by component; none without components", -1e6,
+       1e6},
+      loadings);
+  visitor.Numbers({"component_weights",
+                   "as `weights`, of the samples of the components, component by component; none "
+                   "without components",
+                   -1e6, 1e6},
                   component_weights);
 }
 

@@ -13,10 +13,8 @@ inline constexpr double kMostHorizon_ms = 1000.0;
 
 /// The setting that every prediction has.
 inline void VisitHorizon(SettingsVisitor& visitor, std::vector<double>& horizon_ms) {
-  visitor.Numbers({.key = "horizon_ms",
-                   .help = "how far to look ahead, one for all channels or one for each",
-                   .min = 0,
-                   .max = kMostHorizon_ms},
+  visitor.Numbers({"horizon_ms", "how far to look ahead, one for all channels or one for each", 0,
+                   kMostHorizon_ms},
                   horizon_ms);
 }
 

@@ -63,11 +63,7 @@ class KalmanPredictor final : public RecursiveFilter {
 
 void KalmanPredictionConfig::Visit(SettingsVisitor& visitor) {
   VisitHorizon(visitor, horizon_ms);
-  visitor.Integer({.key = "states",
-                   .help = "2: the velocity stays; 3: the acceleration does",
-                   .min = 2,
-                   .max = 3},
-                  states);
+  visitor.Integer({"states", "2: the velocity stays; 3: the acceleration does", 2, 3}, states);
   if (states == 2) {
     visitor.Number({.key = "q_deg2_per_s3",
                     .help = "density of the white acceleration; with 2 states",

@@ -53,9 +53,7 @@ class LinearPredictor final : public Filter {
 
 void LinearPredictionConfig::Visit(SettingsVisitor& visitor) {
   VisitHorizon(visitor, horizon_ms);
-  visitor.Number(
-      {.key = "window_ms", .help = "samples from which the slope is taken", .min = 1, .max = 1e4},
-      window_ms);
+  visitor.Number({"window_ms", "samples from which the slope is taken", 1, 1e4}, window_ms);
 }
 
 std::unique_ptr<Filter> MakePredictor(const LinearPredictionConfig& config, int channel_count,

@@ -3,7 +3,7 @@
 namespace gauntlet::controller {
 
 void PredictionConfig::Visit(SettingsVisitor& visitor) {
-  VisitKind(visitor, {.key = "kind", .help = "how to look ahead"}, settings);
+  VisitKind(visitor, {"kind", "how to look ahead"}, settings);
 }
 
 std::span<const PredictionKind> PredictionKinds() { return AllKinds<PredictionConfig>(); }

@@ -309,39 +309,35 @@ controller::ChannelCurve CurveOf(const Calibration& calibration, const std::stri
 
 void ChannelCalibration::Visit(controller::SettingsVisitor& visitor) {
   visitor.Text({.key = "channel", .help = "name of the channel", .required = true}, channel);
-  visitor.Number({.key = "rms_error_deg", .help = "of the curve on the settled samples", .min = 0},
-                 rms_error_deg);
-  visitor.Number({.key = "largest_error_deg", .help = "of the curve on a settled sample", .min = 0},
-                 largest_error_deg);
-  visitor.Numbers({.key = "half_width_95_deg",
-                   .help = "half of the 95 % interval of each angle or coefficient of the curve"},
-                  half_width_95_deg);
-  visitor.Number({.key = "variance_counts2", .help = "R of the channel", .min = 0},
-                 variance_counts2);
-  visitor.Number({.key = "variance_low_counts2", .help = "lower end of its confidence interval"},
+  visitor.Number({"rms_error_deg", "of the curve on the settled samples", 0}, rms_error_deg);
+  visitor.Number({"largest_error_deg", "of the curve on a settled sample", 0}, largest_error_deg);
+  visitor.Numbers(
+      {"half_width_95_deg", "half of the 95 % interval of each angle or coefficient of the curve"},
+      half_width_95_deg);
+  visitor.Number({"variance_counts2", "R of the channel", 0}, variance_counts2);
+  visitor.Number({"variance_low_counts2", "lower end of its confidence interval"},
                  variance_low_counts2);
-  visitor.Number({.key = "variance_high_counts2", .help = "upper end of its confidence interval"},
+  visitor.Number({"variance_high_counts2", "upper end of its confidence interval"},
                  variance_high_counts2);
-  visitor.Flag({.key = "hidden_by_rounding",
-                .help = "noise below 0.7 counts: R is the most likely one, its interval wide"},
-               hidden_by_rounding);
-  visitor.Integer({.key = "spikes", .help = "samples left out of R", .min = 0}, spikes);
-  visitor.Number({.key = "neighbour_correlation",
-                  .help = "of samples that follow each other; 0 is white noise"},
+  visitor.Flag(
+      {"hidden_by_rounding", "noise below 0.7 counts: R is the most likely one, its interval wide"},
+      hidden_by_rounding);
+  visitor.Integer({"spikes", "samples left out of R", 0}, spikes);
+  visitor.Number({"neighbour_correlation", "of samples that follow each other; 0 is white noise"},
                  neighbour_correlation);
   visitor.Numbers({.key = "covariance_counts2",
                    .help = "row of the full R: with every channel, in the order of this list",
                    .required = true},
                   covariance_counts2);
-  visitor.Numbers({.key = "covariance_low_counts2", .help = "lower ends of the intervals"},
+  visitor.Numbers({"covariance_low_counts2", "lower ends of the intervals"},
                   covariance_low_counts2);
-  visitor.Numbers({.key = "covariance_high_counts2", .help = "upper ends of the intervals"},
+  visitor.Numbers({"covariance_high_counts2", "upper ends of the intervals"},
                   covariance_high_counts2);
 }
 
 void Calibration::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Text({.key = "recording", .help = "what it was made from"}, recording);
-  visitor.Integer({.key = "samples", .help = "of the recording", .min = 0}, samples);
+  visitor.Text({"recording", "what it was made from"}, recording);
+  visitor.Integer({"samples", "of the recording", 0}, samples);
   visitor.Number({.key = "rate_hz", .help = "samples per second", .min = 0, .open_range = true},
                  rate_hz);
   visitor.Number({.key = "confidence_percent",
@@ -350,16 +346,12 @@ void Calibration::Visit(controller::SettingsVisitor& visitor) {
                   .max = 100,
                   .open_range = true},
                  confidence_percent);
-  visitor.Number({.key = "resolution_counts", .help = "steps of the recorded values", .min = 0},
-                 resolution_counts);
-  visitor.Number({.key = "degrees_of_freedom",
-                  .help = "still samples less still stretches, the weight of R",
-                  .min = 0},
+  visitor.Number({"resolution_counts", "steps of the recorded values", 0}, resolution_counts);
+  visitor.Number({"degrees_of_freedom", "still samples less still stretches, the weight of R", 0},
                  degrees_of_freedom);
-  controller::VisitGroup(visitor,
-                         {.key = "linearisation", .help = "the curves; kind glove if it has none"},
+  controller::VisitGroup(visitor, {"linearisation", "the curves; kind glove if it has none"},
                          linearisation);
-  controller::VisitList(visitor, {.key = "channels", .help = "how good curves are; R"}, channels);
+  controller::VisitList(visitor, {"channels", "how good curves are; R"}, channels);
 }
 
 Calibration Calibrate(const PoseRecording& recording, const CalibrationOptions& options,

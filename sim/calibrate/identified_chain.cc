@@ -76,40 +76,31 @@ double HorizonOfChannel(const IdentifiedChain& chain, const std::string& channel
 }  // namespace
 
 void IdentifiedPart::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Text({.key = "part", .help = "joint or motor"}, part);
-  visitor.Numbers({.key = "delay_ms", .help = "shift in time; value, low and high end of 95 %"},
-                  delay_ms);
-  visitor.Numbers({.key = "dead_time_ms", .help = "until anything happens"}, dead_time_ms);
-  visitor.Numbers({.key = "lag_ms", .help = "delay of slow motions besides"}, lag_ms);
-  visitor.Numbers({.key = "natural_frequency_hz", .help = "of the second-order lag"},
-                  natural_frequency_hz);
-  visitor.Numbers({.key = "damping_ratio", .help = "of the second-order lag"}, damping_ratio);
-  visitor.Numbers({.key = "gain", .help = "angle per command"}, gain);
-  visitor.Numbers({.key = "hysteresis_deg", .help = "width of the loop between up and down"},
-                  hysteresis_deg);
-  visitor.Numbers({.key = "motor_hysteresis_deg", .help = "its part in the motor's own way"},
+  visitor.Text({"part", "joint or motor"}, part);
+  visitor.Numbers({"delay_ms", "shift in time; value, low and high end of 95 %"}, delay_ms);
+  visitor.Numbers({"dead_time_ms", "until anything happens"}, dead_time_ms);
+  visitor.Numbers({"lag_ms", "delay of slow motions besides"}, lag_ms);
+  visitor.Numbers({"natural_frequency_hz", "of the second-order lag"}, natural_frequency_hz);
+  visitor.Numbers({"damping_ratio", "of the second-order lag"}, damping_ratio);
+  visitor.Numbers({"gain", "angle per command"}, gain);
+  visitor.Numbers({"hysteresis_deg", "width of the loop between up and down"}, hysteresis_deg);
+  visitor.Numbers({"motor_hysteresis_deg", "its part in the motor's own way"},
                   motor_hysteresis_deg);
-  visitor.Numbers({.key = "lost_motion_deg", .help = "its part behind the motor"}, lost_motion_deg);
-  visitor.Number({.key = "residual_rms_deg", .help = "what the model leaves"}, residual_rms_deg);
+  visitor.Numbers({"lost_motion_deg", "its part behind the motor"}, lost_motion_deg);
+  visitor.Number({"residual_rms_deg", "what the model leaves"}, residual_rms_deg);
 }
 
 void IdentifiedChain::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Text({.key = "log", .help = "that it was made from"}, log);
-  visitor.Numbers({.key = "horizon_ms",
-                   .help = "for prediction.horizon_ms: 0.8 of the delay",
-                   .min = 0,
-                   .max = 1000},
+  visitor.Text({"log", "that it was made from"}, log);
+  visitor.Numbers({"horizon_ms", "for prediction.horizon_ms: 0.8 of the delay", 0, 1000},
                   horizon_ms);
-  visitor.Number({.key = "expected_delay_ms", .help = "for joint_loop.expected_delay_ms"},
-                 expected_delay_ms);
-  visitor.Numbers({.key = "friction_deg", .help = "for joint_loop.friction_deg"}, friction_deg);
-  visitor.Numbers({.key = "dead_time_ms", .help = "for model_predictive.dead_time_ms"},
-                  dead_time_ms);
-  visitor.Numbers({.key = "lag_ms", .help = "for model_predictive.lag_ms"}, lag_ms);
-  visitor.Numbers(
-      {.key = "natural_frequency_hz", .help = "for model_predictive.natural_frequency_hz"},
-      natural_frequency_hz);
-  controller::VisitList(visitor, {.key = "parts", .help = "joints or motors"}, parts);
+  visitor.Number({"expected_delay_ms", "for joint_loop.expected_delay_ms"}, expected_delay_ms);
+  visitor.Numbers({"friction_deg", "for joint_loop.friction_deg"}, friction_deg);
+  visitor.Numbers({"dead_time_ms", "for model_predictive.dead_time_ms"}, dead_time_ms);
+  visitor.Numbers({"lag_ms", "for model_predictive.lag_ms"}, lag_ms);
+  visitor.Numbers({"natural_frequency_hz", "for model_predictive.natural_frequency_hz"},
+                  natural_frequency_hz);
+  controller::VisitList(visitor, {"parts", "joints or motors"}, parts);
 }
 
 IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits) {

@@ -2,15 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/json_number.h"
 #include "sim/base/mathematics.h"
 #include "sim/base/output_file.h"
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/scenario/scenario_files.h"
+#include "sim/statistics/result_cells.h"
 #include "sim/study/counted_parts.h"
 #include "sim/trial/trace_csv.h"
 #include "sim/trial/trace_file.h"
@@ -20,58 +23,32 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// NaN, a score that does not exist, is written as null.
-Json MetricValues(const std::vector<double>& values) {
+/// An object with a value per metric: {"delay_ms": .., ..}.
+Json ByMetric(const auto& value_of) {
   Json json = Json::object();
-  for (std::size_t m = 0; m < values.size(); ++m) {
-    json[std::string(Metrics()[m].key)] = NumberOrNull(values[m]);
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    json[std::string(Metrics()[m].key)] = value_of(m);
   }
   return json;
 }
 
-Json MetricEstimates(const std::vector<MeanInterval>& estimates) {
-  Json json = Json::object();
-  for (std::size_t m = 0; m < estimates.size(); ++m) {
-    json[std::string(Metrics()[m].key)] = {
-        {"mean", NumberOrNull(estimates[m].mean)},
-        {"ci95_low", NumberOrNull(estimates[m].low)},
-        {"ci95_high", NumberOrNull(estimates[m].high)},
-        {"seeds", estimates[m].count},
-        {"motion_share", NumberOrNull(estimates[m].motion_share)}};
-  }
-  return json;
+Json MetricValues(const std::vector<double>& values) {
+  return ByMetric([&](std::size_t m) { return NumberOrNull(values[m]); });
 }
 
 Json ComparisonsJson(const std::vector<Comparison>& comparisons) {
-  Json json = Json::object();
-  for (std::size_t m = 0; m < comparisons.size(); ++m) {
-    const auto& [difference, relevant_difference, judgement] = comparisons[m];
-    const bool judged = judgement != Judgement::kNone;
-    json[std::string(Metrics()[m].key)] = {
-        {"mean", NumberOrNull(difference.mean)},
-        {"low", NumberOrNull(difference.low)},
-        {"high", NumberOrNull(difference.high)},
-        {"level", judged ? Json(difference.level) : Json(nullptr)},
-        {"relevant_difference", NumberOrNull(relevant_difference)},
-        {"verdict", judged ? Json(JudgementText(judgement)) : Json(nullptr)},
-        {"seeds", difference.count},
-        {"motion_share", NumberOrNull(difference.motion_share)}};
-  }
-  return json;
+  return ByMetric([&](std::size_t m) { return JsonOf(comparisons[m]); });
 }
 
 /// The scores that a row has: those of its joint, motor or cable.
 Json RowValues(const ScoreRows& rows, std::size_t row, const std::vector<double>& values) {
-  const auto is_among = [row](const std::vector<std::size_t>& places) {
-    return std::ranges::find(places, row) != places.end();
-  };
+  const std::vector<std::size_t> none;
+  const std::array rows_of_part = {&rows.joints, &rows.motors, &rows.cables, &none};
   Json json = Json::object();
   for (std::size_t m = 0; m < values.size(); ++m) {
-    const ScoredPart part = Metrics()[m].part;
-    const bool has = (part == ScoredPart::kJoint && is_among(rows.joints)) ||
-                     (part == ScoredPart::kMotor && is_among(rows.motors)) ||
-                     (part == ScoredPart::kCable && is_among(rows.cables));
-    if (has) json[std::string(Metrics()[m].key)] = NumberOrNull(values[m]);
+    const auto& scored = *rows_of_part[static_cast<std::size_t>(Metrics()[m].part)];
+    if (std::ranges::find(scored, row) == scored.end()) continue;
+    json[std::string(Metrics()[m].key)] = NumberOrNull(values[m]);
   }
   return json;
 }
@@ -86,10 +63,17 @@ Json KeysWhere(Condition condition) {
 }
 
 Json EstimateJson(const MeanInterval& estimate) {
-  return {{"mean", NumberOrNull(estimate.mean)},
-          {"ci95_low", NumberOrNull(estimate.low)},
-          {"ci95_high", NumberOrNull(estimate.high)},
-          {"seeds", estimate.count}};
+  Json json = JsonOf(estimate);
+  json["seeds"] = estimate.count;
+  return json;
+}
+
+Json EstimatesJson(const std::vector<MeanInterval>& estimates) {
+  return ByMetric([&](std::size_t m) {
+    Json json = EstimateJson(estimates[m]);
+    json["motion_share"] = NumberOrNull(estimates[m].motion_share);
+    return json;
+  });
 }
 
 /// RMS errors in deg; `used_share` is of the way from `now` to `fitted`.
@@ -111,7 +95,7 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
   json["name"] = controller.name;
   json["health"] = controller.problem.empty() ? "ok" : controller.problem;
   json["failed_trials"] = controller.failed_trials;
-  json["summary"] = comparison ? MetricEstimates(controller.summary)
+  json["summary"] = comparison ? EstimatesJson(controller.summary)
                                : MetricValues(result.seeds[0].controllers[index].scores.summary);
   if (comparison) json["difference_to_best"] = ComparisonsJson(controller.to_best);
   if (comparison && !controller.to_baseline.empty()) {
@@ -124,28 +108,29 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
   json["worse_than_baseline"] =
       KeysWhere([&](std::size_t m) { return controller.IsWorseThanBaseline(m); });
   json["as_good_as_best"] = KeysWhere([&](std::size_t m) { return controller.as_good_as_best[m]; });
-  for (std::size_t m = 0; m < controller.rank.size(); ++m) {
-    json["rank"][std::string(Metrics()[m].key)] = controller.rank[m];
-  }
+  json["rank"] = ByMetric([&](std::size_t m) { return controller.rank[m]; });
   for (std::size_t row = 0; row < result.row_names.size(); ++row) {
     json["channels"][result.row_names[row]] =
         RowValues(finished.study.rows, row, controller.rows[row]);
   }
+  json["dominated"] = static_cast<bool>(finished.summary.dominated[index]);
   return json;
 }
 
-void AppendRow(fmt::memory_buffer& out, int seed, const std::string& controller,
-               const std::string& channel, const std::vector<double>& values) {
-  fmt::format_to(std::back_inserter(out), "{},{},{}", seed, controller, channel);
-  for (const double value : values) {
-    // An empty field where a score does not exist: spreadsheets and data frames read it as missing.
-    out.push_back(',');
-    if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), "{}", value);
-  }
-  out.push_back('\n');
-}
-
 }  // namespace
+
+Json JsonOf(const Comparison& comparison) {
+  const auto& [difference, relevant_difference, judgement] = comparison;
+  const bool judged = judgement != Judgement::kNone;
+  return {{"mean", NumberOrNull(difference.mean)},
+          {"low", NumberOrNull(difference.low)},
+          {"high", NumberOrNull(difference.high)},
+          {"level", judged ? Json(difference.level) : Json(nullptr)},
+          {"relevant_difference", NumberOrNull(relevant_difference)},
+          {"verdict", judged ? Json(JudgementText(judgement)) : Json(nullptr)},
+          {"seeds", difference.count},
+          {"motion_share", NumberOrNull(difference.motion_share)}};
+}
 
 std::string ScoresJson(const FinishedStudy& finished) {
   const StudyResult& result = finished.result;
@@ -183,29 +168,30 @@ std::string ScoresJson(const FinishedStudy& finished) {
   }
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     json["controllers"].push_back(ControllerJson(finished, c));
-    json["controllers"].back()["dominated"] = static_cast<bool>(summary.dominated[c]);
   }
   return json.dump(2) + "\n";
 }
 
 std::string ScoresCsv(const StudyResult& result) {
-  fmt::memory_buffer out;
-  fmt::format_to(std::back_inserter(out), "seed,controller,channel");
-  for (const Metric& metric : Metrics()) {
-    fmt::format_to(std::back_inserter(out), ",{}", metric.key);
-  }
-  out.push_back('\n');
+  std::vector<std::string> head = {"seed", "controller", "channel"};
+  for (const Metric& metric : Metrics()) head.emplace_back(metric.key);
+  std::string csv = CsvLine(head);
   for (const SeedOutcome& seed : result.seeds) {
     for (std::size_t c = 0; c < seed.controllers.size(); ++c) {
+      const auto add = [&](const std::string& channel, const std::vector<double>& values) {
+        std::vector<std::string> row = {fmt::to_string(seed.seed), result.controller_names[c],
+                                        channel};
+        std::ranges::transform(values, std::back_inserter(row), NumberOrNothing);
+        csv += CsvLine(row);
+      };
       const Scores& scores = seed.controllers[c].scores;
-      AppendRow(out, seed.seed, result.controller_names[c], "summary", scores.summary);
+      add("summary", scores.summary);
       for (std::size_t i = 0; i < scores.channels.size(); ++i) {
-        AppendRow(out, seed.seed, result.controller_names[c], result.row_names[i],
-                  scores.channels[i]);
+        add(result.row_names[i], scores.channels[i]);
       }
     }
   }
-  return fmt::to_string(out);
+  return csv;
 }
 
 std::string ResolvedScenario(const FinishedStudy& finished) {

@@ -1,11 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "sim/comparison/summary.h"
 
 namespace gauntlet::sim {
+
+/// A difference as `scores.json` and the page have it.
+nlohmann::ordered_json JsonOf(const Comparison& comparison);
 
 /// `scores.json` of one run (one seed: values) or of a comparison (several: means and intervals).
 /// `channels` has an entry per scored joint, motor and cable, with the scores that it can have.

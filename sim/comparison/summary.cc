@@ -9,16 +9,6 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Values of one metric and controller, one per seed.
-std::vector<double> SeedValues(const StudyResult& result, std::size_t controller,
-                               std::size_t metric) {
-  std::vector<double> values;
-  for (const SeedOutcome& seed : result.seeds) {
-    values.push_back(seed.controllers[controller].scores.summary[metric]);
-  }
-  return values;
-}
-
 std::vector<std::vector<double>> RowMeans(const StudyResult& result, std::size_t controller) {
   const std::vector<int> motions = MotionsOf(result);
   std::vector<std::vector<double>> means;
@@ -172,6 +162,15 @@ std::vector<int> MotionsOf(const StudyResult& result) {
   std::vector<int> motions;
   for (const SeedOutcome& seed : result.seeds) motions.push_back(seed.motion);
   return motions;
+}
+
+std::vector<double> SeedValues(const StudyResult& result, std::size_t controller,
+                               std::size_t metric) {
+  std::vector<double> values;
+  for (const SeedOutcome& seed : result.seeds) {
+    values.push_back(seed.controllers[controller].scores.summary[metric]);
+  }
+  return values;
 }
 
 Summary Summarise(const Study& study, const StudyResult& result) {

@@ -63,6 +63,10 @@ struct Summary {
 /// The motion of each seed.
 std::vector<int> MotionsOf(const StudyResult& result);
 
+/// Summaries of one metric and controller, one per seed.
+std::vector<double> SeedValues(const StudyResult& result, std::size_t controller,
+                               std::size_t metric);
+
 /// Pure and deterministic.
 Summary Summarise(const Study& study, const StudyResult& result);
 

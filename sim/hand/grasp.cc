@@ -84,24 +84,4 @@ double GripForce(const mjModel& model, const GraspParts& grasp, const mjData& da
   return sum;
 }
 
-double ObjectHeight(const GraspParts& grasp, const mjData& data) noexcept {
-  const double stood = data.mocap_pos[3 * grasp.support_mocap + 2] + grasp.support_half_height_m;
-  const double first = stood + grasp.half_height_m;
-  return data.qpos[grasp.qpos + 2] - first;
-}
-
-double SlipSpeed(const mjModel& model, const GraspParts& grasp, const mjData& data) noexcept {
-  mjtNum object[6];
-  mjtNum palm[6];
-  mj_objectVelocity(&model, &data, mjOBJ_BODY, grasp.object_body, object, 0);
-  mj_objectVelocity(&model, &data, mjOBJ_BODY, grasp.palm_body, palm, 0);
-  // The palm's speed at the place of the object: v + omega x r.
-  mjtNum reach[3], turning[3], slip[3];
-  mju_sub3(reach, data.xpos + 3 * grasp.object_body, data.xpos + 3 * grasp.palm_body);
-  mju_cross(turning, palm, reach);
-  mju_sub3(slip, object + 3, palm + 3);
-  mju_subFrom3(slip, turning);
-  return mju_norm3(slip);
-}
-
 }  // namespace gauntlet::sim

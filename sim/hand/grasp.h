@@ -30,10 +30,4 @@ void PlaceObject(const GraspParts& grasp, mjData_& data);
 /// Sum of the normal forces between the object and the hand [N].
 double GripForce(const mjModel_& model, const GraspParts& grasp, const mjData_& data) noexcept;
 
-/// Height of the object above the place where it stood [m].
-double ObjectHeight(const GraspParts& grasp, const mjData_& data) noexcept;
-
-/// Speed of the object's centre against the palm [m/s].
-double SlipSpeed(const mjModel_& model, const GraspParts& grasp, const mjData_& data) noexcept;
-
 }  // namespace gauntlet::sim

@@ -297,15 +297,13 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   State& state = *state_;
   const HandModel& hand = *state.hand;
   const controller::TendonTransmission& map = hand.as_built();
-  std::vector<double> angle(joint_angle_rad.begin(), joint_angle_rad.end());
-  for (std::size_t joint = 0; joint < angle.size(); ++joint) {
-    angle[joint] = std::clamp(angle[joint], map.joint_min_rad[joint], map.joint_max_rad[joint]);
+  std::vector<double> angle, from_center;
+  for (std::size_t joint = 0; joint < joint_angle_rad.size(); ++joint) {
+    angle.push_back(
+        std::clamp(joint_angle_rad[joint], map.joint_min_rad[joint], map.joint_max_rad[joint]));
+    from_center.push_back(angle[joint] - hand.center_error_rad()[joint]);
   }
   std::vector<double> spool(map.motor_names.size());
-  std::vector<double> from_center(angle);
-  for (std::size_t joint = 0; joint < angle.size(); ++joint) {
-    from_center[joint] -= hand.center_error_rad()[joint];
-  }
   controller::TendonMap(map, true).ToSpoolAngles(from_center, spool);
   mj_resetData(&state.physics, state.data.get());
   hand.physics().CopyPositions(
@@ -401,12 +399,9 @@ double Hand::CableEnergy() const noexcept {
   return energy_j;
 }
 
-GripReading Hand::ReadGrip() const noexcept {
+double Hand::GripForce() const noexcept {
   const GraspParts& grasp = hand_model().grasp_in_physics();
-  if (!grasp.exists()) return {};
-  return {.force_n = GripForce(state_->physics, grasp, data()),
-          .height_mm = 1e3 * ObjectHeight(grasp, data()),
-          .slip_mm_s = 1e3 * SlipSpeed(state_->physics, grasp, data())};
+  return grasp.exists() ? sim::GripForce(state_->physics, grasp, data()) : 0.0;
 }
 
 void Hand::ReadObjectPose(std::span<double> pose) const noexcept {

@@ -15,13 +15,6 @@ struct HandHealth {
   std::string problem;  // "at 1.234 s: bad value in qacc (dof 12)"
 };
 
-/// How the hand holds the object; all zero without one.
-struct GripReading {
-  double force_n = 0.0;    // sum of the contacts' normal forces between hand and object
-  double height_mm = 0.0;  // of the object above where it stood
-  double slip_mm_s = 0.0;  // speed of the object against the palm
-};
-
 /// One hand in motion. One per thread; all share a HandModel.
 class Hand {
  public:
@@ -49,7 +42,8 @@ class Hand {
   void ReadCableTensions(std::span<double> tension_n) const noexcept;
   /// What all cables can give back, when the last step began [J].
   double CableEnergy() const noexcept;
-  GripReading ReadGrip() const noexcept;
+  /// Sum of the normal forces between hand and object [N]; 0 without one.
+  double GripForce() const noexcept;
   /// The deepest that two digits are in each other [m], looked at every 10 ms; 0 without digits.
   double DigitOverlap() const noexcept;
   /// Position [m] and attitude (quaternion) of the object in the world, 7 values; without an object

@@ -14,30 +14,17 @@ namespace gauntlet::sim {
 
 void JointSensorsConfig::Visit(controller::SettingsVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> kKinds = {"none", "encoder"};
-  controller::VisitEnum(visitor,
-                        {.key = "kind",
-                         .help = "encoder: the angles of all joints are measured, for controllers "
-                                 "with a joint_loop"},
-                        kKinds, kind);
-  visitor.Integer({.key = "resolution_bits",
-                   .help = "readings have 2^bits steps a turn (encoder)",
-                   .min = 6,
-                   .max = 24},
+  controller::VisitEnum(
+      visitor,
+      {"kind", "encoder: the angles of all joints are measured, for controllers with a joint_loop"},
+      kKinds, kind);
+  visitor.Integer({"resolution_bits", "readings have 2^bits steps a turn (encoder)", 6, 24},
                   resolution_bits);
-  visitor.Number({.key = "noise_deg",
-                  .help = "standard deviation of a reading (encoder)",
-                  .min = 0,
-                  .max = 30},
-                 noise_deg);
-  visitor.Number({.key = "rate_hz",
-                  .help = "readings per second, in whole steps of 1 ms or less (encoder)",
-                  .min = 1,
-                  .max = 10000},
-                 rate_hz);
-  visitor.Number({.key = "delay_ms",
-                  .help = "time until the controller has a reading (encoder)",
-                  .min = 0,
-                  .max = 1000},
+  visitor.Number({"noise_deg", "standard deviation of a reading (encoder)", 0, 30}, noise_deg);
+  visitor.Number(
+      {"rate_hz", "readings per second, in whole steps of 1 ms or less (encoder)", 1, 10000},
+      rate_hz);
+  visitor.Number({"delay_ms", "time until the controller has a reading (encoder)", 0, 1000},
                  delay_ms);
 }
 

@@ -29,7 +29,6 @@ class PhysicsModel {
   // Index here of a part of the whole model; -1 for one that has gone.
   int GeomOf(int whole) const { return geoms_.index_of[whole]; }
   int BodyOf(int whole) const { return bodies_.index_of[whole]; }
-  int JointOf(int whole) const { return joints_.index_of[whole]; }
   int DofOf(int whole) const { return dofs_.index_of[whole]; }
   int QposOf(int whole) const { return positions_.index_of[whole]; }
   /// All positions here, of those of the whole model.

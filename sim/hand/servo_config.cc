@@ -5,86 +5,54 @@ namespace gauntlet::sim {
 using controller::SettingsVisitor;
 
 void ServoNumbers::Visit(SettingsVisitor& visitor) {
-  visitor.Integer({.key = "resolution_bits",
-                   .help = "position commands have 2^bits counts over the travel",
-                   .min = 6,
-                   .max = 20},
-                  resolution_bits);
-  visitor.Number(
-      {.key = "travel_deg", .help = "how far a spool turns, end to end", .min = 30, .max = 3600},
-      travel_deg);
-  visitor.Number(
-      {.key = "frame_ms",
-       .help = "the servo takes a new command only at its own frames, which begin with the first "
-               "command unless they run free; 0: at once",
-       .min = 0,
-       .max = 1000},
-      frame_ms);
-  visitor.Flag({.key = "free_running",
-                .help = "each motor's frames are out of step with commands and with other motors, "
-                        "by a part of a frame that is the same in every run"},
+  visitor.Integer(
+      {"resolution_bits", "position commands have 2^bits counts over the travel", 6, 20},
+      resolution_bits);
+  visitor.Number({"travel_deg", "how far a spool turns, end to end", 30, 3600}, travel_deg);
+  visitor.Number({"frame_ms",
+                  "the servo takes a new command only at its own frames, which begin with the "
+                  "first command unless they run free; 0: at once",
+                  0, 1000},
+                 frame_ms);
+  visitor.Flag({"free_running",
+                "each motor's frames are out of step with commands and with other motors, by a "
+                "part of a frame that is the same in every run"},
                free_running);
-  visitor.Number({.key = "dead_time_ms",
-                  .help = "from the frame that takes a command until the motor knows of it",
-                  .min = 0,
-                  .max = 500},
-                 dead_time_ms);
-  visitor.Integer({.key = "sensor_bits",
-                   .help = "the servo reads its spool in 2^bits steps over the travel; 0: exactly",
-                   .min = 0,
-                   .max = 20},
+  visitor.Number(
+      {"dead_time_ms", "from the frame that takes a command until the motor knows of it", 0, 500},
+      dead_time_ms);
+  visitor.Integer({"sensor_bits",
+                   "the servo reads its spool in 2^bits steps over the travel; 0: exactly", 0, 20},
                   sensor_bits);
-  visitor.Number({.key = "sensor_noise_deg",
-                  .help = "standard deviation of each reading of the spool, every 1 ms",
-                  .min = 0,
-                  .max = 5},
-                 sensor_noise_deg);
-  visitor.Number({.key = "dead_band_deg",
-                  .help = "spool errors up to this, to either side, cause no torque",
-                  .min = 0,
-                  .max = 30},
-                 dead_band_deg);
-  visitor.Number({.key = "full_torque_error_deg",
-                  .help = "spool error beyond the dead band that calls for the stall torque",
-                  .min = 0.5,
-                  .max = 90},
+  visitor.Number(
+      {"sensor_noise_deg", "standard deviation of each reading of the spool, every 1 ms", 0, 5},
+      sensor_noise_deg);
+  visitor.Number(
+      {"dead_band_deg", "spool errors up to this, to either side, cause no torque", 0, 30},
+      dead_band_deg);
+  visitor.Number({"full_torque_error_deg",
+                  "spool error beyond the dead band that calls for the stall torque", 0.5, 90},
                  full_torque_error_deg);
-  visitor.Number({.key = "damping_ms",
-                  .help = "velocity gain over position gain of the servo",
-                  .min = 0,
-                  .max = 100},
+  visitor.Number({"damping_ms", "velocity gain over position gain of the servo", 0, 100},
                  damping_ms);
-  visitor.Number({.key = "no_load_speed_deg_s",
-                  .help = "spool speed at which back-EMF leaves no torque",
-                  .min = 1,
-                  .max = 10000},
-                 no_load_speed_deg_s);
-  visitor.Number({.key = "torque_scale",
-                  .help = "factor on the stall torques of the model",
-                  .min = 1e-9,
-                  .max = 10},
+  visitor.Number(
+      {"no_load_speed_deg_s", "spool speed at which back-EMF leaves no torque", 1, 10000},
+      no_load_speed_deg_s);
+  visitor.Number({"torque_scale", "factor on the stall torques of the model", 1e-9, 10},
                  torque_scale);
-  visitor.Number({.key = "inertia_scale",
-                  .help = "factor on the inertia of the model's spools, rotors behind their gears",
-                  .min = 0.1,
-                  .max = 100},
-                 inertia_scale);
-  visitor.Number({.key = "friction_scale",
-                  .help = "factor on the dry friction of the model's spools",
-                  .min = 0,
-                  .max = 100},
+  visitor.Number(
+      {"inertia_scale", "factor on the inertia of the model's spools, rotors behind their gears",
+       0.1, 100},
+      inertia_scale);
+  visitor.Number({"friction_scale", "factor on the dry friction of the model's spools", 0, 100},
                  friction_scale);
-  visitor.Number({.key = "load_friction",
-                  .help = "friction of the gear that grows with its load: share of the torque of "
-                          "the cables",
-                  .min = 0,
-                  .max = 0.9},
-                 load_friction);
-  visitor.Number({.key = "play_deg",
-                  .help = "play of the gear, end to end; adds to hand.cable.backlash_deg",
-                  .min = 0,
-                  .max = 30},
-                 play_deg);
+  visitor.Number(
+      {"load_friction",
+       "friction of the gear that grows with its load: share of the torque of the cables", 0, 0.9},
+      load_friction);
+  visitor.Number(
+      {"play_deg", "play of the gear, end to end; adds to hand.cable.backlash_deg", 0, 30},
+      play_deg);
 }
 
 // A number that is not said to come from somewhere is an assumption. Back-EMF of a motor that is
@@ -176,7 +144,7 @@ ServoNumbers& ServoConfig::numbers() {
 }
 
 void ServoConfig::Visit(SettingsVisitor& visitor) {
-  controller::VisitKind(visitor, {.key = "kind", .help = "which servo the motors have"}, settings);
+  controller::VisitKind(visitor, {"kind", "which servo the motors have"}, settings);
 }
 
 std::span<const ServoKind> ServoKinds() { return controller::AllKinds<ServoConfig>(); }

@@ -12,15 +12,10 @@ struct EventConfig {
   double delay_ms = 25.0;
 
   void Visit(controller::SettingsVisitor& visitor) {
+    visitor.Number({"period_ms", "time between two command frames", 1, 1000}, period_ms);
     visitor.Number(
-        {.key = "period_ms", .help = "time between two command frames", .min = 1, .max = 1000},
-        period_ms);
-    visitor.Number(
-        {.key = "delay_ms",
-         .help = "time until a command frame reaches the servos, in whole steps of 1 ms or "
-                 "less",
-         .min = 0,
-         .max = 1000},
+        {"delay_ms",
+         "time until a command frame reaches the servos, in whole steps of 1 ms or less", 0, 1000},
         delay_ms);
   }
 };

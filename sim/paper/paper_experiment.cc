@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <initializer_list>
 #include <numbers>
 
-#include "controller/calibration/noise_estimate.h"
 #include "controller/filters/paper_noise.h"
 #include "sim/base/error.h"
 #include "sim/glove/noise/box_muller.h"
@@ -114,62 +115,65 @@ OneChannelTest RunOneChannelTest() {
 
 // --- Noise --------------------------------------------------------------------------------------
 
-GeneratorTest RunGeneratorTest(std::int64_t draws) {
-  GeneratorTest test;
-  test.draws = draws;
+namespace {
+
+void TestBoxMuller(GeneratorTest& test) {
   constexpr double kReach = 4.5;
+  const double n = static_cast<double>(test.draws);
   test.first_bin = -kReach + 0.5 * test.bin_width;
   test.normal_density.assign(static_cast<std::size_t>(std::lround(2.0 * kReach / test.bin_width)),
                              0.0);
   RandomStream random(1, "figure 7 of the paper", 0);
   double sum = 0.0, squares = 0.0, fourth = 0.0;
-  const auto take = [&](double value) {
-    sum += value;
-    squares += value * value;
-    fourth += value * value * value * value;
-    const double bin = std::floor((value + kReach) / test.bin_width);
-    if (bin < 0.0 || bin >= static_cast<double>(test.normal_density.size())) return;
-    test.normal_density[static_cast<std::size_t>(bin)] +=
-        1.0 / (static_cast<double>(draws) * test.bin_width);
-  };
-  for (std::int64_t i = 0; i < draws / 2; ++i) {
+  for (std::int64_t i = 0; i < test.draws / 2; ++i) {
     const NormalPair pair = BoxMuller(random);
-    take(pair.first);
-    take(pair.second);
+    for (const double value : {pair.first, pair.second}) {
+      sum += value;
+      squares += value * value;
+      fourth += value * value * value * value;
+      const double bin = std::floor((value + kReach) / test.bin_width);
+      if (bin < 0.0 || bin >= static_cast<double>(test.normal_density.size())) continue;
+      test.normal_density[static_cast<std::size_t>(bin)] += 1.0 / (n * test.bin_width);
+    }
   }
-  const double n = static_cast<double>(draws);
   test.normal_mean = sum / n;
   test.normal_deviation = std::sqrt(squares / n);
   test.normal_kurtosis = fourth / n / (squares / n * squares / n);
+}
 
+void TestGaltonBoard(GeneratorTest& test) {
   test.galton_rows = 20;
   RandomStream board(1, "figure 9 of the paper", 0);
   const std::vector<double> law = GaltonProbabilities(test.galton_rows);
   double seen = 0.0, expected = 0.0;
-  const std::vector<std::int64_t> balls = GaltonHistogram(board, test.galton_rows, draws);
+  const std::vector<std::int64_t> balls = GaltonHistogram(board, test.galton_rows, test.draws);
   for (std::size_t bin = 0; bin < balls.size(); ++bin) {
-    test.galton_share.push_back(static_cast<double>(balls[bin]) / n);
+    test.galton_share.push_back(static_cast<double>(balls[bin]) / static_cast<double>(test.draws));
     seen += test.galton_share.back();
     expected += law[bin];
     test.galton_seen_distance = std::max(test.galton_seen_distance, std::abs(seen - expected));
   }
   test.galton_distance = GaltonDistanceFromNormal(test.galton_rows);
+}
+
+}  // namespace
+
+GeneratorTest RunGeneratorTest(std::int64_t draws) {
+  GeneratorTest test;
+  test.draws = draws;
+  TestBoxMuller(test);
+  TestGaltonBoard(test);
   return test;
 }
 
 namespace {
 
-/// R of the scenario's own glove, as `gauntlet calibrate` finds it from a hand that holds still.
-void EstimateVariance(const Scenario& scenario, bool quick, PaperExperiment& experiment) {
+/// R of the scenario's own glove, as `gauntlet calibrate` estimates it from a hand that holds still.
+controller::NoiseEstimate EstimateGloveNoise(const Scenario& scenario, bool quick) {
   GloveConfig glove = scenario.glove;
   glove.motion.settings = HoldConfig{.duration_s = quick ? 5.0 : 60.0};
   const GloveSignal signal = SynthesiseGlove(glove, static_cast<std::uint64_t>(scenario.seed));
-  const auto estimate = controller::EstimateNoise(signal.counts, {{0, signal.counts.rows()}});
-  for (Eigen::Index c = 0; c < estimate.variance.size(); ++c) {
-    experiment.estimated_variance.push_back(estimate.variance[c]);
-    experiment.estimated_variance_low.push_back(estimate.variance_low[c]);
-    experiment.estimated_variance_high.push_back(estimate.variance_high[c]);
-  }
+  return controller::EstimateNoise(signal.counts, {{0, signal.counts.rows()}});
 }
 
 /// Filtered angles of all other channels, with one switched off and on again, against those
@@ -204,12 +208,7 @@ double SwitchingChange(const Study& study, const GloveSignal& glove) {
 
 std::vector<double> SeedValues(const StudyResult& result, const std::string& controller,
                                std::string_view metric) {
-  const std::size_t index = ControllerIndex(result, controller);
-  std::vector<double> values;
-  for (const SeedOutcome& seed : result.seeds) {
-    values.push_back(seed.controllers[index].scores.summary[MetricIndex(metric)]);
-  }
-  return values;
+  return SeedValues(result, ControllerIndex(result, controller), MetricIndex(metric));
 }
 
 /// What the filter takes away of a score, in percent, seed by seed.
@@ -246,48 +245,32 @@ std::string CostsOf(const FinishedStudy& finished, const std::string& before,
 /// Claims and their questions, gathered before all are judged at once.
 class Claims {
  public:
-  explicit Claims(const PaperExperiment& experiment) : experiment_(experiment) {}
-
-  /// That a metric is less, or more, with `after` than with `before`.
-  Claim& Add(const char* row, const char* claim, std::string_view metric, const char* before,
-             const char* after, bool less_is_claimed) {
-    const FinishedStudy& finished = experiment_.finished;
-    Claim& added = AddScores(finished.result, row, claim, metric, before, after, less_is_claimed);
-    if (less_is_claimed) added.costs = CostsOf(finished, before, after);
-    return added;
-  }
-
-  Claim& AddScores(const StudyResult& result, const char* row, const char* claim,
-                   std::string_view metric, const char* before, const char* after,
-                   bool less_is_claimed) {
-    const std::vector<double> first = SeedValues(result, before, metric);
-    const std::vector<double> second = SeedValues(result, after, metric);
-    const std::vector<int> motions = MotionsOf(result);
+  /// That a score is less, or more, with the second controller.
+  void AddScores(const StudyResult& result, Claim claim, std::string_view metric,
+                 const char* before, const char* after, bool less_is_claimed = true) {
     const Metric& known = Metrics()[MetricIndex(metric)];
-    return AddValues(
-        row, claim, fmt::format("{}: {}, then {}", metric, before, after), first, second, motions,
-        {.difference = EstimateDifference(second, first, motions),
-         .relevant_difference = RelevantDifferenceBetween(known, EstimateMean(first, motions).mean,
-                                                          EstimateMean(second, motions).mean),
-         .lower_is_better = less_is_claimed},
-        known.relevant_difference.reason);
+    claim.measured = fmt::format("{}: {}, then {}", metric, before, after);
+    claim.relevant_reason = known.relevant_difference.reason;
+    Add(MotionsOf(result), std::move(claim), SeedValues(result, before, metric),
+        SeedValues(result, after, metric), less_is_claimed);
+    questions_.back().relevant_difference =
+        RelevantDifferenceBetween(known, claims_.back().before, claims_.back().after);
   }
 
-  /// That the filter takes away a larger share of the second score's jitter.
-  Claim& AddReduction(const char* claim, const char* measured, const std::vector<double>& before,
-                      const std::vector<double>& after) {
-    const StudyResult& result = experiment_.finished.result;
+  /// That the filter takes away a larger share of the second score's jitter [%]. Of the unfiltered
+  /// jitter of `result` the smallest jitter that is seen is such a share.
+  void AddReduction(const StudyResult& result, Claim claim, const std::vector<double>& before,
+                    const std::vector<double>& after) {
     const std::vector<int> motions = MotionsOf(result);
     const Metric& jitter = Metrics()[MetricIndex("jitter_rms_deg")];
     const double raw_deg = EstimateMean(SeedValues(result, "raw", jitter.key), motions).mean;
     const double visible_deg = jitter.relevant_difference.absolute;
-    return AddValues("P16", claim, measured, before, after, motions,
-                     {.difference = EstimateDifference(after, before, motions),
-                      .relevant_difference = 100.0 * visible_deg / raw_deg,
-                      .lower_is_better = false},
-                     fmt::format("the points of the unfiltered {:.2f} deg that make {:g} deg, the "
-                                 "smallest trembling that is seen",
-                                 raw_deg, visible_deg));
+    claim.relevant_reason = fmt::format(
+        "the points of the unfiltered {:.2f} deg that make {:g} deg, the smallest trembling that "
+        "is seen",
+        raw_deg, visible_deg);
+    Add(motions, std::move(claim), before, after, false);
+    questions_.back().relevant_difference = 100.0 * visible_deg / raw_deg;
   }
 
   std::vector<Claim> Judged() {
@@ -297,50 +280,123 @@ class Claims {
   }
 
  private:
-  Claim& AddValues(const char* row, const char* claim, std::string measured,
-                   const std::vector<double>& before, const std::vector<double>& after,
-                   const std::vector<int>& motions, Question question, std::string_view reason) {
-    questions_.push_back(question);
-    Claim& added = claims_.emplace_back();
-    added.row = row;
-    added.claim = claim;
-    added.measured = std::move(measured);
-    added.before = EstimateMean(before, motions).mean;
-    added.after = EstimateMean(after, motions).mean;
-    added.relevant_reason = reason;
-    return added;
+  void Add(const std::vector<int>& motions, Claim claim, const std::vector<double>& before,
+           const std::vector<double>& after, bool less_is_claimed) {
+    claim.before = EstimateMean(before, motions).mean;
+    claim.after = EstimateMean(after, motions).mean;
+    claims_.push_back(std::move(claim));
+    questions_.push_back({.difference = EstimateDifference(after, before, motions),
+                          .lower_is_better = less_is_claimed});
   }
 
-  const PaperExperiment& experiment_;
   std::vector<Claim> claims_;
   std::vector<Question> questions_;
 };
 
 std::vector<Claim> JudgeClaims(const PaperExperiment& experiment) {
-  const StudyResult& result = experiment.finished.result;
-  Claims claims(experiment);
-  const auto filter_lowers = [&](const char* claim, const char* metric) {
-    claims.Add("P16", claim, metric, "raw", "paper_kalman", true);
-  };
-  filter_lowers("Much less local jumps", "command_reversals_per_s");
-  filter_lowers("Fingers move quieter", "jitter_rms_deg");
-  filter_lowers("Motor noise is lower in level", "motor_noise_rms_deg_s");
-  filter_lowers("Motor noise is lower in frequency", "motor_noise_centroid_hz");
-  claims.AddReduction(
-      "More so in slow motion", "jitter that the filter takes away, %: fast motion, then slow",
-      Reduction(result, "fast_jitter_rms_deg"), Reduction(result, "slow_jitter_rms_deg"));
-  claims.AddReduction("Better servos gain more",
-                      "jitter that the filter takes away, %: RC servos with dead band and play "
-                      "(rc_digital), then the default servos (dynamixel)",
+  const FinishedStudy& finished = experiment.finished;
+  const StudyResult& result = finished.result;
+  const std::string filter_costs = CostsOf(finished, "raw", "paper_kalman");
+  Claims claims;
+  for (const auto& [claim, metric] : {
+           std::pair{"Much less local jumps", "command_reversals_per_s"},
+           std::pair{"Fingers move quieter", "jitter_rms_deg"},
+           std::pair{"Motor noise is lower in level", "motor_noise_rms_deg_s"},
+           std::pair{"Motor noise is lower in frequency", "motor_noise_centroid_hz"},
+       }) {
+    claims.AddScores(result, {.row = "P16", .claim = claim, .costs = filter_costs}, metric, "raw",
+                     "paper_kalman");
+  }
+  claims.AddReduction(result,
+                      {.row = "P16",
+                       .claim = "More so in slow motion",
+                       .measured = "jitter that the filter takes away, %: fast motion, then slow"},
+                      Reduction(result, "fast_jitter_rms_deg"),
+                      Reduction(result, "slow_jitter_rms_deg"));
+  claims.AddReduction(result,
+                      {.row = "P16",
+                       .claim = "Better servos gain more",
+                       .measured = "jitter that the filter takes away, %: RC servos with dead band "
+                                   "and play (rc_digital), then the default servos (dynamixel)"},
                       Reduction(experiment.rc_servo_result, "jitter_rms_deg"),
                       Reduction(result, "jitter_rms_deg"));
-  claims.Add("P4", "A mean filter costs real-time behaviour", "delay_ms", "paper_kalman", "mean_20",
-             false);
-  claims.Add("P18", "Prediction follows better when the master moves quickly (never built)",
-             "fast_tracking_rmse_deg", "tuned_kalman", "prediction", true);
-  claims.AddScores(experiment.burst_result, "P18", "The same in short bursts (fast_bursts)",
-                   "tracking_rmse_deg", "tuned_kalman", "prediction", true);
+  claims.AddScores(result, {.row = "P4", .claim = "A mean filter costs real-time behaviour"},
+                   "delay_ms", "paper_kalman", "mean_20", false);
+  claims.AddScores(
+      result,
+      {.row = "P18",
+       .claim = "Prediction follows better when the master moves quickly (never built)",
+       .costs = CostsOf(finished, "tuned_kalman", "prediction")},
+      "fast_tracking_rmse_deg", "tuned_kalman", "prediction");
+  claims.AddScores(experiment.burst_result,
+                   {.row = "P18", .claim = "The same in short bursts (fast_bursts)"},
+                   "tracking_rmse_deg", "tuned_kalman", "prediction");
   return claims.Judged();
+}
+
+// --- Studies ------------------------------------------------------------------------------------
+
+std::vector<std::string> OverridesOf(const PaperExperimentOptions& options,
+                                     std::initializer_list<const char*> more) {
+  std::vector<std::string> overrides(more.begin(), more.end());
+  if (options.quick) overrides.emplace_back("glove.motion.duration_s=6");
+  return overrides;
+}
+
+void KeepControllers(const char* first, const char* second, Scenario& scenario) {
+  std::erase_if(scenario.controllers, [&](const NamedController& named) {
+    return named.name != first && named.name != second;
+  });
+}
+
+/// The experiment with RC servos. No claim needs noise-free reference runs of it, nor of the next.
+Study RcServoStudy(const PaperExperimentOptions& options) {
+  Scenario scenario = LoadScenario(
+      options.scenario,
+      OverridesOf(options, {"hand.servo={kind: rc_digital}", "score.noise_free_twin=false"}));
+  KeepControllers("raw", "paper_kalman", scenario);
+  return PrepareStudy(std::move(scenario));
+}
+
+/// Short bursts of fast motion, with the controllers of `paper`.
+Study BurstStudy(const PaperExperimentOptions& options, const Scenario& paper) {
+  std::vector<std::string> overrides = {"score.noise_free_twin=false"};
+  if (options.quick) overrides.emplace_back("glove.motion.bursts=1");
+  Scenario bursts = LoadScenario(options.scenario.parent_path() / "fast_bursts.yaml", overrides);
+  bursts.controllers = paper.controllers;
+  KeepControllers("tuned_kalman", "prediction", bursts);
+  bursts.baseline.clear();
+  return PrepareStudy(std::move(bursts));
+}
+
+/// Fills in the results of the three studies.
+void RunStudies(const PaperExperimentOptions& options, PaperExperiment& experiment) {
+  FinishedStudy& finished = experiment.finished;
+  finished.comparison = true;
+  finished.study = PrepareStudy(LoadScenario(options.scenario, OverridesOf(options, {})));
+  const Study rc_servo = RcServoStudy(options);
+  const Study bursts = BurstStudy(options, finished.study.scenario);
+  const std::array<std::pair<const Study*, StudyResult*>, 3> studies = {
+      {{&finished.study, &finished.result},
+       {&rc_servo, &experiment.rc_servo_result},
+       {&bursts, &experiment.burst_result}}};
+  const auto trials = [](const Study& study) {
+    return static_cast<double>(study.scenario.controllers.size()) * kSeeds;
+  };
+  double total = 0.0, before = 0.0;
+  for (const auto& [study, result] : studies) total += trials(*study);
+  for (const auto& [study, result] : studies) {
+    const auto progress = [&](double done, int) {
+      return !options.progress || options.progress(before + done, total);
+    };
+    *result = RunStudy(*study, {.seeds = kSeeds,
+                                .jobs = options.jobs,
+                                .progress = progress,
+                                .remark = options.remark,
+                                .keep_first_traces = true});
+    before += trials(*study);
+  }
+  finished.summary = Summarise(finished.study, finished.result);
 }
 
 }  // namespace
@@ -373,59 +429,17 @@ std::size_t ControllerIndex(const StudyResult& result, const std::string& name) 
 PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options) {
   PaperExperiment experiment;
   experiment.quick = options.quick;
-  experiment.finished.comparison = true;
-  std::vector<std::string> overrides;
-  if (options.quick) overrides.push_back("glove.motion.duration_s=6");
-  experiment.finished.study = PrepareStudy(LoadScenario(options.scenario, overrides));
-  // No claim needs twins here.
-  overrides.insert(overrides.end(),
-                   {"hand.servo={kind: rc_digital}", "score.noise_free_twin=false"});
-  Scenario rc_servo = LoadScenario(options.scenario, overrides);
-  std::erase_if(rc_servo.controllers, [](const NamedController& named) {
-    return named.name != "raw" && named.name != "paper_kalman";
-  });
-  const Study rc_servo_study = PrepareStudy(std::move(rc_servo));
-  std::vector<std::string> of_bursts = {"score.noise_free_twin=false"};
-  if (options.quick) of_bursts.emplace_back("glove.motion.bursts=1");
-  Scenario bursts = LoadScenario(options.scenario.parent_path() / "fast_bursts.yaml", of_bursts);
-  bursts.controllers = experiment.finished.study.scenario.controllers;
-  std::erase_if(bursts.controllers, [](const NamedController& named) {
-    return named.name != "tuned_kalman" && named.name != "prediction";
-  });
-  bursts.baseline.clear();
-  const Study burst_study = PrepareStudy(std::move(bursts));
-
-  const auto trials = [](const Study& study) {
-    return static_cast<double>(study.scenario.controllers.size()) * kSeeds;
-  };
-  const double total =
-      trials(experiment.finished.study) + trials(rc_servo_study) + trials(burst_study);
-  const auto run = [&](const Study& study, double before) {
-    return RunStudy(study, {.seeds = kSeeds,
-                            .jobs = options.jobs,
-                            .progress =
-                                [&options, before, total](double done, int) {
-                                  return !options.progress ||
-                                         options.progress(before + done, total);
-                                },
-                            .remark = options.remark,
-                            .keep_first_traces = true});
-  };
-  experiment.finished.result = run(experiment.finished.study, 0.0);
-  experiment.rc_servo_result = run(rc_servo_study, trials(experiment.finished.study));
-  experiment.burst_result = run(burst_study, total - trials(burst_study));
-  experiment.finished.summary = Summarise(experiment.finished.study, experiment.finished.result);
-
-  const controller::Timing& timing = experiment.finished.study.hand->timing().controller;
-  for (const NamedController& named : experiment.finished.study.scenario.controllers) {
-    if (named.name != "prediction") experiment.filters.push_back(AnalyseFilter(named, timing));
+  RunStudies(options, experiment);
+  const Study& study = experiment.finished.study;
+  for (const NamedController& named : study.scenario.controllers) {
+    if (named.name == "prediction") continue;
+    experiment.filters.push_back(AnalyseFilter(named, study.hand->timing().controller));
   }
   experiment.claims = JudgeClaims(experiment);
   experiment.one_channel = RunOneChannelTest();
   experiment.generators = RunGeneratorTest(options.quick ? 100'000 : 1'000'000);
-  EstimateVariance(experiment.finished.study.scenario, options.quick, experiment);
-  experiment.switching_change =
-      SwitchingChange(experiment.finished.study, *experiment.finished.result.first_glove);
+  experiment.estimated_noise = EstimateGloveNoise(study.scenario, options.quick);
+  experiment.switching_change = SwitchingChange(study, *experiment.finished.result.first_glove);
   return experiment;
 }
 

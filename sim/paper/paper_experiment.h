@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/calibration/noise_estimate.h"
 #include "sim/comparison/summary.h"
 #include "sim/statistics/judgement.h"
 #include "sim/study/study_run.h"
@@ -28,12 +29,12 @@ struct FilterFacts {
 struct Claim {
   std::string row;  // of the paper, or of what was added: P4, P16, P18
   std::string claim;
-  std::string measured;  // what the two numbers are
-  double before = 0.0;   // as a mean over seeds
+  std::string costs = {};            // in what `after` is worse than `before`; may be empty
+  std::string measured = {};         // what the two numbers are
+  std::string relevant_reason = {};  // why a smaller difference does not matter
+  double before = 0.0;               // as a mean over seeds
   double after = 0.0;
-  Comparison comparison;        // after - before, paired by seed; better: as claimed
-  std::string relevant_reason;  // why a smaller difference does not matter
-  std::string costs;            // in what `after` is worse than `before`; may be empty
+  Comparison comparison = {};  // after - before, paired by seed; better: as claimed
 };
 
 /// "confirmed" (better as claimed), "too small to matter", "undecided" or "refuted".
@@ -68,9 +69,7 @@ struct PaperExperiment {
   std::vector<Claim> claims;
   OneChannelTest one_channel;
   GeneratorTest generators;
-  std::vector<double> estimated_variance;      // R of the glove, from a hand that holds still
-  std::vector<double> estimated_variance_low;  // 95 % interval
-  std::vector<double> estimated_variance_high;
+  controller::NoiseEstimate estimated_noise;  // of the glove, from a hand that holds still
   double switching_change = 0.0;  // of other channels' outputs when one is switched off and on
 };
 

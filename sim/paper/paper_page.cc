@@ -1,7 +1,6 @@
 #include "sim/paper/paper_page.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +11,10 @@
 
 #include "controller/filters/paper_noise.h"
 #include "paper_html.h"
+#include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/study_files.h"
 #include "sim/glove/noise/galton_board.h"
 #include "sim/report/assets.h"
-#include "sim/report/score_table.h"
 #include "sim/results/html_text.h"
 #include "sim/results/table_text.h"
 
@@ -27,35 +26,34 @@ std::string Range(const std::vector<double>& values) {
   return fmt::format("{:.2f} to {:.2f}", *low, *high);
 }
 
-/// A cell that is a number stands at the right.
-struct Cell {
-  std::string text;
-  bool number = false;
-  std::string style = {};
-};
-using Row = std::vector<Cell>;
-
-std::string CellHtml(const Cell& cell, const char* element, const std::string& attributes) {
-  const std::string style = cell.number ? "number" : cell.style;
-  return fmt::format("<{0}{1}{2}>{3}</{0}>", element,
-                     style.empty() ? "" : fmt::format(" class=\"{}\"", style), attributes,
-                     EscapeHtml(cell.text));
+std::string_view ClassOf(const ResultColumn& column, char mark) {
+  if (!column.is_words) return "number";
+  return mark == '*' ? "better" : mark == '!' ? "worse" : mark == '~' ? "undecided" : "words";
 }
 
-/// A table. Each cell knows its column's name: on a phone rows stand below each other, and no head.
-std::string Table(const Row& head, const std::vector<Row>& rows) {
-  std::string html = "<table class=\"plain\">\n<thead><tr>";
-  for (const Cell& cell : head) html += CellHtml(cell, "th", "");
-  html += "</tr></thead>\n<tbody>\n";
-  for (const Row& row : rows) {
-    html += "<tr>";
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      html += CellHtml(row[i], "td", fmt::format(" data-column=\"{}\"", EscapeHtml(head[i].text)));
-    }
-    html += "</tr>\n";
+/// A table whose cells contain the heading of their column. On a phone the cells of a row are below
+/// each other, and the table has no head.
+std::string Table(const ResultTable& table) {
+  std::string head, rows;
+  for (const ResultColumn& column : table.columns) {
+    head +=
+        fmt::format("<th class=\"{}\">{}</th>", ClassOf(column, ' '), EscapeHtml(column.heading));
   }
-  return html + "</tbody></table>";
+  for (const ResultRow& row : table.rows) {
+    rows += "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      rows += fmt::format("<td class=\"{}\" data-column=\"{}\">{}</td>",
+                          ClassOf(table.columns[i], row[i].mark),
+                          EscapeHtml(table.columns[i].heading), EscapeHtml(row[i].text));
+    }
+    rows += "</tr>\n";
+  }
+  return fmt::format(
+      "<table class=\"plain\">\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody></table>", head,
+      rows);
 }
+
+ResultColumn WordColumn(const std::string& heading) { return ForPeople(heading).Words(); }
 
 /// "-5.21 (-5.80 to -4.62)".
 std::string DifferenceText(const MeanInterval& difference) {
@@ -64,43 +62,35 @@ std::string DifferenceText(const MeanInterval& difference) {
                      Short(difference.high));
 }
 
-std::string ClaimTable(const PaperExperiment& experiment) {
-  std::vector<Row> rows;
+ResultTable ClaimTable(const PaperExperiment& experiment) {
+  ResultTable table{.columns = {WordColumn("Claim"), WordColumn("Measured by"), ForPeople("Before"),
+                                ForPeople("After"), ForPeople("Difference, interval"),
+                                WordColumn("Matters from"), WordColumn("Answer")}};
   for (const Claim& claim : experiment.claims) {
     const auto& [difference, relevant_difference, judgement] = claim.comparison;
-    std::string said = claim.claim;
-    if (!claim.costs.empty()) said += fmt::format(". It costs: {}", claim.costs);
-    rows.push_back({{said},
-                    {claim.measured},
-                    {Short(claim.before), true},
-                    {Short(claim.after), true},
-                    {DifferenceText(difference), true},
-                    {fmt::format("{}: {}", Short(relevant_difference), claim.relevant_reason)},
-                    {std::string(AnswerText(judgement)), false,
-                     judgement == Judgement::kNone ? "" : std::string(JudgementText(judgement))}});
+    const std::string costs = claim.costs.empty() ? "" : ". It costs: " + claim.costs;
+    table.rows.push_back(
+        {ResultCell::Text(claim.claim + costs), ResultCell::Text(claim.measured),
+         ResultCell(claim.before), ResultCell(claim.after),
+         ResultCell::Text(DifferenceText(difference)),
+         ResultCell::Text(Short(relevant_difference) + ": " + claim.relevant_reason),
+         ResultCell({}, std::string(AnswerText(judgement)),
+                    judgement == Judgement::kBetter  ? '*'
+                    : judgement == Judgement::kWorse ? '!'
+                                                     : '~')});
   }
-  return Table({{"Claim"},
-                {"Measured by"},
-                {"Before", true},
-                {"After", true},
-                {"Difference, interval", true},
-                {"Matters from"},
-                {"Answer"}},
-               rows);
+  return table;
 }
 
-std::string ScoresTable(const PaperExperiment& experiment) {
-  const Summary& summary = experiment.finished.summary;
-  Row head = {{"Controller"}};
-  std::vector<Row> rows;
-  for (const ControllerSummary& controller : summary.controllers)
-    rows.push_back({{controller.name}});
-  for (std::size_t metric = 0; metric < Metrics().size(); ++metric) {
-    const bool has_value = std::isfinite(summary.controllers[0].summary[metric].mean);
-    if (!Metrics()[metric].main || !has_value) continue;
-    head.push_back({std::string(Metrics()[metric].key), true});
-    for (std::size_t c = 0; c < rows.size(); ++c) {
-      const ControllerSummary& controller = summary.controllers[c];
+ResultTable ScoresTable(const Summary& summary) {
+  const std::vector<std::size_t> shown = ShownMetrics(summary);
+  ResultTable table{.columns = {WordColumn("Controller")}};
+  for (const std::size_t metric : shown) {
+    table.columns.push_back(ForPeople(std::string(Metrics()[metric].key)));
+  }
+  for (const ControllerSummary& controller : summary.controllers) {
+    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
+    for (const std::size_t metric : shown) {
       const Comparison& to_best = controller.to_best[metric];
       std::string text = Short(controller.summary[metric].mean);
       if (to_best.judgement != Judgement::kNone) {
@@ -109,37 +99,24 @@ std::string ScoresTable(const PaperExperiment& experiment) {
       } else if (controller.as_good_as_best[metric]) {
         text += "; best";
       }
-      rows[c].push_back({text, true});
+      row.push_back(ResultCell::Text(text));
     }
   }
-  return Table(head, rows);
+  return table;
 }
 
-std::string FilterTable(const PaperExperiment& experiment) {
-  std::vector<Row> rows;
-  for (const FilterFacts& facts : experiment.filters) {
-    rows.push_back({{facts.name},
-                    {facts.per_event ? "an event, 20 ms" : "a sample, 1 ms"},
-                    {Range(facts.gain), true},
-                    {Range(facts.noise_share), true},
-                    {fmt::format("{:.1f}", facts.delay_ms + 0.0), true}});
+ResultTable FilterTable(const std::vector<FilterFacts>& filters) {
+  ResultTable table{.columns = {WordColumn("Controller"), WordColumn("One step is"),
+                                ForPeople("Passes at once"), ForPeople("Noise left"),
+                                ForPeople("Delay at 1 Hz, ms")}};
+  for (const FilterFacts& facts : filters) {
+    table.rows.push_back({ResultCell(facts.name),
+                          ResultCell::Text(facts.per_event ? "an event, 20 ms" : "a sample, 1 ms"),
+                          ResultCell::Text(Range(facts.gain)),
+                          ResultCell::Text(Range(facts.noise_share)),
+                          ResultCell::Text(fmt::format("{:.1f}", facts.delay_ms + 0.0))});
   }
-  return Table({{"Controller"},
-                {"One step is"},
-                {"Passes at once", true},
-                {"Noise left", true},
-                {"Delay at 1 Hz, ms", true}},
-               rows);
-}
-
-double Score(const PaperExperiment& experiment, const char* controller, const char* metric) {
-  const std::size_t index = ControllerIndex(experiment.finished.result, controller);
-  return experiment.finished.summary.controllers[index].summary[MetricIndex(metric)].mean;
-}
-
-const FilterFacts& Facts(const PaperExperiment& experiment, const char* name) {
-  return *std::find_if(experiment.filters.begin(), experiment.filters.end(),
-                       [&](const FilterFacts& facts) { return facts.name == name; });
+  return table;
 }
 
 /// How many of the paper's 18 variances lie in the interval of what was estimated.
@@ -147,8 +124,8 @@ int VariancesInside(const PaperExperiment& experiment) {
   const std::vector<double> paper = controller::PaperMeasurementVariance();
   int inside = 0;
   for (std::size_t c = 0; c < paper.size(); ++c) {
-    inside += paper[c] >= experiment.estimated_variance_low[c] &&
-              paper[c] <= experiment.estimated_variance_high[c];
+    inside += paper[c] >= experiment.estimated_noise.variance_low[c] &&
+              paper[c] <= experiment.estimated_noise.variance_high[c];
   }
   return inside;
 }
@@ -169,104 +146,82 @@ double LargestCoupling(const controller::TendonTransmission& hand) {
   return largest;
 }
 
-std::string RowTable(const PaperExperiment& e) {
-  const auto& glove = *e.finished.result.first_glove;
-  const auto& hand = e.finished.study.hand->transmission();
-  const auto claims_of = [&](std::string_view row) {
-    std::string text;
-    for (const Claim& claim : e.claims) {
-      if (claim.row != row) continue;
-      if (!text.empty()) text += "; ";
-      text += fmt::format("{}: {}", claim.claim, AnswerText(claim.comparison.judgement));
-      if (!claim.costs.empty()) text += fmt::format(" (it costs: {})", claim.costs);
+/// "Fingers move quieter: confirmed; .."
+std::string ClaimsOfRow(const PaperExperiment& experiment, std::string_view row) {
+  std::string text;
+  for (const Claim& claim : experiment.claims) {
+    if (claim.row != row) continue;
+    if (!text.empty()) text += "; ";
+    text += fmt::format("{}: {}", claim.claim, AnswerText(claim.comparison.judgement));
+    if (!claim.costs.empty()) text += fmt::format(" (it costs: {})", claim.costs);
+  }
+  return text;
+}
+
+/// "6 confirmed, 1 undecided".
+std::string AnswersText(const std::vector<Claim>& claims) {
+  std::string text;
+  for (const Judgement judgement : {Judgement::kBetter, Judgement::kEqual, Judgement::kUndecided,
+                                    Judgement::kWorse, Judgement::kNone}) {
+    const auto count = std::ranges::count(
+        claims, judgement, [](const Claim& claim) { return claim.comparison.judgement; });
+    if (count == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, AnswerText(judgement));
+  }
+  return text;
+}
+
+using Values = std::map<std::string, std::string, std::less<>>;
+
+/// Values of the study's size and settings, and of all scores (`raw.delay_ms`) and claims (`P16`).
+Values ValuesOfStudy(const PaperExperiment& e) {
+  const StudyResult& result = e.finished.result;
+  const GloveSignal& glove = *result.first_glove;
+  const Scenario& scenario = e.finished.study.scenario;
+  Values values = {{"claims", fmt::to_string(e.claims.size())},
+                   {"answers", AnswersText(e.claims)},
+                   {"controllers", fmt::to_string(result.controller_names.size())},
+                   {"seeds", fmt::to_string(result.seeds.size())},
+                   {"quick", e.quick ? " · quick: 6 s of motion instead of the paper's 94" : ""},
+                   {"samples", fmt::to_string(glove.counts.rows())},
+                   {"channels", fmt::to_string(glove.counts.cols())},
+                   {"least_counts", fmt::to_string(glove.counts.minCoeff())},
+                   {"most_counts", fmt::to_string(glove.counts.maxCoeff())},
+                   {"rate_hz", fmt::format("{:g}", glove.rate_hz)},
+                   {"period_ms", fmt::format("{:g}", scenario.event.period_ms)},
+                   {"delay_ms", fmt::format("{:g}", scenario.event.delay_ms)}};
+  for (const char* row : {"P4", "P16", "P18"}) values[row] = ClaimsOfRow(e, row);
+  for (const ControllerSummary& controller : e.finished.summary.controllers) {
+    for (std::size_t m = 0; m < Metrics().size(); ++m) {
+      values[fmt::format("{}.{}", controller.name, Metrics()[m].key)] =
+          Short(controller.summary[m].mean);
     }
-    return text;
-  };
-  std::vector<Row> rows;
-  const auto add = [&](const char* number, const char* paper, const std::string& here) {
-    rows.push_back({{number}, {paper}, {here}});
-  };
-  add("P1", "A glove of 18 bend sensors, very noisy (figure 4)",
-      fmt::format("{} named channels, {} to {} counts", glove.counts.cols(),
-                  glove.counts.minCoeff(), glove.counts.maxCoeff()));
-  add("P2", "Linearisation, then motor command (figure 3)",
-      "counts, filter, angle, prediction, tendon map, integer command: each can be changed in the "
-      "scenario");
-  add("P3", "Interference drive: cables of distal joints pass proximal ones",
-      fmt::format(
-          "a spool turns by up to {:.0f} % of its own share for another joint; the map takes "
-          "that away (gauntlet list channels)",
-          100.0 * LargestCoupling(hand)));
-  add("P4", "A mean filter is not good and costs real-time behaviour",
-      fmt::format("mean over 20: delay {} ms against {} of the Kalman filter, jitter {} against {} "
-                  "deg. It is late, but calmer than Q = I",
-                  Short(Score(e, "mean_20", "delay_ms")),
-                  Short(Score(e, "paper_kalman", "delay_ms")),
-                  Short(Score(e, "mean_20", "jitter_rms_deg")),
-                  Short(Score(e, "paper_kalman", "jitter_rms_deg"))) +
-          ". " + claims_of("P4"));
-  add("P5", "A Kalman filter per joint, A = [1 1; 0 1]",
-      fmt::format("that model; largest difference from the textbook recursion over 6000 samples: "
-                  "{:.1e} counts",
-                  e.one_channel.textbook_difference));
-  add("P6", "Any number of joints, changed while running",
-      fmt::format("one channel switched off and on again changes the others by {:g} rad",
-                  e.switching_change));
-  add("P7", "K from P_j as printed", "K from the a-priori covariance, the standard form");
-  add("P8", "R of 18 channels from sampling; Q = I",
-      fmt::format("both are presets; R estimated from this glove at rest: {} of 18 of the paper's "
-                  "values lie in its 95 % interval (17 are expected)",
-                  VariancesInside(e)));
-  add("P9", "Gaussian noise by Box-Muller (figures 6, 7)",
-      fmt::format("{} draws: mean {:.4f}, deviation {:.4f}, kurtosis {:.3f} (0, 1, 3)",
-                  e.generators.draws, e.generators.normal_mean, e.generators.normal_deviation,
-                  e.generators.normal_kurtosis));
-  add("P10", "Gaussian noise by the Galton board (figures 8, 9)",
-      fmt::format("{} rows: {:.4f} from the normal law (theory: about {:.4f}); {} balls are {:.4f} "
-                  "from the board's own law",
-                  e.generators.galton_rows, e.generators.galton_distance,
-                  1.0 / std::sqrt(2.0 * std::numbers::pi * e.generators.galton_rows),
-                  e.generators.draws, e.generators.galton_seen_distance));
-  add("P11", "First test: 6000 steps of one channel (figure 10)", "figure 10 above");
-  add("P12", "Matrices whose size follows the number of channels, with Eigen",
-      "sized once, no allocation in a step (a test counts them)");
-  add("P13", "1000 Hz, an event every 0.02 s, event time below 45 ms",
-      fmt::format(
-          "{:g} Hz, an event every {:g} ms with a delay of {:g} ms; from glove to finger {} "
-          "ms without a filter, {} with the paper's",
-          glove.rate_hz, e.finished.study.scenario.event.period_ms,
-          e.finished.study.scenario.event.delay_ms, Short(Score(e, "raw", "delay_ms")),
-          Short(Score(e, "paper_kalman", "delay_ms"))));
-  add("P14", "Real-time test: 94096 x 18 samples of random motion",
-      fmt::format("{} x {} samples for each of {} controllers and {} seeds", glove.counts.rows(),
-                  glove.counts.cols(), e.finished.result.controller_names.size(),
-                  e.finished.result.seeds.size()));
-  add("P15", "Figure 12: six channels, original, processed, sent to the motor",
-      "figure 12 above; the command is integer");
-  add("P16",
-      "Less local jumps, quieter, lower motor noise, more so in slow motion, and with better "
-      "servos",
-      claims_of("P16"));
-  add("P17", "No measurement was possible; a video as evidence",
-      fmt::format(
-          "tracking error {} deg RMS without a filter, {} with the paper's, {} tuned; video "
-          "by gauntlet render",
-          Short(Score(e, "raw", "tracking_rmse_deg")),
-          Short(Score(e, "paper_kalman", "tracking_rmse_deg")),
-          Short(Score(e, "tuned_kalman", "tracking_rmse_deg"))));
-  add("P18", "Prediction control, never built",
-      fmt::format(
-          "built: from tuned_kalman to prediction the tracking error goes from {} to {} deg "
-          "RMS and the delay from {} to {} ms; it costs jitter, {} to {} deg RMS, and local "
-          "jumps, {} to {} a second. {}",
-          Short(Score(e, "tuned_kalman", "tracking_rmse_deg")),
-          Short(Score(e, "prediction", "tracking_rmse_deg")),
-          Short(Score(e, "tuned_kalman", "delay_ms")), Short(Score(e, "prediction", "delay_ms")),
-          Short(Score(e, "tuned_kalman", "jitter_rms_deg")),
-          Short(Score(e, "prediction", "jitter_rms_deg")),
-          Short(Score(e, "tuned_kalman", "command_reversals_per_s")),
-          Short(Score(e, "prediction", "command_reversals_per_s")), claims_of("P18")));
-  return Table({{""}, {"In the paper"}, {"Here"}}, rows);
+  }
+  return values;
+}
+
+/// Values of all that is measured besides the study.
+Values ValuesOfTests(const PaperExperiment& e) {
+  const GeneratorTest& test = e.generators;
+  const double coupling = LargestCoupling(e.finished.study.hand->transmission());
+  const double galton_theory = 1.0 / std::sqrt(2.0 * std::numbers::pi * test.galton_rows);
+  Values values = {
+      {"coupling", fmt::format("{:.0f}", 100.0 * coupling)},
+      {"textbook_difference", fmt::format("{:.1e}", e.one_channel.textbook_difference)},
+      {"switching_change", fmt::format("{:g}", e.switching_change)},
+      {"variances_inside", fmt::to_string(VariancesInside(e))},
+      {"draws", fmt::to_string(test.draws)},
+      {"normal_mean", fmt::format("{:.4f}", test.normal_mean)},
+      {"normal_deviation", fmt::format("{:.4f}", test.normal_deviation)},
+      {"normal_kurtosis", fmt::format("{:.3f}", test.normal_kurtosis)},
+      {"galton_rows", fmt::to_string(test.galton_rows)},
+      {"galton_distance", fmt::format("{:.4f}", test.galton_distance)},
+      {"galton_theory", fmt::format("{:.4f}", galton_theory)},
+      {"galton_seen_distance", fmt::format("{:.4f}", test.galton_seen_distance)}};
+  for (const FilterFacts& facts : e.filters) {
+    values[facts.name + ".noise"] = Range(facts.noise_share);
+  }
+  return values;
 }
 
 std::string FigureHtml(const std::vector<PaperFigure>& figures) {
@@ -282,43 +237,29 @@ std::string FigureHtml(const std::vector<PaperFigure>& figures) {
 }  // namespace
 
 std::string PaperVerdict(const PaperExperiment& experiment) {
-  std::map<Judgement, int> answers;
-  for (const Claim& claim : experiment.claims) ++answers[claim.comparison.judgement];
-  std::string counts;
-  for (const Judgement judgement : {Judgement::kBetter, Judgement::kEqual, Judgement::kUndecided,
-                                    Judgement::kWorse, Judgement::kNone}) {
-    if (answers[judgement] == 0) continue;
-    if (!counts.empty()) counts += ", ";
-    counts += fmt::format("{} {}", answers[judgement], AnswerText(judgement));
-  }
-  return fmt::format(
-      "Of {} claims: {}. With Q = I the paper's filter leaves {} of the glove's noise and takes "
-      "jitter from {} to {} deg RMS; a tuned Q takes it to {}, with a tracking error of {} against "
-      "{} deg RMS.",
-      experiment.claims.size(), counts, Range(Facts(experiment, "paper_kalman").noise_share),
-      Short(Score(experiment, "raw", "jitter_rms_deg")),
-      Short(Score(experiment, "paper_kalman", "jitter_rms_deg")),
-      Short(Score(experiment, "tuned_kalman", "jitter_rms_deg")),
-      Short(Score(experiment, "tuned_kalman", "tracking_rmse_deg")),
-      Short(Score(experiment, "paper_kalman", "tracking_rmse_deg")));
+  Values values = ValuesOfStudy(experiment);
+  values.merge(ValuesOfTests(experiment));
+  return FillTemplate(
+      "Of {{claims}} claims: {{answers}}. With Q = I the paper's filter leaves "
+      "{{paper_kalman.noise}} of the glove's noise and takes jitter from {{raw.jitter_rms_deg}} to "
+      "{{paper_kalman.jitter_rms_deg}} deg RMS; a tuned Q takes it to "
+      "{{tuned_kalman.jitter_rms_deg}}, with a tracking error of "
+      "{{tuned_kalman.tracking_rmse_deg}} against {{paper_kalman.tracking_rmse_deg}} deg RMS.",
+      values);
 }
 
 std::string PaperPage(const PaperExperiment& experiment, const std::vector<PaperFigure>& figures) {
-  const StudyResult& result = experiment.finished.result;
-  const std::string facts = fmt::format(
-      "{} samples x {} channels · {} controllers · {} seeds{}", result.first_glove->counts.rows(),
-      result.first_glove->channel_names.size(), result.controller_names.size(), result.seeds.size(),
-      experiment.quick ? " · quick: 6 s of motion instead of the paper's 94" : "");
-  return FillTemplate(kPaperHtml,
-                      {{"style", std::string(assets::kStyle)},
-                       {"verdict", EscapeHtml(PaperVerdict(experiment))},
-                       {"facts", EscapeHtml(facts)},
-                       {"claims", ClaimTable(experiment)},
-                       {"scores", ScoresTable(experiment)},
-                       {"filters", FilterTable(experiment)},
-                       {"figures", FigureHtml(figures)},
-                       {"rows", RowTable(experiment)},
-                       {"settings", EscapeHtml(ResolvedScenario(experiment.finished))}});
+  Values values = ValuesOfStudy(experiment);
+  values.merge(ValuesOfTests(experiment));
+  values["verdict"] = PaperVerdict(experiment);
+  values["settings"] = ResolvedScenario(experiment.finished);
+  for (auto& [name, value] : values) value = EscapeHtml(value);
+  values["style"] = assets::kStyle;
+  values["claim_table"] = Table(ClaimTable(experiment));
+  values["scores"] = Table(ScoresTable(experiment.finished.summary));
+  values["filters"] = Table(FilterTable(experiment.filters));
+  values["figures"] = FigureHtml(figures);
+  return FillTemplate(kPaperHtml, values);
 }
 
 std::string PaperTable(const PaperExperiment& experiment) {

@@ -1,12 +1,12 @@
 #include "sim/report/page_data.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <string>
 
 #include "sim/base/json_number.h"
 #include "sim/comparison/comparison_verdict.h"
+#include "sim/comparison/study_files.h"
 #include "sim/report/curve_codec.h"
 #include "sim/report/error_split_table.h"
 #include "sim/report/replay_data.h"
@@ -28,14 +28,7 @@ Json Estimates(const std::vector<MeanInterval>& estimates) {
 
 Json ComparisonsJson(const std::vector<Comparison>& comparisons) {
   Json json = Json::array();
-  for (const auto& [difference, relevant_difference, judgement] : comparisons) {
-    json.push_back({{"mean", NumberOrNull(difference.mean)},
-                    {"low", NumberOrNull(difference.low)},
-                    {"high", NumberOrNull(difference.high)},
-                    {"level", difference.level},
-                    {"relevant", NumberOrNull(relevant_difference)},
-                    {"verdict", JudgementText(judgement)}});
-  }
+  for (const Comparison& comparison : comparisons) json.push_back(JsonOf(comparison));
   return json;
 }
 
@@ -137,21 +130,13 @@ Json LatencyJson(const std::vector<std::optional<LatencyBudget>>& budgets) {
 }
 
 /// The main scores of every seed, per controller: what means and intervals are made of.
-Json ScoresBySeed(const StudyResult& result) {
+Json ScoresBySeed(const StudyResult& result, const Summary& summary) {
   Json json = Json::object();
-  for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    if (!Metrics()[m].main) continue;
-    Json& controllers = json[std::string(Metrics()[m].key)];
-    bool any = false;
+  for (const std::size_t metric : ShownMetrics(summary)) {
+    Json& controllers = json[std::string(Metrics()[metric].key)];
     for (std::size_t c = 0; c < result.controller_names.size(); ++c) {
-      std::vector<double> values;
-      for (const SeedOutcome& seed : result.seeds) {
-        values.push_back(seed.controllers[c].scores.summary[m]);
-        any = any || std::isfinite(values.back());
-      }
-      controllers.push_back(Numbers(values));
+      controllers.push_back(Numbers(SeedValues(result, c, metric)));
     }
-    if (!any) json.erase(std::string(Metrics()[m].key));
   }
   return json;
 }
@@ -223,7 +208,7 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
     json["controllers"].push_back(ControllerJson(result, summary, c));
   }
   json["order"] = OrderOfVerdict(summary);
-  json["by_seed"] = ScoresBySeed(result);
+  json["by_seed"] = ScoresBySeed(result, summary);
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
   json["rows"] = result.row_names;

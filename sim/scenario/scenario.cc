@@ -20,80 +20,64 @@ using controller::VisitGroup;
 
 void VideoConfig::Visit(SettingsVisitor& visitor) {
   visitor.Text(
-      {.key = "channel",
-       .help = "joint whose curves are drawn below the hands; empty: index_mcp, or the first"},
+      {"channel", "joint whose curves are drawn below the hands; empty: index_mcp, or the first"},
       channel);
-  visitor.Text({.key = "camera",
-                .help = "camera of the model, as hand or arm; fingers, close_up: what hand sees of "
-                        "the fingers, or of that of the channel; empty: the whole model, as also "
-                        "where hand is not in it"},
-               camera);
-  visitor.Integer(
-      {.key = "width_px", .help = "picture width, even", .min = kMinWidth_px, .max = 3840},
-      width_px);
-  visitor.Integer(
-      {.key = "height_px", .help = "picture height, even", .min = kMinHeight_px, .max = 2160},
-      height_px);
-  visitor.Integer({.key = "frames_per_s",
-                   .help = "pictures per second of simulated time",
-                   .min = 1,
-                   .max = 120},
-                  frames_per_s);
+  visitor.Text(
+      {"camera",
+       "camera of the model, as hand or arm; fingers, close_up: what hand sees of the fingers, or "
+       "of that of the channel; empty: the whole model, as also where hand is not in it"},
+      camera);
+  visitor.Integer({"width_px", "picture width, even", kMinWidth_px, 3840}, width_px);
+  visitor.Integer({"height_px", "picture height, even", kMinHeight_px, 2160}, height_px);
+  visitor.Integer({"frames_per_s", "pictures per second of simulated time", 1, 120}, frames_per_s);
 }
 
 void NamedFile::Visit(SettingsVisitor& visitor) {
-  visitor.Path({.key = "file", .help = "recording or other file of the glove"}, file);
-  visitor.Text({.key = "hash", .help = "of its bytes"}, hash);
+  visitor.Path({"file", "recording or other file of the glove"}, file);
+  visitor.Text({"hash", "of its bytes"}, hash);
 }
 
 void MadeWith::Visit(SettingsVisitor& visitor) {
-  visitor.Text({.key = "gauntlet_version", .help = "version of the program"}, gauntlet_version);
-  visitor.Text({.key = "mujoco_version", .help = "version of the physics engine"}, mujoco_version);
-  visitor.Text({.key = "model_hash", .help = "of the compiled hand and arm"}, model_hash);
+  visitor.Text({"gauntlet_version", "version of the program"}, gauntlet_version);
+  visitor.Text({"mujoco_version", "version of the physics engine"}, mujoco_version);
+  visitor.Text({"model_hash", "of the compiled hand and arm"}, model_hash);
   visitor.Text(
-      {.key = "mathematics",
-       .help = "of sin, exp, ... to the last bit: they differ between kinds of processors"},
+      {"mathematics", "of sin, exp, ... to the last bit: they differ between kinds of processors"},
       mathematics);
-  controller::VisitList(visitor, {.key = "files", .help = "that the glove is made from"}, files);
+  controller::VisitList(visitor, {"files", "that the glove is made from"}, files);
 }
 
 void NamedController::Visit(SettingsVisitor& visitor) {
-  visitor.Path(
-      {.key = "calibration",
-       .help = "file that gauntlet calibrate wrote: gives the linearisation, and r to every "
-               "filter that has it and is not given one"},
-      calibration);
-  visitor.Path({.key = "chain",
-                .help = "file that gauntlet identify wrote: gives horizon_ms to a prediction that "
-                        "is given none, or auto"},
+  visitor.Path({"calibration",
+                "file that gauntlet calibrate wrote: gives the linearisation, and r to every "
+                "filter that has it and is not given one"},
+               calibration);
+  visitor.Path({"chain",
+                "file that gauntlet identify wrote: gives horizon_ms to a prediction that is given "
+                "none, or auto"},
                chain);
   config.Visit(visitor);
 }
 
 void Scenario::Visit(SettingsVisitor& visitor) {
-  visitor.Text({.key = "name", .help = "name in tables and files; the file's name if left out"},
-               name);
+  visitor.Text({"name", "name in tables and files; the file's name if left out"}, name);
   visitor.Text(
       {.key = "question", .help = "what the scenario answers, one sentence", .required = true},
       question);
-  visitor.Integer({.key = "seed",
-                   .help = "fixes every random number; a comparison counts up from it",
-                   .min = 0,
-                   .max = 2147480000},
-                  seed);
-  VisitGroup(visitor, {.key = "glove", .help = "the wearer's motion and the data glove"}, glove);
+  visitor.Integer(
+      {"seed", "fixes every random number; a comparison counts up from it", 0, 2147480000}, seed);
+  VisitGroup(visitor, {"glove", "the wearer's motion and the data glove"}, glove);
   // Read and written by hand, see repetitions.h: no other setting has this form.
-  visitor.Map({.key = "repetitions",
-               .help = "what differs between the repetitions of a comparison: settings, as "
-                       "glove.motion.file, each with a list of values"},
+  visitor.Map({"repetitions",
+               "what differs between the repetitions of a comparison: settings, as "
+               "glove.motion.file, each with a list of values"},
               SettingMap{.size = [] { return 0; }, .name = {}, .add = {}, .visit = {}});
-  VisitGroup(visitor, {.key = "event", .help = "when command frames leave and arrive"}, event);
-  VisitGroup(visitor, {.key = "hand", .help = "motors, cables and joints"}, hand);
-  joint_map.Visit(visitor,
-                  {.key = "joint_map",
-                   .help = "joints of the hand that do not follow the channel of their own name"});
-  VisitGroup(visitor, {.key = "score", .help = "what counts in the scores"}, score);
-  VisitGroup(visitor, {.key = "video", .help = "what the comparison video shows"}, video);
+  VisitGroup(visitor, {"event", "when command frames leave and arrive"}, event);
+  VisitGroup(visitor, {"hand", "motors, cables and joints"}, hand);
+  joint_map.Visit(visitor, {"joint_map",
+                            "joints of the hand that do not follow the channel of their own name"});
+  VisitGroup(visitor, {"score", "what counts in the scores"}, score);
+  VisitGroup(visitor, {"video", "what the comparison video shows"}, video);
   visitor.Map({.key = "controllers",
                .help = "what is compared: a name, then its settings",
                .required = true},
@@ -105,11 +89,11 @@ void Scenario::Visit(SettingsVisitor& visitor) {
                              },
                          .visit = [this](std::size_t i,
                                          SettingsVisitor& inner) { controllers[i].Visit(inner); }});
-  visitor.Text({.key = "baseline",
-                .help = "controller that the others are held against; empty: the first that "
-                        "neither filters nor predicts"},
+  visitor.Text({"baseline",
+                "controller that the others are held against; empty: the first that neither "
+                "filters nor predicts"},
                baseline);
-  VisitGroup(visitor, {.key = "made_with", .help = "written into resolved scenarios"}, made_with);
+  VisitGroup(visitor, {"made_with", "written into resolved scenarios"}, made_with);
 }
 
 namespace {

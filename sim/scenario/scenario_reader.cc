@@ -108,9 +108,7 @@ Scenario ReadScenario(const RepeatedSettings& lists, std::size_t repetition, Yam
 int SeedIn(const ScenarioText& text) {
   struct Seed {
     int value = Scenario{}.seed;
-    void Visit(controller::SettingsVisitor& visitor) {
-      visitor.Integer({.key = "seed", .help = ""}, value);
-    }
+    void Visit(controller::SettingsVisitor& visitor) { visitor.Integer({"seed", ""}, value); }
   } seed;
   const YamlNode& node = ChildOf(text.root, "seed");
   if (node.IsDefined()) {

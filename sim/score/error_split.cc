@@ -200,6 +200,23 @@ ErrorSplit Split(const Joint& joint, const Following& fit, const Column& above, 
   return split;
 }
 
+Joint JointOf(const ScoreInput& input, int joint) {
+  const Index rows = input.hand_angle_rad->rows();
+  const CountedTicks counted = input.counted != nullptr
+                                   ? input.counted->joints[static_cast<std::size_t>(joint)]
+                                   : CountedTicks{{0, static_cast<int>(rows)}};
+  TickMarks marks(static_cast<std::size_t>(rows), 0);
+  Mark(counted, kCounted | kFree, marks);
+  Mark(TremblingWithin(counted, input.rate_hz, input.jitter_above_hz), kUndisturbed, marks);
+  UnmarkLimits(input, joint, marks);
+  const auto column = [&](const Signal& signal) { return Column(signal.col(joint).data(), rows); };
+  return {.rate_hz = input.rate_hz,
+          .reference = column(*input.reference_angle_rad),
+          .hand = column(*input.hand_angle_rad),
+          .noise_free_hand = column(*input.noise_free_hand_angle_rad),
+          .marks = std::move(marks)};
+}
+
 }  // namespace
 
 std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
@@ -209,23 +226,6 @@ std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
     return {};
   }
   const int joints = static_cast<int>(input.hand_angle_rad->cols());
-  const auto signals_of = [&](int joint) {
-    const CountedTicks counted = input.counted != nullptr
-                                     ? input.counted->joints[static_cast<std::size_t>(joint)]
-                                     : CountedTicks{{0, static_cast<int>(rows)}};
-    TickMarks marks(static_cast<std::size_t>(rows), 0);
-    Mark(counted, kCounted | kFree, marks);
-    Mark(TremblingWithin(counted, input.rate_hz, input.jitter_above_hz), kUndisturbed, marks);
-    UnmarkLimits(input, joint, marks);
-    const auto column = [&](const Signal& signal) {
-      return Column(signal.col(joint).data(), rows);
-    };
-    return Joint{.rate_hz = input.rate_hz,
-                 .reference = column(*input.reference_angle_rad),
-                 .hand = column(*input.hand_angle_rad),
-                 .noise_free_hand = column(*input.noise_free_hand_angle_rad),
-                 .marks = std::move(marks)};
-  };
   std::vector<Following> fits;
   Signal left(rows, joints);
   for (int j = 0; j < joints; ++j) {
@@ -236,7 +236,7 @@ std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
   const FilteredSignal above = Trembling(left, input.rate_hz, input.jitter_above_hz, fourier);
   std::vector<ErrorSplit> splits;
   for (int j = 0; j < joints; ++j) {
-    splits.push_back(Split(signals_of(j), fits[static_cast<std::size_t>(j)],
+    splits.push_back(Split(JointOf(input, j), fits[static_cast<std::size_t>(j)],
                            Column(above.values.col(j).data(), above.values.rows()),
                            above.first_sample));
     TrimSignals();

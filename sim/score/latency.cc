@@ -153,11 +153,19 @@ std::span<const double> ColumnOf(const Signal& signal, Eigen::Index channel) {
   return {signal.col(channel).data(), static_cast<std::size_t>(signal.rows())};
 }
 
+LatencyBudget EmptyBudget() {
+  LatencyBudget budget;
+  for (const StageName& name : kStages) {
+    budget.stages.push_back({.key = name.key, .help = name.help, .mean_ms = 0.0, .channel_ms = {}});
+  }
+  return budget;
+}
+
 }  // namespace
 
 LatencyBudget MeasureLatency(const LatencyInput& input) {
   CheckShapes(input);
-  thread_local Fourier fourier;  // the next trial is as long and needs the same roots of 1
+  Fourier fourier;
   const int step = std::max(1, static_cast<int>(input.rate_hz / kStationRate_hz));
   const double rate_hz = input.rate_hz / step;
   const std::vector<Signal> stations = Stations(input, step, fourier);
@@ -175,10 +183,7 @@ LatencyBudget MeasureLatency(const LatencyInput& input) {
     return delay ? 1000.0 * *delay / rate_hz : kNoScore;
   };
 
-  LatencyBudget budget;
-  for (const StageName& name : kStages) {
-    budget.stages.push_back({.key = name.key, .help = name.help, .mean_ms = 0.0, .channel_ms = {}});
-  }
+  LatencyBudget budget = EmptyBudget();
   int count = 0;
   for (Eigen::Index channel = 0; channel < input.hand_angle_rad->cols(); ++channel) {
     TrimSignals();

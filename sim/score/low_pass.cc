@@ -14,8 +14,8 @@ constexpr double kAttenuation_db = 80.0;
 /// the cache.
 constexpr int kBlockLengths = 8;
 
-/// The filter's transform, which is real because the weights are symmetric.
-std::vector<double> Response(const LowPass& low_pass, int size, Fourier& fourier) {
+/// The transform of the filter of this band, which is real because the weights are symmetric.
+std::vector<double> Response(const LowPass& low_pass, Band band, int size, Fourier& fourier) {
   Fourier::Values values(size);
   values[0] = low_pass.weights[0];
   for (int n = 1; n <= low_pass.reach(); ++n) {
@@ -24,7 +24,9 @@ std::vector<double> Response(const LowPass& low_pass, int size, Fourier& fourier
   }
   fourier.Forward(values);
   std::vector<double> response(size);
-  for (int k = 0; k < size; ++k) response[k] = values[k].real();
+  for (int k = 0; k < size; ++k) {
+    response[k] = band == Band::kAbove ? 1.0 - values[k].real() : values[k].real();
+  }
   return response;
 }
 
@@ -68,10 +70,7 @@ FilteredSignal Filter(const LowPass& low_pass, Band band, const Signal& signal, 
   // of the last one what the filter's reach takes away anyhow.
   const int size = FastTransformSize(std::min(samples, kBlockLengths * (2 * reach + 1)));
   const int good = size - 2 * reach;  // rows of a block
-  std::vector<double> response = Response(low_pass, size, fourier);
-  if (band == Band::kAbove) {
-    for (double& gain : response) gain = 1.0 - gain;
-  }
+  const std::vector<double> response = Response(low_pass, band, size, fourier);
   Fourier::Values values;
   for (int a = 0; a < channels; a += 2) {  // two real channels in one complex transform
     const int b = std::min(a + 1, channels - 1);

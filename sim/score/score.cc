@@ -154,7 +154,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
   static std::mutex long_trials;
   std::unique_lock lock(long_trials, std::defer_lock);
   if (rows >= kLongTrial) lock.lock();
-  thread_local Fourier fourier;  // the next trial is as long and needs the same roots of 1
+  Fourier fourier;
   const AllJoints all(input, fourier);
 
   const std::vector<bool> wanted = Wanted(metrics);

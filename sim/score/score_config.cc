@@ -8,22 +8,19 @@
 namespace gauntlet::sim {
 
 void ScoreConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({.key = "jitter_above_hz",
-                  .help = "where trembling begins: nothing counts below 0.8, all above 1.2 times "
-                          "this (at most 6.6 for a tremor of 8 to 12 Hz)",
-                  .min = 2,
-                  .max = 100},
+  visitor.Number({"jitter_above_hz",
+                  "where trembling begins: nothing counts below 0.8, all above 1.2 times this (at "
+                  "most 6.6 for a tremor of 8 to 12 Hz)",
+                  2, 100},
                  jitter_above_hz);
-  visitor.Flag({.key = "noise_free_twin",
-                .help = "run every trial also with a noise-free glove, for what its noise adds and "
-                        "for the causes of the error; false: half the time, and these scores are "
-                        "missing"},
+  visitor.Flag({"noise_free_twin",
+                "run every trial also with a noise-free glove, for what its noise adds and for the "
+                "causes of the error; false: half the time, and these scores are missing"},
                noise_free_twin);
-  visitor.Number({.key = "recovery_s",
-                  .help = "after a gap or restart of a recording nothing counts for so long, as "
-                          "filters and hand come back",
-                  .min = 0,
-                  .max = 60},
+  visitor.Number({"recovery_s",
+                  "after a gap or restart of a recording nothing counts for so long, as filters "
+                  "and hand come back",
+                  0, 60},
                  recovery_s);
 }
 

@@ -253,39 +253,43 @@ void CheckName(const TraceFile& file, const std::string& name) {
   }
 }
 
+/// Columns that a signal must have; one that is optional may have none.
+struct Width {
+  Eigen::Index columns;
+  bool is_optional;
+};
+
+Width WidthOf(const TraceFile& file, const Trace& trace, TraceColumns columns,
+              std::string_view signal) {
+  switch (columns) {
+    case TraceColumns::kChannels:
+      return {std::ssize(file.channel_names), false};
+    case TraceColumns::kJoints:  // an earlier version kept no targets
+      return {std::ssize(file.joint_names), signal == "target_angle_rad"};
+    case TraceColumns::kMotors:  // nor limits
+      return {trace.command_counts.cols(), signal == "motor_at_limit"};
+    case TraceColumns::kCables:
+      return {trace.tension_n.cols(), false};
+    case TraceColumns::kGrip:
+    case TraceColumns::kDigits:
+      return {1, true};
+    case TraceColumns::kPose:
+      return {7, true};
+    case TraceColumns::kSensors:
+      return {std::ssize(file.joint_names), true};
+  }
+  return {0, true};
+}
+
 /// `trace` against the glove's signals, and its own against each other.
 void CheckTrace(const TraceFile& file, const Trace& trace) {
   const Eigen::Index ticks = trace.hand_angle_rad.rows();
-  const Eigen::Index motors = trace.command_counts.cols();
   ForEachSignal(trace, [&](const auto& signal, const auto& matrix) {
     const std::string name =
         fmt::format("controllers.{}.{}", trace.controller_name, std::string(signal.name));
-    const auto expect = [&](Eigen::Index columns, bool optional) {
-      if (matrix.cols() == columns || (optional && matrix.cols() == 0)) return;
-      Fail(name, fmt::format("has {} columns, must have {}", matrix.cols(), columns));
-    };
-    switch (signal.columns) {
-      case TraceColumns::kChannels:
-        expect(std::ssize(file.channel_names), false);
-        break;
-      case TraceColumns::kJoints:  // an earlier version kept no targets
-        expect(std::ssize(file.joint_names), signal.name == "target_angle_rad");
-        break;
-      case TraceColumns::kMotors:  // nor limits
-        expect(motors, signal.name == "motor_at_limit");
-        break;
-      case TraceColumns::kCables:
-        break;
-      case TraceColumns::kGrip:
-      case TraceColumns::kDigits:
-        expect(1, true);
-        break;
-      case TraceColumns::kPose:
-        expect(7, true);
-        break;
-      case TraceColumns::kSensors:
-        expect(std::ssize(file.joint_names), true);
-        break;
+    const Width width = WidthOf(file, trace, signal.columns, signal.name);
+    if (matrix.cols() != width.columns && !(width.is_optional && matrix.cols() == 0)) {
+      Fail(name, fmt::format("has {} columns, must have {}", matrix.cols(), width.columns));
     }
     if (matrix.cols() > 0 && matrix.rows() != ticks) {
       Fail(name, fmt::format("has {} rows, hand_angle_rad has {}", matrix.rows(), ticks));

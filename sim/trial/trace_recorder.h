@@ -23,7 +23,6 @@ class TraceRecorder {
 
   /// Takes the next row. True at the end of a block.
   bool Record(const HandLoop& loop);
-  Eigen::Index ticks_recorded() const { return recorded_; }
   /// Cuts the trace behind the last row.
   void Finish();
 

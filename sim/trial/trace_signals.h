@@ -88,7 +88,7 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
   number("tension_n", "N", TraceColumns::kCables, trace.tension_n,
          [](Loop loop, Row row) { loop.hand().ReadCableTensions(row); });
   number("grip_force_n", "N", TraceColumns::kGrip, trace.grip_force_n,
-         [](Loop loop, Row row) { row[0] = loop.hand().ReadGrip().force_n; });
+         [](Loop loop, Row row) { row[0] = loop.hand().GripForce(); });
   number("object_pose", "m, quaternion", TraceColumns::kPose, trace.object_pose,
          [](Loop loop, Row row) { loop.hand().ReadObjectPose(row); });
   number("digit_overlap_m", "m", TraceColumns::kDigits, trace.digit_overlap_m,

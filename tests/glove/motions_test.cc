@@ -23,7 +23,6 @@ constexpr double kPi = 3.14159265358979323846;
 MotionContext At1kHz(std::uint64_t seed = 1) {
   MotionContext context;
   context.seed = seed;
-  context.derivatives = true;
   return context;
 }
 
@@ -83,27 +82,16 @@ TEST_P(EveryMotion, StaysInsideTheJointRanges) {
   }
 }
 
-TEST_P(EveryMotion, HasTheDerivativesOfItsAngles) {
+TEST_P(EveryMotion, MovesWithoutJumps) {
+  if (config_.kind() == "steps") return;
   const Motion motion = SynthesiseMotion(config_, At1kHz());
-  if (!motion.has_derivatives() || config_.kind() == "steps") return;
-  const double step_s = 1e-3;
-  double fastest = 0.0;
-  for (Eigen::Index c = 0; c < 18; ++c) {
-    for (Eigen::Index i = 1; i + 1 < motion.angle_rad.rows(); ++i) {
-      const double before = motion.angle_rad(i - 1, c), now = motion.angle_rad(i, c),
-                   after = motion.angle_rad(i + 1, c);
-      // Central differences are wrong by step^2 / 6 (/ 12) times the third (fourth) derivative,
-      // which stays below 1e5 rad/s^3 (jumps of jerk included) in all these motions.
-      ASSERT_NEAR((after - before) / (2 * step_s), motion.velocity_rad_s(i, c), 0.05)
-          << c << " " << i;
-      ASSERT_NEAR((after - 2 * now + before) / (step_s * step_s), motion.acceleration_rad_s2(i, c),
-                  10.0)
-          << c << " " << i;
-      fastest = std::max(fastest, std::abs(motion.velocity_rad_s(i, c)));
-    }
-  }
+  const Eigen::Index samples = motion.angle_rad.rows();
+  const Eigen::MatrixXd change_rad =
+      motion.angle_rad.bottomRows(samples - 1) - motion.angle_rad.topRows(samples - 1);
+  const double fastest_rad_s = 1e3 * change_rad.cwiseAbs().maxCoeff();
+  EXPECT_LT(fastest_rad_s, 30.0);
   if (config_.kind() != "hold") {
-    EXPECT_GT(fastest, 0.5);
+    EXPECT_GT(fastest_rad_s, 0.5);
   }
 }
 
@@ -130,12 +118,15 @@ INSTANTIATE_TEST_SUITE_P(Kinds, EveryMotion, ::testing::Range<std::size_t>(0, Mo
 
 TEST(MinimumJerk, HasTheKnownPeakAndStandsStillAtBothEnds) {
   // Flash and Hogan: the peak speed is 15/8 of the mean speed, in the middle.
-  EXPECT_DOUBLE_EQ(MinimumJerkAt(0.5).velocity, 1.875);
-  EXPECT_DOUBLE_EQ(MinimumJerkAt(0.5).position, 0.5);
+  constexpr double kStep = 1e-4;
+  const auto slope_at = [](double u) {
+    return (MinimumJerkAt(u + kStep) - MinimumJerkAt(u - kStep)) / (2.0 * kStep);
+  };
+  EXPECT_NEAR(slope_at(0.5), 1.875, 1e-6);
+  EXPECT_DOUBLE_EQ(MinimumJerkAt(0.5), 0.5);
   for (const double end : {0.0, 1.0}) {
-    EXPECT_DOUBLE_EQ(MinimumJerkAt(end).position, end);
-    EXPECT_EQ(MinimumJerkAt(end).velocity, 0.0);
-    EXPECT_EQ(MinimumJerkAt(end).acceleration, 0.0);
+    EXPECT_DOUBLE_EQ(MinimumJerkAt(end), end);
+    EXPECT_NEAR(slope_at(end), 0.0, 1e-6);
   }
 }
 

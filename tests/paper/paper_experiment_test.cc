@@ -110,8 +110,8 @@ TEST(PaperExperiment, DecidesClaimsByTheIntervalOfTheirDifference) {
   const std::vector<double> paper = controller::PaperMeasurementVariance();
   int inside = 0;
   for (std::size_t c = 0; c < paper.size(); ++c) {
-    inside += paper[c] > experiment.estimated_variance_low[c] &&
-              paper[c] < experiment.estimated_variance_high[c];
+    inside += paper[c] > experiment.estimated_noise.variance_low[c] &&
+              paper[c] < experiment.estimated_noise.variance_high[c];
   }
   EXPECT_GE(inside, 15);  // 17 of 18 are expected; fewer than 15 once in 500 gloves
   EXPECT_EQ(experiment.switching_change, 0.0);

@@ -48,13 +48,13 @@ TEST(PageData, HasTheSummaryOfEveryController) {
   EXPECT_TRUE(data["controllers"][0]["to_baseline"].empty());
   ASSERT_EQ(data["controllers"][1]["to_baseline"].size(), Metrics().size());
   const Comparison& expected = made.summary.controllers[1].to_baseline[3];
-  EXPECT_EQ(data["controllers"][1]["to_baseline"][3],
-            Json({{"mean", expected.difference.mean},
-                  {"low", expected.difference.low},
-                  {"high", expected.difference.high},
-                  {"level", expected.difference.level},
-                  {"relevant", expected.relevant_difference},
-                  {"verdict", JudgementText(expected.judgement)}}));
+  const Json& difference = data["controllers"][1]["to_baseline"][3];
+  EXPECT_EQ(difference["mean"], expected.difference.mean);
+  EXPECT_EQ(difference["low"], expected.difference.low);
+  EXPECT_EQ(difference["high"], expected.difference.high);
+  EXPECT_EQ(difference["level"], expected.difference.level);
+  EXPECT_EQ(difference["relevant_difference"], expected.relevant_difference);
+  EXPECT_EQ(difference["verdict"], JudgementText(expected.judgement));
   EXPECT_EQ(data["controllers"][2]["to_best"].size(), Metrics().size());
 }
 

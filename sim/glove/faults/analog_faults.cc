@@ -32,13 +32,23 @@ void NoiseBurstFault::Apply(FaultStrike& strike) const {
 }
 
 void GainChangeFault::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({.key = "gain", .help = "factor on what the sensor gives", .min = 0, .max = 10},
-                 gain);
+  visitor.Number({"gain", "factor on what the sensor gives", 0, 10}, gain);
 }
 
 void GainChangeFault::Apply(FaultStrike& strike) const {
   const double middle = 0.5 * strike.full_scale_counts;
   strike.stretch() = middle + gain * (strike.stretch().array() - middle);
+}
+
+void OffsetJumpFault::Visit(controller::SettingsVisitor& visitor) {
+  visitor.Number({"offset_counts",
+                  "how far the signal moves, up or down, of a 10-bit converter's counts", 0, 1e6},
+                 offset_counts);
+}
+
+void OffsetJumpFault::Apply(FaultStrike& strike) const {
+  const double direction = strike.random.Bits() >> 63 ? 1.0 : -1.0;
+  strike.stretch().array() += direction * strike.ScaledCounts(offset_counts);
 }
 
 }  // namespace gauntlet::sim

@@ -3,20 +3,13 @@
 namespace gauntlet::sim {
 
 void FaultOccurrence::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Texts({.key = "channels", .help = "names of the channels; empty: all"}, channels);
-  visitor.Number(
-      {.key = "start_s", .help = "when it comes first; below 0: at random", .min = -1, .max = 3600},
-      start_s);
-  visitor.Number({.key = "rate_per_s",
-                  .help = "how often it comes (again), on average; 0: never",
-                  .min = 0,
-                  .max = 1000},
+  visitor.Texts({"channels", "names of the channels; empty: all"}, channels);
+  visitor.Number({"start_s", "when it comes first; below 0: at random", -1, 3600}, start_s);
+  visitor.Number({"rate_per_s", "how often it comes (again), on average; 0: never", 0, 1000},
                  rate_per_s);
-  visitor.Number({.key = "duration_ms",
-                  .help = "mean duration, at least one sample; 0: it stays to the end",
-                  .min = 0,
-                  .max = 600000},
-                 duration_ms);
+  visitor.Number(
+      {"duration_ms", "mean duration, at least one sample; 0: it stays to the end", 0, 600000},
+      duration_ms);
 }
 
 }  // namespace gauntlet::sim

@@ -16,7 +16,7 @@ FaultNature FaultConfig::nature() const {
 }
 
 void FaultConfig::Visit(controller::SettingsVisitor& visitor) {
-  controller::ChooseKind(visitor, {.key = "kind", .help = "what goes wrong"}, settings);
+  controller::ChooseKind(visitor, {"kind", "what goes wrong"}, settings);
   when().Visit(visitor);
   controller::VisitChosen(visitor, settings);
 }

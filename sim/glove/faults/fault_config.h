@@ -9,7 +9,6 @@
 #include "sim/glove/faults/analog_faults.h"
 #include "sim/glove/faults/digital_faults.h"
 #include "sim/glove/faults/fault.h"
-#include "sim/glove/faults/offset_jump.h"
 #include "sim/glove/faults/time_jitter.h"
 
 namespace gauntlet::sim {

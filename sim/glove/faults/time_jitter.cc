@@ -7,10 +7,7 @@
 namespace gauntlet::sim {
 
 void TimeJitterFault::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({.key = "deviation_ms",
-                  .help = "standard deviation of the moment of sampling",
-                  .min = 0,
-                  .max = 100},
+  visitor.Number({"deviation_ms", "standard deviation of the moment of sampling", 0, 100},
                  deviation_ms);
 }
 

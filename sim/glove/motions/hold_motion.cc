@@ -19,12 +19,12 @@ const std::vector<std::string_view>& ChoiceNames() {
 
 void HoldConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
-  visitor.Choice({.key = "posture", .help = "what is held; as_before is rest at the start"},
-                 ChoiceNames(), posture);
+  visitor.Choice({"posture", "what is held; as_before is rest at the start"}, ChoiceNames(),
+                 posture);
 }
 
 Motion MakeMotion(const HoldConfig& config, const MotionContext& context) {
-  Motion motion = StillMotion(context, context.SampleCount(config.duration_s));
+  Motion motion = StillMotion(context.SampleCount(config.duration_s));
   std::vector<double> angles = PostureAngles(config.posture == 0 ? 0 : config.posture - 1);
   if (config.posture == 0 && !context.start_rad.empty()) angles = context.start_rad;
   for (std::size_t channel = 0; channel < angles.size(); ++channel) {

@@ -20,23 +20,17 @@ Eigen::Index SampleAt(double time_s, double rate_hz, Eigen::Index samples) {
 void MoveChannel(std::size_t channel, double start_rad, const std::vector<Move>& moves,
                  double rate_hz, Motion& motion) {
   GAUNTLET_ASSERT(rate_hz > 0.0);
-  const auto column = static_cast<Eigen::Index>(channel);
   const Eigen::Index samples = motion.angle_rad.rows();
   HoldChannel(channel, 0.0, motion);
-  auto angle = motion.angle_rad.col(column);
+  auto angle = motion.angle_rad.col(static_cast<Eigen::Index>(channel));
   std::vector<double> finished_rad(static_cast<std::size_t>(samples) + 1, 0.0);
   for (const Move& move : moves) {
     const Eigen::Index begin = SampleAt(move.start_s, rate_hz, samples);
     const Eigen::Index end = SampleAt(move.start_s + move.duration_s, rate_hz, samples);
     for (Eigen::Index i = begin; i < end; ++i) {
       const double t = static_cast<double>(i) / rate_hz;
-      const MinimumJerk jerk =
-          MinimumJerkAt(std::clamp((t - move.start_s) / move.duration_s, 0.0, 1.0));
-      angle[i] += move.delta_rad * jerk.position;
-      if (!motion.has_derivatives()) continue;
-      motion.velocity_rad_s(i, column) += move.delta_rad * jerk.velocity / move.duration_s;
-      motion.acceleration_rad_s2(i, column) +=
-          move.delta_rad * jerk.acceleration / (move.duration_s * move.duration_s);
+      angle[i] += move.delta_rad *
+                  MinimumJerkAt(std::clamp((t - move.start_s) / move.duration_s, 0.0, 1.0));
     }
     finished_rad[static_cast<std::size_t>(end)] += move.delta_rad;
   }
@@ -65,7 +59,7 @@ void MovePlan::MoveTo(double start_s, double duration_s, const std::vector<doubl
 }
 
 Motion MovePlan::Fill(int samples, const MotionContext& context) const {
-  Motion motion = StillMotion(context, samples);
+  Motion motion = StillMotion(samples);
   for (std::size_t channel = 0; channel < moves_.size(); ++channel) {
     MoveChannel(channel, start_rad_[channel], moves_[channel], context.rate_hz, motion);
   }

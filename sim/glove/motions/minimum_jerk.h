@@ -11,13 +11,7 @@ namespace gauntlet::sim {
 ///     s(u) = 10 u^3 - 15 u^4 + 6 u^5
 ///
 /// Source: Flash and Hogan 1985.
-struct MinimumJerk {
-  double position, velocity, acceleration;
-};
-inline MinimumJerk MinimumJerkAt(double u) {
-  return {u * u * u * (10.0 + u * (-15.0 + 6.0 * u)), 30.0 * u * u * (1.0 - u) * (1.0 - u),
-          60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)};
-}
+inline double MinimumJerkAt(double u) { return u * u * u * (10.0 + u * (-15.0 + 6.0 * u)); }
 
 /// One movement of one channel. Movements may overlap: they add.
 struct Move {

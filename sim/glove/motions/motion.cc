@@ -35,25 +35,16 @@ int MotionContext::SampleCount(double duration_s) const {
   return std::max(1, static_cast<int>(std::lround(duration_s * rate_hz)));
 }
 
-Motion StillMotion(const MotionContext& context, int samples) {
+Motion StillMotion(int samples) {
   Motion motion;
-  const auto channels = static_cast<Eigen::Index>(KnownChannels().size());
-  motion.angle_rad.setZero(samples, channels);
-  if (context.derivatives) {
-    motion.velocity_rad_s.setZero(samples, channels);
-    motion.acceleration_rad_s2.setZero(samples, channels);
-  }
+  motion.angle_rad.setZero(samples, static_cast<Eigen::Index>(KnownChannels().size()));
   return motion;
 }
 
 void HoldChannel(std::size_t channel, double angle_rad, Motion& motion) {
   GAUNTLET_ASSERT(std::cmp_less(channel, motion.angle_rad.cols()));
-  const auto column = static_cast<Eigen::Index>(channel);
-  motion.angle_rad.col(column).setConstant(angle_rad);
+  motion.angle_rad.col(static_cast<Eigen::Index>(channel)).setConstant(angle_rad);
   TrimSignals();
-  if (!motion.has_derivatives()) return;
-  motion.velocity_rad_s.col(column).setZero();
-  motion.acceleration_rad_s2.col(column).setZero();
 }
 
 std::vector<bool> SelectChannels(const std::vector<std::string>& names) {

@@ -18,8 +18,6 @@ struct Recording;
 /// True joint angles of the wearer over time. Channels are all of KnownChannels().
 struct Motion {
   Signal angle_rad;               // samples x channels
-  Signal velocity_rad_s;          // the same; empty if not asked for or not known in closed form
-  Signal acceleration_rad_s2;     // likewise
   std::vector<Segment> segments;  // that a person labelled
   /// What a recorded glove said, where the recording is of a glove; else empty. NaN is missing.
   Signal measured_rad;
@@ -28,15 +26,12 @@ struct Motion {
   double recording_start_s = 0.0;              // of the stretch that is played
   std::string reference_name = "ground truth";
   std::vector<std::string> remarks;  // what was repaired in a recording, one line each
-
-  bool has_derivatives() const { return velocity_rad_s.rows() == angle_rad.rows(); }
 };
 
 /// What all kinds of motion need to know besides their own settings.
 struct MotionContext {
   double rate_hz = 1000.0;
   std::uint64_t seed = 0;
-  bool derivatives = false;
   std::uint64_t part = 0;         // place in a sequence: its random streams are its own
   std::vector<double> start_rad;  // per channel, where the part before ended; empty if none
   SensorConfig sensor;            // nominal, for recordings in counts
@@ -48,8 +43,8 @@ struct MotionContext {
   std::uint64_t StreamIndex(std::size_t channel) const { return part * 1000 + channel; }
 };
 
-/// A motion of this many samples that stands still at angle 0, with derivatives if wanted.
-Motion StillMotion(const MotionContext& context, int samples);
+/// A motion of this many samples at angle 0.
+Motion StillMotion(int samples);
 /// `channel` stands still at this angle.
 void HoldChannel(std::size_t channel, double angle_rad, Motion& motion);
 

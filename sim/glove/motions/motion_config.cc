@@ -3,11 +3,10 @@
 namespace gauntlet::sim {
 
 void MotionConfig::Visit(controller::SettingsVisitor& visitor) {
-  controller::ChooseKind(visitor, {.key = "kind", .help = "what the wearer does"}, settings);
-  visitor.Text({.key = "label",
-                .help = "rest, slow, fast, onset or reversal: scored as this, whatever the joints "
-                        "do; any other name is only stored in the trace; empty: scored by the "
-                        "speed of each joint"},
+  controller::ChooseKind(visitor, {"kind", "what the wearer does"}, settings);
+  visitor.Text({"label",
+                "rest, slow, fast, onset or reversal: scored as this, whatever the joints do; any "
+                "other name is only stored in the trace; empty: scored by the speed of each joint"},
                label);
   controller::VisitChosen(visitor, settings);
 }

@@ -44,7 +44,7 @@ std::vector<double> Between(const std::vector<double>& from, const std::vector<d
 }
 
 void VisitRepeats(controller::SettingsVisitor& visitor, int& repeats) {
-  visitor.Integer({.key = "repeats", .help = "how often", .min = 1, .max = 1000}, repeats);
+  visitor.Integer({"repeats", "how often", 1, 1000}, repeats);
 }
 
 void VisitSeconds(controller::SettingsVisitor& visitor, std::string_view key, std::string_view help,
@@ -53,10 +53,8 @@ void VisitSeconds(controller::SettingsVisitor& visitor, std::string_view key, st
 }
 
 void VisitLag(controller::SettingsVisitor& visitor, double& finger_lag_ms) {
-  visitor.Number({.key = "finger_lag_ms",
-                  .help = "each finger starts this much later than its neighbour to the thumb",
-                  .min = 0,
-                  .max = 200},
+  visitor.Number({"finger_lag_ms",
+                  "each finger starts this much later than its neighbour to the thumb", 0, 200},
                  finger_lag_ms);
 }
 
@@ -81,7 +79,7 @@ std::vector<double> VariedGrasp(const GraspConfig& config, RandomStream& random)
 }  // namespace
 
 void MovesConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Texts({.key = "postures", .help = "one after another; names as in a hold"}, postures);
+  visitor.Texts({"postures", "one after another; names as in a hold"}, postures);
   VisitSeconds(visitor, "move_s", "duration of each move", 0.01, move_s);
   VisitSeconds(visitor, "hold_s", "how long each posture is held", 0.0, hold_s);
   VisitLag(visitor, finger_lag_ms);
@@ -105,17 +103,15 @@ Motion MakeMotion(const MovesConfig& config, const MotionContext& context) {
 }
 
 void GraspConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Choice({.key = "grasp", .help = "which one"}, PostureNames(), grasp);
+  visitor.Choice({"grasp", "which one"}, PostureNames(), grasp);
   VisitRepeats(visitor, repeats);
   VisitSeconds(visitor, "rest_s", "rest before each grasp and at the end", 0.0, rest_s);
   VisitSeconds(visitor, "reach_s", "from rest to the closed grasp", 0.1, reach_s);
   VisitSeconds(visitor, "hold_s", "how long it is held", 0.0, hold_s);
   VisitSeconds(visitor, "release_s", "from the grasp back to rest", 0.1, release_s);
   VisitLag(visitor, finger_lag_ms);
-  visitor.Number({.key = "variation_percent",
-                  .help = "standard deviation of how far the fingers close, from grasp to grasp",
-                  .min = 0,
-                  .max = 30},
+  visitor.Number({"variation_percent",
+                  "standard deviation of how far the fingers close, from grasp to grasp", 0, 30},
                  variation_percent);
 }
 
@@ -140,16 +136,13 @@ Motion MakeMotion(const GraspConfig& config, const MotionContext& context) {
 }
 
 void BurstsConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Integer({.key = "bursts", .help = "how many", .min = 1, .max = 1000}, bursts);
-  visitor.Integer({.key = "cycles", .help = "closings per burst", .min = 1, .max = 1000}, cycles);
-  visitor.Number({.key = "frequency_hz", .help = "closings per second", .min = 0.1, .max = 12},
-                 frequency_hz);
+  visitor.Integer({"bursts", "how many", 1, 1000}, bursts);
+  visitor.Integer({"cycles", "closings per burst", 1, 1000}, cycles);
+  visitor.Number({"frequency_hz", "closings per second", 0.1, 12}, frequency_hz);
   VisitSeconds(visitor, "pause_s", "rest before each burst and at the end", 0.0, pause_s);
-  visitor.Number({.key = "depth_percent",
-                  .help = "how far the hand closes, of the way from open to a power grasp",
-                  .min = 1,
-                  .max = 100},
-                 depth_percent);
+  visitor.Number(
+      {"depth_percent", "how far the hand closes, of the way from open to a power grasp", 1, 100},
+      depth_percent);
 }
 
 Motion MakeMotion(const BurstsConfig& config, const MotionContext& context) {

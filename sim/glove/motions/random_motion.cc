@@ -24,11 +24,9 @@ struct Stretch {
         p2((a - 2.0 * b + c) / 2.0),
         p3((d - a + 3.0 * (b - c)) / 6.0) {}
   double Value(double u) const { return p0 + u * (p1 + u * (p2 + u * p3)); }
-  double Slope(double u) const { return p1 + u * (2.0 * p2 + u * 3.0 * p3); }
-  double Bend(double u) const { return 2.0 * p2 + u * 6.0 * p3; }
 };
 
-/// The spline of one channel; derivatives only if their columns are there.
+/// The spline of one channel.
 void FillSpline(RandomStream& random, const Excursion& range, double knots_per_s, double rate_hz,
                 Eigen::Index column, Motion& motion) {
   const auto draw = [&] {
@@ -42,12 +40,7 @@ void FillSpline(RandomStream& random, const Excursion& range, double knots_per_s
     const Stretch stretch(a, b, c, d);
     const double end = std::min(samples, std::ceil((knot + 1.0) / knots_per_sample));
     for (auto i = static_cast<Eigen::Index>(begin); i < static_cast<Eigen::Index>(end); ++i) {
-      const double u = static_cast<double>(i) * knots_per_sample - knot;
-      angle[i] = stretch.Value(u);
-      if (motion.has_derivatives()) {
-        motion.velocity_rad_s(i, column) = stretch.Slope(u) * knots_per_s;
-        motion.acceleration_rad_s2(i, column) = stretch.Bend(u) * knots_per_s * knots_per_s;
-      }
+      angle[i] = stretch.Value(static_cast<double>(i) * knots_per_sample - knot);
     }
     begin = end;
     a = b, b = c, c = d, d = draw();
@@ -58,17 +51,15 @@ void FillSpline(RandomStream& random, const Excursion& range, double knots_per_s
 
 void RandomMotionConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
-  visitor.Number({.key = "bandwidth_hz",
-                  .help = "frequency at which the amplitude has fallen to 0.707 (-3 dB)",
-                  .min = 0.01,
-                  .max = 50},
-                 bandwidth_hz);
+  visitor.Number(
+      {"bandwidth_hz", "frequency at which the amplitude has fallen to 0.707 (-3 dB)", 0.01, 50},
+      bandwidth_hz);
   VisitRange(visitor, range_percent);
   VisitChannels(visitor, channels);
 }
 
 Motion MakeMotion(const RandomMotionConfig& config, const MotionContext& context) {
-  Motion motion = StillMotion(context, context.SampleCount(config.duration_s));
+  Motion motion = StillMotion(context.SampleCount(config.duration_s));
   const std::vector<bool> selected = SelectChannels(config.channels);
   const std::vector<double> rest = context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
   for (std::size_t channel = 0; channel < selected.size(); ++channel) {

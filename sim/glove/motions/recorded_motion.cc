@@ -109,47 +109,39 @@ std::size_t SampleCount(const RecordedMotionConfig& config, const Recording& rec
 
 /// What the recording stands for, and the settings that depend on it.
 void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config) {
-  controller::VisitEnum(
-      visitor, {.key = "use", .help = "the wearer's true motion, or what a real glove measured"},
-      kUseNames, config.use);
+  controller::VisitEnum(visitor, {"use", "the wearer's true motion, or what a real glove measured"},
+                        kUseNames, config.use);
   Resampling how = config.resampling();
-  controller::VisitEnum(
-      visitor,
-      {.key = "resample",
-       .help = "between two rows of the file: hold, the newest row, as a fast loop reads a slow "
-               "glove; cubic, shape-preserving interpolation. Default: hold for use: measured, "
-               "cubic for truth; a reference is always cubic"},
-      kResamplingNames, how);
+  controller::VisitEnum(visitor,
+                        {"resample",
+                         "between two rows of the file: hold, the newest row, as a fast loop reads "
+                         "a slow glove; cubic, shape-preserving interpolation. Default: hold for "
+                         "use: measured, cubic for truth; a reference is always cubic"},
+                        kResamplingNames, how);
   if (how != config.resampling()) config.resample = how;
   if (config.use == RecordingUse::kTruth) return;
-  visitor.Path({.key = "reference", .help = "recording of the truth at the same times, if any"},
-               config.reference);
-  visitor.Path({.key = "reference_map", .help = "column map of the reference; by default as map"},
+  visitor.Path({"reference", "recording of the truth at the same times, if any"}, config.reference);
+  visitor.Path({"reference_map", "column map of the reference; by default as map"},
                config.reference_map);
-  visitor.Text({.key = "reference_array",
-                .help = "array of the reference, if it is a file with arrays; by default as array"},
+  visitor.Text({"reference_array",
+                "array of the reference, if it is a file with arrays; by default as array"},
                config.reference_array);
-  visitor.Number({.key = "reference_rate_hz",
-                  .help = "rows per second of a reference without a time column; 0: as "
-                          "file_rate_hz",
-                  .min = 0,
-                  .max = 100000},
-                 config.reference_rate_hz);
+  visitor.Number(
+      {"reference_rate_hz",
+       "rows per second of a reference without a time column; 0: as file_rate_hz", 0, 100000},
+      config.reference_rate_hz);
   controller::VisitEnum(visitor,
-                        {.key = "reference_offset",
-                         .help = "how the times of both files fit: given, by reference_offset_s; "
-                                 "auto, found by correlation within 10 s"},
+                        {"reference_offset",
+                         "how the times of both files fit: given, by reference_offset_s; auto, "
+                         "found by correlation within 10 s"},
                         kOffsetNames, config.reference_offset);
-  visitor.Number({.key = "reference_offset_s",
-                  .help = "by how much later the same moment is in the reference than in the "
-                          "recording, each counted from its first row",
-                  .min = -1e6,
-                  .max = 1e6},
+  visitor.Number({"reference_offset_s",
+                  "by how much later the same moment is in the reference than in the recording, "
+                  "each counted from its first row",
+                  -1e6, 1e6},
                  config.reference_offset_s);
-  visitor.Number({.key = "smoothing_hz",
-                  .help = "without one the reference is the recording, smoothed at this cut-off",
-                  .min = 0.1,
-                  .max = 20},
+  visitor.Number({"smoothing_hz",
+                  "without one the reference is the recording, smoothed at this cut-off", 0.1, 20},
                  config.smoothing_hz);
 }
 
@@ -162,44 +154,27 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
                "folder, whose recordings are the repetitions of a comparison",
        .required = true},
       file);
-  visitor.Path(
-      {.key = "map", .help = "column map for a file with other names or units, or a preset"}, map);
-  visitor.Text(
-      {.key = "array",
-       .help = "of a file with arrays: the name of the one to take, or of a group of them; "
-               "by default those of the number of rows that holds the most values"},
-      array);
-  visitor.Number({.key = "file_rate_hz",
-                  .help = "rows per second of a file without a time column",
-                  .min = 0,
-                  .max = 100000},
+  visitor.Path({"map", "column map for a file with other names or units, or a preset"}, map);
+  visitor.Text({"array",
+                "of a file with arrays: the name of the one to take, or of a group of them; by "
+                "default those of the number of rows that holds the most values"},
+               array);
+  visitor.Number({"file_rate_hz", "rows per second of a file without a time column", 0, 100000},
                  file_rate_hz);
-  visitor.Integer({.key = "skip_lines",
-                   .help = "lines before the table, as a sensor's software writes them",
-                   .min = 0,
-                   .max = 1000},
-                  skip_lines);
-  controller::VisitEnum(
-      visitor, {.key = "problems", .help = "stop at the first bad value, or repair and report"},
-      kProblemHandlingNames, problems);
-  visitor.Number({.key = "longest_gap_ms",
-                  .help = "a shorter gap is filled; a longer one is a problem",
-                  .min = 0,
-                  .max = 1e7},
+  visitor.Integer(
+      {"skip_lines", "lines before the table, as a sensor's software writes them", 0, 1000},
+      skip_lines);
+  controller::VisitEnum(visitor, {"problems", "stop at the first bad value, or repair and report"},
+                        kProblemHandlingNames, problems);
+  visitor.Number({"longest_gap_ms", "a shorter gap is filled; a longer one is a problem", 0, 1e7},
                  longest_gap_ms);
-  visitor.Number({.key = "repair_budget_percent",
-                  .help = "rows that may need a repair; with more the file is refused, with the "
-                          "likeliest cause",
-                  .min = 0,
-                  .max = 100},
-                 repair_budget_percent);
   visitor.Number(
-      {.key = "start_s", .help = "where in the recording to start", .min = 0, .max = 1e9}, start_s);
-  visitor.Number({.key = "duration_s",
-                  .help = "how long; 0 plays it to its end",
-                  .min = 0,
-                  .max = kLongestMotionS},
-                 duration_s);
+      {"repair_budget_percent",
+       "rows that may need a repair; with more the file is refused, with the likeliest cause", 0,
+       100},
+      repair_budget_percent);
+  visitor.Number({"start_s", "where in the recording to start", 0, 1e9}, start_s);
+  visitor.Number({"duration_s", "how long; 0 plays it to its end", 0, kLongestMotionS}, duration_s);
   VisitUse(visitor, *this);
 }
 

@@ -51,16 +51,11 @@ class Correction {
     coefficients_[4] = 15.0 * p0 + 8.0 * p1 + 3.0 * p2;
     coefficients_[5] = -6.0 * p0 - 3.0 * p1 - p2;
   }
-  State At(double t) const {
+  double At(double t) const {
     const double u = t / duration_s_;
-    State state{0.0, 0.0, 0.0};
-    for (int k = 5; k >= 0; --k) {  // Horner's scheme with derivatives
-      state.acceleration = state.acceleration * u + 2.0 * state.velocity;
-      state.velocity = state.velocity * u + state.angle;
-      state.angle = state.angle * u + coefficients_[k];
-    }
-    return {state.angle, state.velocity / duration_s_,
-            state.acceleration / (duration_s_ * duration_s_)};
+    double value = 0.0;
+    for (int k = 5; k >= 0; --k) value = value * u + coefficients_[k];
+    return value;
   }
 
  private:
@@ -68,9 +63,8 @@ class Correction {
   double coefficients_[6];
 };
 
-/// `below` under `above`; empty if one of them is.
+/// `below` under `above`.
 Signal Stacked(const Signal& above, const Signal& below) {
-  if (above.size() == 0 || below.size() == 0) return {};
   Signal result(above.rows() + below.rows(), above.cols());
   for (Eigen::Index c = 0; c < result.cols(); ++c) {
     result.col(c) << above.col(c), below.col(c);
@@ -82,13 +76,9 @@ Signal Stacked(const Signal& above, const Signal& below) {
 }  // namespace
 
 void SequenceConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({.key = "blend_s",
-                  .help = "time in which each part takes over from the one before",
-                  .min = 0.02,
-                  .max = 5},
+  visitor.Number({"blend_s", "time in which each part takes over from the one before", 0.02, 5},
                  blend_s);
-  controller::VisitList(visitor, {.key = "parts", .help = "motions, each with kind and settings"},
-                        parts);
+  controller::VisitList(visitor, {"parts", "motions, each with kind and settings"}, parts);
 }
 
 Motion MakeMotion(const SequenceConfig& config, const MotionContext& context) {
@@ -134,13 +124,10 @@ void AppendMotion(Motion next, double blend_s, double rate_hz, Motion& motion) {
                                 static_cast<double>(blend) * step_s);
     const Channel& joint = KnownChannels()[static_cast<std::size_t>(c)];
     for (Eigen::Index i = 0; i < blend; ++i) {
-      const State add = correction.At(static_cast<double>(i) * step_s);
       // A fast end of the part before could carry the joint beyond its stop.
-      next.angle_rad(i, c) = std::clamp(next.angle_rad(i, c) + add.angle,
-                                        joint.min_deg * kRadPerDeg, joint.max_deg * kRadPerDeg);
-      if (!next.has_derivatives()) continue;
-      next.velocity_rad_s(i, c) += add.velocity;
-      next.acceleration_rad_s2(i, c) += add.acceleration;
+      next.angle_rad(i, c) =
+          std::clamp(next.angle_rad(i, c) + correction.At(static_cast<double>(i) * step_s),
+                     joint.min_deg * kRadPerDeg, joint.max_deg * kRadPerDeg);
     }
     TrimSignals();
   }
@@ -153,8 +140,6 @@ void AppendMotion(Motion next, double blend_s, double rate_hz, Motion& motion) {
     stretch.end += offset;
     motion.masked.push_back(stretch);
   }
-  motion.velocity_rad_s = Stacked(motion.velocity_rad_s, next.velocity_rad_s);
-  motion.acceleration_rad_s2 = Stacked(motion.acceleration_rad_s2, next.acceleration_rad_s2);
   motion.angle_rad = Stacked(motion.angle_rad, next.angle_rad);
   motion.remarks.insert(motion.remarks.end(), next.remarks.begin(), next.remarks.end());
 }

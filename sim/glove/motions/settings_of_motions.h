@@ -13,24 +13,20 @@ namespace gauntlet::sim {
 inline constexpr double kLongestMotionS = 3600.0;
 
 inline void VisitDuration(controller::SettingsVisitor& visitor, double& duration_s) {
-  visitor.Number({.key = "duration_s", .help = "how long", .min = 0.01, .max = kLongestMotionS},
-                 duration_s);
+  visitor.Number({"duration_s", "how long", 0.01, kLongestMotionS}, duration_s);
 }
 
 inline void VisitRange(controller::SettingsVisitor& visitor, double& range_percent) {
-  visitor.Number({.key = "range_percent",
-                  .help = "largest excursion, of each joint's range about its middle; the thumb's "
-                          "is where it meets no finger",
-                  .min = 0,
-                  .max = 100},
+  visitor.Number({"range_percent",
+                  "largest excursion, of each joint's range about its middle; the thumb's is where "
+                  "it meets no finger",
+                  0, 100},
                  range_percent);
 }
 
 inline void VisitChannels(controller::SettingsVisitor& visitor,
                           std::vector<std::string>& channels) {
-  visitor.Texts(
-      {.key = "channels", .help = "names of the channels that take part; empty: all of them"},
-      channels);
+  visitor.Texts({"channels", "names of the channels that take part; empty: all of them"}, channels);
 }
 
 }  // namespace gauntlet::sim

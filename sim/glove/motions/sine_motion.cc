@@ -11,23 +11,13 @@
 namespace gauntlet::sim {
 namespace {
 
-/// A phase and its first two derivatives with respect to time.
-struct Phase {
-  double value, speed, acceleration;
-};
-
 /// middle + half sin(phase(t)) in one channel.
-void Swing(const Excursion& range, double rate_hz, const std::function<Phase(double)>& phase_at,
-           Eigen::Index column, Motion& motion) {
-  for (Eigen::Index i = 0; i < motion.angle_rad.rows(); ++i) {
-    const Phase phase = phase_at(static_cast<double>(i) / rate_hz);
-    const double sine = std::sin(phase.value);
-    motion.angle_rad(i, column) = range.middle_rad + range.half_rad * sine;
-    if (!motion.has_derivatives()) continue;
-    const double cosine = std::cos(phase.value);
-    motion.velocity_rad_s(i, column) = range.half_rad * phase.speed * cosine;
-    motion.acceleration_rad_s2(i, column) =
-        range.half_rad * (phase.acceleration * cosine - phase.speed * phase.speed * sine);
+void Swing(const Excursion& range, double rate_hz, const std::function<double(double)>& phase_at,
+           std::size_t channel, Motion& motion) {
+  auto angle_rad = motion.angle_rad.col(static_cast<Eigen::Index>(channel));
+  for (Eigen::Index i = 0; i < angle_rad.size(); ++i) {
+    angle_rad[i] =
+        range.middle_rad + range.half_rad * std::sin(phase_at(static_cast<double>(i) / rate_hz));
   }
 }
 
@@ -44,7 +34,7 @@ double FrequencyOf(const std::vector<double>& frequency_hz, std::size_t channel)
 Motion ForEachChannel(const std::vector<std::string>& names, int samples,
                       const MotionContext& context,
                       const std::function<void(std::size_t, int, Motion&)>& swing) {
-  Motion motion = StillMotion(context, samples);
+  Motion motion = StillMotion(samples);
   const std::vector<bool> selected = SelectChannels(names);
   const std::vector<double> rest = context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
   int number = 0;
@@ -66,28 +56,22 @@ void SineConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitFrequency(visitor, "frequency_hz", "one number, or 18 or 22 in the order of the channels", 0,
                  frequency_hz);
   VisitRange(visitor, range_percent);
-  visitor.Number({.key = "phase_step_deg",
-                  .help = "how much earlier each channel is than the one before",
-                  .min = -360,
-                  .max = 360},
-                 phase_step_deg);
+  visitor.Number(
+      {"phase_step_deg", "how much earlier each channel is than the one before", -360, 360},
+      phase_step_deg);
   VisitChannels(visitor, channels);
 }
 
 Motion MakeMotion(const SineConfig& config, const MotionContext& context) {
   CheckListOfChannels("frequency_hz", config.frequency_hz.size());
-  return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context,
-                        [&](std::size_t channel, int number, Motion& motion) {
-                          const double omega =
-                              2.0 * std::numbers::pi * FrequencyOf(config.frequency_hz, channel);
-                          const double offset = number * config.phase_step_deg * kRadPerDeg;
-                          Swing(
-                              ChannelExcursion(channel, config.range_percent), context.rate_hz,
-                              [&](double t) {
-                                return Phase{omega * t + offset, omega, 0.0};
-                              },
-                              static_cast<Eigen::Index>(channel), motion);
-                        });
+  const auto swing = [&](std::size_t channel, int number, Motion& motion) {
+    const double omega = 2.0 * std::numbers::pi * FrequencyOf(config.frequency_hz, channel);
+    const double offset = number * config.phase_step_deg * kRadPerDeg;
+    Swing(
+        ChannelExcursion(channel, config.range_percent), context.rate_hz,
+        [&](double t) { return omega * t + offset; }, channel, motion);
+  };
+  return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context, swing);
 }
 
 void ChirpConfig::Visit(controller::SettingsVisitor& visitor) {
@@ -108,15 +92,12 @@ Motion MakeMotion(const ChirpConfig& config, const MotionContext& context) {
     const double end_speed = 2.0 * std::numbers::pi * FrequencyOf(config.to_hz, channel);
     const double growth_per_s = std::log(end_speed / start_speed) / config.duration_s;
     const auto phase_at = [=](double t) {
-      const double speed = start_speed * std::exp(growth_per_s * t);
       // The limit of no growth is a plain sine.
-      const double value = growth_per_s == 0.0
-                               ? speed * t
-                               : start_speed * std::expm1(growth_per_s * t) / growth_per_s;
-      return Phase{value, speed, growth_per_s * speed};
+      return growth_per_s == 0.0 ? start_speed * t
+                                 : start_speed * std::expm1(growth_per_s * t) / growth_per_s;
     };
-    Swing(ChannelExcursion(channel, config.range_percent), context.rate_hz, phase_at,
-          static_cast<Eigen::Index>(channel), motion);
+    Swing(ChannelExcursion(channel, config.range_percent), context.rate_hz, phase_at, channel,
+          motion);
   };
   return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context, swing);
 }

@@ -33,15 +33,12 @@ void TappingConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitDuration(visitor, duration_s);
   VisitSeconds(visitor, "interval_s", "from one tap to that of the next channel", interval_s);
   VisitSeconds(visitor, "tap_s", "how long a tap is, down and up", tap_s);
-  visitor.Number(
-      {.key = "depth_deg", .help = "how far a joint bends, within its range", .min = 0, .max = 150},
-      depth_deg);
-  visitor.Texts({.key = "channels", .help = "names of the channels that tap; empty: all of them"},
-                channels);
+  visitor.Number({"depth_deg", "how far a joint bends, within its range", 0, 150}, depth_deg);
+  visitor.Texts({"channels", "names of the channels that tap; empty: all of them"}, channels);
 }
 
 Motion MakeMotion(const TappingConfig& config, const MotionContext& context) {
-  Motion motion = StillMotion(context, context.SampleCount(config.duration_s));
+  Motion motion = StillMotion(context.SampleCount(config.duration_s));
   const std::vector<bool> selected = SelectChannels(config.channels);
   const std::vector<double> rest = context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
   const auto tapping = std::ranges::count(selected, true);

@@ -39,19 +39,13 @@ Eigen::VectorXd NarrowBand(RandomStream& random, const TremorConfig& config, int
 }  // namespace
 
 void TremorConfig::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({.key = "rms_deg", .help = "size at each joint; 0 is none", .min = 0, .max = 20},
-                 rms_deg);
-  visitor.Number({.key = "from_hz", .help = "lower end of the band", .min = 0.5, .max = 25},
-                 from_hz);
-  visitor.Number({.key = "to_hz", .help = "upper end of the band", .min = 0.5, .max = 25}, to_hz);
-  visitor.Number({.key = "shared_percent",
-                  .help = "share of its power that all channels have in common",
-                  .min = 0,
-                  .max = 100},
+  visitor.Number({"rms_deg", "size at each joint; 0 is none", 0, 20}, rms_deg);
+  visitor.Number({"from_hz", "lower end of the band", 0.5, 25}, from_hz);
+  visitor.Number({"to_hz", "upper end of the band", 0.5, 25}, to_hz);
+  visitor.Number({"shared_percent", "share of its power that all channels have in common", 0, 100},
                  shared_percent);
   VisitChannels(visitor, channels);
-  visitor.Flag({.key = "belongs_to_truth",
-                .help = "true: the hand should tremble likewise; false: it should not"},
+  visitor.Flag({"belongs_to_truth", "true: the hand should tremble likewise; false: it should not"},
                belongs_to_truth);
 }
 

@@ -11,46 +11,28 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr std::array<std::string_view, 3> kKindNames = {"none", "box_muller", "galton"};
-constexpr std::array<std::string_view, 3> kSummaries = {
-    "no white noise", "white Gaussian noise by the Box-Muller transform, basic form",
-    "white, nearly Gaussian noise by a Galton board"};
 
 void VisitGalton(controller::SettingsVisitor& visitor, NoiseConfig& config) {
-  visitor.Integer({.key = "galton_rows", .help = "rows of pins", .min = 1, .max = 4096},
-                  config.galton_rows);
-  visitor.Integer({.key = "galton_balls",
-                   .help = "balls whose mean place makes one value",
-                   .min = 1,
-                   .max = 64},
+  visitor.Integer({"galton_rows", "rows of pins", 1, 4096}, config.galton_rows);
+  visitor.Integer({"galton_balls", "balls whose mean place makes one value", 1, 64},
                   config.galton_balls);
 }
 
 void VisitRecording(controller::SettingsVisitor& visitor, NoiseConfig& config) {
-  visitor.Path({.key = "recording", .help = "file whose noise is added; empty: none"},
-               config.recording);
-  visitor.Path({.key = "recording_map", .help = "its column map, if its names are others"},
-               config.recording_map);
-  visitor.Number({.key = "recording_rate_hz",
-                  .help = "its rows per second if it has no time column",
-                  .min = 0,
-                  .max = 100000},
+  visitor.Path({"recording", "file whose noise is added; empty: none"}, config.recording);
+  visitor.Path({"recording_map", "its column map, if its names are others"}, config.recording_map);
+  visitor.Number({"recording_rate_hz", "its rows per second if it has no time column", 0, 100000},
                  config.recording_rate_hz);
-  controller::VisitEnum(
-      visitor,
-      {.key = "recording_problems", .help = "stop at its first bad value, or repair and report"},
-      kProblemHandlingNames, config.recording_problems);
-  visitor.Number({.key = "recording_longest_gap_ms",
-                  .help = "a longer gap in it is a problem, and gives no noise",
-                  .min = 0,
-                  .max = 1e7},
-                 config.recording_longest_gap_ms);
-  visitor.Number({.key = "recording_smoothing_hz",
-                  .help = "what lies above this is its noise; at most 0.4 times glove.rate_hz",
-                  .min = 0.1,
-                  .max = 20},
+  controller::VisitEnum(visitor,
+                        {"recording_problems", "stop at its first bad value, or repair and report"},
+                        kProblemHandlingNames, config.recording_problems);
+  visitor.Number(
+      {"recording_longest_gap_ms", "a longer gap in it is a problem, and gives no noise", 0, 1e7},
+      config.recording_longest_gap_ms);
+  visitor.Number({"recording_smoothing_hz",
+                  "what lies above this is its noise; at most 0.4 times glove.rate_hz", 0.1, 20},
                  config.recording_smoothing_hz);
-  visitor.Number({.key = "recording_scale", .help = "factor on its noise", .min = 0, .max = 1000},
-                 config.recording_scale);
+  visitor.Number({"recording_scale", "factor on its noise", 0, 1000}, config.recording_scale);
 }
 
 }  // namespace
@@ -96,55 +78,30 @@ void NoiseConfig::Check() const {
 }
 
 void NoiseConfig::Visit(controller::SettingsVisitor& visitor) {
-  controller::VisitEnum(visitor, {.key = "kind", .help = "generator of white Gaussian noise"},
-                        kKindNames, kind);
+  controller::VisitEnum(visitor, {"kind", "generator of white Gaussian noise"}, kKindNames, kind);
   if (kind != WhiteNoiseKind::kNone) {
+    visitor.Numbers({"variance_counts2",
+                     "one number, or 18 or 22 in the order of the channels, in counts of a 10-bit "
+                     "converter; empty: the paper's R",
+                     0, 1e6},
+                    variance_counts2);
     visitor.Numbers(
-        {.key = "variance_counts2",
-         .help = "one number, or 18 or 22 in the order of the channels, in counts of a 10-bit "
-                 "converter; empty: the paper's R",
-         .min = 0,
-         .max = 1e6},
-        variance_counts2);
-    visitor.Numbers(
-        {.key = "covariance_counts2",
-         .help = "18 rows of 18, or 22 of 22, in one list, if channels are correlated; else "
-                 "empty",
-         .min = -1e6,
-         .max = 1e6},
+        {"covariance_counts2",
+         "18 rows of 18, or 22 of 22, in one list, if channels are correlated; else empty", -1e6,
+         1e6},
         covariance_counts2);
-    visitor.Number(
-        {.key = "variance_scale", .help = "factor on all variances", .min = 0, .max = 1e6},
-        variance_scale);
+    visitor.Number({"variance_scale", "factor on all variances", 0, 1e6}, variance_scale);
   }
   if (kind == WhiteNoiseKind::kGalton) VisitGalton(visitor, *this);
-  visitor.Number({.key = "pink_variance_counts2",
-                  .help = "variance of 1/f noise in each channel",
-                  .min = 0,
-                  .max = 1e6},
+  visitor.Number({"pink_variance_counts2", "variance of 1/f noise in each channel", 0, 1e6},
                  pink_variance_counts2);
+  visitor.Number({"mains_amplitude_counts", "amplitude of mains hum", 0, 1000},
+                 mains_amplitude_counts);
+  visitor.Number({"mains_hz", "mains frequency", 10, 400}, mains_hz);
   visitor.Number(
-      {.key = "mains_amplitude_counts", .help = "amplitude of mains hum", .min = 0, .max = 1000},
-      mains_amplitude_counts);
-  visitor.Number({.key = "mains_hz", .help = "mains frequency", .min = 10, .max = 400}, mains_hz);
-  visitor.Number({.key = "walk_counts_per_sqrt_s",
-                  .help = "random walk: standard deviation after one second",
-                  .min = 0,
-                  .max = 1000},
-                 walk_counts_per_sqrt_s);
+      {"walk_counts_per_sqrt_s", "random walk: standard deviation after one second", 0, 1000},
+      walk_counts_per_sqrt_s);
   VisitRecording(visitor, *this);
-}
-
-std::span<const NoiseKindInfo> NoiseKinds() {
-  static const auto kKinds = [] {
-    std::array<NoiseKindInfo, kKindNames.size()> kinds;
-    for (std::size_t i = 0; i < kinds.size(); ++i) {
-      kinds[i] = {.name = kKindNames[i], .summary = kSummaries[i], .defaults = {}};
-      kinds[i].defaults.kind = static_cast<WhiteNoiseKind>(i);
-    }
-    return kinds;
-  }();
-  return kKinds;
 }
 
 }  // namespace gauntlet::sim

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "controller/settings.h"
@@ -49,13 +47,5 @@ struct NoiseConfig {
   void Check() const;
   void Visit(controller::SettingsVisitor& visitor);
 };
-
-/// One kind of white noise, with its default settings.
-struct NoiseKindInfo {
-  std::string_view name;
-  std::string_view summary;
-  NoiseConfig defaults;
-};
-std::span<const NoiseKindInfo> NoiseKinds();
 
 }  // namespace gauntlet::sim
