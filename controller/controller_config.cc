@@ -53,7 +53,8 @@ void VisitMotor(SettingsVisitor& row, TendonTransmission& hand, std::size_t i) {
 /// The matrix with a row per motor.
 void VisitCoupling(SettingsVisitor& visitor, TendonTransmission& hand) {
   const std::size_t joints = hand.joint_names.size();
-  visitor.Group({.key = "coupling", .help = "turn of each motor's spool per turn of each joint"},
+  visitor.Group({.key = "coupling",
+                 .help = "turn of each motor's spool per turn of each joint, as in joint_names"},
                 [&](SettingsVisitor& matrix) {
                   for (std::size_t motor = 0; motor < hand.motor_names.size(); ++motor) {
                     const auto begin =
