@@ -1,5 +1,5 @@
-// Runs cases/*.txt: shell commands, and the exit code and the lines that they must give. CONTRIBUTING.md
-// describes the files.
+// Runs cases/*.txt: shell commands, and the exit code and the lines that they must give.
+// CONTRIBUTING.md describes the files.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,6 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using Lines = std::vector<std::string>;
+
+constexpr std::string_view kAnswer = "----";
+constexpr std::string_view kExit = "---- exit ";
 
 /// Commands, and their answer.
 struct Step {
@@ -47,12 +50,11 @@ std::vector<Step> ReadSteps(const fs::path& file) {
     is_between = is_answer && line.empty();
     if (is_between) continue;
     Step& step = steps.back();
-    if (!is_answer && line == "----") {
+    if (!is_answer && line.starts_with(kAnswer)) {
       is_answer = true;
+      if (line.starts_with(kExit)) step.exit_code = std::stoi(line.substr(kExit.size()));
     } else if (!is_answer) {
       step.script += line + "\n";
-    } else if (line.starts_with("exit ")) {
-      step.exit_code = std::stoi(line.substr(5));
     } else if (line.starts_with("! ")) {
       step.error.push_back(line.substr(2));
     } else {
@@ -142,7 +144,7 @@ class Case : public testing::Test {
   static std::string Answer(int exit_code, const Lines& output, const Lines& error) {
     Lines lines = output;
     for (const std::string& line : error) lines.push_back("! " + line);
-    std::string text = "exit " + std::to_string(exit_code) + "\n";
+    std::string text = std::string(kExit) + std::to_string(exit_code) + "\n";
     for (std::size_t i = 0; i < lines.size() && i < 60; ++i) text += lines[i] + "\n";
     return text;
   }
