@@ -53,21 +53,21 @@ void VisitMotor(SettingsVisitor& row, TendonTransmission& hand, std::size_t i) {
 /// The matrix with a row per motor.
 void VisitCoupling(SettingsVisitor& visitor, TendonTransmission& hand) {
   const std::size_t joints = hand.joint_names.size();
-  visitor.Group({"coupling", "turn of each motor's spool per turn of each joint"},
-                [&](SettingsVisitor& matrix) {
-                  for (std::size_t motor = 0; motor < hand.motor_names.size(); ++motor) {
-                    const auto begin =
-                        hand.coupling.begin() + static_cast<std::ptrdiff_t>(motor * joints);
-                    std::vector<double> row(begin, begin + static_cast<std::ptrdiff_t>(joints));
-                    matrix.Numbers({.key = hand.motor_names[motor],
-                                    .help = "one value per joint",
-                                    .required = true,
-                                    .count = joints},
-                                   row);
-                    row.resize(joints);
-                    std::copy(row.begin(), row.end(), begin);
-                  }
-                });
+  visitor.Group(
+      {"coupling", "turn of each motor's spool per turn of each joint, as in joint_names"},
+      [&](SettingsVisitor& matrix) {
+        for (std::size_t motor = 0; motor < hand.motor_names.size(); ++motor) {
+          const auto begin = hand.coupling.begin() + static_cast<std::ptrdiff_t>(motor * joints);
+          std::vector<double> row(begin, begin + static_cast<std::ptrdiff_t>(joints));
+          matrix.Numbers({.key = hand.motor_names[motor],
+                          .help = "one value per joint",
+                          .required = true,
+                          .count = joints},
+                         row);
+          row.resize(joints);
+          std::copy(row.begin(), row.end(), begin);
+        }
+      });
 }
 
 }  // namespace

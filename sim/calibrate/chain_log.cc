@@ -188,89 +188,106 @@ void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& ser
   }
 }
 
-}  // namespace
+/// The valid values of all columns: commands, angles, motors.
+struct ChainRows {
+  std::vector<std::string> parts;
+  std::vector<Series> series;
+  double count = 0.0;
+  double first_s = 0.0;
+  double last_s = -std::numeric_limits<double>::infinity();
+  double period_s = 0.0;  // usual one
+  std::size_t values_missing = 0;
+};
 
-ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array) {
-  CsvReader csv(file.string(), TableSource(file, array), ProblemHandling::kAllowMissing);
-  const ChainColumns columns = FindChainColumns(csv);
-  std::vector<PartColumn> all = columns.commands;
-  all.insert(all.end(), columns.angles.begin(), columns.angles.end());
-  all.insert(all.end(), columns.motors.begin(), columns.motors.end());
+/// Reads only the columns of `columns`. Errors: UserError for times that do not rise.
+std::vector<double> ReadSeries(const ChainColumns& columns, const std::vector<PartColumn>& all,
+                               CsvReader& csv, ChainRows& rows) {
   std::vector<bool> used(csv.column_count(), false);
   used[*columns.time] = true;
   for (const PartColumn& column : all) used[column.column] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) csv.Ignore(i);
   }
+  std::vector<double> steps_s;
+  std::vector<double> values(csv.column_count());
+  while (csv.NextRow(values)) {
+    const double time_s = values[*columns.time] * columns.time_scale_s;
+    if (std::isnan(time_s)) csv.Fail(*columns.time + 1, "the time is missing");
+    if (time_s <= rows.last_s) {
+      csv.Fail(*columns.time + 1,
+               fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
+                           rows.last_s));
+    }
+    if (rows.count++ == 0.0) rows.first_s = rows.last_s = time_s;
+    if (rows.count > 1.0) steps_s.push_back(time_s - rows.last_s);
+    rows.last_s = time_s;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double value = values[all[i].column] * all[i].scale;
+      if (std::isnan(value)) {
+        ++rows.values_missing;
+        continue;
+      }
+      rows.series[i].time_s.push_back(time_s);
+      rows.series[i].value.push_back(value);
+    }
+  }
+  return steps_s;
+}
 
+/// Errors: UserError for fewer than two rows, a column without values, or a long gap.
+ChainRows ReadChainRows(const ChainColumns& columns, CsvReader& csv) {
+  std::vector<PartColumn> all = columns.commands;
+  all.insert(all.end(), columns.angles.begin(), columns.angles.end());
+  all.insert(all.end(), columns.motors.begin(), columns.motors.end());
+  ChainRows rows;
+  rows.series.resize(all.size());
+  for (const PartColumn& column : all) rows.parts.push_back(column.part);
+  const std::vector<double> steps_s = ReadSeries(columns, all, csv, rows);
+  if (steps_s.empty()) csv.Fail(1, "the log has fewer than two rows");
+  rows.period_s = controller::MedianOf(steps_s);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (rows.series[i].value.empty()) {
+      csv.FailInRow(1, all[i].column + 1, fmt::format("{} has no values", csv.Quoted(all[i].part)));
+    }
+    RejectGap(csv, all[i], rows.series[i], std::max(0.1, 10.0 * rows.period_s));
+  }
+  return rows;
+}
+
+}  // namespace
+
+ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array) {
+  CsvReader csv(file.string(), TableSource(file, array), ProblemHandling::kAllowMissing);
+  const ChainColumns columns = FindChainColumns(csv);
   ChainLog log;
   log.name = OneLine(file.string());
   for (const PartColumn& command : columns.commands) log.parts.push_back(command.part);
   log.from_wearer =
       csv.header()[columns.commands.front().column].starts_with(kChainPatterns[0].before);
-  std::vector<Series> series(all.size());
-  std::vector<double> steps_s;
-  double first_s = 0.0;
-  double last_s = -std::numeric_limits<double>::infinity();
-  std::vector<double> values(csv.column_count());
-  while (csv.NextRow(values)) {
-    const double time_s = values[*columns.time] * columns.time_scale_s;
-    if (std::isnan(time_s)) csv.Fail(*columns.time + 1, "the time is missing");
-    if (time_s <= last_s) {
-      csv.Fail(*columns.time + 1,
-               fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
-                           last_s));
-    }
-    if (std::isinf(last_s)) {
-      first_s = time_s;
-    } else {
-      steps_s.push_back(time_s - last_s);
-    }
-    last_s = time_s;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const double value = values[all[i].column] * all[i].scale;
-      if (std::isnan(value)) {
-        ++log.values_missing;
-        continue;
-      }
-      series[i].time_s.push_back(time_s);
-      series[i].value.push_back(value);
-    }
-  }
-  if (steps_s.empty()) csv.Fail(1, "the log has fewer than two rows");
-  const double period_s = controller::MedianOf(steps_s);
-  log.rate_hz = 1.0 / period_s;
-  const double longest_gap_s = std::max(0.1, 10.0 * period_s);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (series[i].value.empty()) {
-      csv.FailInRow(1, all[i].column + 1, fmt::format("{} has no values", csv.Quoted(all[i].part)));
-    }
-    RejectGap(csv, all[i], series[i], longest_gap_s);
-  }
+  const ChainRows rows = ReadChainRows(columns, csv);
+  log.values_missing = rows.values_missing;
+  log.rate_hz = 1.0 / rows.period_s;
+  const double periods = (rows.last_s - rows.first_s) / rows.period_s;
   // Rows in bunches would make up to a million samples of each row.
   constexpr double kMostSamplesPerRow = 20.0;
-  const double rows = static_cast<double>(steps_s.size() + 1);
-  const double periods = (last_s - first_s) / period_s;
-  if (!(periods <= kMostSamplesPerRow * rows)) {
+  if (!(periods <= kMostSamplesPerRow * rows.count)) {
     csv.FailInRow(
         1, *columns.time + 1,
         fmt::format("most rows come {:.3g} s after the one before, but all {} take {:.6g} "
                     "s, must come at an about even rate",
-                    period_s, rows, last_s - first_s));
+                    rows.period_s, rows.count, rows.last_s - rows.first_s));
   }
   const Eigen::Index samples = std::llround(periods) + 1;
   const Eigen::Index parts = std::ssize(log.parts);
   log.command_deg = Signal(samples, parts);
   log.angle_deg = Signal(samples, parts);
-  if (!columns.motors.empty()) {
-    log.motor_deg = Signal::Constant(samples, parts, kNaN);
-  }
+  if (!columns.motors.empty()) log.motor_deg = Signal::Constant(samples, parts, kNaN);
   Signal* const signals[] = {&log.command_deg, &log.angle_deg, &log.motor_deg};
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Eigen::Index part = std::ranges::find(log.parts, all[i].part) - log.parts.begin();
+  for (std::size_t i = 0; i < rows.series.size(); ++i) {
+    const Eigen::Index part = std::ranges::find(log.parts, rows.parts[i]) - log.parts.begin();
     Signal& signal = *signals[std::min<std::size_t>(i / log.parts.size(), 2)];
     const bool is_command = i < log.parts.size();
-    (is_command ? InterpolateCommand : InterpolateLine)(series[i], first_s, log.rate_hz,
+    (is_command ? InterpolateCommand : InterpolateLine)(rows.series[i], rows.first_s, log.rate_hz,
                                                         signal.col(part));
   }
   return log;

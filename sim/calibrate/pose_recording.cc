@@ -36,8 +36,9 @@ struct Rows {
   std::vector<double> angle_deg;
   double first_s = kMissing;
   double last_s = kMissing;
-  std::vector<double> time_s;  // of rows with counts, since the first row
-  std::size_t count = 0;
+  std::vector<double> time_s;          // of rows with counts, since the first row
+  std::size_t count = 0;               // of rows with counts
+  std::size_t count_in_file = 0;       // of all rows
   std::vector<std::size_t> distances;  // rows of the file between two rows with counts
   BeyondScale beyond_scale;
 };
@@ -120,6 +121,35 @@ void RejectAnotherScale(const CsvReader& csv, const Rows& rows, double full_scal
                   beyond.counts, full_scale_counts, beyond.rows, beyond.rows + rows.count));
 }
 
+/// Errors: UserError for times that do not rise, too few rows, or another scale of the counts.
+Rows ReadRows(CsvReader& csv, const PoseColumns& columns, double rate_hz,
+              double full_scale_counts) {
+  Rows rows;
+  std::size_t last_whole = 0;  // newest row with all counts
+  std::vector<double> values(csv.column_count());
+  for (; csv.NextRow(values); ++rows.count_in_file) {
+    const std::size_t row = rows.count_in_file;
+    TakeTime(csv, columns, values, rows);
+    const bool whole = std::ranges::none_of(
+        columns.counts, [&](const ChannelColumn& c) { return std::isnan(values[c.column]); });
+    if (!whole || IsBeyondScale(csv, columns, values, full_scale_counts, rows)) continue;
+    if (rows.count++ > 0) rows.distances.push_back(row - last_whole);
+    last_whole = row;
+    rows.time_s.push_back(columns.time.empty() ? row / rate_hz : rows.last_s - rows.first_s);
+    for (const ChannelColumn& c : columns.counts) rows.counts.push_back(values[c.column]);
+    for (const ChannelColumn& c : columns.angles) {
+      rows.angle_deg.push_back(values[c.column] * c.scale);
+    }
+  }
+  RejectAnotherScale(csv, rows, full_scale_counts);
+  if (rows.count < kFewestRows) {
+    csv.Fail(1,
+             fmt::format("the recording has {} rows without missing counts, must have at least {}",
+                         rows.count, kFewestRows));
+  }
+  return rows;
+}
+
 /// Reads only the columns in `columns`.
 void ReadOnly(const PoseColumns& columns, CsvReader& csv) {
   std::vector<bool> used(csv.column_count(), false);
@@ -134,9 +164,27 @@ void ReadOnly(const PoseColumns& columns, CsvReader& csv) {
   }
 }
 
+/// The known poses of --poses; empty without.
+std::vector<KnownPose> PosesOf(const CsvReader& csv, const PoseColumns& columns,
+                               const PoseRecordingFormat& format,
+                               const std::vector<std::string>& channels) {
+  if (format.poses.empty()) return {};
+  if (!columns.angles.empty()) {
+    csv.Fail(columns.angles.front().column + 1,
+             "is a known angle: leave it out of the recording, or --poses");
+  }
+  return LoadPoseTable(format.poses, channels);
+}
+
 /// The angles of a pose table at each sample, NaN between poses.
+/// Errors: UserError with the file of the table for a pose behind the end of the recording.
 Signal AnglesOf(const std::vector<KnownPose>& poses, const std::vector<double>& time_s,
-                std::size_t channels) {
+                std::size_t channels, const std::string& file) {
+  if (poses.back().start_s > time_s.back()) {
+    throw UserError({.place = file,
+                     .problem = fmt::format("a pose begins at {} s, the recording ends at {:.6g} s",
+                                            poses.back().start_s, time_s.back())});
+  }
   Signal angle_deg(std::ssize(time_s), channels);
   auto pose = poses.begin();
   for (std::size_t k = 0; k < time_s.size(); ++k) {
@@ -198,7 +246,6 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   CsvReader csv(file.string(), TableSource(file, format.array), ProblemHandling::kAllowMissing);
   const PoseColumns columns = FindPoseColumns(csv, format.map);
   ReadOnly(columns, csv);
-
   PoseRecording recording;
   recording.name = OneLine(file.string());  // as results show it
   recording.columns_left_out = columns.left_out;
@@ -206,40 +253,10 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   recording.full_scale_counts =
       columns.full_scale_counts > 0.0 ? columns.full_scale_counts : format.full_scale_counts;
   for (const ChannelColumn& c : columns.counts) recording.channel_names.push_back(c.channel);
-  std::vector<KnownPose> poses;
-  if (!format.poses.empty()) {
-    if (!columns.angles.empty()) {
-      csv.Fail(columns.angles.front().column + 1,
-               "is a known angle: leave it out of the recording, or --poses");
-    }
-    poses = LoadPoseTable(format.poses, recording.channel_names);
-  }
-
-  Rows rows;
-  std::size_t row = 0;         // of the file
-  std::size_t last_whole = 0;  // newest row with all counts
-  std::vector<double> values(csv.column_count());
-  for (; csv.NextRow(values); ++row) {
-    TakeTime(csv, columns, values, rows);
-    const bool whole = std::ranges::none_of(
-        columns.counts, [&](const ChannelColumn& c) { return std::isnan(values[c.column]); });
-    if (!whole || IsBeyondScale(csv, columns, values, recording.full_scale_counts, rows)) continue;
-    if (rows.count++ > 0) rows.distances.push_back(row - last_whole);
-    last_whole = row;
-    rows.time_s.push_back(columns.time.empty() ? row / format.rate_hz : rows.last_s - rows.first_s);
-    for (const ChannelColumn& c : columns.counts) rows.counts.push_back(values[c.column]);
-    for (const ChannelColumn& c : columns.angles) {
-      rows.angle_deg.push_back(values[c.column] * c.scale);
-    }
-  }
-  RejectAnotherScale(csv, rows, recording.full_scale_counts);
-  if (rows.count < kFewestRows) {
-    csv.Fail(1,
-             fmt::format("the recording has {} rows without missing counts, must have at least {}",
-                         rows.count, kFewestRows));
-  }
+  const std::vector<KnownPose> poses = PosesOf(csv, columns, format, recording.channel_names);
+  const Rows rows = ReadRows(csv, columns, format.rate_hz, recording.full_scale_counts);
   const std::size_t rows_per_sample = columns.time.empty() ? 1 : RowsPerSample(rows.distances);
-  const std::size_t samples_expected = (row - 1) / rows_per_sample + 1;
+  const std::size_t samples_expected = (rows.count_in_file - 1) / rows_per_sample + 1;
   recording.rows_left_out = std::max(samples_expected, rows.count) - rows.count;
   recording.rows_beyond_scale = rows.beyond_scale.rows;
   recording.rows_left_out -= std::min(recording.rows_left_out, recording.rows_beyond_scale);
@@ -248,19 +265,12 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   FindStretches(rows, !columns.time.empty(), recording);
   using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   recording.counts = Eigen::Map<const Table>(rows.counts.data(), rows.count, columns.counts.size());
-  recording.angle_deg =
-      Eigen::Map<const Table>(rows.angle_deg.data(), rows.count, columns.angles.size());
   recording.resolution_counts = ResolutionOf(recording.counts);
   recording.still = SamplesOf(format.still, rows.time_s);
-  if (!poses.empty()) {
-    if (poses.back().start_s > rows.time_s.back()) {
-      throw UserError(
-          {.place = format.poses,
-           .problem = fmt::format("a pose begins at {} s, the recording ends at {:.6g} s",
-                                  poses.back().start_s, rows.time_s.back())});
-    }
-    recording.angle_deg = AnglesOf(poses, rows.time_s, columns.counts.size());
-  }
+  recording.angle_deg = poses.empty()
+                            ? Signal(Eigen::Map<const Table>(rows.angle_deg.data(), rows.count,
+                                                             columns.angles.size()))
+                            : AnglesOf(poses, rows.time_s, columns.counts.size(), format.poses);
   const Eigen::Index settle = std::lround(format.settle_ms * 1e-3 * recording.rate_hz);
   for (Eigen::Index c = 0; c < recording.angle_deg.cols(); ++c) {
     KeepSettledPoses(settle, recording.angle_deg.col(c));

@@ -22,33 +22,22 @@ bool RowClock::Add(double time) {
 }
 
 void RowClock::Count(double interval_s) {
-  if (usual_s_ == 0.0) {
+  if (rows_ <= kRowsForRate) {
     first_intervals_s_.push_back(interval_s);
-    if (rows_ < kRowsForRate) return;
     usual_s_ = controller::MedianOf(first_intervals_s_);
-    for (const double first_s : first_intervals_s_) {
-      if (!IsNear(first_s, usual_s_)) continue;
-      sum_s_ += first_s;
-      ++counted_;
-    }
-  } else if (IsNear(interval_s, usual_s_)) {
-    sum_s_ += interval_s;
-    ++counted_;
+    sum_s_ = counted_ = 0.0;
+    for (const double first_s : first_intervals_s_) CountUsual(first_s);
+  } else {
+    CountUsual(interval_s);
   }
 }
 
-double RowClock::RateHz() const {
-  if (counted_ > 0.0) return counted_ / sum_s_;
-  if (first_intervals_s_.empty()) return controller::kNaN;
-  const double usual_s = controller::MedianOf(first_intervals_s_);
-  double sum_s = 0.0;
-  double counted = 0.0;
-  for (const double interval_s : first_intervals_s_) {
-    if (!IsNear(interval_s, usual_s)) continue;
-    sum_s += interval_s;
-    ++counted;
-  }
-  return counted / sum_s;
+void RowClock::CountUsual(double interval_s) {
+  if (!IsNear(interval_s, usual_s_)) return;
+  sum_s_ += interval_s;
+  ++counted_;
 }
+
+double RowClock::RateHz() const { return counted_ > 0.0 ? counted_ / sum_s_ : controller::kNaN; }
 
 }  // namespace gauntlet::sim

@@ -25,12 +25,13 @@ class RowClock {
 
  private:
   void Count(double interval_s);
+  void CountUsual(double interval_s);
 
   double scale_s_;
   int rows_ = 0;
   double last_ = -std::numeric_limits<double>::infinity();
   std::vector<double> first_intervals_s_;
-  double usual_s_ = 0.0;  // the median of them, once there are enough
+  double usual_s_ = 0.0;  // the median of them
   double sum_s_ = 0.0;    // of intervals near it
   double counted_ = 0.0;  // how many
 };

@@ -1,18 +1,17 @@
 #include "sim/cli/slurm.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <system_error>
 
-#include "sim/base/child_process.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
@@ -35,39 +34,26 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-/// What a program says on both of its outputs, and how it ended.
+/// Both outputs of a program, and its end.
 struct Said {
-  ChildEnd end;
+  bool is_good = false;
   std::string text;
 
   std::string FirstLine() const { return Shown(text.substr(0, text.find('\n'))); }
-  bool is_good() const { return end.signal == 0 && end.exit_code == 0; }
 };
 
 /// Runs a program of Slurm, found along PATH. Errors: std::system_error without a process.
-Said Ask(std::vector<std::string> command) {
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-    throw std::system_error(errno, std::generic_category(), "pipe");
-  }
-  ChildProcess child([&] {
-    dup2(ends[1], STDOUT_FILENO);
-    dup2(ends[1], STDERR_FILENO);
-    std::vector<char*> arguments;
-    for (std::string& word : command) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    execvp(arguments[0], arguments.data());
-    _exit(127);
-  });
-  close(ends[1]);
+Said Ask(const std::vector<std::string>& command) {
+  std::string line;
+  for (const std::string& word : command) line += ShellWord(word) + " ";
+  std::FILE* const output = popen((line + "2>&1").c_str(), "re");
+  if (output == nullptr) throw std::system_error(errno, std::generic_category(), command.front());
   Said said;
   std::array<char, 4096> part{};
-  for (ssize_t got = 0; (got = read(ends[0], part.data(), part.size())) != 0;) {
-    if (got < 0 && errno != EINTR) break;
-    if (got > 0) said.text.append(part.data(), static_cast<std::size_t>(got));
+  while (const std::size_t got = std::fread(part.data(), 1, part.size(), output)) {
+    said.text.append(part.data(), got);
   }
-  close(ends[0]);
-  said.end = child.Wait().value_or(ChildEnd{.exit_code = 127});
+  said.is_good = pclose(output) == 0;
   return said;
 }
 
@@ -153,7 +139,7 @@ std::vector<int> QueuedShards(const SlurmArray& array) {
   for (std::string job; std::getline(jobs, job);) {
     const Said said = Ask({"squeue", "--noheader", "--array", "--format=%K", "--jobs=" + job});
     if (said.text.find("Invalid job id") != std::string::npos) continue;  // long gone
-    if (!said.is_good()) throw RunError("squeue: " + said.FirstLine());
+    if (!said.is_good) throw RunError("squeue: " + said.FirstLine());
     std::istringstream tasks(said.text);
     for (int task = 0; tasks >> task;) queued.push_back(task);
   }
@@ -168,7 +154,7 @@ std::string SubmitShards(const SlurmArray& array, const std::vector<int>& shards
   const fs::path script = array.folder / "sweep.sbatch";
   WriteOutputFile(script, SlurmScript(array, shards));
   const Said said = Ask({"sbatch", "--parsable", script.string()});
-  if (!said.is_good()) throw RunError("sbatch: " + said.FirstLine());
+  if (!said.is_good) throw RunError("sbatch: " + said.FirstLine());
   std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
   WriteOutputFile(array.folder / "jobs.txt", ReadText(array.folder / "jobs.txt") + job + "\n");
   return job;

@@ -125,10 +125,22 @@ void StreamTable::TakeMap(std::string_view line, const std::string& map,
                                           .header = has_header ? NamesOf(cells) : no_header,
                                           .count = columns_});
   time_ = columns.time;
+  const std::vector<std::string> names = TakeChannels(columns);
+  KeepAsked(names, asked);
+  if (!has_header) return;
+  for (const OutputCell& cell : output_) {
+    if (&cell != output_.data()) header_.push_back(separator_);
+    header_ +=
+        cell.channel ? names[*cell.channel] + "_deg" : std::string(Trimmed(cells[cell.column]));
+  }
+  header_.push_back('\n');
+}
+
+std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
   const RecordingFormat nominal;
-  std::vector<std::vector<Part>> parts(KnownChannels().size());
+  std::vector<StreamChannel> parts(KnownChannels().size());
   std::vector<bool> passes(columns_, true);
-  for (const ColumnMapping& mapping : columns.channels) {
+  for (const ColumnMapping& mapping : map.channels) {
     const AngleScale scale = ScaleOf(mapping, nominal.low_counts, nominal.high_counts);
     parts[mapping.channel].push_back({.column = mapping.column,
                                       .factor = scale.factor * kDegPerRad,
@@ -137,11 +149,8 @@ void StreamTable::TakeMap(std::string_view line, const std::string& map,
   }
   std::vector<std::string> names;
   for (std::size_t column = 0; column < columns_; ++column) {
-    if (passes[column]) {
-      output_.push_back({.column = column});
-      continue;
-    }
-    for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (passes[column]) output_.push_back({.column = column});
+    for (std::size_t i = 0; !passes[column] && i < parts.size(); ++i) {
       if (parts[i].empty()) continue;
       if (std::ranges::min(parts[i], {}, &Part::column).column != column) continue;
       output_.push_back({.column = column, .channel = channels_.size()});
@@ -149,6 +158,11 @@ void StreamTable::TakeMap(std::string_view line, const std::string& map,
       channels_.push_back(parts[i]);
     }
   }
+  return names;
+}
+
+void StreamTable::KeepAsked(const std::vector<std::string>& names,
+                            const std::vector<std::string>& asked) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (asked.empty() || std::ranges::find(asked, names[i]) != asked.end()) filtered_.push_back(i);
   }
@@ -158,13 +172,6 @@ void StreamTable::TakeMap(std::string_view line, const std::string& map,
                      .problem = fmt::format("the map names no channel {}{}", Shown(one),
                                             Suggestion(one, names))});
   }
-  if (!has_header) return;
-  for (const OutputCell& cell : output_) {
-    if (&cell != output_.data()) header_.push_back(separator_);
-    header_ +=
-        cell.channel ? names[*cell.channel] + "_deg" : std::string(Trimmed(cells[cell.column]));
-  }
-  header_.push_back('\n');
 }
 
 void StreamTable::Read(std::string_view line, std::size_t row) {

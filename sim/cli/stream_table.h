@@ -66,6 +66,9 @@ class StreamTable {
   void TakeColumns(std::string_view line, const std::vector<std::string>& asked);
   void TakeMap(std::string_view line, const std::string& map,
                const std::vector<std::string>& asked);
+  /// The channels of a map and the columns that pass through; returns the names of the channels.
+  std::vector<std::string> TakeChannels(const ColumnMap& map);
+  void KeepAsked(const std::vector<std::string>& names, const std::vector<std::string>& asked);
   void TakeTime(std::size_t column, double scale_s);
   void TakeChannel(std::size_t column);
   std::string Plain(std::string_view field) const;

@@ -108,6 +108,58 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   }
 }
 
+/// The scenario with the controllers that are asked for. Fills in the number of seeds.
+Scenario ReadScenario(const ScenarioSource& source, StudyCommand& options) {
+  Scenario scenario = ParseScenario(source);
+  if (const std::string lost = KeepControllers(options.controllers, scenario); !lost.empty()) {
+    Say("gauntlet: the baseline {} is not among --controllers: the rule for scenarios that name "
+        "none decides\n",
+        lost);
+  }
+  if (options.seeds == 0) {
+    constexpr int kFewest = 8;
+    options.seeds = std::max(kFewest, static_cast<int>(scenario.repetitions.gloves.size()));
+  }
+  return scenario;
+}
+
+void WarnOf(const Study& study) {
+  WarnIfMadeElsewhere(study.scenario.made_with, *study.hand, "the run may differ");
+  WarnIfOtherMathematics(study.scenario.made_with);
+  WarnIfFilesChanged(study.scenario);
+  for (const std::string& remark : study.remarks) Say("gauntlet: {}\n", remark);
+}
+
+/// Runs the trials and computes all that the files contain. Returns what study.db lacks, if
+/// anything.
+std::optional<std::string> Compute(const StudyCommand& options, FinishedStudy& finished) {
+  std::optional<std::string> not_kept;
+  finished.result = RunTrials(finished.study, options, finished.folder, not_kept);
+  finished.summary = Summarise(finished.study, finished.result);
+  if (options.comparison) {
+    finished.ceilings =
+        MeasurePredictionCeilings(finished.study, finished.result,
+                                  [](const std::string& line) { Say("gauntlet: {}\n", line); });
+  }
+  finished.smoothing = RankBySmoothing(finished.study, finished.result);
+  return not_kept;
+}
+
+void DrawVideo(const StudyCommand& options, const std::filesystem::path& folder) {
+  Progress progress("video");
+  RenderOptions video;
+  video.folder = folder;
+  video.jobs = JobsOrCores(options.jobs);
+  RenderFolder(video, [&progress](int done, int total) { return progress.Update(done, total); });
+}
+
+void SayWritten(const StudyCommand& options, const std::filesystem::path& folder) {
+  Say("wrote {}: report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml, "
+      "manifest.json{}{}{}\n",
+      folder.string(), options.csv ? ", trace.<controller>.csv" : "",
+      options.comparison ? ", study.db" : "", options.video ? ", comparison.mp4" : "");
+}
+
 }  // namespace
 
 const NamedController& FindController(const Scenario& scenario, const std::string& name) {
@@ -150,28 +202,13 @@ void RunStudyCommand(const StudyCommand& asked) {
   const ScenarioSource source{.file = options.scenario_file,
                               .text = ReadYamlText(options.scenario_file),
                               .overrides = options.overrides};
-  Scenario scenario = ParseScenario(source);
-  if (const std::string lost = KeepControllers(options.controllers, scenario); !lost.empty()) {
-    Say("gauntlet: the baseline {} is not among --controllers: the rule for scenarios that name "
-        "none decides\n",
-        lost);
-  }
-  if (options.seeds == 0) {
-    constexpr int kFewest = 8;
-    options.seeds = std::max(kFewest, static_cast<int>(scenario.repetitions.gloves.size()));
-  }
+  Scenario scenario = ReadScenario(source, options);
   FinishedStudy finished;
   finished.comparison = options.comparison;
   const std::string out = OutputOf(options, scenario.name);
   SetSignalFolder(out);
   finished.study = Prepare(source, std::move(scenario));
-  WarnIfMadeElsewhere(finished.study.scenario.made_with, *finished.study.hand,
-                      "the run may differ");
-  WarnIfOtherMathematics(finished.study.scenario.made_with);
-  WarnIfFilesChanged(finished.study.scenario);
-  for (const std::string& remark : finished.study.remarks) {
-    Say("gauntlet: {}\n", remark);
-  }
+  WarnOf(finished.study);
   if (options.video) CheckVideo(finished.study.scenario.controllers.size(), VideoOf(out));
   OutputFolder folder(out);
   finished.folder = folder.path();
@@ -179,16 +216,7 @@ void RunStudyCommand(const StudyCommand& asked) {
                      .command = "run or compare",
                      .results = {"report.html", "scores.json", "scores.csv", "trace.h5",
                                  "scenario.resolved.yaml"}});
-
-  std::optional<std::string> not_kept;
-  finished.result = RunTrials(finished.study, options, folder.path(), not_kept);
-  finished.summary = Summarise(finished.study, finished.result);
-  if (options.comparison) {
-    finished.ceilings =
-        MeasurePredictionCeilings(finished.study, finished.result,
-                                  [](const std::string& line) { Say("gauntlet: {}\n", line); });
-  }
-  finished.smoothing = RankBySmoothing(finished.study, finished.result);
+  const std::optional<std::string> not_kept = Compute(options, finished);
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, finished, options.csv);
     WriteOutputFile(
@@ -198,31 +226,15 @@ void RunStudyCommand(const StudyCommand& asked) {
   });
   files.Commit();
   folder.Keep();
-  if (options.json) {
-    PrintText(ScoresJson(finished));
-  } else {
-    PrintText(TextOf(ScoreText(finished), StyleOf(options.terminal)));
-  }
+  PrintText(options.json ? ScoresJson(finished)
+                         : TextOf(ScoreText(finished), StyleOf(options.terminal)));
   FlushOutput();
-  std::string written =
-      "report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml, manifest.json";
-  if (options.csv) written += ", trace.<controller>.csv";
-  if (options.comparison) written += ", study.db";
-  if (options.video) {
-    Progress progress("video");
-    RenderOptions video;
-    video.folder = folder.path();
-    video.jobs = JobsOrCores(options.jobs);
-    RenderFolder(video, [&progress](int done, int total) { return progress.Update(done, total); });
-    written += ", comparison.mp4";
-  }
-  Say("wrote {}: {}\n", folder.path().string(), written);
+  if (options.video) DrawVideo(options, folder.path());
+  SayWritten(options, folder.path());
   const std::vector<std::string> failures =
       Failures(finished.summary, finished.result.seeds.size());
-  if (!failures.empty()) {
-    if (not_kept) Say("gauntlet: {}\n", *not_kept);
-    throw RunError(failures.front());
-  }
+  if (!failures.empty() && not_kept) Say("gauntlet: {}\n", *not_kept);
+  if (!failures.empty()) throw RunError(failures.front());
   if (not_kept) throw RunError(*not_kept);
 }
 

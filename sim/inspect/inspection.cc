@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -53,14 +54,22 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
   return statistics;
 }
 
-/// Takes over the guessed time columns if their time advances.
-void TakeTime(const TimeGuess& guess, const TimeStatistics& time, Inspection& inspection) {
+/// Takes over the guessed time columns if their time advances. Otherwise the rate is the given one
+/// (0: none), or an assumption.
+void TakeTime(const TimeGuess& guess, const TimeStatistics& time, double given_rate_hz,
+              Inspection& inspection) {
   inspection.has_time = !guess.parts.empty() && std::isfinite(time.rate_hz);
   inspection.rate_is_known = inspection.has_time;
   inspection.time_why = guess.parts.empty() || inspection.has_time
                             ? guess.why
                             : "its column has no two rows at different times";
-  if (!inspection.has_time) return;
+  if (!inspection.has_time) {
+    constexpr double kAssumedRateHz = 50.0;
+    inspection.rate_is_known = given_rate_hz > 0.0;
+    inspection.time.rate_hz = inspection.rate_is_known ? given_rate_hz : kAssumedRateHz;
+    inspection.time.duration_s = static_cast<double>(inspection.rows) / inspection.time.rate_hz;
+    return;
+  }
   inspection.time = time;
   for (const TimePart& part : guess.parts) {
     inspection.columns.at(part.column).time_unit = part.unit;
@@ -97,30 +106,21 @@ std::vector<std::size_t> FindSensors(Inspection& inspection) {
   return sensors;
 }
 
-/// Common range of all sensors, without the rarest values.
-struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  bool is_whole = true;
-};
-
+/// The unit that more than half of the names have.
 RawUnit UnitByNames(const std::vector<std::size_t>& sensors, const Inspection& inspection) {
-  std::size_t degrees = 0, radians = 0, volts = 0, counts = 0;
-  for (const std::size_t c : sensors) {
-    const std::vector<std::string> words = WordsOf(inspection.columns[c].name);
-    const auto has = [&words](std::initializer_list<const char*> any) {
-      return std::ranges::any_of(
-          any, [&](const char* word) { return std::ranges::find(words, word) != words.end(); });
+  constexpr std::array<Meaning, 4> kUnitNames = {{{"deg", "deg degree degrees"},
+                                                  {"rad", "rad radian radians"},
+                                                  {"volts", "v volt volts voltage"},
+                                                  {"counts", "counts count adc raw"}}};
+  for (const RawUnit unit :
+       {RawUnit::kDegrees, RawUnit::kRadians, RawUnit::kVolts, RawUnit::kCounts}) {
+    const auto is_named = [&](std::size_t c) {
+      return std::ranges::any_of(WordsOf(inspection.columns[c].name), [&](const std::string& word) {
+        return MeaningOf(kUnitNames, word) == NameOf(unit);
+      });
     };
-    degrees += has({"deg", "degree", "degrees"}) ? 1 : 0;
-    radians += has({"rad", "radian", "radians"}) ? 1 : 0;
-    volts += has({"v", "volt", "volts", "voltage"}) ? 1 : 0;
-    counts += has({"counts", "count", "adc", "raw"}) ? 1 : 0;
+    if (2 * std::ranges::count_if(sensors, is_named) > std::ssize(sensors)) return unit;
   }
-  if (2 * degrees > sensors.size()) return RawUnit::kDegrees;
-  if (2 * radians > sensors.size()) return RawUnit::kRadians;
-  if (2 * volts > sensors.size()) return RawUnit::kVolts;
-  if (2 * counts > sensors.size()) return RawUnit::kCounts;
   return RawUnit::kUnknown;
 }
 
@@ -131,47 +131,61 @@ int BitsFor(double high) {
   return 32;
 }
 
-/// Guesses one unit for all sensors: a glove has only one.
-void GuessUnit(const std::vector<std::size_t>& sensors, Inspection& inspection) {
-  Range range;
-  std::size_t around_zero = 0;  // columns with both signs, or with values near zero
+/// Common range of all sensors, without the rarest values.
+struct CommonRange {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  bool is_whole = true;
+  bool is_near_zero = false;  // most columns have both signs, or values near zero
+  double reach = 0.0;         // largest magnitude
+};
+
+CommonRange RangeOf(const std::vector<std::size_t>& sensors, const Inspection& inspection) {
+  CommonRange range;
+  std::size_t near_zero = 0;
   for (const std::size_t c : sensors) {
     const ColumnStatistics& column = inspection.columns[c].statistics;
     range.low = std::min(range.low, column.usual_low);
     range.high = std::max(range.high, column.usual_high);
     range.is_whole = range.is_whole && column.is_whole;
     const double reach = std::max(std::abs(column.usual_low), std::abs(column.usual_high));
-    around_zero += column.usual_low < 0.1 * reach ? 1 : 0;
+    near_zero += column.usual_low < 0.1 * reach ? 1 : 0;
   }
-  const double reach = std::max(std::abs(range.low), std::abs(range.high));
-  const bool near_zero = 2 * around_zero > sensors.size();
-  const std::string numbers =
-      fmt::format("{} from {:.4g} to {:.4g}", range.is_whole ? "whole numbers" : "numbers",
-                  range.low, range.high);
-  const auto is = [&](RawUnit unit, std::string_view why) {
-    inspection.unit = unit;
-    inspection.unit_why = numbers + std::string(why);
-  };
-  if (const RawUnit named = UnitByNames(sensors, inspection); named != RawUnit::kUnknown) {
-    is(named, ", and the names say so");
-  } else if (range.is_whole && reach > 1.0 &&
-             (reach > 180.0 || (range.low > 20.0 && reach > 100.0))) {
-    is(RawUnit::kCounts, ", more than an angle has");
-  } else if (range.is_whole && reach > 4.0) {
-    is(RawUnit::kDegrees, ", as many as a joint has degrees");
-  } else if (range.low >= -0.01 && range.high <= 1.01) {
-    is(RawUnit::kShare, ", within 0 and 1");
-  } else if (range.low >= -0.01 && range.high <= 5.3 && !near_zero) {
-    is(RawUnit::kVolts, ", away from zero as a voltage divider is");
-  } else if (reach <= std::numbers::pi) {
-    is(RawUnit::kRadians, ", no more than half a turn in radians");
-  } else if (range.low >= -0.01 && range.high <= 5.3) {
-    is(RawUnit::kVolts, ", more than radians, less than degrees");
-  } else if (reach <= 200.0) {
-    is(RawUnit::kDegrees, ", what joints have in degrees");
-  } else {
-    is(RawUnit::kCounts, ", beyond what an angle has");
-  }
+  range.is_near_zero = 2 * near_zero > sensors.size();
+  range.reach = std::max(std::abs(range.low), std::abs(range.high));
+  return range;
+}
+
+struct UnitGuess {
+  bool fits;
+  RawUnit unit;
+  std::string_view why;
+};
+
+/// Guesses one unit for all sensors: a glove has only one. The first guess that fits counts.
+void GuessUnit(const std::vector<std::size_t>& sensors, Inspection& inspection) {
+  constexpr double kMostVolts = 5.3;  // a supply of 5 V and its tolerance
+  const CommonRange range = RangeOf(sensors, inspection);
+  const RawUnit named = UnitByNames(sensors, inspection);
+  const bool is_count = range.reach > 180.0 || (range.low > 20.0 && range.reach > 100.0);
+  const bool is_voltage = range.low >= -0.01 && range.high <= kMostVolts;
+  const bool is_share = range.low >= -0.01 && range.high <= 1.01;
+  const UnitGuess guesses[] = {
+      {named != RawUnit::kUnknown, named, ", and the names say so"},
+      {range.is_whole && is_count, RawUnit::kCounts, ", more than an angle has"},
+      {range.is_whole && range.reach > 4.0, RawUnit::kDegrees, ", as many as a joint has degrees"},
+      {is_share, RawUnit::kShare, ", within 0 and 1"},
+      {is_voltage && !range.is_near_zero, RawUnit::kVolts,
+       ", away from zero as a voltage divider is"},
+      {range.reach <= std::numbers::pi, RawUnit::kRadians, ", no more than half a turn in radians"},
+      {is_voltage, RawUnit::kVolts, ", more than radians, less than degrees"},
+      {range.reach <= 200.0, RawUnit::kDegrees, ", what joints have in degrees"},
+      {true, RawUnit::kCounts, ", beyond what an angle has"}};
+  const UnitGuess& guess = *std::ranges::find(guesses, true, &UnitGuess::fits);
+  inspection.unit = guess.unit;
+  inspection.unit_why =
+      fmt::format("{} from {:.4g} to {:.4g}{}", range.is_whole ? "whole numbers" : "numbers",
+                  range.low, range.high, guess.why);
   if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(range.high);
 }
 
@@ -192,20 +206,10 @@ std::vector<std::string> ChannelsOfPreset(const std::string& preset) {
 
 /// The preset with this number of sensors; empty if there is none.
 std::string PresetFor(std::size_t sensors) {
-  switch (sensors) {
-    case 5:
-      return "flex5";
-    case 14:
-      return "5dt14";
-    case 18:
-      return "cyberglove18";
-    case 20:
-      return "manus20";
-    case 22:
-      return "cyberglove22";
-    default:
-      return "";
-  }
+  static const std::map<std::size_t, std::string> kPresets = {
+      {5, "flex5"}, {14, "5dt14"}, {18, "cyberglove18"}, {20, "manus20"}, {22, "cyberglove22"}};
+  const auto found = kPresets.find(sensors);
+  return found == kPresets.end() ? "" : found->second;
 }
 
 void GuessChannels(const std::vector<std::size_t>& sensors, const std::string& asked,
@@ -218,12 +222,8 @@ void GuessChannels(const std::vector<std::size_t>& sensors, const std::string& a
   const bool are_named = std::ranges::any_of(channels, is_named);
   if (!asked.empty() || !are_named) {
     const std::string preset = asked.empty() ? PresetFor(sensors.size()) : asked;
-    std::vector<std::string> order;
-    if (preset.empty()) {
-      order = GloveChannelNames();
-    } else {
-      order = ChannelsOfPreset(preset);
-    }
+    const std::vector<std::string> order =
+        preset.empty() ? GloveChannelNames() : ChannelsOfPreset(preset);
     for (std::size_t i = 0; i < sensors.size(); ++i) {
       channels[i] = i < order.size() ? order[i] : "";
       why[i] = preset.empty() ? "in the order of gauntlet list channels (assumption)"
@@ -273,21 +273,9 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
 }  // namespace
 
 std::string_view NameOf(RawUnit unit) {
-  switch (unit) {
-    case RawUnit::kCounts:
-      return "counts";
-    case RawUnit::kShare:
-      return "share";
-    case RawUnit::kDegrees:
-      return "deg";
-    case RawUnit::kRadians:
-      return "rad";
-    case RawUnit::kVolts:
-      return "volts";
-    case RawUnit::kUnknown:
-      break;
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, 6> kNames = {"counts", "share", "deg",
+                                                      "rad",    "volts", "unknown"};
+  return kNames[static_cast<std::size_t>(unit)];
 }
 
 std::vector<std::size_t> Inspection::MappedColumns() const {
@@ -326,13 +314,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
       inspection.columns[c].statistics = statistics.Column(c);
     }
   }
-  TakeTime(time, statistics.Time(), inspection);
-  if (!inspection.has_time) {
-    constexpr double kAssumedRateHz = 50.0;
-    inspection.rate_is_known = options.rate_hz > 0.0;
-    inspection.time.rate_hz = inspection.rate_is_known ? options.rate_hz : kAssumedRateHz;
-    inspection.time.duration_s = static_cast<double>(inspection.rows) / inspection.time.rate_hz;
-  }
+  TakeTime(time, statistics.Time(), options.rate_hz, inspection);
   KeepPicture(statistics, inspection);
   const std::vector<std::size_t> sensors = FindSensors(inspection);
   if (sensors.empty()) return inspection;

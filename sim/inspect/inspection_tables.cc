@@ -8,6 +8,43 @@
 
 namespace gauntlet::sim {
 
+namespace {
+
+ResultRow RowOf(const InspectedColumn& column, std::size_t number) {
+  const auto text_if_any = [](const std::string& text) {
+    return text.empty() ? ResultCell() : ResultCell(text);
+  };
+  const auto shown = [](double value, std::string text) {
+    return ResultCell({value}, std::move(text));
+  };
+  const ColumnStatistics& is = column.statistics;
+  const bool is_time = !column.time_unit.empty();
+  ResultRow row = {ResultCell::Text(fmt::to_string(number)),
+                   ResultCell::Text(OneLine(column.name, 20)),
+                   ResultCell(OneLine(column.name)),
+                   text_if_any(column.time_unit),
+                   text_if_any(column.channel),
+                   ResultCell::Text(is_time                  ? "time, " + column.time_unit
+                                    : column.channel.empty() ? "-"
+                                                             : column.channel)};
+  if (column.kind == CellKind::kNumber && is.good_rows > 0) {
+    row.insert(row.end(),
+               {shown(is.low, fmt::format("{:.5g}", is.low)),
+                shown(is.high, fmt::format("{:.5g}", is.high)),
+                shown(is.step, fmt::format("{:.3g}", is.step)),
+                shown(is.noise, fmt::format("{:.3g}", is.noise)),
+                shown(is.still_share, fmt::format("{:.0f} %", 100.0 * is.still_share)),
+                shown(is.clipped_share, fmt::format("{:.0f} %", 100.0 * is.clipped_share)),
+                ResultCell(static_cast<std::int64_t>(is.longest_still_rows))});
+  } else {
+    row.resize(row.size() + 7);
+  }
+  row.push_back({{OneLine(column.why)}, is_time ? "" : OneLine(column.why)});
+  return row;
+}
+
+}  // namespace
+
 ResultTable ColumnsTable(const Inspection& inspection) {
   ResultTable table{.columns = {ForPeople("#"),
                                 ForPeople("column"),
@@ -25,37 +62,8 @@ ResultTable ColumnsTable(const Inspection& inspection) {
                                 ResultColumn("why", "why").Words()},
                     .rows = {},
                     .names = 2};
-  const auto text_if_any = [](const std::string& text) {
-    return text.empty() ? ResultCell() : ResultCell(text);
-  };
-  const auto shown = [](double value, std::string text) {
-    return ResultCell({value}, std::move(text));
-  };
   for (const InspectedColumn& column : inspection.columns) {
-    const ColumnStatistics& is = column.statistics;
-    const bool is_time = !column.time_unit.empty();
-    ResultRow& row = table.rows.emplace_back();
-    row = {ResultCell::Text(fmt::to_string(table.rows.size())),
-           ResultCell::Text(OneLine(column.name, 20)),
-           ResultCell(OneLine(column.name)),
-           text_if_any(column.time_unit),
-           text_if_any(column.channel),
-           ResultCell::Text(is_time                  ? "time, " + column.time_unit
-                            : column.channel.empty() ? "-"
-                                                     : column.channel)};
-    if (column.kind == CellKind::kNumber && is.good_rows > 0) {
-      row.insert(row.end(),
-                 {shown(is.low, fmt::format("{:.5g}", is.low)),
-                  shown(is.high, fmt::format("{:.5g}", is.high)),
-                  shown(is.step, fmt::format("{:.3g}", is.step)),
-                  shown(is.noise, fmt::format("{:.3g}", is.noise)),
-                  shown(is.still_share, fmt::format("{:.0f} %", 100.0 * is.still_share)),
-                  shown(is.clipped_share, fmt::format("{:.0f} %", 100.0 * is.clipped_share)),
-                  ResultCell(static_cast<std::int64_t>(is.longest_still_rows))});
-    } else {
-      row.resize(row.size() + 7);
-    }
-    row.push_back({{OneLine(column.why)}, is_time ? "" : OneLine(column.why)});
+    table.rows.push_back(RowOf(column, table.rows.size() + 1));
   }
   return table;
 }
@@ -91,16 +99,9 @@ std::string InspectionJson(const Inspection& inspection) {
 }
 
 std::string SeparatorText(char separator) {
-  switch (separator) {
-    case '\t':
-      return "tab";
-    case ' ':
-      return "blanks";
-    case ';':
-      return "semicolon";
-    default:
-      return "comma";
-  }
+  if (separator == '\t') return "tab";
+  if (separator == ' ') return "blanks";
+  return separator == ';' ? "semicolon" : "comma";
 }
 
 }  // namespace gauntlet::sim

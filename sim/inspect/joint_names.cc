@@ -9,81 +9,44 @@
 #include <utility>
 
 #include "sim/base/channels.h"
+#include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
 
 using Words = std::vector<std::string>;
 
-struct Meaning {
-  std::string_view word;
-  std::string_view means;
-};
+constexpr std::array<Meaning, 5> kFingers = {
+    {{"thumb", "thumb th thm thj"},
+     {"index", "index fore forefinger pointer if ff ffj idx"},
+     {"middle", "middle mid mf mfj"},
+     {"ring", "ring rf rfj"},
+     {"little", "little pinky pinkie pink small lf lfj"}}};
 
-constexpr std::array<Meaning, 26> kFingers = {
-    {{"thumb", "thumb"},   {"th", "thumb"},      {"thm", "thumb"},        {"thj", "thumb"},
-     {"index", "index"},   {"fore", "index"},    {"forefinger", "index"}, {"pointer", "index"},
-     {"if", "index"},      {"ff", "index"},      {"ffj", "index"},        {"idx", "index"},
-     {"middle", "middle"}, {"mid", "middle"},    {"mf", "middle"},        {"mfj", "middle"},
-     {"ring", "ring"},     {"rf", "ring"},       {"rfj", "ring"},         {"little", "little"},
-     {"pinky", "little"},  {"pinkie", "little"}, {"small", "little"},     {"lf", "little"},
-     {"lfj", "little"},    {"pink", "little"}}};
+constexpr std::array<Meaning, 5> kJoints = {{{"mcp", "mcp mpj knuckle proximal inner near"},
+                                             {"pip", "pip pij intermediate"},
+                                             {"ip", "ip"},
+                                             {"dip", "dip dij distal outer far tip"},
+                                             {"rotation", "cmc tmc roll rotation rot opposition"}}};
 
-constexpr std::array<Meaning, 22> kJoints = {{{"mcp", "mcp"},          {"mpj", "mcp"},
-                                              {"knuckle", "mcp"},      {"proximal", "mcp"},
-                                              {"inner", "mcp"},        {"near", "mcp"},
-                                              {"pip", "pip"},          {"pij", "pip"},
-                                              {"intermediate", "pip"}, {"ip", "ip"},
-                                              {"dip", "dip"},          {"dij", "dip"},
-                                              {"distal", "dip"},       {"outer", "dip"},
-                                              {"far", "dip"},          {"tip", "dip"},
-                                              {"cmc", "rotation"},     {"tmc", "rotation"},
-                                              {"roll", "rotation"},    {"rotation", "rotation"},
-                                              {"rot", "rotation"},     {"opposition", "rotation"}}};
+constexpr std::array<Meaning, 1> kSpreads = {
+    {{"spread", "abd abduction adduction abducted spread splay aa"}}};
 
-constexpr std::array<std::string_view, 7> kSpreads = {
-    "abd", "abduction", "adduction", "abducted", "spread", "splay", "aa"};
-
-constexpr std::array<Meaning, 34> kOthers = {{{"quat", "a quaternion"},
-                                              {"quaternion", "a quaternion"},
-                                              {"qw", "a quaternion"},
-                                              {"qx", "a quaternion"},
-                                              {"qy", "a quaternion"},
-                                              {"qz", "a quaternion"},
-                                              {"acc", "an acceleration"},
-                                              {"accel", "an acceleration"},
-                                              {"acceleration", "an acceleration"},
-                                              {"ax", "an acceleration"},
-                                              {"ay", "an acceleration"},
-                                              {"az", "an acceleration"},
-                                              {"gyr", "a rate of turn"},
-                                              {"gyro", "a rate of turn"},
-                                              {"gx", "a rate of turn"},
-                                              {"gy", "a rate of turn"},
-                                              {"gz", "a rate of turn"},
-                                              {"mag", "a magnetic field"},
-                                              {"imu", "of the motion sensor"},
-                                              {"pitch", "an orientation"},
-                                              {"yaw", "an orientation"},
-                                              {"temp", "a temperature"},
-                                              {"temperature", "a temperature"},
-                                              {"battery", "the battery"},
-                                              {"pressure", "a pressure"},
-                                              {"force", "a force"},
-                                              {"emg", "a muscle's signal"},
-                                              {"label", "a label"},
-                                              {"gesture", "a label"},
-                                              {"class", "a label"},
-                                              {"trial", "a label"},
-                                              {"subject", "a label"},
-                                              {"id", "a number of something"},
-                                              {"pos", "a position"}}};
-
-template <std::size_t kSize>
-std::string_view MeaningOf(const std::array<Meaning, kSize>& list, std::string_view word) {
-  const auto found = std::ranges::find(list, word, &Meaning::word);
-  return found == list.end() ? std::string_view() : found->means;
-}
+constexpr std::array<Meaning, 14> kOthers = {
+    {{"a quaternion", "quat quaternion qw qx qy qz"},
+     {"an acceleration", "acc accel acceleration ax ay az"},
+     {"a rate of turn", "gyr gyro gx gy gz"},
+     {"a magnetic field", "mag"},
+     {"of the motion sensor", "imu"},
+     {"an orientation", "pitch yaw"},
+     {"a temperature", "temp temperature"},
+     {"the battery", "battery"},
+     {"a pressure", "pressure"},
+     {"a force", "force"},
+     {"a muscle's signal", "emg"},
+     {"a label", "label gesture class trial subject"},
+     {"a number of something", "id"},
+     {"a position", "pos"}}};
 
 bool Has(const Words& words, std::string_view word) {
   return std::ranges::find(words, word) != words.end();
@@ -130,6 +93,12 @@ std::vector<std::string> ChannelsOfFinger(const std::string& finger, std::size_t
 
 }  // namespace
 
+std::string_view MeaningOf(std::span<const Meaning> list, std::string_view word) {
+  const auto found = std::ranges::find_if(
+      list, [word](const Meaning& meaning) { return IsWordOf(meaning.words, word); });
+  return found == list.end() ? "" : found->means;
+}
+
 std::vector<std::string> WordsOf(std::string_view name) {
   enum class Kind { kNone, kUpper, kLower, kDigit };
   Words words;
@@ -169,7 +138,7 @@ NamedSensor ReadSensorName(std::string_view name) {
     if (const std::string_view joint = MeaningOf(kJoints, word); !joint.empty()) {
       sensor.joint = joint;
     }
-    sensor.is_spread = sensor.is_spread || std::ranges::find(kSpreads, word) != kSpreads.end();
+    sensor.is_spread = sensor.is_spread || !MeaningOf(kSpreads, word).empty();
   }
   if (sensor.finger.empty()) {
     if (sensor.is_spread) sensor.channel = "finger_spread";

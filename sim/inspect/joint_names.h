@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +14,14 @@ struct NamedSensor {
   bool is_spread = false;    // measures the angle between fingers
   std::string channel = {};  // channel of both; empty: needs the other columns
 };
+
+/// A meaning, and the words that have it, with blanks between them.
+struct Meaning {
+  std::string_view means;
+  std::string_view words;
+};
+/// The meaning of a word; empty if the list has none.
+std::string_view MeaningOf(std::span<const Meaning> list, std::string_view word);
 
 /// Words of a name in lower case: `IndexPIP_deg2` is index, pip, deg, 2.
 std::vector<std::string> WordsOf(std::string_view name);

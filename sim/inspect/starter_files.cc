@@ -1,6 +1,7 @@
 #include "sim/inspect/starter_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -112,6 +113,61 @@ std::string YamlText(const std::string& text) {
   return quoted + "\"";
 }
 
+/// Rate of the scenario's glove: that of the recording, within the limits of a glove.
+double GloveRateHz(const Inspection& inspection) {
+  return std::clamp(inspection.time.rate_hz, 10.0, 1000.0);
+}
+
+/// The mapped channels in the order of the hand's.
+std::vector<std::string> MappedChannels(const Inspection& inspection) {
+  std::vector<std::string> names;
+  for (const Channel& channel : KnownChannels()) {
+    for (const std::size_t c : inspection.MappedColumns()) {
+      if (inspection.columns[c].channel == channel.name) names.emplace_back(channel.name);
+    }
+  }
+  return names;
+}
+
+/// Settings of the motion that depend on what was found in the recording.
+std::string MotionSettings(const Inspection& inspection, double glove_hz) {
+  constexpr double kLongest_s = 30.0;
+  constexpr double kSmoothingHz = 5.0;
+  constexpr double kShortestGap_ms = 100.0;
+  constexpr double kLongestGap_ms = 1e7;  // upper limit of the setting
+  const TimeStatistics& time = inspection.time;
+  std::string text;
+  const auto add = [&text](std::string_view key, const std::string& value,
+                           std::string_view remark = "") {
+    text += fmt::format("    {}: {}{}{}\n", key, value, remark.empty() ? "" : "  # ", remark);
+  };
+  if (!inspection.array.empty()) add("array", YamlText(inspection.array));
+  if (const int lines = inspection.layout.skipped_lines; lines > 0) {
+    add("skip_lines", std::to_string(lines));
+  }
+  if (!inspection.has_time) {
+    add("file_rate_hz", fmt::format("{:.6g}", time.rate_hz),
+        inspection.rate_is_known ? "" : "an assumption: the file has no time");
+  }
+  add("use", "measured");
+  add("problems", "repair");
+  // A gap must exceed the file's own jitter.
+  const double gap_ms =
+      std::clamp(std::max(3e3 / time.rate_hz, 2.0 * time.long_ms), kShortestGap_ms, kLongestGap_ms);
+  if (gap_ms > kShortestGap_ms) add("longest_gap_ms", fmt::format("{:.4g}", gap_ms));
+  const double odd_rows = static_cast<double>(time.repeats + time.restarts + time.gaps);
+  if (odd_rows > 0.04 * static_cast<double>(inspection.rows)) {
+    add("repair_budget_percent", "100", "many times repeat, or are out of order");
+  } else if (LeavesItsJoint(inspection)) {
+    add("repair_budget_percent", "100", "angles far beyond their joints' ranges: see the map");
+  }
+  if (time.duration_s > kLongest_s) {
+    add("duration_s", fmt::format("{:g}", kLongest_s), fmt::format("of {:.5g}", time.duration_s));
+  }
+  if (glove_hz < 5.0 * kSmoothingHz) add("smoothing_hz", fmt::format("{:.3g}", 0.2 * glove_hz));
+  return text;
+}
+
 }  // namespace
 
 std::string StarterMap(const Inspection& inspection) {
@@ -148,20 +204,11 @@ std::string StarterMap(const Inspection& inspection) {
 
 std::string StarterScenario(const Inspection& inspection, const std::string& recording,
                             const std::string& map) {
-  constexpr double kLongest_s = 30.0;
-  constexpr double kLowestRateHz = 10.0;
-  constexpr double kHighestRateHz = 1000.0;
-  const double rate_hz = inspection.time.rate_hz;
-  const double glove_hz = std::clamp(rate_hz, kLowestRateHz, kHighestRateHz);
-  std::string channels;
-  std::vector<std::string> names;
-  for (const Channel& channel : KnownChannels()) {
-    for (const std::size_t c : inspection.MappedColumns()) {
-      if (inspection.columns[c].channel == channel.name) names.emplace_back(channel.name);
-    }
-  }
-  for (const std::string& name : names) channels += (channels.empty() ? "" : ", ") + name;
-  std::string text = fmt::format(
+  const double glove_hz = GloveRateHz(inspection);
+  const std::vector<std::string> channels = MappedChannels(inspection);
+  const bool has_index_pip = std::ranges::find(channels, "index_pip") != channels.end();
+  constexpr double kMean_s = 0.08;
+  return fmt::format(
       "# Made by gauntlet inspect. Nobody knows the wearer's true motion: scores compare with the "
       "recording\n# smoothed without delay, and say so.\n"
       "question: Which filter calms this glove?\n"
@@ -172,44 +219,8 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
       "  motion:\n"
       "    kind: recording\n"
       "    file: {}\n"
-      "    map: {}\n",
-      glove_hz, channels, YamlText(recording), YamlText(map));
-  if (!inspection.array.empty()) {
-    text += fmt::format("    array: {}\n", YamlText(inspection.array));
-  }
-  if (inspection.layout.skipped_lines > 0) {
-    text += fmt::format("    skip_lines: {}\n", inspection.layout.skipped_lines);
-  }
-  if (!inspection.has_time) {
-    text += fmt::format("    file_rate_hz: {:.6g}{}\n", rate_hz,
-                        inspection.rate_is_known ? "" : "  # an assumption: the file has no time");
-  }
-  // A gap must exceed the file's own jitter.
-  constexpr double kLongest_ms = 1e7;  // upper limit of the setting
-  const double gap_ms =
-      std::clamp(std::max(3e3 / rate_hz, 2.0 * inspection.time.long_ms), 100.0, kLongest_ms);
-  text += "    use: measured\n    problems: repair\n";
-  if (gap_ms > 100.0) text += fmt::format("    longest_gap_ms: {:.4g}\n", gap_ms);
-  const TimeStatistics& time = inspection.time;
-  const double odd_rows = static_cast<double>(time.repeats + time.restarts + time.gaps);
-  if (odd_rows > 0.04 * static_cast<double>(inspection.rows)) {
-    text += "    repair_budget_percent: 100  # many times repeat, or are out of order\n";
-  } else if (LeavesItsJoint(inspection)) {
-    text +=
-        "    repair_budget_percent: 100  # angles far beyond their joints' ranges: see the map\n";
-  }
-  if (inspection.time.duration_s > kLongest_s) {
-    text +=
-        fmt::format("    duration_s: {:g}  # of {:.5g}\n", kLongest_s, inspection.time.duration_s);
-  }
-  constexpr double kSmoothingHz = 5.0;
-  if (glove_hz < 5.0 * kSmoothingHz) {
-    text += fmt::format("    smoothing_hz: {:.3g}\n", 0.2 * glove_hz);
-  }
-  const std::string channel =
-      std::ranges::find(names, "index_pip") != names.end() ? "index_pip" : names.front();
-  constexpr double kMean_s = 0.08;
-  text += fmt::format(
+      "    map: {}\n"
+      "{}"
       "  noise: {{kind: none}}  # its own is in the recording\n"
       "video:\n"
       "  channel: {}\n"
@@ -219,9 +230,10 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
       "  # r is the noise of this recording, in counts of 10 bits over a joint's range.\n"
       "  kalman: {{filter: {{kind: kalman, q: {:.3g}, r: {:.3g}}}}}\n"
       "  one_euro: {{filter: {{kind: one_euro, min_cutoff_hz: 1, beta: 0.03}}}}\n",
-      channel, std::max(2, static_cast<int>(std::lround(kMean_s * glove_hz))), 10.0 / glove_hz,
+      glove_hz, fmt::join(channels, ", "), YamlText(recording), YamlText(map),
+      MotionSettings(inspection, glove_hz), has_index_pip ? "index_pip" : channels.front(),
+      std::max(2, static_cast<int>(std::lround(kMean_s * glove_hz))), 10.0 / glove_hz,
       VarianceCounts2(inspection));
-  return text;
 }
 
 }  // namespace gauntlet::sim

@@ -13,27 +13,15 @@
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/recordings/source_bytes.h"
 #include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::size_t kChunkBytes = 1 << 14;
 constexpr std::size_t kHeadBytes = std::size_t{256} << 10;
 constexpr std::size_t kMostRows = 2000;
-
-std::string HeadOf(const CsvReader::Source& source) {
-  std::string head;
-  std::size_t got = 1;
-  while (got > 0 && head.size() < kHeadBytes) {
-    const std::size_t size = head.size();
-    head.resize(std::min(size + kChunkBytes, kHeadBytes));
-    got = source(head.data() + size, head.size() - size);
-    head.resize(size + got);
-  }
-  return head;
-}
 
 /// A source that returns `head`, then the bytes of `rest`.
 CsvReader::Source WithHead(std::string head, CsvReader::Source rest) {
@@ -110,43 +98,55 @@ std::size_t FirstRow(const std::vector<Line>& lines, const std::vector<std::size
   return apart.value_or(rows.back());
 }
 
+bool AreValues(const std::vector<std::string>& names, char separator) {
+  return std::ranges::all_of(
+      names, [separator](const std::string& name) { return IsValue(name, separator); });
+}
+
+/// The cells of a line above the table, and whether the reader may take it as its header.
+struct NamesAbove {
+  std::vector<std::string> names;
+  bool is_header = false;
+};
+
+/// Empty if the line has another number of cells than the table. One name may be missing in the
+/// `nearest` line.
+NamesAbove NamesIn(const Line& line, bool nearest, const TableLayout& layout) {
+  std::string_view text = Trimmed(line.line.text);
+  const bool is_comment = text.front() == '#';
+  if (is_comment) text.remove_prefix(1);
+  const auto fits = [&](std::size_t names) {
+    return names == layout.columns || (names + 1 == layout.columns && nearest && !is_comment);
+  };
+  // Cut as the reader does it, or else only to find the names.
+  NamesAbove above;
+  above.is_header = !is_comment && line.separator == layout.separator && fits(line.cells.size());
+  above.names = TextsOf(above.is_header ? line.cells : SplitCells(Trimmed(text), layout.separator));
+  if (is_comment && above.names.size() != layout.columns) {
+    above.names = TextsOf(SplitCells(Trimmed(text), SeparatorOf(text)));
+  }
+  if (!fits(above.names.size())) above.names.clear();
+  return above;
+}
+
 /// Finds the column names in the lines above the first row, beginning with the nearest.
 void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayout& layout) {
   std::size_t line = first_row;
   while (line-- > 0) {
-    const Line& above = lines[line];
-    std::string_view text = Trimmed(above.line.text);
-    if (text.empty() && layout.names.empty()) continue;
-    if (text.empty()) return;
-    const bool is_comment = text.front() == '#';
-    if (is_comment) text.remove_prefix(1);
     const bool nearest = layout.names.empty();
-    const auto fits = [&](std::size_t names) {
-      return names == layout.columns || (names + 1 == layout.columns && nearest && !is_comment);
-    };
-    // Cut as the reader does it, or else only to find the names.
-    const bool is_header =
-        !is_comment && above.separator == layout.separator && fits(above.cells.size());
-    std::vector<std::string> names =
-        TextsOf(is_header ? above.cells : SplitCells(Trimmed(text), layout.separator));
-    if (is_comment && names.size() != layout.columns) {
-      names = TextsOf(SplitCells(Trimmed(text), SeparatorOf(text)));
-    }
-    if (!fits(names.size())) return;
-    if (std::ranges::all_of(
-            names, [&](const std::string& name) { return IsValue(name, layout.separator); })) {
-      return;
-    }
+    const bool is_empty = Trimmed(lines[line].line.text).empty();
+    if (is_empty && nearest) continue;
+    if (is_empty) return;
+    auto [names, is_header] = NamesIn(lines[line], nearest, layout);
+    if (names.empty() || AreValues(names, layout.separator)) return;
     if (nearest) {
       layout.has_header = is_header;
-      if (is_header) layout.skipped_lines = static_cast<int>(above.line.number - 1);
-      if (names.size() < layout.columns) {
-        const bool time_is_first = TimeScaleS(names.front()).has_value();
-        names.insert(time_is_first ? names.end() : names.begin(), "");
-        layout.names = std::move(names);
-        return;
-      }
+      if (is_header) layout.skipped_lines = static_cast<int>(lines[line].line.number - 1);
+      const bool is_short = names.size() < layout.columns;
+      const bool time_is_first = TimeScaleS(names.front()).has_value();
+      if (is_short) names.insert(time_is_first ? names.end() : names.begin(), "");
       layout.names = std::move(names);
+      if (is_short) return;
       continue;
     }
     if (std::ranges::any_of(
@@ -154,8 +154,9 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
       return;
     }
     // Names above units: both are joined, and the reader must use column numbers.
-    for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t i = 0; i < names.size(); ++i) {
       layout.names[i] = names[i] + " " + layout.names[i];
+    }
     layout.has_header = false;
     layout.skipped_lines = static_cast<int>(lines[first_row].line.number - 1);
     return;
@@ -198,7 +199,7 @@ TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
 
 FoundTable FindTable(const std::string& name, CsvReader::Source source,
                      CsvReader::Listener listener) {
-  std::string head = HeadOf(source);
+  std::string head = BytesOf(source, kHeadBytes);
   const std::vector<Line> lines = LinesOf(head);
   TableLayout layout = LayoutOf(name, lines);
   CsvReader reader(name, WithHead(std::move(head), std::move(source)), ProblemHandling::kRepair,

@@ -15,19 +15,6 @@
 namespace gauntlet::sim {
 namespace {
 
-struct Unit {
-  std::string_view name;
-  double seconds;
-};
-constexpr std::array<Unit, 8> kUnits = {{{"s", 1.0},
-                                         {"ms", 1e-3},
-                                         {"us", 1e-6},
-                                         {"ns", 1e-9},
-                                         {"min", 60.0},
-                                         {"h", 3600.0},
-                                         {"day", 86400.0},
-                                         {"date", 1.0}}};
-
 std::vector<double> ValuesOf(const TableLayout& layout, std::size_t column) {
   std::vector<double> values;
   for (const auto& row : layout.rows) {
@@ -88,43 +75,24 @@ std::string_view UnitByName(const std::string& name) {
     const bool says_so = words.back().starts_with("s") && words.size() + words.back().size() > 2;
     return says_so ? "s" : "";
   }
-  for (const Unit& unit : kUnits) {
-    if (unit.seconds == *scale_s) return unit.name;
-  }
-  return "";
+  return *scale_s == 1e-3 ? "ms" : *scale_s == 1e-6 ? "us" : "ns";
 }
 
 /// Columns of hour, minute and second, or of seconds and nanoseconds.
 std::vector<TimePart> NamedParts(const TableLayout& layout) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 19> kParts = {
-      {{"day", "day"},
-       {"hour", "h"},
-       {"hours", "h"},
-       {"hh", "h"},
-       {"minute", "min"},
-       {"minutes", "min"},
-       {"min", "min"},
-       {"mm", "min"},
-       {"second", "s"},
-       {"seconds", "s"},
-       {"sec", "s"},
-       {"secs", "s"},
-       {"ss", "s"},
-       {"ms", "ms"},
-       {"millisecond", "ms"},
-       {"milliseconds", "ms"},
-       {"nsec", "ns"},
-       {"nsecs", "ns"},
-       {"nanosec", "ns"}}};
+  constexpr std::array<Meaning, 6> kParts = {{{"day", "day"},
+                                              {"h", "hour hours hh"},
+                                              {"min", "minute minutes min mm"},
+                                              {"s", "second seconds sec secs ss"},
+                                              {"ms", "ms millisecond milliseconds"},
+                                              {"ns", "nsec nsecs nanosec"}}};
   std::vector<TimePart> parts;
   for (std::size_t column = 0; column < layout.columns; ++column) {
     const std::vector<std::string> words = WordsOf(layout.names[column]);
     if (words.empty() || KindOf(layout, column) != CellKind::kNumber) continue;
-    const auto found = std::ranges::find(kParts, words.back(),
-                                         &std::pair<std::string_view, std::string_view>::first);
-    if (found == kParts.end()) continue;
-    const auto is_same = [&](const TimePart& part) { return part.unit == found->second; };
-    if (std::ranges::none_of(parts, is_same)) parts.push_back({column, std::string(found->second)});
+    const std::string unit(MeaningOf(kParts, words.back()));
+    const bool is_new = std::ranges::find(parts, unit, &TimePart::unit) == parts.end();
+    if (!unit.empty() && is_new) parts.push_back({column, unit});
   }
   const auto has = [&parts](std::string_view unit) {
     return std::ranges::find(parts, unit, &TimePart::unit) != parts.end();
@@ -155,10 +123,7 @@ std::vector<TimePart> DateParts(const TableLayout& layout) {
 
 }  // namespace
 
-double SecondsPer(const std::string& time_unit) {
-  const auto found = std::ranges::find(kUnits, time_unit, &Unit::name);
-  return found == kUnits.end() ? 1.0 : found->seconds;
-}
+double SecondsPer(const std::string& time_unit) { return SecondsPerUnit(time_unit).value_or(1.0); }
 
 TimeGuess GuessTime(const TableLayout& layout) {
   if (const auto dates = DateParts(layout); !dates.empty()) {

@@ -35,18 +35,11 @@ void Turn(NamedArray& array) {
 }
 
 bool IsRate(std::string_view name) {
-  std::string bare;
-  for (const char letter : name) {
-    const auto byte = static_cast<unsigned char>(letter);
-    if (std::isalnum(byte) != 0) bare.push_back(static_cast<char>(std::tolower(byte)));
-  }
-  constexpr std::array<std::string_view, 12> kNames = {
-      "fs",      "rate",       "ratehz",       "srate",     "samplerate", "samplingrate",
-      "fsample", "samplefreq", "samplingfreq", "framerate", "fps",        "frequency"};
-  return std::ranges::any_of(kNames, [&](std::string_view name_of_rate) {
-    return std::string_view(bare).ends_with(name_of_rate) &&
-           (bare.size() == name_of_rate.size() || name_of_rate.size() > 3);
-  });
+  const std::string bare = BareName(name);
+  constexpr std::array<std::string_view, 6> kEnds = {"rate",       "ratehz",       "fsample",
+                                                     "samplefreq", "samplingfreq", "frequency"};
+  return bare == "fs" || bare == "fps" ||
+         std::ranges::any_of(kEnds, [&](std::string_view end) { return bare.ends_with(end); });
 }
 
 /// Fit for a line of names: no separators, no quotes.
@@ -152,6 +145,28 @@ std::string NameInTable(const NamedArray& array, std::string_view chosen) {
   return name.substr(GroupOfTime(array).value_or("").size());
 }
 
+/// The arrays of the table, upright and with their names in it.
+std::vector<NamedArray> Taken(std::vector<NamedArray> arrays, std::string_view chosen) {
+  const std::vector<ListedArray> listed = ListArrays(arrays, chosen);
+  std::vector<NamedArray> taken;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (!listed[i].is_taken) continue;
+    if (LiesOnItsSide(arrays[i])) Turn(arrays[i]);
+    if (!chosen.empty()) arrays[i].name = NameInTable(arrays[i], chosen);
+    taken.push_back(std::move(arrays[i]));
+  }
+  return taken;
+}
+
+/// The last lone number that is a rate; 0 if there is none.
+double RateIn(const std::vector<NamedArray>& arrays) {
+  double rate_hz = 0.0;
+  for (const NamedArray& array : arrays) {
+    if (array.values.size() == 1 && IsRate(array.name)) rate_hz = array.values.front();
+  }
+  return rate_hz;
+}
+
 }  // namespace
 
 std::string TextOf(const std::vector<ListedArray>& arrays) {
@@ -180,17 +195,8 @@ std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays,
 
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
                 const std::function<void(std::string_view)>& write) {
-  const std::vector<ListedArray> listed = ListArrays(arrays, chosen);
-  double rate_hz = 0.0;
-  std::vector<NamedArray> taken;
-  for (std::size_t i = 0; i < arrays.size(); ++i) {
-    if (arrays[i].values.size() == 1 && IsRate(arrays[i].name)) rate_hz = arrays[i].values.front();
-    if (!listed[i].is_taken) continue;
-    if (LiesOnItsSide(arrays[i])) Turn(arrays[i]);
-    if (!chosen.empty()) arrays[i].name = NameInTable(arrays[i], chosen);
-    taken.push_back(std::move(arrays[i]));
-  }
-  arrays = std::move(taken);
+  const double rate_hz = RateIn(arrays);
+  arrays = Taken(std::move(arrays), chosen);
   const std::size_t rows = arrays.front().rows;
 
   std::vector<std::string> names;

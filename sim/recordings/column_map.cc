@@ -22,21 +22,13 @@ constexpr std::array<std::pair<std::string_view, RecordedUnit>, 4> kUnits = {
      {"rad", RecordedUnit::kRadians},
      {"counts", RecordedUnit::kCounts},
      {"share", RecordedUnit::kShare}}};
-constexpr std::array<std::pair<std::string_view, double>, 7> kTimeUnits = {{{"s", 1.0},
-                                                                            {"ms", 1e-3},
-                                                                            {"us", 1e-6},
-                                                                            {"ns", 1e-9},
-                                                                            {"min", 60.0},
-                                                                            {"h", 3600.0},
-                                                                            {"day", 86400.0}}};
 constexpr std::string_view kDateUnit = "date";
 constexpr std::string_view kVolts = "volts";
 
-template <class Value, std::size_t kSize>
-const Value* FindIn(const std::array<std::pair<std::string_view, Value>, kSize>& list,
-                    std::string_view name) {
-  const auto found = std::ranges::find(list, name, &std::pair<std::string_view, Value>::first);
-  return found == list.end() ? nullptr : &found->second;
+const RecordedUnit* FindUnit(std::string_view name) {
+  const auto found =
+      std::ranges::find(kUnits, name, &std::pair<std::string_view, RecordedUnit>::first);
+  return found == kUnits.end() ? nullptr : &found->second;
 }
 
 std::optional<int> FindChannel(std::string_view name) {
@@ -58,7 +50,7 @@ bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
   }
   if (IsSampleNumber(name)) return true;
   const std::size_t cut = std::min(name.rfind('_'), name.size());
-  const RecordedUnit* unit = FindIn(kUnits, name.substr(std::min(cut + 1, name.size())));
+  const RecordedUnit* unit = FindUnit(name.substr(std::min(cut + 1, name.size())));
   const auto channel = FindChannel(name.substr(0, cut));
   if (unit == nullptr || !channel) return false;
   map.channels.push_back({.column = column, .channel = *channel, .unit = *unit});
@@ -130,8 +122,8 @@ void AddTime(const MapFile& file, std::size_t column, ColumnMap& map) {
     map.time.push_back({.column = column, .is_text = true});
     return;
   }
-  const double* scale_s = FindIn(kTimeUnits, unit);
-  if (scale_s == nullptr) {
+  const std::optional<double> scale_s = SecondsPerUnit(unit);
+  if (!scale_s) {
     file.FailAt("unit", file.Quoted(unit) + " must be one of: s, ms, us, ns, min, h, day, date");
   }
   map.time.push_back({.column = column, .scale_s = *scale_s});
@@ -162,7 +154,7 @@ ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
   }
   const std::string unit = file.Text("unit", "deg");
   if (unit == kVolts) file.FailAt("unit", "volts need raw_low and raw_high");
-  const RecordedUnit* known = FindIn(kUnits, unit);
+  const RecordedUnit* known = FindUnit(unit);
   if (known == nullptr) {
     file.FailAt("unit", file.Quoted(unit) + " must be one of: deg, rad, counts, share, volts");
   }

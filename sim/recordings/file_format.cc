@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/source_bytes.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -28,6 +29,39 @@ constexpr std::array<Signature, 9> kSignatures = {{
     {"\xff\xfe"sv, FileFormat::kUtf16},
     {"\xfe\xff"sv, FileFormat::kUtf16},
 }};
+
+struct FormatFacts {
+  FileFormat format;
+  std::string_view name;
+  std::string_view way_out = "";
+};
+const FormatFacts& FactsOf(FileFormat format) {
+  constexpr std::string_view kRos2 =
+      "write the topic as CSV: ros2 topic echo --csv TOPIC > FILE.csv while ros2 bag play plays it";
+  static constexpr std::array<FormatFacts, 16> kFacts = {{
+      {FileFormat::kText, "text"},
+      {FileFormat::kUtf16, "UTF-16 text"},
+      {FileFormat::kEmpty, "empty"},
+      {FileFormat::kJson, "JSON"},
+      {FileFormat::kNpy, "NPY of NumPy"},
+      {FileFormat::kNpz, "NPZ of NumPy"},
+      {FileFormat::kMat5, "MAT of MATLAB"},
+      {FileFormat::kHdf5, "HDF5"},
+      {FileFormat::kXlsx, "XLSX", "save the sheet as CSV"},
+      {FileFormat::kZip, "ZIP", "unpack it and give the file that is in it"},
+      {FileFormat::kGzip, "gzip", "unpack it: gunzip --keep FILE"},
+      {FileFormat::kSqlite, "SQLite (as a ROS 2 bag is)", kRos2},
+      {FileFormat::kRosBag, "a ROS 1 bag",
+       "write the topic as CSV: rostopic echo -b FILE -p TOPIC > FILE.csv"},
+      {FileFormat::kMcap, "MCAP", kRos2},
+      {FileFormat::kParquet, "Parquet (as LeRobot has)",
+       "write it as CSV: python3 -c \"import pandas; "
+       "pandas.read_parquet('FILE').to_csv('FILE.csv')\""},
+      {FileFormat::kBinary, "binary, of a kind that is not known",
+       "export it as CSV from the program that wrote it"},
+  }};
+  return *std::ranges::find(kFacts, format, &FormatFacts::format);
+}
 
 /// By what the first file in it is called.
 FileFormat FormatOfZip(std::string_view head) {
@@ -72,77 +106,11 @@ FileFormat FormatOfBytes(std::string_view head) {
 }
 
 FileFormat FormatOfFile(const std::filesystem::path& file) {
-  const CsvReader::Source source = FileSource(file);
-  std::array<char, kHeadBytes> head;
-  std::size_t size = 0;
-  while (size < head.size()) {
-    const std::size_t got = source(head.data() + size, head.size() - size);
-    if (got == 0) break;
-    size += got;
-  }
-  return FormatOfBytes({head.data(), size});
+  return FormatOfBytes(BytesOf(FileSource(file), kHeadBytes));
 }
 
-std::string_view NameOf(FileFormat format) {
-  switch (format) {
-    case FileFormat::kText:
-      return "text";
-    case FileFormat::kUtf16:
-      return "UTF-16 text";
-    case FileFormat::kEmpty:
-      return "empty";
-    case FileFormat::kJson:
-      return "JSON";
-    case FileFormat::kNpy:
-      return "NPY of NumPy";
-    case FileFormat::kNpz:
-      return "NPZ of NumPy";
-    case FileFormat::kMat5:
-      return "MAT of MATLAB";
-    case FileFormat::kHdf5:
-      return "HDF5";
-    case FileFormat::kXlsx:
-      return "XLSX";
-    case FileFormat::kZip:
-      return "ZIP";
-    case FileFormat::kGzip:
-      return "gzip";
-    case FileFormat::kSqlite:
-      return "SQLite (as a ROS 2 bag is)";
-    case FileFormat::kRosBag:
-      return "a ROS 1 bag";
-    case FileFormat::kMcap:
-      return "MCAP";
-    case FileFormat::kParquet:
-      return "Parquet (as LeRobot has)";
-    case FileFormat::kBinary:
-      break;
-  }
-  return "binary, of a kind that is not known";
-}
+std::string_view NameOf(FileFormat format) { return FactsOf(format).name; }
 
-std::string_view WayOut(FileFormat format) {
-  switch (format) {
-    case FileFormat::kXlsx:
-      return "save the sheet as CSV";
-    case FileFormat::kZip:
-      return "unpack it and give the file that is in it";
-    case FileFormat::kGzip:
-      return "unpack it: gunzip --keep FILE";
-    case FileFormat::kSqlite:
-    case FileFormat::kMcap:
-      return "write the topic as CSV: ros2 topic echo --csv TOPIC > FILE.csv while ros2 bag play "
-             "plays it";
-    case FileFormat::kRosBag:
-      return "write the topic as CSV: rostopic echo -b FILE -p TOPIC > FILE.csv";
-    case FileFormat::kParquet:
-      return "write it as CSV: python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('"
-             "FILE.csv')\"";
-    case FileFormat::kBinary:
-      return "export it as CSV from the program that wrote it";
-    default:
-      return "";
-  }
-}
+std::string_view WayOut(FileFormat format) { return FactsOf(format).way_out; }
 
 }  // namespace gauntlet::sim

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -26,34 +27,14 @@ void Append(const matvar_t& variable, NamedArray& array) {
 
 /// False for what holds no real numbers.
 bool AppendNumbers(const matvar_t& variable, NamedArray& array) {
-  switch (variable.data_type) {
-    case MAT_T_DOUBLE:
-      Append<double>(variable, array);
-      return true;
-    case MAT_T_SINGLE:
-      Append<float>(variable, array);
-      return true;
-    case MAT_T_INT8:
-      Append<mat_int8_t>(variable, array);
-      return true;
-    case MAT_T_UINT8:
-      Append<mat_uint8_t>(variable, array);
-      return true;
-    case MAT_T_INT16:
-      Append<mat_int16_t>(variable, array);
-      return true;
-    case MAT_T_UINT16:
-      Append<mat_uint16_t>(variable, array);
-      return true;
-    case MAT_T_INT32:
-      Append<mat_int32_t>(variable, array);
-      return true;
-    case MAT_T_UINT32:
-      Append<mat_uint32_t>(variable, array);
-      return true;
-    default:
-      return false;
-  }
+  static const std::map<matio_types, void (*)(const matvar_t&, NamedArray&)> kAppend = {
+      {MAT_T_DOUBLE, Append<double>},     {MAT_T_SINGLE, Append<float>},
+      {MAT_T_INT8, Append<mat_int8_t>},   {MAT_T_UINT8, Append<mat_uint8_t>},
+      {MAT_T_INT16, Append<mat_int16_t>}, {MAT_T_UINT16, Append<mat_uint16_t>},
+      {MAT_T_INT32, Append<mat_int32_t>}, {MAT_T_UINT32, Append<mat_uint32_t>}};
+  const auto found = kAppend.find(variable.data_type);
+  if (found != kAppend.end()) found->second(variable, array);
+  return found != kAppend.end();
 }
 
 void Collect(const matvar_t& variable, const std::string& path, std::vector<NamedArray>& arrays) {

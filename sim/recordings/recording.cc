@@ -229,6 +229,44 @@ void Hold(const GoodValues& good, double start_s, double rate_hz, double gap_s, 
   }
 }
 
+/// Lines of the file that were read, and the ends of the file among them.
+struct ReadLines {
+  std::vector<std::size_t> rows;
+  StretchEnds ends = {.at_first_row = true, .at_last_row = true};
+};
+
+/// Reads the rows from `start_s` on, and some beside them.
+ReadLines ReadAngles(RecordingReader& reader, double start_s, double duration_s,
+                     Recording& recording) {
+  ReadLines lines;
+  const std::size_t width = KnownChannels().size();
+  std::vector<double> angles(width);
+  RowTable table(width);
+  double first_s = kMissing;
+  double time_s = 0.0;
+  std::size_t rows_behind = 0;
+  while (reader.NextRow(time_s, angles)) {
+    if (std::isnan(first_s)) first_s = time_s;
+    const double since_start_s = time_s - first_s;
+    if (reader.restarted()) recording.restart_s.push_back(since_start_s);
+    if (since_start_s <= start_s && lines.rows.size() == kRowsBeside) {
+      recording.time_s.erase(recording.time_s.begin());
+      lines.rows.erase(lines.rows.begin());
+      table.RemoveFirst();
+      lines.ends.at_first_row = false;
+    }
+    recording.time_s.push_back(since_start_s);
+    lines.rows.push_back(reader.row());
+    table.Add(angles);
+    if (duration_s > 0.0 && since_start_s >= start_s + duration_s && ++rows_behind == kRowsBeside) {
+      lines.ends.at_last_row = false;
+      break;
+    }
+  }
+  recording.angle_rad = table.Take();
+  return lines;
+}
+
 }  // namespace
 
 Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat& format,
@@ -237,37 +275,11 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   Recording recording;
   recording.name = file.string();
   recording.has_channel = reader.has_channel();
-  const std::size_t width = KnownChannels().size();
-  std::vector<double> angles(width);
-  RowTable table(width);
-  std::vector<std::size_t> rows;  // lines of the file
-  StretchEnds ends{.at_first_row = true, .at_last_row = true};
-  double first_s = kMissing;
-  double time_s = 0.0;
-  std::size_t rows_behind = 0;
-  while (reader.NextRow(time_s, angles)) {
-    if (std::isnan(first_s)) first_s = time_s;
-    const double since_start_s = time_s - first_s;
-    if (reader.restarted()) recording.restart_s.push_back(since_start_s);
-    if (since_start_s <= start_s && rows.size() == kRowsBeside) {
-      recording.time_s.erase(recording.time_s.begin());
-      rows.erase(rows.begin());
-      table.RemoveFirst();
-      ends.at_first_row = false;
-    }
-    recording.time_s.push_back(since_start_s);
-    rows.push_back(reader.row());
-    table.Add(angles);
-    if (duration_s > 0.0 && since_start_s >= start_s + duration_s && ++rows_behind == kRowsBeside) {
-      ends.at_last_row = false;
-      break;
-    }
-  }
+  const ReadLines lines = ReadAngles(reader, start_s, duration_s, recording);
   if (recording.time_s.size() < 2 || recording.time_s.back() <= start_s) {
     FailAsTooShort(reader, recording, start_s);
   }
-  recording.angle_rad = table.Take();
-  HandleGlitches(reader, rows, ends, recording);
+  HandleGlitches(reader, lines.rows, lines.ends, recording);
   CheckBudget(reader, recording, format.repair_budget_percent);
   recording.remarks = reader.Remarks();
   if (format.keeps_to_range) RemarkRadians(recording);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace gauntlet::sim {
@@ -11,51 +13,36 @@ constexpr std::string_view kShuffled = "are the rows shuffled? Sort them by time
 constexpr std::string_view kDecimalCommas = "are there decimal commas between commas?";
 
 struct Facts {
+  RecordingProblem problem;
   std::string_view name;
   bool needs_repair;
   std::string_view cause = "";
 };
 
-Facts FactsOf(RecordingProblem problem) {
-  switch (problem) {
-    using enum RecordingProblem;
-    case kBeyondRange:
-      return {"beyond the joint's range", false};
-    case kClockRestart:
-      return {"clock started anew", true, kShuffled};
-    case kGap:
-      return {"gap in time", true};  // the cause is told by the usual step
-    case kFarBeyondRange:
-      return {"glitch far outside the joint's range", true,
-              "is the unit another: degrees taken for radians, counts for degrees?"};
-    case kGlitch:
-      return {"glitch, value left out", true, "are the columns angles of joints at all?"};
-    case kShortHeader:
-      return {"header too short", false};
-    case kMissingValue:
-      return {"missing value", false};
-    case kNoTime:
-      return {"no time", true, "is the column of time another?"};
-    case kNotANumber:
-      return {"not a number", true,
-              "are there decimal commas between commas, or texts in a mapped column?"};
-    case kNotFinite:
-      return {"not finite", true};
-    case kRepeatedTime:
-      return {"repeated time, row left out", true,
-              "is the time too coarse? Map its column to ignore, and give file_rate_hz"};
-    case kOutOfOrder:
-      return {"row out of order, left out", true, kShuffled};
-    case kRowTooLong:
-      return {"row too long", true, kDecimalCommas};
-    case kTimeOutOfRange:
-      return {"time out of range", true, "is the unit of time another?"};
-    case kTruncatedRow:
-      return {"truncated row", true, kDecimalCommas};
-    case kWildTime:
-      return {"wild time, row left out", true, kShuffled};
-  }
-  return {};
+const Facts& FactsOf(RecordingProblem problem) {
+  using enum RecordingProblem;
+  static constexpr std::array<Facts, 16> kFacts = {{
+      {kBeyondRange, "beyond the joint's range", false},
+      {kClockRestart, "clock started anew", true, kShuffled},
+      {kGap, "gap in time", true},  // the cause is told by the usual step
+      {kFarBeyondRange, "glitch far outside the joint's range", true,
+       "is the unit another: degrees taken for radians, counts for degrees?"},
+      {kGlitch, "glitch, value left out", true, "are the columns angles of joints at all?"},
+      {kShortHeader, "header too short", false},
+      {kMissingValue, "missing value", false},
+      {kNoTime, "no time", true, "is the column of time another?"},
+      {kNotANumber, "not a number", true,
+       "are there decimal commas between commas, or texts in a mapped column?"},
+      {kNotFinite, "not finite", true},
+      {kRepeatedTime, "repeated time, row left out", true,
+       "is the time too coarse? Map its column to ignore, and give file_rate_hz"},
+      {kOutOfOrder, "row out of order, left out", true, kShuffled},
+      {kRowTooLong, "row too long", true, kDecimalCommas},
+      {kTimeOutOfRange, "time out of range", true, "is the unit of time another?"},
+      {kTruncatedRow, "truncated row", true, kDecimalCommas},
+      {kWildTime, "wild time, row left out", true, kShuffled},
+  }};
+  return *std::ranges::find(kFacts, problem, &Facts::problem);
 }
 
 /// No glove gives less than a row in two seconds: then the unit is another.

@@ -22,6 +22,22 @@ constexpr double kGlitchShare = 0.5;
 // Files are rounded: pi/2 as 1.571 is a hundredth of a degree more.
 constexpr double kRangeRounding_deg = 0.1;
 
+/// Errors: UserError without a rate and a time; a strict reading also refuses both.
+void CheckRate(const CsvReader& csv, const ColumnMap& map, const RecordingFormat& format,
+               std::vector<std::string>& notes) {
+  const bool has_rate = format.rate_hz > 0.0;
+  if (map.time.empty() && !has_rate) {
+    csv.Fail(1, fmt::format("there is no column of time; without one {} must be given",
+                            format.rate_key));
+  }
+  if (map.time.empty() || !has_rate) return;
+  if (format.handling == ProblemHandling::kStrict) {
+    csv.Fail(map.time.front().column + 1,
+             fmt::format("is a column of time, {} must not be given", format.rate_key));
+  }
+  notes.push_back(fmt::format("{} not used beside a column of time", format.rate_key));
+}
+
 }  // namespace
 
 RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
@@ -38,20 +54,8 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   for (const std::string& column : left_out) {
     notes_.push_back(fmt::format("unknown column {} left out", csv_->Quoted(column)));
   }
-  if (!map_.time.empty()) {
-    if (format.rate_hz > 0.0) {
-      if (handling_ == ProblemHandling::kStrict) {
-        csv_->Fail(map_.time.front().column + 1,
-                   fmt::format("is a column of time, {} must not be given", format.rate_key));
-      }
-      notes_.push_back(fmt::format("{} not used beside a column of time", format.rate_key));
-    }
-  } else if (format.rate_hz <= 0.0) {
-    csv_->Fail(1, fmt::format("there is no column of time; without one {} must be given",
-                              format.rate_key));
-  } else {
-    row_period_s_ = 1.0 / format.rate_hz;
-  }
+  CheckRate(*csv_, map_, format, notes_);
+  if (map_.time.empty()) row_period_s_ = 1.0 / format.rate_hz;
   values_.resize(csv_->column_count());
   next_values_.resize(csv_->column_count());
   has_channel_.assign(KnownChannels().size(), false);
@@ -161,12 +165,9 @@ bool RecordingReader::FixTime(double& time_s) {
   }
   const std::string message =
       fmt::format("the time is {} s, must be above {} s of the row before", time_s, last_time_s_);
-  if (step_s == 0.0) {
-    ReportHere(RecordingProblem::kRepeatedTime, column, message);
-    return false;
-  }
   if (step_s > -kClockRestartS) {
-    ReportHere(RecordingProblem::kOutOfOrder, column, message);
+    ReportHere(step_s == 0.0 ? RecordingProblem::kRepeatedTime : RecordingProblem::kOutOfOrder,
+               column, message);
     return false;
   }
   ReportHere(RecordingProblem::kClockRestart, column, message);

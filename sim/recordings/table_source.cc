@@ -17,6 +17,7 @@
 #include "sim/recordings/json_arrays.h"
 #include "sim/recordings/library_arrays.h"
 #include "sim/recordings/numpy_file.h"
+#include "sim/recordings/source_bytes.h"
 #include "sim/recordings/utf16.h"
 
 namespace gauntlet::sim {
@@ -24,28 +25,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string BytesOf(const fs::path& file) {
+std::string BytesOfOnly(const fs::path& file) {
   const CsvReader::Source source = FileSource(file);
   OpenNoMoreFiles();
-  std::string bytes;
-  constexpr std::size_t kBlock = std::size_t{1} << 20;
-  for (;;) {
-    const std::size_t size = bytes.size();
-    bytes.resize(size + kBlock);
-    const std::size_t got = source(bytes.data() + size, kBlock);
-    bytes.resize(size + got);
-    if (got == 0) return bytes;
-  }
+  return BytesOf(source);
 }
 
 std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format) {
   switch (format) {
     case FileFormat::kNpy:
-      return {ReadNpy(BytesOf(file), "value")};
+      return {ReadNpy(BytesOfOnly(file), "value")};
     case FileFormat::kNpz:
-      return ReadNpz(BytesOf(file));
+      return ReadNpz(BytesOfOnly(file));
     case FileFormat::kJson:
-      return ReadJsonArrays(BytesOf(file));
+      return ReadJsonArrays(BytesOfOnly(file));
     case FileFormat::kMat5:
       return ReadMatArrays(file);
     default:
@@ -161,16 +154,9 @@ std::vector<ListedArray> ArraysIn(const fs::path& file, const std::string& array
       write(fmt::format("{} {} {} {}\n", rows, columns, is_taken ? 1 : 0, OneLine(name)));
     }
   });
-  std::string text;
-  constexpr std::size_t kBlock = 4096;
-  for (std::size_t got = kBlock; got > 0;) {
-    const std::size_t size = text.size();
-    text.resize(size + kBlock);
-    got = helper.Read(text.data() + size, kBlock);
-    text.resize(size + got);
-  }
   std::vector<ListedArray> listed;
-  std::istringstream lines(text);
+  std::istringstream lines(
+      BytesOf([&helper](char* buffer, std::size_t size) { return helper.Read(buffer, size); }));
   for (ListedArray one; lines >> one.rows >> one.columns >> one.is_taken;) {
     lines.get();  // the blank before the name
     std::getline(lines, one.name);

@@ -1,51 +1,53 @@
 #include "sim/recordings/time_columns.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <string>
-#include <utility>
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::array<std::string_view, 5> kTimes = {"t", "time", "timestamp", "elapsed",
-                                                    "elapsedtime"};
+constexpr std::string_view kTimes = "t time timestamp elapsed elapsedtime";
 
-/// `alone`: a column that is called so can be nothing else.
+/// Names of a unit in the names of columns.
 struct TimeUnit {
-  std::string_view name;
+  std::string_view names;
   double scale_s;
-  bool alone;
 };
-constexpr std::array<TimeUnit, 20> kKnownTimeUnits = {{{"s", 1.0, false},
-                                                       {"sec", 1.0, true},
-                                                       {"secs", 1.0, true},
-                                                       {"second", 1.0, true},
-                                                       {"seconds", 1.0, true},
-                                                       {"ms", 1e-3, true},
-                                                       {"msec", 1e-3, true},
-                                                       {"millis", 1e-3, true},
-                                                       {"millisec", 1e-3, true},
-                                                       {"milliseconds", 1e-3, true},
-                                                       {"us", 1e-6, true},
-                                                       {"usec", 1e-6, true},
-                                                       {"micros", 1e-6, true},
-                                                       {"microsec", 1e-6, true},
-                                                       {"microseconds", 1e-6, true},
-                                                       {"ns", 1e-9, true},
-                                                       {"nsec", 1e-9, true},
-                                                       {"nanos", 1e-9, true},
-                                                       {"nanosec", 1e-9, true},
-                                                       {"nanoseconds", 1e-9, true}}};
+constexpr std::array<TimeUnit, 4> kColumnUnits = {{{"s sec secs second seconds", 1.0},
+                                                   {"ms msec millis millisec milliseconds", 1e-3},
+                                                   {"us usec micros microsec microseconds", 1e-6},
+                                                   {"ns nsec nanos nanosec nanoseconds", 1e-9}}};
+constexpr std::array<TimeUnit, 7> kMapUnits = {{{"s", 1.0},
+                                                {"ms", 1e-3},
+                                                {"us", 1e-6},
+                                                {"ns", 1e-9},
+                                                {"min", 60.0},
+                                                {"h", 3600.0},
+                                                {"day", 86400.0}}};
 
-constexpr std::array<std::string_view, 5> kNumbered = {"k", "frame", "sample", "row", "seq"};
-constexpr std::array<std::string_view, 6> kNumbers = {"", "number", "num", "no", "nr", "index"};
-constexpr std::array<std::string_view, 9> kDoubtful = {"s",  "i",     "n",        "id",     "idx",
-                                                       "nr", "index", "sequence", "counter"};
+constexpr std::string_view kNumbered = "k frame sample row seq";
+constexpr std::string_view kNumbers = "number num no nr index";
+constexpr std::string_view kDoubtful = "s i n id idx nr index sequence counter";
 
-/// Letters and digits only, small ones.
-std::string Bare(std::string_view name) {
+/// One of `names`, with one of `ends` behind it.
+bool IsJoined(std::string_view bare, std::string_view names, std::string_view ends) {
+  for (std::size_t cut = 1; cut < bare.size(); ++cut) {
+    if (IsWordOf(names, bare.substr(0, cut)) && IsWordOf(ends, bare.substr(cut))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool IsWordOf(std::string_view list, std::string_view word) {
+  return fmt::format(" {} ", list).find(fmt::format(" {} ", word)) != std::string::npos;
+}
+
+std::string BareName(std::string_view name) {
   std::string bare;
   for (const char c : name) {
     const auto byte = static_cast<unsigned char>(c);
@@ -54,35 +56,31 @@ std::string Bare(std::string_view name) {
   return bare;
 }
 
-/// One of `names`, with one of `ends` behind it.
-template <class Names, class Ends>
-bool IsOneOf(std::string_view bare, const Names& names, const Ends& ends) {
-  return std::ranges::any_of(names, [&](std::string_view name) {
-    return bare.starts_with(name) &&
-           std::ranges::find(ends, bare.substr(name.size())) != std::end(ends);
-  });
-}
-
-}  // namespace
-
 std::optional<double> TimeScaleS(std::string_view name) {
-  const std::string bare = Bare(name);
-  if (std::ranges::find(kTimes, bare) != kTimes.end()) return 1.0;
-  for (const TimeUnit& unit : kKnownTimeUnits) {
-    if ((unit.alone && bare == unit.name) || IsOneOf(bare, kTimes, std::array{unit.name})) {
-      return unit.scale_s;
-    }
+  const std::string bare = BareName(name);
+  if (IsWordOf(kTimes, bare)) return 1.0;
+  for (const auto& [names, scale_s] : kColumnUnits) {
+    const bool is_unit = bare != "s" && IsWordOf(names, bare);  // s may be a sensor
+    if (is_unit || IsJoined(bare, kTimes, names)) return scale_s;
   }
   return std::nullopt;
 }
 
-bool IsSampleNumber(std::string_view name) { return IsOneOf(Bare(name), kNumbered, kNumbers); }
+std::optional<double> SecondsPerUnit(std::string_view unit) {
+  const auto found = std::ranges::find(kMapUnits, unit, &TimeUnit::names);
+  return found == kMapUnits.end() ? std::nullopt : std::optional(found->scale_s);
+}
+
+bool IsSampleNumber(std::string_view name) {
+  const std::string bare = BareName(name);
+  return IsWordOf(kNumbered, bare) || IsJoined(bare, kNumbered, kNumbers);
+}
 
 bool MayBeTime(std::string_view name) {
-  const std::string bare = Bare(name);
-  return IsSampleNumber(name) || std::ranges::find(kDoubtful, bare) != kDoubtful.end() ||
-         bare.find("time") != std::string::npos || bare.find("date") != std::string::npos ||
-         bare.find("clock") != std::string::npos || bare.find("tick") != std::string::npos;
+  const std::string bare = BareName(name);
+  const auto has = [&bare](const char* part) { return bare.find(part) != std::string::npos; };
+  return IsSampleNumber(name) || IsWordOf(kDoubtful, bare) || has("time") || has("date") ||
+         has("clock") || has("tick");
 }
 
 }  // namespace gauntlet::sim

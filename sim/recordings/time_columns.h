@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace gauntlet::sim {
@@ -10,6 +11,15 @@ namespace gauntlet::sim {
 /// the longer form of a unit alone. Case, blanks, brackets and punctuation do not matter: `t_s`,
 /// `Time (ms)`, `timestampUs`, `seconds`. Nothing for any other name.
 std::optional<double> TimeScaleS(std::string_view name);
+
+/// Seconds per unit of time in a column map: s, ms, us, ns, min, h or day. Nothing for any other.
+std::optional<double> SecondsPerUnit(std::string_view unit);
+
+/// Letters and digits of a name only, small ones.
+std::string BareName(std::string_view name);
+
+/// True for one of the words of a list, which has blanks between them.
+bool IsWordOf(std::string_view list, std::string_view word);
 
 /// True for the number of a sample or frame: `k` (in the CSV of a trace), `frame`, `sample`, `row`,
 /// `seq`, as in `frame_number`.

@@ -12,8 +12,8 @@
 #include "controller/controller.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/settings/robot_writer.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -88,7 +88,9 @@ void CheckMakesController(const RobotConfig& robot) {
 }  // namespace
 
 std::string RobotToYaml(const RobotConfig& robot, const RobotOrigin& origin) {
-  return Header(robot, origin) + RobotSettingsToYaml(robot);
+  RobotConfig copy = robot;  // a visitor may change what it sees
+  return Header(robot, origin) +
+         SettingsToYamlForPeople([&copy](auto& visitor) { copy.Visit(visitor); });
 }
 
 RobotConfig LoadRobot(const std::filesystem::path& file) {

@@ -14,7 +14,8 @@ using controller::Setting;
 
 class YamlWriter final : public controller::SettingsVisitor {
  public:
-  explicit YamlWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  YamlWriter(std::filesystem::path folder, bool for_people)
+      : folder_(std::move(folder)), for_people_(for_people) {}
 
   void Number(const Setting& setting, double& value) override {
     Key(setting) << YAML::Value << Digits(value);
@@ -48,8 +49,12 @@ class YamlWriter final : public controller::SettingsVisitor {
   }
   void Group(const Setting& setting,
              const std::function<void(controller::SettingsVisitor&)>& visit) override {
-    Key(setting) << YAML::Value << YAML::BeginMap;
+    Title(setting) << YAML::Value;
+    if (for_people_ && depth_ == 2) emitter_ << YAML::Flow;
+    emitter_ << YAML::BeginMap;
+    ++depth_;
     visit(*this);
+    --depth_;
     emitter_ << YAML::EndMap;
   }
   void List(const Setting& setting, const controller::SettingList& list) override {
@@ -63,7 +68,7 @@ class YamlWriter final : public controller::SettingsVisitor {
   }
   void Map(const Setting& setting, const controller::SettingMap& map) override {
     if (!map.visit) return;  // of no named groups: its owner writes it
-    Key(setting) << YAML::Value << YAML::BeginMap;
+    Title(setting) << YAML::Value << YAML::BeginMap;
     for (std::size_t i = 0; i < map.size(); ++i) {
       emitter_ << YAML::Key << map.name(i) << YAML::Value << YAML::BeginMap;
       map.visit(i, *this);
@@ -80,19 +85,42 @@ class YamlWriter final : public controller::SettingsVisitor {
     return emitter_ << YAML::Key << std::string(setting.key);
   }
 
+  /// The key of a group. For people with its help: above a section of the file, behind a group in it.
+  YAML::Emitter& Title(const Setting& setting) {
+    const YAML::_Comment help = YAML::Comment(std::string(setting.help));
+    if (for_people_ && depth_ == 0) {
+      if (emitter_.size() > 0) emitter_ << YAML::Newline;
+      emitter_ << YAML::Newline << help;
+    }
+    Key(setting);
+    if (for_people_ && depth_ == 1) emitter_ << help;
+    return emitter_;
+  }
+
   std::filesystem::path folder_;  // of the file that is written; empty: none
+  bool for_people_;
+  int depth_ = 0;  // of groups
   YAML::Emitter emitter_;
 };
+
+std::string Written(const std::function<void(controller::SettingsVisitor&)>& visit,
+                    YamlWriter writer) {
+  writer.emitter() << YAML::BeginMap;
+  visit(writer);
+  writer.emitter() << YAML::EndMap;
+  return std::string(writer.emitter().c_str()) + "\n";
+}
 
 }  // namespace
 
 std::string SettingsToYaml(const std::function<void(controller::SettingsVisitor&)>& visit,
                            const std::filesystem::path& folder) {
-  YamlWriter writer(folder);
-  writer.emitter() << YAML::BeginMap;
-  visit(writer);
-  writer.emitter() << YAML::EndMap;
-  return std::string(writer.emitter().c_str()) + "\n";
+  return Written(visit, YamlWriter(folder, false));
+}
+
+std::string SettingsToYamlForPeople(
+    const std::function<void(controller::SettingsVisitor&)>& visit) {
+  return Written(visit, YamlWriter({}, true));
 }
 
 }  // namespace gauntlet::sim

@@ -1,6 +1,5 @@
 // What gauntlet export writes drives the same motors as the trials did, bit for bit.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "controller/controller.h"
 #include "sim/base/random.h"
@@ -23,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using sim::Study;
-using testing::AllOf;
-using testing::HasSubstr;
 
 /// A scenario with a controller of each kind of filter, of the whole glove at 1 kHz.
 std::string EveryFilter() {
@@ -134,82 +130,6 @@ TEST_F(ExportTest, TheCalibrationOfTheTrialsIsInTheFile) {
   const sim::NamedController& named = study.scenario.controllers.front();
   ASSERT_EQ(named.config.linearisation.kind, controller::LinearisationKind::kTable);
   ExpectSameCommands(study, named);
-}
-
-TEST_F(ExportTest, WritesTextAndWhatAMicrocontrollerHolds) {
-  Run("question: q\nglove: {motion: {kind: hold, duration_s: 0.1}}\ncontrollers:\n"
-      "  settled: {filter: kalman_steady}\n  learns: {filter: kalman_adaptive}\n");
-  for (const char* form : {"--text", "--embedded", "--header"}) {
-    const ProgramResult result = Gauntlet({"export", "out", "--controller", "settled", form});
-    EXPECT_EQ(result.exit_code, 0) << result.standard_error;
-  }
-  for (const char* name : {"settled.robot.txt", "settled.embedded.robot.h", "settled.robot.h"}) {
-    EXPECT_TRUE(fs::exists(In("out") / name)) << name;
-  }
-  const ProgramResult refused = Gauntlet({"export", "out", "--controller", "learns", "--embedded"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.standard_error,
-              HasSubstr("--controller learns: controller.filter[0]: is kalman_adaptive, must be "
-                        "none, exponential, alpha_beta, alpha_beta_gamma or kalman_steady in the "
-                        "embedded form"));
-  EXPECT_FALSE(fs::exists(In("out/learns.embedded.robot.h")));
-  EXPECT_EQ(
-      Gauntlet({"export", "out", "--controller", "settled", "--text", "--embedded"}).exit_code, 2);
-  // Another run into the folder is of another scenario.
-  Run(kFiveChannelsAt60Hz);
-  EXPECT_FALSE(fs::exists(In("out/settled.robot.txt")));
-  EXPECT_FALSE(fs::exists(In("out/settled.embedded.robot.h")));
-}
-
-TEST_F(ExportTest, WritesWhereItIsToldAndSaysWhereTheFileComesFrom) {
-  Run("name: \"two: # words\"\n" + std::string(kFiveChannelsAt60Hz));
-  const ProgramResult result =
-      Gauntlet({"export", "out", "--controller", "ahead", "--out", "new/robot.yaml"});
-  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
-  EXPECT_EQ(result.standard_output, "");
-  EXPECT_EQ(sim::LoadRobot(In("new/robot.yaml")).timing.ticks_per_sample, 17);
-  std::ostringstream text;
-  text << std::ifstream(In("new/robot.yaml")).rdbuf();
-  EXPECT_THAT(text.str(), AllOf(HasSubstr("# Controller ahead of scenario two: # words"),
-                                HasSubstr("LoadRobot(\"ahead.robot.yaml\")"),
-                                HasSubstr("1020 times per second; a new sample every 17 times")));
-}
-
-TEST_F(ExportTest, MistakesAreOneLine) {
-  Run(kFiveChannelsAt60Hz);
-  const auto expect = [this](const std::vector<std::string>& arguments, const std::string& line) {
-    const ProgramResult result = Gauntlet(arguments);
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_EQ(result.standard_error, "gauntlet: " + line + "\n");
-  };
-  expect({"export", "out", "--controller", "ahed"},
-         "--controller ahed: unknown controller (did you mean ahead?)");
-  expect({"export", "nowhere", "--controller", "ahead"}, "nowhere: is not a folder");
-  expect({"export", "out", "--controller", "ahead", "--out", "out/scenario.resolved.yaml"},
-         "--out out/scenario.resolved.yaml: is the scenario itself");
-  expect({"export", "out"}, "--controller is required; see gauntlet export --help");
-}
-
-TEST_F(ExportTest, TellsIfTheHandIsNoLongerThatOfTheTrials) {
-  Run(kFiveChannelsAt60Hz);
-  std::ostringstream text;
-  text << std::ifstream(In("out/scenario.resolved.yaml")).rdbuf();
-  std::string resolved = text.str();
-  const std::size_t hash = resolved.find("model_hash: \"");
-  ASSERT_NE(hash, std::string::npos);
-  resolved.replace(hash, 15, "model_hash: \"zz");
-  std::ofstream(In("out/scenario.resolved.yaml")) << resolved;
-  const ProgramResult changed = Gauntlet({"export", "out", "--controller", "ahead"});
-  EXPECT_EQ(changed.exit_code, 2);
-  EXPECT_THAT(changed.standard_error,
-              HasSubstr("out/scenario.resolved.yaml: is not as its run wrote it"));
-  std::filesystem::remove(In("out/manifest.json"));
-  const ProgramResult result = Gauntlet({"export", "out", "--controller", "ahead"});
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.standard_error,
-              AllOf(HasSubstr("warning: out has no manifest.json: its files are not checked"),
-                    HasSubstr("warning: this scenario was resolved with another hand model"),
-                    HasSubstr("the file is for the hand as it is now")));
 }
 
 }  // namespace

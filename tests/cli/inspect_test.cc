@@ -96,38 +96,6 @@ class InspectCommand : public testing::Test {
   TemporaryDirectory folder_;
 };
 
-TEST_F(InspectCommand, SaysWhatToDoWithFilesThatAreNotRead) {
-  using namespace std::string_literals;
-  const std::string tail(200, '\0');
-  EXPECT_THAT(
-      ErrorOf(Write("a.xlsx", "PK\x03\x04"s + std::string(26, '\0') + "[Content_Types].xml")),
-      HasSubstr("is XLSX, which is not read; save the sheet as CSV"));
-  EXPECT_THAT(ErrorOf(Write("a.csv", "\x1f\x8b\x08" + tail)), HasSubstr("gunzip"));
-  EXPECT_THAT(ErrorOf(Write("a.db3", "SQLite format 3\0"s + tail)),
-              HasSubstr("ros2 topic echo --csv"));
-  EXPECT_THAT(ErrorOf(Write("a.mcap", "\x89MCAP0\r\n" + tail)), HasSubstr("is MCAP"));
-  EXPECT_THAT(ErrorOf(Write("a.bag", "#ROSBAG V2.0\n" + tail)), HasSubstr("rostopic echo"));
-  EXPECT_THAT(ErrorOf(Write("a.parquet", "PAR1" + tail)), HasSubstr("pandas"));
-  EXPECT_THAT(ErrorOf(Write("a.bin", "\x01\x02" + tail)), HasSubstr("export it as CSV"));
-  EXPECT_THAT(ErrorOf(Write("a.txt", "no table here\n")), HasSubstr("holds no table"));
-  EXPECT_THAT(ErrorOf(Write("empty.csv", "")), HasSubstr("holds no table"));
-  EXPECT_THAT(ErrorOf(folder_.path() / "none.csv"), HasSubstr("no such file"));
-  std::string rows;
-  for (int row = 0; row < 5; ++row) {
-    for (int i = 0; i < 500; ++i) rows += std::to_string(100 + (i * 7 + row) % 50) + ",";
-    rows += "1\n";
-  }
-  EXPECT_THAT(ErrorOf(Write("turned.csv", rows)), HasSubstr("has a row per channel"));
-}
-
-TEST_F(InspectCommand, RefusesTablesWithoutRows) {
-  for (const char* text :
-       {"# glove log\ntime_s,index_mcp\n", "\na\n", "a\n\nb", "time_s,index_mcp\n"}) {
-    EXPECT_THAT(ErrorOf(Write("f.csv", text)), HasSubstr("f.csv: holds no table of numbers\n"))
-        << text;
-  }
-}
-
 TEST_F(InspectCommand, CountsOfRaggedRowsThoseOfTheShapeOfItsReader) {
   // No row is as long as the first one that most are as long as.
   EXPECT_THAT(ErrorOf(Write("none.csv",
@@ -306,27 +274,6 @@ TEST_F(InspectCommand, DrawsItsSensorsAndLeavesTheRecordingAlone) {
   const ProgramResult over = Gauntlet({"inspect", path.string(), "--write-map", path.string()});
   EXPECT_EQ(over.exit_code, 2);
   EXPECT_THAT(over.standard_error, HasSubstr("is an input of this command"));
-}
-
-TEST(InspectHand, TellsWhatAHandHasOrWhatItLacks) {
-  const std::string hand = SourceDir() + "/tests/support/three_joint_hand.xml";
-  const ProgramResult good = Gauntlet({"inspect", hand});
-  EXPECT_EQ(good.exit_code, 0) << good.standard_error;
-  EXPECT_THAT(good.standard_output, HasSubstr("a hand of 2 motors"));
-  EXPECT_THAT(good.standard_output, HasSubstr("and 3 joints"));
-  TemporaryDirectory folder;
-  const fs::path bad = folder.path() / "bad.xml";
-  {
-    std::ifstream from(hand);
-    std::string text{std::istreambuf_iterator<char>(from), {}};
-    const std::size_t at = text.find("base_drum\"");
-    ASSERT_NE(at, std::string::npos);
-    std::ofstream(bad) << text.replace(at, 10, "base_dram\"");
-  }
-  const ProgramResult lacking = Gauntlet({"inspect", bad.string()});
-  EXPECT_EQ(lacking.exit_code, 2);
-  EXPECT_THAT(lacking.standard_error, HasSubstr("bad.xml: the model has no geom"));
-  EXPECT_EQ(Gauntlet({"inspect", (folder.path() / "none.xml").string()}).exit_code, 2);
 }
 
 }  // namespace

@@ -76,45 +76,6 @@ TEST_F(ResumeTest, KilledAtThirtyRandomMomentsItEndsWithTheSameBytes) {
   }
 }
 
-TEST_F(ResumeTest, TellsWhatIsKeptAndGoesOnFromIt) {
-  ASSERT_EQ(Run("a").exit_code, 0);
-  fs::remove(Out("a") / "scores.json");
-  const ProgramResult again = Run("a");
-  EXPECT_EQ(again.exit_code, 0);
-  EXPECT_THAT(again.standard_error, HasSubstr("goes on from a/study.db, which holds 8 trials"));
-  EXPECT_TRUE(fs::exists(Out("a") / "scores.json"));
-}
-
-TEST_F(ResumeTest, MoreSeedsAddToThoseThatAreThere) {
-  ASSERT_EQ(RunProgram(Command("few", 2), {.working_directory = folder_.path()}).exit_code, 0);
-  const ProgramResult more = Run("few");
-  EXPECT_THAT(more.standard_error, HasSubstr("which holds 4 trials"));
-  ASSERT_EQ(Run("all").exit_code, 0);
-  ExpectSameFiles("all", "few");
-}
-
-TEST_F(ResumeTest, TrialsOfOtherSettingsDoNotCount) {
-  ASSERT_EQ(Run("a").exit_code, 0);
-  const std::vector<std::string> other = {"--set", "hand.cable.capstan_friction=0.2"};
-  const ProgramResult changed = Run("a", other);
-  EXPECT_THAT(changed.standard_error, testing::Not(HasSubstr("goes on from")));
-  ASSERT_EQ(Run("fresh", other).exit_code, 0);
-  ExpectSameFiles("fresh", "a");
-  // They stay, and are found again when the setting is changed back.
-  EXPECT_THAT(Run("a").standard_error, HasSubstr("goes on from"));
-  ASSERT_EQ(Run("first").exit_code, 0);
-  ExpectSameFiles("first", "a");
-}
-
-TEST_F(ResumeTest, AFileThatIsNoDatabaseIsAClearLine) {
-  fs::create_directory(Out("a"));
-  std::ofstream(Out("a") / "study.db") << std::string(5000, 'x');
-  const ProgramResult result = Run("a");
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.standard_error, HasSubstr("a/study.db: is not a database; remove it"));
-  EXPECT_EQ(ReadFile(Out("a") / "study.db"), std::string(5000, 'x'));
-}
-
 TEST_F(ResumeTest, DamagedTrialsAreComputedAgainAndTold) {
   ASSERT_EQ(Run("undisturbed").exit_code, 0);
   fs::copy(Out("undisturbed"), Out("a"));
@@ -160,36 +121,6 @@ TEST_F(ResumeTest, AReaderDoesNotEndAComparison) {
   EXPECT_EQ(program.Wait().exit_code, 0) << program.Wait().standard_error;
   ExpectSameFiles("undisturbed", "a");
   EXPECT_EQ(reader.execAndGet("SELECT count(*) FROM trial").getInt(), 8);
-}
-
-TEST_F(ResumeTest, APlaceWhereNoDatabaseCanBeIsFoundBeforeTheFirstTrial) {
-  const std::string deep = "b/" + std::string(240, 'x') + "/" + std::string(240, 'y');
-  const ProgramResult result = Run(deep);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.standard_error, HasSubstr("gauntlet: --out: the path of study.db has "));
-  EXPECT_FALSE(fs::exists(Out("b")));
-
-  fs::create_directories(Out("a") / "study.db");
-  const ProgramResult folder = Run("a");
-  EXPECT_EQ(folder.exit_code, 2);
-  EXPECT_THAT(folder.standard_error, HasSubstr("a/study.db: is not a file of its own; remove it"));
-}
-
-// The folder of another person may contain any link.
-TEST_F(ResumeTest, ADatabaseThatIsALinkIsRefusedAndNothingAppearsOutside) {
-  fs::create_directory(Out("theirs"));
-  for (const char* name : {"study.db", "study.db-journal"}) {
-    const fs::path link = Out("theirs") / name;
-    fs::create_symlink(Out("outside.db"), link);
-    const ProgramResult result = Run("theirs");
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_EQ(result.standard_error,
-              std::string("gauntlet: theirs/") + name +
-                  ": is a symbolic link; remove it, or name another folder by --out\n");
-    EXPECT_FALSE(fs::exists(Out("outside.db")));
-    EXPECT_TRUE(fs::is_symlink(link));
-    fs::remove(link);
-  }
 }
 
 // With two trials at a time the last controllers of a seed begin while the next seed is looked up.

@@ -112,13 +112,15 @@ TEST_F(RobotFileTest, AHandWithAMotorPerJointSaysWhichIsForWhich) {
   EXPECT_EQ(Read(ToYaml(robot)).hand.motor_of_joint, robot.hand.motor_names);
 }
 
-TEST_F(RobotFileTest, TablesHaveAlignedColumns) {
+TEST_F(RobotFileTest, TablesHaveALinePerRow) {
   const std::string text = ToYaml(Finger());
-  EXPECT_THAT(text, HasSubstr("  coupling:  # turn of each motor's spool per turn of each joint\n"
-                              "    #          mcp                 pip\n"
-                              "    \"m: one\": [0.3333333333333333, 0]\n"
-                              "    yes:      [0.777777777777777,  1.0000000000000093]\n"));
-  EXPECT_THAT(text, HasSubstr("    a: {low_counts: 102.30000000000001,  high_counts: 920.7, "));
+  EXPECT_THAT(text,
+              HasSubstr("  coupling:  # turn of each motor's spool per turn of each joint, as in "
+                        "joint_names\n"
+                        "    \"m: one\": [0.3333333333333333, 0]\n"
+                        "    yes: [0.777777777777777, 1.0000000000000093]\n"));
+  EXPECT_THAT(text, HasSubstr("\n\n# what is known of the glove\nglove:\n"));
+  EXPECT_THAT(text, HasSubstr("    a: {low_counts: 102.30000000000001, high_counts: 920.7, "));
 }
 
 TEST_F(RobotFileTest, TheOrderOfTheRowsIsFree) {

@@ -1,0 +1,193 @@
+// Runs cases/*.txt: shell commands, and the exit code and the lines that they must give.
+// CONTRIBUTING.md describes the files.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/program.h"
+#include "tests/support/source_dir.h"
+
+namespace gauntlet::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Lines = std::vector<std::string>;
+
+constexpr std::string_view kAnswer = "----";
+constexpr std::string_view kExit = "---- exit ";
+
+/// Commands, and their answer.
+struct Step {
+  int line = 0;  // of the first command
+  std::string script;
+  int exit_code = 0;
+  Lines output;
+  Lines error;
+};
+
+/// Steps are separated by a blank line behind the answer, `#` begins a comment between them.
+std::vector<Step> ReadSteps(const fs::path& file) {
+  std::vector<Step> steps;
+  std::ifstream stream(file);
+  bool is_answer = true;
+  bool is_between = true;
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (is_between && (line.empty() || line.starts_with('#'))) continue;
+    if (is_between) {
+      steps.emplace_back().line = number;
+      is_answer = false;
+    }
+    is_between = is_answer && line.empty();
+    if (is_between) continue;
+    Step& step = steps.back();
+    if (!is_answer && line.starts_with(kAnswer)) {
+      is_answer = true;
+      if (line.starts_with(kExit)) step.exit_code = std::stoi(line.substr(kExit.size()));
+    } else if (!is_answer) {
+      step.script += line + "\n";
+    } else if (line.starts_with("! ")) {
+      step.error.push_back(line.substr(2));
+    } else {
+      step.output.push_back(line);
+    }
+  }
+  if (!is_answer) throw std::runtime_error(file.string() + ": the last command has no ----");
+  return steps;
+}
+
+/// Every `...` of the pattern stands for any text.
+bool Matches(std::string_view pattern, std::string_view text) {
+  const std::size_t any = pattern.find("...");
+  if (any == std::string_view::npos) return pattern == text;
+  if (!text.starts_with(pattern.substr(0, any))) return false;
+  const std::string_view rest = pattern.substr(any + 3);
+  for (std::size_t skip = any; skip <= text.size(); ++skip) {
+    if (Matches(rest, text.substr(skip))) return true;
+  }
+  return false;
+}
+
+/// A line `...` of the pattern stands for any number of lines.
+bool Matches(std::span<const std::string> pattern, std::span<const std::string> lines) {
+  std::size_t next = 0;
+  std::size_t behind_any = 0;  // the place behind the last `...`, and the first line that it leaves
+  std::size_t left = 0;
+  for (std::size_t line = 0; line < lines.size();) {
+    if (next < pattern.size() && pattern[next] == "...") {
+      behind_any = ++next;
+      left = line;
+    } else if (next < pattern.size() && Matches(std::string_view(pattern[next]), lines[line])) {
+      ++next;
+      ++line;
+    } else if (behind_any > 0) {
+      next = behind_any;
+      line = ++left;
+    } else {
+      return false;
+    }
+  }
+  return std::ranges::all_of(pattern.subspan(next), [](const auto& p) { return p == "..."; });
+}
+
+/// The lines that are not blank.
+Lines LinesOf(const std::string& text) {
+  std::istringstream stream(text);
+  Lines lines;
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.empty()) lines.push_back(line);
+  }
+  return lines;
+}
+
+class Case : public testing::Test {
+ public:
+  explicit Case(fs::path file) : file_(std::move(file)) {
+    fs::create_directories(temporary_.path() / "bin");
+    fs::create_directories(folder_);
+    fs::create_symlink(GAUNTLET_PROGRAM, temporary_.path() / "bin/gauntlet");
+  }
+
+  void TestBody() override {
+    for (const Step& step : ReadSteps(file_)) {
+      const std::set<std::string> before = Files();
+      const ProgramResult result = RunProgram(
+          {"/bin/bash", "-c", step.script},
+          {.environment = {{"PATH", (temporary_.path() / "bin").string() + ":/usr/bin:/bin"},
+                           {"LC_ALL", "C.UTF-8"},
+                           {"SOURCE", SourceDir()}},
+           .working_directory = folder_,
+           .timeout = std::chrono::minutes(5)});  // with sanitizers, on a busy machine
+      const Lines output = LinesOf(result.standard_output);
+      const Lines error = LinesOf(result.standard_error);
+      if (result.exit_code != step.exit_code || !Matches(step.output, output) ||
+          !Matches(step.error, error)) {
+        ADD_FAILURE_AT(file_.c_str(), step.line) << "answered:\n"
+                                                 << Answer(result.exit_code, output, error);
+        return;
+      }
+      if (result.exit_code == 2) ExpectRefusal(step, error, before);
+    }
+  }
+
+ private:
+  /// An answer as it is written in a case.
+  static std::string Answer(int exit_code, const Lines& output, const Lines& error) {
+    Lines lines = output;
+    for (const std::string& line : error) lines.push_back("! " + line);
+    std::string text = std::string(kExit) + std::to_string(exit_code) + "\n";
+    for (std::size_t i = 0; i < lines.size() && i < 60; ++i) text += lines[i] + "\n";
+    return text;
+  }
+
+  /// A mistake is told in one short line that a terminal can show, and no file is made.
+  void ExpectRefusal(const Step& step, const Lines& error,
+                     const std::set<std::string>& before) const {
+    EXPECT_EQ(std::ranges::count_if(error, IsNoWarning), 1) << step.script;
+    EXPECT_LE(error.at(0).size(), 300u) << step.script;
+    EXPECT_TRUE(std::ranges::none_of(error.at(0), [](char c) {
+      return (c >= 0 && c < ' ') || c == 127;
+    })) << step.script;
+    for (const std::string& name : Files()) {
+      EXPECT_TRUE(before.contains(name) || step.script.find("> " + name) != std::string::npos)
+          << name;
+    }
+  }
+
+  static bool IsNoWarning(const std::string& line) {
+    return !line.starts_with("gauntlet: warning: ");
+  }
+
+  std::set<std::string> Files() const {
+    std::set<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      files.insert(entry.path().lexically_relative(folder_).string());
+    }
+    return files;
+  }
+
+  fs::path file_;
+  TemporaryDirectory temporary_;
+  fs::path folder_ = temporary_.path() / "folder";
+};
+
+const bool kAreRegistered = [] {
+  for (const auto& entry : fs::directory_iterator(SourceDir() + "/tests/cli/cases")) {
+    const fs::path file = entry.path();
+    testing::RegisterTest("Cases", file.stem().c_str(), nullptr, nullptr, file.c_str(), 1,
+                          [file] { return new Case(file); });
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace gauntlet::test
