@@ -310,7 +310,10 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
       result.first_glove->channel_names.size(), result.controller_names.size(), result.seeds.size(),
       experiment.quick ? " · quick: 6 s of motion instead of the paper's 94" : "");
   return FillTemplate(kPaperHtml,
-                      {{"style", std::string(assets::kStyle)},
+                      {{"title", "The paper, measured"},
+                       {"kind", "Gauntlet"},
+                       {"sources", ""},
+                       {"style", std::string(assets::kStyle) + std::string(kPaperStyle)},
                        {"verdict", EscapeHtml(PaperVerdict(experiment))},
                        {"facts", EscapeHtml(facts)},
                        {"claims", ClaimTable(experiment)},

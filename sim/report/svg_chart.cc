@@ -10,16 +10,17 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::size_t kColours = 4;
-constexpr double kLetters = 13.0;
-constexpr FigureLayout kLayout = {.name_drop = 36.0, .left = 62.0, .top = 52.0, .bottom = 44.0};
-constexpr FigurePoint kTitle = {kLayout.left, 18.0};
+constexpr std::size_t kChartColours = 4;
+constexpr double kChartLetters = 13.0;
+constexpr FigureLayout kChartLayout = {
+    .name_drop = 36.0, .left = 62.0, .top = 52.0, .bottom = 44.0};
+constexpr FigurePoint kTitle = {kChartLayout.left, 18.0};
 constexpr double kLegendBaseline = 40.0;
 constexpr double kLegendMark = 16.0;   // width
 constexpr double kLegendGap = 6.0;     // between mark and name
 constexpr double kLegendSpace = 18.0;  // between two entries
 
-constexpr const char* kStyle = R"(<style>
+constexpr const char* kChartStyle = R"(<style>
 .ground{fill:#fff}text{fill:#5b6675}.grid{stroke:#dfe3e9}.axis{stroke:#a3acb8}
 .line{fill:none;stroke-linejoin:round}
 .s0{stroke:#a3acb8}.s1{stroke:#cc4455}.s2{stroke:#2b6fd1}.s3{stroke:#12866f}.bar{fill:#9db8dd}
@@ -71,7 +72,7 @@ double AddLegend(Figure& figure, double x, const std::string& name, const AddMar
   if (name.empty()) return x;
   add_mark(FigureBox{x, kLegendBaseline - 9.0, x + kLegendMark, kLegendBaseline + 1.0});
   figure.Text({x + kLegendMark + kLegendGap, kLegendBaseline}, Anchor::kStart, name, {"ink"});
-  return x + kLegendMark + kLegendGap + TextWidth(name, kLetters) + kLegendSpace;
+  return x + kLegendMark + kLegendGap + TextWidth(name, kChartLetters) + kLegendSpace;
 }
 
 }  // namespace
@@ -82,9 +83,10 @@ std::string SvgChart(const Chart& chart) {
   Figure figure{width, height, "chart", chart.title};
   figure.Box({0.0, 0.0}, {width, height}, {"ground"});
   figure.Text(kTitle, Anchor::kStart, chart.title, {"title"});
-  const Panel panel(figure.Inside(kLayout), {x, chart.x_label, 8}, {y, chart.y_label, 5, true});
-  panel.AddAxes(figure, kLayout);
-  double legend_x = kLayout.left;
+  const Panel panel(figure.Inside(kChartLayout), {x, chart.x_label, 8},
+                    {y, chart.y_label, 5, true});
+  panel.AddAxes(figure, kChartLayout);
+  double legend_x = kChartLayout.left;
   for (const ChartBars& bars : chart.bars) {
     for (std::size_t i = 0; i < bars.heights.size(); ++i) {
       const double centre = bars.first_x + bars.step_x * i, half = 0.45 * bars.step_x;
@@ -95,7 +97,7 @@ std::string SvgChart(const Chart& chart) {
     });
   }
   for (std::size_t i = 0; i < chart.curves.size(); ++i) {
-    const Ink ink = {.css = fmt::format("line s{}", i % kColours),
+    const Ink ink = {.css = fmt::format("line s{}", i % kChartColours),
                      .attributes = fmt::format(" stroke-width=\"{:g}\"", chart.curves[i].width_px)};
     figure.Path(PointsOf(chart.curves[i], panel, chart.width_px), ink);
     legend_x = AddLegend(figure, legend_x, chart.curves[i].name, [&](const FigureBox& place) {
@@ -103,7 +105,7 @@ std::string SvgChart(const Chart& chart) {
       figure.Line({place.left, middle}, {place.right, middle}, ink);
     });
   }
-  return SvgOf(figure, kStyle);
+  return SvgOf(figure, kChartStyle);
 }
 
 }  // namespace gauntlet::sim
