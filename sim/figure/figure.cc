@@ -48,37 +48,15 @@ FigureBox Figure::Inside(const FigureLayout& layout) const {
   return {layout.left, layout.top, width_px - layout.right, height_px - layout.bottom};
 }
 
-void Figure::Line(FigurePoint from, FigurePoint to, Ink ink) {
-  shapes.push_back({FigureShape::Kind::kLine, {from, to}, std::move(ink)});
+void Figure::Text(FigurePoint at, Anchor anchor, const std::string& text, const Ink& ink) {
+  FigureShape& shape = Add(kText, {at}, ink);
+  shape.text = text;
+  shape.anchor = anchor;
 }
 
-void Figure::Path(std::vector<FigurePoint> points, Ink ink) {
-  shapes.push_back({FigureShape::Kind::kPath, std::move(points), std::move(ink)});
-}
-
-void Figure::Area(std::vector<FigurePoint> points, Ink ink) {
-  shapes.push_back({FigureShape::Kind::kArea, std::move(points), std::move(ink)});
-}
-
-void Figure::Box(FigurePoint corner, FigurePoint opposite, Ink ink, double radius) {
-  shapes.push_back({FigureShape::Kind::kBox, {corner, opposite}, std::move(ink), radius});
-}
-
-void Figure::Dot(FigurePoint centre, double radius, Ink ink) {
-  shapes.push_back({FigureShape::Kind::kDot, {centre}, std::move(ink), radius});
-}
-
-void Figure::Text(FigurePoint at, Anchor anchor, std::string text, Ink ink) {
-  shapes.push_back({FigureShape::Kind::kText, {at}, std::move(ink), 0.0, std::move(text), anchor});
-}
-
-void Figure::UpwardText(FigurePoint at, std::string text, Ink ink) {
-  shapes.push_back({FigureShape::Kind::kUpwardText,
-                    {at},
-                    std::move(ink),
-                    0.0,
-                    std::move(text),
-                    Anchor::kMiddle});
+void Figure::UpwardText(FigurePoint at, const std::string& text, const Ink& ink) {
+  Text(at, Anchor::kMiddle, text, ink);
+  shapes.back().kind = kUpwardText;
 }
 
 double TextWidth(std::string_view text, double letters_px) {

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "sim/base/chart_scale.h"
@@ -38,13 +37,16 @@ struct FigureBox {
   double bottom = 0.0;
 
   FigurePoint centre() const { return {0.5 * (left + right), 0.5 * (top + bottom)}; }
+  bool Meets(const FigureBox& other) const {
+    return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
+  }
 };
 
 enum class Anchor { kStart, kMiddle, kEnd };
 
 /// Appearance and meaning of a shape.
 struct Ink {
-  std::string css = {};         // class of the page's style sheet; DrawFigure() knows some of them
+  std::string css = {};         // class of the style sheet
   std::string said = {};        // text that the pointer and screen readers find
   std::string attributes = {};  // further attributes in SVG, for scripts and colours
 };
@@ -64,8 +66,7 @@ struct FigureShape {
   Anchor anchor = Anchor::kStart;
 };
 
-/// A picture of lines, boxes, dots and texts, described once for SvgOf() and DrawFigure(). Later
-/// shapes cover earlier ones.
+/// A picture of lines, boxes, dots and texts, in which later shapes cover earlier ones.
 struct Figure {
   double width_px = 0.0;
   double height_px = 0.0;
@@ -76,17 +77,28 @@ struct Figure {
   /// Panel area that leaves the margins of `layout` free.
   FigureBox Inside(const FigureLayout& layout = kFigureLayout) const;
 
+  void Line(FigurePoint from, FigurePoint to, const Ink& ink) { Add(kLine, {from, to}, ink); }
   /// A point that is not finite interrupts a path.
-  void Path(std::vector<FigurePoint> points, Ink ink);
-  void Line(FigurePoint from, FigurePoint to, Ink ink);
+  void Path(const std::vector<FigurePoint>& points, const Ink& ink) { Add(kPath, points, ink); }
   /// Closed and filled.
-  void Area(std::vector<FigurePoint> points, Ink ink);
-  void Box(FigurePoint corner, FigurePoint opposite, Ink ink, double radius = 0.0);
-  void Dot(FigurePoint centre, double radius, Ink ink);
+  void Area(const std::vector<FigurePoint>& points, const Ink& ink) { Add(kArea, points, ink); }
+  void Box(FigurePoint corner, FigurePoint opposite, const Ink& ink, double corner_radius = 0.0) {
+    Add(kBox, {corner, opposite}, ink).radius = corner_radius;
+  }
+  void Dot(FigurePoint centre, double radius, const Ink& ink) {
+    Add(kDot, {centre}, ink).radius = radius;
+  }
   /// From, around or up to the baseline at `at`.
-  void Text(FigurePoint at, Anchor anchor, std::string text, Ink ink = {});
+  void Text(FigurePoint at, Anchor anchor, const std::string& text, const Ink& ink = {});
   /// Around `at`, from bottom to top.
-  void UpwardText(FigurePoint at, std::string text, Ink ink = {});
+  void UpwardText(FigurePoint at, const std::string& text, const Ink& ink = {});
+
+ private:
+  using enum FigureShape::Kind;
+  FigureShape& Add(FigureShape::Kind shape, const std::vector<FigurePoint>& points,
+                   const Ink& ink) {
+    return shapes.emplace_back(FigureShape{shape, points, ink});
+  }
 };
 
 /// A figure as SVG. With a style sheet it is complete as a file; without one it has the styles of

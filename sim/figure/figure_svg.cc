@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <initializer_list>
+#include <utility>
 
 #include "sim/figure/figure.h"
 #include "sim/results/html_text.h"
@@ -13,73 +14,58 @@ namespace {
 /// To 0.1 px, without zeros behind the point.
 std::string Number(double px) { return fmt::format("{:g}", std::round(10.0 * px) / 10.0 + 0.0); }
 
-std::string WayOf(const FigureShape& shape) {
+std::string Attributes(std::initializer_list<std::pair<const char*, double>> values) {
+  std::string out;
+  for (const auto& [name, px] : values) out += fmt::format(" {}=\"{}\"", name, Number(px));
+  return out;
+}
+
+std::string WayOf(const std::vector<FigurePoint>& points) {
   std::string way;
   bool pen_down = false;
-  for (const auto& [x, y] : shape.points) {
+  for (const auto& [x, y] : points) {
     const bool finite = std::isfinite(x) && std::isfinite(y);
-    if (finite) {
-      way += fmt::format("{}{} {}", pen_down ? way.back() == 'Z' ? "" : " " : "M", Number(x),
-                         Number(y));
-    }
+    if (finite) way += fmt::format("{}{} {}", pen_down ? " " : "M", Number(x), Number(y));
     pen_down = finite;
   }
-  return shape.kind == FigureShape::Kind::kArea ? way + "Z" : way;
+  return way;
 }
 
-/// The element's name, geometry and text.
-struct Element {
-  std::string name;
-  std::string geometry;
-  std::string text = {};
-};
-
-Element TextElement(const FigureShape& shape) {
+/// Name and geometry of the element of a shape.
+std::pair<const char*, std::string> ElementOf(const FigureShape& shape) {
+  using enum FigureShape::Kind;
   constexpr const char* kAnchors[] = {"start", "middle", "end"};
-  const auto& [x, y] = shape.points.front();
-  const std::string place =
-      shape.kind == FigureShape::Kind::kUpwardText
-          ? fmt::format(" transform=\"translate({} {}) rotate(-90)\"", Number(x), Number(y))
-          : fmt::format(" x=\"{}\" y=\"{}\"", Number(x), Number(y));
-  return {"text",
-          fmt::format("{} text-anchor=\"{}\"", place, kAnchors[static_cast<int>(shape.anchor)]),
-          EscapeHtml(shape.text)};
-}
-
-Element ElementOf(const FigureShape& shape) {
-  switch (shape.kind) {
-    case FigureShape::Kind::kLine:
-      return {"line", fmt::format(" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"",
-                                  Number(shape.points[0].x), Number(shape.points[0].y),
-                                  Number(shape.points[1].x), Number(shape.points[1].y))};
-    case FigureShape::Kind::kPath:
-    case FigureShape::Kind::kArea:
-      return {"path", fmt::format(" d=\"{}\"", WayOf(shape))};
-    case FigureShape::Kind::kDot:
-      return {"circle", fmt::format(" cx=\"{}\" cy=\"{}\" r=\"{}\"", Number(shape.points[0].x),
-                                    Number(shape.points[0].y), Number(shape.radius))};
-    case FigureShape::Kind::kBox: {
-      const auto& [a, b] = std::pair(shape.points[0], shape.points[1]);
-      return {
-          "rect",
-          fmt::format(" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}", Number(std::min(a.x, b.x)),
-                      Number(std::min(a.y, b.y)), Number(std::abs(b.x - a.x)),
-                      Number(std::abs(b.y - a.y)),
-                      shape.radius > 0.0 ? fmt::format(" rx=\"{}\"", Number(shape.radius)) : "")};
-    }
-    case FigureShape::Kind::kText:
-    case FigureShape::Kind::kUpwardText:
-      break;
+  if (shape.kind == kPath || shape.kind == kArea) {
+    const char* end = shape.kind == kArea ? "Z" : "";
+    return {"path", fmt::format(" d=\"{}{}\"", WayOf(shape.points), end)};
   }
-  return TextElement(shape);
+  const FigurePoint a = shape.points.front(), b = shape.points.back();
+  if (shape.kind == kLine)
+    return {"line", Attributes({{"x1", a.x}, {"y1", a.y}, {"x2", b.x}, {"y2", b.y}})};
+  if (shape.kind == kDot)
+    return {"circle", Attributes({{"cx", a.x}, {"cy", a.y}, {"r", shape.radius}})};
+  if (shape.kind == kBox) {
+    const std::string corners = shape.radius > 0.0 ? Attributes({{"rx", shape.radius}}) : "";
+    return {"rect", Attributes({{"x", std::min(a.x, b.x)},
+                                {"y", std::min(a.y, b.y)},
+                                {"width", std::abs(b.x - a.x)},
+                                {"height", std::abs(b.y - a.y)}}) +
+                        corners};
+  }
+  const std::string place =
+      shape.kind == kText
+          ? Attributes({{"x", a.x}, {"y", a.y}})
+          : fmt::format(" transform=\"translate({} {}) rotate(-90)\"", Number(a.x), Number(a.y));
+  return {"text",
+          fmt::format("{} text-anchor=\"{}\"", place, kAnchors[static_cast<int>(shape.anchor)])};
 }
 
 std::string SvgOf(const FigureShape& shape) {
-  const auto [name, geometry, text] = ElementOf(shape);
+  const auto [name, geometry] = ElementOf(shape);
   const auto& [css, said, attributes] = shape.ink;
   const std::string style = css.empty() ? "" : fmt::format(" class=\"{}\"", css);
   const std::string title = said.empty() ? "" : fmt::format("<title>{}</title>", EscapeHtml(said));
-  const std::string inside = title + text;
+  const std::string inside = title + EscapeHtml(shape.text);
   const std::string start = fmt::format("<{}{}{}{}", name, attributes, style, geometry);
   return inside.empty() ? start + "/>" : fmt::format("{}>{}</{}>", start, inside, name);
 }
@@ -87,14 +73,14 @@ std::string SvgOf(const FigureShape& shape) {
 }  // namespace
 
 std::string SvgOf(const Figure& figure, std::string_view style_sheet) {
-  const std::string width = Number(figure.width_px), height = Number(figure.height_px);
+  const std::string size = Attributes({{"width", figure.width_px}, {"height", figure.height_px}});
   const std::string look =
       style_sheet.empty()
-          ? fmt::format("class=\"{}\" style=\"--natural: {}px\"", figure.kind, width)
-          : fmt::format("xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\"", width,
-                        height);
-  std::string svg = fmt::format("<svg {} viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">{}",
-                                look, width, height, EscapeHtml(figure.said), style_sheet);
+          ? fmt::format("class=\"{}\" style=\"--natural: {:g}px\"", figure.kind, figure.width_px)
+          : "xmlns=\"http://www.w3.org/2000/svg\"" + size;
+  std::string svg =
+      fmt::format("<svg {} viewBox=\"0 0 {:g} {:g}\" role=\"img\" aria-label=\"{}\">{}", look,
+                  figure.width_px, figure.height_px, EscapeHtml(figure.said), style_sheet);
   for (const FigureShape& shape : figure.shapes) svg += SvgOf(shape);
   return svg + "</svg>\n";
 }

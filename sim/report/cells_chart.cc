@@ -142,7 +142,7 @@ std::string ParallelSvg(const std::vector<ChartAxis>& axes, const std::vector<Ch
       const double place = points[i].places[a];
       if (!std::isnan(place)) way.push_back({x_of(a), area.bottom - place * kAxisHeight});
     }
-    figure.Path(std::move(way), InkOfPoint(i, points[i].css()));
+    figure.Path(way, InkOfPoint(i, points[i].css()));
   }
   for (std::size_t a = 0; a < axes.size(); ++a) {
     AddAxis(figure, axes[a], a, {x_of(a), area.bottom}, {x_of(a), area.top});

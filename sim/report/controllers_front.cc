@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <tuple>
 
 #include "sim/figure/panel.h"
 #include "sim/results/table_text.h"
@@ -39,54 +39,49 @@ std::vector<FrontPoint> PointsOf(const Summary& summary) {
   return points;
 }
 
-bool Meet(const FigureBox& a, const FigureBox& b) {
-  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-}
-
-/// Places names where they cover no other name and no point: the first free of eight places.
-class NamePlaces {
- public:
-  NamePlaces(const FigureBox& area, const std::vector<FigurePoint>& points) : area_(area) {
-    constexpr double kReach = kPointRadius + 1.0;
-    for (const auto& [x, y] : points) {
-      taken_.push_back({x - kReach, y - kReach, x + kReach, y + kReach});
-    }
-  }
-
-  void Add(Figure& figure, FigurePoint point, const std::string& name, const char* css) {
-    constexpr struct {
-      double x, y;
-      Anchor anchor;
-    } kPlaces[] = {{12, 4, Anchor::kStart},   {-12, 4, Anchor::kEnd},   {12, -12, Anchor::kStart},
-                   {-12, -12, Anchor::kEnd},  {12, 20, Anchor::kStart}, {-12, 20, Anchor::kEnd},
-                   {0, -16, Anchor::kMiddle}, {0, 26, Anchor::kMiddle}};
-    const double width = TextWidth(name, kNameLetters);
-    double least = std::numeric_limits<double>::infinity();
-    FigureBox best;
-    std::size_t chosen = 0;
-    for (std::size_t i = 0; i < std::size(kPlaces) && least > 0.0; ++i) {
-      const double left =
-          point.x + kPlaces[i].x - 0.5 * width * static_cast<int>(kPlaces[i].anchor);
-      const double baseline = point.y + kPlaces[i].y;
-      const FigureBox box = {left, baseline - 12.0, left + width, baseline + 4.0};
-      const double outside = box.left < area_.left || box.right > area_.right + kPointRadius ||
-                             box.top < 0.0 || box.bottom > area_.bottom;
-      const double covered =
-          std::ranges::any_of(taken_, [&](const FigureBox& other) { return Meet(box, other); });
-      if (2.0 * outside + covered >= least) continue;
-      least = 2.0 * outside + covered;
-      best = box;
-      chosen = i;
-    }
-    taken_.push_back(best);
-    figure.Text({point.x + kPlaces[chosen].x, point.y + kPlaces[chosen].y}, kPlaces[chosen].anchor,
-                name, {css});
-  }
-
- private:
-  FigureBox area_;
-  std::vector<FigureBox> taken_;
+/// Place of a name beside its point.
+struct NameChoice {
+  FigurePoint offset;
+  Anchor anchor;
 };
+constexpr NameChoice kNameChoices[] = {{{12, 4}, Anchor::kStart},   {{-12, 4}, Anchor::kEnd},
+                                       {{12, -12}, Anchor::kStart}, {{-12, -12}, Anchor::kEnd},
+                                       {{12, 20}, Anchor::kStart},  {{-12, 20}, Anchor::kEnd},
+                                       {{0, -16}, Anchor::kMiddle}, {{0, 26}, Anchor::kMiddle}};
+
+/// Adds names where they cover no other name and no point: the first free of eight places.
+void AddNames(Figure& figure, const FigureBox& area, const std::vector<FrontPoint>& points,
+              const std::vector<FigurePoint>& places) {
+  constexpr double kReach = kPointRadius + 1.0;
+  std::vector<FigureBox> taken;
+  for (const auto& [x, y] : places) {
+    taken.push_back({x - kReach, y - kReach, x + kReach, y + kReach});
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool says = points[i].dominated && figure.width_px >= kWordWidth;
+    const std::string name = points[i].name + (says ? " (dominated)" : "");
+    const double width = TextWidth(name, kNameLetters);
+    const auto box_of = [&](const NameChoice& choice) {
+      const double left =
+          places[i].x + choice.offset.x - 0.5 * width * static_cast<int>(choice.anchor);
+      const double baseline = places[i].y + choice.offset.y;
+      return FigureBox{left, baseline - 12.0, left + width, baseline + 4.0};
+    };
+    const auto faults =
+        [&](const NameChoice& choice) {  // outside counts more than over another name
+          const FigureBox box = box_of(choice);
+          const bool outside = box.left < area.left || box.right > area.right + kPointRadius ||
+                               box.top < 0.0 || box.bottom > area.bottom;
+          const bool covered =
+              std::ranges::any_of(taken, [&](const FigureBox& other) { return box.Meets(other); });
+          return 2 * outside + covered;
+        };
+    const NameChoice& choice = *std::ranges::min_element(kNameChoices, {}, faults);
+    taken.push_back(box_of(choice));
+    figure.Text({places[i].x + choice.offset.x, places[i].y + choice.offset.y}, choice.anchor, name,
+                {points[i].dominated ? "label faint" : "label"});
+  }
+}
 
 std::string SaidOf(const std::vector<FrontPoint>& points) {
   std::string said = "Jitter against delay.";
@@ -97,20 +92,15 @@ std::string SaidOf(const std::vector<FrontPoint>& points) {
   return said;
 }
 
-Panel PanelOf(const Figure& figure, const std::vector<FrontPoint>& points) {
+std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, double width_px) {
+  Figure figure{width_px, kFrontHeight, kind, SaidOf(points)};
   Extent delay = {0.0, 145.0}, jitter = {0.0, 1e-3};  // at least
   for (const FrontPoint& point : points) {
     delay.Take(1.1 * point.delay_ms);
     jitter.Take(1.15 * point.jitter_deg);
   }
-  return {figure.Inside(),
-          {delay, "delay, ms", figure.width_px < 500.0 ? 5 : 9},
-          {jitter, "jitter, deg RMS", 5, true}};
-}
-
-std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, double width_px) {
-  Figure figure{width_px, kFrontHeight, kind, SaidOf(points)};
-  const Panel panel = PanelOf(figure, points);
+  const Panel panel(figure.Inside(), {delay, "delay, ms", width_px < 500.0 ? 5 : 9},
+                    {jitter, "jitter, deg RMS", 5, true});
   const auto [left, top, right, bottom] = panel.area();
   const double band = panel.X(kBestDelay_ms.low);
   figure.Box({band, top}, {panel.X(kBestDelay_ms.high), bottom}, {"band"});
@@ -128,12 +118,7 @@ std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, dou
     const char* css = points[i].dominated ? "point dominated" : "point";
     figure.Dot(places[i], kPointRadius, InkOfSeries(points[i].controller, css));
   }
-  NamePlaces names({left, top, right, bottom}, places);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool says = points[i].dominated && width_px >= kWordWidth;
-    names.Add(figure, places[i], points[i].name + (says ? " (dominated)" : ""),
-              points[i].dominated ? "label faint" : "label");
-  }
+  AddNames(figure, panel.area(), points, places);
   return SvgOf(figure);
 }
 

@@ -75,11 +75,11 @@ void AddSeries(Figure& figure, const Panel& panel, const FrontSeries& series,
     const std::string all = fmt::format("{} {}", kind, css);
     Ink ink = place.point == kNoPoint ? Ink{all} : InkOfPoint(place.point, all);
     ink.said = series.name;
-    figure.Dot(panel.At(place.delay_ms, place.jitter_deg), radius, std::move(ink));
+    figure.Dot(panel.At(place.delay_ms, place.jitter_deg), radius, ink);
   };
   std::vector<FigurePoint> way;
   for (const auto& place : places) way.push_back(panel.At(place.delay_ms, place.jitter_deg));
-  figure.Path(std::move(way), {.css = css, .said = series.name});
+  figure.Path(way, {.css = css, .said = series.name});
   for (const FrontSeries::Place& place : places) add(place, "place", 2.5);
   if (series.answer) add(*series.answer, "answer", 6.0);
   figure.Line(legend, {legend.x + kLegendMark, legend.y}, {css});

@@ -33,7 +33,7 @@ void AddResponse(Figure& figure, const Panel& panel, const Response& response, s
     lower.push_back(panel.At(x, mean.low));
   }
   band.insert(band.end(), lower.rbegin(), lower.rend());
-  if (!band.empty()) figure.Area(std::move(band), InkOfSeries(controller, "interval"));
+  if (!band.empty()) figure.Area(band, InkOfSeries(controller, "interval"));
   figure.Path(curve, InkOfSeries(controller, "curve"));
   auto dot = curve.begin();
   for (std::size_t v = 0; v < response.values.size(); ++v) {

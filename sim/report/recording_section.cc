@@ -130,8 +130,8 @@ std::string DotsOf(const GloveSignal& glove, const Rows& rows, std::size_t chann
       add(dots, {x, panel.Y(value(i))}, {x, panel.Y(value(i))});
     }
   }
-  figure.Path(std::move(dots), {"dots"});
-  figure.Path(std::move(marks), {"marks"});
+  figure.Path(dots, {"dots"});
+  figure.Path(marks, {"marks"});
   return SvgOf(figure) + fmt::format(
                              "<p class=\"note small\">{}: every {}row of the file, {:.3g} to "
                              "{:.3g} deg over {:.4g} "
