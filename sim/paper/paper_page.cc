@@ -254,7 +254,10 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
   values["verdict"] = PaperVerdict(experiment);
   values["settings"] = ResolvedScenario(experiment.finished);
   for (auto& [name, value] : values) value = EscapeHtml(value);
-  values["style"] = assets::kStyle;
+  values["title"] = "The paper, measured";
+  values["kind"] = "Gauntlet";
+  values["sources"] = "";
+  values["style"] = std::string(assets::kStyle) + std::string(kPaperStyle);
   values["claim_table"] = Table(ClaimTable(experiment));
   values["scores"] = Table(ScoresTable(experiment.finished.summary));
   values["filters"] = Table(FilterTable(experiment.filters));

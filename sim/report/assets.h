@@ -6,8 +6,11 @@
 /// program by embed_assets.cmake so that a report needs nothing beside it.
 namespace gauntlet::sim::assets {
 
-extern const std::string_view kPageHtml;     // the page with {{places}} to fill
-extern const std::string_view kStyle;        // page.css
+// Pages with {{places}} to fill. All begin with head.html, which has `title`, `kind`, `style`, and
+// `sources` of scripts and media as a content security policy names them.
+extern const std::string_view kPageHtml;
+extern const std::string_view kStyle;  // page.css
+inline constexpr const char* kScriptSources = "script-src 'unsafe-inline'; ";
 extern const std::string_view kScript;       // all *.js of the folder, in the order of CMake's list
 extern const std::string_view kCellsHtml;    // the page of a sweep, of tuning and of robust
 extern const std::string_view kChainHtml;    // the page of identify

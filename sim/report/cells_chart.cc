@@ -1,15 +1,81 @@
 #include "sim/report/cells_chart.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "controller/number.h"
-#include "sim/base/chart_scale.h"
-#include "sim/report/drawing.h"
-#include "sim/results/html_text.h"
+#include "sim/figure/figure.h"
 #include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
+namespace {
+
+constexpr double kHeatRow = 30.0;         // height of a cell
+constexpr double kWidthOfValue = 40.0;    // least width of a cell that shows its value
+constexpr double kHeatLabelSpace = 46.0;  // least distance of two labels below a heat map
+constexpr FigureLayout kHeatLayout = {.left = 96.0, .top = 30.0, .right = 10.0, .bottom = 56.0};
+constexpr double kAxisDistance = 118.0;  // between two parallel axes
+constexpr FigureLayout kAxesLayout = {.left = 56.0, .top = 44.0, .right = 56.0, .bottom = 34.0};
+constexpr double kAxisHeight = 300.0;
+constexpr double kBrushWidth = 36.0;
+constexpr std::size_t kMostAxisLabels = 12;
+
+/// The cell of one column and row, with its value if it is wide enough.
+void AddHeatCell(Figure& figure, const HeatMap& map, const Extent& range, std::size_t x,
+                 std::size_t y, const FigureBox& cell) {
+  const std::size_t at = y * map.x_labels.size() + x;
+  const double value = map.best[at];
+  if (std::isnan(value)) return;
+  const double bad = map.lower_is_better ? range.Share(value) : 1.0 - range.Share(value);
+  const std::string share = fmt::format(" style=\"--share: {:.0f}%\"", 80.0 * bad);
+  const std::size_t point = map.points[at];
+  Ink ink = point == kNoPoint ? Ink{.css = "cell", .attributes = share}
+                              : InkOfPoint(point, "cell", share);
+  ink.said = fmt::format("{} {}, {} {}: {}", map.x_name, map.x_labels[x], map.y_name,
+                         map.y_labels[y], Short(value));
+  figure.Box({cell.left + 1.0, cell.top + 1.0}, {cell.right - 1.0, cell.bottom - 1.0}, ink, 3.0);
+  if (cell.right - cell.left < kWidthOfValue) return;
+  figure.Text({cell.centre().x, cell.centre().y + kFigureLayout.baseline}, Anchor::kMiddle,
+              Short(value), {"value"});
+}
+
+/// The name of an axis in at most two lines, broken at a point or an underscore.
+void AddAxisName(Figure& figure, const std::string& name, double x) {
+  constexpr double kWidth = kAxisDistance - 6.0, kLongest = 15, kShortestPart = 6;
+  const std::size_t end =
+      name.size() > kLongest ? name.find_first_of("._", kShortestPart) : name.npos;
+  const bool two = end != name.npos && end + 1 < name.size();
+  if (two) {
+    figure.Text({x, 14.0}, Anchor::kMiddle, FittedText(name.substr(0, end + 1), kWidth), {"name"});
+  }
+  figure.Text({x, 30.0}, Anchor::kMiddle, FittedText(two ? name.substr(end + 1) : name, kWidth),
+              {"name"});
+}
+
+/// An axis from `low` up to `high`, with its name, labels and the place where a brush starts.
+void AddAxis(Figure& figure, const ChartAxis& axis, std::size_t number, FigurePoint low,
+             FigurePoint high) {
+  figure.Line(low, high, {"axis"});
+  figure.Box({low.x - 0.5 * kBrushWidth, low.y}, {high.x + 0.5 * kBrushWidth, high.y},
+             {.css = "brush-place", .attributes = fmt::format(" data-axis=\"{}\"", number)});
+  AddAxisName(figure, axis.name, low.x);
+  if (axis.labels.empty()) {
+    figure.Text({low.x, low.y + kFigureLayout.tick_drop}, Anchor::kMiddle,
+                fmt::format("{:.3g}", axis.low));
+    figure.Text({high.x + 5.0, high.y + 11.0}, Anchor::kStart, fmt::format("{:.3g}", axis.high));
+    return;
+  }
+  const std::size_t every = (axis.labels.size() + kMostAxisLabels - 1) / kMostAxisLabels;
+  for (std::size_t i = 0; i < axis.labels.size(); i += every) {
+    const double y = low.y + axis.PlaceOf(axis.labels[i]) * (high.y - low.y);
+    figure.Text({low.x + 5.0, y + (i == 0 ? -3.0 : 11.0)}, Anchor::kStart,
+                FittedText(axis.labels[i], kAxisDistance - 10.0));
+  }
+}
+
+}  // namespace
 
 double ChartAxis::PlaceOf(double value) const {
   if (!(high > low)) return 0.5;
@@ -29,100 +95,59 @@ double ChartAxis::PlaceOf(const std::string& value) const {
 }
 
 std::string HeatMapSvg(const HeatMap& map) {
-  constexpr double kLeft = 96.0, kTop = 30.0, kBottom = 56.0, kCellHeight = 30.0;
   const auto columns = static_cast<double>(map.x_labels.size());
   const auto rows = static_cast<double>(map.y_labels.size());
   const double cell_width = std::clamp(600.0 / columns, 26.0, 90.0);
-  const double width = kLeft + columns * cell_width + 10.0;
-  const double height = kTop + rows * kCellHeight + kBottom;
   Extent range;
   for (const double value : map.best) range.Take(value);
-  Drawing drawing(width, height, "heat-map",
-                  fmt::format("Best {} over {} and {}: {} to {}", map.score, map.x_name, map.y_name,
-                              Short(range.low), Short(range.high)));
-  drawing.Text(0.0, 16.0, "start", map.y_name, "name");
-  // Labels stand on every n-th column where they would meet.
-  const auto every = static_cast<std::size_t>(std::ceil(46.0 / cell_width));
+  Figure figure{kHeatLayout.left + columns * cell_width + kHeatLayout.right,
+                kHeatLayout.top + rows * kHeatRow + kHeatLayout.bottom, "heat-map",
+                fmt::format("Best {} over {} and {}: {} to {}", map.score, map.x_name, map.y_name,
+                            Short(range.low), Short(range.high))};
+  const FigureBox area = figure.Inside(kHeatLayout);
+  figure.Text({0.0, 16.0}, Anchor::kStart, map.y_name, {"name"});
   for (std::size_t y = 0; y < map.y_labels.size(); ++y) {
-    // The largest value is on top, as in a chart.
-    const double top = kTop + (rows - 1.0 - static_cast<double>(y)) * kCellHeight;
-    drawing.Text(kLeft - 8.0, top + 20.0, "end", Shortened(map.y_labels[y], 12));
+    const double bottom = area.bottom - static_cast<double>(y) * kHeatRow;
+    figure.Text({area.left - kHeatLayout.tick_gap, bottom - 0.5 * kHeatRow + kHeatLayout.baseline},
+                Anchor::kEnd, FittedText(map.y_labels[y], area.left - 2.0 * kHeatLayout.tick_gap));
     for (std::size_t x = 0; x < map.x_labels.size(); ++x) {
-      const std::size_t at = y * map.x_labels.size() + x;
-      const double left = kLeft + static_cast<double>(x) * cell_width;
-      const double value = map.best[at];
-      if (std::isnan(value)) continue;
-      const double bad = map.lower_is_better ? range.Share(value) : 1.0 - range.Share(value);
-      const std::string point =
-          map.points[at] == kNoPoint ? "" : fmt::format(" data-point=\"{}\"", map.points[at]);
-      drawing.Add(
-          "<g{} style=\"--share: {:.0f}%\"><title>{} {}, {} {}: {}</title><rect x=\"{:.1f}\" "
-          "y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" rx=\"3\"/>",
-          point, 80.0 * bad, EscapeHtml(map.x_name), EscapeHtml(map.x_labels[x]),
-          EscapeHtml(map.y_name), EscapeHtml(map.y_labels[y]), Short(value), left + 1.0, top + 1.0,
-          cell_width - 2.0, kCellHeight - 2.0);
-      if (cell_width >= 40.0) {
-        drawing.Text(left + 0.5 * cell_width, top + 20.0, "middle", Short(value), "value");
-      }
-      drawing.Add("</g>");
+      const double left = area.left + static_cast<double>(x) * cell_width;
+      AddHeatCell(figure, map, range, x, y, {left, bottom - kHeatRow, left + cell_width, bottom});
     }
   }
+  const auto every = static_cast<std::size_t>(std::ceil(kHeatLabelSpace / cell_width));
   for (std::size_t x = 0; x < map.x_labels.size(); x += every) {
-    drawing.Text(kLeft + (static_cast<double>(x) + 0.5) * cell_width,
-                 kTop + rows * kCellHeight + 18.0, "middle", Shortened(map.x_labels[x], 12));
+    figure.Text({area.left + (static_cast<double>(x) + 0.5) * cell_width,
+                 area.bottom + kHeatLayout.tick_drop},
+                Anchor::kMiddle,
+                FittedText(map.x_labels[x], static_cast<double>(every) * cell_width));
   }
-  drawing.Text(kLeft + 0.5 * columns * cell_width, height - 8.0, "middle", map.x_name, "name");
-  return drawing.Done();
+  figure.Text({area.centre().x, figure.height_px - 8.0}, Anchor::kMiddle, map.x_name, {"name"});
+  return SvgOf(figure);
 }
 
 std::string ParallelSvg(const std::vector<ChartAxis>& axes, const std::vector<ChartPoint>& points) {
-  constexpr double kEach = 118.0, kTop = 44.0, kHeight = 300.0, kLeft = 56.0;
-  const double width =
-      2.0 * kLeft + kEach * (static_cast<double>(std::max<std::size_t>(axes.size(), 2)) - 1.0);
-  Drawing drawing(
-      width, kTop + kHeight + 34.0, "parallel",
-      fmt::format("{} points as lines over {} settings and scores", points.size(), axes.size()));
-  const auto y_of = [&](double place) { return kTop + (1.0 - place) * kHeight; };
-  const auto x_of = [&](std::size_t axis) { return kLeft + kEach * static_cast<double>(axis); };
-  // The best are drawn last, over the others.
-  for (std::size_t i = points.size(); i-- > 0;) {
-    const ChartPoint& point = points[i];
-    std::string way;
+  const auto distances = static_cast<double>(std::max<std::size_t>(axes.size(), 2)) - 1.0;
+  Figure figure{
+      kAxesLayout.left + kAxisDistance * distances + kAxesLayout.right,
+      kAxesLayout.top + kAxisHeight + kAxesLayout.bottom, "parallel",
+      fmt::format("{} points as lines over {} settings and scores", points.size(), axes.size())};
+  const FigureBox area = figure.Inside(kAxesLayout);
+  const auto x_of = [&](std::size_t axis) {
+    return area.left + kAxisDistance * static_cast<double>(axis);
+  };
+  for (std::size_t i = points.size(); i-- > 0;) {  // the best last, over the others
+    std::vector<FigurePoint> way;
     for (std::size_t a = 0; a < axes.size(); ++a) {
-      if (std::isnan(point.places[a])) continue;
-      way +=
-          fmt::format("{}{:.0f} {:.1f}", way.empty() ? "M" : "L", x_of(a), y_of(point.places[a]));
+      const double place = points[i].places[a];
+      if (!std::isnan(place)) way.push_back({x_of(a), area.bottom - place * kAxisHeight});
     }
-    const char* kind = point.faint ? "faint" : (point.good ? "good" : "");
-    drawing.Add("<path data-point=\"{}\" class=\"{}\" d=\"{}\"/>", i, kind, way);
+    figure.Path(way, InkOfPoint(i, points[i].css()));
   }
   for (std::size_t a = 0; a < axes.size(); ++a) {
-    const ChartAxis& axis = axes[a];
-    drawing.Line(x_of(a), kTop, x_of(a), kTop + kHeight, "axis");
-    drawing.Add(
-        "<rect class=\"brush-place\" data-axis=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" "
-        "width=\"36\" height=\"{:.1f}\"/>",
-        a, x_of(a) - 18.0, kTop, kHeight);
-    // Two lines, at a point or underscore where there is one.
-    const std::size_t middle =
-        axis.name.size() > 15 ? axis.name.find_first_of("._", 6) : axis.name.npos;
-    const bool two = middle != std::string::npos && middle + 1 < axis.name.size();
-    if (two)
-      drawing.Text(x_of(a), 14.0, "middle", Shortened(axis.name.substr(0, middle + 1), 18), "name");
-    drawing.Text(x_of(a), 30.0, "middle",
-                 Shortened(two ? axis.name.substr(middle + 1) : axis.name, 18), "name");
-    if (axis.labels.empty()) {
-      drawing.Text(x_of(a), kTop + kHeight + 18.0, "middle", fmt::format("{:.3g}", axis.low));
-      drawing.Text(x_of(a) + 5.0, kTop + 11.0, "start", fmt::format("{:.3g}", axis.high));
-      continue;
-    }
-    const std::size_t every = (axis.labels.size() + 11) / 12;
-    for (std::size_t i = 0; i < axis.labels.size(); i += every) {
-      drawing.Text(x_of(a) + 5.0, y_of(axis.PlaceOf(axis.labels[i])) + (i == 0 ? -3.0 : 11.0),
-                   "start", Shortened(axis.labels[i], 14));
-    }
+    AddAxis(figure, axes[a], a, {x_of(a), area.bottom}, {x_of(a), area.top});
   }
-  return drawing.Done();
+  return SvgOf(figure);
 }
 
 }  // namespace gauntlet::sim

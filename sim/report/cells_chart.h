@@ -29,6 +29,8 @@ struct ChartPoint {
   double jitter_deg = 0.0;
   bool good = false;   // among the best
   bool faint = false;  // breaks a bound
+
+  const char* css() const { return faint ? "faint" : good ? "good" : ""; }
 };
 
 /// The best of a score over a grid of two settings.

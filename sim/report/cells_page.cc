@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/chart_scale.h"
+#include "sim/base/json_number.h"
 #include "sim/report/assets.h"
 #include "sim/report/front_chart.h"
 #include "sim/results/html_text.h"
@@ -50,6 +51,93 @@ std::string HeatSection(const CellPoints& gathered) {
           drawings);
 }
 
+/// The axes of the settings, then one for each drawn score, from its lowest to its highest value.
+std::vector<ChartAxis> AxesOf(const CellPoints& gathered, const std::vector<std::size_t>& scores) {
+  std::vector<ChartAxis> axes = gathered.axes();
+  for (const std::size_t m : scores) {
+    Extent range;
+    for (const CellPoints::Kept& kept : gathered.kept()) range.Take(kept.point.scores[m]);
+    axes.push_back({.name = std::string(Metrics()[gathered.metrics()[m]].key),
+                    .low = range.low,
+                    .high = range.high});
+  }
+  return axes;
+}
+
+/// A score of a point; NaN if the study does not have it.
+double ScoreOf(const CellPoints& gathered, const CellPoint& point, std::string_view metric) {
+  const auto found = std::ranges::find(gathered.metrics(), MetricIndex(metric));
+  if (found == gathered.metrics().end()) return kNaN;
+  return point.scores[static_cast<std::size_t>(found - gathered.metrics().begin())];
+}
+
+std::vector<ChartPoint> PointsOf(const CellPoints& gathered, const std::vector<ChartAxis>& axes,
+                                 const std::vector<std::size_t>& scores) {
+  std::vector<ChartPoint> points;
+  const std::size_t good = std::max<std::size_t>(1, gathered.kept().size() / 10);
+  for (const auto& [order, number, is_sample, kept] : gathered.kept()) {
+    ChartPoint& point = points.emplace_back();
+    auto axis = axes.begin();
+    for (std::size_t a = 0; a < gathered.axes().size(); ++a) {
+      point.places.push_back((axis++)->PlaceOf(kept.values[a]));
+    }
+    for (const std::size_t m : scores) point.places.push_back((axis++)->PlaceOf(kept.scores[m]));
+    point.faint = !kept.keeps_bounds;
+    point.good = !point.faint && points.size() <= good;
+    point.delay_ms = ScoreOf(gathered, kept, "delay_ms");
+    point.jitter_deg = ScoreOf(gathered, kept, "jitter_rms_deg");
+  }
+  return points;
+}
+
+/// The data of one point for the scripts of the page.
+nlohmann::ordered_json PointJson(const CellPoints& gathered, const CellPoint& kept,
+                                 const ChartPoint& point) {
+  nlohmann::ordered_json json = {
+      {"name", kept.name}, {"yaml", kept.yaml}, {"command", kept.command}};
+  for (const double place : point.places) {
+    json["places"].push_back(NumberOrNull(std::round(1000.0 * place) / 1000.0));
+  }
+  for (std::size_t m = 0; m < gathered.metrics().size(); ++m) {
+    if (!std::isfinite(kept.scores[m])) continue;
+    json["scores"][std::string(Metrics()[gathered.metrics()[m]].key)] = kept.scores[m];
+  }
+  return json;
+}
+
+std::string Sections(const CellPoints& gathered, const CellsPageTexts& texts,
+                     const std::vector<ChartAxis>& axes, const std::vector<ChartPoint>& points) {
+  std::string sections = texts.first_sections;
+  if (texts.heat) sections += HeatSection(gathered);
+  if (!points.empty()) {
+    sections += PageSection(
+        "parallel", "All settings at once",
+        "A line is one setting with its scores; the best tenth is drawn over the others. <span "
+        "class=\"needs-script\">Drag along an axis to keep only what passes there; press the axis "
+        "to let go. Press a line for its settings.</span>",
+        "<p class=\"controls needs-script\"><span id=\"brushed\" role=\"status\"></span> <button "
+        "type=\"button\" id=\"brush-none\" hidden>All</button></p>\n" +
+            ScrolledDrawing(ParallelSvg(axes, points), "Parallel coordinates"));
+  }
+  if (const std::string front = texts.front ? FrontSvg(points) : ""; !front.empty()) {
+    sections +=
+        PageSection("front", "Jitter against delay",
+                    "Nearer to the lower left corner is better; the line joins what nothing "
+                    "else is better than in both means.",
+                    front);
+  }
+  return sections;
+}
+
+std::string FactsOf(const CellPoints& gathered, const CellsPageTexts& texts) {
+  const std::int64_t shown = std::ssize(gathered.kept());
+  if (shown == gathered.seen()) return texts.facts;
+  return fmt::format(
+      "{} · pictures have {} of {} settings: the best {} and every n-th of the rest; heat maps "
+      "have all",
+      texts.facts, shown, gathered.seen(), kPagePoints / 2);
+}
+
 }  // namespace
 
 std::string ScrolledDrawing(const std::string& drawing, const std::string& label) {
@@ -83,101 +171,28 @@ ChartAxis ChartAxisOf(const SweepAxis& setting, const std::string& name, bool gr
 }
 
 std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
-  std::vector<ChartAxis> axes = gathered.axes();
   const std::vector<std::size_t> scores = DrawnScores(gathered);
-  for (const std::size_t m : scores) {
-    ChartAxis& axis = axes.emplace_back();
-    axis.name = std::string(Metrics()[gathered.metrics()[m]].key);
-    axis.low = std::numeric_limits<double>::infinity();
-    axis.high = -axis.low;
-    for (const CellPoints::Kept& kept : gathered.kept()) {
-      const double score = kept.point.scores[m];
-      if (!std::isfinite(score)) continue;
-      axis.low = std::min(axis.low, score);
-      axis.high = std::max(axis.high, score);
-    }
-  }
-  const auto place_of = [&gathered](std::string_view metric) {
-    const auto& metrics = gathered.metrics();
-    return static_cast<std::size_t>(std::ranges::find(metrics, MetricIndex(metric)) -
-                                    metrics.begin());
-  };
-  const std::size_t delay = place_of("delay_ms");
-  const std::size_t jitter = place_of("jitter_rms_deg");
-  std::vector<ChartPoint> points;
+  const std::vector<ChartAxis> axes = AxesOf(gathered, scores);
+  const std::vector<ChartPoint> points = PointsOf(gathered, axes, scores);
   nlohmann::ordered_json data = nlohmann::ordered_json::array();
-  const std::size_t good = std::max<std::size_t>(1, gathered.kept().size() / 10);
-  for (const CellPoints::Kept& kept : gathered.kept()) {
-    ChartPoint& point = points.emplace_back();
-    for (std::size_t a = 0; a < gathered.axes().size(); ++a) {
-      point.places.push_back(axes[a].PlaceOf(kept.point.values[a]));
-    }
-    for (std::size_t i = 0; i < scores.size(); ++i) {
-      point.places.push_back(
-          axes[gathered.axes().size() + i].PlaceOf(kept.point.scores[scores[i]]));
-    }
-    point.faint = !kept.point.keeps_bounds;
-    point.good = !point.faint && points.size() <= good;
-    const bool front = delay < gathered.metrics().size() && jitter < gathered.metrics().size();
-    point.delay_ms = front ? kept.point.scores[delay] : kNaN;
-    point.jitter_deg = front ? kept.point.scores[jitter] : kNaN;
-    nlohmann::ordered_json& entry = data.emplace_back();
-    entry["name"] = kept.point.name;
-    entry["yaml"] = kept.point.yaml;
-    entry["command"] = kept.point.command;
-    for (const double place : point.places) {
-      entry["places"].push_back(std::isnan(place)
-                                    ? nlohmann::ordered_json(nullptr)
-                                    : nlohmann::ordered_json(std::round(1000.0 * place) / 1000.0));
-    }
-    for (std::size_t m = 0; m < gathered.metrics().size(); ++m) {
-      const double score = kept.point.scores[m];
-      if (std::isfinite(score)) {
-        entry["scores"][std::string(Metrics()[gathered.metrics()[m]].key)] = score;
-      }
-    }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    data.push_back(PointJson(gathered, gathered.kept()[i].point, points[i]));
   }
-  std::string sections = texts.first_sections;
-  if (texts.heat) sections += HeatSection(gathered);
-  if (!points.empty()) {
-    sections += PageSection(
-        "parallel", "All settings at once",
-        "A line is one setting with its scores; the best tenth is drawn over the others. <span "
-        "class=\"needs-script\">Drag along an axis to keep only what passes there; press the "
-        "axis "
-        "to let go. Press a line for its settings.</span>",
-        "<p class=\"controls needs-script\"><span id=\"brushed\" role=\"status\"></span> <button "
-        "type=\"button\" id=\"brush-none\" hidden>All</button></p>\n" +
-            ScrolledDrawing(ParallelSvg(axes, points), "Parallel coordinates"));
-  }
-  if (const std::string front = texts.front ? FrontSvg(points) : ""; !front.empty()) {
-    sections +=
-        PageSection("front", "Jitter against delay",
-                    "Nearer to the lower left corner is better; the line joins what nothing "
-                    "else is better than in both means.",
-                    front);
-  }
-  const std::int64_t shown = std::ssize(points);
-  const std::string facts =
-      texts.facts + (shown < gathered.seen()
-                         ? fmt::format(" · pictures have {} of {} settings: the best {} and every "
-                                       "n-th of the rest; heat maps have all",
-                                       shown, gathered.seen(), kPagePoints / 2)
-                         : "");
-  const bool any = !gathered.kept().empty();
+  const CellPoint first = points.empty() ? CellPoint{} : gathered.kept().front().point;
   return FillTemplate(assets::kCellsHtml,
                       {{"kind", texts.kind},
                        {"title", EscapeHtml(texts.title)},
                        {"question", EscapeHtml(texts.question)},
-                       {"facts", EscapeHtml(facts)},
+                       {"facts", EscapeHtml(FactsOf(gathered, texts))},
                        {"verdict", EscapeHtml(texts.verdict)},
                        {"table", HtmlOf(ResultText(texts.text.begin() + 1, texts.text.end()))},
-                       {"sections", sections},
-                       {"name", any ? EscapeHtml(gathered.kept().front().point.name) : ""},
-                       {"yaml", any ? EscapeHtml(gathered.kept().front().point.yaml) : ""},
-                       {"command", any ? EscapeHtml(gathered.kept().front().point.command) : ""},
+                       {"sections", Sections(gathered, texts, axes, points)},
+                       {"name", EscapeHtml(first.name)},
+                       {"yaml", EscapeHtml(first.yaml)},
+                       {"command", EscapeHtml(first.command)},
                        {"command_folder", texts.command_folder},
                        {"data", JsonForScript(data)},
+                       {"sources", assets::kScriptSources},
                        {"style", std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
                        {"script", std::string(assets::kCellsScript)}});
 }

@@ -124,6 +124,8 @@ std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits) {
   return FillTemplate(
       assets::kChainHtml,
       {{"title", EscapeHtml(log.name)},
+       {"kind", "Gauntlet identify"},
+       {"sources", ""},
        {"style", std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
        {"verdict", EscapeHtml(ChainVerdict(fits))},
        {"facts", EscapeHtml(facts)},

@@ -1,59 +1,34 @@
 #include "sim/report/front_chart.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
-#include "sim/base/chart_scale.h"
-#include "sim/report/drawing.h"
-#include "sim/results/html_text.h"
+#include "sim/figure/panel.h"
 
 namespace gauntlet::sim {
 namespace {
 
-/// Axes of jitter against delay: ticks, lines and names, from (left, top) to (right, bottom).
-class FrontAxes {
- public:
-  FrontAxes(const Extent& delay, const Extent& jitter, double right, double bottom)
-      : delay_(delay), jitter_(jitter), right_(right), bottom_(bottom) {
-    jitter_.Take(0.0);
-    const double margin = std::max(0.05 * (delay.high - delay.low), 1.0);
-    delay_ = {delay.low - margin, delay.high + margin};
-    jitter_.high *= 1.05;
-  }
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDot = 4.5;  // radius
+constexpr double kLegendWidth = 190.0;
+constexpr double kLegendLine = 20.0;  // from one entry to the next
+constexpr double kLegendMark = 26.0;  // width
+constexpr std::size_t kColours = 8;
 
-  double X(double delay_ms) const { return kLeft + delay_.Share(delay_ms) * (right_ - kLeft); }
-  double Y(double jitter_deg) const {
-    return bottom_ - jitter_.Share(jitter_deg) * (bottom_ - kTop);
-  }
-  double right() const { return right_; }
-  double bottom() const { return bottom_; }
+/// Axes of jitter against delay.
+Panel FrontPanel(const FigureBox& area, const Extent& delay, const Extent& jitter) {
+  const double margin = std::max(0.05 * (delay.high - delay.low), 1.0);
+  return {area,
+          {{delay.low - margin, delay.high + margin}, "delay, ms", 6},
+          {{std::min(jitter.low, 0.0), 1.05 * jitter.high}, "jitter, deg RMS", 5, true}};
+}
 
-  void DrawOn(Drawing& drawing) const {
-    for (const double tick : Ticks(jitter_, TickStep(jitter_, 5))) {
-      drawing.Line(kLeft, Y(tick), right_, Y(tick), "grid");
-      drawing.Text(kLeft - 8.0, Y(tick) + 4.0, "end", fmt::format("{:.3g}", tick));
-    }
-    for (const double tick : Ticks(delay_, TickStep(delay_, 6))) {
-      drawing.Text(X(tick), bottom_ + 18.0, "middle", fmt::format("{:.4g}", tick));
-    }
-    drawing.Text(0.5 * (kLeft + right_ + 12.0), bottom_ + 40.0, "middle", "delay, ms", "name");
-    drawing.Add(
-        "<text class=\"name\" text-anchor=\"middle\" transform=\"translate(13 {:.0f}) "
-        "rotate(-90)\">jitter, deg RMS</text>",
-        0.5 * bottom_);
-  }
-
-  static constexpr double kLeft = 58.0, kTop = 12.0;
-
- private:
-  Extent delay_, jitter_;
-  double right_, bottom_;
-};
-
-/// Where the answers are, and as much again: the ends of fronts would leave them no room. All where
-/// there are no answers.
+/// Drawn part of the fronts: the answers, and as much space again. Everything if there are no
+/// answers.
 class PartInSight {
  public:
   explicit PartInSight(const std::vector<FrontSeries>& series) {
@@ -67,19 +42,55 @@ class PartInSight {
     most_delay_ms_ = delay.high + std::max(delay.high - delay.low, 20.0);
     most_jitter_deg_ = 2.0 * jitter.high;
   }
-  bool Has(const FrontSeries::Place& place) const {
-    return place.delay_ms <= most_delay_ms_ && place.jitter_deg <= most_jitter_deg_;
+  std::vector<FrontSeries::Place> Of(const FrontSeries& series) const {
+    std::vector<FrontSeries::Place> places;
+    std::ranges::copy_if(series.front, std::back_inserter(places), [&](const auto& place) {
+      return place.delay_ms <= most_delay_ms_ && place.jitter_deg <= most_jitter_deg_;
+    });
+    return places;
   }
 
  private:
-  double most_delay_ms_ = std::numeric_limits<double>::infinity();
-  double most_jitter_deg_ = std::numeric_limits<double>::infinity();
+  double most_delay_ms_ = kInfinity;
+  double most_jitter_deg_ = kInfinity;
 };
+
+/// Points that no other point beats in both scores, by delay. `order` is sorted by delay.
+std::vector<FigurePoint> LowerLeftEdge(const std::vector<ChartPoint>& points,
+                                       const std::vector<std::size_t>& order, const Panel& panel) {
+  std::vector<FigurePoint> edge;
+  double least = kInfinity;
+  for (const std::size_t i : order) {
+    if (points[i].jitter_deg >= least) continue;
+    least = points[i].jitter_deg;
+    edge.push_back(panel.At(points[i].delay_ms, least));
+  }
+  return edge;
+}
+
+void AddSeries(Figure& figure, const Panel& panel, const FrontSeries& series,
+               const std::vector<FrontSeries::Place>& places, const std::string& css,
+               FigurePoint legend) {
+  const auto add = [&](const FrontSeries::Place& place, const char* kind, double radius) {
+    const std::string all = fmt::format("{} {}", kind, css);
+    Ink ink = place.point == kNoPoint ? Ink{all} : InkOfPoint(place.point, all);
+    ink.said = series.name;
+    figure.Dot(panel.At(place.delay_ms, place.jitter_deg), radius, ink);
+  };
+  std::vector<FigurePoint> way;
+  for (const auto& place : places) way.push_back(panel.At(place.delay_ms, place.jitter_deg));
+  figure.Path(way, {.css = css, .said = series.name});
+  for (const FrontSeries::Place& place : places) add(place, "place", 2.5);
+  if (series.answer) add(*series.answer, "answer", 6.0);
+  figure.Line(legend, {legend.x + kLegendMark, legend.y}, {css});
+  if (series.answer) figure.Dot({legend.x + 0.5 * kLegendMark, legend.y}, 5.0, {"answer " + css});
+  figure.Text({legend.x + kLegendMark + 8.0, legend.y + kFigureLayout.baseline}, Anchor::kStart,
+              series.name);
+}
 
 }  // namespace
 
 std::string FrontSvg(const std::vector<ChartPoint>& points) {
-  constexpr double kWidth = 460.0, kHeight = 320.0;
   Extent delay, jitter;
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -89,88 +100,52 @@ std::string FrontSvg(const std::vector<ChartPoint>& points) {
     jitter.Take(points[i].jitter_deg);
   }
   if (order.empty()) return "";
-  const FrontAxes axes(delay, jitter, kWidth - 12.0, kHeight - 46.0);
-  Drawing drawing(kWidth, kHeight, "front", "Jitter against delay");
-  axes.DrawOn(drawing);
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return std::pair(points[a].delay_ms, points[a].jitter_deg) <
-           std::pair(points[b].delay_ms, points[b].jitter_deg);
+  Figure figure{460.0, 320.0, "front", "Jitter against delay"};
+  const Panel panel = FrontPanel(figure.Inside(), delay, jitter);
+  panel.AddAxes(figure);
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) {
+    return std::pair(points[i].delay_ms, points[i].jitter_deg);
   });
-  std::string way;
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::size_t i : order) {
-    if (points[i].jitter_deg >= least) continue;
-    least = points[i].jitter_deg;
-    way += fmt::format("{}{:.1f} {:.1f}", way.empty() ? "M" : "L", axes.X(points[i].delay_ms),
-                       axes.Y(points[i].jitter_deg));
-  }
-  drawing.Add("<path class=\"front-line\" d=\"{}\"/>", way);
+  figure.Path(LowerLeftEdge(points, order, panel), {"front-line"});
   std::ranges::sort(order, std::greater<>());  // the best last, over the others
   for (const std::size_t i : order) {
-    drawing.Add("<circle data-point=\"{}\" class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"/>", i,
-                points[i].faint ? "faint" : (points[i].good ? "good" : ""),
-                axes.X(points[i].delay_ms), axes.Y(points[i].jitter_deg));
+    figure.Dot(panel.At(points[i].delay_ms, points[i].jitter_deg), kDot,
+               InkOfPoint(i, points[i].css()));
   }
-  return drawing.Done();
+  return SvgOf(figure);
 }
 
 std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_ms,
                       double most_jitter_deg) {
-  constexpr double kWidth = 760.0, kLegend = 190.0, kEach = 20.0;
-  constexpr std::size_t kColours = 8;
-  const double height = std::max(420.0, 40.0 + kEach * static_cast<double>(series.size()));
+  const double height = std::max(420.0, 40.0 + kLegendLine * static_cast<double>(series.size()));
   const PartInSight part(series);
   Extent delay, jitter;
   for (const FrontSeries& one : series) {
-    for (const FrontSeries::Place& place : one.front) {
-      if (!part.Has(place)) continue;
+    for (const FrontSeries::Place& place : part.Of(one)) {
       delay.Take(place.delay_ms);
       jitter.Take(place.jitter_deg);
     }
   }
   if (!std::isfinite(delay.low)) return "";
-  const FrontAxes axes(delay, jitter, kWidth - kLegend - 12.0, height - 46.0);
-  Drawing drawing(kWidth, height, "fronts", "Jitter against delay of each kind of filter");
-  axes.DrawOn(drawing);
+  Figure figure{760.0, height, "fronts", "Jitter against delay of each kind of filter"};
+  FigureBox area = figure.Inside();
+  area.right -= kLegendWidth;
+  const Panel panel = FrontPanel(area, delay, jitter);
+  panel.AddAxes(figure);
   if (most_jitter_deg < jitter.high) {
-    drawing.Line(axes.kLeft, axes.Y(most_jitter_deg), axes.right(), axes.Y(most_jitter_deg),
-                 "bound");
+    const double y = panel.Y(most_jitter_deg);
+    figure.Line({area.left, y}, {area.right, y}, {"bound"});
   }
   if (most_delay_ms > delay.low && most_delay_ms < delay.high) {
-    drawing.Line(axes.X(most_delay_ms), axes.kTop, axes.X(most_delay_ms), axes.bottom(), "bound");
+    const double x = panel.X(most_delay_ms);
+    figure.Line({x, area.top}, {x, area.bottom}, {"bound"});
   }
   for (std::size_t i = series.size(); i-- > 0;) {  // the best last, over the others
-    const FrontSeries& one = series[i];
-    const std::string style =
-        fmt::format("series-{}{}", i % kColours, i < kColours ? "" : " dashed");
-    std::string way;
-    for (const FrontSeries::Place& place : one.front) {
-      if (!part.Has(place)) continue;
-      way += fmt::format("{}{:.1f} {:.1f}", way.empty() ? "M" : "L", axes.X(place.delay_ms),
-                         axes.Y(place.jitter_deg));
-    }
-    drawing.Add("<g class=\"{}\"><title>{}</title><path d=\"{}\"/>", style, EscapeHtml(one.name),
-                way);
-    const auto mark = [&](const FrontSeries::Place& place, std::string_view kind, double radius) {
-      const std::string point =
-          place.point == kNoPoint ? "" : fmt::format(" data-point=\"{}\"", place.point);
-      drawing.Add("<circle{} class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>", point, kind,
-                  axes.X(place.delay_ms), axes.Y(place.jitter_deg), radius);
-    };
-    for (const FrontSeries::Place& place : one.front) {
-      if (part.Has(place)) mark(place, "place", 2.5);
-    }
-    if (one.answer) mark(*one.answer, "answer", 6.0);
-    const double y = axes.kTop + 10.0 + kEach * static_cast<double>(i);
-    const double x = kWidth - kLegend + 8.0;
-    drawing.Add("<path d=\"M{0:.1f} {2:.1f}L{1:.1f} {2:.1f}\"/>", x, x + 26.0, y);
-    if (one.answer) {
-      drawing.Add("<circle class=\"answer\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\"/>", x + 13.0, y);
-    }
-    drawing.Add("</g>");
-    drawing.Text(x + 34.0, y + 4.0, "start", one.name);
+    AddSeries(figure, panel, series[i], part.Of(series[i]),
+              fmt::format("series-{}{}", i % kColours, i < kColours ? "" : " dashed"),
+              {area.right + 20.0, area.top + 10.0 + kLegendLine * static_cast<double>(i)});
   }
-  return drawing.Done();
+  return SvgOf(figure);
 }
 
 }  // namespace gauntlet::sim

@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/quantile.h"
+#include "sim/figure/panel.h"
 #include "sim/recordings/recording.h"
 #include "sim/results/html_text.h"
 #include "sim/study/counted_parts.h"
@@ -101,44 +102,43 @@ std::string CountedFact(const Study& study) {
                           100.0 * *least, 100.0 * *most, study.scenario.score.recovery_s));
 }
 
-/// The rows of one channel as dots, at most so many; a mark at the lower edge where one is missing
-/// or was left out.
+/// The rows of one channel as dots, at most so many, and a mark at the lower edge for each row that
+/// is missing or was left out.
 std::string DotsOf(const GloveSignal& glove, const Rows& rows, std::size_t channel) {
-  constexpr double kWidth = 900.0;
-  constexpr double kHeight = 160.0;
   constexpr std::size_t kMostDots = 3000;
+  constexpr FigureLayout kLayout = {.left = 4.0, .top = 4.0, .right = 4.0, .bottom = 16.0};
   const Recording& recording = *glove.recording;
   const auto angle = recording.angle_rad.col(static_cast<Eigen::Index>(channel));
-  double low = kNaN;
-  double high = kNaN;
-  for (std::size_t i = rows.begin; i < rows.end; ++i) {
-    low = std::fmin(low, angle[static_cast<Eigen::Index>(i)]);
-    high = std::fmax(high, angle[static_cast<Eigen::Index>(i)]);
-  }
-  if (!(high > low)) return "";
-  const double span_s = recording.time_s[rows.end - 1] - recording.time_s[rows.begin];
+  const auto value = [&](std::size_t row) { return angle[static_cast<Eigen::Index>(row)]; };
+  Extent angles;
+  for (std::size_t i = rows.begin; i < rows.end; ++i) angles.Take(value(i));
+  if (!(angles.high > angles.low)) return "";
+  const std::string name(KnownChannels()[channel].name);
+  const Extent times = {recording.time_s[rows.begin], recording.time_s[rows.end - 1]};
   const std::size_t every = std::max<std::size_t>(1, rows.count() / kMostDots);
-  std::string dots;
-  std::string marks;
+  Figure figure{908.0, 180.0, "rows", "Rows of " + name};
+  const Panel panel(figure.Inside(kLayout), {times}, {angles});
+  std::vector<FigurePoint> dots, marks;
+  const auto add = [](std::vector<FigurePoint>& points, FigurePoint from, FigurePoint to) {
+    points.insert(points.end(), {from, to, {kNaN, kNaN}});
+  };
   for (std::size_t i = rows.begin; i < rows.end; ++i) {
-    const double x = kWidth * (recording.time_s[i] - recording.time_s[rows.begin]) / span_s;
-    const double value = angle[static_cast<Eigen::Index>(i)];
-    if (std::isnan(value)) {
-      marks += fmt::format("M{:.1f} {:.0f}v8", x, kHeight + 2.0);
+    const double x = panel.X(recording.time_s[i]);
+    if (std::isnan(value(i))) {
+      add(marks, {x, panel.area().bottom + 2.0}, {x, panel.area().bottom + 10.0});
     } else if ((i - rows.begin) % every == 0) {
-      dots += fmt::format("M{:.1f} {:.1f}h0", x, kHeight * (high - value) / (high - low));
+      add(dots, {x, panel.Y(value(i))}, {x, panel.Y(value(i))});
     }
   }
-  return fmt::format(
-      "<svg viewBox=\"-4 -4 {:.0f} {:.0f}\" role=\"img\" aria-label=\"Rows of {}\" "
-      "style=\"width:100%;height:auto\">"
-      "<path d=\"{}\" style=\"stroke:var(--glove);stroke-width:2;stroke-linecap:round\"/>"
-      "<path d=\"{}\" style=\"stroke:var(--ink);stroke-width:1\"/></svg>\n"
-      "<p class=\"note small\">{}: every {}row of the file, {:.3g} to {:.3g} deg over {:.4g} s. A "
-      "mark below: nothing there, or left out.</p>\n",
-      kWidth + 8.0, kHeight + 20.0, KnownChannels()[channel].name, dots, marks,
-      KnownChannels()[channel].name, every == 1 ? "" : fmt::format("{}th ", every),
-      low * kDegPerRad, high * kDegPerRad, span_s);
+  figure.Path(dots, {"dots"});
+  figure.Path(marks, {"marks"});
+  return SvgOf(figure) + fmt::format(
+                             "<p class=\"note small\">{}: every {}row of the file, {:.3g} to "
+                             "{:.3g} deg over {:.4g} "
+                             "s. A mark below: nothing there, or left out.</p>\n",
+                             name, every == 1 ? "" : fmt::format("{}th ", every),
+                             angles.low * kDegPerRad, angles.high * kDegPerRad,
+                             times.high - times.low);
 }
 
 /// The channel of the first joint that is shown, if it was recorded; else the first that was.

@@ -5,6 +5,7 @@
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/study_files.h"
 #include "sim/report/assets.h"
+#include "sim/report/controllers_front.h"
 #include "sim/report/page_data.h"
 #include "sim/report/recording_section.h"
 #include "sim/report/score_table.h"
@@ -62,21 +63,24 @@ FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
 }  // namespace
 
 std::string AssemblePage(const PageParts& parts) {
-  return FillTemplate(assets::kPageHtml,
-                      {{"title", EscapeHtml(parts.title)},
-                       {"question", EscapeHtml(parts.question)},
-                       {"facts", EscapeHtml(parts.facts)},
-                       {"verdict", EscapeHtml(parts.verdict)},
-                       {"settings", EscapeHtml(parts.resolved_scenario)},
-                       {"video", parts.video.exists ? "drawn" : "none"},
-                       {"motion_starts_s", fmt::format("{:g}", parts.video.motion_starts_s)},
-                       {"recording", parts.recording},
-                       {"data", parts.data},
-                       {"style", std::string(assets::kStyle)},
-                       {"plot_style", std::string(assets::kPlotStyle)},
-                       {"plot_library", std::string(assets::kPlotLibrary)},
-                       {"replay_library", std::string(assets::kReplayLibrary)},
-                       {"script", std::string(assets::kScript)}});
+  return FillTemplate(
+      assets::kPageHtml,
+      {{"title", EscapeHtml(parts.title)},
+       {"question", EscapeHtml(parts.question)},
+       {"facts", EscapeHtml(parts.facts)},
+       {"verdict", EscapeHtml(parts.verdict)},
+       {"settings", EscapeHtml(parts.resolved_scenario)},
+       {"video", parts.video.exists ? "drawn" : "none"},
+       {"motion_starts_s", fmt::format("{:g}", parts.video.motion_starts_s)},
+       {"front", parts.front},
+       {"recording", parts.recording},
+       {"data", parts.data},
+       {"kind", "Gauntlet report"},
+       {"sources", std::string(assets::kScriptSources) + "media-src 'self' file:; "},
+       {"style", std::string(assets::kPlotStyle) + std::string(assets::kStyle)},
+       {"plot_library", std::string(assets::kPlotLibrary)},
+       {"replay_library", std::string(assets::kReplayLibrary)},
+       {"script", std::string(assets::kScript)}});
 }
 
 std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) {
@@ -84,6 +88,7 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
                        .question = finished.study.scenario.question,
                        .facts = Facts(finished),
                        .verdict = VerdictOf(finished.summary).Text(),
+                       .front = ControllersFront(finished.summary),
                        .recording = RecordingSection(finished),
                        .data = JsonForScript(PageData(finished, MeasureFirstSeed(finished))),
                        .resolved_scenario = ResolvedScenario(finished),

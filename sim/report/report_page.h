@@ -23,6 +23,7 @@ struct PageParts {
   std::string question;
   std::string facts;  // duration, joints, seeds, reference
   std::string verdict;
+  std::string front = {};         // HTML of jitter against delay
   std::string recording = {};     // HTML of its part; empty: nothing was recorded
   std::string data;               // JSON, as JsonForScript() gives it
   std::string resolved_scenario;  // YAML

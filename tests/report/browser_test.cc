@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "sim/comparison/comparison_verdict.h"
+#include "sim/report/controllers_front.h"
 #include "sim/report/page_data.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
@@ -161,7 +162,7 @@ constexpr const char* kUse = R"(<script>
     metric.dispatchEvent(new Event("change"));
     seen.metric_switched = get("heat-map").textContent !== cells;
     document.querySelectorAll("#curves-readout input").forEach((box) => box.click());
-    seen.points = document.querySelectorAll("#front-chart circle").length;
+    seen.points = document.querySelectorAll("#front-chart .wide circle").length;
     seen.causes = document.querySelectorAll("#error-bars rect").length;
     seen.cause_rows = get("error-table").rows.length;
     const explain = document.querySelector(".explain");
@@ -189,6 +190,7 @@ class BrowserTest : public testing::Test {
                          .question = made.study.scenario.question,
                          .facts = "facts",
                          .verdict = "verdict",
+                         .front = ControllersFront(made.summary),
                          .data = JsonForScript(data),
                          .resolved_scenario = "made_with:\n  gauntlet_version: \"1\"\n",
                          .video = {.exists = true, .motion_starts_s = 1.5}});

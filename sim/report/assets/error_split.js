@@ -52,23 +52,13 @@ function drawErrorBars(data) {
 
 function drawErrorTable(data) {
   const {parts, controllers} = data.error_split;
-  const table = byId("error-table");
-  table.style.setProperty("--controllers", data.controllers.length);
-  const row = (label, text, sum) => element("tr", {class: sum ? "sum" : null},
-    element("th", {scope: "row"}, ...label),
-    ...data.order.map((c) => element("td", {},
-      element("span", {class: "value"}, controllers[c] ? text(controllers[c]) : "–"),
-      element("span", {class: "mark"}))));
-  table.replaceChildren(
-    element("thead", {}, element("tr", {}, element("th", {scope: "col"},
-      element("span", {class: "hidden-text"}, "Cause")),
-      ...data.order.map((c) => controllerHead(data, c)))),
-    element("tbody", {},
-      ...parts.map((part, i) => row(
-        [element("span", {class: "swatch", style: `--colour: ${splitColour(i)}`}), capital(part)],
-        (split) => formatPercent(split[i] / splitWhole(split)), false)),
-      row(["Squared error ", element("span", {class: "unit"}, "deg²")],
-        (split) => formatNumber(splitWhole(split)), true)));
+  const row = (label, text, sum) => ({label, sum, text: (c) => (controllers[c] ? text(controllers[c]) : "–")});
+  drawPartTable("error-table", data, "Cause", [
+    ...parts.map((part, i) => row(
+      [element("span", {class: "swatch", style: `--colour: ${splitColour(i)}`}), capital(part)],
+      (split) => formatPercent(split[i] / splitWhole(split)), false)),
+    row(["Squared error ", element("span", {class: "unit"}, "deg²")],
+      (split) => formatNumber(splitWhole(split)), true)]);
 }
 
 function drawErrorSplit(data) {

@@ -2,6 +2,19 @@
 
 const FIGURE_MARGIN = {left: 62, right: 16, top: 12, bottom: 46};
 
+function niceStep(range, wanted) {
+  const rough = range / wanted;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  return [1, 2, 5, 10].map((digit) => digit * power).find((step) => step >= rough);
+}
+
+function ticks(low, high, wanted) {
+  const step = niceStep(high - low, wanted);
+  const values = [];
+  for (let i = Math.ceil(low / step); i * step <= high + 1e-9 * step; ++i) values.push(i * step);
+  return {values, decimals: Math.max(0, -Math.floor(Math.log10(step) + 1e-9))};
+}
+
 function logTicks(low, high) {
   const values = [];
   for (let power = Math.floor(Math.log10(low)); 10 ** power <= high; ++power) {

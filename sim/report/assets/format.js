@@ -22,6 +22,11 @@ function metricName(key) {
   return {name: words.join(" "), unit};
 }
 
+function metricLabel(key) {
+  const {name, unit} = metricName(key);
+  return unit ? `${name}, ${unit}` : name;
+}
+
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 // element("td", {class: "best"}, "text", child...): text is always text, never markup.
@@ -44,4 +49,11 @@ const byId = (id) => document.getElementById(id);
 // Long names may break at their underscores.
 function breakable(name) {
   return name.split(/(?<=_)/).flatMap((part, i) => (i ? [element("wbr"), part] : [part]));
+}
+
+// Adds the scores with this property to a choice.
+function addScores(select, data, has) {
+  data.metrics.forEach(({key}, m) => {
+    if (has(key, m)) select.append(element("option", {value: m}, metricLabel(key)));
+  });
 }

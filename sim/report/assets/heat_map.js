@@ -49,11 +49,7 @@ function markChannel(name) {
 
 function startHeatMap(data, onChannel) {
   const select = byId("heat-metric");
-  data.metrics.forEach((metric, m) => {
-    if (!data.controllers.some((c) => c.rows.some((row) => row[m] !== null))) return;
-    const {name, unit} = metricName(metric.key);
-    select.append(element("option", {value: m}, unit ? `${name}, ${unit}` : name));
-  });
+  addScores(select, data, (_, m) => data.controllers.some((c) => c.rows.some((row) => row[m] !== null)));
   const tracking = data.metrics.findIndex((m) => m.key === "tracking_rmse_deg");
   if (select.options.length === 0) {
     hidePart("channels");

@@ -167,7 +167,6 @@ function start() {
   startSettings();
   followScreen(() => {
     if (data.error_split) drawErrorBars(data);
-    drawFrontChart(data);
     drawSeeds();
     curves?.show();
     replay?.redraw();

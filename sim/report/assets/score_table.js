@@ -107,6 +107,19 @@ function metricRows(data, metric) {
   return [row, definitionOfRow];
 }
 
+// A table with a column per controller. A row has a label, the text and perhaps a bar of each controller, and may be a sum.
+function drawPartTable(id, data, corner, rows) {
+  const table = byId(id);
+  table.style.setProperty("--controllers", data.controllers.length);
+  table.replaceChildren(
+    element("thead", {}, element("tr", {}, element("th", {scope: "col"}, element("span", {class: "hidden-text"}, corner)),
+      ...data.order.map((c) => controllerHead(data, c)))),
+    element("tbody", {}, ...rows.map(({label, text, bar, sum}) => element("tr", {class: sum ? "sum" : null},
+      element("th", {scope: "row"}, ...label),
+      ...data.order.map((c) => element("td", {}, element("span", {class: "value"}, text(c)),
+        element("span", {class: "mark"}), bar?.(c)))))));
+}
+
 function controllerHead(data, c) {
   const controller = data.controllers[c];
   const tags = [controller.baseline ? "baseline" : "", controller.failed_trials ? "failed, not ranked" : ""];

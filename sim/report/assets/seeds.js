@@ -7,13 +7,12 @@ function seedsFigure(data, metric) {
   const place = byId("seeds-chart");
   const width = Math.max(300, place.clientWidth);
   const {key} = data.metrics[metric];
-  const {name, unit} = metricName(key);
   const values = data.by_seed[key];  // per controller, per seed
   const shown = data.order.flatMap((c) => values[c].filter((v) => v !== null));
   const low = Math.min(0, ...shown);
-  const y_axis = {label: unit ? `${name}, ${unit}` : name, low, high: Math.max(...shown, low + 1e-6) * 1.05};
+  const y_axis = {label: metricLabel(key), low, high: Math.max(...shown, low + 1e-6) * 1.05};
   const svg = lineFigure({width, height: SEEDS_HEIGHT, x: {label: "", low: 0, high: 1, log: false}, y: y_axis,
-    lines: [], label: `${name} of every seed`});
+    lines: [], label: `${metricName(key).name} of every seed`});
   svg.querySelectorAll('text[text-anchor="middle"]:not([transform])').forEach((text) => text.remove());
   const bottom = SEEDS_HEIGHT - FIGURE_MARGIN.bottom;
   const step = (width - FIGURE_MARGIN.left - FIGURE_MARGIN.right) / data.order.length;
@@ -39,11 +38,7 @@ function seedsFigure(data, metric) {
 
 function startSeeds(data) {
   const select = byId("seeds-metric");
-  data.metrics.forEach(({key}, m) => {
-    if (!data.by_seed[key]) return;
-    const {name, unit} = metricName(key);
-    select.append(element("option", {value: m}, unit ? `${name}, ${unit}` : name));
-  });
+  addScores(select, data, (key) => data.by_seed[key]);
   const metric = () => Number(select.value);
   const draw = () => byId("seeds-chart").replaceChildren(seedsFigure(data, metric()));
   select.addEventListener("change", draw);

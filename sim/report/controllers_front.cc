@@ -1,0 +1,136 @@
+#include "sim/report/controllers_front.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "sim/figure/panel.h"
+#include "sim/results/table_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kFrontHeight = 380.0;
+constexpr double kPointRadius = 6.0;   // radius
+constexpr double kNameLetters = 13.0;  // of the names
+constexpr double kWordWidth = 560.0;   // least width of a figure that says who is dominated
+/// Best delay of the controller of a prosthesis. Source: Farrell and Weir 2007.
+constexpr Extent kBestDelay_ms = {100.0, 125.0};
+
+struct FrontPoint {
+  std::size_t controller;
+  std::string name;
+  double delay_ms;
+  double jitter_deg;
+  bool dominated;
+};
+
+std::vector<FrontPoint> PointsOf(const Summary& summary) {
+  const std::size_t delay = MetricIndex("delay_ms"), jitter = MetricIndex("jitter_rms_deg");
+  std::vector<FrontPoint> points;
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    const auto& [name, scores] =
+        std::tie(summary.controllers[c].name, summary.controllers[c].summary);
+    if (!std::isfinite(scores[delay].mean) || !std::isfinite(scores[jitter].mean)) continue;
+    points.push_back({c, name, scores[delay].mean, scores[jitter].mean, summary.dominated[c] != 0});
+  }
+  return points;
+}
+
+/// Place of a name beside its point.
+struct NameChoice {
+  FigurePoint offset;
+  Anchor anchor;
+};
+constexpr NameChoice kNameChoices[] = {{{12, 4}, Anchor::kStart},   {{-12, 4}, Anchor::kEnd},
+                                       {{12, -12}, Anchor::kStart}, {{-12, -12}, Anchor::kEnd},
+                                       {{12, 20}, Anchor::kStart},  {{-12, 20}, Anchor::kEnd},
+                                       {{0, -16}, Anchor::kMiddle}, {{0, 26}, Anchor::kMiddle}};
+
+/// Adds names where they cover no other name and no point: the first free of eight places.
+void AddNames(Figure& figure, const FigureBox& area, const std::vector<FrontPoint>& points,
+              const std::vector<FigurePoint>& places) {
+  constexpr double kReach = kPointRadius + 1.0;
+  std::vector<FigureBox> taken;
+  for (const auto& [x, y] : places) {
+    taken.push_back({x - kReach, y - kReach, x + kReach, y + kReach});
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool says = points[i].dominated && figure.width_px >= kWordWidth;
+    const std::string name = points[i].name + (says ? " (dominated)" : "");
+    const double width = TextWidth(name, kNameLetters);
+    const auto box_of = [&](const NameChoice& choice) {
+      const double left =
+          places[i].x + choice.offset.x - 0.5 * width * static_cast<int>(choice.anchor);
+      const double baseline = places[i].y + choice.offset.y;
+      return FigureBox{left, baseline - 12.0, left + width, baseline + 4.0};
+    };
+    const auto faults =
+        [&](const NameChoice& choice) {  // outside counts more than over another name
+          const FigureBox box = box_of(choice);
+          const bool outside = box.left < area.left || box.right > area.right + kPointRadius ||
+                               box.top < 0.0 || box.bottom > area.bottom;
+          const bool covered =
+              std::ranges::any_of(taken, [&](const FigureBox& other) { return box.Meets(other); });
+          return 2 * outside + covered;
+        };
+    const NameChoice& choice = *std::ranges::min_element(kNameChoices, {}, faults);
+    taken.push_back(box_of(choice));
+    figure.Text({places[i].x + choice.offset.x, places[i].y + choice.offset.y}, choice.anchor, name,
+                {points[i].dominated ? "label faint" : "label"});
+  }
+}
+
+std::string SaidOf(const std::vector<FrontPoint>& points) {
+  std::string said = "Jitter against delay.";
+  for (const FrontPoint& point : points) {
+    said += fmt::format(" {}: {} ms, {} deg{};", point.name, Short(point.delay_ms),
+                        Short(point.jitter_deg), point.dominated ? ", dominated" : "");
+  }
+  return said;
+}
+
+std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, double width_px) {
+  Figure figure{width_px, kFrontHeight, kind, SaidOf(points)};
+  Extent delay = {0.0, 145.0}, jitter = {0.0, 1e-3};  // at least
+  for (const FrontPoint& point : points) {
+    delay.Take(1.1 * point.delay_ms);
+    jitter.Take(1.15 * point.jitter_deg);
+  }
+  const Panel panel(figure.Inside(), {delay, "delay, ms", width_px < 500.0 ? 5 : 9},
+                    {jitter, "jitter, deg RMS", 5, true});
+  const auto [left, top, right, bottom] = panel.area();
+  const double band = panel.X(kBestDelay_ms.low);
+  figure.Box({band, top}, {panel.X(kBestDelay_ms.high), bottom}, {"band"});
+  figure.Text({band + 7.0, top + 17.0}, Anchor::kStart, "100 to", {"band-name"});
+  figure.Text({band + 7.0, top + 33.0}, Anchor::kStart, "125 ms", {"band-name"});
+  panel.AddAxes(figure);
+  std::vector<FigurePoint> places, front;
+  for (const FrontPoint& point : points) {
+    places.push_back(panel.At(point.delay_ms, point.jitter_deg));
+    if (!point.dominated) front.push_back(places.back());
+  }
+  std::ranges::sort(front, {}, &FigurePoint::x);
+  figure.Path(front, {"front-line"});
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const char* css = points[i].dominated ? "point dominated" : "point";
+    figure.Dot(places[i], kPointRadius, InkOfSeries(points[i].controller, css));
+  }
+  AddNames(figure, panel.area(), points, places);
+  return SvgOf(figure);
+}
+
+}  // namespace
+
+std::string ControllersFront(const Summary& summary) {
+  const std::vector<FrontPoint> points = PointsOf(summary);
+  if (points.empty()) {
+    return "<p class=\"note\">The wearer did not move, so there is no delay to draw.</p>\n";
+  }
+  return FrontOf(points, "wide", 1040.0) + FrontOf(points, "middle", 640.0) +
+         FrontOf(points, "narrow", 360.0);
+}
+
+}  // namespace gauntlet::sim
