@@ -180,6 +180,29 @@ std::string DigitsInEachOther(const Summary& summary) {
       shortest == longest ? longest : fmt::format("{} to {}", shortest, longest));
 }
 
+/// The joints that the means of delay_ms are over; empty if these are all joints that count.
+std::string JointsWithDelay(const FinishedStudy& finished) {
+  const std::size_t delay = MetricIndex("delay_ms");
+  const std::vector<std::size_t>& joints = finished.study.rows.joints;
+  std::ptrdiff_t fewest = std::ssize(joints);
+  std::ptrdiff_t most = 0;
+  for (const SeedOutcome& seed : finished.result.seeds) {
+    const auto have_one = std::ranges::count_if(joints, [&](std::size_t row) {
+      return std::ranges::all_of(seed.controllers, [&](const TrialOutcome& trial) {
+        return !std::isfinite(trial.scores.summary[delay]) ||
+               std::isfinite(trial.scores.channels[row][delay]);
+      });
+    });
+    fewest = std::min(fewest, have_one);
+    most = std::max(most, have_one);
+  }
+  if (fewest == std::ssize(joints)) return "";
+  return fmt::format(
+      "delay_ms is a mean over {}{} of {} joints: with some controller the others have no delay "
+      "that can be told.",
+      fewest, most == fewest ? "" : fmt::format(" to {}", most), joints.size());
+}
+
 /// What a table of several seeds says of chance.
 std::vector<std::string> NotesOnChance(const Summary& summary) {
   std::vector<std::string> notes;
@@ -228,6 +251,9 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
   std::vector<std::string> notes =
       summary.one_run ? std::vector{ReasonForNoChance(finished.result)} : NotesOnChance(summary);
+  if (std::string joints = JointsWithDelay(finished); !joints.empty()) {
+    notes.push_back(std::move(joints));
+  }
   for (const PredictionCeiling& ceiling : finished.ceilings) {
     notes.push_back(PredictionText(ceiling));
   }

@@ -229,7 +229,7 @@ std::vector<ErrorSplit> SplitErrors(const ScoreInput& input, Fourier& fourier) {
   std::vector<Following> fits;
   Signal left(rows, joints);
   for (int j = 0; j < joints; ++j) {
-    const Joint joint = signals_of(j);
+    const Joint joint = JointOf(input, j);
     left.col(j) = Left(joint, fits.emplace_back(Fit(joint, input.earliest_delay_s, fourier)));
     TrimSignals();
   }
