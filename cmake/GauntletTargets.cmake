@@ -97,7 +97,8 @@ set(GAUNTLET_TEST_OPTIONS $<$<CONFIG:Release>:-O1>
 # With sanitizers the tests of most folders are not optimised, which halves the time of building them. Those
 # of these folders are, and without the precompiled header, which is not: they compute for longer than they
 # compile, also because templates that they share with a library are linked from the test.
-set(GAUNTLET_COMPUTING_TESTS calibrate controller glove hand loop paper score study trial)
+set(GAUNTLET_COMPUTING_TESTS calibrate comparison controller glove hand loop paper robust score search statistics
+    study sweep trial trial_table)
 
 # gauntlet_add_test(<name> SOURCES <file>... LIBRARIES <target>... [APART <file>... [AND <file>...]...])
 # Makes a GoogleTest program whose cases CTest runs one by one. APART: as of gauntlet_add_library().

@@ -14,8 +14,8 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/study/early_stop.h"
-#include "sim/study/sweep_tables.h"
+#include "sim/sweep/early_stop.h"
+#include "sim/sweep/sweep_tables.h"
 
 namespace gauntlet::sim {
 namespace {

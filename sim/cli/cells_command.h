@@ -8,7 +8,7 @@
 #include "sim/cli/output_folder.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/study/sweep_result.h"
+#include "sim/sweep/sweep_result.h"
 
 namespace gauntlet::sim {
 

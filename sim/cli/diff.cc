@@ -5,8 +5,8 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/terminal_option.h"
+#include "sim/comparison/study_difference.h"
 #include "sim/report/difference_table.h"
-#include "sim/study/study_difference.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -9,8 +9,8 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/comparison/study_files.h"
 #include "sim/paper/paper_page.h"
-#include "sim/study/study_files.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -4,9 +4,9 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/report/robust_page.h"
+#include "sim/robust/robust_tables.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
-#include "sim/study/robust_tables.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -19,14 +19,14 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/comparison/study_files.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_files.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_reader.h"
-#include "sim/study/study_database.h"
-#include "sim/study/study_files.h"
+#include "sim/trial_table/study_database.h"
 #include "sim/video/render_folder.h"
 
 namespace gauntlet::sim {

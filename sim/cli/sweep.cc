@@ -15,7 +15,7 @@
 #include "sim/cli/slurm.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/report/sweep_page.h"
-#include "sim/study/sweep_tables.h"
+#include "sim/sweep/sweep_tables.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -16,8 +16,8 @@
 #include "sim/report/tune_all_page.h"
 #include "sim/report/tune_page.h"
 #include "sim/scenario/scenario_reader.h"
+#include "sim/search/tune_tables.h"
 #include "sim/settings/yaml_tree.h"
-#include "sim/study/tune_tables.h"
 
 namespace gauntlet::sim {
 namespace {

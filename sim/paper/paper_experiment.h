@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/study/judgement.h"
+#include "sim/comparison/summary.h"
+#include "sim/statistics/judgement.h"
 #include "sim/study/study_run.h"
-#include "sim/study/summary.h"
 
 namespace gauntlet::sim {
 

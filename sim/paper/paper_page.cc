@@ -12,12 +12,12 @@
 
 #include "controller/filters/paper_noise.h"
 #include "paper_html.h"
+#include "sim/comparison/study_files.h"
 #include "sim/glove/noise/galton_board.h"
 #include "sim/report/assets.h"
 #include "sim/report/score_table.h"
 #include "sim/results/html_text.h"
 #include "sim/results/table_text.h"
-#include "sim/study/study_files.h"
 
 namespace gauntlet::sim {
 namespace {

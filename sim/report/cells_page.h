@@ -5,7 +5,7 @@
 
 #include "sim/report/cell_points.h"
 #include "sim/results/table_text.h"
-#include "sim/study/sweep_result.h"
+#include "sim/sweep/sweep_result.h"
 
 namespace gauntlet::sim {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "sim/study/summary.h"
+#include "sim/comparison/summary.h"
 
 namespace gauntlet::sim {
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "sim/study/result_cells.h"
+#include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {

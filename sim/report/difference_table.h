@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "sim/comparison/study_difference.h"
 #include "sim/results/table_text.h"
-#include "sim/study/study_difference.h"
 
 namespace gauntlet::sim {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "sim/study/result_cells.h"
+#include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {

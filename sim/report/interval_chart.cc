@@ -7,8 +7,8 @@
 
 #include "sim/figure/panel.h"
 #include "sim/results/table_text.h"
-#include "sim/study/result_cells.h"
-#include "sim/study/robust_tables.h"
+#include "sim/robust/robust_tables.h"
+#include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {

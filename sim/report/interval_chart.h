@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <string>
 
-#include "sim/study/response.h"
-#include "sim/study/robust.h"
+#include "sim/robust/robust.h"
+#include "sim/sweep/response.h"
 
 namespace gauntlet::sim {
 

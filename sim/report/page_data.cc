@@ -6,11 +6,11 @@
 #include <string>
 
 #include "sim/base/json_number.h"
+#include "sim/comparison/comparison_verdict.h"
 #include "sim/report/curve_codec.h"
 #include "sim/report/error_split_table.h"
 #include "sim/report/replay_data.h"
 #include "sim/report/score_table.h"
-#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 namespace {

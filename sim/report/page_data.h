@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/comparison/summary.h"
 #include "sim/score/latency.h"
-#include "sim/study/summary.h"
 #include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "sim/study/prediction_ceiling.h"
+#include "sim/comparison/prediction_ceiling.h"
 
 namespace gauntlet::sim {
 

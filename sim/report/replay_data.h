@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/study/summary.h"
+#include "sim/comparison/summary.h"
 
 namespace gauntlet::sim {
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/comparison/comparison_verdict.h"
+#include "sim/comparison/study_files.h"
 #include "sim/report/assets.h"
 #include "sim/report/controllers_front.h"
 #include "sim/report/page_data.h"
@@ -9,8 +11,6 @@
 #include "sim/report/score_table.h"
 #include "sim/results/html_text.h"
 #include "sim/study/counted_parts.h"
-#include "sim/study/study_files.h"
-#include "sim/study/verdict.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/latency_of_trace.h"
 

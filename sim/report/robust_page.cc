@@ -4,9 +4,8 @@
 
 #include "sim/report/cells_page.h"
 #include "sim/report/interval_chart.h"
-#include "sim/study/robust_tables.h"
-#include "sim/study/sweep_tables.h"
-#include "sim/study/verdict.h"
+#include "sim/robust/robust_tables.h"
+#include "sim/sweep/sweep_tables.h"
 
 namespace gauntlet::sim {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "sim/study/robust.h"
+#include "sim/robust/robust.h"
 
 namespace gauntlet::sim {
 

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "sim/comparison/comparison_verdict.h"
 #include "sim/report/error_split_table.h"
 #include "sim/report/prediction_text.h"
-#include "sim/study/verdict.h"
 
 namespace gauntlet::sim {
 namespace {

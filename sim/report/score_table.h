@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/comparison/summary.h"
 #include "sim/results/table_text.h"
-#include "sim/study/summary.h"
 
 namespace gauntlet::sim {
 

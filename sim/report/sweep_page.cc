@@ -6,8 +6,7 @@
 #include "sim/report/interval_chart.h"
 #include "sim/results/html_text.h"
 #include "sim/scenario/scenario_reader.h"
-#include "sim/study/sweep_tables.h"
-#include "sim/study/verdict.h"
+#include "sim/sweep/sweep_tables.h"
 
 namespace gauntlet::sim {
 namespace {

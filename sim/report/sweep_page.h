@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "sim/study/response.h"
-#include "sim/study/sweep_result.h"
+#include "sim/sweep/response.h"
+#include "sim/sweep/sweep_result.h"
 
 namespace gauntlet::sim {
 

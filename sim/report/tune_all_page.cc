@@ -6,9 +6,8 @@
 
 #include "sim/report/cells_page.h"
 #include "sim/report/front_chart.h"
-#include "sim/study/sweep_tables.h"
-#include "sim/study/tune_tables.h"
-#include "sim/study/verdict.h"
+#include "sim/search/tune_tables.h"
+#include "sim/sweep/sweep_tables.h"
 
 namespace gauntlet::sim {
 namespace {

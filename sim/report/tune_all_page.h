@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/study/tune_all.h"
+#include "sim/search/tune_all.h"
 
 namespace gauntlet::sim {
 

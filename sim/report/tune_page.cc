@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include "sim/report/cells_page.h"
-#include "sim/study/sweep_tables.h"
-#include "sim/study/tune_tables.h"
-#include "sim/study/verdict.h"
+#include "sim/search/tune_tables.h"
+#include "sim/sweep/sweep_tables.h"
 
 namespace gauntlet::sim {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "sim/study/tune.h"
+#include "sim/search/tune.h"
 
 namespace gauntlet::sim {
 

@@ -16,7 +16,7 @@ void Join(const Follows& other, Follows& follows) {
   for (std::size_t c = 0; c < follows.size(); ++c) follows[c] = follows[c] || other[c];
 }
 
-/// Which channels move a joint of the hand.
+/// The channels that move a joint of the hand.
 Follows ChannelsOf(int joint, const controller::JointMap& joint_map) {
   Follows follows(static_cast<std::size_t>(joint_map.channel_count()));
   for (const controller::JointMap::Term& term : joint_map.terms(joint)) {

@@ -10,17 +10,17 @@
 
 namespace gauntlet::sim {
 
-/// How long filters and hand need to come back after a gap, by `score.recovery_s`.
+/// Time that filters and hand need to recover after a gap: `score.recovery_s`.
 int RecoveryTicks(const Scenario& scenario, double tick_rate_hz);
 
-/// Which ticks of a trial of `ticks` count, of each of some joints of the hand. A joint follows the
+/// The ticks of a trial that count, for each of some joints of the hand. A joint follows the
 /// channels that move it.
 std::vector<CountedTicks> CountedTicksOfJoints(std::span<const int> joints,
                                                const controller::JointMap& joint_map,
                                                std::span<const MaskedStretch> masked,
                                                int recovery_ticks, int ticks);
 
-/// Which ticks of a trial of `ticks` count, of every measured part; nothing where all do. A motor
+/// The ticks of a trial that count, for every measured part; nothing if all do. A motor
 /// and its cables follow the channels of all joints that it turns, the hand as a whole all of them.
 std::optional<CountedParts> CountedPartsOf(const Study& study,
                                            std::span<const MaskedStretch> masked, int ticks);
@@ -28,7 +28,8 @@ std::optional<CountedParts> CountedPartsOf(const Study& study,
 /// Per measured joint the share of the time that counts, over all repetitions.
 std::vector<double> CountedShares(const Study& study);
 
-/// What is left out of the scores and why, in one line; empty where all counts.
+/// One line for the user about the time that the scores leave out, and the reason. Empty if all
+/// time counts.
 std::string CountedRemark(const Study& study);
 
 }  // namespace gauntlet::sim

@@ -10,7 +10,7 @@
 
 namespace gauntlet::sim {
 
-/// What stays known of a glove signal when it is gone.
+/// Facts about a glove signal that are kept when the signal itself is not.
 struct GloveFacts {
   std::string signal_hash;  // of all that it holds, a recording's content included
   std::string motion_hash;  // of the wearer's true angles alone

@@ -8,8 +8,8 @@
 
 namespace gauntlet::sim {
 
-// What decides a trial: its study, its controller's settings and its seed. Two trials that agree in
-// all three give the same bytes.
+// A trial is determined by its study, the settings of its controller and its seed. Two trials that
+// agree in all three give the same bytes.
 
 struct TrialKey {
   std::string study;  // HashOfStudy(), for a sweep with the scores that it keeps
@@ -18,15 +18,15 @@ struct TrialKey {
   std::int64_t seed = 0;
 };
 
-/// What all trials of a study share, whatever their seed, as a scenario's YAML. Of paths the last
-/// name, so that a study that was moved is the same.
+/// The settings that all trials of a study share, as YAML of a scenario. Paths are reduced to their
+/// last name, so that a study that was moved is the same.
 std::string SharedSettings(const Study& study);
 
-/// Of glove, hand, event, the model, the glove signals of the first seed of every repetition and
+/// Hash of glove, hand, event, model, the glove signals of the first seed of every repetition, and
 /// the program itself: another build may compute other bytes.
 std::string HashOfStudy(const Study& study);
 
-/// Of all that the controller is made from, its name included.
+/// Hash of all settings of a controller and of its name.
 std::string HashOfSettings(const NamedController& controller);
 
 /// All of these of a study. Costs milliseconds: once per study, not per file that is opened.

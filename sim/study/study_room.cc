@@ -19,7 +19,7 @@ Eigen::Index LongestTicks(const Study& study) {
   return std::ranges::max(study.repetitions, {}, &GloveFacts::ticks).ticks;
 }
 
-/// What a study takes while it runs, its trace file and page included.
+/// Space that a study needs while it runs, its trace file and page included.
 struct Needs {
   double disk_bytes = 0.0;
   double memory_bytes = 0.0;
@@ -46,8 +46,8 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const double kept = glove + controllers * trace;
   const double in_file = 0.5 * kept;
   const auto ticks = static_cast<double>(LongestTicks(study));
-  // Of a long signal's transform there are the values, the result and the factors, all complex, and
-  // beside it a few columns.
+  // The transform of a long signal needs values, result and factors, all complex, and a few columns
+  // more.
   constexpr double kComplexColumns = 5.0;
   constexpr double kRest = 400e6;
   return {.disk_bytes =

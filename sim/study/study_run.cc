@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/threads.h"
+#include "sim/study/repeats.h"
 #include "sim/study/study_room.h"
+#include "sim/study/trial_queue.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/filter_trial.h"
 #include "sim/trial/joint_angles.h"
@@ -22,35 +23,12 @@ std::size_t JobsOf(const StudyOptions& options) {
   return static_cast<std::size_t>(std::max(1, options.jobs));
 }
 
-/// Whether nothing but the tracking error of trials without a hand is wanted: it is summed up while
+/// True if only the tracking error of trials without a hand is wanted. Then it is summed up while
 /// they run, and their angles are not kept.
 bool IsInPassing(const StudyOptions& options) {
   return !options.physics && !options.keep_first_traces &&
          options.scores == std::vector{MetricIndex("tracking_rmse_deg")};
 }
-
-/// The glove signals of one seed, made by the first trial that needs them. They live as long as
-/// the tasks that hold them.
-struct Gloves {
-  struct Shared {
-    std::once_flag once;
-    std::shared_ptr<const GloveSignal> signal;
-    Signal reference_rad;  // ticks x joints of the hand
-  };
-  std::shared_ptr<Shared> shared = std::make_shared<Shared>();
-  /// For twins that are trials; else of nothing.
-  std::shared_ptr<std::optional<GloveSignal>> noise_free =
-      std::make_shared<std::optional<GloveSignal>>();
-};
-
-/// Controllers of a seed, for one thread.
-struct Task {
-  std::size_t seed_index = 0;
-  std::size_t first = 0;  // controller
-  std::size_t end = 0;
-  Gloves gloves;
-  std::optional<Gloves> next;  // of the next seed, if this task makes them
-};
 
 /// None of a trial that ended early. Moves the signals of a trace that is not needed any more.
 template <class AnyTrace>
@@ -59,49 +37,6 @@ std::optional<NoiseFreeTwin> AsTwin(AnyTrace&& trace) {
   return NoiseFreeTwin{.hand_angle_rad = std::forward<AnyTrace>(trace).hand_angle_rad,
                        .spool_speed_rad_s = std::forward<AnyTrace>(trace).spool_speed_rad_s,
                        .motor_at_limit = std::forward<AnyTrace>(trace).motor_at_limit};
-}
-
-/// Which of the seeds differ, in what the wearer does and in anything at all.
-class Repeats {
- public:
-  /// `seeds`: how many are asked for. Costs one more signal per repetition that comes twice.
-  Repeats(const Study& study, int seeds)
-      : study_(study), count_(static_cast<int>(study.repetitions.size())) {
-    alike_ = seeds > count_;
-    for (int i = 0; i < count_ && i + count_ < seeds; ++i) {
-      const GloveFacts& first = study.repetitions[i];
-      const GloveFacts next = FactsOf(*GloveOfSeed(study, study.scenario.seed + count_ + i));
-      alike_ = alike_ && next.signal_hash == first.signal_hash;
-      drawn_.push_back(next.motion_hash != first.motion_hash);
-    }
-    drawn_.resize(count_, false);  // a repetition that comes once
-  }
-
-  /// Whether every repetition is the same again.
-  bool alike() const { return alike_; }
-  /// A name for the motion of the i-th seed.
-  std::string MotionOf(int i) const {
-    const int repetition = i % count_;
-    if (drawn_[repetition] && i >= count_) return fmt::format("of seed number {}", i);
-    return study_.repetitions[repetition].motion_hash;
-  }
-
- private:
-  const Study& study_;
-  int count_;
-  bool alike_ = false;
-  std::vector<bool> drawn_;  // per repetition: another motion for every seed
-};
-
-/// Numbers the motions of the seeds in the order in which they come.
-void NumberMotions(const Repeats& repeats, StudyResult& result) {
-  std::vector<std::string> motions;
-  for (std::size_t i = 0; i < result.seeds.size(); ++i) {
-    const std::string motion = repeats.MotionOf(static_cast<int>(i));
-    const auto known = std::ranges::find(motions, motion);
-    result.seeds[i].motion = static_cast<int>(known - motions.begin());
-    if (known == motions.end()) motions.push_back(motion);
-  }
 }
 
 void FindDurations(const Study& study, StudyResult& result) {
@@ -114,19 +49,16 @@ void FindDurations(const Study& study, StudyResult& result) {
   result.longest_s = static_cast<double>(longest->ticks) / rate_hz;
 }
 
-/// The trials of a study as tasks that threads take in the order of seeds: one trial, or some
-/// controllers of a seed where they run together.
-class Schedule {
+/// Runs the trials of a study on the threads that call Work().
+class StudyRun {
  public:
-  Schedule(const Study& study, const StudyOptions& options)
+  StudyRun(const Study& study, const StudyOptions& options)
       : study_(study),
         options_(options),
-        controllers_(study.scenario.controllers.size()),
         in_passing_(IsInPassing(options)),
-        together_(ControllersTogether(options, controllers_)),
-        tasks_of_seed_((controllers_ + together_ - 1) / together_),
-        tasks_(tasks_of_seed_ * static_cast<std::size_t>(options.seeds)),
-        threads_(std::min(JobsOf(options), tasks_)) {
+        queue_(static_cast<std::size_t>(options.seeds), study.scenario.controllers.size(),
+               ControllersTogether(options, study.scenario.controllers.size()), JobsOf(options)) {
+    const std::size_t controllers = study.scenario.controllers.size();
     result_.row_names = study.rows.names;
     for (const NamedController& c : study.scenario.controllers) {
       result_.controller_names.push_back(c.name);
@@ -134,22 +66,22 @@ class Schedule {
     for (int i = 0; i < options.seeds; ++i) {
       const int seed = study.scenario.seed + i;
       result_.seeds.push_back(
-          {.seed = seed, .controllers = std::vector<TrialOutcome>(controllers_)});
-      trials_in_all_ += TrialsOf(seed) * static_cast<int>(controllers_);
+          {.seed = seed, .controllers = std::vector<TrialOutcome>(controllers)});
+      trials_in_all_ += TrialsOf(seed) * static_cast<int>(controllers);
     }
     if (options.keep_first_traces) {
-      result_.first_traces.resize(controllers_);
-      result_.first_twins.resize(controllers_);
+      result_.first_traces.resize(controllers);
+      result_.first_twins.resize(controllers);
     }
   }
 
   /// Takes tasks until there are none, an error or a stop.
   void Work() {
-    while (std::optional<Task> task = NextTask()) {
+    while (std::optional<TrialTask> task = queue_.Next()) {
       try {
         RunTask(*task);
       } catch (...) {
-        stopped_ = true;
+        queue_.Stop();
         throw;
       }
     }
@@ -164,7 +96,7 @@ class Schedule {
     return std::move(result_);
   }
 
-  std::size_t threads() const { return threads_; }
+  std::size_t threads() const { return queue_.threads(); }
 
  private:
   TwinSource WantedTwin(int seed) const {
@@ -174,33 +106,12 @@ class Schedule {
   }
   int TrialsOf(int seed) const { return WantedTwin(seed) == TwinSource::kTrial ? 2 : 1; }
 
-  std::optional<Task> NextTask() {
-    const std::lock_guard lock(mutex_);
-    if (stopped_ || next_task_ == tasks_) return std::nullopt;
-    const std::size_t seed_index = next_task_ / tasks_of_seed_;
-    const std::size_t place = next_task_++ % tasks_of_seed_;
-    if (place == 0) gloves_ = std::exchange(next_gloves_, Gloves{});
-    if (next_task_ == 1 && options_.keep_first_traces) first_glove_ = gloves_.shared;
-    Task task = {.seed_index = seed_index,
-                 .first = place * together_,
-                 .end = std::min((place + 1) * together_, controllers_),
-                 .gloves = gloves_,
-                 .next = {}};
-    // As the last tasks of a seed begin, so that none of the threads that run them waits for the
-    // next glove later.
-    if (threads_ > 1 && place > 0 && place + threads_ == tasks_of_seed_ &&
-        seed_index + 1 < result_.seeds.size()) {
-      task.next = next_gloves_;
-    }
-    if (place + 1 == tasks_of_seed_) gloves_ = {};
-    return task;
-  }
-
   /// Unless they are there; a thread that needs them meanwhile waits.
-  void Make(const Gloves& gloves, std::size_t seed_index) {
+  void Make(const SeedGloves& gloves, std::size_t seed_index) {
     const int seed = result_.seeds[seed_index].seed;
     std::call_once(gloves.shared->once, [&] {
-      Gloves::Shared& shared = *gloves.shared;
+      SeedGloves::Shared& shared = *gloves.shared;
+      if (seed_index == 0 && options_.keep_first_traces) first_glove_ = gloves.shared;
       shared.signal = GloveOfSeed(study_, seed);
       shared.reference_rad = ReferenceAngles(study_.joint_map(), shared.signal->true_angle_rad);
       if (WantedTwin(seed) != TwinSource::kTrial) return;
@@ -209,7 +120,7 @@ class Schedule {
     });
   }
 
-  void RunTask(Task& task) {
+  void RunTask(TrialTask& task) {
     std::vector<std::size_t> unknown;
     for (std::size_t c = task.first; c < task.end; ++c) {
       if (!Recall(task.seed_index, c)) unknown.push_back(c);
@@ -218,7 +129,7 @@ class Schedule {
     Make(task.gloves, task.seed_index);
     if (task.next) {
       const std::size_t next = task.seed_index + 1;
-      // Where the store has the first trial, it may have them all.
+      // If the store has the first trial, it may have all of them.
       if (!options_.store || !options_.store->Has(result_.seeds[next].seed, 0)) {
         Make(*task.next, next);
       }
@@ -233,9 +144,9 @@ class Schedule {
   }
 
   /// One trial, with the signals that its scores need.
-  void RunWhole(Task& task, std::size_t controller_index) {
+  void RunWhole(TrialTask& task, std::size_t controller_index) {
     const std::size_t seed_index = task.seed_index;
-    const Gloves::Shared& glove = *task.gloves.shared;
+    const SeedGloves::Shared& glove = *task.gloves.shared;
     TrialOutcome& outcome = OutcomeOf(seed_index, controller_index);
     const TwinSource twin_source = WantedTwin(result_.seeds[seed_index].seed);
     const bool keep = seed_index == 0 && options_.keep_first_traces;
@@ -260,8 +171,8 @@ class Schedule {
   }
 
   /// Trials without a hand whose scores need no signals.
-  void RunInPassing(const Task& task, std::span<const std::size_t> controllers) {
-    const Gloves::Shared& glove = *task.gloves.shared;
+  void RunInPassing(const TrialTask& task, std::span<const std::size_t> controllers) {
+    const SeedGloves::Shared& glove = *task.gloves.shared;
     std::vector<TrialSetup> setups;
     for (const std::size_t c : controllers) {
       setups.push_back(SetupOf(study_, study_.scenario.controllers[c]));
@@ -324,7 +235,7 @@ class Schedule {
   }
 
   bool Progress(double trials) {
-    if (stopped_) return false;
+    if (queue_.is_stopped()) return false;
     if (!options_.progress) return true;
     const std::lock_guard lock(mutex_);
     trials_done_ += trials;
@@ -334,19 +245,11 @@ class Schedule {
 
   const Study& study_;
   const StudyOptions& options_;
-  std::size_t controllers_;
-  bool in_passing_;       // all scores are found so
-  std::size_t together_;  // controllers of a task
-  std::size_t tasks_of_seed_;
-  std::size_t tasks_;
-  std::size_t threads_;
+  bool in_passing_;  // all scores are found so
+  TrialQueue queue_;
   StudyResult result_;
-  std::atomic<bool> stopped_{false};
-  std::mutex mutex_;
-  std::size_t next_task_ = 0;
-  Gloves gloves_;  // of the seed whose tasks are given out
-  Gloves next_gloves_;
-  std::shared_ptr<Gloves::Shared> first_glove_;
+  std::shared_ptr<SeedGloves::Shared> first_glove_;
+  std::mutex mutex_;  // of the progress
   double trials_done_ = 0.0;
   int trials_in_all_ = 0;  // twins counted
 };
@@ -381,17 +284,18 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   const Repeats repeats(study, asked.seeds);
   if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
   CheckRoom(study, options);
-  Schedule schedule(study, options);
+  StudyRun run(study, options);
   RunOnThreads(
-      schedule.threads(), [&schedule] { schedule.Work(); },
+      run.threads(), [&run] { run.Work(); },
       [&](std::size_t started, const std::string& reason) {
         if (!options.remark) return;
         options.remark(fmt::format("only {} of {} threads can be started: {}", started,
-                                   schedule.threads(), reason));
+                                   run.threads(), reason));
       });
-  StudyResult result = schedule.Finish();
+  StudyResult result = run.Finish();
   result.seeds_alike = repeats.alike();
-  NumberMotions(repeats, result);
+  const std::vector<int> motions = repeats.MotionNumbers(result.seeds.size());
+  for (std::size_t i = 0; i < motions.size(); ++i) result.seeds[i].motion = motions[i];
   FindDurations(study, result);
   return result;
 }

@@ -10,7 +10,7 @@
 
 namespace gauntlet::sim {
 
-/// What one controller did with one seed.
+/// The result of one trial.
 struct TrialOutcome {
   Scores scores;  // none, all NaN, of a hand that was stopped
   HandHealth health;
@@ -73,7 +73,7 @@ struct StudyResult {
   std::vector<std::optional<NoiseFreeTwin>> first_twins;  // of these trials, where they have one
 };
 
-/// Where the noise-free twin of a seed's trials comes from.
+/// Source of the noise-free twin of the trials of a seed.
 enum class TwinSource {
   kNone,    // not wanted, or not to be had: a recorded glove cannot be without its noise
   kItself,  // the trial has no noise, nor faults
@@ -81,10 +81,10 @@ enum class TwinSource {
 };
 TwinSource TwinOf(const Study& study, int seed);
 
-/// How many trials are run for so many seeds, twins included.
+/// Number of trials of so many seeds, twins included.
 int TrialCount(const Study& study, int seeds);
 
-/// How many controllers of a seed run together, and take less time so: 1 where trials keep signals.
+/// Number of controllers of a seed that run together to save time. 1 if trials keep signals.
 std::size_t ControllersTogether(const StudyOptions& options, std::size_t controllers);
 
 /// Runs every controller on every seed, `jobs` trials at a time; repetitions take turns. Where

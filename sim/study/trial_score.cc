@@ -8,7 +8,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Of each measured cable what its motor pulls with at stall [N].
+/// Tension of each measured cable while its motor stalls [N].
 std::vector<double> StallTensions(const Study& study) {
   std::vector<double> tensions;
   for (const int motor : study.measured_motors) {
@@ -64,7 +64,7 @@ class RecordedColumns {
   std::optional<Columns<Matrix>> columns_;
 };
 
-/// What the motors and cables of a trial did, as far as it is recorded, and of its twin.
+/// Recorded signals of the motors and cables of a trial and of its twin.
 struct MeasuredMotors {
   MeasuredMotors(const Study& study, const Trace& trace, const std::optional<NoiseFreeTwin>& twin,
                  const std::optional<CountedParts>& counted)
@@ -103,7 +103,7 @@ struct MeasuredMotors {
   IntegerSignal twin_at_limit;
 };
 
-/// What a metric of such a part is made of.
+/// The signals that a metric of such a part needs.
 std::vector<std::string_view> SignalsOf(ScoredPart part) {
   switch (part) {
     case ScoredPart::kJoint:

@@ -10,9 +10,9 @@
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
-#include "sim/study/study_difference.h"
-#include "sim/study/study_files.h"
-#include "sim/study/study_folder.h"
+#include "sim/comparison/study_difference.h"
+#include "sim/comparison/study_files.h"
+#include "sim/comparison/study_folder.h"
 #include "tests/fuzz/edited_copy.h"
 
 namespace gauntlet::sim {

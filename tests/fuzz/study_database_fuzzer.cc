@@ -13,7 +13,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scenario/scenario_reader.h"
-#include "sim/study/study_database.h"
+#include "sim/trial_table/study_database.h"
 #include "tests/fuzz/edited_copy.h"
 
 namespace gauntlet::sim {

@@ -1,12 +1,12 @@
 // Measures verdicts: how often a comparison is wrong whose truth is known. The table of
-// sim/study/README.md.
+// sim/statistics/README.md.
 
 #include <fmt/core.h>
 
 #include <string>
 #include <string_view>
 
-#include "tests/study/simulated_comparisons.h"
+#include "tests/comparison/simulated_comparisons.h"
 
 namespace {
 

@@ -16,12 +16,12 @@
 #include <random>
 #include <sstream>
 
+#include "sim/comparison/comparison_verdict.h"
 #include "sim/report/controllers_front.h"
 #include "sim/report/page_data.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/results/html_text.h"
-#include "sim/study/verdict.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {

@@ -10,7 +10,7 @@
 
 #include "sim/report/interval_chart.h"
 #include "sim/report/tune_page.h"
-#include "sim/study/sweep_tables.h"
+#include "sim/sweep/sweep_tables.h"
 #include "tests/report/browser.h"
 
 namespace gauntlet::sim {

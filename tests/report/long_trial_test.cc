@@ -9,8 +9,8 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/comparison/study_files.h"
 #include "sim/report/report_page.h"
-#include "sim/study/study_files.h"
 #include "tests/support/program.h"
 #include "tests/support/signal_limits.h"
 

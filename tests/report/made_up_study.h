@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/comparison/summary.h"
 #include "sim/report/page_data.h"
-#include "sim/study/summary.h"
 
 namespace gauntlet::test {
 

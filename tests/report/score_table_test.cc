@@ -7,7 +7,7 @@
 #include <limits>
 #include <sstream>
 
-#include "sim/study/verdict.h"
+#include "sim/comparison/comparison_verdict.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {

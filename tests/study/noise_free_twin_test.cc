@@ -11,8 +11,8 @@
 
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
-#include "sim/study/study_database.h"
 #include "sim/study/study_run.h"
+#include "sim/trial_table/study_database.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

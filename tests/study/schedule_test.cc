@@ -13,7 +13,7 @@
 
 #include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
-#include "sim/study/study_database.h"
+#include "sim/trial_table/study_database.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -8,10 +8,10 @@
 #include <fstream>
 #include <numbers>
 
+#include "sim/comparison/study_files.h"
+#include "sim/comparison/summary.h"
 #include "sim/scenario/scenario_reader.h"
-#include "sim/study/study_files.h"
 #include "sim/study/study_run.h"
-#include "sim/study/summary.h"
 #include "sim/video/comparison_picture.h"
 #include "tests/video/test_files.h"
 

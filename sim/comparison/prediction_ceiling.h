@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/statistics/statistics.h"
+#include "sim/study/study_run.h"
+
+namespace gauntlet::sim {
+
+/// The share of the predictable part of a motion that a controller's prediction uses, at the glove
+/// and without a hand. The error of each joint is
+///
+///     e(t) = what the controller asks for at t - the wearer's angle at t + horizon
+///
+/// and what is shown is the mean over joints of its RMS, mean and interval over the repetitions
+/// [deg].
+struct PredictionCeiling {
+  std::string controller;
+  double shortest_horizon_ms = 0.0;
+  double longest_horizon_ms = 0.0;
+  MeanInterval now;     // of the glove's angles as they are: no filter, no prediction
+  MeanInterval ours;    // of the controller
+  MeanInterval fitted;  // of 40 weights per channel on its own past, fitted to other repetitions
+  MeanInterval known;   // of the glove's angles if they were known so far ahead: its own errors
+  /// Share of the way from `now` to `fitted` that `ours` goes. May be beyond 1: weights that do not
+  /// change are the best of their kind for a motion like the others, and no limit of all kinds.
+  /// NaN where they foresee next to nothing.
+  MeanInterval used;
+};
+
+/// Measures every controller whose prediction has a horizon. Every repetition is measured with
+/// weights that were fitted to others: those of odd number to those of even, and the other way
+/// round; at most the first kMostMeasured count, and kMostFitted_s of motion are fitted to.
+///
+/// Nothing where there are less than two different repetitions. What cannot be fitted is a line for
+/// `remark`, and not in the result. Deterministic. Errors: Cancelled.
+std::vector<PredictionCeiling> MeasurePredictionCeilings(
+    const Study& study, const StudyResult& result,
+    const std::function<void(const std::string&)>& remark);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,243 @@
+#include "sim/comparison/study_files.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/json_number.h"
+#include "sim/base/mathematics.h"
+#include "sim/base/output_file.h"
+#include "sim/comparison/comparison_verdict.h"
+#include "sim/scenario/scenario_files.h"
+#include "sim/study/counted_parts.h"
+#include "sim/trial/trace_csv.h"
+#include "sim/trial/trace_file.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// NaN, a score that does not exist, is written as null.
+Json MetricValues(const std::vector<double>& values) {
+  Json json = Json::object();
+  for (std::size_t m = 0; m < values.size(); ++m) {
+    json[std::string(Metrics()[m].key)] = NumberOrNull(values[m]);
+  }
+  return json;
+}
+
+Json MetricEstimates(const std::vector<MeanInterval>& estimates) {
+  Json json = Json::object();
+  for (std::size_t m = 0; m < estimates.size(); ++m) {
+    json[std::string(Metrics()[m].key)] = {
+        {"mean", NumberOrNull(estimates[m].mean)},
+        {"ci95_low", NumberOrNull(estimates[m].low)},
+        {"ci95_high", NumberOrNull(estimates[m].high)},
+        {"seeds", estimates[m].count},
+        {"motion_share", NumberOrNull(estimates[m].motion_share)}};
+  }
+  return json;
+}
+
+Json ComparisonsJson(const std::vector<Comparison>& comparisons) {
+  Json json = Json::object();
+  for (std::size_t m = 0; m < comparisons.size(); ++m) {
+    const auto& [difference, relevant_difference, judgement] = comparisons[m];
+    const bool judged = judgement != Judgement::kNone;
+    json[std::string(Metrics()[m].key)] = {
+        {"mean", NumberOrNull(difference.mean)},
+        {"low", NumberOrNull(difference.low)},
+        {"high", NumberOrNull(difference.high)},
+        {"level", judged ? Json(difference.level) : Json(nullptr)},
+        {"relevant_difference", NumberOrNull(relevant_difference)},
+        {"verdict", judged ? Json(JudgementText(judgement)) : Json(nullptr)},
+        {"seeds", difference.count},
+        {"motion_share", NumberOrNull(difference.motion_share)}};
+  }
+  return json;
+}
+
+/// The scores that a row has: those of its joint, motor or cable.
+Json RowValues(const ScoreRows& rows, std::size_t row, const std::vector<double>& values) {
+  const auto is_among = [row](const std::vector<std::size_t>& places) {
+    return std::ranges::find(places, row) != places.end();
+  };
+  Json json = Json::object();
+  for (std::size_t m = 0; m < values.size(); ++m) {
+    const ScoredPart part = Metrics()[m].part;
+    const bool has = (part == ScoredPart::kJoint && is_among(rows.joints)) ||
+                     (part == ScoredPart::kMotor && is_among(rows.motors)) ||
+                     (part == ScoredPart::kCable && is_among(rows.cables));
+    if (has) json[std::string(Metrics()[m].key)] = NumberOrNull(values[m]);
+  }
+  return json;
+}
+
+template <class Condition>
+Json KeysWhere(Condition condition) {
+  Json keys = Json::array();
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (condition(m)) keys.push_back(Metrics()[m].key);
+  }
+  return keys;
+}
+
+Json EstimateJson(const MeanInterval& estimate) {
+  return {{"mean", NumberOrNull(estimate.mean)},
+          {"ci95_low", NumberOrNull(estimate.low)},
+          {"ci95_high", NumberOrNull(estimate.high)},
+          {"seeds", estimate.count}};
+}
+
+/// RMS errors in deg; `used_share` is of the way from `now` to `fitted`.
+Json CeilingJson(const PredictionCeiling& ceiling) {
+  return {{"shortest_horizon_ms", ceiling.shortest_horizon_ms},
+          {"longest_horizon_ms", ceiling.longest_horizon_ms},
+          {"now_rmse_deg", EstimateJson(ceiling.now)},
+          {"prediction_rmse_deg", EstimateJson(ceiling.ours)},
+          {"fitted_rmse_deg", EstimateJson(ceiling.fitted)},
+          {"known_ahead_rmse_deg", EstimateJson(ceiling.known)},
+          {"used_share", EstimateJson(ceiling.used)}};
+}
+
+Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
+  const StudyResult& result = finished.result;
+  const ControllerSummary& controller = finished.summary.controllers[index];
+  const bool comparison = finished.comparison;
+  Json json;
+  json["name"] = controller.name;
+  json["health"] = controller.problem.empty() ? "ok" : controller.problem;
+  json["failed_trials"] = controller.failed_trials;
+  json["summary"] = comparison ? MetricEstimates(controller.summary)
+                               : MetricValues(result.seeds[0].controllers[index].scores.summary);
+  if (comparison) json["difference_to_best"] = ComparisonsJson(controller.to_best);
+  if (comparison && !controller.to_baseline.empty()) {
+    json["difference_to_baseline"] = ComparisonsJson(controller.to_baseline);
+    json["effect_size"] = MetricValues(controller.effect_size);
+  }
+  const auto ceiling =
+      std::ranges::find(finished.ceilings, controller.name, &PredictionCeiling::controller);
+  if (ceiling != finished.ceilings.end()) json["prediction_ceiling"] = CeilingJson(*ceiling);
+  json["worse_than_baseline"] =
+      KeysWhere([&](std::size_t m) { return controller.IsWorseThanBaseline(m); });
+  json["as_good_as_best"] = KeysWhere([&](std::size_t m) { return controller.as_good_as_best[m]; });
+  for (std::size_t m = 0; m < controller.rank.size(); ++m) {
+    json["rank"][std::string(Metrics()[m].key)] = controller.rank[m];
+  }
+  for (std::size_t row = 0; row < result.row_names.size(); ++row) {
+    json["channels"][result.row_names[row]] =
+        RowValues(finished.study.rows, row, controller.rows[row]);
+  }
+  return json;
+}
+
+void AppendRow(fmt::memory_buffer& out, int seed, const std::string& controller,
+               const std::string& channel, const std::vector<double>& values) {
+  fmt::format_to(std::back_inserter(out), "{},{},{}", seed, controller, channel);
+  for (const double value : values) {
+    // An empty field where a score does not exist: spreadsheets and data frames read it as missing.
+    out.push_back(',');
+    if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), "{}", value);
+  }
+  out.push_back('\n');
+}
+
+}  // namespace
+
+std::string ScoresJson(const FinishedStudy& finished) {
+  const StudyResult& result = finished.result;
+  const Summary& summary = finished.summary;
+  Json json;
+  json["scenario"] = finished.study.scenario.name;
+  json["question"] = finished.study.scenario.question;
+  if (finished.comparison) {
+    for (const SeedOutcome& seed : result.seeds) json["seeds"].push_back(seed.seed);
+    for (const SeedOutcome& seed : result.seeds) json["motions"].push_back(seed.motion);
+    json["seeds_alike"] = result.seeds_alike;
+    json["pairs"] = summary.pairs;
+  } else {
+    json["seed"] = result.seeds[0].seed;
+  }
+  json["reference"] = result.reference_name;
+  json["baseline"] = nullptr;
+  if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
+  json["verdict"] = JsonOf(VerdictOf(summary));
+  json["measured_joints"] = finished.study.measured_joint_names;
+  const std::vector<double> counted_shares = CountedShares(finished.study);
+  if (std::ranges::any_of(counted_shares, [](double share) { return share < 1.0; })) {
+    for (std::size_t i = 0; i < counted_shares.size(); ++i) {
+      json["counted_share"][finished.study.measured_joint_names[i]] = counted_shares[i];
+    }
+  }
+  for (const SmoothingRank& rank : finished.smoothing) {
+    Json row;
+    row["smoothing_hz"] = rank.smoothing_hz;
+    for (std::size_t c = 0; c < rank.tracking_rmse_deg.size(); ++c) {
+      row["tracking_rmse_deg"][result.controller_names[c]] =
+          NumberOrNull(rank.tracking_rmse_deg[c]);
+    }
+    json["smoothing"].push_back(row);
+  }
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    json["controllers"].push_back(ControllerJson(finished, c));
+    json["controllers"].back()["dominated"] = static_cast<bool>(summary.dominated[c]);
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string ScoresCsv(const StudyResult& result) {
+  fmt::memory_buffer out;
+  fmt::format_to(std::back_inserter(out), "seed,controller,channel");
+  for (const Metric& metric : Metrics()) {
+    fmt::format_to(std::back_inserter(out), ",{}", metric.key);
+  }
+  out.push_back('\n');
+  for (const SeedOutcome& seed : result.seeds) {
+    for (std::size_t c = 0; c < seed.controllers.size(); ++c) {
+      const Scores& scores = seed.controllers[c].scores;
+      AppendRow(out, seed.seed, result.controller_names[c], "summary", scores.summary);
+      for (std::size_t i = 0; i < scores.channels.size(); ++i) {
+        AppendRow(out, seed.seed, result.controller_names[c], result.row_names[i],
+                  scores.channels[i]);
+      }
+    }
+  }
+  return fmt::to_string(out);
+}
+
+std::string ResolvedScenario(const FinishedStudy& finished) {
+  Scenario scenario = finished.study.scenario;
+  scenario.made_with = {.gauntlet_version = GAUNTLET_VERSION,
+                        .mujoco_version = HandModel::EngineVersion(),
+                        .model_hash = finished.study.hand->Hash(),
+                        .mathematics = HashOfMathematics(),
+                        .files = FilesOf(scenario)};
+  return ScenarioToYaml(scenario, finished.folder);
+}
+
+void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
+                     bool trace_csv) {
+  const Study& study = finished.study;
+  const StudyResult& result = finished.result;
+  if (!result.first_traces.empty()) {
+    TraceWriter trace_file(folder / "trace.h5", *result.first_glove, result.first_reference_rad,
+                           *study.hand, study.scenario.name, result.seeds[0].seed);
+    for (std::size_t c = 0; c < result.first_traces.size(); ++c) {
+      const Trace& trace = result.first_traces[c];
+      trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr);
+      if (trace_csv) {
+        WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
+                      *result.first_glove, *study.hand, trace);
+      }
+    }
+    trace_file.Commit();
+  }
+  WriteOutputFile(folder / "scenario.resolved.yaml", ResolvedScenario(finished));
+  WriteOutputFile(folder / "scores.csv", ScoresCsv(result));
+  WriteOutputFile(folder / "scores.json", ScoresJson(finished));
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "sim/comparison/summary.h"
+
+namespace gauntlet::sim {
+
+/// `scores.json` of one run (one seed: values) or of a comparison (several: means and intervals).
+/// `channels` has an entry per scored joint, motor and cable, with the scores that it can have.
+std::string ScoresJson(const FinishedStudy& finished);
+
+/// `scores.csv`: one row per seed, controller and scored joint, motor or cable (`summary` for all),
+/// a column per metric.
+std::string ScoresCsv(const StudyResult& result);
+
+/// The scenario with every value used, versions, hashes of the model and of the files that it
+/// names. Errors: RunError for one that cannot be read.
+std::string ResolvedScenario(const FinishedStudy& finished);
+
+/// Writes scores.json, scores.csv, scenario.resolved.yaml and trace.h5 (of the first seed) into
+/// `folder`, which should be that of OutputFiles: so they appear together. `trace_csv`: also a CSV
+/// per controller beside trace.h5. Errors: RunError.
+void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
+                     bool trace_csv);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// A sentence of a verdict. `key`: what it is about, for programs.
+struct VerdictRemark {
+  std::string key;
+  std::string text;
+};
+
+/// What to use, and why. It is made once, from the judgements: terminal, page and JSON show it.
+struct Verdict {
+  std::string recommended = {};  // a controller, cell, setting or filter; may be empty
+  std::vector<std::string> alternatives = {};  // equal within what matters, or better elsewhere
+  std::vector<VerdictRemark> reasons = {};
+  std::vector<VerdictRemark> warnings = {};
+
+  /// An empty text is not added.
+  void AddReason(std::string key, std::string text);
+  void AddWarning(std::string key, std::string text);
+  /// These are not told apart from the best, so they may be as good: nothing is recommended then.
+  void AddUndecided(const std::vector<std::string>& undecided);
+  void AddWithoutHand();
+
+  /// All reasons and warnings; empty where nothing can be said.
+  std::string Text() const;
+};
+
+/// {"version": 1, "recommended": .., "alternatives": [..], "reasons": [{"key", "text"}],
+/// "warnings": [{"key", "text"}]}.
+nlohmann::ordered_json JsonOf(const Verdict& verdict);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,232 @@
+#include "sim/robust/robust_tables.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "sim/statistics/result_cells.h"
+
+namespace gauntlet::sim {
+namespace {
+
+ResultCell CellOf(const Share& share) {
+  return {{std::int64_t{share.count}, std::int64_t{share.hits}, share.low, share.high},
+          fmt::format("{} of {} {}({:.0f} to {:.0f} %)", share.hits, share.count, kSoftBreak,
+                      std::floor(100.0 * share.low), std::ceil(100.0 * share.high))};
+}
+
+/// `of`: what CSV calls the number of all hands.
+ResultColumn ShareColumn(const std::string& key, const std::string& heading,
+                         const std::string& of) {
+  return {key,
+          heading,
+          "",
+          {{"of", of},
+           {"hands", key + "_hands"},
+           {"ci95_low", key + "_low"},
+           {"ci95_high", key + "_high"}}};
+}
+
+/// With the level, as the intervals of the tornado have one of their own.
+ResultColumn LevelColumn(const std::string& key, const std::string& heading,
+                         const std::string& level = {}) {
+  return {key,
+          heading,
+          "",
+          {{"mean", key}, {"low", key + "_low"}, {"high", key + "_high"}, {"level", level}}};
+}
+
+ResultCell LevelCell(const MeanInterval& interval) {
+  return {{interval.mean, interval.low, interval.high, interval.level}, IntervalText(interval)};
+}
+
+/// The tables of all scores below each other.
+template <class TableOf>
+std::string CsvOfScores(const RobustResult& result, const TableOf& table_of) {
+  std::string text;
+  for (const RobustScore& score : result.scores) {
+    const ResultTable table = table_of(score);
+    if (text.empty()) text = CsvHead(table.columns);
+    for (const ResultRow& row : table.rows) text += CsvRow(table.columns, row);
+  }
+  return text;
+}
+
+}  // namespace
+
+Verdict VerdictOf(const RobustPlan& plan, const RobustResult& result) {
+  Verdict verdict;
+  for (const RobustScore& score : result.scores) {
+    const RobustController& best = score.controllers[score.two_best.front()];
+    if (score.metric == plan.sweep.best_by) {
+      verdict.recommended = best.name;
+      std::vector<std::string> undecided;
+      for (const ControllerSummary& controller : result.nominal.controllers) {
+        if (controller.to_best[score.metric].judgement == Judgement::kUndecided) {
+          undecided.push_back(controller.name);
+        }
+      }
+      verdict.AddUndecided(undecided);
+    }
+    verdict.AddReason(
+        std::string(Metrics()[score.metric].key),
+        fmt::format("{}: {} is best on the scenario's own hand, and as good as the best "
+                    "on {} of {} hands ({:.0f} to {:.0f} %).",
+                    Metrics()[score.metric].key, best.name, best.near_best.hits,
+                    best.near_best.count, std::floor(100.0 * best.near_best.low),
+                    std::ceil(100.0 * best.near_best.high)));
+  }
+  return verdict;
+}
+
+std::string_view TornadoVerdict(const TornadoBar& bar) {
+  switch (bar.change.judgement) {
+    case Judgement::kNone:
+      return "";
+    case Judgement::kEqual:
+      return "does not matter";
+    case Judgement::kUndecided:
+      return "undecided";
+    case Judgement::kBetter:
+    case Judgement::kWorse:
+      return "matters";
+  }
+  return "";
+}
+
+ResultTable RobustScoreTable(const RobustResult& result, const RobustScore& score) {
+  const std::string key(Metrics()[score.metric].key);
+  ResultTable table{
+      .columns = {OnlyInCsv("score"),
+                  {"name", key, "", {{"name", "controller"}}},
+                  LevelColumn("nominal", "own hand"),
+                  DifferenceColumn("nominal_to_best", "verdict", "nominal_verdict_to_best"),
+                  ShareColumn("best", "best", "hands"),
+                  ShareColumn("near_best", "as good", "")}};
+  for (std::size_t c = 0; c < score.controllers.size(); ++c) {
+    const ControllerSummary& nominal = result.nominal.controllers[c];
+    const Comparison& to_best = nominal.to_best[score.metric];
+    const bool is_best = score.two_best.front() == c;
+    table.rows.push_back(
+        {ResultCell(key), ResultCell(nominal.name), LevelCell(nominal.summary[score.metric]),
+         CellOf(to_best.difference, is_best ? "best" : JudgementText(to_best.judgement)),
+         CellOf(score.controllers[c].best), CellOf(score.controllers[c].near_best)});
+  }
+  return table;
+}
+
+ResultTable TornadoTable(const RobustPlan& plan, const RobustScore& score) {
+  ResultTable table{.columns = {OnlyInCsv("score"),
+                                {"first"},
+                                {"second"},
+                                {"parameter", "parameter"},
+                                LevelColumn("low", "low"),
+                                LevelColumn("high", "high"),
+                                LevelColumn("change", "high - low", "level"),
+                                {"relevant_difference"},
+                                ResultColumn("verdict", "verdict").Words(),
+                                {"problem"}}};
+  for (const TornadoBar& bar : score.bars) {
+    ResultRow row = {ResultCell(std::string(Metrics()[score.metric].key)),
+                     ResultCell(score.controllers[score.two_best[0]].name),
+                     ResultCell(score.controllers[score.two_best[1]].name),
+                     ResultCell(plan.parameters[bar.parameter].name)};
+    if (bar.problem.empty()) {
+      row.insert(row.end(),
+                 {LevelCell(bar.low), LevelCell(bar.high), LevelCell(bar.change.difference),
+                  ResultCell(bar.change.relevant_difference),
+                  ResultCell(std::string(TornadoVerdict(bar))), ResultCell()});
+    } else {
+      row.insert(row.end(), {ResultCell::Text("-"), ResultCell::Text("-"), ResultCell::Text("-"),
+                             ResultCell(), ResultCell::Text(bar.problem), ResultCell(bar.problem)});
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::string RobustCsv(const RobustResult& result) {
+  return CsvOfScores(result,
+                     [&](const RobustScore& score) { return RobustScoreTable(result, score); });
+}
+
+std::string TornadoCsv(const RobustPlan& plan, const RobustResult& result) {
+  return CsvOfScores(result, [&](const RobustScore& score) { return TornadoTable(plan, score); });
+}
+
+std::string RobustJson(const RobustPlan& plan, const RobustResult& result) {
+  nlohmann::ordered_json json = {{"scenario", plan.sweep.file.name},
+                                 {"question", plan.sweep.file.question},
+                                 {"hands", plan.hands},
+                                 {"within_percent", plan.within_percent},
+                                 {"seeds", plan.sweep.file.seeds},
+                                 {"parameters", nlohmann::ordered_json::array()},
+                                 {"not_varied", plan.not_varied},
+                                 {"not_built", result.not_built},
+                                 {"failed", result.failed},
+                                 {"verdict", JsonOf(VerdictOf(plan, result))},
+                                 {"scores", nlohmann::ordered_json::array()}};
+  for (const RobustParameter& parameter : plan.parameters) {
+    json["parameters"].push_back({{"name", parameter.name}, {"is", parameter.help}});
+  }
+  for (const RobustScore& score : result.scores) {
+    json["scores"].push_back({{"score", Metrics()[score.metric].key},
+                              {"controllers", JsonOf(RobustScoreTable(result, score))},
+                              {"tornado", JsonOf(TornadoTable(plan, score))}});
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string HandsText(const RobustPlan& plan) {
+  std::vector<std::string> names;
+  for (const RobustParameter& parameter : plan.parameters) names.push_back(parameter.name);
+  std::string text = fmt::format("{} hands, each with {} within {:g} % of the scenario's",
+                                 plan.hands, fmt::join(names, ", "), plan.within_percent);
+  if (!plan.not_varied.empty()) {
+    text += fmt::format(" (not {}, which {} 0 there)", fmt::join(plan.not_varied, ", "),
+                        plan.not_varied.size() == 1 ? "is" : "are");
+  }
+  return text + fmt::format("; {} seed{} each", plan.sweep.file.seeds,
+                            plan.sweep.file.seeds == 1 ? "" : "s");
+}
+
+ResultText RobustText(const RobustPlan& plan, const RobustResult& result) {
+  ResultText text = {
+      fmt::format("{}: {}\n{}", plan.sweep.file.name, plan.sweep.file.question, HandsText(plan))};
+  for (const RobustScore& score : result.scores) {
+    text.emplace_back(RobustScoreTable(result, score));
+  }
+  AddLine(
+      "verdict: on the scenario's own hand, against the best there, as gauntlet compare gives it. "
+      "best: hands on which no mean is better; as good: nearer to the best mean than the smallest "
+      "difference that matters. In brackets the 95 % interval of that share, for other hands and "
+      "the same seeds (Clopper and Pearson), each by itself.",
+      text);
+  for (const RobustScore& score : result.scores) {
+    if (score.metric != plan.sweep.best_by || score.bars.empty()) continue;
+    text.emplace_back(fmt::format("What matters: {} - {} in {}, one parameter at a time",
+                                  score.controllers[score.two_best[0]].name,
+                                  score.controllers[score.two_best[1]].name,
+                                  Metrics()[score.metric].key));
+    text.emplace_back(TornadoTable(plan, score));
+  }
+  AddLine(
+      "high - low: seed by seed; all such intervals of all scores hold together with 95 % "
+      "(Bonferroni). tornado.csv and report.html have the other scores.",
+      text);
+  if (result.not_built > 0)
+    AddLine(fmt::format("{} hands could not be built.", result.not_built), text);
+  if (result.failed > 0) {
+    AddLine(fmt::format("{} times a controller's hand was stopped; it is not the best there.",
+                        result.failed),
+            text);
+  }
+  AddLine(result.first_problem, text);
+  text.emplace_back("");
+  for (const VerdictRemark& reason : VerdictOf(plan, result).reasons) AddLine(reason.text, text);
+  return text;
+}
+
+}  // namespace gauntlet::sim

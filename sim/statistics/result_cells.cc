@@ -1,0 +1,58 @@
+#include "sim/statistics/result_cells.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/json_number.h"
+#include "sim/score/metrics.h"
+
+namespace gauntlet::sim {
+
+ResultColumn MeanColumn(const std::string& key, const std::string& heading) {
+  return {
+      key, heading, "", {{"mean", key}, {"ci95_low", key + "_low"}, {"ci95_high", key + "_high"}}};
+}
+
+std::vector<ResultColumn> MetricColumns(const std::vector<std::size_t>& metrics,
+                                        const std::string& group) {
+  std::vector<ResultColumn> columns;
+  for (const std::size_t metric : metrics) {
+    const std::string key(Metrics()[metric].key);
+    columns.push_back(MeanColumn(key, key).In(group));
+  }
+  return columns;
+}
+
+ResultColumn DifferenceColumn(const std::string& key, const std::string& heading,
+                              const std::string& verdict) {
+  return {key,
+          heading,
+          "",
+          {{"mean", ""}, {"low", ""}, {"high", ""}, {"level", ""}, {"verdict", verdict}}};
+}
+
+std::string IntervalText(const MeanInterval& interval) {
+  if (std::isnan(interval.mean)) return "-";
+  if (std::isnan(interval.high)) return fmt::format("{:.3g}", interval.mean);
+  return fmt::format("{:.3g}±{:.2g}", interval.mean, interval.high - interval.mean);
+}
+
+ResultCell CellOf(const MeanInterval& interval) {
+  return {{interval.mean, interval.low, interval.high}, IntervalText(interval)};
+}
+
+ResultCell CellOf(const MeanInterval& difference, std::string_view verdict) {
+  return {
+      {difference.mean, difference.low, difference.high, difference.level, std::string(verdict)},
+      std::string(verdict)};
+}
+
+nlohmann::ordered_json JsonOf(const MeanInterval& interval) {
+  return {{"mean", NumberOrNull(interval.mean)},
+          {"ci95_low", NumberOrNull(interval.low)},
+          {"ci95_high", NumberOrNull(interval.high)}};
+}
+
+}  // namespace gauntlet::sim
