@@ -189,6 +189,7 @@ void HelperProcess::ReadAll(std::span<char> bytes) {
 }
 
 bool HelperProcess::NextFrame() {
+  if (is_done_) return false;
   FrameHead head = {};
   ReadAll({reinterpret_cast<char*>(&head), sizeof head});
   if (head.frame == Frame::kError) {
@@ -197,16 +198,23 @@ bool HelperProcess::NextFrame() {
     throw HelperError(error);
   }
   left_of_frame_ = head.size;
-  return head.frame == Frame::kBytes;
+  is_done_ = head.frame == Frame::kEnd;
+  return !is_done_;
+}
+
+std::size_t HelperProcess::ReceiveSome(std::span<char> bytes) {
+  while (left_of_frame_ == 0) {
+    if (!NextFrame()) return 0;
+  }
+  const std::size_t size = ReadSome(bytes.first(std::min(bytes.size(), left_of_frame_)));
+  left_of_frame_ -= size;
+  return size;
 }
 
 void HelperProcess::Receive(std::span<char> bytes) {
   while (!bytes.empty()) {
-    while (left_of_frame_ == 0) {
-      if (!NextFrame()) throw HelperEnded("ended too early");
-    }
-    const std::size_t size = ReadSome(bytes.first(std::min(bytes.size(), left_of_frame_)));
-    left_of_frame_ -= size;
+    const std::size_t size = ReceiveSome(bytes);
+    if (size == 0) throw HelperEnded("ended too early");
     bytes = bytes.subspan(size);
   }
 }

@@ -64,8 +64,10 @@ class HelperProcess {
   HelperProcess(const HelperProcess&) = delete;
   HelperProcess& operator=(const HelperProcess&) = delete;
 
-  /// Fills `bytes` with the next bytes from the helper. Errors: HelperEnded, also if the helper has
-  /// sent everything; HelperSilent; HelperError.
+  /// Waits for the next bytes from the helper, and returns their number; 0: the work is done.
+  /// Errors: HelperEnded, HelperSilent, HelperError.
+  std::size_t ReceiveSome(std::span<char> bytes);
+  /// Fills `bytes`. Errors: as of ReceiveSome(), and HelperEnded if the work is done before.
   void Receive(std::span<char> bytes);
   /// Waits for the end of the work. Errors: as of Receive(), and HelperEnded if bytes are left
   /// over.
@@ -81,10 +83,10 @@ class HelperProcess {
   [[noreturn]] static void Work(const std::function<void(const Send&)>& work,
                                 const HelperLimits& limits, int pipe);
   static void WriteFrame(int pipe, Frame frame, std::span<const char> bytes);
-  /// Reads the bytes that are available, at least one, at most the size of `bytes`.
+  /// Reads the bytes that are in the pipe, at least one, at most the size of `bytes`.
   std::size_t ReadSome(std::span<char> bytes);
   void ReadAll(std::span<char> bytes);
-  /// Reads the header of the next frame. False at the end.
+  /// Reads the header of the next frame. False if the work is done.
   bool NextFrame();
   [[noreturn]] void ThrowEnded();
 
@@ -93,6 +95,7 @@ class HelperProcess {
   int pipe_ = -1;
   std::optional<ChildProcess> process_;
   std::size_t left_of_frame_ = 0;
+  bool is_done_ = false;
 };
 
 /// For a helper whose file is open: forbids the process to open any other file, also one that the

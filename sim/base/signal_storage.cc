@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/base/stop.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -210,7 +209,6 @@ SignalSpace FreeSignalSpace() {
 void TrimSignals() {
   // Too few bytes to exceed the limit.
   if (bytes_on_disk.load(std::memory_order_relaxed) <= limits.resident_bytes / 2) return;
-  ThrowIfStopped();
   if (ResidentFileBytes() <= limits.resident_bytes) return;
   const std::lock_guard lock(TheMappings().mutex);
   // For a shared mapping of a file, this releases the pages and keeps the content.

@@ -63,9 +63,7 @@ SignalSpace FreeSignalSpace();
 
 /// Releases the memory of signals on the disk if they use much of it. The values stay, and the
 /// system loads them again when needed. Loops over long signals call it every few megabytes, from
-/// any thread; without long signals it costs almost nothing. Because long work passes here often,
-/// it also checks the stop request.
-/// Errors: Cancelled.
+/// any thread; without long signals it costs almost nothing.
 void TrimSignals();
 
 }  // namespace gauntlet::sim

@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 #include <sstream>
 #include <string>
 
@@ -50,26 +48,20 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format) {
 using WriteText = std::function<void(std::vector<NamedArray> arrays,
                                      const std::function<void(std::string_view)>& write)>;
 
-/// Text that comes in blocks from a helper, which makes it of a file with arrays. A block is its
-/// size, then its bytes; an empty one is the end.
+/// Text from a helper, which makes it of a file with arrays.
 class HelperText {
  public:
   HelperText(const fs::path& file, FileFormat format, const WriteText& write_text)
       : place_(file.string()),
-        helper_([=](const HelperProcess::Send& send) { Work(file, format, write_text, send); },
-                LimitsFor(fs::file_size(file))) {}
+        helper_(
+            [=](const HelperProcess::Send& send) {
+              write_text(ArraysOf(file, format), [&](std::string_view text) { send(text); });
+            },
+            LimitsFor(fs::file_size(file))) {}
 
   std::size_t Read(char* buffer, std::size_t size) {
     try {
-      if (left_ == 0 && !at_end_) {
-        helper_.Receive({reinterpret_cast<char*>(&left_), sizeof left_});
-        at_end_ = left_ == 0;
-      }
-      if (at_end_) return 0;
-      const std::size_t count = std::min<std::size_t>(size, left_);
-      helper_.Receive({buffer, count});
-      left_ -= static_cast<std::uint32_t>(count);
-      return count;
+      return helper_.ReceiveSome({buffer, size});
     } catch (const HelperEnded& ended) {
       throw UserError(
           {.place = place_,
@@ -84,16 +76,6 @@ class HelperText {
   }
 
  private:
-  static void Work(const fs::path& file, FileFormat format, const WriteText& write_text,
-                   const HelperProcess::Send& send) {
-    const auto send_block = [&send](std::string_view text) {
-      const auto size = static_cast<std::uint32_t>(text.size());
-      send({reinterpret_cast<const char*>(&size), sizeof size});
-      send(std::span(text));
-    };
-    write_text(ArraysOf(file, format), send_block);
-    send_block("");
-  }
   static HelperLimits LimitsFor(std::uintmax_t file_bytes) {
     HelperLimits limits;
     constexpr double kStart_s = 5.0;
@@ -105,8 +87,6 @@ class HelperText {
 
   std::string place_;
   HelperProcess helper_;
-  std::uint32_t left_ = 0;  // of the block
-  bool at_end_ = false;
 };
 
 bool HasArrays(FileFormat format) {

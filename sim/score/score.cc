@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "controller/assert.h"
+#include "sim/base/stop.h"
 #include "sim/score/fourier.h"
 #include "sim/score/metrics.h"
 #include "sim/score/no_score.h"
@@ -160,6 +161,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
   const std::vector<bool> wanted = Wanted(metrics);
   Scores scores = NoScores(table);
   for (std::size_t joint = 0; rows > 0 && joint < table.joints.size(); ++joint) {
+    ThrowIfStopped();
     Score(ScoredJoint(input, static_cast<int>(joint), all, fourier), wanted,
           scores.channels[table.joints[joint]]);
     TrimSignals();

@@ -85,9 +85,10 @@ class YamlWriter final : public controller::SettingsVisitor {
     return emitter_ << YAML::Key << std::string(setting.key);
   }
 
-  /// The key of a group. For people with its help: above a section of the file, behind a group in it.
+  /// The key of a group. For people with its help: above a section of the file, behind a group of
+  /// a section.
   YAML::Emitter& Title(const Setting& setting) {
-    const YAML::_Comment help = YAML::Comment(std::string(setting.help));
+    const auto help = YAML::Comment(std::string(setting.help));
     if (for_people_ && depth_ == 0) {
       if (emitter_.size() > 0) emitter_ << YAML::Newline;
       emitter_ << YAML::Newline << help;

@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
 #include "sim/base/output_file.h"
+#include "sim/base/stop.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {
@@ -83,6 +84,7 @@ void WriteBlocks(H5::DataSet& dataset, const hsize_t (&size)[2], const SignalOf<
     const hsize_t count[2] = {static_cast<hsize_t>(block.rows()), size[1]};
     H5::DataSpace place_in_file(2, size);
     place_in_file.selectHyperslab(H5S_SELECT_SET, count, begin);
+    ThrowIfStopped();
     dataset.write(block.data(), MemoryType(Stored<Scalar>{}), H5::DataSpace(2, count),
                   place_in_file);
     TrimSignals();

@@ -21,7 +21,6 @@
 namespace gauntlet::test {
 namespace {
 
-using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
@@ -114,119 +113,6 @@ TEST(FilterRate, IsNotMovedByARowThatIsMissing) {
   EXPECT_NEAR(AmplitudeOf(Filter(kFiveHz, input).standard_output), kHalfPower, 0.01);
 }
 
-TEST(FilterRate, IsAskedForWhereNothingTellsIt) {
-  const ProgramResult refused = Filter(kFiveHz, "a\n0\n1\n");
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_EQ(refused.standard_output, "");
-  EXPECT_EQ(refused.standard_error,
-            "gauntlet: filter butterworth: needs the sampling rate: a column of time (as time_s), "
-            "or --set rate_hz=HZ\n");
-  const auto with = [](const std::string& cutoff_hz, const std::string& rate_hz) {
-    return Filter({"butterworth", "--set", "cutoff_hz=" + cutoff_hz, "--set", "rate_hz=" + rate_hz},
-                  "a\n0\n1\n1\n1\n")
-        .standard_output;
-  };
-  EXPECT_EQ(with("5", "1000"), with("10", "2000"));
-  EXPECT_NE(with("5", "1000"), with("5", "100"));
-  EXPECT_EQ(Filter({"one_euro"}, "a\n1\n").exit_code, 2);
-  EXPECT_EQ(Filter({"kalman", "--set", "r=4", "--set", "process_noise=white"}, "a\n1\n").exit_code,
-            2);
-  for (const char* kind : {"none", "moving_average", "median", "hampel", "exponential"}) {
-    EXPECT_EQ(Filter({kind}, "a\n1\n").exit_code, 0) << kind << " counts samples only";
-  }
-  EXPECT_EQ(Filter({"kalman", "--set", "r=4"}, "a\n1\n").exit_code, 0) << "Q = I per step";
-}
-
-TEST(FilterRate, IsRefusedWhereTimesDoNotTellIt) {
-  const auto complaint = [](const std::string& input) {
-    const ProgramResult result = Filter(kFiveHz, input);
-    EXPECT_EQ(result.exit_code, 2) << input;
-    return result.standard_error;
-  };
-  EXPECT_THAT(complaint("time,a\n0,1\n10,1\n20,1\n"),
-              HasSubstr("standard input:1:1: gives 0.1 Hz, must be 10 to 10000 Hz; name the unit"));
-  EXPECT_THAT(complaint("t_s,a\n0,1\n0.01,1\n0.01,1\n"),
-              HasSubstr("standard input:4:1: is \"0.01\", must be a time above that of the row"));
-  EXPECT_THAT(complaint("t_s,a\n0,1\n,1\n"), HasSubstr("standard input:3:1: is \"\", must be"));
-  EXPECT_THAT(complaint("t_s,a\n0,1\n"), HasSubstr("has one row"));
-  EXPECT_EQ(Filter(kFiveHz, "t_s,a\n").standard_output, "t_s,a\n");
-}
-
-TEST(FilterRate, ThatContradictsTheTimesIsSaid) {
-  const std::string input = Sine("t_s", 100.0, 1.0, [](double t) { return fmt::format("{}", t); });
-  std::vector<std::string> arguments = kFiveHz;
-  arguments.insert(arguments.end(), {"--set", "rate_hz=1000"});
-  const ProgramResult result = Filter(arguments, input);
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.standard_error,
-              HasSubstr("its times say 100 Hz, the filter was made for 1000 Hz"));
-}
-
-TEST(FilterColumns, OfTimeAreKnownByTheirUsualNames) {
-  for (const char* name :
-       {"t_s", "k", "time", "time_s", "time_ms", "T_S", "\"t_s\"", "\xEF\xBB\xBFt_s", "t",
-        "timestamp", "Timestamp (ms)", "time [s]", "timestamp_us", "TimeMs", "seconds", "millis",
-        "elapsed", "frame", "sample_number"}) {
-    const ProgramResult result =
-        Filter({"moving_average", "--set", "window=2"}, std::string(name) + ",a\n5,1\n7,3\n");
-    EXPECT_EQ(result.exit_code, 0) << name;
-    EXPECT_THAT(result.standard_output, EndsWith("a\n5,1\n7,2\n")) << name;
-    EXPECT_EQ(result.standard_error, "") << name;
-  }
-}
-
-TEST(FilterColumns, ThatMayBeTimeAreNamed) {
-  for (const char* name : {"index", "date", "system clock", "tick", "id", "local_time", "i"}) {
-    const ProgramResult result =
-        Filter({"moving_average", "--set", "window=2"}, std::string(name) + ",a\n5,1\n7,3\n");
-    EXPECT_EQ(result.exit_code, 0) << name;
-    EXPECT_THAT(result.standard_output, EndsWith("a\n5,1\n6,2\n")) << name;
-    EXPECT_THAT(
-        result.standard_error,
-        HasSubstr(fmt::format("warning: standard input:1:1: {} is filtered as a channel", name)));
-  }
-  for (const char* name : {"thumb", "index_mcp", "middle", "sensor 3", "x"}) {
-    EXPECT_EQ(Filter({"none"}, std::string(name) + "\n1\n").standard_error, "") << name;
-  }
-}
-
-TEST(FilterValues, ThatAreMissingOrTooLargeAreHeld) {
-  const ProgramResult result =
-      Filter({"none"}, "a\n1\nNA\n2\n1e400\n-1e400\n3\nnull\nN/A\nNaN\ninf\n1e-400\n");
-  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
-  EXPECT_EQ(result.standard_output, "a\n1\n1\n2\n2\n2\n3\n3\n3\n3\n3\n0\n");
-  EXPECT_EQ(result.standard_error, "gauntlet: 7 missing values held at the last good one\n");
-}
-
-TEST(FilterValues, AreWrittenWithTheFewestDigitsThatReadBack) {
-  EXPECT_EQ(Filter({"none"}, "a\n0.1\n1e21\n0.30000000000000004\n-0\n123456789\n").standard_output,
-            "a\n0.1\n1e+21\n0.30000000000000004\n-0\n123456789\n");
-}
-
-TEST(FilterColumns, MayBeSeparatedByOtherThanCommas) {
-  const std::vector<std::string> mean = {"moving_average", "--set", "window=2"};
-  EXPECT_EQ(Filter(mean, "t_s;a\n0,01;1,5\n0,02;2,5\n").standard_output,
-            "t_s;a\n0,01;1,5\n0,02;2\n");
-  EXPECT_EQ(Filter(mean, "a\tb\n1\t10\n2\t20\n").standard_output, "a\tb\n1\t10\n1.5\t15\n");
-}
-
-TEST(FilterColumns, ThatAreNotAskedForPassThroughAsText) {
-  const std::string input = "label,a,b,time_ms\nV,1,10,0\nV,2,20,10\n";
-  const std::string only_a = "label,a,b,time_ms\nV,1,10,0\nV,1.5,20,10\n";
-  for (const char* asked : {"a", "2"}) {
-    EXPECT_EQ(
-        Filter({"moving_average", "--set", "window=2", "--columns", asked}, input).standard_output,
-        only_a);
-  }
-  EXPECT_THAT(
-      Filter({"moving_average", "--set", "window=2", "--columns", "a,b"}, input).standard_output,
-      HasSubstr("V,1.5,15,10\n"));
-  const ProgramResult unknown = Filter({"none", "--columns", "c"}, input);
-  EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.standard_error, HasSubstr("--columns: standard input has no column c"));
-  EXPECT_EQ(Filter({"none", "--columns", "5"}, input).exit_code, 2);
-}
-
 /// `gauntlet filter` with a map of this text.
 ProgramResult FilterMapped(std::vector<std::string> arguments, const std::string& map,
                            const std::string& input) {
@@ -271,29 +157,6 @@ TEST(FilterMap, BringsColumnsToDegreesInTheirPlaces) {
   }
 }
 
-TEST(FilterMap, AddsColumnsUpAndGivesOneToSeveral) {
-  const std::string map =
-      "column,channel,weight\na,index_mcp,0.25\nb,index_mcp,0.75\nc,ring_mcp,\nc,ring_pip,\n";
-  EXPECT_EQ(FilterMapped({"none"}, map, "c;b;a\n10,5;20;40\n").standard_output,
-            "ring_mcp_deg;ring_pip_deg;index_mcp_deg\n10,5;10,5;25\n");
-}
-
-TEST(FilterMap, FiltersTheChannelsThatAreAskedForAndScalesAll) {
-  const std::string map = "column,channel,sign\na,index_mcp,1\nb,index_pip,-1\n";
-  const std::string input = "a,b\n0,0\n10,-20\n";
-  const std::vector<std::string> mean = {"moving_average", "--set", "window=2"};
-  EXPECT_EQ(FilterMapped(mean, map, input).standard_output,
-            "index_mcp_deg,index_pip_deg\n0,0\n5,10\n");
-  std::vector<std::string> only = mean;
-  only.insert(only.end(), {"--columns", "index_pip"});
-  EXPECT_EQ(FilterMapped(only, map, input).standard_output,
-            "index_mcp_deg,index_pip_deg\n0,0\n10,10\n");
-  const ProgramResult unknown = FilterMapped({"none", "--columns", "index_pi"}, map, input);
-  EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.standard_error,
-              HasSubstr("--columns: the map names no channel index_pi (did you mean index_pip?)"));
-}
-
 TEST(FilterMap, NamesTheTimeOfWhichTheRateFollows) {
   const std::string map =
       "column,channel,unit\nclock,time,date\nmilli,time,ms\nvalue,index_mcp,deg\n";
@@ -311,15 +174,6 @@ TEST(FilterMap, NamesTheTimeOfWhichTheRateFollows) {
     last_column += "," + line.substr(line.rfind(',') + 1) + "\n";
   }
   EXPECT_NEAR(AmplitudeOf(last_column), kHalfPower, 0.01);
-}
-
-TEST(FilterMap, OfAPresetTakesNumbersWithoutAHeader) {
-  const ProgramResult result =
-      Filter({"none", "--map", "manus20"}, "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20\n");
-  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
-  EXPECT_EQ(std::ranges::count(result.standard_output, '\n'), 1) << "no header in, none out";
-  EXPECT_THAT(FilterMapped({"none"}, "column,channel\nc,index_mcp\n", "a,b\n1,2\n").standard_error,
-              HasSubstr("standard input has no column 'c', must be one of its names or 1 to 2"));
 }
 
 TEST(FilterMap, GivesTheAnglesThatARecordingHasByIt) {
@@ -349,13 +203,6 @@ TEST(FilterMap, GivesTheAnglesThatARecordingHasByIt) {
           << names[i];
     }
   }
-}
-
-TEST(FilterInput, ThatCannotBeReadIsNoEnd) {
-  const ProgramResult result =
-      RunProgram({"/bin/sh", "-c", std::string(GAUNTLET_PROGRAM) + " filter none < /"});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_EQ(result.standard_error, "gauntlet: standard input: cannot be read: Is a directory\n");
 }
 
 TEST(FilterErrors, RepeatLittleOfALongField) {

@@ -5,6 +5,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/random.h"
+#include "sim/base/stop.h"
 #include "sim/glove/motions/postures.h"
 #include "sim/glove/motions/settings_of_motions.h"
 
@@ -63,6 +64,7 @@ Motion MakeMotion(const RandomMotionConfig& config, const MotionContext& context
   const std::vector<bool> selected = SelectChannels(config.channels);
   const std::vector<double> rest = context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
   for (std::size_t channel = 0; channel < selected.size(); ++channel) {
+    ThrowIfStopped();
     if (!selected[channel]) {
       HoldChannel(channel, rest[channel], motion);
       continue;

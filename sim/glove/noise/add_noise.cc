@@ -7,6 +7,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/random.h"
+#include "sim/base/stop.h"
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/coloured_noise.h"
 #include "sim/glove/noise/galton_board.h"
@@ -44,7 +45,10 @@ void AddCorrelated(const NoiseConfig& config, double scale, std::uint64_t seed, 
   Eigen::VectorXd white(kBlock);
   for (Eigen::Index begin = 0; begin < counts.rows(); begin += kBlock) {
     const Eigen::Index rows = std::min(kBlock, counts.rows() - begin);
-    if (begin % kTrimRows == 0) TrimSignals();
+    if (begin % kTrimRows == 0) {
+      ThrowIfStopped();
+      TrimSignals();
+    }
     for (Eigen::Index k = 0; k < channels; ++k) {
       white.setZero();
       AddWhite(config, random[static_cast<std::size_t>(k)], 1.0,

@@ -10,6 +10,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
+#include "sim/base/stop.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -125,6 +126,7 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
                   sensor.offset_share.size() == sensor.gain.size());
   Signal bend(angle_rad.rows(), angle_rad.cols());
   for (Eigen::Index c = 0; c < bend.cols(); ++c) {
+    ThrowIfStopped();
     const auto channel = static_cast<std::size_t>(c);
     Bend(angle_rad, c, bend);
     const double lag_s = 1e-3 * config.lag_ms * sensor.lag_scale[channel];
