@@ -20,10 +20,16 @@ class ConstantGainFilter final : public RecursiveFilter {
  private:
   void StepAll(const double* input, double* output) noexcept override {
     if (gains_.array_count() == 2) {
-      StepStates2(state(0), state(1), gains_[0], gains_[1], input, output, channel_count());
-    } else {
-      StepStates3(state(0), state(1), state(2), gains_[0], gains_[1], gains_[2], input, output,
+      StepStates2({.x = state(0), .w = state(1), .k1 = gains_[0], .k2 = gains_[1]}, input, output,
                   channel_count());
+    } else {
+      StepStates3({.x = state(0),
+                   .w = state(1),
+                   .a = state(2),
+                   .k1 = gains_[0],
+                   .k2 = gains_[1],
+                   .k3 = gains_[2]},
+                  input, output, channel_count());
     }
   }
   void SettleAt(int channel, double value) noexcept override { state(0)[channel] = value; }

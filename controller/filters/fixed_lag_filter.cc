@@ -120,8 +120,8 @@ class FixedLagFilter final : public StateFilter<Filter> {
     StepCovariance2(filter_, factors_);
     UpdateSlots(history_[0], history_[1] - history_[0], slots_, innovation_[0], filter_[kK1],
                 filter_[kK2], n);
-    StepStates2(filter_[kX], filter_[kW], filter_[kK1], filter_[kK2], input.data(), output.data(),
-                n);
+    StepStates2({.x = filter_[kX], .w = filter_[kW], .k1 = filter_[kK1], .k2 = filter_[kK2]},
+                input.data(), output.data(), n);
   }
 
   double* Estimate(int slot) noexcept { return history_[3 * slot]; }

@@ -42,11 +42,14 @@ struct Rates {
 /// A sample at m standard deviations, m > 5, counts as one at 25 / m.
 constexpr double kMostTimes = 25.0;
 
-/// After a step: `innovation` is what the step corrected, no subnormal number.
-GAUNTLET_VECTORISED void Learn(double* r, double* q, double* before, double* c0, double* c1,
-                               const double* p11, const double* r_min, const double* r_max,
-                               const double* q_min, const double* q_max, Rates rates,
-                               const double* innovation, int channel_count) {
+/// After a step: `innovation` is the correction of the step, no subnormal number.
+GAUNTLET_VECTORISED void Learn(ChannelArrays& arrays, Rates rates, const double* innovation) {
+  double *r = arrays[kR], *q = arrays[kQ];
+  double *before = arrays[kBefore], *c0 = arrays[kC0], *c1 = arrays[kC1];
+  const double* p11 = arrays[kP11];
+  const double *r_min = arrays[kRMin], *r_max = arrays[kRMax];
+  const double *q_min = arrays[kQMin], *q_max = arrays[kQMax];
+  const int channel_count = arrays.channel_count();
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double r_old = r[i];
@@ -133,9 +136,7 @@ class LearningKalmanFilter final : public StateFilter<KalmanAdaptiveFilter> {
       innovation_[i] = WithoutSubnormal(input[i] - (arrays_[kX][i] + arrays_[kW][i]));
     }
     StepKalman2(arrays_, factors_, input.data(), output.data());
-    Learn(arrays_[kR], arrays_[kQ], arrays_[kBefore], arrays_[kC0], arrays_[kC1], arrays_[kP11],
-          arrays_[kRMin], arrays_[kRMax], arrays_[kQMin], arrays_[kQMax], rates_,
-          innovation_.data(), channel_count());
+    Learn(arrays_, rates_, innovation_.data());
   }
   void SetState(int channel, double position) noexcept override {
     for (int array = 0; array < kR; ++array) arrays_[array][channel] = 0.0;

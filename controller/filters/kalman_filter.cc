@@ -124,11 +124,16 @@ class ChannelKalmanFilter final : public StateFilter<KalmanFilter> {
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
     if (!all_settled_) StepCovariances();
     if (layout_.states == 2) {
-      StepStates2(arrays_[kX], arrays_[kW], arrays_[kK1], arrays_[kK2], input.data(), output.data(),
-                  channel_count());
+      StepStates2({.x = arrays_[kX], .w = arrays_[kW], .k1 = arrays_[kK1], .k2 = arrays_[kK2]},
+                  input.data(), output.data(), channel_count());
     } else {
-      StepStates3(arrays_[kX], arrays_[kW], arrays_[kAcceleration3], arrays_[kK1Of3],
-                  arrays_[kK2Of3], arrays_[kK3Of3], input.data(), output.data(), channel_count());
+      StepStates3({.x = arrays_[kX],
+                   .w = arrays_[kW],
+                   .a = arrays_[kAcceleration3],
+                   .k1 = arrays_[kK1Of3],
+                   .k2 = arrays_[kK2Of3],
+                   .k3 = arrays_[kK3Of3]},
+                  input.data(), output.data(), channel_count());
     }
   }
   /// A channel whose covariance has settled keeps it, and its gains, whatever the others do: so it

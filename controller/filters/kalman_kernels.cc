@@ -12,23 +12,12 @@
 // cancellation of the difference when R is small.
 
 namespace gauntlet::controller {
-namespace {
-
-/// Where the covariances of all channels lie: one value per channel at each pointer.
-struct Covariance2 {
-  double *p11, *p12, *p22;  // P, upper triangle
-  double *k1, *k2;
-  const double *r, *q;
-};
-struct Covariance3 {
-  double *p11, *p12, *p13, *p22, *p23, *p33;
-  double *k1, *k2, *k3;
-  const double *r, *q;
-};
-
-GAUNTLET_VECTORISED void Covariances2(const Covariance2& covariance, const ProcessNoiseFactors& f,
-                                      int channel_count) {
-  const auto [p11, p12, p22, k1, k2, r, q] = covariance;
+GAUNTLET_VECTORISED void StepCovariance2(ChannelArrays& arrays, const ProcessNoiseFactors& f) {
+  GAUNTLET_ASSERT(arrays.array_count() >= kKalmanArrays2);
+  double *p11 = arrays[kP11], *p12 = arrays[kP12], *p22 = arrays[kP22];
+  double *k1 = arrays[kK1], *k2 = arrays[kK2];
+  const double *r = arrays[kR], *q = arrays[kQ];
+  const int channel_count = arrays.channel_count();
   const double f11 = f.q11, f12 = f.q12, f22 = f.q22;
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
@@ -48,9 +37,13 @@ GAUNTLET_VECTORISED void Covariances2(const Covariance2& covariance, const Proce
   }
 }
 
-GAUNTLET_VECTORISED void Covariances3(const Covariance3& covariance, const ProcessNoiseFactors& f,
-                                      int channel_count) {
-  const auto [p11, p12, p13, p22, p23, p33, k1, k2, k3, r, q] = covariance;
+GAUNTLET_VECTORISED void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& f) {
+  GAUNTLET_ASSERT(arrays.array_count() >= kKalmanArrays3);
+  double *p11 = arrays[kP11Of3], *p12 = arrays[kP12Of3], *p13 = arrays[kP13Of3];
+  double *p22 = arrays[kP22Of3], *p23 = arrays[kP23Of3], *p33 = arrays[kP33Of3];
+  double *k1 = arrays[kK1Of3], *k2 = arrays[kK2Of3], *k3 = arrays[kK3Of3];
+  const double *r = arrays[kROf3], *q = arrays[kQOf3];
+  const int channel_count = arrays.channel_count();
   const double f11 = f.q11, f12 = f.q12, f13 = f.q13;
   const double f22 = f.q22, f23 = f.q23, f33 = f.q33;
   GAUNTLET_CHANNEL_LOOP
@@ -82,8 +75,9 @@ GAUNTLET_VECTORISED void Covariances3(const Covariance3& covariance, const Proce
   }
 }
 
-GAUNTLET_VECTORISED void States2(double* x, double* w, const double* k1, const double* k2,
-                                 const double* z, double* output, int channel_count) {
+GAUNTLET_VECTORISED void StepStates2(const States2& states, const double* z, double* output,
+                                     int channel_count) {
+  const auto [x, w, k1, k2] = states;
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double x_prior = x[i] + w[i];                          // x⁻ = A x
@@ -96,9 +90,9 @@ GAUNTLET_VECTORISED void States2(double* x, double* w, const double* k1, const d
   }
 }
 
-GAUNTLET_VECTORISED void States3(double* x, double* w, double* a, const double* k1,
-                                 const double* k2, const double* k3, const double* z,
-                                 double* output, int channel_count) {
+GAUNTLET_VECTORISED void StepStates3(const States3& states, const double* z, double* output,
+                                     int channel_count) {
+  const auto [x, w, a, k1, k2, k3] = states;
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double x_prior = x[i] + w[i] + 0.5 * a[i];             // x⁻ = A x
@@ -113,51 +107,11 @@ GAUNTLET_VECTORISED void States3(double* x, double* w, double* a, const double* 
   }
 }
 
-}  // namespace
-
-void StepCovariance2(ChannelArrays& arrays, const ProcessNoiseFactors& q) {
-  GAUNTLET_ASSERT(arrays.array_count() >= kKalmanArrays2);
-  const Covariance2 covariance = {.p11 = arrays[kP11],
-                                  .p12 = arrays[kP12],
-                                  .p22 = arrays[kP22],
-                                  .k1 = arrays[kK1],
-                                  .k2 = arrays[kK2],
-                                  .r = arrays[kR],
-                                  .q = arrays[kQ]};
-  Covariances2(covariance, q, arrays.channel_count());
-}
-
-void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& q) {
-  GAUNTLET_ASSERT(arrays.array_count() >= kKalmanArrays3);
-  const Covariance3 covariance = {.p11 = arrays[kP11Of3],
-                                  .p12 = arrays[kP12Of3],
-                                  .p13 = arrays[kP13Of3],
-                                  .p22 = arrays[kP22Of3],
-                                  .p23 = arrays[kP23Of3],
-                                  .p33 = arrays[kP33Of3],
-                                  .k1 = arrays[kK1Of3],
-                                  .k2 = arrays[kK2Of3],
-                                  .k3 = arrays[kK3Of3],
-                                  .r = arrays[kROf3],
-                                  .q = arrays[kQOf3]};
-  Covariances3(covariance, q, arrays.channel_count());
-}
-
-void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
-                 double* output, int channel_count) {
-  States2(x, w, k1, k2, measured, output, channel_count);
-}
-
-void StepStates3(double* x, double* w, double* a, const double* k1, const double* k2,
-                 const double* k3, const double* measured, double* output, int channel_count) {
-  States3(x, w, a, k1, k2, k3, measured, output, channel_count);
-}
-
 void StepKalman2(ChannelArrays& arrays, const ProcessNoiseFactors& q, const double* measured,
                  double* output) {
   StepCovariance2(arrays, q);
-  StepStates2(arrays[kX], arrays[kW], arrays[kK1], arrays[kK2], measured, output,
-              arrays.channel_count());
+  StepStates2({.x = arrays[kX], .w = arrays[kW], .k1 = arrays[kK1], .k2 = arrays[kK2]}, measured,
+              output, arrays.channel_count());
 }
 
 }  // namespace gauntlet::controller

@@ -31,12 +31,20 @@ enum KalmanArray3 {
 void StepCovariance2(ChannelArrays& arrays, const ProcessNoiseFactors& q);
 void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& q);
 
-/// The other half: predict the states, correct them by the gains `k`, output the a-posteriori
-/// position. `measured` and `output` may be the same memory.
-void StepStates2(double* x, double* w, const double* k1, const double* k2, const double* measured,
-                 double* output, int channel_count);
-void StepStates3(double* x, double* w, double* a, const double* k1, const double* k2,
-                 const double* k3, const double* measured, double* output, int channel_count);
+/// Position, velocity and acceleration of every channel, and the gain of each.
+struct States2 {
+  double *x, *w;
+  const double *k1, *k2;
+};
+struct States3 {
+  double *x, *w, *a;
+  const double *k1, *k2, *k3;
+};
+
+/// The other half: predict the states, correct them by the gains, output the a-posteriori position.
+/// `measured` and `output` may be the same memory.
+void StepStates2(const States2& states, const double* measured, double* output, int channel_count);
+void StepStates3(const States3& states, const double* measured, double* output, int channel_count);
 
 /// Both halves of every channel.
 void StepKalman2(ChannelArrays& arrays, const ProcessNoiseFactors& q, const double* measured,

@@ -45,11 +45,17 @@ class KalmanPredictor final : public RecursiveFilter {
     const int n = channel_count();
     const double* horizon = constants_[states_];
     if (states_ == 2) {
-      StepStates2(state(0), state(1), constants_[0], constants_[1], input, output, n);
+      StepStates2({.x = state(0), .w = state(1), .k1 = constants_[0], .k2 = constants_[1]}, input,
+                  output, n);
       AlongVelocity(state(0), state(1), horizon, output, n);
     } else {
-      StepStates3(state(0), state(1), state(2), constants_[0], constants_[1], constants_[2], input,
-                  output, n);
+      StepStates3({.x = state(0),
+                   .w = state(1),
+                   .a = state(2),
+                   .k1 = constants_[0],
+                   .k2 = constants_[1],
+                   .k3 = constants_[2]},
+                  input, output, n);
       AlongParabola(state(0), state(1), state(2), horizon, output, n);
     }
   }
