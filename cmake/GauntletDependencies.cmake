@@ -1,4 +1,4 @@
-# What the simulation needs ; all of it from Debian 12.
+# Libraries of the simulation, all from packages of Debian 12 or 13.
 
 find_package(mujoco 2.2.2 EXACT REQUIRED)
 # Debian's target exports an include path that does not exist.
