@@ -9,7 +9,7 @@ set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "$
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
 find_package(fmt REQUIRED)
-find_package(utf8cpp 3.2 REQUIRED)
+find_package(utf8cpp REQUIRED)  # 3.2 or 4: its package files refuse a range of versions
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Threads REQUIRED)
