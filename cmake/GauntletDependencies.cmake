@@ -1,4 +1,4 @@
-# What the simulation needs ; all of it from Debian 12.
+# Libraries of the simulation, all from packages of Debian 12 or 13.
 
 find_package(mujoco 2.2.2 EXACT REQUIRED)
 # Debian's target exports an include path that does not exist.
@@ -9,7 +9,7 @@ set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "$
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
 find_package(fmt REQUIRED)
-find_package(utf8cpp 3.2 REQUIRED)
+find_package(utf8cpp REQUIRED)  # 3.2 or 4: its package files refuse a range of versions
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Threads REQUIRED)

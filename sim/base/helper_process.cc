@@ -231,7 +231,8 @@ void ReadOnlyBelow(std::initializer_list<std::filesystem::path> folders) {
     if (result >= 0) return static_cast<int>(result);
     throw UserError("--inside cannot be kept for a hand here: the system has no Landlock");
   };
-  const landlock_ruleset_attr what = {.handled_access_fs = kReading};
+  landlock_ruleset_attr what = {};  // Linux 6.7 and later have more members
+  what.handled_access_fs = kReading;
   const int rules = check(syscall(SYS_landlock_create_ruleset, &what, sizeof what, 0));
   for (const std::filesystem::path& folder : folders) {
     const landlock_path_beneath_attr below = {

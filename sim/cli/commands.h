@@ -20,5 +20,6 @@ Command MakeCalibrateCommand();
 Command MakeIdentifyCommand();
 Command MakeReproduceCommand();
 Command MakeListCommand();
+Command MakeDoctorCommand();
 
 }  // namespace gauntlet::sim

@@ -44,7 +44,7 @@ std::vector<sim::Command> Commands() {
       sim::MakeTuneCommand(),      sim::MakeRobustCommand(),    sim::MakeRenderCommand(),
       sim::MakeExportCommand(),    sim::MakeDiffCommand(),      sim::MakeInspectCommand(),
       sim::MakeFilterCommand(),    sim::MakeCalibrateCommand(), sim::MakeIdentifyCommand(),
-      sim::MakeReproduceCommand(), sim::MakeListCommand()};
+      sim::MakeReproduceCommand(), sim::MakeListCommand(),      sim::MakeDoctorCommand()};
   for (sim::Command& command : commands) {
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -66,8 +68,65 @@ add_custom_target(gauntlet ALL DEPENDS ${CMAKE_BINARY_DIR}/sim/cli/gauntlet)
       "cacheVariables": {"KIND": "toy"}}]})");
     Write(root_ / "source", "");
     WriteTool(root_ / "compile", "#!/bin/sh\n");
-    WriteTool(tools_ / "dpkg-query",  // all packages are there
-              "#!/bin/sh\nshift 3\nfor p; do printf 'installed:%s ' \"$p\"; done\n");
+    WritePackageTools();
+    Installed(Packages());
+  }
+
+  using Versions = std::map<std::string, std::string>;
+
+  /// Packages of the script, each in the least version that it accepts.
+  static Versions Packages() {
+    std::ifstream script(fs::path(SourceDir()) / "gauntlet");
+    Versions packages;
+    std::string line;
+    while (std::getline(script, line) && line != "PACKAGES=(") {
+    }
+    while (std::getline(script, line) && line != ")") {
+      const std::size_t blank = line.find(' ', 3);
+      std::string least = line.substr(blank + 1, line.size() - blank - 2);
+      if (least.starts_with('=')) least = least.substr(1) + "-1";
+      packages[line.substr(3, blank - 3)] = least;
+    }
+    return packages;
+  }
+
+  static Versions PackagesWith(const std::string& name, const std::string& version) {
+    Versions packages = Packages();
+    packages.at(name) = version;
+    return packages;
+  }
+
+  /// Tools of Debian that read and change two lists: packages that are installed, and packages that
+  /// apt offers. apt-get installs what apt offers, and logs its commands.
+  void WritePackageTools() const {
+    WriteTool(tools_ / "dpkg-query", "#!/bin/sh\ncat '" + installed_.string() + "'\n");
+    WriteTool(tools_ / "apt-cache", "#!/bin/sh\ncat '" + offered_.string() + "'\n");
+    WriteTool(tools_ / "sudo", "#!/bin/sh\n[ \"$1\" = -v ] || exec \"$@\"\n");
+    WriteTool(tools_ / "apt-get", "#!/bin/sh\necho \"$*\" >>'" + commands_.string() +
+                                      "'\ncase \"$*\" in *\\ install\\ *)\n  cp '" + all_.string() +
+                                      "' '" + installed_.string() + "';;\nesac\n");
+  }
+
+  static std::string DpkgList(const Versions& packages) {
+    std::string text;
+    for (const auto& [name, version] : packages) {
+      text += "installed " + name + " " + version + "\n";
+    }
+    return text;
+  }
+
+  void Installed(const Versions& packages) const { Write(installed_, DpkgList(packages)); }
+
+  /// An empty version: apt has the name without a package, as of a virtual one.
+  void Offered(const Versions& packages) const {
+    std::string text;
+    for (const auto& [name, version] : packages) {
+      text += name +
+              ":\n  Installed: (none)\n  Candidate: " + (version.empty() ? "(none)" : version) +
+              "\n  Version table:\n     " + version + " 500\n";
+    }
+    Write(offered_, text);
+    Write(all_, DpkgList(packages));
   }
 
   static void Replace(std::string& text, std::string_view what, const std::string& by) {
@@ -88,6 +147,10 @@ add_custom_target(gauntlet ALL DEPENDS ${CMAKE_BINARY_DIR}/sim/cli/gauntlet)
   fs::path root_ = folder_.path() / "a checkout";
   fs::path tools_ = folder_.path() / "tools";
   fs::path os_release_ = folder_.path() / "os-release";
+  fs::path installed_ = folder_.path() / "installed";
+  fs::path offered_ = folder_.path() / "offered";
+  fs::path all_ = folder_.path() / "all";  // `installed_` after apt-get
+  fs::path commands_ = folder_.path() / "commands";
 };
 
 TEST_F(StartScript, BuildsOnceThenSaysNothing) {
@@ -174,18 +237,99 @@ TEST_F(StartScript, ACheckoutThatMovedAndCannotBeWrittenIsRefusedInOneSentence) 
   EXPECT_EQ(result.standard_output, "");
 }
 
-TEST_F(StartScript, ASystemWithoutANameIsToldSo) {
-  WriteTool(tools_ / "dpkg-query", "#!/bin/sh\n");  // no package is there
+TEST_F(StartScript, InstallsWhatIsMissingOnDebian12And13WithoutAWarning) {
+  for (const char* version : {"12", "13"}) {
+    Write(os_release_, std::string("ID=debian\nVERSION_ID=\"") + version + "\"\n");
+    Versions some = Packages();
+    some.erase("libmujoco-dev");
+    some.erase("cmake");
+    Installed(some);
+    Offered(Packages());
+    const ProgramResult result = Start();
+    EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+    EXPECT_THAT(result.standard_error,
+                HasSubstr("gauntlet: installing with their dependencies: cmake libmujoco-dev\n"));
+    EXPECT_THAT(result.standard_error, Not(HasSubstr("not tested")));
+    EXPECT_THAT(Text(commands_),
+                HasSubstr(" install --no-install-recommends cmake libmujoco-dev\n"));
+    EXPECT_EQ(Start().standard_error, "");
+  }
+}
+
+TEST_F(StartScript, AnotherSystemWithUsablePackagesIsReportedOnceAndBuilds) {
+  Write(os_release_, "ID=ubuntu\nVERSION_ID=\"26.04\"\n");
+  Installed({});
+  Offered(PackagesWith("libmujoco-dev", "2.2.2+dfsg-4ubuntu3"));
+  const ProgramResult result = Start();
+  EXPECT_EQ(result.standard_output, "toy list\n") << result.standard_error;
+  EXPECT_THAT(result.standard_error, HasSubstr("gauntlet: not tested on ubuntu 26.04\n"));
+  EXPECT_EQ(result.standard_error.find("not tested"), result.standard_error.rfind("not tested"));
+  EXPECT_EQ(Start().standard_error, "");
+}
+
+TEST_F(StartScript, APackageThatAptOffersInNoUsableVersionIsNamedAndNothingInstalled) {
+  Write(os_release_, "ID=ubuntu\nVERSION_ID=\"24.04\"\n");
+  const std::vector<std::array<std::string, 3>> cases = {
+      {"libmujoco-dev", "2.3.7-1", "has libmujoco-dev 2.3.7-1, and Gauntlet needs 2.2.2 exactly"},
+      {"libmujoco-dev", "2.2.20-1", "has libmujoco-dev 2.2.20-1, and Gauntlet needs 2.2.2 exactly"},
+      {"cmake", "3.22.1-1", "has cmake 3.22.1-1, and Gauntlet needs 3.25 or newer"},
+      {"g++", "4:11.2.0-1", "has g++ 11.2.0-1, and Gauntlet needs 12.2 or newer"},
+      {"libnlopt-cxx-dev", "", "has no package libnlopt-cxx-dev, and Gauntlet needs it"},
+  };
+  for (const auto& [name, version, problem] : cases) {
+    Installed({});
+    Offered(PackagesWith(name, version));
+    const ProgramResult result = Start();
+    EXPECT_EQ(result.exit_code, 2) << problem;
+    EXPECT_EQ(result.standard_error, "gauntlet: ubuntu 24.04 " + problem +
+                                         "; nothing is installed; " + root_.string() +
+                                         "/docs/how-to/install.md describes other ways\n");
+    EXPECT_EQ(Text(commands_).find(" install "), std::string::npos);
+  }
+  Offered({});
+  EXPECT_THAT(Start().standard_error, HasSubstr("ubuntu 24.04 has no package cmake, and "));
+}
+
+TEST_F(StartScript, AnInstalledPackageThatIsTooOldIsNamed) {
+  Write(os_release_, "ID=debian\nVERSION_ID=\"11\"\n");
+  ASSERT_EQ(Start().exit_code, 0);
+  Installed(PackagesWith("libeigen3-dev", "3.3.9-2"));
+  const ProgramResult result = Start();
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.standard_error,
+              testing::StartsWith("gauntlet: debian 11 has libeigen3-dev 3.3.9-2, and Gauntlet "
+                                  "needs 3.4 or newer; nothing is installed; "));
+}
+
+TEST_F(StartScript, WithoutAptThereIsOneSentence) {
+  const fs::path bin = folder_.path() / "bin";  // all that the script calls before it needs apt
+  fs::create_directory(bin);
+  for (const std::string name : {"dirname", "flock", "grep", "mkdir", "readlink", "setsid"}) {
+    fs::create_symlink("/usr/bin/" + name, bin / name);
+  }
+  std::string script = Text(root_ / "gauntlet");
+  const std::string path = "export PATH=" + tools_.string();
+  Replace(script, path + ":/usr/sbin:/usr/bin:/sbin:/bin", "export PATH=" + bin.string());
+  WriteTool(root_ / "gauntlet", script);
+  Write(os_release_, "ID=fedora\nVERSION_ID=41\n");
+  const ProgramResult result = Start();
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.standard_error,
+            "gauntlet: fedora 41 has no apt-get, and Gauntlet needs apt; nothing is installed; " +
+                root_.string() + "/docs/how-to/install.md describes other ways\n");
+}
+
+TEST_F(StartScript, ASystemWithoutANameIsReportedAsUnknown) {
   for (const char* text : {"", "ID=\n", "(\n", "exit 1\n"}) {
     Write(os_release_, text);
+    Installed({});
+    Offered({});
     EXPECT_THAT(Start().standard_error,
-                testing::StartsWith("gauntlet: this is an unknown system, not Debian 12; not "))
+                testing::StartsWith("gauntlet: an unknown system has no package cmake, and "))
         << text;
   }
-  Write(os_release_, "ID=ubuntu\nVERSION_ID=\"24.04\"\n");
-  EXPECT_THAT(Start().standard_error, HasSubstr("this is ubuntu 24.04, not Debian 12;"));
   Write(os_release_, "ID=arch\n");
-  EXPECT_THAT(Start().standard_error, HasSubstr("this is arch, not Debian 12;"));
+  EXPECT_THAT(Start().standard_error, HasSubstr("gauntlet: arch has no package cmake, and "));
 }
 
 }  // namespace
