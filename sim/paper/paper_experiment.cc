@@ -168,7 +168,7 @@ GeneratorTest RunGeneratorTest(std::int64_t draws) {
 
 namespace {
 
-/// R of the scenario's own glove, as `gauntlet calibrate` estimates it from a hand that holds still.
+/// R of the scenario's own glove, estimated from a hand that holds still as by `calibrate`.
 controller::NoiseEstimate EstimateGloveNoise(const Scenario& scenario, bool quick) {
   GloveConfig glove = scenario.glove;
   glove.motion.settings = HoldConfig{.duration_s = quick ? 5.0 : 60.0};
