@@ -64,7 +64,7 @@ TEST(FilterLines, AreAsLongAsThoseOfARecording) {
   EXPECT_EQ(Filter({"none"}, "time_s,a\n" + longest + "\n" + row + "\n").standard_output,
             "time_s,a\n0,1\n0,1\n");
   EXPECT_EQ(Filter({"none"}, "time_s,a\n" + longest).standard_output, "time_s,a\n0,1\n");
-  for (const std::string& end : {" \n", " "}) {
+  for (const std::string end : {" \n", " "}) {
     const ProgramResult longer = Filter({"none"}, "time_s,a\n" + row + "\n" + longest + end);
     EXPECT_EQ(longer.exit_code, 2);
     EXPECT_EQ(longer.standard_error,
