@@ -8,7 +8,8 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Advance of the printable ASCII characters, from the space on. Units: 1/1000 of the letters' size.
+/// Advance of the printable ASCII characters, from the space on. Units: 1/1000 of the size of
+/// letters.
 constexpr std::array kAdvances = {
     318,  401, 460, 838, 636, 950, 780, 275, 390, 390, 500, 838, 318, 361, 318, 337,  //
     636,  636, 636, 636, 636, 636, 636, 636, 636, 636, 337, 337, 838, 838, 838, 531,  //
