@@ -104,7 +104,8 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
   EXPECT_EQ(page.find("<script"), std::string::npos);
   // Command, measured, simulated; and the difference.
   std::size_t curves = 0;
-  for (std::size_t at = 0; (at = page.find("<polyline", at)) != std::string::npos; ++at) ++curves;
+  for (std::size_t at = 0; (at = page.find("<path stroke-width", at)) != std::string::npos; ++at)
+    ++curves;
   EXPECT_EQ(curves, 4u);
 
   EXPECT_EQ(Run({"identify", "claw.csv", "--out", "other.html"}).exit_code, 2);

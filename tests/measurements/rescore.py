@@ -674,9 +674,9 @@ def difference(metric, theirs, ours):
     return abs(theirs - ours) / max(abs(theirs), abs(ours)) if abs(theirs - ours) > floor else 0.0
 
 
-def common_rows(metric, scored):
-    """The rows in which all controllers have a value that have any."""
-    having = [{row for row, values in rows.items() if not np.isnan(values.get(metric, NAN))}
+def common_rows(metric, scored, measured):
+    """The measured rows in which all controllers have a value that have any."""
+    having = [{row for row in measured if not np.isnan(rows[row].get(metric, NAN))}
               for rows, _ in scored.values()]
     return sorted(set.intersection(*filter(None, having))) if any(having) else []
 
@@ -709,8 +709,8 @@ def compare(folder):
             for metric, value in controller["summary"].items():
                 if value is None and metric in NO_SUMMARY:
                     continue
-                values = [rows[row][metric] for row in common_rows(metric, scored)]
-                if all(np.isnan(values_of[metric]) for values_of in rows.values() if metric in values_of):
+                values = [rows[row][metric] for row in common_rows(metric, scored, controller["channels"])]
+                if all(np.isnan(values_of[metric]) for row, values_of in rows.items() if row in controller["channels"] and metric in values_of):
                     values = []
                 ours = of_hand.get(metric, np.mean(values) if values else NAN)
                 results.setdefault(metric, []).append(
