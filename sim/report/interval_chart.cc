@@ -94,7 +94,8 @@ std::string ResponseSvg(const Response& response, std::size_t metric, const std:
   for (std::size_t c = 0; c < controllers; ++c) {
     AddResponse(figure, panel, response, metric, c, setting);
     const double x = area.left + kLegendColumn * static_cast<double>(c % 2);
-    const double y = 10.0 + kLegendLine * static_cast<double>(c / 2);
+    const std::size_t line = c / 2;
+    const double y = 10.0 + kLegendLine * static_cast<double>(line);
     figure.Dot({x + 5.0, y}, 4.5, InkOfSeries(c, ""));
     figure.Text({x + 16.0, y + kFigureLayout.baseline}, Anchor::kStart,
                 FittedText(response.controllers[c], kLegendColumn - 24.0), {"name"});
