@@ -126,7 +126,7 @@ std::string RepeatRemark(const Study& study) {
   if (periods_ms.empty()) return "";
   const auto [least, most] = std::ranges::minmax(periods_ms);
   return fmt::format(
-      "the motion of {} of {} joints repeats after {:.0f}{} ms: their delay is known up to a "
+      "the motion of {} of {} joints repeats after {:.0f}{} ms: the delay is known there up to a "
       "multiple of this",
       periods_ms.size(), study.measured_joints.size(), least,
       least == most ? "" : fmt::format(" to {:.0f}", most));
