@@ -27,6 +27,7 @@ constexpr int kMomentMs = 20;     // between two looks whether files are no long
 constexpr int kMoments = 50;      // then it ends all the same
 
 std::atomic<bool> at_once{false};
+std::atomic<bool> told{false};  // or being told: that it was interrupted
 std::atomic<int> moments_left{kMoments};
 std::atomic<const char*> what_is_kept{""};
 
@@ -44,6 +45,7 @@ void EndWhenFilesAreWhole(int) {
     return;
   }
   RemoveUncommittedFiles();
+  if (told.exchange(true)) _exit(kOfSignals + stop_signal);  // who tells it has had its time
   for (const std::string_view text :
        {std::string_view("gauntlet: "), kInterrupted, std::string_view(what_is_kept.load()),
         std::string_view("\n")}) {
@@ -55,7 +57,7 @@ void EndWhenFilesAreWhole(int) {
 void OnSignal(int signal) {
   int none = 0;
   const bool first = stop_signal.compare_exchange_strong(none, signal);
-  if (!first || at_once) return EndWhenFilesAreWhole(signal);
+  if ((!first && !told) || at_once) return EndWhenFilesAreWhole(signal);
   const int error = errno;
   ComeBackIn(kPatienceMs);
   errno = error;
@@ -93,7 +95,8 @@ const std::filesystem::path& KeepsTrials(const std::filesystem::path& file) {
 }
 
 int ExitCodeOfStop() {
-  ComeBackIn(0);  // never
+  while (told.exchange(true)) pause();  // a handler in another thread ends the program
+  ComeBackIn(0);                        // never
   return kOfSignals + stop_signal;
 }
 
