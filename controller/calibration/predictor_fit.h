@@ -5,18 +5,9 @@
 #include <vector>
 
 #include "controller/prediction/fitted_prediction.h"
+#include "controller/prediction/fitted_to_others_prediction.h"
 
 namespace gauntlet::controller {
-
-struct PredictorFitOptions {
-  std::vector<double> horizon_ms = {100.0};  // one for all channels or one for each
-  int order = 40;
-  double tap_ms = 5.0;
-  /// The fit is made as if the noise had so many times its variance: a larger one trembles less and
-  /// gives away some of the delay.
-  double caution = 3.0;
-  int components = 0;  // below the number of channels
-};
 
 struct PredictorFit {
   FittedPredictionConfig predictor;
@@ -25,31 +16,46 @@ struct PredictorFit {
   Eigen::ArrayXd hold_rms;        // of z(k + h) - z(k), noise included [unit]
   Eigen::ArrayXd fit_rms;         // of z(k + h) - y(k), on the data of the fit [unit]
   // The same of each fifth of the data by weights that were fitted to the others; NaN where they
-  // determine none. The components are those of all data.
+  // determine none.
   Eigen::ArrayXd held_out_rms;
 };
 
+/// How far off a prediction is, per channel, where all of its past and the future are known.
+struct PredictionErrors {
+  Eigen::ArrayXd hold_rms;  // of z(k + h) - z(k) [unit]
+  Eigen::ArrayXd left_rms;  // of z(k + h) - y(k) [unit]
+};
+
+/// A motion in stretches, samples x channels each, across whose ends nothing is foreseen.
+using RecordedMotion = std::vector<Eigen::MatrixXd>;
+
 /// Weights that look ahead by least squares, channel by channel, over recordings of motions like
-/// those that will come:
+/// those that will come, at one sample in each tap:
 ///
-///     p_i = z(k - i tap) - z(k),  i = 1 .. order,     t = z(k + h) - z(k)
-///     w = (mean of p p' + e r (I + 1 1'))^-1 (mean of p t + e r 1),   e = caution - 1
+///     p = (m_i(k) - z(k), i = 1 .. order, and positions, slopes and 1 as they are looked at)
+///     t = z(k + h) - z(k)
+///     w = (mean of p p' + e N)^-1 (mean of p t + e n),   e = caution - 1
 ///
-/// r: the variance of white noise, a sixth of the mean square of the second differences of
-/// neighbours. What is added is what noise of e times that variance would add by itself. A glove
-/// that is slow against the motion has differences of its own there: then the fit is more cautious.
+/// m_i: see FittedPredictionConfig, with means over taps. N and n are what white noise of each
+/// channel would add to both means; its variance r is a sixth of the mean square of the second
+/// differences of neighbours. A glove that is slow against the motion has differences of its own
+/// there: then the fit is more cautious.
 ///
-/// With components p goes on with the differences of each of them, and the noise that is added is
-/// that of what they are sums of. They are the principal components of the changes
-/// z(k) - z(k - order tap).
-///
-/// Without components the weights are the same in counts and in angles, as far as the curve between
-/// them is straight. Components add channels up, so they are to be fitted in the unit in which the
-/// predictor will see them: angles.
-/// Shapes: samples x channels, one matrix per recording.
+/// Without `offset` the weights are the same in counts and in angles, as far as the curve between
+/// them is straight. With it they are to be fitted to angles [deg].
 /// Errors: SettingError for values that are not finite, recordings of other numbers of channels,
 /// fewer than ten samples of the fit per weight, and for a channel that does not move at all.
 PredictorFit FitPredictor(std::span<const Eigen::MatrixXd> recordings, double rate_hz,
-                          const PredictorFitOptions& options);
+                          const FittedToOthersPredictionConfig& wanted);
+
+/// Of recordings that may be others than those of the fit: samples x channels each, in its unit.
+/// Errors: SettingError for recordings of other numbers of channels, or that are too short.
+PredictionErrors JudgePredictor(const FittedPredictionConfig& predictor,
+                                std::span<const Eigen::MatrixXd> recordings, double rate_hz);
+
+/// For each motion such weights, fitted to all the others. Errors: the same.
+std::vector<FittedPredictionConfig> FitPredictorsToOthers(
+    std::span<const RecordedMotion> motions, double rate_hz,
+    const FittedToOthersPredictionConfig& wanted);
 
 }  // namespace gauntlet::controller

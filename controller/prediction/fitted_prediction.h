@@ -9,34 +9,39 @@
 
 namespace gauntlet::controller {
 
-/// A weighted sum of samples `tap_ms` apart, with weights that were fitted to motions like these,
-/// and of what the channels do together, their components:
+/// A weighted sum of the past, with weights that were fitted to motions like these: of each
+/// channel's own, and of where all channels are and how they move:
 ///
-///     y(k) = z(k) + sum over i = 1 .. order of w_i (z(k - i tap) - z(k))
-///                 + sum over m = 1 .. components, i of v_mi (s_m(k - i tap) - s_m(k))
-///     s_m(k) = sum over channels c of l_mc z_c(k)
+///     y_c(k) = z_c(k) + sum over i = 1 .. order of w_ci (m_ci(k) - z_c(k))
+///                     + sum over channels d of p_cd m_d1(k) + s_cd (m_d1(k) - m_dn(k))  + o_c
 ///
-/// A hand at rest is predicted to stay, whatever the weights. How far ahead y is decided by what
-/// they were fitted for: `gauntlet calibrate --predictor` writes them.
+/// m_ci(k) is the sample z_c(k - i tap) or, with `tap_means`, the mean of the samples from there
+/// to the next tap; n = min(order, 6). Without p and o a hand at rest is predicted to stay,
+/// whatever the weights; with them it is drawn to where hands of such motions go.
 ///
-/// A channel that is held, as the guard holds a broken one, adds nothing to the others from
-/// `order` taps later on: they are predicted as if it had come to rest.
+/// A channel that is held, as the guard holds a broken one, counts for the others as one that has
+/// come to rest there.
 ///
-/// Shapes: `weights` has `order` values for all channels, or `order` for each, channel by channel;
-/// `loadings` (l) one per channel, component by component; `component_weights` (v) `order` per
-/// component, component by component, for all channels or for each, channel by channel.
-/// Errors: SettingError for other numbers of values, or taps that are no step apart.
+/// Shapes: `weights` (w) has `order` values for all channels, or `order` for each, channel by
+/// channel; `position_weights` (p) none, one per channel for its own, or for each channel one of
+/// every channel; `slope_weights` (s) none, or for each channel one of every channel; `offset_deg`
+/// (o) none or one per channel. `horizon_ms` is how far ahead they were fitted for: it changes
+/// nothing here. Errors: SettingError for other numbers of values, or taps that are no step apart.
 struct FittedPredictionConfig {
   static constexpr std::string_view kKind = "fitted";
   static constexpr std::string_view kSummary =
       "by weights that gauntlet calibrate --predictor has fitted";
 
+  static constexpr int kSlopeTaps = 6;
+
+  std::vector<double> horizon_ms = {0.0};
   int order = 1;
   double tap_ms = 5.0;
+  bool tap_means = false;
   std::vector<double> weights = {0.0};
-  int components = 0;
-  std::vector<double> loadings = {};
-  std::vector<double> component_weights = {};
+  std::vector<double> position_weights = {};
+  std::vector<double> slope_weights = {};
+  std::vector<double> offset_deg = {};
 
   void Visit(SettingsVisitor& visitor);
 };

@@ -24,13 +24,15 @@ inline Eigen::ArrayXd HorizonSteps(const std::vector<double>& horizon_ms, int ch
   return PerChannel("horizon_ms", horizon_ms, channel_count) * 1e-3 * rate_hz;
 }
 
-/// Where the settings of a kind of prediction keep their horizon; null for a kind without.
+/// Where the settings of a kind of prediction keep their horizon; null for a kind without, and, to
+/// change it, for one whose weights were fitted for it.
 template <class Settings>
 auto* HorizonOf(Settings& settings) {
   using Values =
       std::conditional_t<std::is_const_v<Settings>, const std::vector<double>, std::vector<double>>;
   Values* horizon_ms = nullptr;
-  if constexpr (requires { settings.horizon_ms; }) horizon_ms = &settings.horizon_ms;
+  constexpr bool kIsFixed = !std::is_const_v<Settings> && requires { settings.weights; };
+  if constexpr (requires { settings.horizon_ms; } && !kIsFixed) horizon_ms = &settings.horizon_ms;
   return horizon_ms;
 }
 

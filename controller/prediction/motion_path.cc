@@ -24,7 +24,8 @@ std::vector<double> Rows(std::string_view key, const std::vector<double>& values
 template <class Settings>
 std::unique_ptr<Filter> MakeLater(Settings settings, int channel_count, double rate_hz, int rows,
                                   double event_period_ms) {
-  if constexpr (requires { settings.horizon_ms; }) {
+  constexpr bool kIsFitted = requires { settings.weights; };
+  if constexpr (requires { settings.horizon_ms; } && !kIsFitted) {
     settings.horizon_ms =
         Rows("horizon_ms", settings.horizon_ms, channel_count, rows, event_period_ms);
     const double farthest_ms = std::ranges::max(settings.horizon_ms);
@@ -44,7 +45,7 @@ std::unique_ptr<Filter> MakeLater(Settings settings, int channel_count, double r
     }
   } else {
     throw SettingError("kind", "is " + std::string(Settings::kKind) +
-                                   ", must be none or one with a horizon_ms for model_predictive");
+                                   ", must be none or one whose horizon_ms may be changed, for model_predictive");
   }
 }
 

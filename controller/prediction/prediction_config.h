@@ -9,6 +9,7 @@
 #include "controller/prediction/autoregressive_prediction.h"
 #include "controller/prediction/double_exponential_prediction.h"
 #include "controller/prediction/fitted_prediction.h"
+#include "controller/prediction/fitted_to_others_prediction.h"
 #include "controller/prediction/kalman_prediction.h"
 #include "controller/prediction/linear_prediction.h"
 #include "controller/prediction/no_prediction.h"
@@ -21,7 +22,8 @@ namespace gauntlet::controller {
 using PredictionSettings =
     std::variant<NoPredictionConfig, LinearPredictionConfig, KalmanPredictionConfig,
                  AdaptivePredictionConfig, DoubleExponentialPredictionConfig,
-                 FittedPredictionConfig, AutoregressivePredictionConfig>;
+                 FittedPredictionConfig, FittedToOthersPredictionConfig,
+                 AutoregressivePredictionConfig>;
 
 /// Looking ahead, to make up for the delay between the glove and the hand: the paper's second idea.
 ///

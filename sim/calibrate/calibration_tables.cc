@@ -99,24 +99,37 @@ std::string CalibrationJson(const Calibration& calibration, const CurveErrors& e
 }
 
 ResultText PredictorFitText(const PoseRecording& recording, const controller::PredictorFit& fit,
+                            const std::optional<controller::PredictionErrors>& held_out,
                             const std::string& unit) {
   const std::string rms = unit + " RMS";
-  ResultTable table{.columns = {ForPeople("channel"), ForPeople("noise", rms),
-                                ForPeople("change in the horizon", rms),
-                                ForPeople("left by the fit", rms),
-                                ForPeople("left by other fits", rms)}};
+  std::vector<std::pair<const char*, Eigen::ArrayXd>> columns = {
+      {"noise", fit.noise_variance.sqrt()},
+      {"change in the horizon", fit.hold_rms},
+      {"left by the fit", fit.fit_rms},
+      {"left by other fits", fit.held_out_rms}};
+  if (held_out) {
+    columns.push_back({"held-out change", held_out->hold_rms});
+    columns.push_back({"held-out left", held_out->left_rms});
+  }
+  ResultTable table{.columns = {ForPeople("channel")}};
+  for (const auto& [heading, values] : columns) table.columns.push_back(ForPeople(heading, rms));
   for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
-    const auto channel = static_cast<Eigen::Index>(i);
     ResultRow& row = table.rows.emplace_back();
     row.push_back({{}, recording.channel_names[i]});
-    for (const double value : {std::sqrt(fit.noise_variance[channel]), fit.hold_rms[channel],
-                               fit.fit_rms[channel], fit.held_out_rms[channel]}) {
-      row.push_back({{}, Fixed(value, 2)});
+    for (const auto& [heading, values] : columns) {
+      row.push_back({{}, Fixed(values[static_cast<Eigen::Index>(i)], 2)});
     }
   }
+  std::string note =
+      "Left by other fits: each fifth of the recording by weights fitted to the rest of it.";
+  if (held_out) {
+    note += fmt::format(
+        " Of the recordings that are held out the weights leave {} % of the change, mean over "
+        "channels.",
+        Fixed(100.0 * (held_out->left_rms / held_out->hold_rms).mean(), 0));
+  }
   return {fmt::format("{} samples at {:.6g} Hz", recording.counts.rows(), recording.rate_hz),
-          std::move(table),
-          "Left by other fits: each fifth of the recording by weights fitted to the rest of it."};
+          std::move(table), std::move(note)};
 }
 
 }  // namespace gauntlet::sim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "controller/calibration/predictor_fit.h"
@@ -13,9 +14,11 @@ ResultText CalibrationText(const Calibration& calibration, const CurveErrors& er
                            CurveKind chosen);
 std::string CalibrationJson(const Calibration& calibration, const CurveErrors& errors);
 
-/// What the fit takes away of the change within the horizon, noise included. `unit`: of the motion
-/// that it was fitted to.
+/// What the fit takes away of the change within the horizon, noise included. `held_out`: the same
+/// of recordings that were not fitted to, if there are any; `unit`: of the motion that it was
+/// fitted to.
 ResultText PredictorFitText(const PoseRecording& recording, const controller::PredictorFit& fit,
+                            const std::optional<controller::PredictionErrors>& held_out,
                             const std::string& unit);
 
 }  // namespace gauntlet::sim

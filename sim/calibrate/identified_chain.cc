@@ -152,7 +152,7 @@ void UseChain(const IdentifiedChain& chain, const std::vector<std::string>& chan
       [](auto& settings) { return controller::HorizonOf(settings); }, config.prediction.settings);
   if (horizon_ms == nullptr) {
     throw controller::SettingError(
-        "chain", fmt::format("gives horizon_ms, which a prediction of kind {} does not have",
+        "chain", fmt::format("gives horizon_ms, which a prediction of kind {} does not take",
                              config.prediction.kind()));
   }
   horizon_ms->clear();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,7 +49,8 @@ struct CalibrateOptions {
   CalibrationOptions calibration;
   bool predictor = false;
   std::string curves;  // file of a calibration whose curves make angles; empty: counts stay counts
-  controller::PredictorFitOptions fit;
+  controller::FittedToOthersPredictionConfig fit;
+  std::vector<std::string> held_out;
   bool json = false;
 
   Options Rows() { return {SensorRows(), PredictorRows()}; }
@@ -98,16 +101,23 @@ struct CalibrateOptions {
                "will come"),
         OfPredictor("--horizon-ms", &fit.horizon_ms, {0.0, 1000.0},
                     "how far it looks ahead, one for all channels or one for each"),
-        OfPredictor("--order", &fit.order, {1, 1000}, "how many samples of the past it uses"),
-        OfPredictor("--tap-ms", &fit.tap_ms, {0.1, 1000.0}, "how far they lie apart"),
+        OfPredictor("--order", &fit.order, {1, 1000}, "how many taps of the past it looks at"),
+        OfPredictor("--tap-ms", &fit.tap_ms, {0.1, 1000.0},
+                    "length of a tap, over which samples are averaged"),
         OfPredictor("--caution", &fit.caution, {1.0, 1e6},
                     "fit as if the noise had so many times its variance"),
-        OfPredictor("--components", &fit.components, {0, 100},
-                    "of all channels together, so many sums are looked at, too; worth it where "
-                    "fingers move together and what is left by other fits becomes less"),
         Option("--calibration", &curves,
                {.value = "FILE.yaml", .offer = Offer::kFiles, .needs = {"--predictor"}},
-               "file of gauntlet calibrate, whose curves make angles of counts: for --components"),
+               "file of gauntlet calibrate, whose curves make angles of counts: for --offset"),
+        Option("--offset", &fit.offset, {.needs = {"--predictor", "--calibration"}},
+               "look at where a channel is, too; it is then drawn to where such motions go, also "
+               "at rest"),
+        Option("--all-channels", &fit.all_channels, {.needs = {"--predictor", "--offset"}},
+               "look at where all channels are and how they move, too; worth it where fingers "
+               "move together"),
+        Option("--held-out", &held_out,
+               {.value = "FILE.csv", .offer = Offer::kFiles, .needs = {"--predictor"}},
+               "another recording, which is not fitted to, but judged; may be repeated"),
         Option("--json", &json, {.excludes = {"--predictor"}}, "print JSON instead of the table"),
     };
   }
@@ -131,7 +141,7 @@ Example:
 
   gauntlet run scenarios/random_motion.yaml --csv --controllers raw
   gauntlet calibrate out/random_motion/trace.raw.csv --predictor --horizon-ms 100
-  gauntlet calibrate moving.csv --predictor --components 2 --calibration out/my_glove.yaml
+  gauntlet calibrate moving.csv --predictor --offset --all-channels --calibration out/my_glove.yaml --held-out other.csv
 )";
 };
 
@@ -231,33 +241,62 @@ Eigen::MatrixXd AnglesOf(const PoseRecording& recording, const std::string& file
   }
 }
 
-controller::PredictorFit FitTo(const PoseRecording& recording, const CalibrateOptions& options) {
-  if (options.fit.components > 0 && options.curves.empty()) {
-    throw UserError({.place = fmt::format("--components {}", options.fit.components),
-                     .problem = "are sums of angles, must have a --calibration FILE.yaml, whose "
-                                "curves make angles of counts"});
-  }
-  const Eigen::MatrixXd motion = options.curves.empty() ? Eigen::MatrixXd(recording.counts)
-                                                        : AnglesOf(recording, options.curves);
-  std::vector<Eigen::MatrixXd> stretches;  // nothing is foreseen across a gap
+/// The motion of a recording as it is fitted to, in stretches: nothing is foreseen across a gap.
+controller::RecordedMotion MotionOf(const PoseRecording& recording, const std::string& curves) {
+  const Eigen::MatrixXd motion =
+      curves.empty() ? Eigen::MatrixXd(recording.counts) : AnglesOf(recording, curves);
+  controller::RecordedMotion stretches;
   for (std::size_t i = 0; i < recording.stretch_begins.size(); ++i) {
     const Eigen::Index begin = recording.stretch_begins[i];
     const bool is_last = i + 1 == recording.stretch_begins.size();
     const Eigen::Index end = is_last ? motion.rows() : recording.stretch_begins[i + 1];
     stretches.emplace_back(motion.middleRows(begin, end - begin));
   }
+  return stretches;
+}
+
+/// Does what may find fault with a recording.
+template <class Work>
+auto OfRecording(const PoseRecording& recording, const Work& work) {
   try {
-    return FitPredictor(stretches, recording.rate_hz, options.fit);
+    return work();
   } catch (const controller::SettingError& error) {
     throw UserError({.place = recording.name, .key = error.key(), .problem = error.problem()});
   }
+}
+
+/// Recordings that were not fitted to. Errors: UserError for other channels or another rate.
+std::optional<controller::PredictionErrors> JudgeHeldOut(
+    const CalibrateOptions& options, const PoseRecording& fitted,
+    const controller::FittedPredictionConfig& predictor) {
+  if (options.held_out.empty()) return {};
+  controller::RecordedMotion motions;
+  std::optional<PoseRecording> last;
+  for (const std::string& file : options.held_out) {
+    last = LoadPoseRecording(file, options.format);
+    if (last->channel_names != fitted.channel_names) {
+      throw UserError({.place = file, .problem = "has other channels than " + fitted.name});
+    }
+    constexpr double kSameRate = 0.01;
+    if (std::abs(last->rate_hz / fitted.rate_hz - 1.0) > kSameRate) {
+      throw UserError({.place = file,
+                       .problem = fmt::format("has {:g} Hz, must have those of {}, {:g}",
+                                              last->rate_hz, fitted.name, fitted.rate_hz)});
+    }
+    RemarkOnRows(*last);
+    std::ranges::move(MotionOf(*last, options.curves), std::back_inserter(motions));
+  }
+  return OfRecording(*last, [&] { return JudgePredictor(predictor, motions, fitted.rate_hz); });
 }
 
 void RunPredictorFit(const CalibrateOptions& options) {
   const std::filesystem::path target = TargetOf(options);
   const PoseRecording recording = LoadPoseRecording(options.recording, options.format);
   RefuseInput(target);
-  const controller::PredictorFit fit = FitTo(recording, options);
+  const controller::PredictorFit fit = OfRecording(recording, [&] {
+    return FitPredictor(MotionOf(recording, options.curves), recording.rate_hz, options.fit);
+  });
+  const auto held_out = JudgeHeldOut(options, recording, fit.predictor);
   controller::PredictionConfig prediction = {fit.predictor};
   MakeDirectoryOf(target);
   WriteOutputFile(
@@ -267,8 +306,9 @@ void RunPredictorFit(const CalibrateOptions& options) {
           SettingsToYaml([&](controller::SettingsVisitor& visitor) {
             VisitGroup(visitor, {.key = "prediction", .help = {}}, prediction);
           }));
-  PrintText(TextOf(PredictorFitText(recording, fit, options.curves.empty() ? "counts" : "deg"),
-                   StyleOf({})));
+  PrintText(
+      TextOf(PredictorFitText(recording, fit, held_out, options.curves.empty() ? "counts" : "deg"),
+             StyleOf({})));
   FlushOutput();
   RemarkOnRows(recording);
   if (const std::size_t gaps = recording.stretch_begins.size() - 1; gaps > 0) {

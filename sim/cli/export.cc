@@ -1,6 +1,7 @@
 
 #include <filesystem>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -14,6 +15,7 @@
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
+#include "sim/study/prediction_fit.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
@@ -87,6 +89,17 @@ std::string ContentOf(const ExportOptions& options, const controller::RobotConfi
   return RobotToYaml(robot, origin);
 }
 
+/// Fits what is still to be fitted, to all repetitions of the scenario.
+controller::ControllerConfig ForRobot(const Scenario& scenario,
+                                      const controller::ControllerConfig& config) {
+  if (!std::holds_alternative<controller::FittedToOthersPredictionConfig>(
+          config.prediction.settings)) {
+    return config;
+  }
+  Say("gauntlet: its prediction is fitted to all repetitions of the scenario\n");
+  return ControllerForRobot(PrepareStudy(scenario), config);
+}
+
 void RunExport(const ExportOptions& options) {
   const Manifest manifest(options.folder);
   const Scenario scenario = LoadScenario(manifest.Checked("scenario.resolved.yaml"), {});
@@ -96,7 +109,7 @@ void RunExport(const ExportOptions& options) {
   WarnIfMadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");
   const std::filesystem::path target = TargetOf(options);
   MakeDirectoryOf(target);
-  const controller::RobotConfig robot = RobotOf(scenario, hand, named.config);
+  const controller::RobotConfig robot = RobotOf(scenario, hand, ForRobot(scenario, named.config));
   const RobotOrigin origin{.gauntlet_version = GAUNTLET_VERSION,
                            .scenario = scenario.name,
                            .controller = named.name,

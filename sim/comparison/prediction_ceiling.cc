@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <memory>
-#include <optional>
+#include <numeric>
 #include <span>
 #include <variant>
 
@@ -15,6 +16,7 @@
 #include "sim/comparison/summary.h"
 #include "sim/score/tracking.h"
 #include "sim/study/counted_parts.h"
+#include "sim/study/prediction_fit.h"
 #include "sim/trial/filter_trial.h"
 #include "sim/trial/joint_angles.h"
 
@@ -23,10 +25,8 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kMostMeasured = 8;
-constexpr double kMostFitted_s = 60.0;
+constexpr double kMost_s = 200.0;
 constexpr double kTap_ms = 5.0;  // of the fitted weights; a sample if that is longer
-constexpr int kFolds = 2;
 
 /// The same glove for a controller that neither filters nor predicts, nor plans commands.
 controller::ControllerConfig Plain(controller::ControllerConfig config) {
@@ -49,82 +49,124 @@ Signal Ahead(const Signal& channels, std::span<const Index> horizon_ticks) {
   return ahead;
 }
 
-/// Adds the stretches in which no sample is missing, and gives how many samples they have.
-Index AddWhole(const Signal& counts, std::vector<Eigen::MatrixXd>& stretches) {
-  Index added = 0;
-  Index begin = 0;
-  for (Index n = 0; n <= counts.rows(); ++n) {
-    if (n < counts.rows() && counts.row(n).allFinite()) continue;
-    if (n > begin) stretches.emplace_back(counts.middleRows(begin, n - begin));
-    added += n - begin;
-    begin = n + 1;
-  }
-  return added;
-}
-
 /// The errors of one repetition, mean over joints of the RMS [deg].
 struct Errors {
   double now = 0.0;
   double ours = 0.0;
   double fitted = 0.0;
+  double fitted_to_all = kNaN;
   double known = 0.0;
 };
 
 /// NaN where weights foresee next to nothing of the motion: of that there is no share.
-double UsedShare(const Errors& errors) {
+double UsedShare(const Errors& errors, double fitted) {
   constexpr double kLeastForeseen = 0.05;  // of the error as it is
-  const double foreseen = errors.now - errors.fitted;
-  if (foreseen < kLeastForeseen * errors.now) return kNaN;
+  const double foreseen = errors.now - fitted;
+  if (!(foreseen >= kLeastForeseen * errors.now)) return kNaN;
   return (errors.now - errors.ours) / foreseen;
+}
+
+/// The repetitions that are measured.
+struct Measured {
+  std::vector<int> seeds;
+  std::vector<int> motions;  // their numbers
+  std::vector<int> groups;   // those of one group are not fitted to each other
+  bool is_same_motion = false;
+};
+
+/// As many of the first as have kMost_s of motion in all, two at least.
+Measured ChooseMeasured(const Study& study, const StudyResult& result) {
+  Measured measured;
+  double all_s = 0.0;
+  for (const SeedOutcome& outcome : result.seeds) {
+    if (measured.seeds.size() >= 2 && all_s >= kMost_s) break;
+    const auto repetition =
+        static_cast<std::size_t>(outcome.seed - study.scenario.seed) % study.repetitions.size();
+    all_s += static_cast<double>(study.repetitions[repetition].ticks) /
+             study.hand->timing().tick_rate_hz();
+    measured.seeds.push_back(outcome.seed);
+  }
+  measured.motions = MotionsOf(result);
+  measured.motions.resize(measured.seeds.size());
+  measured.is_same_motion =
+      std::ranges::adjacent_find(measured.motions, std::not_equal_to{}) == measured.motions.end();
+  measured.groups = measured.motions;
+  if (measured.is_same_motion) std::iota(measured.groups.begin(), measured.groups.end(), 0);
+  return measured;
+}
+
+/// For each of the repetitions weights that were fitted to those of the other groups.
+std::vector<controller::FittedPredictionConfig> FitToOthers(
+    const Study& study, const controller::ControllerConfig& plain, const Measured& measured,
+    const controller::FittedToOthersPredictionConfig& wanted) {
+  std::vector<controller::RecordedMotion> groups;
+  for (std::size_t i = 0; i < measured.seeds.size(); ++i) {
+    const auto group = static_cast<std::size_t>(measured.groups[i]);
+    if (group >= groups.size()) groups.resize(group + 1);
+    std::ranges::move(SeenByPredictor(study, plain, *GloveOfSeed(study, measured.seeds[i])),
+                      std::back_inserter(groups[group]));
+  }
+  const auto of_groups = controller::FitPredictorsToOthers(
+      groups, study.hand->timing().controller.sample_rate_hz(), wanted);
+  std::vector<controller::FittedPredictionConfig> fitted;
+  for (const int group : measured.groups) {
+    fitted.push_back(of_groups[static_cast<std::size_t>(group)]);
+  }
+  return fitted;
 }
 
 /// All that concerns one controller.
 class Ceiling {
  public:
-  Ceiling(const Study& study, const NamedController& named, const std::vector<double>& horizon_ms)
-      : study_(study), named_(named), horizon_ms_(horizon_ms) {
+  Ceiling(const Study& study, const NamedController& named, const std::vector<double>& horizon_ms,
+          const Measured& measured)
+      : study_(study), named_(named) {
     const LoopTiming& timing = study.hand->timing();
     const auto channels = static_cast<int>(study.channel_names().size());
     const Eigen::ArrayXd ticks =
         controller::HorizonSteps(horizon_ms, channels, timing.tick_rate_hz());
     for (const double horizon : ticks) horizon_ticks_.push_back(std::lround(horizon));
-  }
-
-  /// Weights of order 40 for the horizon, from what the gloves of some seeds said.
-  controller::ControllerConfig FittedTo(std::span<const int> seeds) const {
-    const double rate_hz = study_.hand->timing().controller.sample_rate_hz();
-    std::vector<Eigen::MatrixXd> recordings;
-    double fitted_s = 0.0;
-    for (const int seed : seeds) {
-      if (!recordings.empty() && fitted_s >= kMostFitted_s) break;
-      const std::shared_ptr<const GloveSignal> glove = GloveOfSeed(study_, seed);
-      fitted_s += static_cast<double>(AddWhole(glove->counts, recordings)) / rate_hz;
-    }
+    const double rate_hz = timing.controller.sample_rate_hz();
     const double tap_samples = std::max(1.0, std::round(kTap_ms * 1e-3 * rate_hz));
-    controller::ControllerConfig config = Plain(named_.config);
-    config.prediction.settings =
-        controller::FitPredictor(recordings, rate_hz,
-                                 {.horizon_ms = horizon_ms_, .tap_ms = 1e3 * tap_samples / rate_hz})
-            .predictor;
-    return config;
+    controller::FittedToOthersPredictionConfig wanted = {
+        .horizon_ms = horizon_ms, .tap_ms = 1e3 * tap_samples / rate_hz, .offset = true};
+    fitted_ = FitToOthers(study, Plain(named.config), measured, wanted);
+    if (channels == 1) return;
+    wanted.all_channels = true;
+    try {
+      fitted_to_all_ = FitToOthers(study, Plain(named.config), measured, wanted);
+    } catch (const controller::SettingError&) {  // too short for so many weights
+    }
   }
 
-  Errors Measure(int seed, const controller::ControllerConfig& fitted) const {
+  /// Of repetition number `i`.
+  Errors Measure(int seed, std::size_t i) const {
     const std::shared_ptr<const GloveSignal> glove = GloveOfSeed(study_, seed);
     const controller::JointMap joint_map = study_.joint_map();
     const Signal now = ReferenceAngles(joint_map, glove->true_angle_rad);
     const Signal future = ReferenceAngles(joint_map, Ahead(glove->true_angle_rad, horizon_ticks_));
-    const Signal plain = AskedBy(Plain(named_.config), *glove);
+    const controller::ControllerConfig plain = Plain(named_.config);
     const std::vector<CountedTicks> counted = CountedWithFuture(*glove, future.rows());
-    return {.now = MeanRms_deg(plain, future, counted),
-            .ours = MeanRms_deg(AskedBy(named_.config, *glove), future, counted),
-            .fitted = MeanRms_deg(AskedBy(fitted, *glove), future, counted),
-            .known = MeanRms_deg(plain, now, counted)};
+    const auto error_of = [&](const controller::ControllerConfig& config, const Signal& wanted) {
+      return MeanRms_deg(AskedBy(config, *glove, seed), wanted, counted);
+    };
+    const auto with = [&](const controller::FittedPredictionConfig& predictor) {
+      controller::ControllerConfig config = plain;
+      config.prediction.settings = predictor;
+      return config;
+    };
+    return {
+        .now = error_of(plain, future),
+        .ours = error_of(named_.config, future),
+        .fitted = error_of(with(fitted_[i]), future),
+        .fitted_to_all = fitted_to_all_.empty() ? kNaN : error_of(with(fitted_to_all_[i]), future),
+        .known = error_of(plain, now)};
   }
 
  private:
-  Signal AskedBy(const controller::ControllerConfig& config, const GloveSignal& glove) const {
-    return RunFilterTrial(SetupOf(study_, {.name = named_.name, .config = config}), glove)
+  Signal AskedBy(const controller::ControllerConfig& config, const GloveSignal& glove,
+                 int seed) const {
+    return RunFilterTrial(SetupOf(study_, {.name = named_.name, .config = config}, seed), glove)
         .hand_angle_rad;
   }
   /// The ticks of each measured joint that count, and with them what is ahead of them.
@@ -158,25 +200,29 @@ class Ceiling {
 
   const Study& study_;
   const NamedController& named_;
-  const std::vector<double>& horizon_ms_;
   std::vector<Index> horizon_ticks_;
+  std::vector<controller::FittedPredictionConfig> fitted_;  // of each repetition
+  std::vector<controller::FittedPredictionConfig> fitted_to_all_;
 };
 
 PredictionCeiling Conclude(const NamedController& named, const std::vector<double>& horizon_ms,
-                           const std::vector<Errors>& errors, std::span<const int> motions) {
+                           const std::vector<Errors>& errors, const Measured& measured) {
   const auto mean_of = [&](auto value) {
     std::vector<double> values;
     for (const Errors& of_seed : errors) values.push_back(value(of_seed));
-    return EstimateMean(values, motions).IntervalAt();
+    return EstimateMean(values, measured.motions).IntervalAt();
   };
   return {.controller = named.name,
           .shortest_horizon_ms = std::ranges::min(horizon_ms),
           .longest_horizon_ms = std::ranges::max(horizon_ms),
+          .is_same_motion = measured.is_same_motion,
           .now = mean_of([](const Errors& e) { return e.now; }),
           .ours = mean_of([](const Errors& e) { return e.ours; }),
           .fitted = mean_of([](const Errors& e) { return e.fitted; }),
+          .fitted_to_all = mean_of([](const Errors& e) { return e.fitted_to_all; }),
           .known = mean_of([](const Errors& e) { return e.known; }),
-          .used = mean_of(UsedShare)};
+          .used = mean_of([](const Errors& e) { return UsedShare(e, e.fitted); }),
+          .used_of_all = mean_of([](const Errors& e) { return UsedShare(e, e.fitted_to_all); })};
 }
 
 }  // namespace
@@ -185,30 +231,21 @@ std::vector<PredictionCeiling> MeasurePredictionCeilings(
     const Study& study, const StudyResult& result,
     const std::function<void(const std::string&)>& remark) {
   std::vector<PredictionCeiling> ceilings;
-  if (result.seeds_alike && study.repetitions.size() < kFolds) return ceilings;
-  std::vector<int> seeds;
-  for (const SeedOutcome& outcome : result.seeds) seeds.push_back(outcome.seed);
-  seeds.resize(std::min(seeds.size(), kMostMeasured));
-  if (seeds.size() < kFolds) return ceilings;
-  std::vector<int> motions = MotionsOf(result);
-  motions.resize(seeds.size());
-  std::array<std::vector<int>, kFolds> folds;
-  for (std::size_t i = 0; i < seeds.size(); ++i) folds[i % kFolds].push_back(seeds[i]);
-
+  if (result.seeds_alike && study.repetitions.size() < 2) return ceilings;
+  const Measured measured = ChooseMeasured(study, result);
+  if (measured.seeds.size() < 2) return ceilings;
   for (const NamedController& named : study.scenario.controllers) {
     const std::vector<double>* const horizon_ms =
         std::visit([](const auto& settings) { return controller::HorizonOf(settings); },
                    named.config.prediction.settings);
     if (horizon_ms == nullptr || std::ranges::max(*horizon_ms) == 0.0) continue;
-    const Ceiling ceiling(study, named, *horizon_ms);
     try {
-      const std::array<controller::ControllerConfig, kFolds> fitted = {ceiling.FittedTo(folds[1]),
-                                                                       ceiling.FittedTo(folds[0])};
+      const Ceiling ceiling(study, named, *horizon_ms, measured);
       std::vector<Errors> errors;
-      for (std::size_t i = 0; i < seeds.size(); ++i) {
-        errors.push_back(ceiling.Measure(seeds[i], fitted[i % kFolds]));
+      for (std::size_t i = 0; i < measured.seeds.size(); ++i) {
+        errors.push_back(ceiling.Measure(measured.seeds[i], i));
       }
-      ceilings.push_back(Conclude(named, *horizon_ms, errors, motions));
+      ceilings.push_back(Conclude(named, *horizon_ms, errors, measured));
     } catch (const controller::SettingError& error) {
       remark(fmt::format("{}: what is predictable is not known: {} {}", named.name, error.key(),
                          error.problem()));

@@ -20,19 +20,23 @@ struct PredictionCeiling {
   std::string controller;
   double shortest_horizon_ms = 0.0;
   double longest_horizon_ms = 0.0;
-  MeanInterval now;     // of the glove's angles as they are: no filter, no prediction
-  MeanInterval ours;    // of the controller
-  MeanInterval fitted;  // of 40 weights per channel on its own past, fitted to other repetitions
-  MeanInterval known;   // of the glove's angles if they were known so far ahead: its own errors
-  /// Share of the way from `now` to `fitted` that `ours` goes. May be beyond 1: weights that do not
-  /// change are the best of their kind for a motion like the others, and no limit of all kinds.
-  /// NaN where they foresee next to nothing.
+  bool is_same_motion =
+      false;                   // all repetitions have one motion: fitted to what they are judged on
+  MeanInterval now;            // of the glove's angles as they are: no filter, no prediction
+  MeanInterval ours;           // of the controller
+  MeanInterval fitted;         // of weights of each channel's own past, fitted to the others
+  MeanInterval fitted_to_all;  // of weights of all channels; NaN with one, or if not determined
+  MeanInterval known;  // of the glove's angles if they were known so far ahead: its own errors
+  /// Share of the way from `now` to `fitted` that `ours` goes, and to `fitted_to_all`. May be
+  /// beyond 1 within its interval: weights that do not change are the best of their kind for
+  /// motions like the others, and no limit of all kinds. NaN where they foresee next to nothing.
   MeanInterval used;
+  MeanInterval used_of_all;
 };
 
-/// Measures every controller whose prediction has a horizon. Every repetition is measured with
-/// weights that were fitted to others: those of odd number to those of even, and the other way
-/// round; at most the first kMostMeasured count, and kMostFitted_s of motion are fitted to.
+/// Measures every controller whose prediction has a horizon. The weights are those of a prediction
+/// {kind: fitted_to_others, offset: true}: every repetition is measured with weights that were
+/// fitted to all that have another motion; the first ones only, up to kMost_s of motion.
 ///
 /// Nothing where there are less than two different repetitions. What cannot be fitted is a line for
 /// `remark`, and not in the result. Deterministic. Errors: Cancelled.

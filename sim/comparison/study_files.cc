@@ -76,15 +76,19 @@ Json EstimatesJson(const std::vector<MeanInterval>& estimates) {
   });
 }
 
-/// RMS errors in deg; `used_share` is of the way from `now` to `fitted`.
+/// RMS errors in deg; `used_share` is of the way from `now` to `fitted`, of each channel by itself
+/// or of all.
 Json CeilingJson(const PredictionCeiling& ceiling) {
   return {{"shortest_horizon_ms", ceiling.shortest_horizon_ms},
           {"longest_horizon_ms", ceiling.longest_horizon_ms},
           {"now_rmse_deg", EstimateJson(ceiling.now)},
           {"prediction_rmse_deg", EstimateJson(ceiling.ours)},
           {"fitted_rmse_deg", EstimateJson(ceiling.fitted)},
+          {"fitted_to_all_channels_rmse_deg", EstimateJson(ceiling.fitted_to_all)},
           {"known_ahead_rmse_deg", EstimateJson(ceiling.known)},
-          {"used_share", EstimateJson(ceiling.used)}};
+          {"used_share", EstimateJson(ceiling.used)},
+          {"used_share_of_all_channels", EstimateJson(ceiling.used_of_all)},
+          {"fitted_to_the_same_motion", ceiling.is_same_motion}};
 }
 
 Json ControllerJson(const FinishedStudy& finished, std::size_t index) {

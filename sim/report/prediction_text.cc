@@ -16,21 +16,37 @@ std::string HorizonText(const PredictionCeiling& ceiling) {
          fmt::format("{:.0f} ms", ceiling.longest_horizon_ms);
 }
 
+std::string UsedShareText(const MeanInterval& used) {
+  return fmt::format("{:.0f} % ({:.0f} to {:.0f})", 100.0 * used.mean, 100.0 * used.low,
+                     100.0 * used.high);
+}
+
+/// "86 % (79 to 93) of what weights of each channel can predict, 52 % (..) of what weights of all
+/// can".
+std::string UsedText(const PredictionCeiling& ceiling) {
+  if (!std::isfinite(ceiling.used.mean)) return "has next to nothing to predict";
+  std::string text =
+      "uses " + UsedShareText(ceiling.used) + " of what weights of each channel's past can predict";
+  if (std::isfinite(ceiling.used_of_all.mean)) {
+    text += ", " + UsedShareText(ceiling.used_of_all) + " of what weights of all channels can";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string PredictionText(const PredictionCeiling& ceiling) {
-  const std::string used =
-      std::isfinite(ceiling.used.mean)
-          ? fmt::format(
-                "uses {:.0f} % ({:.0f} to {:.0f}) of what weights of each channel, fitted to "
-                "other repetitions, can predict",
-                100.0 * ceiling.used.mean, 100.0 * ceiling.used.low, 100.0 * ceiling.used.high)
-          : "has next to nothing to predict, as weights fitted to other repetitions show";
+  const char* fitted_to = ceiling.is_same_motion ? "fitted to other repetitions of the same motion"
+                                                 : "fitted to other repetitions";
+  std::string fitted = Short(ceiling.fitted.mean) + " with weights of each channel";
+  if (std::isfinite(ceiling.fitted_to_all.mean)) {
+    fitted += ", " + Short(ceiling.fitted_to_all.mean) + " of all";
+  }
   return fmt::format(
-      "{} looks {} ahead and {}: without a hand, what is asked for is {} deg RMS from the wearer "
-      "that much later, the glove as it is {}, fitted weights {}, the glove if known ahead {}.",
-      ceiling.controller, HorizonText(ceiling), used, Short(ceiling.ours.mean),
-      Short(ceiling.now.mean), Short(ceiling.fitted.mean), Short(ceiling.known.mean));
+      "{} looks {} ahead and {} ({}). Without a hand, what is asked for is {} deg RMS from the "
+      "wearer that much later; the glove as it is {}, {}, the glove if known ahead {}.",
+      ceiling.controller, HorizonText(ceiling), UsedText(ceiling), fitted_to,
+      Short(ceiling.ours.mean), Short(ceiling.now.mean), fitted, Short(ceiling.known.mean));
 }
 
 }  // namespace gauntlet::sim

@@ -40,10 +40,7 @@ TunedSetting TuneBench::Run(const std::vector<std::string>& values,
   Study study = study_;
   try {
     study.scenario.controllers = {ControllerWith(values)};
-    controller::WithinSetting("controllers." + plan_.controller, [&] {
-      return controller::Controller(
-          RobotOf(study.scenario, *study.hand, study.scenario.controllers.front().config));
-    });
+    CheckController(study, study.scenario.controllers.front());
   } catch (const UserError& error) {
     setting.problem = error.what();
     return setting;

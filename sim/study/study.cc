@@ -13,6 +13,7 @@
 #include "sim/hand/camera_view.h"
 #include "sim/score/delay.h"
 #include "sim/study/counted_parts.h"
+#include "sim/study/prediction_fit.h"
 #include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
@@ -181,12 +182,19 @@ void KeepGloves(int seeds, Study& study) {
   }
 }
 
-TrialSetup SetupOf(const Study& study, const NamedController& named) {
+TrialSetup SetupOf(const Study& study, const NamedController& named, int seed) {
   return {.controller_name = named.name,
-          .controller = named.config,
+          .controller = ControllerOfSeed(study, named.config, seed),
           .calibration = study.calibration,
           .joint_map = study.scenario.joint_map,
           .hand = study.hand};
+}
+
+void CheckController(const Study& study, const NamedController& named) {
+  controller::WithinSetting("controllers." + named.name, [&] {
+    return controller::Controller(RobotOf(
+        study.scenario, *study.hand, ControllerOfSeed(study, named.config, study.scenario.seed)));
+  });
 }
 
 void ChooseVideoCamera(const HandModel& hand, std::string& camera) {
@@ -231,14 +239,11 @@ Study PrepareStudy(Scenario scenario) {
                                    "moves no joint of the hand: none of its joints is called like "
                                    "a channel of the glove");
   }
-  for (const NamedController& named : scenario.controllers) {
-    controller::WithinSetting("controllers." + named.name, [&] {
-      return controller::Controller(RobotOf(scenario, *study.hand, named.config));
-    });
-  }
-  ChooseVideoChannel(study, scenario.video.channel);
-  ChooseVideoCamera(*study.hand, scenario.video.camera);
   study.scenario = std::move(scenario);
+  study.fits = std::make_shared<PredictionFits>();
+  for (const NamedController& named : study.scenario.controllers) CheckController(study, named);
+  ChooseVideoChannel(study, study.scenario.video.channel);
+  ChooseVideoCamera(*study.hand, study.scenario.video.camera);
   const std::string counted = CountedRemark(study);
   if (!counted.empty()) study.remarks.push_back(counted);
   const std::string repeats = RepeatRemark(study);

@@ -10,6 +10,8 @@
 
 namespace gauntlet::sim {
 
+struct PredictionFits;
+
 /// Facts about a glove signal that are kept when the signal itself is not.
 struct GloveFacts {
   std::string signal_hash;  // of all that it holds, a recording's content included
@@ -38,6 +40,7 @@ struct Study {
   std::vector<std::shared_ptr<const GloveSignal>>
       gloves;                           // signals of the first seeds, one at least
   std::vector<GloveFacts> repetitions;  // of the first seed of each; one if none differ
+  std::shared_ptr<PredictionFits> fits;  // of these gloves, see ControllerOfSeed()
 
   const std::vector<std::string>& channel_names() const { return calibration.channel_names; }
   /// From the glove's channels to the hand's joints.
@@ -57,8 +60,11 @@ std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed);
 /// take 64 MB. Errors: UserError, SettingError.
 void KeepGloves(int seeds, Study& study);
 
-/// The trial of one controller of the study.
-TrialSetup SetupOf(const Study& study, const NamedController& named);
+/// The trial of one controller with the glove of a seed.
+TrialSetup SetupOf(const Study& study, const NamedController& named, int seed);
+
+/// Builds a controller as it would run, to find what is wrong with it. Errors: SettingError.
+void CheckController(const Study& study, const NamedController& named);
 
 /// Empties the name of the default camera where the model does not have it: the whole is shown.
 /// Errors: SettingError `video.camera` for another that the model does not have.

@@ -139,6 +139,7 @@ class StudyRun {
     RunWhole(task, unknown.front());  // the only one
   }
 
+  int SeedOf(const TrialTask& task) const { return result_.seeds[task.seed_index].seed; }
   TrialOutcome& OutcomeOf(std::size_t seed_index, std::size_t controller_index) {
     return result_.seeds[seed_index].controllers[controller_index];
   }
@@ -152,10 +153,10 @@ class StudyRun {
     const bool keep = seed_index == 0 && options_.keep_first_traces;
     std::optional<NoiseFreeTwin> twin;
     if (*task.gloves.noise_free) {
-      twin = AsTwin(Run(controller_index, **task.gloves.noise_free, kTwinSignals));
+      twin = AsTwin(Run(task, controller_index, **task.gloves.noise_free, kTwinSignals));
     }
     task.gloves.noise_free.reset();  // in whose memory the trial's signals then lie
-    Trace trace = Run(controller_index, *glove.signal,
+    Trace trace = Run(task, controller_index, *glove.signal,
                       keep ? std::vector<std::string_view>() : SignalsOfScores(options_.scores));
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
     outcome.health = trace.health;
@@ -177,7 +178,7 @@ class StudyRun {
     const SeedGloves::Shared& glove = *task.gloves.shared;
     std::vector<TrialSetup> setups;
     for (const std::size_t c : controllers) {
-      setups.push_back(SetupOf(study_, study_.scenario.controllers[c]));
+      setups.push_back(SetupOf(study_, study_.scenario.controllers[c], SeedOf(task)));
     }
     std::vector<MeanSquareError> errors(setups.size(), ErrorInPassing(study_, *glove.signal));
     Eigen::Index tick = 0;  // of the next block
@@ -210,9 +211,10 @@ class StudyRun {
   }
 
   /// Records these signals, or all if none is named.
-  Trace Run(std::size_t controller_index, const GloveSignal& glove,
+  Trace Run(const TrialTask& task, std::size_t controller_index, const GloveSignal& glove,
             std::span<const std::string_view> signals) {
-    const TrialSetup setup = SetupOf(study_, study_.scenario.controllers[controller_index]);
+    const TrialSetup setup =
+        SetupOf(study_, study_.scenario.controllers[controller_index], SeedOf(task));
     if (!options_.physics) {
       Trace trace = RunFilterTrial(setup, glove);
       if (!Progress(1.0)) throw Cancelled{};

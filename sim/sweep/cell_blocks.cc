@@ -41,9 +41,7 @@ void Try(ReadCell& cell, Part part) {
 /// Builds the controllers of a cell for the study, to find errors, and hashes their settings.
 void Check(const Study& study, ReadCell& cell) {
   for (const NamedController& named : cell.scenario.controllers) {
-    controller::WithinSetting("controllers." + named.name, [&] {
-      return controller::Controller(RobotOf(study.scenario, *study.hand, named.config));
-    });
+    CheckController(study, named);
     cell.settings.push_back(HashOfSettings(named));
   }
 }

@@ -99,13 +99,14 @@ void FilterBenchmark(benchmark::State& state, const FilterConfig& config) {
 }
 
 /// `fitted` without weights does nothing, so it gets 40.
-PredictionConfig WithWeights(PredictionConfig config, int components) {
+PredictionConfig WithWeights(PredictionConfig config, bool all_channels) {
   if (auto* fitted = std::get_if<FittedPredictionConfig>(&config.settings)) {
     fitted->order = 40;
     fitted->weights.assign(40, 0.025);
-    fitted->components = components;
-    fitted->loadings.assign(18 * static_cast<std::size_t>(components), 0.2);
-    fitted->component_weights.assign(40 * static_cast<std::size_t>(components), 0.01);
+    fitted->tap_means = true;
+    if (!all_channels) return config;
+    fitted->position_weights.assign(18 * 18, 0.01);
+    fitted->slope_weights.assign(18 * 18, 0.01);
   }
   return config;
 }
@@ -389,15 +390,12 @@ void Register() {
                                FilterConfig{KalmanConfig{.noise = {.r = {15.0}}, .states = 3}})
       ->Arg(18);
   for (const PredictionKind& kind : PredictionKinds()) {
-    if (kind.name == "none") continue;
+    if (kind.name == "none" || kind.name == "fitted_to_others") continue;
     benchmark::RegisterBenchmark(("prediction/" + std::string(kind.name)).c_str(),
-                                 PredictionBenchmark, WithWeights(kind.defaults, 0));
+                                 PredictionBenchmark, WithWeights(kind.defaults, false));
   }
-  for (const int components : {1, 2, 4}) {
-    benchmark::RegisterBenchmark(
-        ("prediction/fitted/components:" + std::to_string(components)).c_str(), PredictionBenchmark,
-        WithWeights({FittedPredictionConfig{}}, components));
-  }
+  benchmark::RegisterBenchmark("prediction/fitted/all_channels", PredictionBenchmark,
+                               WithWeights({FittedPredictionConfig{}}, true));
   benchmark::RegisterBenchmark("prediction_path/adaptive", PathBenchmark,
                                PredictionConfig{AdaptivePredictionConfig{}})
       ->Arg(10);

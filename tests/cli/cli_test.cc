@@ -240,7 +240,7 @@ TEST_F(CliTest, CalibrateTakesATraceOfKnownPosesAndAScenarioIncludesTheResult) {
             0.6 * tracking({}));
 }
 
-TEST_F(CliTest, CalibrateFitsAPredictorWithComponentsThatAScenarioIncludes) {
+TEST_F(CliTest, CalibrateFitsAndJudgesAPredictorThatAScenarioIncludes) {
   const std::string motion = "glove.motion.duration_s=12";
   ASSERT_EQ(Gauntlet({"run", kScenarios + "random_motion.yaml", "--csv", "--controllers", "raw",
                       "--set", motion, "score.noise_free_twin=false"})
@@ -252,15 +252,20 @@ TEST_F(CliTest, CalibrateFitsAPredictorWithComponentsThatAScenarioIncludes) {
     return Gauntlet(more);
   };
   EXPECT_THAT(fit({}).standard_output, HasSubstr("counts RMS"));
-  const ProgramResult refused = fit({"--components", "2"});
+  const ProgramResult refused = fit({"--offset"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.standard_error,
-              HasSubstr("--components 2: are sums of angles, must have a --calibration FILE.yaml"));
+  EXPECT_THAT(refused.standard_error, HasSubstr("--offset requires --calibration"));
   const std::string curves = kScenarios + "calibrations/glove_of_seed_1.yaml";
-  const ProgramResult fitted = fit({"--components", "2", "--calibration", curves});
+  const ProgramResult other =
+      Gauntlet({"run", kScenarios + "random_motion.yaml", "--csv", "--controllers", "raw", "--seed",
+                "2", "--out", "other", "--set", motion, "score.noise_free_twin=false"});
+  ASSERT_EQ(other.exit_code, 0) << other.standard_error;
+  const ProgramResult fitted = fit(
+      {"--offset", "--all-channels", "--calibration", curves, "--held-out", "other/trace.raw.csv"});
   ASSERT_EQ(fitted.exit_code, 0) << fitted.standard_error;
   EXPECT_THAT(fitted.standard_output,
-              AllOf(HasSubstr("deg RMS"), HasSubstr("index_mcp"), HasSubstr("left by other fits")));
+              AllOf(HasSubstr("deg RMS"), HasSubstr("index_mcp"), HasSubstr("left by other fits"),
+                    HasSubstr("held-out"), HasSubstr("held out the weights leave")));
   std::ofstream(folder_.path() / "scenario.yaml")
       << "question: q\nglove: {motion: {kind: random, duration_s: 2}}\n"
          "controllers:\n  raw: {}\n  ahead: !include ahead.yaml\n";

@@ -85,7 +85,7 @@ void ExportTest::ExpectSameCommands(const Study& study, const sim::NamedControll
   const std::string file = "out/" + named.name + ".robot.yaml";
   EXPECT_EQ(result.standard_error, "wrote " + file + "\n");
   controller::Controller loaded(sim::LoadRobot(In(file)));
-  const sim::TrialSetup setup = sim::SetupOf(study, named);
+  const sim::TrialSetup setup = sim::SetupOf(study, named, study.scenario.seed);
   const controller::Timing& timing = study.hand->timing().controller;
   controller::Controller built(setup.controller, setup.calibration, study.hand->transmission(),
                                timing, setup.joint_map);

@@ -60,7 +60,7 @@ int main() {
     Print("filter", name, controller::MakeFilter(config, kChannels, kRateHz).get(), 1.0);
   }
   for (const auto& kind : controller::PredictionKinds()) {
-    if (kind.name == "fitted") continue;  // has no weights by default
+    if (kind.name.starts_with("fitted")) continue;  // have no weights by default
     Print("prediction", std::string(kind.name),
           controller::MakePredictor(kind.defaults, kChannels, kRateHz).get(), 0x1p-10);
   }

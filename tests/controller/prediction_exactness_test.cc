@@ -103,39 +103,38 @@ TEST(PredictionExactness, Fitted) {
             1e-12);
 }
 
-/// Three channels, two components, weights for each channel.
-TEST(PredictionExactness, FittedWithComponents) {
-  constexpr int kOrder = 7, kTap = 4, kChannels = 3, kComponents = 2;
-  FittedPredictionConfig config{
-      .order = kOrder, .tap_ms = kTap, .weights = {}, .components = kComponents};
+/// Three channels, each with weights of its own taps and of where all are and how they move.
+TEST(PredictionExactness, FittedToAllChannels) {
+  constexpr int kOrder = 7, kTap = 4, kChannels = 3;
+  FittedPredictionConfig config{.order = kOrder, .tap_ms = kTap, .tap_means = true, .weights = {}};
   TestNoise noise(4);
   const auto fill = [&](std::vector<double>& values, int count) {
     for (int i = 0; i < count; ++i) values.push_back(noise.Normal() / 10.0);
   };
   fill(config.weights, kOrder * kChannels);
-  fill(config.loadings, kComponents * kChannels);
-  fill(config.component_weights, kOrder * kComponents * kChannels);
+  fill(config.position_weights, kChannels * kChannels);
+  fill(config.slope_weights, kChannels * kChannels);
+  fill(config.offset_deg, kChannels);
   const auto predictor = MakePredictor({config}, kChannels, kRateHz);
   const TestSignal input = 0.003 * GloveCounts(2000, kChannels);
   const auto at = [&](int k, int c) { return Real{input(std::max(k, 0), c)}; };
-  const auto component = [&](int k, int m) {
+  const auto mean = [&](int k, int c, int tap) {
     Real sum = 0;
-    for (int c = 0; c < kChannels; ++c) sum += config.loadings[m * kChannels + c] * at(k, c);
-    return sum;
+    for (int i = 0; i < kTap; ++i) sum += at(k - tap * kTap + i, c);
+    return sum / kTap;
   };
   double worst = 0.0;
   for (int k = 0; k < input.rows(); ++k) {
     std::vector<double> output(kChannels);
     predictor->Step(RowOf(input, k), output);
     for (int c = 0; c < kChannels; ++c) {
-      Real expected = at(k, c);
-      for (int i = 0; i < kOrder; ++i) {
-        const int then = k - (i + 1) * kTap;
-        expected += config.weights[c * kOrder + i] * (at(then, c) - at(k, c));
-        for (int m = 0; m < kComponents; ++m) {
-          expected += config.component_weights[(c * kComponents + m) * kOrder + i] *
-                      (component(then, m) - component(k, m));
-        }
+      Real expected = at(k, c) + Real{config.offset_deg[c]} * std::numbers::pi_v<Real> / 180;
+      for (int i = 1; i <= kOrder; ++i) {
+        expected += config.weights[c * kOrder + i - 1] * (mean(k, c, i) - at(k, c));
+      }
+      for (int d = 0; d < kChannels; ++d) {
+        expected += config.position_weights[c * kChannels + d] * mean(k, d, 1);
+        expected += config.slope_weights[c * kChannels + d] * (mean(k, d, 1) - mean(k, d, 6));
       }
       worst = std::max(worst, static_cast<double>(std::abs((output[c] - expected) / expected)));
     }

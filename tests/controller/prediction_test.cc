@@ -54,6 +54,8 @@ std::vector<PredictionCase> PredictionCases() {
     each.weights.insert(each.weights.end(), each.weights.begin(), each.weights.begin() + 20);
     each.weights.back() *= 0.9;
   }
+  FittedPredictionConfig means = each;
+  means.tap_means = true;
   return {
       {"linear", {LinearPredictionConfig{.horizon_ms = horizon_ms}}},
       {"linear_each", {LinearPredictionConfig{.horizon_ms = horizons_ms}}},
@@ -67,20 +69,20 @@ std::vector<PredictionCase> PredictionCases() {
       {"double_exponential", {DoubleExponentialPredictionConfig{.horizon_ms = horizon_ms}}},
       {"fitted", {AlongALine()}},
       {"fitted_each", {each}},
+      {"fitted_means", {means}},
       {"autoregressive", {AutoregressivePredictionConfig{.horizon_ms = horizon_ms}}},
       {"autoregressive_each",
        {AutoregressivePredictionConfig{.horizon_ms = horizons_ms, .order = 3}}}};
 }
 
-/// The same and three components: predictions that look at other channels, too.
+/// The same and slopes of all channels: predictions that look at other channels, too.
 std::vector<PredictionCase> CoupledCases() {
   FittedPredictionConfig fitted = AlongALine();
-  fitted.components = 3;
-  for (int i = 0; i < 3 * kChannels; ++i) fitted.loadings.push_back(std::sin(i + 1.0));
-  for (int i = 0; i < 3 * 20 * kChannels; ++i) {
-    fitted.component_weights.push_back(0.01 * std::cos(2.0 * i));
+  fitted.tap_means = true;
+  for (int i = 0; i < kChannels * kChannels; ++i) {
+    fitted.slope_weights.push_back(0.1 * std::cos(2.0 * i));
   }
-  return {{"fitted_components", {fitted}}};
+  return {{"fitted_slopes", {fitted}}};
 }
 std::vector<PredictionCase> AllCases() {
   std::vector<PredictionCase> cases = PredictionCases();
@@ -282,7 +284,7 @@ TEST(MotionPath, IsThePredictionSoManyEventsFartherAhead) {
   constexpr double kEvent_ms = 20.0;
   const TestSignal input = GloveAngles(900, kChannels);
   for (const PredictionCase& tested : PredictionCases()) {
-    if (tested.name.starts_with("fitted")) continue;  // has no horizon
+    if (tested.name.starts_with("fitted")) continue;  // weights are for one horizon
     MotionPath path(tested.config, kChannels, kRateHz, kRows, kEvent_ms);
     MotionPath next(tested.config, kChannels, kRateHz, kRows, kEvent_ms);
     std::vector<std::unique_ptr<Filter>> expected;
@@ -405,11 +407,11 @@ TEST(FittedPrediction, OthersSeeNothingOfAChannelThatIsOff) {
   EXPECT_EQ(commands(0.0, true), commands(60.0, true));
 }
 
-TEST(FittedPrediction, GoesOnWithOtherComponents) {
+TEST(FittedPrediction, GoesOnWithOtherWeights) {
   FittedPredictionConfig config =
       std::get<FittedPredictionConfig>(CoupledCases()[0].config.settings);
   const auto before = MakePredictor(config, kChannels, kRateHz);
-  for (double& loading : config.loadings) loading *= -0.7;
+  for (double& weight : config.slope_weights) weight *= -0.7;
   const auto next = MakePredictor(config, kChannels, kRateHz);
   const auto always = MakePredictor(config, kChannels, kRateHz);
   const TestSignal input = GloveAngles(500, kChannels);
@@ -417,6 +419,8 @@ TEST(FittedPrediction, GoesOnWithOtherComponents) {
   Predicted(*always, input.topRows(300));
   ASSERT_TRUE(next->TakeMemory(*before));
   EXPECT_EQ(Predicted(*next, input.bottomRows(200)), Predicted(*always, input.bottomRows(200)));
+  config.tap_means = false;
+  EXPECT_FALSE(MakePredictor(config, kChannels, kRateHz)->TakeMemory(*always));
 }
 
 TEST(KalmanPrediction, LooksAheadExactlyOnAParabolaWithThreeStates) {
@@ -605,19 +609,30 @@ TEST(Predictor, RefusesListsThatDoNotFit) {
             "weights: has 2 values, must have 3 for all channels or 15, 3 for each");
   FittedPredictionConfig fitted = {.order = 3,
                                    .weights = {0.0, 0.0, 0.0},
-                                   .components = 2,
-                                   .loadings = std::vector<double>(10),
-                                   .component_weights = std::vector<double>(7)};
-  EXPECT_EQ(complaint({fitted}),
-            "component_weights: has 7 values, must have 6 for all channels or 30, 6 for each");
-  fitted.component_weights.resize(30);
+                                   .position_weights = std::vector<double>(5),
+                                   .slope_weights = std::vector<double>(25),
+                                   .offset_deg = std::vector<double>(5)};
   EXPECT_EQ(complaint({fitted}), "");
-  fitted.loadings.resize(9);
+  fitted.position_weights.resize(25);
+  EXPECT_EQ(complaint({fitted}), "");
+  fitted.position_weights.resize(6);
   EXPECT_EQ(complaint({fitted}),
-            "loadings: has 9 values, must have 10, one per channel for each of the components");
-  fitted.components = 0;
+            "position_weights: has 6 values, must have none, 5, one for each channel, or 25, one "
+            "of every channel for each");
+  fitted.position_weights.clear();
+  fitted.slope_weights.resize(5);
   EXPECT_EQ(complaint({fitted}),
-            "components: is 0, must be as many as loadings and component_weights are for");
+            "slope_weights: has 5 values, must have none or 25, one of every channel for each");
+  fitted.slope_weights.clear();
+  fitted.offset_deg.resize(1);
+  EXPECT_EQ(complaint({fitted}), "offset_deg: has 1 values, must have none or 5");
+  fitted.offset_deg.clear();
+  fitted.horizon_ms = {1.0, 2.0};
+  EXPECT_EQ(complaint({fitted}),
+            "horizon_ms: has 2 values, must have 1 for all channels or 5, one for each");
+  EXPECT_EQ(complaint({FittedToOthersPredictionConfig{}}),
+            "kind: is fitted_to_others, which has no weights yet: gauntlet export and gauntlet "
+            "calibrate --predictor fit them");
   EXPECT_EQ(complaint({FittedPredictionConfig{.order = 1, .tap_ms = 2.5, .weights = {1.0}}}),
             "tap_ms: is 2.5, must be a multiple of the step of the filter, 1 ms");
   EXPECT_EQ(complaint({AutoregressivePredictionConfig{.tap_ms = 5.0}}, 50.0),
@@ -635,9 +650,9 @@ TEST(PredictionKinds, ExplainThemselves) {
     EXPECT_EQ(kind.defaults.kind(), kind.name);
     names.push_back(kind.name);
   }
-  EXPECT_EQ(names,
-            (std::vector<std::string_view>{"none", "linear", "kalman", "adaptive",
-                                           "double_exponential", "fitted", "autoregressive"}));
+  EXPECT_EQ(names, (std::vector<std::string_view>{"none", "linear", "kalman", "adaptive",
+                                                  "double_exponential", "fitted",
+                                                  "fitted_to_others", "autoregressive"}));
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ namespace gauntlet::controller {
 namespace {
 
 constexpr double kRateHz = 1000.0;
-const PredictorFitOptions kOptions = {.horizon_ms = {100.0}, .order = 20, .tap_ms = 10.0};
+const FittedToOthersPredictionConfig kOptions = {
+    .horizon_ms = {100.0}, .order = 20, .tap_ms = 10.0};
 
 /// Two channels that swing at two frequencies each, with white noise [counts].
 Eigen::MatrixXd Glove(int samples, double noise_counts, std::uint64_t seed = 1) {
@@ -31,16 +32,19 @@ Eigen::MatrixXd Glove(int samples, double noise_counts, std::uint64_t seed = 1) 
   return counts;
 }
 
-PredictorFit Fit(const Eigen::MatrixXd& recording, const PredictorFitOptions& options = kOptions) {
+PredictorFit Fit(const Eigen::MatrixXd& recording,
+                 const FittedToOthersPredictionConfig& options = kOptions) {
   return FitPredictor({&recording, 1}, kRateHz, options);
 }
 
 /// What the predictor of two channels makes of white noise of deviation 1 on each, by what it
 /// answers to an impulse on either.
 double NoiseGain(const PredictorFit& fit, int channel) {
+  FittedPredictionConfig config = fit.predictor;
+  config.offset_deg.clear();
   double squares = 0.0;
   for (int hit = 0; hit < 2; ++hit) {
-    const auto predictor = MakePredictor(fit.predictor, 2, kRateHz);
+    const auto predictor = MakePredictor(config, 2, kRateHz);
     std::vector<double> value(2);
     predictor->Step(value, value);
     for (int k = 0; k <= fit.predictor.order * 10; ++k) {
@@ -55,7 +59,7 @@ double NoiseGain(const PredictorFit& fit, int channel) {
 }
 
 /// Two channels, the second of which does what the first did 80 ms before, and a little of its own.
-Eigen::MatrixXd Following(int samples, std::uint64_t seed) {
+Eigen::MatrixXd Following(int samples, std::uint64_t seed, double noise_deg = 0.05) {
   Eigen::MatrixXd angles(samples, 2);
   TestNoise noise(seed);
   const Eigen::ArrayXd free = [&] {
@@ -69,37 +73,28 @@ Eigen::MatrixXd Following(int samples, std::uint64_t seed) {
     return smooth;
   }();
   for (int k = 0; k < samples; ++k) {
-    angles(k, 0) = free[k + 80] + 0.05 * noise.Normal();
-    angles(k, 1) = 0.5 * free[k] + 0.05 * noise.Normal();
+    angles(k, 0) = free[k + 80] + noise_deg * noise.Normal();
+    angles(k, 1) = 0.5 * free[k] + noise_deg * noise.Normal();
   }
   return angles;
 }
 
-PredictorFitOptions WithComponents(int components, double caution = 3.0) {
-  PredictorFitOptions options = kOptions;
-  options.components = components;
+FittedToOthersPredictionConfig WithOffset(bool all_channels, double caution = 1.0) {
+  FittedToOthersPredictionConfig options = kOptions;
+  options.offset = true;
+  options.all_channels = all_channels;
   options.caution = caution;
   return options;
 }
 
 /// RMS of z(k + h) - y(k) for a recording that the fit has not seen, per channel.
-Eigen::Array2d LeftOf(const PredictorFit& fit, const Eigen::MatrixXd& recording) {
-  const auto predictor = MakePredictor(fit.predictor, 2, kRateHz);
-  Eigen::Array2d squares = Eigen::Array2d::Zero();
-  int count = 0;
-  for (int k = 0; k + 100 < recording.rows(); ++k) {
-    Eigen::Vector2d value = recording.row(k);
-    predictor->Step({value.data(), 2}, {value.data(), 2});
-    if (k < 1000) continue;
-    squares += (value.transpose() - recording.row(k + 100)).transpose().array().square();
-    ++count;
-  }
-  return (squares / count).sqrt();
+Eigen::ArrayXd LeftOf(const PredictorFit& fit, const Eigen::MatrixXd& recording) {
+  return JudgePredictor(fit.predictor, {&recording, 1}, kRateHz).left_rms;
 }
 
 TEST(PredictorFit, PredictsMotionsLikeThoseItWasFittedTo) {
   const PredictorFit fit = Fit(Glove(20000, 1.0));
-  const Eigen::Array2d left = LeftOf(fit, Glove(21000, 1.0, 2));
+  const Eigen::ArrayXd left = LeftOf(fit, Glove(21000, 1.0, 2));
   for (int c = 0; c < 2; ++c) EXPECT_LT(left[c], 0.3 * fit.hold_rms[c]) << c;
 }
 
@@ -137,16 +132,16 @@ TEST(PredictorFit, FindsTheNoiseOfWhiteNoise) {
 
 TEST(PredictorFit, SaysWhatItLeavesOfAnotherRecording) {
   const PredictorFit fit = Fit(Glove(20000, 3.0));
-  const Eigen::Array2d left = LeftOf(fit, Glove(21000, 3.0, 2));
+  const Eigen::ArrayXd left = LeftOf(fit, Glove(21000, 3.0, 2));
   for (int c = 0; c < 2; ++c) EXPECT_NEAR(left[c], fit.fit_rms[c], 0.05 * fit.fit_rms[c]);
 }
 
 /// Caution is noise that is not there: the same weights, but for chance, as of a recording that
 /// has it.
 TEST(PredictorFit, IsAsCautiousAsWithSoMuchNoise) {
-  PredictorFitOptions plain = kOptions;
+  FittedToOthersPredictionConfig plain = kOptions;
   plain.caution = 1.0;
-  PredictorFitOptions four = kOptions;
+  FittedToOthersPredictionConfig four = kOptions;
   four.caution = 4.0;
   const PredictorFit cautious = Fit(Glove(40000, 3.0), four);
   const PredictorFit noisy = Fit(Glove(40000, 6.0), plain);
@@ -157,85 +152,133 @@ TEST(PredictorFit, IsAsCautiousAsWithSoMuchNoise) {
   }
 }
 
-TEST(PredictorFit, IsAsCautiousWithComponentsAsWithSoMuchNoise) {
-  const PredictorFit cautious = Fit(Glove(40000, 3.0), WithComponents(1, 4.0));
-  const PredictorFit noisy = Fit(Glove(40000, 6.0), WithComponents(1, 1.0));
+TEST(PredictorFit, IsAsCautiousWithAllChannelsAsWithSoMuchNoise) {
+  const PredictorFit cautious = Fit(Following(200000, 1), WithOffset(true, 4.0));
+  const PredictorFit noisy = Fit(Following(200000, 1, 0.1), WithOffset(true));
   for (int c = 0; c < 2; ++c) {
     EXPECT_NEAR(NoiseGain(cautious, c), NoiseGain(noisy, c), 0.1 * NoiseGain(noisy, c));
   }
 }
 
-TEST(PredictorFit, LearnsByComponentsFromAChannelThatIsAhead) {
+TEST(PredictorFit, LearnsFromAChannelThatIsAhead) {
   const Eigen::MatrixXd recording = Following(30000, 1);
   const Eigen::MatrixXd other = Following(20000, 2);
-  const PredictorFit alone = Fit(recording);
-  const PredictorFit together = Fit(recording, WithComponents(1));
-  EXPECT_LT(LeftOf(together, other)[1], 0.5 * LeftOf(alone, other)[1]);
-  EXPECT_LT(together.held_out_rms[1], 0.5 * alone.held_out_rms[1]);
+  const PredictorFit alone = Fit(recording, WithOffset(false));
+  const PredictorFit together = Fit(recording, WithOffset(true));
+  EXPECT_LT(LeftOf(together, other)[1], 0.6 * LeftOf(alone, other)[1]);
+  EXPECT_LT(together.held_out_rms[1], 0.6 * alone.held_out_rms[1]);
   for (const PredictorFit& fit : {alone, together}) {
-    const Eigen::Array2d left = LeftOf(fit, other);
+    const Eigen::ArrayXd left = LeftOf(fit, other);
     for (int c = 0; c < 2; ++c) EXPECT_NEAR(left[c], fit.held_out_rms[c], 0.2 * left[c]) << c;
   }
 }
 
-/// Of two channels the larger axis of an ellipse: tan 2 a = 2 c12 / (c11 - c22).
-TEST(PredictorFit, TakesThePrincipalComponentOfChanges) {
-  const Eigen::MatrixXd recording = Following(5000, 3);
-  const std::vector<double> loadings = Fit(recording, WithComponents(1)).predictor.loadings;
-  const Eigen::Index span = 200;  // order taps
-  const Eigen::MatrixXd change = recording.bottomRows(5000 - span) - recording.topRows(5000 - span);
-  const Eigen::Matrix2d c = change.transpose() * change;
-  const double angle = 0.5 * std::atan2(2.0 * c(0, 1), c(0, 0) - c(1, 1));
-  ASSERT_EQ(loadings.size(), 2u);
-  EXPECT_NEAR(loadings[1] / loadings[0], std::tan(angle), 1e-9);
-  EXPECT_NEAR(std::hypot(loadings[0], loadings[1]), 1.0, 1e-12);
+/// A motion about a middle: where a channel is says where it goes.
+TEST(PredictorFit, DrawsToTheMiddleWithAnOffset) {
+  const Eigen::MatrixXd recording = Following(30000, 1).array() + 25.0;
+  const PredictorFit fit = Fit(recording, WithOffset(false));
+  const Eigen::MatrixXd other = Following(20000, 2).array() + 25.0;
+  EXPECT_LT(LeftOf(fit, other)[1], 0.98 * LeftOf(Fit(recording), other)[1]);
+  for (int c = 0; c < 2; ++c) {
+    const double pull = fit.predictor.position_weights[static_cast<std::size_t>(c)];
+    EXPECT_LT(pull, 0.0);
+    EXPECT_NEAR(fit.predictor.offset_deg[static_cast<std::size_t>(c)] / -pull,
+                recording.col(c).mean(), 2.0);
+  }
+}
+
+/// A channel of which nothing is known says nothing to the others.
+TEST(PredictorFit, LeavesOutADeadChannelOfTheOthers) {
+  Eigen::MatrixXd recording = Following(20000, 1);
+  Eigen::MatrixXd with_dead(recording.rows(), 3);
+  with_dead << recording, Eigen::VectorXd::Constant(recording.rows(), 7.0);
+  const auto complaint = [&] {
+    try {
+      Fit(with_dead, WithOffset(true));
+    } catch (const SettingError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  // Its own weights are not determined; those of the others are.
+  EXPECT_THAT(complaint(), testing::StartsWith("recording: channel 3 moves too little"));
 }
 
 /// The equation of the header with every regressor written out, solved another way.
-TEST(PredictorFit, SolvesTheEquationOfItsHeaderWithComponents) {
-  constexpr int kOrder = 3, kTap = 15, kAhead = 40;
-  const Eigen::MatrixXd z = Following(3000, 4);
-  const PredictorFit fit = Fit(
-      z,
-      {.horizon_ms = {kAhead}, .order = kOrder, .tap_ms = kTap, .caution = 2.5, .components = 1});
-  const Eigen::RowVector2d loading(fit.predictor.loadings[0], fit.predictor.loadings[1]);
-  const Eigen::VectorXd s = z * loading.transpose();
-  constexpr int kFirst = kOrder * kTap;
-  const int count = 3000 - kFirst - kAhead;
+TEST(PredictorFit, SolvesTheEquationOfItsHeader) {
+  constexpr int kOrder = 7, kTap = 15, kAhead = 40, kRows = 4000;
+  const Eigen::MatrixXd z = Following(kRows, 4);
+  const PredictorFit fit = Fit(z, {.horizon_ms = {kAhead},
+                                   .order = kOrder,
+                                   .tap_ms = kTap,
+                                   .caution = 2.5,
+                                   .offset = true,
+                                   .all_channels = true});
+  const auto mean = [&](int now, int c, int tap) {
+    return z.col(c).segment(now - tap * kTap, kTap).mean();
+  };
+  constexpr int kWeights = kOrder + 4;  // positions of both, the slope of the other, 1
   for (int c = 0; c < 2; ++c) {
-    Eigen::MatrixXd p(count, 2 * kOrder);
-    Eigen::VectorXd t(count);
-    for (int k = 0; k < count; ++k) {
-      const int now = kFirst + k;
-      t[k] = z(now + kAhead, c) - z(now, c);
-      for (int i = 0; i < kOrder; ++i) {
-        p(k, i) = z(now - (i + 1) * kTap, c) - z(now, c);
-        p(k, kOrder + i) = s[now - (i + 1) * kTap] - s[now];
-      }
+    const int other = 1 - c;
+    // How each regressor and the end take the white noise of: z(now), m_1 .. m_order of both.
+    Eigen::MatrixXd of_noise = Eigen::MatrixXd::Zero(kWeights, 2 * (kOrder + 1));
+    const auto place = [](int channel, int tap) { return channel * (kOrder + 1) + tap; };
+    for (int i = 1; i <= kOrder; ++i) {
+      of_noise(i - 1, place(c, i)) = 1.0;
+      of_noise(i - 1, place(c, 0)) = -1.0;
     }
-    // White noise n of each channel adds n(then) - n(now) to its own differences, and as much times
-    // the loadings to those of the component.
-    Eigen::MatrixXd added = Eigen::MatrixXd::Zero(2 * kOrder, 2 * kOrder);
-    Eigen::VectorXd added_end = Eigen::VectorXd::Zero(2 * kOrder);
+    of_noise(kOrder, place(c, 1)) = 1.0;
+    of_noise(kOrder + 1, place(other, 1)) = 1.0;
+    of_noise(kOrder + 2, place(other, 1)) = 1.0;
+    of_noise(kOrder + 2, place(other, 6)) = -1.0;
+    Eigen::VectorXd end_of_noise = Eigen::VectorXd::Zero(2 * (kOrder + 1));
+    end_of_noise[place(c, 0)] = -1.0;
+    Eigen::VectorXd variance(2 * (kOrder + 1));
     for (int channel = 0; channel < 2; ++channel) {
-      const double variance = 1.5 * fit.noise_variance[channel];
-      Eigen::VectorXd now = Eigen::VectorXd::Zero(2 * kOrder);
-      for (int i = 0; i < kOrder; ++i) {
-        Eigen::VectorXd then = Eigen::VectorXd::Zero(2 * kOrder);
-        if (channel == c) now[i] = then[i] = 1.0;
-        now[kOrder + i] = then[kOrder + i] = loading[channel];
-        added += variance * then * then.transpose();
+      for (int tap = 0; tap <= kOrder; ++tap) {
+        variance[place(channel, tap)] = 1.5 * fit.noise_variance[channel] / (tap == 0 ? 1 : kTap);
       }
-      added += variance * now * now.transpose();
-      if (channel == c) added_end += variance * now;
     }
-    const Eigen::VectorXd expected = (p.transpose() * p / count + added)
-                                         .fullPivLu()
-                                         .solve(p.transpose() * t / count + added_end);
-    for (int i = 0; i < kOrder; ++i) {
-      EXPECT_NEAR(fit.predictor.weights[kOrder * c + i], expected[i], 1e-7);
-      EXPECT_NEAR(fit.predictor.component_weights[kOrder * c + i], expected[kOrder + i], 1e-7);
+    Eigen::MatrixXd matrix = of_noise * variance.asDiagonal() * of_noise.transpose();
+    Eigen::VectorXd right = of_noise * variance.asDiagonal() * end_of_noise;
+    int count = 0;
+    for (int now = kOrder * kTap; now + kAhead < kRows; now += kTap) ++count;
+    for (int now = kOrder * kTap; now + kAhead < kRows; now += kTap) {
+      Eigen::VectorXd p(kWeights);
+      for (int i = 1; i <= kOrder; ++i) p[i - 1] = mean(now, c, i) - z(now, c);
+      p.tail(4) << mean(now, c, 1), mean(now, other, 1), mean(now, other, 1) - mean(now, other, 6),
+          1.0;
+      matrix += p * p.transpose() / count;
+      right += p * (z(now + kAhead, c) - z(now, c)) / count;
     }
+    const Eigen::VectorXd expected = matrix.fullPivLu().solve(right);
+    const FittedPredictionConfig& found = fit.predictor;
+    for (int i = 0; i < kOrder; ++i) EXPECT_NEAR(found.weights[kOrder * c + i], expected[i], 1e-7);
+    EXPECT_NEAR(found.position_weights[2 * c + c], expected[kOrder], 1e-7);
+    EXPECT_NEAR(found.position_weights[2 * c + other], expected[kOrder + 1], 1e-7);
+    EXPECT_NEAR(found.slope_weights[2 * c + other], expected[kOrder + 2], 1e-7);
+    EXPECT_NEAR(found.offset_deg[c], expected[kOrder + 3], 1e-6);
+    EXPECT_EQ(found.slope_weights[2 * c + c], 0.0);
+  }
+}
+
+/// Each motion by weights that never saw it, as if it had been left out by hand.
+TEST(PredictorFit, FitsEachMotionToAllOthers) {
+  const std::vector<RecordedMotion> motions = {
+      {Following(5000, 1)}, {Following(4000, 2), Following(3000, 3)}, {Following(6000, 4)}};
+  const FittedToOthersPredictionConfig wanted = WithOffset(true);
+  const auto fitted = FitPredictorsToOthers(motions, kRateHz, wanted);
+  ASSERT_EQ(fitted.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    RecordedMotion others;
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (j != i) others.insert(others.end(), motions[j].begin(), motions[j].end());
+    }
+    const FittedPredictionConfig expected = FitPredictor(others, kRateHz, wanted).predictor;
+    for (std::size_t w = 0; w < expected.weights.size(); ++w) {
+      EXPECT_NEAR(fitted[i].weights[w], expected.weights[w], 1e-6);
+    }
+    EXPECT_NEAR(fitted[i].offset_deg[1], expected.offset_deg[1], 1e-7);
   }
 }
 
@@ -259,7 +302,8 @@ TEST(PredictorFit, TakesSeveralRecordings) {
 
 TEST(PredictorFit, RefusesWhatDeterminesNoWeights) {
   const auto complaint = [](const Eigen::MatrixXd& recording,
-                            const PredictorFitOptions& options = kOptions) -> std::string {
+                            const FittedToOthersPredictionConfig& options =
+                                kOptions) -> std::string {
     try {
       Fit(recording, options);
       return "";
@@ -277,23 +321,24 @@ TEST(PredictorFit, RefusesWhatDeterminesNoWeights) {
   broken(17, 1) = std::nan("");
   EXPECT_EQ(complaint(broken), "recording: has values that are not finite");
   EXPECT_EQ(complaint(Eigen::MatrixXd(0, 0)), "recording: has no channels");
-  PredictorFitOptions far = kOptions;
+  FittedToOthersPredictionConfig far = kOptions;
   far.horizon_ms = {-1.0};
   EXPECT_EQ(complaint(Glove(4000, 1.0), far), "horizon_ms: is -1, must be from 0 to 1000");
   far.horizon_ms = {1001.0};
   EXPECT_EQ(complaint(Glove(4000, 1.0), far), "horizon_ms: is 1001, must be from 0 to 1000");
-  PredictorFitOptions bold = kOptions;
+  FittedToOthersPredictionConfig bold = kOptions;
   bold.caution = 0.5;
   EXPECT_EQ(complaint(Glove(4000, 1.0), bold), "caution: is 0.5, must be at least 1");
-  PredictorFitOptions odd = kOptions;
+  FittedToOthersPredictionConfig odd = kOptions;
   odd.tap_ms = 2.5;
   EXPECT_THAT(complaint(Glove(4000, 1.0), odd), testing::HasSubstr("tap_ms: is 2.5"));
-  EXPECT_EQ(complaint(Glove(4000, 1.0), WithComponents(2)),
-            "components: is 2, must be below the number of channels, 2");
-  EXPECT_THAT(complaint(Glove(4000, 1.0), WithComponents(-1)), testing::HasSubstr("components"));
-  EXPECT_EQ(complaint(Glove(600, 1.0), WithComponents(1)),
-            "recording: has 300 samples with so much past and future around them, must have at "
-            "least 400");
+  FittedToOthersPredictionConfig no_offset = WithOffset(true);
+  no_offset.offset = false;
+  EXPECT_EQ(complaint(Glove(4000, 1.0), no_offset),
+            "all_channels: is true, which needs offset: true");
+  EXPECT_EQ(complaint(Glove(400, 1.0), WithOffset(true)),
+            "recording: has 100 samples with so much past and future around them, must have at "
+            "least 240");
   const std::vector<Eigen::MatrixXd> different = {Glove(4000, 1.0), Eigen::MatrixXd::Zero(10, 3)};
   EXPECT_THROW(FitPredictor(different, kRateHz, kOptions), SettingError);
 }

@@ -16,6 +16,7 @@
 #include "sim/calibrate/identified_chain.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
+#include "sim/study/prediction_fit.h"
 #include "sim/study/study.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/joint_angles.h"
@@ -115,7 +116,7 @@ Outcome Measure(const Study& study, const Row& row, int seeds) {
     const GloveSignal glove = row.glove(study, seed);
     const Signal reference = ReferenceAngles(study.joint_map(), glove.true_angle_rad);
     const Trace trace =
-        RunTrial(SetupOf(study, {.name = row.name, .config = row.controller}), glove);
+        RunTrial(SetupOf(study, {.name = row.name, .config = row.controller}, seed), glove);
     const Scores scores = ScoreTrial(study, row.controller, glove, reference, trace, std::nullopt);
     outcome.tracking_deg.push_back(scores.summary[MetricIndex("tracking_rmse_deg")]);
     outcome.delay_ms.push_back(scores.summary[MetricIndex("delay_ms")]);
@@ -133,18 +134,21 @@ const ControllerConfig& ControllerOf(const Study& study, std::string_view name) 
 }
 
 /// Fitted to what the gloves of other repetitions said.
-ControllerConfig Fitted(const Study& study, const std::vector<double>& horizon_ms, int components) {
+ControllerConfig Fitted(const Study& study, const std::vector<double>& horizon_ms,
+                        bool all_channels) {
+  ControllerConfig config = ControllerOf(study, "raw");
   std::vector<Eigen::MatrixXd> recordings;
   for (int i = 0; i < kTrainingSeeds; ++i) {
-    Eigen::MatrixXd angles = GloveOfSeed(study, study.scenario.seed + kTrainingFrom + i)->counts;
-    for (Index c = 0; c < angles.cols(); ++c) angles.col(c) *= RadPerCount(study.calibration, c);
-    recordings.push_back(std::move(angles));
+    const auto glove = GloveOfSeed(study, study.scenario.seed + kTrainingFrom + i);
+    for (Eigen::MatrixXd& seen : SeenByPredictor(study, config, *glove)) {
+      recordings.push_back(std::move(seen));
+    }
   }
-  ControllerConfig config = ControllerOf(study, "raw");
-  const double rate_hz = TimingOf(study.scenario).controller.sample_rate_hz();
-  const controller::PredictorFit fit = controller::FitPredictor(
-      recordings, rate_hz, {.horizon_ms = horizon_ms, .components = components});
-  config.prediction.settings = fit.predictor;
+  config.prediction.settings =
+      controller::FitPredictor(
+          recordings, TimingOf(study.scenario).controller.sample_rate_hz(),
+          {.horizon_ms = horizon_ms, .offset = true, .all_channels = all_channels})
+          .predictor;
   return config;
 }
 
@@ -152,7 +156,8 @@ ControllerConfig Fitted(const Study& study, const std::vector<double>& horizon_m
 IdentifiedChain ChainFromTarget() {
   const Study probe = PrepareStudy(LoadScenario("scenarios/probe_chain.yaml", {}));
   const GloveSignal glove = AsItIs(probe, probe.scenario.seed);
-  const Trace trace = RunTrial(SetupOf(probe, probe.scenario.controllers.front()), glove);
+  const Trace trace =
+      RunTrial(SetupOf(probe, probe.scenario.controllers.front(), probe.scenario.seed), glove);
   const ChainLog log = {.name = "probe_chain",
                         .parts = probe.hand->joint_names(),
                         .rate_hz = probe.hand->timing().tick_rate_hz(),
@@ -207,8 +212,8 @@ std::vector<Row> RowsOf(const Study& study, const IdentifiedChain& chain) {
     config.prediction.settings = settings;
     return config;
   };
-  const auto fitted = [&](int components) {
-    return Fitted(study, adaptive.horizon_ms, components);
+  const auto fitted = [&](bool all_channels) {
+    return Fitted(study, adaptive.horizon_ms, all_channels);
   };
   const auto wrong = [&](double horizon, double noise) {
     controller::AdaptivePredictionConfig settings = adaptive;
@@ -227,12 +232,10 @@ std::vector<Row> RowsOf(const Study& study, const IdentifiedChain& chain) {
        AsItIs},
       {"autoregressive",
        with(controller::AutoregressivePredictionConfig{.horizon_ms = adaptive.horizon_ms}), AsItIs},
-      {kOptimum, fitted(0), AsItIs},
-      {"fitted, 1 component", fitted(1), AsItIs},
-      {"fitted, 2 components", fitted(2), AsItIs},
-      {"fitted, 4 components", fitted(4), AsItIs},
-      {"fitted, a channel dead", fitted(0), WithDeadChannel},
-      {"fitted, 2 components, a channel dead", fitted(2), WithDeadChannel},
+      {kOptimum, fitted(false), AsItIs},
+      {"fitted to all channels", fitted(true), AsItIs},
+      {"fitted, a channel dead", fitted(false), WithDeadChannel},
+      {"fitted to all channels, a channel dead", fitted(true), WithDeadChannel},
       {"glove without noise, known ahead", raw,
        [steps](const Study& of, int seed) { return Ahead(NoiseFree(of, seed), steps); }},
       {"truth, known ahead", raw,

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "controller/calibration/predictor_fit.h"
+#include "sim/study/study.h"
+
+namespace gauntlet::sim {
+
+/// What the predictor of a controller would see of a glove [deg]: a stretch between any two missing
+/// samples. Errors: SettingError for filters that do not step at every sample.
+controller::RecordedMotion SeenByPredictor(const Study& study,
+                                           controller::ControllerConfig controller,
+                                           const GloveSignal& glove);
+
+/// The controller as it runs with the glove of a seed. A prediction that is fitted to others gets
+/// its weights, from the first seeds of all repetitions with another motion.
+/// Errors: SettingError if there are none, or they determine no weights.
+controller::ControllerConfig ControllerOfSeed(const Study& study,
+                                              const controller::ControllerConfig& controller,
+                                              int seed);
+
+/// The controller as a robot takes it: the same weights, from all repetitions.
+controller::ControllerConfig ControllerForRobot(const Study& study,
+                                                controller::ControllerConfig controller);
+
+/// The weights that were fitted so far: for a controller's settings those of each repetition.
+struct PredictionFits {
+  std::mutex mutex;
+  std::map<std::string, std::vector<controller::FittedPredictionConfig>> of_settings;
+};
+
+}  // namespace gauntlet::sim
