@@ -44,8 +44,9 @@ std::unique_ptr<Filter> MakeLater(Settings settings, int channel_count, double r
       return MakePredictor(settings, all, rate_hz);
     }
   } else {
-    throw SettingError("kind", "is " + std::string(Settings::kKind) +
-                                   ", must be none or one whose horizon_ms may be changed, for model_predictive");
+    throw SettingError(
+        "kind", "is " + std::string(Settings::kKind) +
+                    ", must be none or one whose horizon_ms may be changed, for model_predictive");
   }
 }
 

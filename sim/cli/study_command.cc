@@ -72,11 +72,17 @@ std::string OutputOf(const StudyCommand& options, const std::string& scenario) {
 
 std::string Trials(int count) { return fmt::format("{} trial{}", count, count == 1 ? "" : "s"); }
 
+CauseSeeds CausesOf(const StudyCommand& options) {
+  if (options.causes == "none") return CauseSeeds::kNone;
+  return options.causes == "all" ? CauseSeeds::kAll : CauseSeeds::kFirst;
+}
+
 /// The trials with their progress bar. Those of a comparison are kept in study.db as they finish;
 /// `not_kept` tells what it lacks in the end, if anything.
 StudyResult RunTrials(const Study& study, const StudyCommand& options,
                       const std::filesystem::path& folder, std::optional<std::string>& not_kept) {
-  const int total = TrialCount(study, options.seeds);
+  const CauseSeeds causes = CausesOf(options);
+  const int total = TrialCount(study, options.seeds, causes);
   const std::filesystem::path file = folder / "study.db";
   std::optional<StudyDatabase> database;
   if (options.comparison) {
@@ -96,6 +102,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
                 .progress = [&](double done, int all) { return progress.Update(done, all); },
                 .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); },
                 .keep_first_traces = true,
+                .causes = causes,
                 .store = database ? &*database : nullptr});
     if (database) not_kept = database->Finish();
     return result;

@@ -23,6 +23,7 @@ struct StudyCommand {
   bool video = false;
   bool json = false;
   bool csv = false;
+  std::string causes = "first";
   TerminalOptions terminal;
 
   Options Rows() {
@@ -36,6 +37,10 @@ struct StudyCommand {
         Option("--video", &video, {}, "also draw comparison.mp4"),
         Option("--json", &json, {}, "print scores.json instead of the table"),
         Option("--csv", &csv, {}, "also write the trace as CSV, one file per controller"),
+        Option("--causes", &causes,
+               {.value = "SEEDS", .choices = {"none", "first", "all"}, .shows_default = true},
+               "find what the error is made of, by five more trials for each controller and seed, "
+               "each without one cause more"),
         terminal.Rows(),
     };
   }

@@ -217,7 +217,8 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
                            *study.hand, study.scenario.name, result.seeds[0].seed);
     for (std::size_t c = 0; c < result.first_traces.size(); ++c) {
       const Trace& trace = result.first_traces[c];
-      trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr);
+      trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr,
+                     result.first_without[c]);
       if (trace_csv) {
         WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
                       *result.first_glove, *study.hand, trace);

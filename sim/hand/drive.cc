@@ -47,7 +47,14 @@ const char* KindName(int type) {
   }
 }
 
-Servo MakeServo(const ServoNumbers& numbers, double stall_torque_nm) {
+/// `limits`: of torque and speed; without them a motor has the gain of one that is strong enough.
+Servo MakeServo(ServoNumbers numbers, double stall_torque_nm, bool limits) {
+  constexpr double kUnlimited = 1e3;
+  if (!limits) {
+    numbers.torque_scale = kUnlimited * std::max(1.0, numbers.torque_scale);
+    numbers.full_torque_error_deg *= kUnlimited;
+    numbers.no_load_speed_deg_s *= kUnlimited;
+  }
   Servo servo;
   servo.stall_torque_nm = numbers.torque_scale * stall_torque_nm;
   servo.gain_nm_rad = servo.stall_torque_nm / (numbers.full_torque_error_deg * kRadPerDeg);
@@ -137,7 +144,7 @@ std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config) {
     drive.servo_key = key;
     drive.numbers = numbers;
     drive.play_rad = (config.cable.backlash_deg + drive.numbers.play_deg) * kRadPerDeg;
-    drive.servo = MakeServo(drive.numbers, stall_torque_nm);
+    drive.servo = MakeServo(drive.numbers, stall_torque_nm, config.motor_limits);
     drive.spool = MakeSpool(drive.numbers, model, drive.spool_dof);
     drives.push_back(std::move(drive));
   }

@@ -90,6 +90,10 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
                    "for all motors, or one for each",
                    0, 100},
                   motor_friction_scale);
+  visitor.Flag({"motor_limits",
+                "motors have the torque and the speed of their kind; off: any, with the gain of "
+                "torque_scale 1 or more"},
+               motor_limits);
   controller::VisitGroup(visitor, {"cable", "the cables between spools and joints"}, cable);
   controller::VisitGroup(
       visitor, {"assembly_error", "how far the built hand is off what the controller knows"},

@@ -78,6 +78,7 @@ struct HandConfig {
   /// On all friction of a motor: dry_friction and load_friction of its spool, capstan_friction of
   /// its cables. One for all motors, or one for each in the model's order.
   std::vector<double> motor_friction_scale = {1.0};
+  bool motor_limits = true;  // off: motors have any torque and speed, to see what the limits do
   CableConfig cable;
   AssemblyErrorConfig assembly_error;
   WearConfig wear;

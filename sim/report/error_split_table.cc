@@ -13,6 +13,7 @@ namespace {
 
 /// "-2 %", without the sign of what rounds to 0.
 std::string Percent(double share) {
+  if (!std::isfinite(share)) return "-";
   return fmt::format("{:.0f} %", std::round(100.0 * share) + 0.0);
 }
 
@@ -22,13 +23,19 @@ std::vector<double> ErrorByCause(const ControllerSummary& controller) {
   std::vector<double> parts;
   for (const TrackingErrorPart& part : TrackingErrorParts()) {
     parts.push_back(controller.summary[part.metric].mean);
-    if (!std::isfinite(parts.back())) return {};
   }
+  if (!std::isfinite(parts.back())) return {};
   return parts;
 }
 
 ResultTable ErrorSplitTable(const Summary& summary) {
-  ResultTable table{.columns = {ForPeople("of the squared error")}};
+  const std::size_t last = TrackingErrorParts().back().metric;
+  const bool first_only =
+      !summary.one_run && std::ranges::all_of(summary.controllers, [&](const auto& controller) {
+        return controller.summary[last].count <= 1;
+      });
+  const std::string seed = first_only ? fmt::format("first seed,{}", kBreak) : "";
+  ResultTable table{.columns = {ForPeople(seed + "of squared error")}};
   for (const TrackingErrorPart& part : TrackingErrorParts()) {
     std::string heading(part.name);
     std::ranges::replace(heading, ' ', kBreak);
@@ -36,7 +43,9 @@ ResultTable ErrorSplitTable(const Summary& summary) {
   }
   for (const ControllerSummary& controller : summary.controllers) {
     const std::vector<double> parts = ErrorByCause(controller);
-    const double whole = std::accumulate(parts.begin(), parts.end(), 0.0);
+    const double whole = std::accumulate(
+        parts.begin(), parts.end(), 0.0,
+        [](double sum, double part) { return std::isfinite(part) ? sum + part : sum; });
     if (!(whole > 0.0)) continue;
     ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell::Text(controller.name)});
     for (const double part : parts) row.push_back(ResultCell::Text(Percent(part / whole)));

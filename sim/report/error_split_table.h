@@ -9,10 +9,11 @@
 namespace gauntlet::sim {
 
 /// The mean square error of a controller by its cause, in the order of TrackingErrorParts(): means
-/// over joints and seeds [deg^2], which sum to the whole. Empty where there is no split.
+/// over joints and the seeds whose causes were found [deg^2], which sum to the whole. NaN for a
+/// cause that could not be taken away; empty where none was.
 std::vector<double> ErrorByCause(const ControllerSummary& controller);
 
-/// Which share of the squared error each cause has: a row per controller that has a split.
+/// Which share of the squared error each cause has: a row per controller whose causes are known.
 ResultTable ErrorSplitTable(const Summary& summary);
 
 }  // namespace gauntlet::sim

@@ -31,14 +31,9 @@ void CheckNoiseFree(const ScoreInput& input, const ScoreRows& table, const Fits&
         "the noise-free hand has another shape than the hand");
   Check(fits(input.noise_free_motor_speed_rad_s, table.motors.size()),
         "the noise-free motor speed has another shape than the motors'");
-  Check(fits(input.noise_free_motor_at_limit, table.motors.size()),
-        "the noise-free motors' limits have another shape than the motors");
-  Check(input.motors_of_joint.empty() || input.motors_of_joint.size() == table.joints.size(),
-        "the motors are needed of every joint");
-  for (const std::vector<int>& motors : input.motors_of_joint) {
-    for (const int motor : motors) {
-      Check(motor >= 0 && motor < std::ssize(table.motors), "a joint has a motor that is none");
-    }
+  for (const Signal* const without : input.without) {
+    Check(fits(without, table.joints.size()),
+          "the hand without a cause has another shape than the hand");
   }
 }
 
@@ -146,6 +141,7 @@ Scores NoScores(const ScoreRows& rows) {
 }
 
 bool NeedsNoiseFreeTwin(std::size_t metric) { return Metrics()[metric].needs_twin; }
+bool NeedsCauseTrials(std::size_t metric) { return Metrics()[metric].needs_causes; }
 
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                      std::span<const std::size_t> metrics) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,6 +10,7 @@
 #include "sim/base/segment.h"
 #include "sim/base/signal.h"
 #include "sim/score/counted_ticks.h"
+#include "sim/score/error_causes.h"
 #include "sim/score/score_config.h"
 
 namespace gauntlet::sim {
@@ -46,15 +48,15 @@ struct ScoreInput {
   std::span<const Segment> segments = {};         // win over the split by the wearer's speed
   const CountedParts* counted = nullptr;          // which ticks count; without it all do
 
-  // Of the same trial with a noise-free glove: what noise adds, and the split of the error.
-  const Signal* noise_free_hand_angle_rad = nullptr;         // ticks x joints
-  const Signal* noise_free_motor_speed_rad_s = nullptr;      // ticks x motors
-  const IntegerSignal* noise_free_motor_at_limit = nullptr;  // ticks x motors: 1 or 0
-  std::span<const std::vector<int>> motors_of_joint = {};    // per joint: those that turn it
-  double frame_ms = 20.0;                                    // time between two commands
-  double earliest_delay_s = 0.0;                             // see DelaySamples()
-  double jitter_above_hz = ScoreConfig{}.jitter_above_hz;    // where trembling begins
-  std::span<const double> stall_tension_n = {};              // per cable: of its motor at stall
+  // Of the same trial with a noise-free glove: what noise adds.
+  const Signal* noise_free_hand_angle_rad = nullptr;     // ticks x joints
+  const Signal* noise_free_motor_speed_rad_s = nullptr;  // ticks x motors
+  /// The hand in trials without one cause of the error after the other, ticks x joints; null where
+  /// there is none.
+  std::array<const Signal*, kCauseTrialCount> without = {};
+  double earliest_delay_s = 0.0;                           // see DelaySamples()
+  double jitter_above_hz = ScoreConfig{}.jitter_above_hz;  // where trembling begins
+  std::span<const double> stall_tension_n = {};            // per cable: of its motor at stall
 };
 
 /// The smallest difference between two values of a score that matters to a person: the larger of
@@ -74,7 +76,8 @@ struct Metric {
   ScoredPart part = ScoredPart::kJoint;
   bool main = false;  // of the main question: a column of the table at the terminal
   bool alike = true;  // false: a mean over parts would mix what is not alike, so there is none
-  bool needs_twin = false;  // no value without the noise-free signals
+  bool needs_twin = false;    // no value without the noise-free signals
+  bool needs_causes = false;  // no value without the trials of ErrorCause
   RelevantDifference relevant_difference = {};
 };
 
@@ -88,17 +91,15 @@ std::optional<std::size_t> FindMetric(std::string_view key);
 /// Place of a key that the program itself names. Errors: std::invalid_argument for a misspelt one.
 std::size_t MetricIndex(std::string_view key);
 
-/// One of the metrics into which the mean square error falls by its cause; see error_split.h. They
-/// are of the joints and sum to the square of tracking_rmse_deg; their summaries sum to the mean of
-/// these squares.
+/// One of the metrics into which the mean square error falls, by ErrorCause. They are of the joints
+/// and sum to the square of tracking_rmse_deg; their summaries sum to the mean of these squares.
 struct TrackingErrorPart {
   std::string_view key;   // of the metric
   std::string_view name;  // for pictures and tables: "motors' limit"
   std::size_t metric;     // its place in Metrics()
 };
 
-/// All of them, in the order in which a picture shows them. Without a noise-free trial none has a
-/// value.
+/// All of them, in the order of ErrorCause. None has a value without the trials of causes.
 std::span<const TrackingErrorPart> TrackingErrorParts();
 
 /// Values in the order of Metrics(). NaN where a score does not exist (a joint that never moved has
@@ -114,6 +115,8 @@ Scores NoScores(const ScoreRows& rows);
 
 /// Whether a metric has no value without the noise-free signals.
 bool NeedsNoiseFreeTwin(std::size_t metric);
+/// Whether it has none without the trials in which causes are taken away.
+bool NeedsCauseTrials(std::size_t metric);
 
 /// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped
 /// early is shorter than the reference; the rows that exist are scored. Only `metrics`, if there

@@ -43,8 +43,7 @@ AllJoints::AllJoints(const ScoreInput& scored, Fourier& fourier)
       trembling([this, &fourier] {
         return Trembling(*input.hand_angle_rad, input.rate_hz, input.jitter_above_hz, fourier);
       }),
-      noise_jitter_rad([this, &fourier] { return NoiseJitter(*this, fourier); }),
-      error_splits([this, &fourier] { return SplitErrors(input, fourier); }) {}
+      noise_jitter_rad([this, &fourier] { return NoiseJitter(*this, fourier); }) {}
 
 CountedTicks AllJoints::CountedOf(const std::vector<CountedTicks> CountedParts::*parts,
                                   int part) const {
@@ -79,6 +78,14 @@ ScoredJoint::ScoredJoint(const ScoreInput& input, int column, const AllJoints& a
         return MovementSmoothness(hand_rad, rate_hz, wearer().movements,
                                   delay_ticks().value_or(0.0), fourier);
       }),
+      error_parts([this, &input, column] {
+        std::array<std::span<const double>, kCauseTrialCount> without;
+        for (std::size_t i = 0; i < without.size(); ++i) {
+          if (input.without[i] == nullptr) continue;
+          without[i] = Column(*input.without[i], column, input.hand_angle_rad->rows());
+        }
+        return PartsOfError(reference_rad, hand_rad, without, counted);
+      }),
       column_(column),
       all_(all),
       trembling_counted_(TremblingWithin(counted, rate_hz, input.jitter_above_hz)) {}
@@ -107,8 +114,8 @@ double ScoredJoint::TremblingDuring(Regime regime) const {
 }
 
 double ScoredJoint::PartOfError(ErrorCause cause) const {
-  const std::vector<ErrorSplit>& splits = all_.error_splits();
-  return splits.empty() ? kNoScore : splits[column_].Of(cause);
+  const std::optional<ErrorByCauses>& parts = error_parts();
+  return parts ? (*parts)[static_cast<std::size_t>(cause)] : kNoScore;
 }
 
 }  // namespace gauntlet::sim

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/score/error_split.h"
+#include "sim/score/error_causes.h"
 #include "sim/score/fourier.h"
 #include "sim/score/low_pass.h"
 #include "sim/score/score.h"
@@ -46,7 +46,6 @@ struct AllJoints {
   const ScoreInput& input;
   Lazy<FilteredSignal> trembling;              // of the hand above jitter_above_hz
   Lazy<std::vector<double>> noise_jitter_rad;  // RMS of what noise adds to it; empty: not known
-  Lazy<std::vector<ErrorSplit>> error_splits;  // empty: not known
 };
 
 /// One joint. What several metrics need is found once.
@@ -63,6 +62,7 @@ struct ScoredJoint {
   Lazy<WearerMotion> wearer;
   Lazy<std::optional<double>> delay_ticks;
   Lazy<Smoothness> smoothness;
+  Lazy<std::optional<ErrorByCauses>> error_parts;
 
   double jitter_rad() const;        // RMS of the trembling, above jitter_above_hz
   double noise_jitter_rad() const;  // kNoScore: not known

@@ -1,6 +1,7 @@
 #include "sim/search/tune.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "sim/scenario/scenario_reader.h"
 #include "sim/search/optimise.h"
 #include "sim/search/tune_bench.h"
+#include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -25,6 +27,15 @@ constexpr std::size_t kMostVerdicts = 10;
 std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric) {
   return static_cast<std::size_t>(std::ranges::find(result.metrics, metric) -
                                   result.metrics.begin());
+}
+
+std::string SettingsText(const TunePlan& plan, const std::vector<std::string>& values) {
+  std::string text;
+  for (std::size_t a = 0; a < values.size(); ++a) {
+    const std::string& key = plan.free[a].key;
+    text += fmt::format("{}{}={}", a == 0 ? "" : ", ", key.substr(key.rfind('.') + 1), values[a]);
+  }
+  return text;
 }
 
 namespace {
@@ -192,10 +203,51 @@ void FindFront(const TunePlan& plan, TuneResult& result) {
   }
 }
 
+/// What the glove's noise adds to the jitter of a setting, on the seeds of the search: what is
+/// beyond it no filter takes away. Empty where jitter has no bound.
+std::string JitterOfNoise(const TunePlan& plan, const TuneResult& result,
+                          const TunedSetting& setting, int jobs,
+                          const TuneBench::Progress& progress) {
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  const bool is_bound = std::ranges::any_of(
+      plan.constraints, [&](const Constraint& bound) { return bound.metric == jitter; });
+  if (!is_bound) return "";
+  const TuneBench bench(plan, {MetricIndex("noise_jitter_rms_deg"), plan.minimise},
+                        result.first_seed, plan.seeds, jobs);
+  const double noise_deg = bench.Run(setting.values, progress).scores.front().mean;
+  if (!std::isfinite(noise_deg)) return "";
+  return fmt::format(
+      "; noise makes {:.3g} of its jitter, the rest comes from the motion and its "
+      "steps",
+      noise_deg);
+}
+
+/// "; the nearest, filter.q 0.001, has jitter_rms_deg 0.24 (0.22 to 0.26)", with a reason where
+/// there is one; empty where nothing was scored.
+std::string NearestText(const TunePlan& plan, const TuneResult& result, int jobs,
+                        const TuneBench::Progress& progress) {
+  const auto violation = [&](const TunedSetting& setting) {
+    const Measured measured = MeasuredOf(AimOf(plan), result, setting);
+    return std::isnan(measured.objective) ? std::numeric_limits<double>::infinity()
+                                          : measured.violation;
+  };
+  const auto nearest = std::ranges::min_element(result.tried, {}, violation);
+  if (plan.constraints.empty() || !std::isfinite(violation(*nearest))) return "";
+  std::vector<std::string> scores;
+  for (const Constraint& bound : plan.constraints) {
+    scores.push_back(
+        fmt::format("{} {}", Metrics()[bound.metric].key,
+                    IntervalText(nearest->scores[PlaceOfMetric(result, bound.metric)])));
+  }
+  return fmt::format("; the nearest, {}, has {}{}", SettingsText(plan, nearest->values),
+                     fmt::join(scores, ", "),
+                     JitterOfNoise(plan, result, *nearest, jobs, progress));
+}
+
 /// Chooses, or says in result.problem why there is nothing to choose.
 void ChooseByHeldOut(const TunePlan& plan, const TuneBench& bench,
-                     const std::vector<std::size_t>& order, const TuneBench::Progress& progress,
-                     TuneResult& result) {
+                     const std::vector<std::size_t>& order, int jobs,
+                     const TuneBench::Progress& progress, TuneResult& result) {
   for (std::size_t i = 0; i < std::min(order.size(), kMostVerdicts); ++i) {
     result.chosen = order[i];
     result.verdict = bench.Run(result.tried[order[i]].values, progress);
@@ -207,7 +259,8 @@ void ChooseByHeldOut(const TunePlan& plan, const TuneBench& bench,
   result.problem =
       order.empty() ? fmt::format("no setting of {} that was tried keeps {}", result.tried.size(),
                                   bounds.empty() ? "its hand going: " + result.tried.front().problem
-                                                 : fmt::format("{}", fmt::join(bounds, ", ")))
+                                                 : fmt::format("{}", fmt::join(bounds, ", "))) +
+                          NearestText(plan, result, jobs, progress)
                     : fmt::format(
                           "the {} best settings break {} on the held-out seeds by more than their "
                           "intervals; more --seeds tell more",
@@ -276,7 +329,7 @@ TuneResult SearchSettings(const TunePlan& plan, int jobs,
   done = plan.evaluations;
   const std::vector<std::size_t> order = BestFirst(plan, result);
   FindFront(plan, result);
-  ChooseByHeldOut(plan, verdict, order, within, result);
+  ChooseByHeldOut(plan, verdict, order, jobs, within, result);
   if (!result.problem.empty()) return result;
   result.before = verdict.Run({}, within);
   result.gain = ComparePaired(plan.minimise, result.verdict.minimised, result.before.minimised,

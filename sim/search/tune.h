@@ -68,6 +68,9 @@ struct TuneResult {
 /// The place of a score in `metrics`.
 std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric);
 
+/// `q=0.012, states=3`: the values of what is free, without the keys of the controller.
+std::string SettingsText(const TunePlan& plan, const std::vector<std::string>& values);
+
 /// Same as Tune(), but if no setting keeps the bounds, the result says so.
 TuneResult SearchSettings(const TunePlan& plan, int jobs,
                           const std::function<bool(double done, double all)>& progress);

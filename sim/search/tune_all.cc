@@ -124,13 +124,4 @@ std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
   return tuned;
 }
 
-std::string SettingsText(const TunePlan& plan, const std::vector<std::string>& values) {
-  std::string text;
-  for (std::size_t a = 0; a < values.size(); ++a) {
-    const std::string& key = plan.free[a].key;
-    text += fmt::format("{}{}={}", a == 0 ? "" : ", ", key.substr(key.rfind('.') + 1), values[a]);
-  }
-  return text;
-}
-
 }  // namespace gauntlet::sim

@@ -29,7 +29,4 @@ struct TunedKind {
 std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
                                const std::function<bool(double done, double all)>& progress);
 
-/// `q=0.012, states=3`: the values of what is free, without the keys of the controller.
-std::string SettingsText(const TunePlan& plan, const std::vector<std::string>& values);
-
 }  // namespace gauntlet::sim

@@ -1,10 +1,12 @@
 #include "sim/study/study.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
@@ -106,6 +108,43 @@ void ChooseVideoChannel(Study& study, std::string& channel) {
   if (asked.empty()) return;
   study.remarks.push_back("video.channel: " + asked + " is not measured by the glove; " + channel +
                           " is shown in its place");
+}
+
+/// How much of the time the wearer of the first glove asks a joint for what is beyond its range:
+/// there the hand stands at its stop whatever a controller does. Empty if it never matters.
+std::string BeyondRangeRemark(const Study& study) {
+  constexpr double kMatters_deg = 0.5;
+  constexpr double kLeastShare = 0.005;
+  const controller::TendonTransmission& hand = study.hand->transmission();
+  const Signal reference_rad =
+      ReferenceAngles(study.joint_map(), study.gloves.front()->true_angle_rad);
+  std::vector<std::pair<double, std::string>> joints;
+  for (const int joint : study.measured_joints) {
+    const auto place = static_cast<std::size_t>(joint);
+    const auto asked_deg = kDegPerRad * reference_rad.col(joint).array();
+    const double min_deg = kDegPerRad * hand.joint_min_rad[place];
+    const double max_deg = kDegPerRad * hand.joint_max_rad[place];
+    const auto beyond =
+        (asked_deg < min_deg - kMatters_deg || asked_deg > max_deg + kMatters_deg).count();
+    const double share = static_cast<double>(beyond) / static_cast<double>(asked_deg.size());
+    if (share < kLeastShare) continue;
+    joints.push_back(
+        {-share, fmt::format("{} {:.0f} % (asked for {:.0f} to {:.0f} deg, range "
+                             "{:.0f} to {:.0f})",
+                             hand.joint_names[place], std::max(1.0, 100.0 * share),
+                             asked_deg.minCoeff(), asked_deg.maxCoeff(), min_deg, max_deg)});
+  }
+  if (joints.empty()) return "";
+  std::ranges::sort(joints);
+  constexpr std::size_t kMostShown = 3;
+  std::vector<std::string> shown;
+  for (std::size_t i = 0; i < std::min(joints.size(), kMostShown); ++i) {
+    shown.push_back(joints[i].second);
+  }
+  const std::size_t more = joints.size() - shown.size();
+  return fmt::format(
+      "joint_map: the wearer is beyond a joint's range, where no hand follows, for {}{}",
+      fmt::join(shown, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
 /// One line for the user if the wearer's motion of the first seed repeats; else empty.
@@ -246,8 +285,9 @@ Study PrepareStudy(Scenario scenario) {
   ChooseVideoCamera(*study.hand, study.scenario.video.camera);
   const std::string counted = CountedRemark(study);
   if (!counted.empty()) study.remarks.push_back(counted);
-  const std::string repeats = RepeatRemark(study);
-  if (!repeats.empty()) study.remarks.push_back(repeats);
+  for (const std::string& remark : {BeyondRangeRemark(study), RepeatRemark(study)}) {
+    if (!remark.empty()) study.remarks.push_back(remark);
+  }
   return study;
 }
 

@@ -38,8 +38,8 @@ struct Study {
   ScoreRows rows;                    // of these joints, motors and cables
   std::vector<std::string> remarks;  // what was repaired or replaced, a line each
   std::vector<std::shared_ptr<const GloveSignal>>
-      gloves;                           // signals of the first seeds, one at least
-  std::vector<GloveFacts> repetitions;  // of the first seed of each; one if none differ
+      gloves;                            // signals of the first seeds, one at least
+  std::vector<GloveFacts> repetitions;   // of the first seed of each; one if none differ
   std::shared_ptr<PredictionFits> fits;  // of these gloves, see ControllerOfSeed()
 
   const std::vector<std::string>& channel_names() const { return calibration.channel_names; }

@@ -38,9 +38,11 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const bool twins = study.scenario.score.noise_free_twin;
   // Columns of numbers with a row per tick.
   const double glove = (twins ? 6.0 : 3.0) * channels + joints;
-  const double twin = twins ? joints + 1.125 * motors : 0.0;
+  const double twin = twins ? joints + motors : 0.0;
+  const double causes =
+      options.causes == CauseSeeds::kNone ? 0.0 : static_cast<double>(kCauseTrialCount) * joints;
   const double trace =
-      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kGripPoseAndDigits + twin;
+      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kGripPoseAndDigits + twin + causes;
   const double in_passing =
       9.0 * joints + 0.5 * motors;  // what the scores or the page make and forget
   const double kept = glove + controllers * trace;

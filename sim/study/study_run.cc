@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/threads.h"
+#include "sim/score/no_score.h"
 #include "sim/study/repeats.h"
 #include "sim/study/study_room.h"
 #include "sim/study/trial_queue.h"
@@ -35,8 +37,15 @@ template <class AnyTrace>
 std::optional<NoiseFreeTwin> AsTwin(AnyTrace&& trace) {
   if (!trace.health.ok) return std::nullopt;
   return NoiseFreeTwin{.hand_angle_rad = std::forward<AnyTrace>(trace).hand_angle_rad,
-                       .spool_speed_rad_s = std::forward<AnyTrace>(trace).spool_speed_rad_s,
-                       .motor_at_limit = std::forward<AnyTrace>(trace).motor_at_limit};
+                       .spool_speed_rad_s = std::forward<AnyTrace>(trace).spool_speed_rad_s};
+}
+
+/// Of a stored trial what nobody asked for: results shall not depend on what ran before.
+void ForgetCauses(Scores& scores) {
+  for (const TrackingErrorPart& part : TrackingErrorParts()) {
+    scores.summary[part.metric] = kNoScore;
+    for (std::vector<double>& row : scores.channels) row[part.metric] = kNoScore;
+  }
 }
 
 void FindDurations(const Study& study, StudyResult& result) {
@@ -56,6 +65,7 @@ class StudyRun {
       : study_(study),
         options_(options),
         in_passing_(IsInPassing(options)),
+        cause_trials_(study),
         queue_(static_cast<std::size_t>(options.seeds), study.scenario.controllers.size(),
                ControllersTogether(options, study.scenario.controllers.size()), JobsOf(options)) {
     const std::size_t controllers = study.scenario.controllers.size();
@@ -67,11 +77,12 @@ class StudyRun {
       const int seed = study.scenario.seed + i;
       result_.seeds.push_back(
           {.seed = seed, .controllers = std::vector<TrialOutcome>(controllers)});
-      trials_in_all_ += TrialsOf(seed) * static_cast<int>(controllers);
+      trials_in_all_ += TrialsOf(static_cast<std::size_t>(i)) * static_cast<int>(controllers);
     }
     if (options.keep_first_traces) {
       result_.first_traces.resize(controllers);
       result_.first_twins.resize(controllers);
+      result_.first_without.resize(controllers);
     }
   }
 
@@ -100,11 +111,21 @@ class StudyRun {
 
  private:
   TwinSource WantedTwin(int seed) const {
-    const bool wanted =
-        options_.scores.empty() || std::ranges::any_of(options_.scores, NeedsNoiseFreeTwin);
+    const bool wanted = options_.scores.empty() ||
+                        std::ranges::any_of(options_.scores, NeedsNoiseFreeTwin) ||
+                        std::ranges::any_of(options_.scores, NeedsCauseTrials);
     return wanted ? TwinOf(study_, seed) : TwinSource::kNone;
   }
-  int TrialsOf(int seed) const { return WantedTwin(seed) == TwinSource::kTrial ? 2 : 1; }
+  bool WantsCauses(std::size_t seed_index) const {
+    if (!options_.physics) return false;
+    if (!options_.scores.empty()) return std::ranges::any_of(options_.scores, NeedsCauseTrials);
+    return options_.causes == CauseSeeds::kAll ||
+           (options_.causes == CauseSeeds::kFirst && seed_index == 0);
+  }
+  int TrialsOf(std::size_t seed_index) const {
+    return (WantedTwin(result_.seeds[seed_index].seed) == TwinSource::kTrial ? 2 : 1) +
+           (WantsCauses(seed_index) ? kCauseHands : 0);
+  }
 
   /// Unless they are there; a thread that needs them meanwhile waits.
   void Make(const SeedGloves& gloves, std::size_t seed_index) {
@@ -160,15 +181,22 @@ class StudyRun {
                       keep ? std::vector<std::string_view>() : SignalsOfScores(options_.scores));
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
     outcome.health = trace.health;
-    outcome.scores =
-        trace.health.ok
-            ? ScoreTrial(study_, study_.scenario.controllers[controller_index].config,
-                         *glove.signal, glove.reference_rad, trace, twin, options_.scores)
-            : NoScores(study_.rows);
+    const NamedController& named = study_.scenario.controllers[controller_index];
+    CauseAngles without;
+    if (WantsCauses(seed_index) && trace.health.ok) {
+      without = cause_trials_.Run(named, SeedOf(task), *glove.signal,
+                                  twin ? twin->hand_angle_rad : Signal(),
+                                  [this](double trials) { return Progress(trials); });
+    }
+    outcome.scores = trace.health.ok
+                         ? ScoreTrial(study_, named.config, *glove.signal, glove.reference_rad,
+                                      trace, twin, options_.scores, without)
+                         : NoScores(study_.rows);
     outcome.untrusted_samples = trace.untrusted_samples;
     if (keep) {
       result_.first_traces[controller_index] = std::move(trace);
       result_.first_twins[controller_index] = std::move(twin);
+      result_.first_without[controller_index] = std::move(without);
     }
     FinishTrial(seed_index, controller_index);
   }
@@ -233,8 +261,12 @@ class StudyRun {
     if (seed_index == 0 && options_.keep_first_traces) return false;
     auto known = options_.store->Take(result_.seeds[seed_index].seed, controller_index);
     if (!known) return false;
+    const bool has_causes =
+        std::isfinite(known->scores.summary[TrackingErrorParts().back().metric]);
+    if (WantsCauses(seed_index) && known->health.ok && !has_causes) return false;
+    if (options_.scores.empty() && !WantsCauses(seed_index)) ForgetCauses(known->scores);
     OutcomeOf(seed_index, controller_index) = std::move(*known);
-    Progress(TrialsOf(result_.seeds[seed_index].seed));
+    Progress(TrialsOf(seed_index));
     return true;
   }
 
@@ -250,6 +282,7 @@ class StudyRun {
   const Study& study_;
   const StudyOptions& options_;
   bool in_passing_;  // all scores are found so
+  CauseTrials cause_trials_;
   TrialQueue queue_;
   StudyResult result_;
   std::shared_ptr<SeedGloves::Shared> first_glove_;
@@ -275,8 +308,9 @@ TwinSource TwinOf(const Study& study, int seed) {
   return itself ? TwinSource::kItself : TwinSource::kTrial;
 }
 
-int TrialCount(const Study& study, int seeds) {
-  int count = 0;
+int TrialCount(const Study& study, int seeds, CauseSeeds causes) {
+  int count =
+      causes == CauseSeeds::kNone ? 0 : kCauseHands * (causes == CauseSeeds::kAll ? seeds : 1);
   for (int i = 0; i < seeds; ++i) {
     count += TwinOf(study, study.scenario.seed + i) == TwinSource::kTrial ? 2 : 1;
   }

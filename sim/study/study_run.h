@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/study/cause_trials.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
@@ -36,6 +37,9 @@ struct SeedOutcome {
   std::vector<TrialOutcome> controllers;  // in the order of the scenario
 };
 
+/// The seeds of which the causes of the error are found, by kCauseHands more hands for each.
+enum class CauseSeeds { kNone, kFirst, kAll };
+
 struct StudyOptions {
   int seeds = 1;  // seed, seed + 1, ...
   int jobs = 1;
@@ -53,8 +57,10 @@ struct StudyOptions {
   /// False: what the controller asks the joints for is scored as if a hand had done it, see
   /// RunFilterTrial().
   bool physics = true;
+  CauseSeeds causes = CauseSeeds::kNone;
   TrialStore* store = nullptr;  // null: none
-  /// In Metrics(): only these scores, and no twin where none of them needs one; empty: all.
+  /// In Metrics(): only these scores, and no twin where none of them needs one; empty: all. Causes
+  /// that are named here are found of all seeds.
   std::vector<std::size_t> scores = {};
 };
 
@@ -71,6 +77,7 @@ struct StudyResult {
   Signal first_reference_rad;  // ticks x joints of the hand
   std::vector<Trace> first_traces;
   std::vector<std::optional<NoiseFreeTwin>> first_twins;  // of these trials, where they have one
+  std::vector<CauseAngles> first_without;                 // of these trials, if causes are found
 };
 
 /// Source of the noise-free twin of the trials of a seed.
@@ -81,8 +88,8 @@ enum class TwinSource {
 };
 TwinSource TwinOf(const Study& study, int seed);
 
-/// Number of trials of so many seeds, twins included.
-int TrialCount(const Study& study, int seeds);
+/// Number of trials of so many seeds, twins and those of causes included.
+int TrialCount(const Study& study, int seeds, CauseSeeds causes = CauseSeeds::kNone);
 
 /// Number of controllers of a seed that run together to save time. 1 if trials keep signals.
 std::size_t ControllersTogether(const StudyOptions& options, std::size_t controllers);

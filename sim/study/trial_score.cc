@@ -20,22 +20,6 @@ std::vector<double> StallTensions(const Study& study) {
   return tensions;
 }
 
-/// Per measured joint the places among the measured motors of those that turn it.
-std::vector<std::vector<int>> MotorsOfJoints(const Study& study) {
-  const controller::TendonTransmission& hand = study.hand->transmission();
-  std::vector<std::vector<int>> motors_of_joints;
-  for (const int joint : study.measured_joints) {
-    std::vector<int>& motors = motors_of_joints.emplace_back();
-    for (std::size_t i = 0; i < study.measured_motors.size(); ++i) {
-      const int motor = study.measured_motors[i];
-      if (hand.coupling[motor * study.joint_count + joint] != 0.0) {
-        motors.push_back(static_cast<int>(i));
-      }
-    }
-  }
-  return motors_of_joints;
-}
-
 /// Per measured motor the share of the ticks that count in which it gives all that it has.
 std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_limit,
                                      const std::optional<CountedParts>& counted) {
@@ -76,10 +60,8 @@ struct MeasuredMotors {
     if (trace.motor_at_limit.cols() > 0) {
       saturation_share = SaturationShares(study, trace.motor_at_limit, counted);
     }
-    if (!twin || twin->motor_at_limit.cols() == 0) return;
+    if (!twin || twin->spool_speed_rad_s.cols() == 0) return;
     twin_speed.emplace(twin->spool_speed_rad_s, study.measured_motors);
-    twin_at_limit = twin->motor_at_limit(Eigen::all, study.measured_motors).cast<int>();
-    motors_of_joint = MotorsOfJoints(study);
   }
 
   void PutInto(ScoreInput& input) const {
@@ -88,10 +70,7 @@ struct MeasuredMotors {
     input.tension_n = tension.get();
     input.saturation_share = saturation_share;
     input.stall_tension_n = stall_tension_n;
-    input.motors_of_joint = motors_of_joint;
-    if (!twin_speed) return;
-    input.noise_free_motor_speed_rad_s = &**twin_speed;
-    input.noise_free_motor_at_limit = &twin_at_limit;
+    if (twin_speed) input.noise_free_motor_speed_rad_s = &**twin_speed;
   }
 
   RecordedColumns<IntegerSignal> command;
@@ -99,9 +78,7 @@ struct MeasuredMotors {
   RecordedColumns<Signal> tension;
   std::vector<double> stall_tension_n;
   std::vector<double> saturation_share;
-  std::vector<std::vector<int>> motors_of_joint;
   std::optional<Columns<Signal>> twin_speed;
-  IntegerSignal twin_at_limit;
 };
 
 /// The signals that a metric of such a part needs.
@@ -148,7 +125,8 @@ std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metri
 
 Scores ScoreTrial(const Study& study, const controller::ControllerConfig& controller,
                   const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
-                  const std::optional<NoiseFreeTwin>& twin, std::span<const std::size_t> metrics) {
+                  const std::optional<NoiseFreeTwin>& twin, std::span<const std::size_t> metrics,
+                  const CauseAngles& without) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const std::optional<CountedParts> counted =
@@ -166,9 +144,12 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
   if (trace.digit_overlap_m.cols() > 0) input.digit_overlap_m = &trace.digit_overlap_m;
   input.segments = glove.segments;
-  const HandConfig& hand_config = study.scenario.hand;
-  input.frame_ms = std::max({study.scenario.event.period_ms, hand_config.servo.numbers().frame_ms,
-                             hand_config.arm_servo.numbers().frame_ms});
+  std::array<std::optional<Columns<Signal>>, kCauseTrialCount> measured_without;
+  for (std::size_t i = 0; i < without.size(); ++i) {
+    if (without[i].cols() == 0) continue;
+    measured_without[i].emplace(without[i], study.measured_joints);
+    input.without[i] = &**measured_without[i];
+  }
   input.earliest_delay_s = EarliestDelay_s(*study.hand, controller);
   input.jitter_above_hz = study.scenario.score.jitter_above_hz;
   return WithoutSign(ComputeScores(input, study.rows, metrics));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 
 #include "sim/base/signal.h"
 #include "sim/hand/hand.h"
+#include "sim/score/error_causes.h"
 
 namespace gauntlet::sim {
 
@@ -44,12 +46,15 @@ struct Trace {
 /// What the same trial does with a noise-free glove, tick by tick: what remains without it is the
 /// noise's.
 struct NoiseFreeTwin {
-  Signal hand_angle_rad;      // ticks x joints
-  Signal spool_speed_rad_s;   // ticks x motors
-  FlagSignal motor_at_limit;  // ticks x motors
+  Signal hand_angle_rad;     // ticks x joints
+  Signal spool_speed_rad_s;  // ticks x motors
 };
 /// The signals of a trace that it is made of.
-inline constexpr std::string_view kTwinSignals[] = {"hand_angle_rad", "spool_speed_rad_s",
-                                                    "motor_at_limit"};
+inline constexpr std::string_view kTwinSignals[] = {"hand_angle_rad", "spool_speed_rad_s"};
+
+/// The hand's angles of the trials in which one cause of the error after the other is taken away,
+/// see ErrorCause: the last are what the controller asks for. Ticks x joints; without columns where
+/// a cause cannot be taken away.
+using CauseAngles = std::array<Signal, kCauseTrialCount>;
 
 }  // namespace gauntlet::sim

@@ -247,7 +247,7 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
 
 TraceWriter::~TraceWriter() = default;
 
-void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin) {
+void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin, const CauseAngles& without) {
   Guarded(state_->target, [&] {
     H5::Group group = state_->file->createGroup("controllers/" + trace.controller_name);
     const auto write = [&](std::string_view name, std::string_view unit, TraceColumns columns,
@@ -263,8 +263,14 @@ void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin) {
       write("noise_free_hand_angle_rad", "rad", TraceColumns::kJoints, twin->hand_angle_rad);
       write("noise_free_spool_speed_rad_s", "rad/s", TraceColumns::kMotors,
             twin->spool_speed_rad_s);
-      write("noise_free_motor_at_limit", "1 or 0", TraceColumns::kMotors, twin->motor_at_limit);
     }
+    constexpr const char* kWithout[] = {"glove", "link", "saturation", "friction", "servo"};
+    static_assert(std::size(kWithout) == kCauseTrialCount - 2);
+    for (std::size_t i = 0; i < std::size(kWithout); ++i) {
+      write(fmt::format("without_{}_hand_angle_rad", kWithout[i]), "rad", TraceColumns::kJoints,
+            without[i + 1]);
+    }
+    write("asked_angle_rad", "rad", TraceColumns::kJoints, without.back());
     WriteText(group, "health", trace.health.ok ? "ok" : trace.health.problem);
     state_->controllers.push_back(trace.controller_name);
   });

@@ -10,7 +10,6 @@
 
 #include "sim/base/random.h"
 #include "sim/score/delay.h"
-#include "sim/score/error_split.h"
 #include "sim/score/fourier.h"
 #include "sim/score/jitter.h"
 #include "sim/score/latency.h"
@@ -33,21 +32,17 @@ struct Recording {
   Signal tension{kSamples, 2 * kChannels};
   Signal noise_free_hand{kSamples, kChannels};
   Signal noise_free_speed{kSamples, kChannels};
-  IntegerSignal at_limit{kSamples, kChannels};
-  std::vector<std::vector<int>> motors_of_joint;
   std::vector<double> stall_tension_n = std::vector<double>(2 * kChannels, 18.0);
   std::vector<double> saturation = std::vector<double>(kChannels, 0.1);
 
   Recording() {
     for (int c = 0; c < kChannels; ++c) {
       RandomStream random(1, "benchmark", static_cast<std::uint64_t>(c));
-      motors_of_joint.push_back({c, (c + 1) % kChannels});
       for (int n = 0; n < kSamples; ++n) {
         wearer(n, c) = Angle(n, c);
         noise_free_hand(n, c) = Angle(n - 60, c);
         hand(n, c) = noise_free_hand(n, c) + 0.01 * (random.Uniform() - 0.5);
         noise_free_speed(n, c) = 0.1 * random.Uniform();
-        at_limit(n, c) = n % 9000 < 50 + 5 * c ? 1 : 0;
         command(n, c) = static_cast<int>(200.0 * Angle(n / 20 * 20, c));
         speed(n, c) = random.Uniform() - 0.5;
         tension(n, 2 * c) = 5.0 * random.Uniform();
@@ -82,26 +77,10 @@ void AllScores(benchmark::State& state) {
                          .saturation_share = recording.saturation,
                          .noise_free_hand_angle_rad = &recording.noise_free_hand,
                          .noise_free_motor_speed_rad_s = &recording.noise_free_speed,
-                         .noise_free_motor_at_limit = &recording.at_limit,
-                         .motors_of_joint = recording.motors_of_joint,
                          .stall_tension_n = recording.stall_tension_n};
   for (auto _ : state) benchmark::DoNotOptimize(ComputeScores(input, rows).summary.data());
 }
 BENCHMARK(AllScores)->Unit(benchmark::kMillisecond);
-
-void ErrorSplitOf18Channels(benchmark::State& state) {
-  const Recording& recording = SharedRecording();
-  const ScoreInput input{.reference_angle_rad = &recording.wearer,
-                         .hand_angle_rad = &recording.hand,
-                         .noise_free_hand_angle_rad = &recording.noise_free_hand,
-                         .noise_free_motor_at_limit = &recording.at_limit,
-                         .motors_of_joint = recording.motors_of_joint};
-  for (auto _ : state) {
-    Fourier fourier;
-    benchmark::DoNotOptimize(SplitErrors(input, fourier).data());
-  }
-}
-BENCHMARK(ErrorSplitOf18Channels)->Unit(benchmark::kMillisecond);
 
 void DelayOf18Channels(benchmark::State& state) {
   const Recording& recording = SharedRecording();

@@ -99,8 +99,10 @@ void Run(int repetitions) {
   std::vector<double> files_s;
   std::vector<double> bare_s;
   for (int i = 0; i < repetitions; ++i) {
-    loop_s.push_back(Seconds(
-        [&] { RunTrial(SetupOf(study, study.scenario.controllers[0], study.scenario.seed), *result.first_glove); }));
+    loop_s.push_back(Seconds([&] {
+      RunTrial(SetupOf(study, study.scenario.controllers[0], study.scenario.seed),
+               *result.first_glove);
+    }));
     trial_s.push_back(Seconds([&] {
       FinishedStudy timed{.study = study, .result = RunStudy(study, {}), .summary = {}};
       timed.summary = Summarise(study, timed.result);

@@ -378,10 +378,11 @@ TEST(ModelPredictiveController, HoldsTheJointOfAChannelThatIsOff) {
 TEST(ModelPredictiveController, RefusesWhatCannotBePlannedFor) {
   ControllerConfig config = Planning();
   config.prediction.settings = FittedPredictionConfig{};
-  EXPECT_THAT([&] { Controller(config, PlainGlove(3), CoupledHand(3)); },
-              testing::ThrowsMessage<SettingError>(
-                  "prediction.kind: is fitted, must be none or one whose horizon_ms may be changed, for "
-                  "model_predictive"));
+  EXPECT_THAT(
+      [&] { Controller(config, PlainGlove(3), CoupledHand(3)); },
+      testing::ThrowsMessage<SettingError>(
+          "prediction.kind: is fitted, must be none or one whose horizon_ms may be changed, for "
+          "model_predictive"));
   config = Planning();
   config.prediction.settings = KalmanPredictionConfig{.horizon_ms = {950.0}};
   EXPECT_THAT([&] { Controller(config, PlainGlove(3), CoupledHand(3)); },

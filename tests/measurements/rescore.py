@@ -32,8 +32,12 @@ FLOOR = 1e-5
 FLOOR_OF_SPLIT_DEG = 0.003
 # The same for a part of the error: such a float times an error of some deg.
 FLOOR_OF_PART_DEG2 = 1e-4
-ERROR_PARTS = [f"error_{cause}_deg2"
-               for cause in ("delay", "constant", "gain", "limit", "frames", "noise", "rest")]
+# What the trials in which one cause of the error after the other is taken away are called in the trace.
+WITHOUT = {"noise": "noise_free_hand_angle_rad", "glove": "without_glove_hand_angle_rad",
+           "link": "without_link_hand_angle_rad", "saturation": "without_saturation_hand_angle_rad",
+           "friction": "without_friction_hand_angle_rad", "servo": "without_servo_hand_angle_rad",
+           "rest": "asked_angle_rad"}
+ERROR_PARTS = [f"error_{cause}_deg2" for cause in (*WITHOUT, "controller")]
 NO_SUMMARY = {"tension_peak_n"}  # a finger's cable and a shoulder's are not alike
 SPLIT = re.compile("(rest|slow|fast|onset|reversal)_.*_deg|overshoot_deg")
 
@@ -434,48 +438,18 @@ def ticks_of(ranges, count):
     return ticks
 
 
-def limit_ticks(at_limit, shortest, after):
-    """Ticks with a motor at its limit for a frame on end, and some after; at_limit: one signal per motor."""
-    limit = np.zeros(len(at_limit[0]), bool)
-    for motor in at_limit:
-        for begin, end in stretches(motor != 0):
-            if end - begin >= shortest:
-                limit[begin : end + after] = True
-    return limit
-
-
-def error_parts(reference, hand, quiet_hand, limit, edge_hz, rate_hz, earliest_s, counted):
-    """The mean square error by its cause [deg^2]: mean(signal of the cause times the error)."""
-    reference, hand, quiet_hand = (np.degrees(x) for x in (reference, hand, quiet_hand))
-    n = np.arange(len(hand))
+def error_parts(reference, hand, without, counted):
+    """The mean square error by its cause [deg^2]: mean(signal of the cause times the error). `without`: cause ->
+    the hand without it and all before, where there is such a trial."""
     counts = ticks_of(counted, len(hand))
-    free = counts & ~limit
-    counting = free if np.sum(free) >= 0.5 * rate_hz else counts
-    delay = delay_samples(np.radians(reference), np.radians(quiet_hand), rate_hz, earliest_s,
-                          [(int(b), int(e)) for b, e in stretches(counting)]) or 0.0
-    late = np.interp(n - delay, n, reference)
-    fitted = counting & (n - delay >= -1e-6) & (n - delay <= len(n) - 1 + 1e-6)
-    gain = 1.0
-    if np.std(late[fitted]) > 0.1:
-        gain = np.cov(late[fitted], quiet_hand[fitted])[0, 1] / np.var(late[fitted], ddof=1)
-    constant = np.mean(quiet_hand[fitted] - gain * late[fitted])
-    left = quiet_hand - constant - gain * late
-    above, first = high_passed(left, edge_hz, rate_hz)
-    frames = np.zeros(len(hand))
-    frames[first : first + len(above)] = above
-    least = 2 * first + int(np.ceil(rate_hz / edge_hz))
-    frames[~ticks_of(inner(counted, first, least), len(hand))] = 0.0
-    signals = {
-        "delay": late - reference,
-        "constant": constant + (gain - 1) * late.mean() + 0 * late,
-        "gain": (gain - 1) * (late - late.mean()),
-        "limit": np.where(limit, left, 0.0),
-        "frames": np.where(limit, 0.0, frames),
-        "noise": hand - quiet_hand,
-        "rest": np.where(limit, 0.0, left - frames),
-    }
-    error = hand - reference
-    return {f"error_{cause}_deg2": np.mean((x * error)[counts]) for cause, x in signals.items()}
+    error = np.degrees(hand - reference)
+    parts, last = dict.fromkeys(ERROR_PARTS, NAN), hand
+    if "rest" not in without or not counts.any():
+        return parts
+    for cause, angle in (*without.items(), ("controller", reference)):
+        parts[f"error_{cause}_deg2"] = np.mean((np.degrees(last - angle[: len(hand)]) * error)[counts])
+        last = angle[: len(hand)]
+    return parts
 
 
 # The project's hand, as its model card says
@@ -501,8 +475,8 @@ class ModelCard:
 # All scores of one part
 
 
-def joint_scores(reference, hand, quiet_hand, limited, context, earliest_s, counted):
-    """quiet_hand and limited: of the noise-free trial, None if there is none."""
+def joint_scores(reference, hand, quiet_hand, without, context, earliest_s, counted):
+    """quiet_hand: of the noise-free trial, None if there is none; without: see error_parts."""
     rate_hz = context.rate_hz
     wearer = Wearer(reference, rate_hz, context.segments, counted)
     error = np.degrees(hand - reference)
@@ -535,10 +509,7 @@ def joint_scores(reference, hand, quiet_hand, limited, context, earliest_s, coun
     noise = np.degrees(hand - quiet_hand) if quiet else np.empty(0)
     noise = high_passed(noise, context.jitter_above_hz, rate_hz)[0]
     scores["noise_jitter_rms_deg"] = rms(within(noise, first, trembles)) if quiet else NAN
-    scores |= (error_parts(reference, hand, quiet_hand, limited, context.jitter_above_hz, rate_hz, earliest_s,
-                           counted)
-               if quiet else dict.fromkeys(ERROR_PARTS, NAN))
-    return scores
+    return scores | error_parts(reference, hand, without, counted)
 
 
 def motor_scores(counts, speed, at_limit, quiet_speed, context, counted):
@@ -579,7 +550,6 @@ class Context:
         self.rate_hz = float(trace["glove/reference_angle_rad"].attrs["rate_hz"])
         self.jitter_above_hz = setting("jitter_above_hz", 10.0)
         self.card = ModelCard()
-        self.shortest_limit_s = max(20.0, setting("period_ms"), setting("frame_ms")) / 1000
         self.recovery = half_up(setting("recovery_s", 1.0) * self.rate_hz)
         self.masked = []
         if "masked" in trace["glove"]:
@@ -630,18 +600,14 @@ def rescore(trace, controller, measured_joints, context):
     hand = columns_of(group, "hand_angle_rad")
     quiet_hand = columns_of(group, "noise_free_hand_angle_rad")
     quiet_speed = columns_of(group, "noise_free_spool_speed_rad_s")
-    at_limit_then = columns_of(group, "noise_free_motor_at_limit")
+    without = {cause: columns_of(group, name) for cause, name in WITHOUT.items() if name in group}
     rows = {}
     for name in measured_joints:
         count = len(hand[name])
-        quiet, limited = None, None
-        if quiet_hand:
-            quiet = quiet_hand[name][:count]
-            limited = limit_ticks([at_limit_then[m][:count] for m in context.card.motors_of[name]],
-                                  round(context.shortest_limit_s * context.rate_hz),
-                                  round(0.25 * context.rate_hz))
+        quiet = quiet_hand[name][:count] if quiet_hand else None
         rows.setdefault(name, {}).update(
-            joint_scores(reference[name][:count], hand[name], quiet, limited, context,
+            joint_scores(reference[name][:count], hand[name], quiet,
+                         {cause: angles[name] for cause, angles in without.items()}, context,
                          context.earliest_s(controller),
                          context.counted([name], count)))
     speed, at_limit = (columns_of(group, s) for s in ("spool_speed_rad_s", "motor_at_limit"))

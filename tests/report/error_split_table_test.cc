@@ -21,7 +21,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::vector<double> kParts = {12.2, 2.4, 0.6, 3.2, 0.04, -0.44, 2.0};  // sum to 20
+const std::vector<double> kParts = {-0.44, 2.4, 6.2, 3.2, 4.0, 2.0, 0.04, 2.6};  // sum to 20
 
 ControllerSummary Controller(const std::string& name, const std::vector<double>& parts) {
   ControllerSummary controller;
@@ -36,13 +36,30 @@ ControllerSummary Controller(const std::string& name, const std::vector<double>&
 
 TEST(ErrorSplitTable, TellsTheShareOfEveryCause) {
   Summary summary;
-  summary.controllers = {Controller("raw", kParts),
-                         Controller("a_longer_name_of_a_filter", kParts)};
+  summary.controllers = {Controller("raw", kParts), Controller("a_name_of_a_filter", kParts)};
   EXPECT_EQ(TextOf(ErrorSplitTable(summary), {}),
-            "                                                  motors'\n"
-            "of the squared error       delay  constant  gain    limit  frames  noise  rest\n"
-            "raw                         61 %      12 %   3 %     16 %     0 %   -2 %  10 %\n"
-            "a_longer_name_of_a_filter   61 %      12 %   3 %     16 %     0 %   -2 %  10 %\n");
+            "                                        motors'\n"
+            "of squared error    noise  glove  link    limit  friction  servo  rest  control\n"
+            "raw                  -2 %   12 %  31 %     16 %      20 %   10 %   0 %     13 %\n"
+            "a_name_of_a_filter   -2 %   12 %  31 %     16 %      20 %   10 %   0 %     13 %\n");
+}
+
+/// A cause that could not be taken away has no share, and the others sum to the whole.
+TEST(ErrorSplitTable, HasNoShareOfWhatIsNotKnown) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Summary summary;
+  summary.controllers = {Controller("raw", {nan, nan, 10, 0, 0, 0, 0, 10})};
+  EXPECT_THAT(TextOf(ErrorSplitTable(summary), {}),
+              testing::ContainsRegex("raw +- +- +50 % +0 % +0 % +0 % +0 % +50 %"));
+}
+
+TEST(ErrorSplitTable, SaysWhereItIsOfOneSeedOfSeveral) {
+  Summary summary;
+  summary.controllers = {Controller("raw", kParts)};
+  summary.one_run = false;
+  EXPECT_THAT(TextOf(ErrorSplitTable(summary), {}), testing::HasSubstr("first seed"));
+  summary.controllers[0].summary[TrackingErrorParts().back().metric].count = 2;
+  EXPECT_THAT(TextOf(ErrorSplitTable(summary), {}), Not(testing::HasSubstr("first seed")));
 }
 
 TEST(ErrorSplitTable, LeavesOutWhatHasNoSplit) {
@@ -56,7 +73,8 @@ TEST(ErrorSplitTable, LeavesOutWhatHasNoSplit) {
 
 TEST(ErrorSplitTable, FitsBesideOtherTextAtATerminal) {
   Summary summary;
-  summary.controllers = {Controller("raw", {1e-9, 0, 0, 0, 0, 0, 1}), Controller("mean", kParts)};
+  summary.controllers = {Controller("raw", {1e-9, 0, 0, 0, 0, 0, 0, 1}),
+                         Controller("mean", kParts)};
   for (const std::string_view line : SplitLines(TextOf(ErrorSplitTable(summary), {}))) {
     EXPECT_LE(line.size(), 80u) << line;
   }
@@ -64,19 +82,19 @@ TEST(ErrorSplitTable, FitsBesideOtherTextAtATerminal) {
 
 TEST(ErrorSplitTable, TheTableOfScoresAndThePageHaveIt) {
   test::MadeUpStudy made = test::MakeUpStudy({});
-  EXPECT_THAT(TextOf(ScoreText(made), {}), HasSubstr("\nof the squared error "));
+  EXPECT_THAT(TextOf(ScoreText(made), {}), HasSubstr("of squared error "));
   const auto json = PageData(made, made.first_seed())["error_split"];
   EXPECT_EQ(json["parts"].size(), TrackingErrorParts().size());
-  EXPECT_EQ(json["parts"][0], "delay");
+  EXPECT_EQ(json["parts"][0], "noise");
   EXPECT_EQ(json["controllers"].size(), 3u);
   const auto first = json["controllers"][0].get<std::vector<double>>();
   EXPECT_EQ(first, ErrorByCause(made.summary.controllers[0]));
 
   for (ControllerSummary& controller : made.summary.controllers) {
-    controller.summary[TrackingErrorParts()[2].metric].mean =
+    controller.summary[TrackingErrorParts().back().metric].mean =
         std::numeric_limits<double>::quiet_NaN();
   }
-  EXPECT_THAT(TextOf(ScoreText(made), {}), Not(HasSubstr("of the squared error")));
+  EXPECT_THAT(TextOf(ScoreText(made), {}), Not(HasSubstr("of squared error")));
   EXPECT_TRUE(PageData(made, made.first_seed())["error_split"].is_null());
 }
 

@@ -403,7 +403,7 @@ TEST_F(IncludedChain, NamesThePlaceOfAMistake) {
   EXPECT_THAT(ErrorOf("chain: hand.yaml, prediction: adaptive, model_predictive: {kind: "
                       "second_order}"),
               HasSubstr("with model_predictive it must be given"));
-  EXPECT_THAT(ErrorOf("chain: hand.yaml"), HasSubstr("a prediction of kind none does not have"));
+  EXPECT_THAT(ErrorOf("chain: hand.yaml"), HasSubstr("a prediction of kind none does not take"));
   Write("hand.yaml", "horizon_ms: [80]\nparts: [{part: index_pip}]\n");
   EXPECT_THAT(ErrorOf("chain: hand.yaml, prediction: linear"),
               HasSubstr("has nothing for channel index_mcp"));

@@ -55,8 +55,6 @@ struct Trial {
   Signal speed = Signal::Zero(kTicks, 1);
   Signal tension = Signal::Zero(kTicks, 1);
   Signal force = Signal::Zero(kTicks, 1);
-  IntegerSignal at_limit = IntegerSignal::Zero(kTicks, 1);
-  std::vector<std::vector<int>> motors_of_joint{{0}, {0}};
   const ScoreRows rows{std::vector<std::string>{"a", "b"}, std::vector<std::string>{"m"},
                        std::vector<std::string>{"c"}};
 
@@ -86,8 +84,7 @@ struct Trial {
                      .grip_force_n = &force};
     input.counted = counted;
     input.noise_free_hand_angle_rad = &twin;
-    input.noise_free_motor_at_limit = &at_limit;
-    input.motors_of_joint = motors_of_joint;
+    input.without = {&twin, &twin, &twin, &twin, &twin, &twin, &reference};
     return ComputeScores(input, rows);
   }
   /// Whatever a gap holds, nobody may see it.

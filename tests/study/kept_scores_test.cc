@@ -28,6 +28,7 @@ StudyOptions Keeping(std::vector<std::size_t> metrics, bool physics = true) {
   options.keep_rows = true;
   options.physics = physics;
   options.scores = std::move(metrics);
+  options.causes = CauseSeeds::kAll;
   return options;
 }
 

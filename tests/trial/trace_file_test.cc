@@ -116,21 +116,20 @@ TEST_F(TraceFileTest, GivesBackTwentyFourBitsOfEverySignal) {
   EXPECT_EQ(ReadTraceFile(file_, {.only = {"kalman"}}).traces.size(), 1u);
 }
 
-TEST_F(TraceFileTest, HoldsTheNoiseFreeTwinAndOneByteForEveryFlag) {
+TEST_F(TraceFileTest, HoldsTheTrialsBesideItAndOneByteForEveryFlag) {
   const Trace trace = MakeTrace("raw");
   const NoiseFreeTwin twin{.hand_angle_rad = Signal::Random(kSamples, 18),
-                           .spool_speed_rad_s = Signal::Random(kSamples, 18),
-                           .motor_at_limit = FlagSignal::Constant(kSamples, 18, 0)};
+                           .spool_speed_rad_s = Signal::Random(kSamples, 18)};
+  CauseAngles without;  // noise is in the twin, friction could not be taken away
+  for (const std::size_t i : {1, 2, 3, 5, 6}) without[i] = Signal::Random(kSamples, 18);
   TraceWriter writer(file_, glove_, reference_, hand_, "test", 42);
-  writer.Add(trace, &twin);
+  writer.Add(trace, &twin, without);
   writer.Add(MakeTrace("kalman"));
   writer.Commit();
   EXPECT_EQ(ReadTraceFile(file_).traces.size(), 2u);
   const H5::H5File file(file_.string(), H5F_ACC_RDONLY);
   const H5::Group raw = file.openGroup("controllers/raw");
-  for (const char* name : {"motor_at_limit", "noise_free_motor_at_limit"}) {
-    EXPECT_EQ(raw.openDataSet(name).getStorageSize(), kSamples * 18u) << name;
-  }
+  EXPECT_EQ(raw.openDataSet("motor_at_limit").getStorageSize(), kSamples * 18u);
   const auto first_row = [&](const char* name) {
     std::vector<double> values(kSamples * 18);
     raw.openDataSet(name).read(values.data(), H5::PredType::NATIVE_DOUBLE);
@@ -138,8 +137,13 @@ TEST_F(TraceFileTest, HoldsTheNoiseFreeTwinAndOneByteForEveryFlag) {
   };
   EXPECT_EQ(first_row("noise_free_hand_angle_rad"), Stored(twin.hand_angle_rad.topRows(1)));
   EXPECT_EQ(first_row("noise_free_spool_speed_rad_s"), Stored(twin.spool_speed_rad_s.topRows(1)));
-  EXPECT_EQ(first_row("noise_free_motor_at_limit").sum(), 0.0);
-  EXPECT_FALSE(file.openGroup("controllers/kalman").nameExists("noise_free_motor_at_limit"));
+  EXPECT_EQ(first_row("without_glove_hand_angle_rad"), Stored(without[1].topRows(1)));
+  EXPECT_EQ(first_row("without_servo_hand_angle_rad"), Stored(without[5].topRows(1)));
+  EXPECT_EQ(first_row("asked_angle_rad"), Stored(without[6].topRows(1)));
+  EXPECT_FALSE(raw.nameExists("without_friction_hand_angle_rad"));
+  for (const char* name : {"noise_free_hand_angle_rad", "without_glove_hand_angle_rad"}) {
+    EXPECT_FALSE(file.openGroup("controllers/kalman").nameExists(name)) << name;
+  }
 }
 
 TEST_F(TraceFileTest, ReadsOneOfAnEarlierVersionWithoutLimits) {

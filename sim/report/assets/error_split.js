@@ -6,8 +6,10 @@ const SPLIT_BAR = {top: 24, height: 22};
 
 function splitColour(part) { return `var(--part${part})`; }
 
-// Without the sign of what rounds to 0.
-function formatPercent(share) {
+// Without the sign of what rounds to 0; null is a cause that could not be taken away.
+function formatPercent(part, whole) {
+  if (part === null) return "–";
+  const share = part / whole;
   const percent = Math.round(100 * share);
   return `${percent < 0 ? "−" : ""}${Math.abs(percent)} %`;
 }
@@ -28,7 +30,7 @@ function splitBar(data, controller, y, pixels_per_deg2) {
       height: SPLIT_BAR.height, style: `fill: ${splitColour(i)}`}));
     if (width > 38) {
       shapes.push(element("text", {class: "share", x: x + width / 2, y: y + SPLIT_BAR.top + 15.5,
-        "text-anchor": "middle"}, formatPercent(part / whole)));
+        "text-anchor": "middle"}, formatPercent(part, whole)));
     }
     x += width;
   });
@@ -44,7 +46,7 @@ function drawErrorBars(data) {
   const height = SPLIT_ROW * splits.length;
   const said = data.order.filter((c) => splits[c]).map((c) => `${data.controllers[c].name}: ` +
     splits[c].map((part, i) => `${data.error_split.parts[i]} ` +
-      formatPercent(part / splitWhole(splits[c]))).join(", ")).join("; ");
+      formatPercent(part, splitWhole(splits[c]))).join(", ")).join("; ");
   place.replaceChildren(element("svg", {viewBox: `0 0 ${width} ${height}`, height, role: "img",
       "aria-label": `Causes of the squared error. ${said}`},
     ...data.order.flatMap((c, i) => splitBar(data, c, SPLIT_ROW * i, width / longest))));
@@ -56,7 +58,7 @@ function drawErrorTable(data) {
   drawPartTable("error-table", data, "Cause", [
     ...parts.map((part, i) => row(
       [element("span", {class: "swatch", style: `--colour: ${splitColour(i)}`}), capital(part)],
-      (split) => formatPercent(split[i] / splitWhole(split)), false)),
+      (split) => formatPercent(split[i], splitWhole(split)), false)),
     row(["Squared error ", element("span", {class: "unit"}, "deg²")],
       (split) => formatNumber(splitWhole(split)), true)]);
 }

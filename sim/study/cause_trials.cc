@@ -1,0 +1,108 @@
+#include "sim/study/cause_trials.h"
+
+#include <algorithm>
+
+#include "sim/base/error.h"
+#include "sim/trial/filter_trial.h"
+#include "sim/trial/trace_recorder.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Commands at once, at every tick if may be.
+void TakeLink(bool keeps_events, Scenario& scenario) {
+  scenario.event.delay_ms = 0.0;
+  if (!keeps_events) scenario.event.period_ms = 1.0;
+  for (ServoConfig* servo : {&scenario.hand.servo, &scenario.hand.arm_servo}) {
+    servo->numbers().frame_ms = 0.0;
+  }
+}
+
+void TakeFriction(HandConfig& hand) {
+  hand.motor_friction_scale = {0.0};
+  hand.cable.backlash_deg = 0.0;
+  for (ServoConfig* servo : {&hand.servo, &hand.arm_servo}) servo->numbers().play_deg = 0.0;
+}
+
+void TakeServo(HandConfig& hand) {
+  for (ServoConfig* servo : {&hand.servo, &hand.arm_servo}) {
+    servo->settings = IdealServo{};
+  }
+}
+
+/// A glove whose sensors are as the controller takes them to be.
+GloveConfig WithoutErrors(GloveConfig config) {
+  const SensorConfig exact = {.low_percent = config.sensor.low_percent,
+                              .high_percent = config.sensor.high_percent,
+                              .gain_deviation_percent = 0.0,
+                              .offset_deviation_percent = 0.0,
+                              .curvature_deviation_percent = 0.0,
+                              .cross_talk_percent = 0.0,
+                              .hysteresis_deg = 0.0};
+  config.sensor = exact;
+  return WithoutNoise(std::move(config));
+}
+
+bool TakesGloveAsItIs(const controller::ControllerConfig& config) {
+  return config.linearisation.kind == controller::LinearisationKind::kGlove;
+}
+
+}  // namespace
+
+std::shared_ptr<const HandModel> CauseTrials::HandWithout(ErrorCause cause, bool keeps_events) {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<const HandModel>& hand = hands_[{cause, keeps_events}];
+  if (hand) return hand;
+  Scenario scenario = study_.scenario;
+  TakeLink(keeps_events, scenario);
+  if (cause >= ErrorCause::kSaturation) scenario.hand.motor_limits = false;
+  if (cause >= ErrorCause::kFriction) TakeFriction(scenario.hand);
+  if (cause >= ErrorCause::kServo) TakeServo(scenario.hand);
+  hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
+  return hand;
+}
+
+CauseAngles CauseTrials::Run(const NamedController& named, int seed, const GloveSignal& glove,
+                             const Signal& noise_free,
+                             const std::function<bool(double)>& progress) {
+  CauseAngles without;
+  const bool is_known = noise_free.cols() > 0;
+  const GloveConfig& config = GloveOf(study_.scenario, seed);
+  GloveSignal other;
+  const GloveSignal* used = &glove;
+  const auto use = [&](const GloveConfig& with) {
+    other = SynthesiseGlove(with, static_cast<std::uint64_t>(seed));
+    used = &other;
+  };
+  TrialSetup setup = SetupOf(study_, named, seed);
+  const auto run = [&] {
+    const Eigen::Index blocks = used->true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
+    Trace trace =
+        RunTrial(setup, *used,
+                 {.keep_going = [&] { return progress(1.0 / static_cast<double>(blocks)); },
+                  .signals = {"hand_angle_rad"}});
+    return trace.health.ok ? std::move(trace.hand_angle_rad) : Signal();
+  };
+  const auto of = [&](ErrorCause cause) -> Signal& {
+    return without[static_cast<std::size_t>(cause)];
+  };
+  if (is_known) {
+    of(ErrorCause::kNoise) = noise_free;
+    if (TakesGloveAsItIs(setup.controller)) {
+      use(WithoutErrors(config));
+      of(ErrorCause::kGlove) = run();
+    } else {
+      use(WithoutNoise(config));
+    }
+  }
+  const bool keeps_events = setup.controller.filter_at == controller::FilterAt::kEvent;
+  for (const ErrorCause cause :
+       {ErrorCause::kLink, ErrorCause::kSaturation, ErrorCause::kFriction, ErrorCause::kServo}) {
+    setup.hand = HandWithout(cause, keeps_events);
+    of(cause) = run();
+  }
+  of(ErrorCause::kRest) = RunFilterTrial(setup, *used).hand_angle_rad;
+  return without;
+}
+
+}  // namespace gauntlet::sim
