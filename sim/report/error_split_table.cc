@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "sim/statistics/result_cells.h"
+#include "sim/study/cause_trials.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -29,13 +30,7 @@ std::vector<double> ErrorByCause(const ControllerSummary& controller) {
 }
 
 ResultTable ErrorSplitTable(const Summary& summary) {
-  const std::size_t last = TrackingErrorParts().back().metric;
-  const bool first_only =
-      !summary.one_run && std::ranges::all_of(summary.controllers, [&](const auto& controller) {
-        return controller.summary[last].count <= 1;
-      });
-  const std::string seed = first_only ? fmt::format("first seed,{}", kBreak) : "";
-  ResultTable table{.columns = {ForPeople(seed + "of squared error")}};
+  ResultTable table{.columns = {ForPeople("of squared error")}};
   for (const TrackingErrorPart& part : TrackingErrorParts()) {
     std::string heading(part.name);
     std::ranges::replace(heading, ' ', kBreak);
@@ -51,6 +46,18 @@ ResultTable ErrorSplitTable(const Summary& summary) {
     for (const double part : parts) row.push_back(ResultCell::Text(Percent(part / whole)));
   }
   return table;
+}
+
+std::string CausesNote(const Summary& summary) {
+  const std::size_t last = TrackingErrorParts().back().metric;
+  const auto is_of_one = [&](const ControllerSummary& controller) {
+    return controller.summary[last].count == 1;
+  };
+  if (summary.one_run || !std::ranges::any_of(summary.controllers, is_of_one)) return "";
+  return fmt::format(
+      "What the squared error is made of is found of the first seed; --causes all "
+      "finds it of all, by {} more trials for each controller and seed.",
+      kCauseHands);
 }
 
 }  // namespace gauntlet::sim

@@ -16,4 +16,7 @@ std::vector<double> ErrorByCause(const ControllerSummary& controller);
 /// Which share of the squared error each cause has: a row per controller whose causes are known.
 ResultTable ErrorSplitTable(const Summary& summary);
 
+/// Says where the causes are those of one seed of several; else empty.
+std::string CausesNote(const Summary& summary);
+
 }  // namespace gauntlet::sim

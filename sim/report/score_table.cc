@@ -260,8 +260,8 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
   if (std::string smoothing = SmoothingText(finished); !smoothing.empty()) {
     notes.push_back(std::move(smoothing));
   }
-  if (std::string overlap = DigitsInEachOther(summary); !overlap.empty()) {
-    notes.push_back(std::move(overlap));
+  for (std::string note : {DigitsInEachOther(summary), CausesNote(summary)}) {
+    if (!note.empty()) notes.push_back(std::move(note));
   }
   return notes;
 }

@@ -56,10 +56,15 @@ TEST(ErrorSplitTable, HasNoShareOfWhatIsNotKnown) {
 TEST(ErrorSplitTable, SaysWhereItIsOfOneSeedOfSeveral) {
   Summary summary;
   summary.controllers = {Controller("raw", kParts)};
+  int& seeds = summary.controllers[0].summary[TrackingErrorParts().back().metric].count;
   summary.one_run = false;
-  EXPECT_THAT(TextOf(ErrorSplitTable(summary), {}), testing::HasSubstr("first seed"));
-  summary.controllers[0].summary[TrackingErrorParts().back().metric].count = 2;
-  EXPECT_THAT(TextOf(ErrorSplitTable(summary), {}), Not(testing::HasSubstr("first seed")));
+  seeds = 1;
+  EXPECT_THAT(CausesNote(summary), HasSubstr("of the first seed; --causes all finds it of all"));
+  seeds = 2;
+  EXPECT_EQ(CausesNote(summary), "");
+  summary.one_run = true;
+  seeds = 1;
+  EXPECT_EQ(CausesNote(summary), "");
 }
 
 TEST(ErrorSplitTable, LeavesOutWhatHasNoSplit) {
