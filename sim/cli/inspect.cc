@@ -68,8 +68,9 @@ struct InspectOptions {
   static constexpr auto kNotes = R"(
 The format is found from the bytes. Of a file above 1 GB the beginning is read. Noise is the
 standard deviation from the curvature between three rows; still is the share of values equal to
-the row before, clipped the share of the lowest and highest value. A dead sensor has one value in
-95 % of the rows. If the joints are unknown, the command asks and returns 2.
+the row before, clipped the share of the lowest and highest value. A dead sensor has one value
+in 99 % of the rows, or in 95 % and a narrow range. If the joints are unknown, the command asks
+and returns 2.
 
 Example:
   gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot my_glove.png

@@ -131,6 +131,15 @@ std::vector<ColumnFamily> GivenFamily(const std::vector<ColumnEvidence>& evidenc
   return {FamilyOfSensors(evidence, columns)};
 }
 
+/// True for a sensor that hardly ever leaves one value, or seldom and not far.
+bool IsDead(const ColumnStatistics& is, double widest) {
+  constexpr double kAlways = 0.99;
+  constexpr double kMostly = 0.95;
+  constexpr double kNarrow = 0.5;  // of the widest range of a sensor
+  return is.commonest_share >= kAlways ||
+         (is.commonest_share >= kMostly && is.high - is.low < kNarrow * widest);
+}
+
 /// Quantities of the columns, and the joints of one family.
 void TakeJoints(const std::vector<ColumnFamily>& families, const JointChoice& choice,
                 Inspection& inspection) {
@@ -144,12 +153,16 @@ void TakeJoints(const std::vector<ColumnFamily>& families, const JointChoice& ch
       if (column.kind == CellKind::kTime) column.why = "another time";
     }
   }
-  constexpr double kDeadShare = 0.95;
+  double widest = 0.0;  // range of a sensor
+  for (const std::size_t c : choice.columns) {
+    const ColumnStatistics& is = inspection.columns[c].statistics;
+    widest = std::max(widest, is.high - is.low);
+  }
   for (std::size_t i = 0; i < choice.columns.size(); ++i) {
     InspectedColumn& column = inspection.columns[choice.columns[i]];
     const ColumnJoint& joint = choice.joints[i];
     column.is_sensor = true;
-    column.is_dead = column.statistics.commonest_share >= kDeadShare;
+    column.is_dead = IsDead(column.statistics, widest);
     column.channel = joint.channel;
     column.basis = joint.basis;
     column.why = joint.why.empty() ? "its joint is unknown" : joint.why;

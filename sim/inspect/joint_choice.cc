@@ -219,11 +219,15 @@ void TakeMap(const std::vector<ColumnFamily>& families, const std::vector<std::s
   }
 }
 
+bool AreOf(const std::vector<std::string>& words, std::string_view list) {
+  return std::ranges::all_of(words,
+                             [list](const std::string& word) { return HasWordOf({word}, list); });
+}
+
 /// Joints by the number of the sensors, or a question.
 void TakeByNumber(const ColumnFamily& family, JointChoice& choice) {
   const std::string_view preset = PresetFor(family.columns.size(), family.unit);
-  const bool may_be_ordered = std::ranges::all_of(
-      family.facts.words, [](const std::string& word) { return HasWordOf({word}, kOrderedWords); });
+  const bool may_be_ordered = AreOf(family.facts.words, kOrderedWords);
   if (preset.empty() || !may_be_ordered || !family.facts.is_even) {
     choice.question = fmt::format(
         "{}: {} [{}], {}", ColumnsText(family.columns),
@@ -280,6 +284,10 @@ void TakeBest(const std::vector<const ColumnFamily*>& sensors,
   std::vector<std::string> own_names;
   for (const std::size_t c : choice.columns) own_names.push_back(names[c]);
   choice.joints = JointsByNames(own_names, choice.question);
+  // A word that is not known may say that it is no angle of the joint.
+  if (!AreOf(family.facts.words, std::string(kOrderedWords) + " pos position positions")) {
+    for (ColumnJoint& joint : choice.joints) joint.basis = JointBasis::kAssumed;
+  }
   const bool any_joint = std::ranges::any_of(
       choice.joints, [](const ColumnJoint& joint) { return !joint.channel.empty(); });
   if (!any_joint && choice.question.empty()) choice.question = "no name of a column is a joint's";

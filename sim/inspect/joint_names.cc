@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <utility>
 
@@ -78,9 +79,14 @@ bool ShiftLongThumb(const std::vector<NamedSensor>& sensors, std::vector<ColumnJ
   return true;
 }
 
-/// Sensors of one finger without a joint in their names.
-void ShareOut(const std::string& finger, const std::vector<std::size_t>& columns,
-              std::vector<ColumnJoint>& joints) {
+/// Sensors of one finger without a joint in their names. Those of a Shadow hand (FFJ3) are numbered
+/// from the tip.
+void ShareOut(const std::string& finger, std::vector<std::size_t> columns,
+              const std::vector<std::string>& names, std::vector<ColumnJoint>& joints) {
+  if (HasWordOf(WordsOf(names[columns.front()]), "thj ffj mfj rfj lfj")) {
+    std::ranges::stable_sort(columns, std::greater<>(),
+                             [&](std::size_t c) { return WordsOf(names[c]).back(); });
+  }
   const std::vector<std::string> channels = ChannelsOfFinger(finger, columns.size());
   for (std::size_t k = 0; k < columns.size(); ++k) {
     ColumnJoint& joint = joints[columns[k]];
@@ -156,7 +162,7 @@ std::vector<ColumnJoint> JointsByNames(const std::vector<std::string>& names,
     question =
         fmt::format("{} and {} both name {}", names[first->second], names[i], sensor.channel);
   }
-  for (const auto& [finger, columns] : only_finger) ShareOut(finger, columns, joints);
+  for (const auto& [finger, columns] : only_finger) ShareOut(finger, columns, names, joints);
   return joints;
 }
 

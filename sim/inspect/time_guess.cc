@@ -87,8 +87,10 @@ std::string_view UnitByValues(double first, double usual_step) {
 
 /// Unit in a name such as time_ms or Elapsed Time (milliseconds); empty if there is none.
 std::string_view UnitByName(const std::string& name) {
-  constexpr std::array<Meaning, 4> kUnits = {
-      {{"ms", "ms msec msecs millis millisec millisecond milliseconds"},
+  constexpr std::array<Meaning, 6> kUnits = {
+      {{"h", "hour hours"},
+       {"min", "min mins minute minutes"},
+       {"ms", "ms msec msecs millis millisec millisecond milliseconds"},
        {"us", "us usec usecs micros microsec microsecond microseconds"},
        {"ns", "ns nsec nsecs nanos nanosec nanosecond nanoseconds"},
        {"s", "s sec secs second seconds"}}};

@@ -43,6 +43,8 @@ TEST(JointsByNames, ShareAFingersSensorsOut) {
       ElementsAre("thumb_ip", "index_mcp", "index_pip", "ring_mcp", "ring_pip", "ring_dip", ""));
   EXPECT_THAT(ChannelsOf({"LFJ4", "LFJ3", "LFJ2", "LFJ1", "LFJ0"}, question),
               ElementsAre("", "", "little_mcp", "little_pip", "little_dip"));
+  EXPECT_THAT(ChannelsOf({"rh_FFJ1", "rh_FFJ2", "rh_FFJ3"}, question),
+              ElementsAre("index_dip", "index_pip", "index_mcp"));  // from the tip
   for (const ColumnJoint& joint : JointsByNames({"thumb", "index1", "index2"}, question)) {
     EXPECT_EQ(joint.basis, JointBasis::kAssumed);
   }

@@ -114,6 +114,7 @@ std::vector<RuleRow> RulesOfRows() {
       {"muscle", {{"emg_1", Noise}, {"emg_2", Noise}}, {{"flex_1", Noise}, {"flex_2", Noise}}},
       {"quality", Fingers("_confidence", Between(0, 1)), Fingers("_share", Between(0, 1))},
       {"command", {{"goal_position", Between(0, 90)}}, {{"position", Between(0, 90)}}},
+      {"distance", Fingers("_distance_mm", Between(0, 90)), Fingers("_bend", Between(0, 90))},
       {"position", Axes("thumb_tip_", "xyz"), {{"thumb_tip", Between(-9, 19)}}},
       {"beyond_counts", {{"", Between(-1e12, 1e12)}}, {{"", Between(-1e3, 1e3)}}},
       {"constant", {{"flex_gain", Fixed(2)}}, {{"flex_gain", Between(0, 2)}}},
