@@ -19,6 +19,7 @@
 #include "sim/inspect/inspection.h"
 #include "sim/inspect/inspection_tables.h"
 #include "sim/inspect/starter_files.h"
+#include "sim/results/table_text.h"
 #include "sim/video/png_file.h"
 #include "sim/video/recording_picture.h"
 
@@ -95,10 +96,14 @@ void PrintArrays(const Inspection& inspection) {
   for (const ListedArray& array : inspection.arrays) {
     (array.is_taken ? taken : left_out).push_back(array);
   }
-  Print("arrays  {}: {}\n", TextOf(taken),
-        inspection.array.empty() ? "of this number of rows, which holds the most values"
-                                 : "what --array names, and its time");
-  if (!left_out.empty()) Print("        not {}; --array NAME takes them\n", TextOf(left_out));
+  constexpr std::size_t kWidth = 80;
+  const std::string text =
+      fmt::format("arrays  {}: {}", TextOf(taken),
+                  inspection.array.empty() ? "of this number of rows, which holds the most values"
+                                           : "what --array names, and its time");
+  Print("{}\n", Wrapped(text, kWidth));
+  if (left_out.empty()) return;
+  Print("{}\n", Wrapped(fmt::format("not {}; --array NAME takes them", TextOf(left_out)), kWidth));
 }
 
 /// Gaps, restarts and repeats of the time.

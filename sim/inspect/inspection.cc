@@ -7,11 +7,13 @@
 #include <memory>
 #include <numeric>
 
+#include "controller/number.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/inspect/time_guess.h"
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/name_words.h"
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_columns.h"
 
@@ -55,6 +57,26 @@ bool IsCoarse(const TimeStatistics& time, std::size_t rows) {
   constexpr double kMostRepeats = 0.04;  // more would need a repair of too many rows
   return time.duration_s > 0.0 &&
          static_cast<double>(time.repeats) > kMostRepeats * static_cast<double>(rows);
+}
+
+/// Rate in a line before the table, as `Sampling rate: 100 Hz`; 0 if there is none.
+double RateInNotes(const std::vector<std::string>& notes) {
+  constexpr double kSlowest_hz = 1.0;
+  constexpr double kFastest_hz = 1e4;
+  for (const std::string& note : notes) {
+    const std::vector<std::string> words = WordsOf(note);
+    const bool is_of_rows =
+        HasWordOf(words, "sampling sample samplerate samplingrate samples fps fs frame");
+    const std::size_t digit = note.find_first_of("0123456789");
+    if (!is_of_rows || !HasWordOf(words, "rate frequency hz fps fs samplerate samplingrate") ||
+        digit == std::string::npos) {
+      continue;
+    }
+    const std::size_t end = note.find_first_not_of("0123456789.", digit);
+    const auto rate_hz = controller::ParseNumber(note.substr(digit, end - digit));
+    if (rate_hz && *rate_hz >= kSlowest_hz && *rate_hz <= kFastest_hz) return *rate_hz;
+  }
+  return 0.0;
 }
 
 /// A table whose rows have no times of their own: the rate is the given one (0: none), the mean of
@@ -368,7 +390,9 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
       inspection.columns[c].statistics = statistics.Column(c);
     }
   }
-  TakeTime(time, statistics.Time(), options.rate_hz, inspection);
+  TakeTime(time, statistics.Time(),
+           options.rate_hz > 0.0 ? options.rate_hz : RateInNotes(inspection.layout.notes),
+           inspection);
   KeepPicture(statistics, inspection);
   FindJoints(statistics, options, inspection);
   return inspection;

@@ -229,7 +229,7 @@ TEST_F(InspectCommand, TakesAnArrayOfSeveral) {
   }
   const fs::path file = Write("both.json", json.dump());
   EXPECT_THAT(Gauntlet({"inspect", file.string()}).standard_output,
-              HasSubstr("which holds the most values\n        not glove_index_mcp (200 x 1)"));
+              HasSubstr("\nnot glove_index_mcp (200 x 1)"));
   const auto found = Inspect(file, {"--array", "glove"});
   EXPECT_EQ(found["rows"], 200);
   EXPECT_NEAR(found["rate_hz"].get<double>(), 1.0 / 0.015, 0.1);
@@ -304,6 +304,20 @@ TEST_F(InspectCommand, AnswersInItsFirstLineWithin80Columns) {
   EXPECT_THAT(brief, Not(HasSubstr("flex5, which has as many sensors")));
   EXPECT_THAT(Gauntlet({"inspect", file.string(), "--verbose"}).standard_output,
               HasSubstr("whole numbers from 300 to 700"));
+}
+
+TEST_F(InspectCommand, TakesTheRateOfALineBeforeTheTable) {
+  std::string rows = "\nindex_mcp,index_pip\n";
+  for (int row = 0; row < 100; ++row) {
+    const double angle = 45.0 + 30.0 * std::sin(0.1 * row);
+    rows += std::to_string(angle) + "," + std::to_string(90.0 - angle) + "\n";
+  }
+  const nlohmann::json noted = Inspect(Write("noted.csv", "Sampling rate: 120.5 Hz\n" + rows));
+  EXPECT_EQ(noted["rate_hz"], 120.5);
+  EXPECT_EQ(noted["rate_is_assumed"], false);
+  const nlohmann::json other = Inspect(Write("other.csv", "Serial number: 120\n" + rows));
+  EXPECT_EQ(other["rate_hz"], 50.0);
+  EXPECT_EQ(other["rate_is_assumed"], true);
 }
 
 TEST_F(InspectCommand, StopsAtARateOfNoGlove) {
