@@ -176,9 +176,8 @@ std::string MotionSettings(const Inspection& inspection, double glove_hz) {
   return text;
 }
 
-}  // namespace
-
-std::string StarterMap(const Inspection& inspection) {
+/// The comments above the table of a map.
+std::string HeadOfMap(const Inspection& inspection) {
   std::string map = fmt::format(
       "# Written by gauntlet inspect. Language: sim/recordings/README.md.\n# unit: {}{} ({})\n",
       NameOf(inspection.unit), inspection.unit_is_assumed ? ", assumed" : "", inspection.unit_why);
@@ -197,6 +196,13 @@ std::string StarterMap(const Inspection& inspection) {
         "above\n"
         "# raw_high.\n";
   }
+  return map;
+}
+
+}  // namespace
+
+std::string StarterMap(const Inspection& inspection) {
+  std::string map = HeadOfMap(inspection);
   const std::string turns = HasTurns(inspection) ? ",offset,wraps_at" : "";
   map +=
       fmt::format("column,channel,unit,sign,raw_low,raw_high,deg_low,deg_high,assumed{}\n", turns);

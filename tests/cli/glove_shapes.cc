@@ -179,6 +179,21 @@ void AddPositionsAndAngles(Shapes& shapes) {
   add(confident, "deg", of_confident, 60);
 }
 
+/// Without names: time, five sensors and a quaternion.
+void AddNamelessMotionSensor(Shapes& shapes) {
+  Table nameless;
+  nameless.Add("", Clock(0.01));
+  for (int i = 0; i < 5; ++i) nameless.Add("", Counts(i, 1023));
+  nameless.Add("", [](int row) { return std::cos(0.02 * row); }).Add("", [](int row) {
+    return std::sin(0.02 * row) * std::cos(0.03 * row);
+  });
+  nameless.Add("", [](int row) { return std::sin(0.02 * row) * std::sin(0.03 * row); });
+  nameless.Add("", Always(0.0));
+  Joints joints;
+  for (int i = 0; i < 5; ++i) joints[std::to_string(i + 2)] = kFlex5[i];
+  shapes.push_back({"motion_nameless", nameless.Text(",", false), 100, "counts", joints});
+}
+
 void AddMotionSensors(Shapes& shapes) {
   const auto counts = [](int sensor) { return Counts(sensor, 1023); };
   const auto add = [&shapes](Table& table, const char* unit, const Joints& joints, double hz) {
@@ -220,17 +235,6 @@ void AddMotionSensors(Shapes& shapes) {
        {"ring", "ring_pip"},
        {"little", "little_pip"}},
       50);
-  Table nameless;  // time, five sensors and a quaternion without names
-  nameless.Add("", Clock(0.01));
-  for (int i = 0; i < 5; ++i) nameless.Add("", counts(i));
-  nameless.Add("", [](int row) { return std::cos(0.02 * row); }).Add("", [](int row) {
-    return std::sin(0.02 * row) * std::cos(0.03 * row);
-  });
-  nameless.Add("", [](int row) { return std::sin(0.02 * row) * std::sin(0.03 * row); });
-  nameless.Add("", Always(0.0));
-  joints.clear();
-  for (int i = 0; i < 5; ++i) joints[std::to_string(i + 2)] = kFlex5[i];
-  shapes.push_back({"motion_nameless", nameless.Text(",", false), 100, "counts", joints});
 }
 
 void AddDeadSensors(Shapes& shapes) {
@@ -504,6 +508,7 @@ std::vector<GloveShape> GloveShapes() {
   Shapes shapes;
   AddPositionsAndAngles(shapes);
   AddMotionSensors(shapes);
+  AddNamelessMotionSensor(shapes);
   AddDeadSensors(shapes);
   AddLists(shapes);
   AddTurned(shapes);
