@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "controller/number.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
@@ -17,6 +19,7 @@
 #include "sim/inspect/inspection.h"
 #include "sim/inspect/inspection_tables.h"
 #include "sim/inspect/starter_files.h"
+#include "sim/results/table_text.h"
 #include "sim/video/png_file.h"
 #include "sim/video/recording_picture.h"
 
@@ -26,12 +29,14 @@ namespace {
 struct InspectOptions {
   static constexpr auto kName = "inspect";
   static constexpr auto kPurpose =
-      "What a stranger's recording is, and a column map and scenario that run it";
+      "Sensors, rate, unit and joints of a recording; a column map and scenario that run it";
   std::string file;
   std::string map;
   std::string scenario;
   std::string plot;
+  std::string columns;
   InspectionOptions inspection;
+  bool verbose = false;
   bool force = false;
   bool json = false;
 
@@ -46,18 +51,27 @@ struct InspectOptions {
         Option("--rate", &inspection.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rows per second of a file without a time [50]"),
         ArrayOption(inspection.array),
-        Option("--preset", &inspection.preset, {.value = "NAME"},
+        Option("--preset", &inspection.joints.preset, {.value = "NAME"},
                "the glove whose sensors the columns are, in its order, as cyberglove22, or a "
                "column map with numbers [by names]"),
+        Option("--columns", &columns, {.value = "FIRST-LAST"},
+               "the columns of the sensors, as 3-25 [found]"),
+        Option("--hand", &inspection.joints.hand, {.choices = {"left", "right"}},
+               "the hand to take from a file with both"),
+        Option("--map", &inspection.joints.map, {.value = "MAP.csv", .offer = Offer::kFiles},
+               "a filled-in column map: its joints count, and the scenario uses it"),
         ForceOption(force),
+        Option("--verbose", &verbose, {}, "print reasons and more statistics"),
         Option("--json", &json, {}, "print JSON instead of the table"),
     };
   }
 
   static constexpr auto kNotes = R"(
-The file is known by its bytes. Of a file above 1 GB the beginning is read. Noise is the
-standard deviation from the curvature between three rows; still is how often a value is that
-of the row before, clipped how often it is the lowest or highest of all.
+The format is found from the bytes. Of a file above 1 GB the beginning is read. Noise is the
+standard deviation from the curvature between three rows; still is the share of values equal to
+the row before, clipped the share of the lowest and highest value. A dead sensor has one value
+in 99 % of the rows, or in 95 % and a narrow range. If the joints are unknown, the command asks
+and returns 2.
 
 Example:
   gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot my_glove.png
@@ -82,10 +96,21 @@ void PrintArrays(const Inspection& inspection) {
   for (const ListedArray& array : inspection.arrays) {
     (array.is_taken ? taken : left_out).push_back(array);
   }
-  Print("arrays  {}: {}\n", TextOf(taken),
-        inspection.array.empty() ? "of this number of rows, which holds the most values"
-                                 : "what --array names, and its time");
-  if (!left_out.empty()) Print("        not {}; --array NAME takes them\n", TextOf(left_out));
+  constexpr std::size_t kWidth = 80;
+  const std::string text =
+      fmt::format("arrays  {}: {}", TextOf(taken),
+                  inspection.array.empty() ? "of this number of rows, which holds the most values"
+                                           : "what --array names, and its time");
+  Print("{}\n", Wrapped(text, kWidth));
+  if (left_out.empty()) return;
+  Print("{}\n", Wrapped(fmt::format("not {}; --array NAME takes them", TextOf(left_out)), kWidth));
+}
+
+/// Gaps, restarts and repeats of the time.
+void PrintDefects(const TimeStatistics& time) {
+  if (time.gaps > 0) Print("gaps    {}, the longest {:.4g} s\n", time.gaps, time.longest_gap_s);
+  if (time.restarts > 0) Print("time    goes back {} times\n", time.restarts);
+  if (time.repeats > 0) Print("time    repeats {} times\n", time.repeats);
 }
 
 void PrintTime(const Inspection& inspection) {
@@ -93,30 +118,22 @@ void PrintTime(const Inspection& inspection) {
   if (!inspection.has_time) {
     Print("time    none: {}\n", inspection.time_why);
     Print("rate    {:.5g} Hz, {}\n", time.rate_hz,
-          inspection.rate_is_known ? "as given" : "an assumption; --rate HZ tells it");
+          inspection.rate_is_known ? "as given" : "assumed; --rate HZ gives it");
     return;
   }
   Print("time    {}\n", inspection.time_why);
   Print("rate    {:.5g} Hz, nine in ten rows after {:.3g} to {:.3g} ms; {:.5g} s\n", time.rate_hz,
         time.short_ms, time.long_ms, time.duration_s);
-  if (time.gaps > 0) {
-    Print("        {} gaps, the longest {:.4g} s\n", time.gaps, time.longest_gap_s);
-  }
-  if (time.restarts > 0) Print("        the time goes back {} times\n", time.restarts);
-  if (time.repeats > 0) Print("        the time repeats {} times\n", time.repeats);
+  PrintDefects(time);
 }
 
-void PrintInspection(const Inspection& inspection) {
+/// Format, time, unit and repairs, with reasons.
+void PrintDetails(const Inspection& inspection) {
   const TableLayout& layout = inspection.layout;
-  Print("{}\n\n", OneLine(inspection.file));
   Print("format  {}, {} between cells{}; {}\n", NameOf(inspection.format),
         SeparatorText(layout.separator), layout.decimal_comma ? ", decimal comma" : "",
         HeaderText(layout));
   PrintArrays(inspection);
-  Print("size    {} rows of {} columns{}\n", inspection.rows, layout.columns,
-        inspection.is_whole ? ""
-                            : fmt::format(": the first {} of {} MB, the rest is not looked at",
-                                          kMostInspectedBytes >> 20, inspection.file_bytes >> 20));
   PrintTime(inspection);
   if (inspection.unit != RawUnit::kUnknown) {
     const std::string bits =
@@ -126,7 +143,24 @@ void PrintInspection(const Inspection& inspection) {
   for (const auto& [kind, count] : inspection.problems) {
     Print("repair  {}: {} times\n", kind, count);
   }
-  Print("\n{}", TextOf(ColumnsTable(inspection), StyleOf({})));
+}
+
+void PrintInspection(const Inspection& inspection, bool is_verbose) {
+  Print("{}\n", SummaryOf(inspection));
+  Print("file    {}\n", OneLine(inspection.file, 70));
+  Print("size    {} rows of {} columns, {:.5g} s{}\n", inspection.rows, inspection.layout.columns,
+        inspection.time.duration_s,
+        inspection.is_whole ? ""
+                            : fmt::format("; the first {} of {} MB, not the rest",
+                                          kMostInspectedBytes >> 20, inspection.file_bytes >> 20));
+  Print("joints  {}\n", BasisText(inspection));
+  if (!is_verbose) {
+    PrintArrays(inspection);
+    PrintDefects(inspection.time);
+  } else {
+    PrintDetails(inspection);
+  }
+  Print("\n{}", TextOf(ColumnsTable(inspection, is_verbose), StyleOf({})));
 }
 
 /// As a file in the folder of `from` names it.
@@ -155,28 +189,60 @@ void Write(const std::string& target, const std::string& text, bool force) {
   Say("wrote {}\n", target);
 }
 
+/// First and last column of `FIRST-LAST`.
+std::pair<std::size_t, std::size_t> ColumnRange(const std::string& text) {
+  const std::size_t dash = text.find('-');
+  constexpr std::size_t kMost = 1000000;
+  const auto first = controller::ParseWholeNumber(text.substr(0, dash), 1, kMost);
+  const auto last = controller::ParseWholeNumber(
+      text.substr(dash == std::string::npos ? text.size() : dash + 1), 1, kMost);
+  if (!first || !last || *last < *first) {
+    throw UserError(
+        {.place = "--columns",
+         .problem = fmt::format("'{}' must be FIRST-LAST, as 3-25", OneLine(text, 30))});
+  }
+  return {*first, *last};
+}
+
+/// Errors: UserError with the question that is open, and what answers it.
+void CheckQuestion(const Inspection& inspection, const std::string& map) {
+  if (inspection.question.empty()) return;
+  const bool has_rows = !inspection.Sensors().empty();
+  const std::string way =
+      !has_rows     ? ""
+      : map.empty() ? "; --preset NAME, or --write-map MAP.csv and fill it in"
+                    : fmt::format("; fill in {}, then --map {}", ShellPath(map), ShellPath(map));
+  throw UserError({.place = inspection.file, .problem = inspection.question + way});
+}
+
 void RunInspect(const InspectOptions& options) {
   if (IsHandFile(options.file)) {
     PrintHand(options.file);
     return;
   }
   std::string map = options.map;
-  if (map.empty() && !options.scenario.empty()) {
+  const std::string& given_map = options.inspection.joints.map;
+  if (map.empty() && given_map.empty() && !options.scenario.empty()) {
     map = fs::path(options.scenario).replace_extension(".map.csv").string();
   }
-  const Inspection inspection = Inspect(options.file, options.inspection);
+  InspectionOptions asked = options.inspection;
+  if (!options.columns.empty()) asked.columns = ColumnRange(options.columns);
+  const Inspection inspection = Inspect(options.file, asked);
   CheckTargets(map, options);
   if (options.json) {
     PrintText(InspectionJson(inspection));
   } else {
-    PrintInspection(inspection);
+    PrintInspection(inspection, options.verbose);
   }
   FlushOutput();
-  if (!map.empty()) Write(map, StarterMap(inspection), options.force);
+  if (!map.empty() && !inspection.Sensors().empty()) {
+    Write(map, StarterMap(inspection), options.force);
+  }
+  CheckQuestion(inspection, map);
   if (!options.scenario.empty()) {
     Write(options.scenario,
           StarterScenario(inspection, SeenFrom(options.scenario, options.file),
-                          SeenFrom(options.scenario, map)),
+                          SeenFrom(options.scenario, given_map.empty() ? map : given_map)),
           options.force);
     if (!options.json) Print("\nNext: gauntlet compare {}\n", ShellPath(options.scenario));
   }

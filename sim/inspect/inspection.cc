@@ -3,19 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
-#include <numbers>
+#include <numeric>
 
+#include "controller/number.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
-#include "sim/inspect/joint_names.h"
 #include "sim/inspect/time_guess.h"
-#include "sim/recordings/column_map.h"
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/name_words.h"
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_columns.h"
 
@@ -54,74 +52,65 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
   return statistics;
 }
 
-/// Takes over the guessed time columns if their time advances. Otherwise the rate is the given one
-/// (0: none), or an assumption.
+/// A clock whose steps are longer than those of the rows.
+bool IsCoarse(const TimeStatistics& time, std::size_t rows) {
+  constexpr double kMostRepeats = 0.04;  // more would need a repair of too many rows
+  return time.duration_s > 0.0 &&
+         static_cast<double>(time.repeats) > kMostRepeats * static_cast<double>(rows);
+}
+
+/// Rate in a line before the table, as `Sampling rate: 100 Hz`; 0 if there is none.
+double RateInNotes(const std::vector<std::string>& notes) {
+  constexpr double kSlowest_hz = 1.0;
+  constexpr double kFastest_hz = 1e4;
+  for (const std::string& note : notes) {
+    const std::vector<std::string> words = WordsOf(note);
+    const bool is_of_rows =
+        HasWordOf(words, "sampling sample samplerate samplingrate samples fps fs frame");
+    const std::size_t digit = note.find_first_of("0123456789");
+    if (!is_of_rows || !HasWordOf(words, "rate frequency hz fps fs samplerate samplingrate") ||
+        digit == std::string::npos) {
+      continue;
+    }
+    const std::size_t end = note.find_first_not_of("0123456789.", digit);
+    const auto rate_hz = controller::ParseNumber(note.substr(digit, end - digit));
+    if (rate_hz && *rate_hz >= kSlowest_hz && *rate_hz <= kFastest_hz) return *rate_hz;
+  }
+  return 0.0;
+}
+
+/// A table whose rows have no times of their own: the rate is the given one (0: none), the mean of
+/// a coarse clock, or an assumption.
+void TakeRate(const TimeStatistics& time, bool is_coarse, double given_rate_hz,
+              Inspection& inspection) {
+  constexpr double kAssumedRateHz = 50.0;
+  inspection.rate_is_known = given_rate_hz > 0.0;
+  inspection.rate_is_assumed = !inspection.rate_is_known;
+  const auto rows = static_cast<double>(inspection.rows);
+  inspection.time.rate_hz = inspection.rate_is_known ? given_rate_hz
+                            : is_coarse              ? (rows - 1.0) / time.duration_s
+                                                     : kAssumedRateHz;
+  inspection.time.duration_s = rows / inspection.time.rate_hz;
+}
+
+/// Takes over the guessed time columns if their time advances from row to row.
 void TakeTime(const TimeGuess& guess, const TimeStatistics& time, double given_rate_hz,
               Inspection& inspection) {
-  inspection.has_time = !guess.parts.empty() && std::isfinite(time.rate_hz);
+  const bool is_coarse = !guess.parts.empty() && IsCoarse(time, inspection.rows);
+  inspection.has_time = !guess.parts.empty() && std::isfinite(time.rate_hz) && !is_coarse;
   inspection.rate_is_known = inspection.has_time;
-  inspection.time_why = guess.parts.empty() || inspection.has_time
-                            ? guess.why
-                            : "its column has no two rows at different times";
+  inspection.time_why = guess.parts.empty() || inspection.has_time ? guess.why
+                        : is_coarse ? "its clock repeats in many rows; the mean rate counts"
+                                    : "its column has no two rows at different times";
   if (!inspection.has_time) {
-    constexpr double kAssumedRateHz = 50.0;
-    inspection.rate_is_known = given_rate_hz > 0.0;
-    inspection.time.rate_hz = inspection.rate_is_known ? given_rate_hz : kAssumedRateHz;
-    inspection.time.duration_s = static_cast<double>(inspection.rows) / inspection.time.rate_hz;
+    TakeRate(time, is_coarse, given_rate_hz, inspection);
     return;
   }
+  inspection.rate_is_assumed = guess.is_assumed;
   inspection.time = time;
   for (const TimePart& part : guess.parts) {
     inspection.columns.at(part.column).time_unit = part.unit;
   }
-}
-
-constexpr double kBeyondCounts = 4294967296.0;  // 2^32
-
-/// Columns that may be sensors of a hand.
-std::vector<std::size_t> FindSensors(Inspection& inspection) {
-  std::vector<std::size_t> sensors;
-  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
-    InspectedColumn& column = inspection.columns[c];
-    if (!column.time_unit.empty()) continue;
-    const ColumnStatistics& statistics = column.statistics;
-    if (column.kind != CellKind::kNumber) {
-      column.why = column.kind == CellKind::kText ? "text" : "a time, which another column has";
-    } else if (statistics.good_rows == 0) {
-      column.why = "empty";
-    } else if (IsSampleNumber(column.name) || TimeScaleS(column.name) ||
-               (statistics.is_rising && statistics.is_whole && statistics.low < statistics.high)) {
-      column.why = "it counts the rows, or is another time";
-    } else if (const std::string other = NoSensor(column.name); !other.empty()) {
-      column.why = "by its name " + other;
-    } else if (std::max(std::abs(statistics.usual_low), std::abs(statistics.usual_high)) >=
-               kBeyondCounts) {
-      column.why = "numbers beyond 32 bits, which no converter has";
-    } else if (statistics.low == statistics.high && ReadSensorName(column.name).finger.empty()) {
-      column.why = "it never moves";
-    } else {
-      sensors.push_back(c);
-    }
-  }
-  return sensors;
-}
-
-/// The unit that more than half of the names have.
-RawUnit UnitByNames(const std::vector<std::size_t>& sensors, const Inspection& inspection) {
-  constexpr std::array<Meaning, 4> kUnitNames = {{{"deg", "deg degree degrees"},
-                                                  {"rad", "rad radian radians"},
-                                                  {"volts", "v volt volts voltage"},
-                                                  {"counts", "counts count adc raw"}}};
-  for (const RawUnit unit :
-       {RawUnit::kDegrees, RawUnit::kRadians, RawUnit::kVolts, RawUnit::kCounts}) {
-    const auto is_named = [&](std::size_t c) {
-      return std::ranges::any_of(WordsOf(inspection.columns[c].name), [&](const std::string& word) {
-        return MeaningOf(kUnitNames, word) == NameOf(unit);
-      });
-    };
-    if (2 * std::ranges::count_if(sensors, is_named) > std::ssize(sensors)) return unit;
-  }
-  return RawUnit::kUnknown;
 }
 
 int BitsFor(double high) {
@@ -131,129 +120,193 @@ int BitsFor(double high) {
   return 32;
 }
 
-/// Common range of all sensors, without the rarest values.
-struct CommonRange {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  bool is_whole = true;
-  bool is_near_zero = false;  // most columns have both signs, or values near zero
-  double reach = 0.0;         // largest magnitude
-};
-
-CommonRange RangeOf(const std::vector<std::size_t>& sensors, const Inspection& inspection) {
-  CommonRange range;
-  std::size_t near_zero = 0;
-  for (const std::size_t c : sensors) {
-    const ColumnStatistics& column = inspection.columns[c].statistics;
-    range.low = std::min(range.low, column.usual_low);
-    range.high = std::max(range.high, column.usual_high);
-    range.is_whole = range.is_whole && column.is_whole;
-    const double reach = std::max(std::abs(column.usual_low), std::abs(column.usual_high));
-    near_zero += column.usual_low < 0.1 * reach ? 1 : 0;
+std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection,
+                                       const TableStatistics& statistics) {
+  std::vector<ColumnEvidence> evidence;
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    const bool is_number = column.kind == CellKind::kNumber;
+    evidence.push_back({.name = column.name,
+                        .is_text = !is_number,
+                        .is_time = !column.time_unit.empty(),
+                        .statistics = column.statistics,
+                        .values = is_number ? statistics.KeptValues(c) : std::vector<double>()});
   }
-  range.is_near_zero = 2 * near_zero > sensors.size();
-  range.reach = std::max(std::abs(range.low), std::abs(range.high));
-  return range;
+  return evidence;
 }
 
-struct UnitGuess {
-  bool fits;
-  RawUnit unit;
-  std::string_view why;
-};
-
-/// Guesses one unit for all sensors: a glove has only one. The first guess that fits counts.
-void GuessUnit(const std::vector<std::size_t>& sensors, Inspection& inspection) {
-  constexpr double kMostVolts = 5.3;  // a supply of 5 V and its tolerance
-  const CommonRange range = RangeOf(sensors, inspection);
-  const RawUnit named = UnitByNames(sensors, inspection);
-  const bool is_count = range.reach > 180.0 || (range.low > 20.0 && range.reach > 100.0);
-  const bool is_voltage = range.low >= -0.01 && range.high <= kMostVolts;
-  const bool is_share = range.low >= -0.01 && range.high <= 1.01;
-  const UnitGuess guesses[] = {
-      {named != RawUnit::kUnknown, named, ", and the names say so"},
-      {range.is_whole && is_count, RawUnit::kCounts, ", more than an angle has"},
-      {range.is_whole && range.reach > 4.0, RawUnit::kDegrees, ", as many as a joint has degrees"},
-      {is_share, RawUnit::kShare, ", within 0 and 1"},
-      {is_voltage && !range.is_near_zero, RawUnit::kVolts,
-       ", away from zero as a voltage divider is"},
-      {range.reach <= std::numbers::pi, RawUnit::kRadians, ", no more than half a turn in radians"},
-      {is_voltage, RawUnit::kVolts, ", more than radians, less than degrees"},
-      {range.reach <= 200.0, RawUnit::kDegrees, ", what joints have in degrees"},
-      {true, RawUnit::kCounts, ", beyond what an angle has"}};
-  const UnitGuess& guess = *std::ranges::find(guesses, true, &UnitGuess::fits);
-  inspection.unit = guess.unit;
-  inspection.unit_why =
-      fmt::format("{} from {:.4g} to {:.4g}{}", range.is_whole ? "whole numbers" : "numbers",
-                  range.low, range.high, guess.why);
-  if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(range.high);
-}
-
-/// The channels of a preset by sensor number; empty for sensors that drive no joint.
-std::vector<std::string> ChannelsOfPreset(const std::string& preset) {
-  const std::filesystem::path file = FileOfMap(preset);
-  CsvReader csv(file.string(), FileSource(file), ProblemHandling::kAllowMissing);
-  std::vector<std::string> cells;
-  std::vector<std::string> channels;
-  while (csv.NextRow(cells)) {
-    const auto number = static_cast<std::size_t>(csv.Number(cells.front(), 1));
-    if (number < 1 || number > 1000) csv.Fail(1, "must be the number of a sensor");
-    channels.resize(std::max(channels.size(), number));
-    if (cells[1] != "ignore" && channels[number - 1].empty()) channels[number - 1] = cells[1];
+/// The family of the columns that a person calls sensors, and nothing else.
+std::vector<ColumnFamily> GivenFamily(const std::vector<ColumnEvidence>& evidence,
+                                      std::size_t first, std::size_t last) {
+  if (first < 1 || last < first || last > evidence.size()) {
+    throw UserError(fmt::format("--columns must be FIRST-LAST within 1 and {}", evidence.size()));
   }
-  return channels;
+  std::vector<std::size_t> columns(last - first + 1);
+  std::iota(columns.begin(), columns.end(), first - 1);
+  for (const std::size_t c : columns) {
+    if (!evidence[c].is_text && !evidence[c].is_time && evidence[c].statistics.good_rows > 0) {
+      continue;
+    }
+    throw UserError(fmt::format("--columns: column {} {}", c + 1,
+                                evidence[c].is_time ? "is the time" : "contains no numbers"));
+  }
+  return {FamilyOfSensors(evidence, columns)};
 }
 
-/// The preset with this number of sensors; empty if there is none.
-std::string PresetFor(std::size_t sensors) {
-  static const std::map<std::size_t, std::string> kPresets = {
-      {5, "flex5"}, {14, "5dt14"}, {18, "cyberglove18"}, {20, "manus20"}, {22, "cyberglove22"}};
-  const auto found = kPresets.find(sensors);
-  return found == kPresets.end() ? "" : found->second;
+/// True for a sensor that hardly ever leaves one value, or seldom and not far.
+bool IsDead(const ColumnStatistics& is, double widest) {
+  constexpr double kAlways = 0.99;
+  constexpr double kMostly = 0.95;
+  constexpr double kNarrow = 0.5;  // of the widest range of a sensor
+  return is.commonest_share >= kAlways ||
+         (is.commonest_share >= kMostly && is.high - is.low < kNarrow * widest);
 }
 
-void GuessChannels(const std::vector<std::size_t>& sensors, const std::string& asked,
-                   Inspection& inspection) {
-  std::vector<std::string> names;
-  for (const std::size_t c : sensors) names.push_back(inspection.columns[c].name);
-  std::vector<std::string> why;
-  std::vector<std::string> channels = ChannelsByNames(names, why);
-  const auto is_named = [](const std::string& channel) { return !channel.empty(); };
-  const bool are_named = std::ranges::any_of(channels, is_named);
-  if (!asked.empty() || !are_named) {
-    const std::string preset = asked.empty() ? PresetFor(sensors.size()) : asked;
-    const std::vector<std::string> order =
-        preset.empty() ? GloveChannelNames() : ChannelsOfPreset(preset);
-    for (std::size_t i = 0; i < sensors.size(); ++i) {
-      channels[i] = i < order.size() ? order[i] : "";
-      why[i] = preset.empty() ? "in the order of gauntlet list channels (assumption)"
-                              : "in the order of " + preset +
-                                    (asked.empty() ? ", by their number (assumption)" : "");
-      if (channels[i].empty()) why[i] = "no joint is left for it " + why[i];
+/// Quantities of the columns, and the joints of one family.
+void TakeJoints(const std::vector<ColumnFamily>& families, const JointChoice& choice,
+                Inspection& inspection) {
+  for (const ColumnFamily& family : families) {
+    for (const std::size_t c : family.columns) {
+      InspectedColumn& column = inspection.columns[c];
+      column.quantity = family.quantity;
+      column.why = family.quantity == Quantity::kSensor
+                       ? "a sensor of another family than that of the joints"
+                       : std::string(family.why);
+      if (column.kind == CellKind::kTime) column.why = "another time";
     }
   }
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    InspectedColumn& column = inspection.columns[sensors[i]];
-    column.channel = channels[i];
-    column.why = why[i].empty() ? "its name says no joint" : why[i];
+  double widest = 0.0;  // range of a sensor
+  for (const std::size_t c : choice.columns) {
+    const ColumnStatistics& is = inspection.columns[c].statistics;
+    widest = std::max(widest, is.high - is.low);
+  }
+  for (std::size_t i = 0; i < choice.columns.size(); ++i) {
+    InspectedColumn& column = inspection.columns[choice.columns[i]];
+    const ColumnJoint& joint = choice.joints[i];
+    column.is_sensor = true;
+    column.is_dead = IsDead(column.statistics, widest);
+    column.channel = joint.channel;
+    column.basis = joint.basis;
+    column.why = joint.why.empty() ? "its joint is unknown" : joint.why;
+    if (column.is_dead) {
+      column.why = fmt::format("dead: {:g} in {:.3g} % of the rows", column.statistics.low,
+                               100.0 * column.statistics.commonest_share);
+    }
+  }
+  inspection.unit = choice.columns.empty() ? RawUnit::kUnknown : choice.unit;
+  inspection.unit_is_assumed = choice.unit_is_assumed;
+  inspection.unit_why = choice.unit_why;
+  inspection.unit_high = choice.high;
+  if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(choice.high);
+  inspection.question = choice.question;
+}
+
+double DegPerUnit(const Inspection& inspection) {
+  return inspection.unit == RawUnit::kRadians ? kDegPerRad : 1.0;
+}
+
+bool HasAngles(const Inspection& inspection) {
+  return inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
+}
+
+/// One sign for all joints that bend mainly to the positive side: that of most of them. Angles of
+/// a joint that are nearly all negative fall while it bends.
+void GuessSign(Inspection& inspection) {
+  if (!HasAngles(inspection)) return;
+  std::vector<std::size_t> flexions;
+  std::size_t falling = 0, rising = 0;
+  for (const std::size_t c : inspection.MappedColumns()) {
+    const InspectedColumn& column = inspection.columns[c];
+    const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+    if (joint.max_deg < -joint.min_deg + 20.0 || column.is_turning) continue;
+    flexions.push_back(c);
+    const double middle_deg =
+        DegPerUnit(inspection) * (column.statistics.usual_low + column.statistics.usual_high) / 2.0;
+    const double far_deg = 0.05 * (joint.max_deg - joint.min_deg);
+    falling += middle_deg < -far_deg ? 1 : 0;
+    rising += middle_deg > far_deg ? 1 : 0;
+  }
+  inspection.sign_is_assumed = falling > 0;
+  if (falling <= rising) return;
+  for (const std::size_t c : flexions) inspection.columns[c].is_inverted = true;
+}
+
+/// Angles that jump by 360 from row to row go on without the jump, in the range of the joint.
+void UnwrapTurns(Inspection& inspection) {
+  if (inspection.unit != RawUnit::kDegrees) return;
+  constexpr double kTurn_deg = 360.0;
+  for (const std::size_t c : inspection.MappedColumns()) {
+    InspectedColumn& column = inspection.columns[c];
+    if (column.statistics.turns == 0) continue;
+    column.is_turning = true;
+    std::vector<double>& values = inspection.picture_values[c];
+    double turns = 0.0, low = kNaN, high = kNaN, before = kNaN;
+    for (double& value : values) {
+      if (value - before > kTurn_deg / 2.0) turns -= kTurn_deg;
+      if (value - before < -kTurn_deg / 2.0) turns += kTurn_deg;
+      before = value;
+      value += turns;
+      low = std::fmin(low, value);
+      high = std::fmax(high, value);
+    }
+    const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+    const double middle = (joint.min_deg + joint.max_deg) / 2.0;
+    column.turned_deg = kTurn_deg * std::round((middle - (low + high) / 2.0) / kTurn_deg);
+    column.why += "; it jumps by 360: the jumps are undone";
+    for (double& value : values) value += column.turned_deg;
   }
 }
 
-/// Marks angles as inverted if they fall while the joint bends: nearly all values are negative,
-/// although the joint bends mainly to the positive side.
-void GuessSigns(Inspection& inspection) {
-  for (InspectedColumn& column : inspection.columns) {
-    if (column.channel.empty()) continue;
-    const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
-    const double middle = column.statistics.usual_low + column.statistics.usual_high;
-    const bool is_angle =
-        inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
-    const double far_deg = 0.1 * (inspection.unit == RawUnit::kRadians ? kRadPerDeg : 1.0) *
-                           (joint.max_deg - joint.min_deg);
-    if (!is_angle || joint.max_deg < -joint.min_deg + 20.0 || middle > -far_deg) continue;
-    column.is_inverted = true;
-    column.why += "; bends downwards";
+/// Share of the rows with an angle beyond the joint's range, by more than this share of the range.
+double ShareBeyond(const Inspection& inspection, std::size_t c, double margin) {
+  const InspectedColumn& column = inspection.columns[c];
+  const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+  const double reach_deg = margin * (joint.max_deg - joint.min_deg) + 0.1;
+  const double factor = DegPerUnit(inspection) * (column.is_inverted ? -1.0 : 1.0);
+  double beyond = 0.0, all = 0.0;
+  for (const double value : inspection.picture_values[c]) {
+    if (!std::isfinite(value)) continue;
+    all += 1.0;
+    const double deg = factor * value;
+    beyond += deg < joint.min_deg - reach_deg || deg > joint.max_deg + reach_deg ? 1.0 : 0.0;
   }
+  return all > 0.0 ? beyond / all : 0.0;
+}
+
+/// A sentence if an angle is nearly always beyond its joint's range, or often far beyond it.
+std::string RangeQuestion(const Inspection& inspection) {
+  if (!HasAngles(inspection)) return "";
+  constexpr double kNearlyAlways = 0.95;
+  constexpr double kOften = 0.05;
+  constexpr double kFar = 0.5;  // of the joint's range: reading takes it for a glitch
+  for (const std::size_t c : inspection.MappedColumns()) {
+    const double share = ShareBeyond(inspection, c, 0.0);
+    const double far_share = ShareBeyond(inspection, c, kFar);
+    if (share < kNearlyAlways && far_share < kOften) continue;
+    const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
+    return fmt::format(
+        "column {}: {} of {:.0f} % of the rows is outside its range, {:g} to {:g} deg; the unit "
+        "[{}] "
+        "or the joint is another",
+        c + 1, joint.name, 100.0 * std::max(share, far_share), joint.min_deg, joint.max_deg,
+        NameOf(inspection.unit));
+  }
+  return "";
+}
+
+/// A sentence if the recording cannot be played as it is understood.
+std::string StopQuestion(const Inspection& inspection, bool has_map) {
+  constexpr double kSlowest_hz = 1.0;
+  constexpr double kFastest_hz = 1e4;
+  const double rate_hz = inspection.time.rate_hz;
+  if (rate_hz < kSlowest_hz || rate_hz > kFastest_hz) {
+    return fmt::format(
+        "{:.4g} rows per second, must be from 1 to 10000: the unit of the time is "
+        "another",
+        rate_hz);
+  }
+  if (inspection.MappedColumns().empty()) return "no sensor of the hand changes its value";
+  return has_map ? "" : RangeQuestion(inspection);
 }
 
 void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
@@ -270,20 +323,43 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
   }
 }
 
-}  // namespace
-
-std::string_view NameOf(RawUnit unit) {
-  constexpr std::array<std::string_view, 6> kNames = {"counts", "share", "deg",
-                                                      "rad",    "volts", "unknown"};
-  return kNames[static_cast<std::size_t>(unit)];
+void FindJoints(const TableStatistics& statistics, const InspectionOptions& options,
+                Inspection& inspection) {
+  const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection, statistics);
+  try {
+    const std::vector<ColumnFamily> families =
+        options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
+                        : FindFamilies(evidence, inspection.has_time ? statistics.kept_times_s()
+                                                                     : std::vector<double>());
+    TakeJoints(families, ChooseJoints(families, inspection.layout.names, options.joints),
+               inspection);
+  } catch (const UserError& error) {
+    if (!error.place().empty()) throw;
+    throw UserError({.place = inspection.file, .problem = error.what()});
+  }
+  UnwrapTurns(inspection);
+  GuessSign(inspection);
+  if (inspection.question.empty()) {
+    inspection.question = StopQuestion(inspection, !options.joints.map.empty());
+  }
 }
+
+}  // namespace
 
 std::vector<std::size_t> Inspection::MappedColumns() const {
   std::vector<std::size_t> mapped;
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (!columns[c].channel.empty()) mapped.push_back(c);
+    if (!columns[c].channel.empty() && !columns[c].is_dead) mapped.push_back(c);
   }
   return mapped;
+}
+
+std::vector<std::size_t> Inspection::Sensors() const {
+  std::vector<std::size_t> sensors;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].is_sensor) sensors.push_back(c);
+  }
+  return sensors;
 }
 
 Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& options) {
@@ -314,13 +390,11 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
       inspection.columns[c].statistics = statistics.Column(c);
     }
   }
-  TakeTime(time, statistics.Time(), options.rate_hz, inspection);
+  TakeTime(time, statistics.Time(),
+           options.rate_hz > 0.0 ? options.rate_hz : RateInNotes(inspection.layout.notes),
+           inspection);
   KeepPicture(statistics, inspection);
-  const std::vector<std::size_t> sensors = FindSensors(inspection);
-  if (sensors.empty()) return inspection;
-  GuessChannels(sensors, options.preset, inspection);
-  GuessUnit(inspection.MappedColumns(), inspection);
-  GuessSigns(inspection);
+  FindJoints(statistics, options, inspection);
   return inspection;
 }
 

@@ -3,22 +3,22 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "sim/inspect/joint_choice.h"
 #include "sim/inspect/table_layout.h"
-#include "sim/inspect/table_statistics.h"
 #include "sim/recordings/array_table.h"
 #include "sim/recordings/file_format.h"
+#include "sim/recordings/quantities.h"
+#include "sim/recordings/table_statistics.h"
 
 namespace gauntlet::sim {
 
 /// Largest part of a file that is read: hours of any glove.
 inline constexpr std::uintmax_t kMostInspectedBytes = std::uintmax_t{1} << 30;
-
-/// Unit of the values in a glove's columns.
-enum class RawUnit { kCounts, kShare, kDegrees, kRadians, kVolts, kUnknown };
-std::string_view NameOf(RawUnit unit);
 
 /// A column and its interpretation.
 struct InspectedColumn {
@@ -26,9 +26,15 @@ struct InspectedColumn {
   CellKind kind = CellKind::kNumber;
   ColumnStatistics statistics;  // for numbers
   std::string time_unit;        // as in a column map; empty: not a time
-  std::string channel;          // empty: ignored
-  bool is_inverted = false;     // falls while the joint bends
-  std::string why;              // reason for the channel, or for ignoring the column
+  Quantity quantity = Quantity::kUnknown;
+  bool is_sensor = false;  // of the family that drives the joints
+  bool is_dead = false;    // a sensor with one value in nearly all rows: drives no joint
+  std::string channel;     // empty: ignored
+  JointBasis basis = JointBasis::kName;
+  bool is_inverted = false;  // falls while the joint bends
+  double turned_deg = 0.0;   // added to angles that jump by 360, to be in the joint's range
+  bool is_turning = false;   // jumps by 360
+  std::string why;           // reason for the channel, or for ignoring the column
 };
 
 /// Findings about a third-party recording.
@@ -45,21 +51,31 @@ struct Inspection {
   std::string time_why;                         // reason for these time columns, or for none
   bool has_time = false;
   bool rate_is_known = false;
-  TimeStatistics time;  // without time columns: rate_hz as given or assumed
+  bool rate_is_assumed = false;  // unknown, or by the size of the times
+  TimeStatistics time;           // without time columns: rate_hz as given or assumed
   RawUnit unit = RawUnit::kUnknown;
-  int bits = 0;  // for counts
+  bool unit_is_assumed = false;
+  bool sign_is_assumed = false;
+  double unit_high = 0.0;  // highest usual value of the sensors
+  int bits = 0;            // for counts
   std::string unit_why;
+  std::string question;  // that stops the work until it is answered; empty: none
   std::vector<InspectedColumn> columns;
   std::vector<double> picture_time_s;               // of some rows
   std::vector<std::vector<double>> picture_values;  // per column; empty without numbers
 
+  /// Columns that drive a joint.
   std::vector<std::size_t> MappedColumns() const;
+  /// Sensors of the hand, dead ones included.
+  std::vector<std::size_t> Sensors() const;
 };
 
 struct InspectionOptions {
   double rate_hz = 0.0;  // of a file without time, if known; 0: unknown
   std::string array;     // of a file with arrays, see ListArrays(); empty: by size
-  std::string preset;    // glove with these sensors in its order; empty: by names
+  JointOptions joints = {};
+  // First and last column of the sensors, from 1; empty: found.
+  std::optional<std::pair<std::size_t, std::size_t>> columns = std::nullopt;
 };
 
 /// Errors: UserError in one line if the file has no readable table.

@@ -2,13 +2,32 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "sim/base/text.h"
 
 namespace gauntlet::sim {
 
 namespace {
+
+bool IsMapped(const InspectedColumn& column) { return !column.channel.empty() && !column.is_dead; }
+
+std::string_view NameOf(JointBasis basis) {
+  constexpr std::array<std::string_view, 4> kNames = {"name", "preset", "map", "assumed"};
+  return kNames[static_cast<std::size_t>(basis)];
+}
+
+/// The joint, or the quantity of a column without one.
+std::string MeaningOf(const InspectedColumn& column) {
+  if (!column.time_unit.empty()) return "time, " + column.time_unit;
+  if (column.is_dead) return "dead" + (column.channel.empty() ? "" : " (" + column.channel + ")");
+  if (IsMapped(column)) {
+    return column.channel + (column.basis == JointBasis::kAssumed ? " (assumed)" : "");
+  }
+  return column.is_sensor ? "no joint" : std::string(NameOf(column.quantity));
+}
 
 ResultRow RowOf(const InspectedColumn& column, std::size_t number) {
   const auto text_if_any = [](const std::string& text) {
@@ -23,10 +42,8 @@ ResultRow RowOf(const InspectedColumn& column, std::size_t number) {
                    ResultCell::Text(OneLine(column.name, 20)),
                    ResultCell(OneLine(column.name)),
                    text_if_any(column.time_unit),
-                   text_if_any(column.channel),
-                   ResultCell::Text(is_time                  ? "time, " + column.time_unit
-                                    : column.channel.empty() ? "-"
-                                                             : column.channel)};
+                   text_if_any(IsMapped(column) ? column.channel : ""),
+                   ResultCell::Text(MeaningOf(column))};
   if (column.kind == CellKind::kNumber && is.good_rows > 0) {
     row.insert(row.end(),
                {shown(is.low, fmt::format("{:.5g}", is.low)),
@@ -40,26 +57,77 @@ ResultRow RowOf(const InspectedColumn& column, std::size_t number) {
     row.resize(row.size() + 7);
   }
   row.push_back({{OneLine(column.why)}, is_time ? "" : OneLine(column.why)});
+  row.emplace_back(std::string(NameOf(column.quantity)));
+  row.push_back(column.is_dead ? ResultCell(true) : ResultCell());
+  row.push_back(IsMapped(column) ? ResultCell(std::string(NameOf(column.basis))) : ResultCell());
   return row;
+}
+
+/// "5 sensors", "1 sensor".
+std::string Counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 }  // namespace
 
-ResultTable ColumnsTable(const Inspection& inspection) {
+std::string BasisText(const Inspection& inspection) {
+  std::string text;
+  const std::pair<JointBasis, std::string_view> kTexts[] = {{JointBasis::kName, "by name"},
+                                                            {JointBasis::kPreset, "by preset"},
+                                                            {JointBasis::kMap, "by map"},
+                                                            {JointBasis::kAssumed, "assumed"}};
+  for (const auto& [basis, name] : kTexts) {
+    std::size_t joints = 0;
+    for (const std::size_t c : inspection.MappedColumns()) {
+      joints += inspection.columns[c].basis == basis ? 1 : 0;
+    }
+    if (joints == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", joints, name);
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string SummaryOf(const Inspection& inspection) {
+  const std::vector<std::size_t> sensors = inspection.Sensors();
+  std::string text = sensors.empty() ? "no sensor of a hand" : Counted(sensors.size(), "sensor");
+  text += fmt::format(", {:.4g} Hz{}", inspection.time.rate_hz,
+                      inspection.rate_is_assumed ? " (assumed)" : "");
+  if (sensors.empty()) return text;
+  text += fmt::format(", {}{}", NameOf(inspection.unit),
+                      inspection.unit_is_assumed ? " (assumed)" : "");
+  std::size_t dead = 0;
+  std::string names;
+  for (const std::size_t c : sensors) {
+    const InspectedColumn& column = inspection.columns[c];
+    if (!column.is_dead) continue;
+    ++dead;
+    const std::string name = column.channel.empty() ? OneLine(column.name, 20) : column.channel;
+    names += (names.empty() ? "" : ", ") + (name.empty() ? fmt::format("column {}", c + 1) : name);
+  }
+  return dead == 0 ? text : text + fmt::format(": {} dead ({})", dead, names);
+}
+
+ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose) {
+  const auto if_verbose = [is_verbose](const char* key, const char* heading) {
+    return is_verbose ? ResultColumn(key, heading) : OnlyInJson(key);
+  };
   ResultTable table{.columns = {ForPeople("#"),
                                 ForPeople("column"),
                                 OnlyInJson("name"),
                                 OnlyInJson("time_unit"),
                                 OnlyInJson("channel"),
-                                ForPeople("taken for").Words(),
+                                ForPeople("joint or quantity").Words(),
                                 {"low", "lowest"},
                                 {"high", "highest"},
-                                {"step", "step"},
+                                if_verbose("step", "step"),
                                 {"noise", "noise"},
-                                {"still_share", "still"},
-                                {"clipped_share", "clipped"},
+                                if_verbose("still_share", "still"),
+                                if_verbose("clipped_share", "clipped"),
                                 OnlyInJson("longest_still_rows"),
-                                ResultColumn("why", "why").Words()},
+                                if_verbose("why", "reason").Words(),
+                                OnlyInJson("quantity"),
+                                OnlyInJson("is_dead"),
+                                OnlyInJson("joint_by")},
                     .rows = {},
                     .names = 2};
   for (const InspectedColumn& column : inspection.columns) {
@@ -88,13 +156,17 @@ std::string InspectionJson(const Inspection& inspection) {
                                        {"has_time", inspection.has_time},
                                        {"rate_hz", inspection.time.rate_hz},
                                        {"rate_is_known", inspection.rate_is_known},
+                                       {"rate_is_assumed", inspection.rate_is_assumed},
                                        {"duration_s", inspection.time.duration_s},
                                        {"gaps", inspection.time.gaps},
                                        {"restarts", inspection.time.restarts},
                                        {"unit", NameOf(inspection.unit)},
+                                       {"unit_is_assumed", inspection.unit_is_assumed},
                                        {"bits", inspection.bits},
+                                       {"summary", SummaryOf(inspection)},
+                                       {"question", inspection.question},
                                        {"repairs", inspection.problems},
-                                       {"columns", JsonOf(ColumnsTable(inspection))}};
+                                       {"columns", JsonOf(ColumnsTable(inspection, false))}};
   return json.dump(2) + "\n";
 }
 

@@ -7,8 +7,13 @@
 
 namespace gauntlet::sim {
 
-/// A row per column of the file: what it is taken for and why, and what its numbers are like.
-ResultTable ColumnsTable(const Inspection& inspection);
+/// A row per column of the file: its quantity or joint, and statistics of its values. People see
+/// the reasons if `is_verbose`.
+ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose);
+/// The answer in one line: "5 sensors, 60 Hz, counts: 2 dead (index_pip, little_pip)".
+std::string SummaryOf(const Inspection& inspection);
+/// Evidence for the joints: "by name", "by order, assumed", ..
+std::string BasisText(const Inspection& inspection);
 std::string InspectionJson(const Inspection& inspection);
 
 /// "tab", "comma", ...

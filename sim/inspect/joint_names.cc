@@ -3,50 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
+#include <functional>
 #include <map>
 #include <utility>
 
 #include "sim/base/channels.h"
-#include "sim/recordings/time_columns.h"
+#include "sim/recordings/name_words.h"
 
 namespace gauntlet::sim {
 namespace {
 
 using Words = std::vector<std::string>;
-
-constexpr std::array<Meaning, 5> kFingers = {
-    {{"thumb", "thumb th thm thj"},
-     {"index", "index fore forefinger pointer if ff ffj idx"},
-     {"middle", "middle mid mf mfj"},
-     {"ring", "ring rf rfj"},
-     {"little", "little pinky pinkie pink small lf lfj"}}};
-
-constexpr std::array<Meaning, 5> kJoints = {{{"mcp", "mcp mpj knuckle proximal inner near"},
-                                             {"pip", "pip pij intermediate"},
-                                             {"ip", "ip"},
-                                             {"dip", "dip dij distal outer far tip"},
-                                             {"rotation", "cmc tmc roll rotation rot opposition"}}};
-
-constexpr std::array<Meaning, 1> kSpreads = {
-    {{"spread", "abd abduction adduction abducted spread splay aa"}}};
-
-constexpr std::array<Meaning, 14> kOthers = {
-    {{"a quaternion", "quat quaternion qw qx qy qz"},
-     {"an acceleration", "acc accel acceleration ax ay az"},
-     {"a rate of turn", "gyr gyro gx gy gz"},
-     {"a magnetic field", "mag"},
-     {"of the motion sensor", "imu"},
-     {"an orientation", "pitch yaw"},
-     {"a temperature", "temp temperature"},
-     {"the battery", "battery"},
-     {"a pressure", "pressure"},
-     {"a force", "force"},
-     {"a muscle's signal", "emg"},
-     {"a label", "label gesture class trial subject"},
-     {"a number of something", "id"},
-     {"a position", "pos"}}};
 
 bool Has(const Words& words, std::string_view word) {
   return std::ranges::find(words, word) != words.end();
@@ -68,6 +35,7 @@ std::string ChannelOfArm(const Words& words) {
     return "wrist_flexion";
   }
   if (Has(words, "forearm") || Has(words, "pronation")) return "forearm_rotation";
+  if (HasWordOf(words, "abd abduction adduction pan rotation rot roll yaw horizontal")) return "";
   if (Has(words, "elbow")) return "elbow_flexion";
   if (Has(words, "shoulder")) return "shoulder_flexion";
   return "";
@@ -91,36 +59,50 @@ std::vector<std::string> ChannelsOfFinger(const std::string& finger, std::size_t
   return channels;
 }
 
-}  // namespace
-
-std::string_view MeaningOf(std::span<const Meaning> list, std::string_view word) {
-  const auto found = std::ranges::find_if(
-      list, [word](const Meaning& meaning) { return IsWordOf(meaning.words, word); });
-  return found == list.end() ? "" : found->means;
-}
-
-std::vector<std::string> WordsOf(std::string_view name) {
-  enum class Kind { kNone, kUpper, kLower, kDigit };
-  Words words;
-  Kind before = Kind::kNone;
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(name[i]);
-    Kind kind = Kind::kNone;
-    if (std::isupper(byte) != 0) kind = Kind::kUpper;
-    if (std::islower(byte) != 0) kind = Kind::kLower;
-    if (std::isdigit(byte) != 0) kind = Kind::kDigit;
-    const bool next_is_lower =
-        i + 1 < name.size() && std::islower(static_cast<unsigned char>(name[i + 1])) != 0;
-    const bool begins = kind != before && !(before == Kind::kUpper && kind == Kind::kLower);
-    const bool new_word = kind == Kind::kUpper && before == Kind::kUpper && next_is_lower;
-    if (kind != Kind::kNone) {
-      if (words.empty() || begins || new_word) words.emplace_back();
-      words.back().push_back(static_cast<char>(std::tolower(byte)));
+/// A thumb with sensors at mcp, pip and dip: an export with the same names for all fingers. Its
+/// three joints are those from the root on.
+bool ShiftLongThumb(const std::vector<NamedSensor>& sensors, std::vector<ColumnJoint>& joints) {
+  std::map<std::string, std::size_t> column_of;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    if (sensors[i].finger == "thumb" && !sensors[i].is_spread) {
+      column_of.try_emplace(sensors[i].joint, i);
     }
-    before = kind;
   }
-  return words;
+  if (!column_of.contains("pip") || !column_of.contains("dip")) return false;
+  const std::pair<const char*, const char*> shifted[] = {
+      {"mcp", "thumb_rotation"}, {"pip", "thumb_mcp"}, {"dip", "thumb_ip"}};
+  for (const auto& [joint, channel] : shifted) {
+    if (!column_of.contains(joint)) continue;
+    joints[column_of.at(joint)] = {channel, JointBasis::kAssumed,
+                                   "a thumb with names of a finger: from the root on"};
+  }
+  return true;
 }
+
+/// Sensors of one finger without a joint in their names. Those of a Shadow hand (FFJ3) are numbered
+/// from the tip.
+void ShareOut(const std::string& finger, std::vector<std::size_t> columns,
+              const std::vector<std::string>& names, std::vector<ColumnJoint>& joints) {
+  if (HasWordOf(WordsOf(names[columns.front()]), "thj ffj mfj rfj lfj")) {
+    std::ranges::stable_sort(columns, std::greater<>(),
+                             [&](std::size_t c) { return WordsOf(names[c]).back(); });
+  }
+  const std::vector<std::string> channels = ChannelsOfFinger(finger, columns.size());
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    ColumnJoint& joint = joints[columns[k]];
+    const bool is_taken = std::ranges::any_of(joints, [&](const ColumnJoint& other) {
+      return k < channels.size() && !channels[k].empty() && other.channel == channels[k];
+    });
+    if (k >= channels.size() || channels[k].empty() || is_taken) {
+      joint.why = "no joint of the hand is left for it";
+      continue;
+    }
+    joint = {channels[k], JointBasis::kAssumed,
+             fmt::format("the finger by its name; sensor {} of {} of it", k + 1, columns.size())};
+  }
+}
+
+}  // namespace
 
 NamedSensor ReadSensorName(std::string_view name) {
   Words words = WordsOf(name);
@@ -129,16 +111,16 @@ NamedSensor ReadSensorName(std::string_view name) {
   if (!sensor.channel.empty()) return sensor;
   int fingers = 0;
   for (const std::string& word : words) {
-    const std::string_view finger = MeaningOf(kFingers, word);
+    const std::string_view finger = FingerOf(word);
     // "index_middle" of a CyberGlove is the middle joint of the index finger.
     if (finger.empty()) continue;
     if (fingers++ == 0) sensor.finger = finger;
   }
   for (const std::string& word : words) {
-    if (const std::string_view joint = MeaningOf(kJoints, word); !joint.empty()) {
+    if (const std::string_view joint = JointOf(word); !joint.empty()) {
       sensor.joint = joint;
     }
-    sensor.is_spread = sensor.is_spread || !MeaningOf(kSpreads, word).empty();
+    sensor.is_spread = sensor.is_spread || IsSpread(word);
   }
   if (sensor.finger.empty()) {
     if (sensor.is_spread) sensor.channel = "finger_spread";
@@ -149,57 +131,39 @@ NamedSensor ReadSensorName(std::string_view name) {
     return sensor;
   }
   if (fingers > 1 && sensor.joint.empty()) sensor.joint = "pip";
-  if (sensor.finger == "thumb" && (sensor.joint == "dip" || sensor.joint == "pip")) {
-    sensor.joint = "ip";
-  }
-  if (sensor.finger != "thumb" && sensor.joint == "ip") sensor.joint = "pip";
-  const std::string channel = sensor.finger + "_" + sensor.joint;
+  const bool is_thumb = sensor.finger == "thumb";
+  std::string joint = sensor.joint;
+  if (is_thumb && (joint == "dip" || joint == "pip")) joint = "ip";
+  if (!is_thumb && joint == "ip") joint = "pip";
+  const std::string channel = sensor.finger + "_" + joint;
   if (IsChannel(channel)) sensor.channel = channel;
   return sensor;
 }
 
-std::string NoSensor(std::string_view name) {
-  const Words words = WordsOf(name);
-  if (!ReadSensorName(name).finger.empty() || !ChannelOfArm(words).empty()) return "";
-  for (const std::string& word : words) {
-    if (const std::string_view means = MeaningOf(kOthers, word); !means.empty()) {
-      return std::string(means);
-    }
-  }
-  return "";
-}
-
-std::vector<std::string> ChannelsByNames(const std::vector<std::string>& names,
-                                         std::vector<std::string>& why) {
-  std::vector<std::string> channels(names.size());
-  why.assign(names.size(), "");
+std::vector<ColumnJoint> JointsByNames(const std::vector<std::string>& names,
+                                       std::string& question) {
+  std::vector<NamedSensor> sensors;
+  for (const std::string& name : names) sensors.push_back(ReadSensorName(name));
+  std::vector<ColumnJoint> joints(names.size());
+  const bool has_long_thumb = ShiftLongThumb(sensors, joints);
   std::map<std::string, std::vector<std::size_t>> only_finger;
-  const auto is_taken = [&channels](const std::string& channel) {
-    return std::ranges::find(channels, channel) != channels.end();
-  };
+  std::map<std::string, std::size_t> column_of;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const NamedSensor sensor = ReadSensorName(names[i]);
+    const NamedSensor& sensor = sensors[i];
+    if (has_long_thumb && sensor.finger == "thumb" && !joints[i].channel.empty()) continue;
     if (sensor.channel.empty()) {
       if (!sensor.finger.empty()) only_finger[sensor.finger].push_back(i);
       continue;
     }
-    why[i] = is_taken(sensor.channel) ? sensor.channel + " has a column already" : "by its name";
-    if (!is_taken(sensor.channel)) channels[i] = sensor.channel;
+    const auto [first, is_first] = column_of.try_emplace(sensor.channel, i);
+    joints[i].why = is_first ? "by its name" : sensor.channel + " has a column already";
+    if (is_first) joints[i].channel = sensor.channel;
+    if (is_first || sensor.channel == "finger_spread" || !question.empty()) continue;
+    question =
+        fmt::format("{} and {} both name {}", names[first->second], names[i], sensor.channel);
   }
-  for (const auto& [finger, columns] : only_finger) {
-    const std::vector<std::string> joints = ChannelsOfFinger(finger, columns.size());
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      const std::string joint = k < joints.size() ? joints[k] : "";
-      if (joint.empty() || is_taken(joint)) {
-        why[columns[k]] = "no joint of the hand is left for it";
-        continue;
-      }
-      channels[columns[k]] = joint;
-      why[columns[k]] =
-          fmt::format("sensor {} of {} of this finger (assumption)", k + 1, columns.size());
-    }
-  }
-  return channels;
+  for (const auto& [finger, columns] : only_finger) ShareOut(finger, columns, names, joints);
+  return joints;
 }
 
 }  // namespace gauntlet::sim

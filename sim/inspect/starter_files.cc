@@ -36,20 +36,17 @@ double LowDegOf(const Channel& joint) {
   return joint.name.ends_with("_mcp") ? std::max(joint.min_deg, 0.0) : joint.min_deg;
 }
 
-std::string MapRow(const Inspection& inspection, std::size_t c) {
-  const InspectedColumn& column = inspection.columns[c];
-  const std::string name = ColumnText(inspection, c);
-  if (!column.time_unit.empty()) return fmt::format("{},time,{},,,,,\n", name, column.time_unit);
-  const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+/// The keys of a row that give the angle, without a comma behind: unit to deg_high.
+std::string AngleCells(const Inspection& inspection, const InspectedColumn& column,
+                       const Channel* joint) {
+  const std::string ends_deg =
+      joint == nullptr ? "," : fmt::format("{:g},{:g}", LowDegOf(*joint), joint->max_deg);
+  // The whole range would let 0 mean a knuckle that is bent back, not a straight finger.
+  if (inspection.unit == RawUnit::kShare) {
+    return fmt::format("deg,,0,{},{}", inspection.unit_high > 1.5 ? 100 : 1, ends_deg);
+  }
   if (!NeedsTwoPoints(inspection.unit)) {
-    const bool is_share = inspection.unit == RawUnit::kShare;
-    // The whole range would let 0 mean a knuckle that is bent back, not a straight finger.
-    if (is_share) {
-      return fmt::format("{},{},deg,,0,1,{:g},{:g}\n", name, joint.name, LowDegOf(joint),
-                         joint.max_deg);
-    }
-    return fmt::format("{},{},{},{},,,,\n", name, joint.name, NameOf(inspection.unit),
-                       column.is_inverted ? "-1" : "1");
+    return fmt::format("{},{},,,,", NameOf(inspection.unit), column.is_inverted ? "-1" : "1");
   }
   double low = column.statistics.usual_low;
   double high = column.statistics.usual_high;
@@ -59,9 +56,42 @@ std::string MapRow(const Inspection& inspection, std::size_t c) {
     ends = fmt::format("{},{}", low, high);  // six digits would make them equal
   }
   return fmt::format(
-      "{},{},{},,{},{:g},{:g}\n", name, joint.name,
+      "{},,{},{}",
       NameOf(inspection.unit == RawUnit::kUnknown ? RawUnit::kCounts : inspection.unit), ends,
-      LowDegOf(joint), joint.max_deg);
+      ends_deg);
+}
+
+/// What of a column's angle is a guess, as words of the map.
+std::string AssumedOf(const Inspection& inspection, const InspectedColumn& column) {
+  std::string words;
+  const auto add = [&words](bool is_assumed, const char* word) {
+    if (is_assumed) words += (words.empty() ? "" : " ") + std::string(word);
+  };
+  add(column.basis == JointBasis::kAssumed && !column.channel.empty(), "joint");
+  add(inspection.unit_is_assumed, "unit");
+  add(inspection.sign_is_assumed, "sign");
+  add(NeedsTwoPoints(inspection.unit), "range");
+  add(inspection.rate_is_assumed, "rate");
+  return words;
+}
+
+bool HasTurns(const Inspection& inspection) {
+  return std::ranges::any_of(inspection.columns, &InspectedColumn::is_turning);
+}
+
+/// A row of the map; a sensor that drives no joint is ignored.
+std::string MapRow(const Inspection& inspection, std::size_t c) {
+  const InspectedColumn& column = inspection.columns[c];
+  const std::string name = ColumnText(inspection, c);
+  const std::string more = HasTurns(inspection) ? ",," : "";
+  if (!column.time_unit.empty()) {
+    return fmt::format("{},time,{},,,,,,{}\n", name, column.time_unit, more);
+  }
+  const bool has_joint = !column.channel.empty();
+  const Channel* joint = has_joint ? &KnownChannels()[ChannelIndex(column.channel)] : nullptr;
+  const std::string turns = column.is_turning ? fmt::format(",{:g},360", column.turned_deg) : more;
+  return fmt::format("{},{},{},{}{}\n", name, has_joint ? column.channel : "ignore",
+                     AngleCells(inspection, column, joint), AssumedOf(inspection, column), turns);
 }
 
 /// Noise variance of the glove in counts^2 of the scenario's converter (10 bits over the joint's
@@ -75,8 +105,9 @@ double VarianceCounts2(const Inspection& inspection) {
     double per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg);
     if (inspection.unit == RawUnit::kRadians) per_unit *= kDegPerRad;
     if (NeedsTwoPoints(inspection.unit) || inspection.unit == RawUnit::kShare) {
-      const double range =
-          inspection.unit == RawUnit::kShare ? 1.0 : column.usual_high - column.usual_low;
+      const double range = inspection.unit == RawUnit::kShare
+                               ? (inspection.unit_high > 1.5 ? 100.0 : 1.0)
+                               : column.usual_high - column.usual_low;
       per_unit *= (joint.max_deg - LowDegOf(joint)) / std::max(range, 1e-9);
     }
     const double noise = std::max(column.noise, column.step / std::sqrt(12.0)) * per_unit;
@@ -84,23 +115,6 @@ double VarianceCounts2(const Inspection& inspection) {
   }
   std::ranges::sort(variances);
   return std::clamp(variances[variances.size() / 2], 0.1, 1e4);
-}
-
-/// True if a mapped angle exceeds its joint's range by more than half of it. Such rows are glitches
-/// or belong to another joint.
-bool LeavesItsJoint(const Inspection& inspection) {
-  const bool is_angle =
-      inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
-  const double deg = inspection.unit == RawUnit::kRadians ? kDegPerRad : 1.0;
-  return is_angle && std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
-           const InspectedColumn& column = inspection.columns[c];
-           const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
-           const double sign = column.is_inverted ? -deg : deg;
-           const auto [low, high] =
-               std::minmax({sign * column.statistics.low, sign * column.statistics.high});
-           return std::max(joint.min_deg - low, high - joint.max_deg) >
-                  0.5 * (joint.max_deg - joint.min_deg);
-         });
 }
 
 /// Text in double quotes for YAML.
@@ -138,7 +152,7 @@ std::string MotionSettings(const Inspection& inspection, double glove_hz) {
   const TimeStatistics& time = inspection.time;
   std::string text;
   const auto add = [&text](std::string_view key, const std::string& value,
-                           std::string_view remark = "") {
+                           const std::string& remark = "") {
     text += fmt::format("    {}: {}{}{}\n", key, value, remark.empty() ? "" : "  # ", remark);
   };
   if (!inspection.array.empty()) add("array", YamlText(inspection.array));
@@ -147,7 +161,7 @@ std::string MotionSettings(const Inspection& inspection, double glove_hz) {
   }
   if (!inspection.has_time) {
     add("file_rate_hz", fmt::format("{:.6g}", time.rate_hz),
-        inspection.rate_is_known ? "" : "an assumption: the file has no time");
+        inspection.rate_is_known ? "" : "assumed: " + inspection.time_why);
   }
   add("use", "measured");
   add("problems", "repair");
@@ -155,12 +169,6 @@ std::string MotionSettings(const Inspection& inspection, double glove_hz) {
   const double gap_ms =
       std::clamp(std::max(3e3 / time.rate_hz, 2.0 * time.long_ms), kShortestGap_ms, kLongestGap_ms);
   if (gap_ms > kShortestGap_ms) add("longest_gap_ms", fmt::format("{:.4g}", gap_ms));
-  const double odd_rows = static_cast<double>(time.repeats + time.restarts + time.gaps);
-  if (odd_rows > 0.04 * static_cast<double>(inspection.rows)) {
-    add("repair_budget_percent", "100", "many times repeat, or are out of order");
-  } else if (LeavesItsJoint(inspection)) {
-    add("repair_budget_percent", "100", "angles far beyond their joints' ranges: see the map");
-  }
   if (time.duration_s > kLongest_s) {
     add("duration_s", fmt::format("{:g}", kLongest_s), fmt::format("of {:.5g}", time.duration_s));
   }
@@ -168,36 +176,55 @@ std::string MotionSettings(const Inspection& inspection, double glove_hz) {
   return text;
 }
 
+/// The comments above the table of a map.
+std::string HeadOfMap(const Inspection& inspection) {
+  std::string map = fmt::format(
+      "# Written by gauntlet inspect. Language: sim/recordings/README.md.\n# unit: {}{} ({})\n",
+      NameOf(inspection.unit), inspection.unit_is_assumed ? ", assumed" : "", inspection.unit_why);
+  if (!inspection.question.empty()) {
+    map += fmt::format(
+        "# Open: {}.\n# Write a channel of gauntlet list channels in place of ignore, and give "
+        "this "
+        "file as --map.\n",
+        inspection.question);
+  }
+  if (NeedsTwoPoints(inspection.unit)) {
+    map +=
+        "# raw_low, raw_high: lowest and highest usual values, assumed to be a straight and a "
+        "bent\n"
+        "# joint. Replace them by the values at two known angles. A falling sensor has raw_low "
+        "above\n"
+        "# raw_high.\n";
+  }
+  return map;
+}
+
 }  // namespace
 
 std::string StarterMap(const Inspection& inspection) {
-  if (inspection.MappedColumns().empty()) {
-    throw UserError({.place = inspection.file,
-                     .problem = "no column looks like a sensor of a hand; a column map can name "
-                                "them (sim/recordings/README.md)"});
-  }
-  std::string map =
-      "# Which column is which joint, as far as gauntlet inspect could tell: check it, above all "
-      "what is\n# called an assumption. sim/recordings/README.md has the language.\n";
-  map += fmt::format("# unit: {} ({})\n", NameOf(inspection.unit), inspection.unit_why);
-  if (NeedsTwoPoints(inspection.unit)) {
-    map +=
-        "# raw_low and raw_high are the least and most that came (half a percent apart), "
-        "taken for a straight and\n# a bent joint (assumption): put in what your glove gives at "
-        "known angles, the other way round if it falls.\n";
-  }
-  map += "column,channel,unit,sign,raw_low,raw_high,deg_low,deg_high\n";
+  std::string map = HeadOfMap(inspection);
+  const std::string turns = HasTurns(inspection) ? ",offset,wraps_at" : "";
+  map +=
+      fmt::format("column,channel,unit,sign,raw_low,raw_high,deg_low,deg_high,assumed{}\n", turns);
+  std::string assumed;
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     const InspectedColumn& column = inspection.columns[c];
     const std::string shown =
         column.name.empty() ? "" : fmt::format(" '{}'", OneLine(column.name, 40));
-    if (column.channel.empty() && column.time_unit.empty()) {
-      map += fmt::format("# column {}{}: left out, {}\n", c + 1, shown, column.why);
-      continue;
-    }
-    map += fmt::format("# column {}{}: {}\n", c + 1, shown,
-                       column.time_unit.empty() ? column.why : "the time, " + inspection.time_why);
+    const bool is_time = !column.time_unit.empty();
+    const bool is_row = is_time || (column.is_sensor && !column.is_dead);
+    map += fmt::format("# column {}{}: {}{}{}\n", c + 1, shown, is_row ? "" : "left out, ",
+                       is_time ? "the time, " + inspection.time_why : column.why,
+                       is_row && column.basis == JointBasis::kAssumed ? " (assumed)" : "");
+    if (!is_row) continue;
     map += MapRow(inspection, c);
+    if (!is_time) assumed += AssumedOf(inspection, column);
+  }
+  if (!assumed.empty() && inspection.question.empty()) {
+    map += fmt::format(
+        "# Remove the # of the next line when all that is assumed is right.\n"
+        "# all,confirmed,,,,,,,{}\n",
+        turns.empty() ? "" : ",,");
   }
   return map;
 }
@@ -209,8 +236,9 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
   const bool has_index_pip = std::ranges::find(channels, "index_pip") != channels.end();
   constexpr double kMean_s = 0.08;
   return fmt::format(
-      "# Made by gauntlet inspect. Nobody knows the wearer's true motion: scores compare with the "
-      "recording\n# smoothed without delay, and say so.\n"
+      "# Written by gauntlet inspect. The wearer's true motion is unknown: scores compare with "
+      "the\n"
+      "# recording, smoothed without delay.\n"
       "question: Which filter calms this glove?\n"
       "seed: 1\n"
       "glove:\n"

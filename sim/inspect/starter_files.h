@@ -6,8 +6,8 @@
 
 namespace gauntlet::sim {
 
-/// A column map for the recording, with the reason for each row as a comment.
-/// Errors: UserError if no column can be a sensor of the hand.
+/// A column map for the recording, with the reason for each row as a comment. Sensors whose joint
+/// is unknown are rows to fill in, with the channel `ignore`.
 std::string StarterMap(const Inspection& inspection);
 
 /// A scenario that plays the recording through several filters. `map` and `recording` are their

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/inspect/joint_names.h"
-#include "sim/inspect/table_statistics.h"
+#include "sim/recordings/name_words.h"
+#include "sim/recordings/table_statistics.h"
 #include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
@@ -52,8 +53,26 @@ Steps StepsOf(const std::vector<double>& values) {
   return steps;
 }
 
-/// Unit by the size of the numbers if they count from 1970, else by the sampling rates of gloves.
+// Rates of gloves; other units of the time are a mistake.
+constexpr double kSlowest_hz = 1.0;
+constexpr double kFastest_hz = 1e4;
+
+bool IsRateOfGlove(double usual_step, std::string_view unit) {
+  const double rate_hz = 1.0 / (usual_step * SecondsPer(std::string(unit)));
+  return rate_hz >= kSlowest_hz && rate_hz <= kFastest_hz;
+}
+
+/// Days since the year 0 (datenum of MATLAB) or 1900 (spreadsheets), of dates from 1990 to 2100.
+bool AreDays(double first, double usual_step) {
+  const bool is_datenum = first > 726000.0 && first < 767000.0;
+  const bool is_serial = first > 32000.0 && first < 74000.0;
+  return (is_datenum || is_serial) && IsRateOfGlove(usual_step, "day");
+}
+
+/// Unit by the size of the numbers if they count from a known date, else by the sampling rates of
+/// gloves.
 std::string_view UnitByValues(double first, double usual_step) {
+  if (AreDays(first, usual_step)) return "day";
   constexpr std::array<std::pair<double, std::string_view>, 4> kSince1970 = {
       {{1e17, "ns"}, {1e14, "us"}, {1e11, "ms"}, {5e8, "s"}}};
   for (const auto& [least, unit] : kSince1970) {
@@ -66,15 +85,22 @@ std::string_view UnitByValues(double first, double usual_step) {
   return "ns";
 }
 
-/// Unit at the end of a name such as time_ms; empty if there is none.
+/// Unit in a name such as time_ms or Elapsed Time (milliseconds); empty if there is none.
 std::string_view UnitByName(const std::string& name) {
-  const auto scale_s = TimeScaleS(name);
-  if (!scale_s) return "";
-  if (*scale_s == 1.0) {
-    const std::vector<std::string> words = WordsOf(name);
-    const bool says_so = words.back().starts_with("s") && words.size() + words.back().size() > 2;
-    return says_so ? "s" : "";
+  constexpr std::array<Meaning, 6> kUnits = {
+      {{"h", "hour hours"},
+       {"min", "min mins minute minutes"},
+       {"ms", "ms msec msecs millis millisec millisecond milliseconds"},
+       {"us", "us usec usecs micros microsec microsecond microseconds"},
+       {"ns", "ns nsec nsecs nanos nanosec nanosecond nanoseconds"},
+       {"s", "s sec secs second seconds"}}};
+  const std::vector<std::string> words = WordsOf(name);
+  for (const auto& [unit, names] : kUnits) {
+    const bool is_alone = words.size() == 1 && unit == "s" && words[0] == "s";
+    if (!is_alone && HasWordOf(words, names)) return unit;
   }
+  const std::optional<double> scale_s = TimeScaleS(name);  // timestampUs, tms
+  if (!scale_s || *scale_s == 1.0) return "";
   return *scale_s == 1e-3 ? "ms" : *scale_s == 1e-6 ? "us" : "ns";
 }
 
@@ -121,6 +147,30 @@ std::vector<TimePart> DateParts(const TableLayout& layout) {
   return parts;
 }
 
+/// The time is this column: its unit is that of its name, unless no glove has that rate.
+TimeGuess GuessOf(std::size_t column, const std::string& name, double first, double usual_step,
+                  bool by_name) {
+  constexpr double kUsualSlowest_hz = 5.0;
+  constexpr double kUsualFastest_hz = 1500.0;
+  const std::string_view named = UnitByName(name);
+  const std::string_view by_values = UnitByValues(first, usual_step);
+  const bool is_wrong = !named.empty() && named != by_values && !IsRateOfGlove(usual_step, named) &&
+                        IsRateOfGlove(usual_step, by_values);
+  const std::string unit(named.empty() || is_wrong ? by_values : named);
+  const double rate_hz = 1.0 / (usual_step * SecondsPer(unit));
+  TimeGuess guess = {{{column, unit}}, by_name ? "by its name" : "it rises in every row"};
+  guess.is_assumed =
+      is_wrong || (named.empty() && (rate_hz < kUsualSlowest_hz || rate_hz > kUsualFastest_hz));
+  if (is_wrong) {
+    guess.why += fmt::format("; {} by its values, not {} as its name says", unit, named);
+  } else if (named.empty()) {
+    guess.why += fmt::format("; {} by a step of {:.5g}", unit, usual_step);
+  } else {
+    guess.why += fmt::format("; {} by its name", unit);
+  }
+  return guess;
+}
+
 }  // namespace
 
 double SecondsPer(const std::string& time_unit) { return SecondsPerUnit(time_unit).value_or(1.0); }
@@ -151,15 +201,7 @@ TimeGuess GuessTime(const TableLayout& layout) {
         best.why = fmt::format("column {} only counts the rows", column + 1);
         continue;
       }
-      const std::string_view by_values = UnitByValues(values.front(), steps.usual);
-      const std::string_view unit = UnitByName(name).empty() ? by_values : UnitByName(name);
-      std::string why = by_name ? "by its name" : "it rises in every row";
-      why +=
-          UnitByName(name).empty()
-              ? fmt::format("; {}, as a step of {:.5g} would else be no glove's", unit, steps.usual)
-              : fmt::format("; {} by its name", unit);
-      if (unit != by_values) why += fmt::format(" (the values look like {})", by_values);
-      return {{{column, std::string(unit)}}, why};
+      return GuessOf(column, name, values.front(), steps.usual, by_name);
     }
   }
   return best;

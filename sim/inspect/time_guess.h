@@ -16,6 +16,7 @@ struct TimePart {
 struct TimeGuess {
   std::vector<TimePart> parts;  // empty: no time columns
   std::string why;
+  bool is_assumed = false;  // the unit is a guess against the name, or by an unusual rate
 };
 
 /// Guesses the time columns by their names and first rows.

@@ -137,6 +137,21 @@ void AddTimes(const std::vector<NamedArray>& arrays, std::size_t rows,
   for (const std::size_t i : times) listed[i].is_taken = !has_own || is_of_group(i);
 }
 
+/// Errors: UserError if several cells of one cell array are marked.
+void CheckCells(const std::vector<NamedArray>& arrays, const std::vector<ListedArray>& listed) {
+  std::map<std::string, std::vector<ListedArray>> cells;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (listed[i].is_taken && !arrays[i].cells_of.empty()) {
+      cells[arrays[i].cells_of].push_back(listed[i]);
+    }
+  }
+  for (const auto& [name, of] : cells) {
+    if (of.size() < 2) continue;
+    throw UserError(fmt::format("has {} cells in {}: {}; --array NAME takes one", of.size(),
+                                OneLine(name, 60), TextOf(of)));
+  }
+}
+
 /// Without the group that was chosen, or the group of a time.
 std::string NameInTable(const NamedArray& array, std::string_view chosen) {
   const std::string name = Plain(array.name);
@@ -189,6 +204,7 @@ std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays,
   }
   if (!chosen.empty()) MarkChosen(arrays, chosen, listed);
   const std::size_t rows = KeepMostRows(arrays, listed);
+  CheckCells(arrays, listed);
   if (!chosen.empty()) AddTimes(arrays, rows, listed);
   return listed;
 }

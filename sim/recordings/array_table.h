@@ -15,6 +15,7 @@ struct NamedArray {
   std::size_t columns = 1;
   std::vector<double> values;                  // row by row
   std::vector<std::string> column_names = {};  // empty: name_1, name_2 ..
+  std::string cells_of = {};                   // the cell array that it is a cell of; empty: none
 };
 
 /// One of a file's arrays, and whether it is in the table that WriteTable() makes of them.
@@ -34,7 +35,8 @@ std::string TextOf(const std::vector<ListedArray>& arrays);
 /// `chosen` is the name of an array or, if there is none, of a group, with which the names of its
 /// arrays begin; `/` and `.` count as `_`. Then only these are taken and, unless one of them is a
 /// time, times with as many rows: those of the same group, or else the first.
-/// Errors: UserError that lists all if there is none of that name; one if none has two rows.
+/// Errors: UserError that lists all if there is none of that name; one if none has two rows; one if
+/// several cells of a cell array are left, which are recordings and no parts of one.
 std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays, std::string_view chosen);
 
 /// One table of text with a line of names, of the arrays that ListArrays() takes, side by side in

@@ -9,6 +9,7 @@
 
 #include "controller/number.h"
 #include "sim/base/channels.h"
+#include "sim/base/csv_line.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/nearest_name.h"
 #include "sim/recordings/column_scale.h"
@@ -104,9 +105,9 @@ class MapFile {
   }
 
  private:
-  static constexpr std::array<std::string_view, 12> kKeys = {
-      "column",  "channel",  "unit",    "scale",    "sign", "offset",
-      "raw_low", "raw_high", "deg_low", "deg_high", "bits", "weight"};
+  static constexpr std::array<std::string_view, 14> kKeys = {
+      "column",   "channel", "unit",     "scale", "sign",   "offset",   "raw_low",
+      "raw_high", "deg_low", "deg_high", "bits",  "weight", "wraps_at", "assumed"};
 
   std::size_t Find(std::string_view key) const {
     return std::ranges::find(csv_.header(), key) - csv_.header().begin();
@@ -176,6 +177,18 @@ ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
           .bits = static_cast<int>(bits)};
 }
 
+/// What of a row is assumed: words of this list.
+std::string AssumedIn(MapFile& file) {
+  constexpr std::array<std::string_view, 5> kWords = {"joint", "unit", "sign", "range", "rate"};
+  const std::string text = file.Text("assumed", "");
+  for (const std::string_view word : SplitCells(text, ' ')) {
+    if (word.empty() || std::ranges::find(kWords, word) != kWords.end()) continue;
+    file.FailAt("assumed",
+                file.Quoted(std::string(word)) + " must be one of: joint, unit, sign, range, rate");
+  }
+  return text;
+}
+
 /// The next row of the map, which is of `channel`.
 void AddChannel(MapFile& file, std::size_t column, const std::string& channel, ColumnMap& map) {
   const auto index = FindChannel(channel);
@@ -187,6 +200,9 @@ void AddChannel(MapFile& file, std::size_t column, const std::string& channel, C
   ColumnMapping mapping =
       two_points ? TwoPoint(file, column, *index) : OnePoint(file, column, *index);
   mapping.weight = file.Number("weight", 1.0);
+  mapping.wraps_at = file.Number("wraps_at", 0.0);
+  if (mapping.wraps_at < 0.0) file.FailAt("wraps_at", "must be above 0");
+  mapping.assumed = AssumedIn(file);
   // Twice without a weight is a slip of the pen, not a sum.
   const auto before = std::ranges::find(map.channels, *index, &ColumnMapping::channel);
   if (before != map.channels.end() && !file.Has("weight")) {
@@ -217,6 +233,27 @@ std::filesystem::path FileOfMap(const std::filesystem::path& map) {
   const std::filesystem::path preset =
       OwnOrDataFile("scenarios/maps/" + map.filename().string() + ".csv");
   return std::filesystem::exists(preset, unreadable) ? preset : map;
+}
+
+std::string AssumptionsOf(const ColumnMap& map) {
+  if (map.is_confirmed) return "";
+  std::vector<std::pair<std::string, std::string>> channels_by_words;
+  for (const ColumnMapping& mapping : map.channels) {
+    if (mapping.assumed.empty()) continue;
+    const auto found = std::ranges::find(channels_by_words, mapping.assumed,
+                                         &std::pair<std::string, std::string>::first);
+    if (found == channels_by_words.end()) {
+      channels_by_words.emplace_back(mapping.assumed, ChannelText(mapping));
+    } else {
+      found->second += ", " + ChannelText(mapping);
+    }
+  }
+  std::string text;
+  for (auto& [words, channels] : channels_by_words) {
+    std::ranges::replace(words, ' ', '+');
+    text += fmt::format("{}{} of {}", text.empty() ? "assumed: " : "; ", words, channels);
+  }
+  return text.empty() ? "" : text + " (the row all,confirmed in the map confirms them)";
 }
 
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
@@ -252,8 +289,12 @@ ColumnMap ReadColumnMap(const std::filesystem::path& path, const RecordingColumn
   MapFile file(FileOfMap(path));
   ColumnMap map;
   while (file.NextRow()) {
-    const std::size_t column = ColumnOf(file, recording);
     const std::string channel = file.Text("channel", "");
+    if (file.Text("column", "") == kAllOfMap && channel == "confirmed") {
+      map.is_confirmed = true;
+      continue;
+    }
+    const std::size_t column = ColumnOf(file, recording);
     if (channel == "ignore") continue;
     if (channel == "time") {
       AddTime(file, column, map);

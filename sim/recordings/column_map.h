@@ -28,7 +28,12 @@ struct ColumnMapping {
   double offset = 0.0;  // in the unit
   int bits = 0;         // of the converter that counts are of; 0: the scenario's
   double weight = 1.0;
+  double wraps_at = 0.0;     // the column's values jump by this; 0: they do not
+  std::string assumed = {};  // what of this row is a guess, as in the map; empty: nothing
 };
+
+/// The name of a map's row for all columns: `all,confirmed` confirms what the map assumes.
+inline constexpr std::string_view kAllOfMap = "all";
 
 /// What a column gives to the time, which is the sum over its columns.
 struct TimeMapping {
@@ -41,7 +46,11 @@ struct TimeMapping {
 struct ColumnMap {
   std::vector<TimeMapping> time;  // empty: the file has none
   std::vector<ColumnMapping> channels;
+  bool is_confirmed = false;  // by a person: nothing is assumed
 };
+
+/// Which joints a map assumes, and what of them, in one sentence; empty if nothing is assumed.
+std::string AssumptionsOf(const ColumnMap& map);
 
 /// From the names in the file's header: a column of time (see TimeScaleS) or the name of a channel
 /// with the unit as a suffix (`index_mcp_rad`), without one degrees. `k`, the sample's number in a

@@ -25,6 +25,10 @@ void Append(const matvar_t& variable, NamedArray& array) {
   }
 }
 
+std::string NameIn(const matvar_t& variable) {
+  return variable.name == nullptr ? "" : variable.name;
+}
+
 /// False for what holds no real numbers.
 bool AppendNumbers(const matvar_t& variable, NamedArray& array) {
   static const std::map<matio_types, void (*)(const matvar_t&, NamedArray&)> kAppend = {
@@ -37,19 +41,42 @@ bool AppendNumbers(const matvar_t& variable, NamedArray& array) {
   return found != kAppend.end();
 }
 
-void Collect(const matvar_t& variable, const std::string& path, std::vector<NamedArray>& arrays) {
-  const std::string name = variable.name == nullptr ? "" : variable.name;
-  const std::string place = path.empty() ? name : path + "_" + name;
+void Collect(const matvar_t& variable, const std::string& place, std::vector<NamedArray>& arrays);
+
+/// Cells are called `name_2`, in a matrix of cells `name_2_1`.
+void CollectCells(const matvar_t& variable, const std::string& place,
+                  std::vector<NamedArray>& arrays) {
+  if (variable.rank < 2 || variable.data == nullptr) return;
+  const std::size_t rows = variable.dims[0];
+  const std::size_t cells = variable.nbytes / static_cast<std::size_t>(variable.data_size);
+  const auto* const all = static_cast<matvar_t* const*>(variable.data);
+  const std::size_t before = arrays.size();
+  for (std::size_t i = 0; i < cells; ++i) {
+    if (all[i] == nullptr) continue;
+    const bool is_vector = rows == 1 || rows == cells;
+    Collect(*all[i],
+            is_vector ? fmt::format("{}_{}", place, i + 1)
+                      : fmt::format("{}_{}_{}", place, i % rows + 1, i / rows + 1),
+            arrays);
+  }
+  for (std::size_t i = before; i < arrays.size(); ++i) arrays[i].cells_of = place;
+}
+
+void Collect(const matvar_t& variable, const std::string& place, std::vector<NamedArray>& arrays) {
+  if (variable.class_type == MAT_C_CELL) {
+    CollectCells(variable, place, arrays);
+    return;
+  }
   if (variable.class_type == MAT_C_STRUCT) {
     auto& structure = const_cast<matvar_t&>(variable);  // the library asks for it, and reads only
     for (unsigned i = 0; i < Mat_VarGetNumberOfFields(&structure); ++i) {
       const matvar_t* const field = Mat_VarGetStructFieldByIndex(&structure, i, 0);
-      if (field != nullptr) Collect(*field, place, arrays);
+      if (field != nullptr) Collect(*field, place + "_" + NameIn(*field), arrays);
     }
     return;
   }
   if (variable.data == nullptr || variable.isComplex != 0 || variable.rank < 2 ||
-      variable.rank > 3 || variable.class_type == MAT_C_CELL || variable.class_type == MAT_C_CHAR ||
+      variable.rank > 3 || variable.class_type == MAT_C_CHAR ||
       variable.class_type == MAT_C_SPARSE) {
     return;
   }
@@ -92,7 +119,7 @@ std::vector<NamedArray> ReadMatArrays(const std::filesystem::path& file) {
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNext(mat.get()),
                                                                   Mat_VarFree);
     if (variable == nullptr) return arrays;
-    Collect(*variable, "", arrays);
+    Collect(*variable, NameIn(*variable), arrays);
   }
 }
 

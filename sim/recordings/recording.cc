@@ -140,6 +140,29 @@ void RemarkRadians(Recording& recording) {
                   recording.name, largest));
 }
 
+/// Errors: UserError if nearly all angles of a channel are beyond its joint's range.
+void CheckRanges(const Recording& recording) {
+  constexpr double kMostBeyond = 0.95;
+  constexpr double kRounding_deg = 0.1;
+  for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
+    const Channel& joint = KnownChannels()[c];
+    double beyond = 0.0, all = 0.0;
+    for (const double angle_rad : recording.angle_rad.col(c)) {
+      if (!std::isfinite(angle_rad)) continue;
+      const double deg = angle_rad * kDegPerRad;
+      all += 1.0;
+      if (deg < joint.min_deg - kRounding_deg || deg > joint.max_deg + kRounding_deg) beyond += 1.0;
+    }
+    TrimSignals();
+    if (all == 0.0 || beyond < kMostBeyond * all) continue;
+    throw UserError({.place = recording.name,
+                     .problem = fmt::format(
+                         "{}: {:.0f} % of its angles are outside {:g} to {:g} deg; the unit or "
+                         "the joint is another",
+                         joint.name, 100.0 * beyond / all, joint.min_deg, joint.max_deg)});
+  }
+}
+
 /// More repairs than that are no accident of a glove, but a mistake about the file.
 void CheckBudget(const RecordingReader& reader, const Recording& recording, double budget_percent) {
   const double repaired_percent = 100.0 * reader.RepairedShare();
@@ -156,6 +179,62 @@ void CheckBudget(const RecordingReader& reader, const Recording& recording, doub
            "{:.2g} % of its rows would need repair, mostly \"{}\"; at most {:g} % "
            "may (repair_budget_percent){}{}",
            repaired_percent, NameOf(problem), budget_percent, cause.empty() ? "" : "; ", cause)});
+}
+
+/// True for rows in which no channel changes.
+std::vector<bool> UnchangedRows(const Recording& recording) {
+  std::vector<bool> is_unchanged(recording.time_s.size(), true);
+  is_unchanged[0] = false;
+  bool any = false;
+  for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
+    if (!recording.has_channel[c]) continue;
+    any = true;
+    const auto angle = recording.angle_rad.col(c);
+    for (Eigen::Index i = 1; i < angle.size(); ++i) {
+      if (!(angle[i] == angle[i - 1])) is_unchanged[i] = false;
+    }
+    TrimSignals();
+  }
+  if (!any) is_unchanged.assign(is_unchanged.size(), false);
+  return is_unchanged;
+}
+
+/// A glove that hangs repeats its last row. Such stretches are missing, if elsewhere nearly every
+/// row is a new one.
+void LeaveOutFrozen(Recording& recording) {
+  constexpr std::size_t kFewestRows = 10;
+  constexpr double kShortest_s = 0.25;
+  constexpr double kMostElsewhere = 0.02;  // of the rows; slow gloves repeat rows all the time
+  const std::vector<bool> is_unchanged = UnchangedRows(recording);
+  const std::size_t rows = is_unchanged.size();
+  std::vector<std::pair<std::size_t, std::size_t>> stretches;
+  std::size_t elsewhere = 0, frozen = 0;
+  double frozen_s = 0.0;
+  for (std::size_t i = 0; i < rows;) {
+    std::size_t end = i;
+    while (end < rows && is_unchanged[end]) ++end;
+    const double length_s = end > i ? recording.time_s[end - 1] - recording.time_s[i - 1] : 0.0;
+    if (end - i >= kFewestRows && length_s >= kShortest_s) {
+      stretches.emplace_back(i, end);
+      frozen += end - i;
+      frozen_s += length_s;
+    } else {
+      elsewhere += end - i;
+    }
+    i = std::max(end, i + 1);
+  }
+  const auto others = static_cast<double>(rows - frozen);
+  if (stretches.empty() || static_cast<double>(elsewhere) > kMostElsewhere * others ||
+      frozen + kFewestRows > rows) {
+    return;
+  }
+  for (const auto& [begin, end] : stretches) {
+    const auto count = static_cast<Eigen::Index>(end - begin);
+    recording.angle_rad.middleRows(static_cast<Eigen::Index>(begin), count).setConstant(kMissing);
+  }
+  recording.remarks.push_back(
+      fmt::format("{}: frozen, all channels at once, {} times, {:.4g} s in total: left out",
+                  recording.name, stretches.size(), frozen_s));
 }
 
 /// One line for all channels that hardly ever change.
@@ -281,7 +360,9 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   }
   HandleGlitches(reader, lines.rows, lines.ends, recording);
   CheckBudget(reader, recording, format.repair_budget_percent);
+  if (format.keeps_to_range) CheckRanges(recording);
   recording.remarks = reader.Remarks();
+  if (format.handling == ProblemHandling::kRepair) LeaveOutFrozen(recording);
   if (format.keeps_to_range) RemarkRadians(recording);
   RemarkRepeats(recording);
   return recording;

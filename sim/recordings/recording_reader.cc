@@ -55,6 +55,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
     notes_.push_back(fmt::format("unknown column {} left out", csv_->Quoted(column)));
   }
   CheckRate(*csv_, map_, format, notes_);
+  if (std::string assumed = AssumptionsOf(map_); !assumed.empty()) notes_.push_back(assumed);
   if (map_.time.empty()) row_period_s_ = 1.0 / format.rate_hz;
   values_.resize(csv_->column_count());
   next_values_.resize(csv_->column_count());
@@ -90,7 +91,17 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
                        .is_last = true,
                        .factor = scale.factor,
                        .offset_rad = scale.offset_rad,
-                       .keeps_to_range = format.keeps_to_range});
+                       .keeps_to_range = format.keeps_to_range,
+                       .wraps_at = mapping.wraps_at});
+}
+
+double RecordingReader::Unwrapped(Linear& linear, double value) {
+  if (linear.wraps_at == 0.0 || std::isnan(value)) return value;
+  const double step = value - linear.before;
+  if (step > 0.5 * linear.wraps_at) linear.turned -= linear.wraps_at;
+  if (step < -0.5 * linear.wraps_at) linear.turned += linear.wraps_at;
+  linear.before = value;
+  return value + linear.turned;
 }
 
 RecordingReader::Count& RecordingReader::Note(RecordingProblem problem, std::size_t row) {
@@ -213,9 +224,10 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
     if (good_rows_++ > 0) last_step_s_ = now_s - last_time_s_;
     last_time_s_ = time_s = now_s;
     for (std::size_t c = 0; c < angle_rad.size(); ++c) angle_rad[c] = kMissing;
-    for (const Linear& linear : channels_) {
+    for (Linear& linear : channels_) {
       double& angle = angle_rad[linear.channel];
-      const double part = linear.factor * values_[linear.column] + linear.offset_rad;
+      const double value = Unwrapped(linear, values_[linear.column]);
+      const double part = linear.factor * value + linear.offset_rad;
       angle = linear.is_first ? part : angle + part;
       if (!linear.is_last) continue;
       CheckRange(linear, angle);

@@ -11,6 +11,7 @@
 
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/missing.h"
 
 namespace gauntlet::sim {
 
@@ -80,7 +81,12 @@ class RecordingReader {
     double factor;
     double offset_rad;
     bool keeps_to_range;
+    double wraps_at;           // 0: does not
+    double before = kMissing;  // the last value
+    double turned = 0.0;       // added to values since the last jump
   };
+  /// The value of a column without its jumps.
+  static double Unwrapped(Linear& linear, double value);
 
   void ReportHere(RecordingProblem problem, std::size_t column, const std::string& message);
   std::string Remark(RecordingProblem problem, const Count& count) const;

@@ -16,6 +16,7 @@
 #include "sim/recordings/library_arrays.h"
 #include "sim/recordings/numpy_file.h"
 #include "sim/recordings/source_bytes.h"
+#include "sim/recordings/text_forms.h"
 #include "sim/recordings/utf16.h"
 
 namespace gauntlet::sim {
@@ -117,7 +118,8 @@ CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
   if (!HasArrays(format)) {
     CsvReader::Source source = FileSource(file);
     if (!array.empty()) FailWithoutArrays(file, array);
-    return format == FileFormat::kUtf16 ? Utf8Of(std::move(source)) : source;
+    if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
+    return PlainTable(std::move(source));
   }
   const auto write_table = [array](std::vector<NamedArray> arrays, const auto& write) {
     WriteTable(std::move(arrays), array, write);

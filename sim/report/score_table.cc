@@ -290,6 +290,9 @@ std::string WhatVaries(const StudyResult& result) {
   return fmt::format("{}, {} to {} noises each", moved, fewest, most);
 }
 
+/// Of a remark about what the map of a recording assumes: see AssumptionsOf().
+constexpr std::string_view kAssumed = ": assumed: ";
+
 std::string Measured(const Study& study) {
   return fmt::format("{} of {} joints measured", study.measured_joint_names.size(),
                      study.joint_count);
@@ -311,6 +314,9 @@ ResultText ScoreText(const FinishedStudy& finished) {
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
   for (const std::string& missing : MissingSeeds(result, summary)) AddLine(missing, text);
   for (const std::string& note : Notes(finished)) AddLine(note, text);
+  for (const std::string& remark : finished.study.remarks) {  // a guess stands beside its result
+    if (remark.find(kAssumed) != std::string::npos) AddLine(remark + ".", text);
+  }
   text.emplace_back(ErrorSplitTable(summary));
   text.emplace_back(VerdictOf(summary).Text());
   return text;

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <vector>
+
+#include "controller/settings.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -85,10 +88,29 @@ std::vector<double> CountedShares(const Study& study) {
   return shares;
 }
 
+namespace {
+
+/// A verdict on less than that would be one on the rest of a recording.
+void CheckShares(const std::vector<double>& shares) {
+  constexpr double kLeastShare = 0.2;
+  const double mean =
+      std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
+  if (shares.empty() || mean >= kLeastShare) return;
+  throw controller::SettingError(
+      "glove.motion",
+      fmt::format("{:.0f} % of the recording counts, must be at least {:.0f} %: gaps, restarts and "
+                  "sensors at the end of their range are left out; are the times and the joints of "
+                  "the map right?",
+                  100.0 * mean, 100.0 * kLeastShare));
+}
+
+}  // namespace
+
 std::string CountedRemark(const Study& study) {
   const auto is_whole = [](const GloveFacts& facts) { return facts.masked.empty(); };
   if (std::ranges::all_of(study.repetitions, is_whole)) return "";
   const std::vector<double> shares = CountedShares(study);
+  CheckShares(shares);
   std::map<int, std::vector<std::string>> joints_of_share;  // those that share a gap are one
   for (std::size_t i = 0; i < shares.size(); ++i) {
     joints_of_share[static_cast<int>(100.0 * shares[i])].push_back(study.measured_joint_names[i]);

@@ -30,6 +30,7 @@ std::vector<double> CountedShares(const Study& study);
 
 /// One line for the user about the time that the scores leave out, and the reason. Empty if all
 /// time counts.
+/// Errors: SettingError of `glove.motion` if less than 20 % counts, as a mean over the joints.
 std::string CountedRemark(const Study& study);
 
 }  // namespace gauntlet::sim

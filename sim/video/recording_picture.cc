@@ -48,7 +48,7 @@ std::string RemarkOf(const InspectedColumn& column) {
 
 std::vector<Row> RowsOf(const Inspection& inspection) {
   std::vector<Row> rows;
-  for (const std::size_t c : inspection.MappedColumns()) {
+  for (const std::size_t c : inspection.Sensors()) {
     const InspectedColumn& column = inspection.columns[c];
     rows.push_back(
         {.name = column.name.empty() ? fmt::format("column {}", c + 1) : column.name,

@@ -410,6 +410,17 @@ std::vector<GloveFile> TextFiles() {
 
 }  // namespace
 
+void WriteCellMat(const fs::path& file) {
+  std::array<std::size_t, 2> size = {1, 2};
+  matvar_t* const cells = Mat_VarCreate("data", MAT_C_CELL, MAT_T_CELL, 2, size.data(), nullptr, 0);
+  for (int i = 0; i < 2; ++i) {
+    std::vector<double> values;
+    for (int k = 0; k < 200; ++k) values.push_back(AngleDeg(k, i, 50.0));
+    Mat_VarSetCell(cells, i, MatVariable("", 100, 2, values));
+  }
+  WriteMat(file, {cells});
+}
+
 std::vector<GloveFile> GloveFiles() {
   std::vector<GloveFile> files = TextFiles();
   const auto shape = [](int rows, int columns) { return fmt::format("({}, {})", rows, columns); };
@@ -418,6 +429,8 @@ std::vector<GloveFile> GloveFiles() {
                               {"joints.npy",
                                Npy<double>("<f8", shape(300, 16), Matrix(100, 16, Radians(100)))}},
                              false))});
+  files.back().sensors = 0;
+  files.back().question = "16 sensors [rad], whose joints are unknown";
   files.push_back(
       {"deflated.npz", 60, "deg", 5,
        Bytes(Zip({{"fs.npy", Npy<double>("<f8", "()", {60.0})},
@@ -433,7 +446,8 @@ std::vector<GloveFile> GloveFiles() {
                    [](const fs::path& file) { WriteMat73(file, 100, 5, Radians(100)); }});
   files.push_back({"robot.hdf5", 50, "rad", 14,
                    [](const fs::path& file) { WriteHdf5(file, 50, 14, Radians(50)); }});
-  files.back().sensors = 12;  // a 14-sensor glove: two abductions drive no joint
+  files.back().sensors = 0;  // qpos is a robot's: two arms of seven joints, as well as a hand
+  files.back().question = "14 sensors [rad], whose joints are unknown";
   files.push_back({"frames.json", 60, "deg", 4, Bytes(JsonRows(60, Degrees(60), false))});
   files.push_back({"lines.jsonl", 50, "rad", 4, Bytes(JsonRows(50, Radians(50), true))});
   files.push_back({"columns.json", 100, "counts", 5, Bytes(JsonColumns(100, 5, Counts(12, 100)))});

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,9 @@ nlohmann::json Inspect(const fs::path& file, std::vector<std::string> more = {})
   std::vector<std::string> arguments = {"inspect", file.string(), "--json"};
   std::ranges::copy(more, std::back_inserter(arguments));
   const ProgramResult result = Gauntlet(arguments);
-  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
-  return nlohmann::json::parse(result.standard_output, nullptr, false);
+  auto found = nlohmann::json::parse(result.standard_output, nullptr, false);
+  EXPECT_EQ(result.exit_code, found["question"] == "" ? 0 : 2) << result.standard_error;
+  return found;
 }
 
 class EveryGloveFile : public testing::TestWithParam<GloveFile> {
@@ -55,11 +57,18 @@ TEST_P(EveryGloveFile, IsRecognised) {
   const auto sensors = std::ranges::count_if(
       columns, [](const nlohmann::json& column) { return column.contains("channel"); });
   EXPECT_EQ(sensors, GetParam().sensors) << columns;
+  EXPECT_THAT(found["question"].get<std::string>(), HasSubstr(GetParam().question));
 }
 
 TEST_P(EveryGloveFile, RunsWithTheScenarioThatIsWritten) {
   const std::string scenario = (folder_.path() / "scenario.yaml").string();
   const ProgramResult written = Gauntlet({"inspect", file_.string(), "--write-scenario", scenario});
+  if (!GetParam().question.empty()) {
+    EXPECT_EQ(written.exit_code, 2);
+    EXPECT_FALSE(fs::exists(scenario));
+    EXPECT_TRUE(fs::exists(folder_.path() / "scenario.map.csv"));
+    return;
+  }
   ASSERT_EQ(written.exit_code, 0) << written.standard_error;
   const ProgramResult run = Gauntlet({"run", scenario, "--controllers", "raw", "--out",
                                       (folder_.path() / "out").string(), "--json"});
@@ -220,7 +229,7 @@ TEST_F(InspectCommand, TakesAnArrayOfSeveral) {
   }
   const fs::path file = Write("both.json", json.dump());
   EXPECT_THAT(Gauntlet({"inspect", file.string()}).standard_output,
-              HasSubstr("which holds the most values\n        not glove_index_mcp (200 x 1)"));
+              HasSubstr("\nnot glove_index_mcp (200 x 1)"));
   const auto found = Inspect(file, {"--array", "glove"});
   EXPECT_EQ(found["rows"], 200);
   EXPECT_NEAR(found["rate_hz"].get<double>(), 1.0 / 0.015, 0.1);
@@ -237,6 +246,88 @@ TEST_F(InspectCommand, TakesAnArrayOfSeveral) {
   const ProgramResult wrong = Gauntlet({"run", scenario, "--set", "glove.motion.array=gloves"});
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.standard_error, HasSubstr("holds no array gloves, but glove_index_mcp (200"));
+}
+
+TEST_F(InspectCommand, ListsTheCellsOfACellArray) {
+  const fs::path file = folder_.path() / "cells.mat";
+  WriteCellMat(file);
+  EXPECT_THAT(ErrorOf(file), HasSubstr("has 2 cells in data: data_1 (100 x 2), data_2 (100 x 2); "
+                                       "--array NAME takes one"));
+  EXPECT_EQ(Inspect(file, {"--array", "data_2"})["rows"], 100);
+}
+
+TEST_F(InspectCommand, TakesTheJointsOfAFilledInMap) {
+  std::string text = "time_s,s1,s2,s3\n";
+  for (int row = 0; row < 300; ++row) {
+    text += std::to_string(0.01 * row);
+    for (int i = 0; i < 3; ++i) {
+      text += "," + std::to_string(500 + std::lround(200.0 * std::sin(0.05 * row + i)));
+    }
+    text += "\n";
+  }
+  const auto in = [this](const char* name) { return (folder_.path() / name).string(); };
+  const std::string file = Write("three.csv", text).string();
+  const ProgramResult asks = Gauntlet({"inspect", file, "--write-scenario", in("s.yaml")});
+  EXPECT_EQ(asks.exit_code, 2);
+  EXPECT_THAT(asks.standard_error, HasSubstr("3 sensors [counts], whose joints are unknown"));
+  std::ifstream written(in("s.map.csv"));
+  std::string map((std::istreambuf_iterator<char>(written)), {});
+  const std::size_t row = map.find("s2,ignore");
+  ASSERT_NE(row, std::string::npos) << map;
+  map.replace(row, 9, "s2,index_pip");
+  const std::string filled = Write("filled.csv", map).string();
+  const ProgramResult inspected =
+      Gauntlet({"inspect", file, "--map", filled, "--write-scenario", in("s.yaml")});
+  EXPECT_EQ(inspected.exit_code, 0) << inspected.standard_error;
+  const ProgramResult run =
+      Gauntlet({"run", in("s.yaml"), "--controllers", "raw", "--out", in("o")});
+  EXPECT_EQ(run.exit_code, 0) << run.standard_error;
+  EXPECT_THAT(run.standard_output, HasSubstr("1 of 18 joints measured"));
+  EXPECT_THAT(run.standard_output, HasSubstr("assumed: range of index_pip"));
+}
+
+TEST_F(InspectCommand, AnswersInItsFirstLineWithin80Columns) {
+  std::string text = "millis,flex1,flex2,flex3,flex4,flex5\n";
+  for (int row = 0; row < 300; ++row) {
+    text += std::to_string(20 * row);
+    for (int i = 0; i < 5; ++i) {
+      text +=
+          "," + std::to_string(i == 1 ? 3 : 500 + std::lround(200.0 * std::sin(0.05 * row + i)));
+    }
+    text += "\n";
+  }
+  const fs::path file = Write("flex.csv", text);
+  const std::string brief = Gauntlet({"inspect", file.string()}).standard_output;
+  EXPECT_THAT(brief, testing::StartsWith("5 sensors, 50 Hz, counts: 1 dead (index_pip)\n"));
+  std::istringstream lines(brief);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+  EXPECT_THAT(brief, Not(HasSubstr("flex5, which has as many sensors")));
+  EXPECT_THAT(Gauntlet({"inspect", file.string(), "--verbose"}).standard_output,
+              HasSubstr("whole numbers from 300 to 700"));
+}
+
+TEST_F(InspectCommand, TakesTheRateOfALineBeforeTheTable) {
+  std::string rows = "\nindex_mcp,index_pip\n";
+  for (int row = 0; row < 100; ++row) {
+    const double angle = 45.0 + 30.0 * std::sin(0.1 * row);
+    rows += std::to_string(angle) + "," + std::to_string(90.0 - angle) + "\n";
+  }
+  const nlohmann::json noted = Inspect(Write("noted.csv", "Sampling rate: 120.5 Hz\n" + rows));
+  EXPECT_EQ(noted["rate_hz"], 120.5);
+  EXPECT_EQ(noted["rate_is_assumed"], false);
+  const nlohmann::json other = Inspect(Write("other.csv", "Serial number: 120\n" + rows));
+  EXPECT_EQ(other["rate_hz"], 50.0);
+  EXPECT_EQ(other["rate_is_assumed"], true);
+}
+
+TEST_F(InspectCommand, StopsAtARateOfNoGlove) {
+  std::string text = "time_s,index_mcp\n";
+  for (int row = 0; row < 100; ++row) {
+    text +=
+        std::to_string(1e-6 * row) + "," + std::to_string(45.5 + 30.0 * std::sin(0.1 * row)) + "\n";
+  }
+  EXPECT_THAT(ErrorOf(Write("fast.csv", text)),
+              HasSubstr("rows per second, must be from 1 to 10000"));
 }
 
 TEST_F(InspectCommand, RunsATraceOfOurOwn) {

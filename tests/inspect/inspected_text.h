@@ -21,7 +21,7 @@ namespace gauntlet::sim {
 /// Inspection of any text, and the files that are made of it.
 struct InspectedText {
   std::optional<Inspection> inspection;  // none: refused with a UserError
-  std::string scenario;                  // empty: no column looks like a sensor
+  std::string scenario;                  // empty: a question is open
   std::string problem;                   // anything that must not be; empty: nothing
 };
 
@@ -75,8 +75,11 @@ inline InspectedText InspectText(std::string_view text, const std::filesystem::p
   try {
     const Inspection& inspection = result.inspection.emplace(Inspect(file, {}));
     result.problem = ProblemOf(inspection);
-    if (inspection.MappedColumns().empty()) return result;
+    if (!inspection.question.empty() && inspection.question.find('\n') != std::string::npos) {
+      result.problem = "a question of several lines";
+    }
     std::ofstream(map) << StarterMap(inspection);
+    if (!inspection.question.empty()) return result;
     result.scenario = StarterScenario(inspection, file.string(), map.string());
     const RecordingReader again(file.string(), TableSource(file),
                                 {.map = map.string(),

@@ -10,14 +10,6 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST(WordsOf, TakesNamesApart) {
-  EXPECT_THAT(WordsOf("IndexPIP_deg2"), ElementsAre("index", "pip", "deg", "2"));
-  EXPECT_THAT(WordsOf("R.hand/thumb-ip (V)"), ElementsAre("r", "hand", "thumb", "ip", "v"));
-  EXPECT_THAT(WordsOf("q_FFJ3"), ElementsAre("q", "ffj", "3"));
-  EXPECT_THAT(WordsOf("ThumbMCPStretch"), ElementsAre("thumb", "mcp", "stretch"));
-  EXPECT_THAT(WordsOf(""), ElementsAre());
-}
-
 TEST(ReadSensorName, KnowsTheJointsOfManyGloves) {
   const std::pair<const char*, const char*> known[] = {
       {"index_mcp", "index_mcp"},
@@ -38,23 +30,42 @@ TEST(ReadSensorName, KnowsTheJointsOfManyGloves) {
     EXPECT_EQ(ReadSensorName(name).channel, channel) << name;
 }
 
-TEST(NoSensor, TellsMotionSensorsAndLabelsFromFingers) {
-  for (const char* name : {"qw", "Acc_X", "gyro.z", "temperature", "label", "EMG3", "mag_1"}) {
-    EXPECT_NE(NoSensor(name), "") << name;
-  }
-  for (const char* name : {"thumb", "flex1", "s7", "wrist_pitch", ""})
-    EXPECT_EQ(NoSensor(name), "") << name;
+std::vector<std::string> ChannelsOf(const std::vector<std::string>& names, std::string& question) {
+  std::vector<std::string> channels;
+  for (const ColumnJoint& joint : JointsByNames(names, question)) channels.push_back(joint.channel);
+  return channels;
 }
 
-TEST(ChannelsByNames, ShareAFingersSensorsOut) {
-  std::vector<std::string> why;
+TEST(JointsByNames, ShareAFingersSensorsOut) {
+  std::string question;
   EXPECT_THAT(
-      ChannelsByNames({"thumb", "index1", "index2", "ring_1", "ring_2", "ring_3", "x"}, why),
+      ChannelsOf({"thumb", "index1", "index2", "ring_1", "ring_2", "ring_3", "x"}, question),
       ElementsAre("thumb_ip", "index_mcp", "index_pip", "ring_mcp", "ring_pip", "ring_dip", ""));
-  EXPECT_THAT(ChannelsByNames({"LFJ4", "LFJ3", "LFJ2", "LFJ1", "LFJ0"}, why),
+  EXPECT_THAT(ChannelsOf({"LFJ4", "LFJ3", "LFJ2", "LFJ1", "LFJ0"}, question),
               ElementsAre("", "", "little_mcp", "little_pip", "little_dip"));
-  EXPECT_THAT(ChannelsByNames({"index_mcp", "index_mcp_raw"}, why), ElementsAre("index_mcp", ""));
-  EXPECT_EQ(why[1], "index_mcp has a column already");
+  EXPECT_THAT(ChannelsOf({"rh_FFJ1", "rh_FFJ2", "rh_FFJ3"}, question),
+              ElementsAre("index_dip", "index_pip", "index_mcp"));  // from the tip
+  for (const ColumnJoint& joint : JointsByNames({"thumb", "index1", "index2"}, question)) {
+    EXPECT_EQ(joint.basis, JointBasis::kAssumed);
+  }
+  EXPECT_EQ(question, "");
+}
+
+TEST(JointsByNames, ShiftAThumbWithNamesOfAFinger) {
+  std::string question;
+  EXPECT_THAT(ChannelsOf({"thumb_mcp", "thumb_pip", "thumb_dip", "index_mcp"}, question),
+              ElementsAre("thumb_rotation", "thumb_mcp", "thumb_ip", "index_mcp"));
+  EXPECT_THAT(ChannelsOf({"thumb_mcp", "thumb_pip"}, question),
+              ElementsAre("thumb_mcp", "thumb_ip"));
+  EXPECT_EQ(question, "");
+}
+
+TEST(JointsByNames, AskIfTwoColumnsNameOneJoint) {
+  std::string question;
+  ChannelsOf({"index_abd", "ring_abd"}, question);
+  EXPECT_EQ(question, "");  // the first one drives the spread
+  ChannelsOf({"index_mcp", "index_knuckle"}, question);
+  EXPECT_EQ(question, "index_mcp and index_knuckle both name index_mcp");
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ class ColumnMaps : public testing::Test {
     }
     return rows;
   }
+  std::string MapFile() const { return (folder_.path() / "map.csv").string(); }
   std::string ErrorOf(const std::string& text, const std::string& map) const {
     try {
       Read(text, map, At100Hz());
@@ -60,6 +61,32 @@ class ColumnMaps : public testing::Test {
  private:
   test::TemporaryDirectory folder_;
 };
+
+TEST_F(ColumnMaps, UndoJumpsOfAngles) {
+  const auto rows =
+      Read("350\n359\n5\n20\n350\n340\n",
+           "column,channel,unit,offset,wraps_at\n1,wrist_flexion,deg,-360,360\n", At100Hz());
+  std::vector<double> angles_deg;
+  for (const Row& row : rows) angles_deg.push_back(std::round(row["wrist_flexion"]));
+  EXPECT_THAT(angles_deg, testing::ElementsAre(-10.0, -1.0, 5.0, 20.0, -10.0, -20.0));
+}
+
+TEST_F(ColumnMaps, TellWhatTheyAssume) {
+  const std::string map =
+      "column,channel,unit,assumed\n1,index_mcp,deg,joint unit\n2,index_pip,deg,\n3,ring_pip,deg,"
+      "joint unit\n";
+  const auto assumed = [this](const std::string& rows_of_map) {
+    Read("1,2,3\n2,3,4\n", rows_of_map, At100Hz());
+    RecordingFormat format = At100Hz();
+    format.map = MapFile();
+    return RecordingReader("in.csv", TextSource("1,2,3\n"), format).Remarks();
+  };
+  EXPECT_THAT(assumed(map), testing::ElementsAre(HasSubstr(
+                                "in.csv: assumed: joint+unit of index_mcp, ring_pip (the row")));
+  EXPECT_THAT(assumed(map + "all,confirmed,,\n"), testing::IsEmpty());
+  EXPECT_THAT(ErrorOf("1\n2\n", "column,channel,assumed\n1,index_mcp,wrong\n"),
+              HasSubstr("map.csv:2:3: 'wrong' must be one of: joint, unit, sign, range, rate"));
+}
 
 TEST_F(ColumnMaps, TakeTwoPointsOfAnyUnitToTwoAngles) {
   const std::vector<Row> rows =

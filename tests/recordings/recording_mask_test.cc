@@ -143,6 +143,23 @@ TEST_F(MaskedRecording, HidesAGapOfBothUses) {
   EXPECT_EQ(Play(recording).masked.size(), 2u);
 }
 
+TEST_F(MaskedRecording, HidesRowsInWhichAllChannelsStop) {
+  // 80 rows of the sine of second 2, and then one channel that stops alone.
+  const auto text_of = [](bool one_moves) {
+    std::string text = "time_s,index_pip,ring_pip\n";
+    for (int row = 0; row < 600; ++row) {
+      const double t = 0.01 * (row >= 200 && row < 280 ? 200 : row);
+      text += fmt::format("{:.2f},{:.4f},{:.4f}\n", 0.01 * row, 40.0 + 30.0 * std::sin(4.0 * t),
+                          40.0 + 30.0 * std::sin(3.0 * (one_moves ? 0.01 * row : t)));
+    }
+    return text;
+  };
+  const GloveSignal glove = Play(Measured(Write("frozen.csv", text_of(false))));
+  EXPECT_THAT(glove.remarks, Contains(HasSubstr("frozen, all channels at once, 1 times, 0.79 s")));
+  EXPECT_THAT(Masked(glove), ElementsAre("gap index_pip 2001-2800", "gap ring_pip 2001-2800"));
+  EXPECT_THAT(Masked(Play(Measured(Write("one.csv", text_of(true))))), IsEmpty());
+}
+
 TEST_F(MaskedRecording, HidesARestartAndSmoothsItsTwoSidesByThemselves) {
   const auto restarts = [](double t) { return t < 4.0 ? t + 10.0 : t; };
   const GloveSignal glove = Play(Measured(Wave("restart.csv", restarts)));

@@ -107,6 +107,15 @@ TEST_F(RepairBudget, NamesTheLikeliestCause) {
       HasSubstr("degrees taken for radians"));
 }
 
+TEST_F(RepairBudget, IsNotForAnglesOutsideTheRangeOfTheirJoint) {
+  const auto moved_by = [](double more_deg) {
+    return [more_deg](int i, double deg) { return fmt::format("{},{}", 0.01 * i, deg + more_deg); };
+  };
+  EXPECT_EQ(Refusal(moved_by(70.0)), "");
+  EXPECT_THAT(Refusal(moved_by(95.0)),
+              HasSubstr("in.csv: index_mcp: 100 % of its angles are outside -45 to 90 deg"));
+}
+
 TEST_F(RepairBudget, AsksAfterRadiansInColumnsOfDegrees) {
   const auto radians = [](int i, double deg) {
     return fmt::format("{},{}", 0.01 * i, deg / 57.29577951308232);

@@ -1,4 +1,4 @@
-#include "sim/inspect/table_statistics.h"
+#include "sim/recordings/table_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +19,9 @@ constexpr std::size_t kMostLong = 4096;
 // Limit with finite sums and squares, beyond the values of any glove or clock.
 constexpr double kLargest = 1e100;
 constexpr double kLatest_s = 1e12;
+// A step of an angle that wraps, by as much as a hand may move from row to row besides.
+constexpr double kTurn_deg = 360.0;
+constexpr double kTurnTolerance_deg = 40.0;
 
 /// Keeps every second row, beginning with the first; `width` values per row.
 void Halve(std::vector<double>& values, std::size_t width) {
@@ -28,6 +31,38 @@ void Halve(std::vector<double>& values, std::size_t width) {
                 values.begin() + static_cast<std::ptrdiff_t>(kept * width));
   }
   values.resize(kept * width);
+}
+
+/// Deviation, most frequent value and number of values of these rows.
+void DescribeValues(std::vector<double> values, ColumnStatistics& statistics) {
+  if (values.empty()) return;
+  const auto rows = static_cast<double>(values.size());
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  double squares = 0.0;
+  for (const double value : values) squares += (value - sum / rows) * (value - sum / rows);
+  statistics.deviation = std::sqrt(squares / rows);
+  std::ranges::sort(values);
+  std::size_t most = 0;
+  for (auto run = values.begin(); run != values.end();) {
+    const auto behind = std::upper_bound(run, values.end(), *run);
+    most = std::max(most, static_cast<std::size_t>(behind - run));
+    ++statistics.values;
+    run = behind;
+  }
+  statistics.commonest_share = static_cast<double>(most) / rows;
+}
+
+/// Mean of the values within a fifth of their median: times that are rounded have a coarse median.
+double MeanNearMedian(const std::vector<double>& values) {
+  const double median = controller::MedianOf(values);
+  double sum = 0.0, count = 0.0;
+  for (const double value : values) {
+    if (std::abs(value - median) > 0.2 * std::abs(median)) continue;
+    sum += value;
+    count += 1.0;
+  }
+  return sum / count;
 }
 
 void AddThinned(std::vector<double>& values, double value) {
@@ -61,7 +96,9 @@ void TableStatistics::Look(Watch& watch, double value) {
       watch.run = 0;
       const double step = std::abs(change);
       if (watch.step == 0.0 || step < watch.step) watch.step = step;
-      if (change < 0.0) watch.is_rising = false;
+      watch.falls += change < 0.0 ? 1 : 0;
+      watch.ones += change == 1.0 ? 1 : 0;
+      watch.turns += std::abs(step - kTurn_deg) < kTurnTolerance_deg ? 1 : 0;
     }
   }
   if (value < watch.low) watch.low = value, watch.at_low = 0;
@@ -141,13 +178,17 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   statistics.high = watch.high;
   statistics.step = watch.step;
   statistics.is_whole = watch.is_whole;
-  statistics.is_rising = watch.is_rising;
+  const double steps = static_cast<double>(std::max<std::size_t>(watch.good_rows, 2) - 1);
+  statistics.falling_share = static_cast<double>(watch.falls) / steps;
+  statistics.counting_share = static_cast<double>(watch.still_rows + watch.ones) / steps;
+  statistics.turns = watch.turns;
   statistics.longest_still_rows = watch.longest_run + 1;
   std::vector<double> values = KeptValues(column);
   std::erase_if(values, [](double value) { return !(std::abs(value) <= kLargest); });
   constexpr double kRareShare = 0.005;
   statistics.usual_low = values.empty() ? watch.low : Quantile(values, kRareShare);
   statistics.usual_high = values.empty() ? watch.high : Quantile(values, 1.0 - kRareShare);
+  DescribeValues(std::move(values), statistics);
   const double rows = static_cast<double>(std::max<std::size_t>(watch.good_rows, 1));
   statistics.still_share = static_cast<double>(watch.still_rows) / rows;
   // The lowest value of noise is rare. The value of a saturated sensor is frequent.
@@ -170,7 +211,7 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
 TimeStatistics TableStatistics::Time() const {
   TimeStatistics time = time_;
   const double usual_s =
-      window_means_s_.empty() ? UsualInterval(intervals_s_) : controller::MedianOf(window_means_s_);
+      window_means_s_.empty() ? UsualInterval(intervals_s_) : MeanNearMedian(window_means_s_);
   time.rate_hz = 1.0 / usual_s;
   constexpr double kTail = 0.05;
   time.short_ms = 1e3 * Quantile(intervals_s_, kTail);

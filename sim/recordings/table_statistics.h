@@ -19,8 +19,13 @@ struct ColumnStatistics {
   double still_share = 0.0;    // rows equal to the row before
   double clipped_share = 0.0;  // rows at the lowest or highest value, if frequent
   std::size_t longest_still_rows = 0;
-  bool is_whole = true;   // only whole numbers
-  bool is_rising = true;  // never falls
+  double deviation = 0.0;        // standard deviation of the rows
+  double commonest_share = 0.0;  // rows with the most frequent value
+  std::size_t values = 0;        // different ones
+  double falling_share = 0.0;    // steps to a lower value
+  double counting_share = 0.0;   // steps of 0 or 1
+  std::size_t turns = 0;         // steps of about 360
+  bool is_whole = true;          // only whole numbers
 };
 
 /// Statistics of the rows' times.
@@ -63,7 +68,8 @@ class TableStatistics {
     std::size_t at_low = 0, at_high = 0;
     double before = 0.0, before_that = 0.0;
     double step = 0.0;
-    bool is_whole = true, is_rising = true;
+    std::size_t falls = 0, ones = 0, turns = 0;
+    bool is_whole = true;
   };
   void AddTime(double time_s);
   void Look(Watch& watch, double value);

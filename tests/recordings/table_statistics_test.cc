@@ -1,4 +1,4 @@
-#include "sim/inspect/table_statistics.h"
+#include "sim/recordings/table_statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// A meaning, and the words that have it, with blanks between them.
+struct Meaning {
+  std::string_view means;
+  std::string_view words;
+};
+/// The meaning of a word; empty if the list has none.
+std::string_view MeaningOf(std::span<const Meaning> list, std::string_view word);
+
+/// Words of a name in lower case: `IndexPIP_deg2` is index, pip, deg, 2.
+std::vector<std::string> WordsOf(std::string_view name);
+
+/// True if one of `words` is in the list, which has blanks between its words.
+bool HasWordOf(const std::vector<std::string>& words, std::string_view list);
+
+/// thumb, index, middle, ring or little; empty for other words.
+std::string_view FingerOf(std::string_view word);
+/// mcp, pip, ip, dip or rotation: part of a channel's name. Empty for other words.
+std::string_view JointOf(std::string_view word);
+/// True for words of sideways motion, as in `index_abduction`.
+bool IsSpread(std::string_view word);
+/// wrist, forearm, elbow or shoulder; empty for other words.
+std::string_view ArmPartOf(std::string_view word);
+/// left or right; empty for other words.
+std::string_view SideOf(std::string_view word);
+
+}  // namespace gauntlet::sim

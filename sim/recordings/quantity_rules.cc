@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "sim/recordings/name_words.h"
+#include "sim/recordings/quantities.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using enum Quantity;
+using Unit = RawUnit;
+using Facts = FamilyFacts;
+
+// Limits of the rules. Each has its reason in the row that uses it.
+constexpr double kBeyondCounts = 4294967296.0;  // 2^32
+constexpr double kClockCorrelation = 0.9999;
+constexpr double kRoughest = 0.5;
+constexpr double kLargestNormSpread = 0.01;
+constexpr double kMostVolts = 5.3;  // a supply of 5 V and its tolerance
+constexpr double kHalfTurn_rad = 1.05 * std::numbers::pi;
+constexpr double kTurn_rad = 2.1 * std::numbers::pi;
+constexpr double kMostJoint_deg = 200.0;
+
+constexpr std::string_view kGloveWords =
+    "flex bend bending glove finger fingers hand sensor sensors sens s ch chan channel channels "
+    "adc "
+    "a f v g value values val raw norm normalized normalised data col column analog volt volts "
+    "count counts deg degree degrees rad radian radians angle angles joint joints j q qpos pos "
+    "position positions share percent cyberglove dataglove cal calibrated filtered smooth abc";
+
+bool Any(const Facts&) { return true; }
+bool IsText(const Facts& facts) { return facts.is_text; }
+bool IsEmpty(const Facts& facts) { return facts.is_empty; }
+bool NamesNoFinger(const Facts& facts) { return !facts.names_fingers; }
+bool IsClock(const Facts& facts) {
+  return !facts.names_fingers && facts.clock_correlation > kClockCorrelation;
+}
+bool IsRate(const Facts& facts) { return !facts.names_fingers && facts.low >= 0.0; }
+bool IsNamedNumber(const Facts& facts) { return !facts.names_fingers && facts.is_whole; }
+bool IsCounter(const Facts& facts) {
+  return !facts.names_fingers && facts.is_counting && facts.moving > 0;
+}
+bool IsNamedLabel(const Facts& facts) {
+  return !facts.names_fingers && (facts.is_whole || facts.moving == 0);
+}
+bool IsLabel(const Facts& facts) {
+  return !facts.names_fingers && facts.holds_runs && facts.moving == facts.columns;
+}
+bool IsQuaternion(const Facts& facts) { return facts.axes == "wxyz"; }
+bool HasTurns(const Facts& facts) { return facts.axes == "rpy"; }
+bool HasUnitNorm(const Facts& facts) {
+  return !facts.names_fingers && facts.columns >= 3 && facts.columns <= 4 &&
+         facts.norm_spread < kLargestNormSpread && facts.norm > 0.97 && facts.norm < 1.03;
+}
+bool IsVector(const Facts& facts) { return facts.axes == "xyz"; }
+bool IsBeyondCounts(const Facts& facts) { return facts.reach >= kBeyondCounts; }
+bool StandsAlone(const Facts& facts) {
+  return !facts.names_fingers && facts.moving == 0 && facts.columns == 1;
+}
+bool IsForeign(const Facts& facts) {
+  return !facts.names_fingers && !facts.words.empty() && !HasWordOf(facts.words, kGloveWords);
+}
+bool IsRough(const Facts& facts) {
+  return !facts.names_fingers && facts.moving > 0 && facts.roughness > kRoughest &&
+         !HasWordOf(facts.words, "flex bend finger glove");
+}
+bool IsNotNegative(const Facts& facts) { return facts.low >= -0.01; }
+bool AreDegrees(const Facts& facts) { return facts.reach > kHalfTurn_rad || facts.is_whole; }
+bool AreRadians(const Facts& facts) { return facts.reach <= kTurn_rad; }
+bool AreShares(const Facts& facts) { return IsNotNegative(facts) && facts.high <= 1.05; }
+bool ArePercent(const Facts& facts) { return IsNotNegative(facts) && facts.high <= 105.0; }
+bool HitPercents(const Facts& facts) { return facts.full_percent >= 2 && ArePercent(facts); }
+bool AreTurning(const Facts& facts) { return facts.turns > 0 && facts.reach <= 400.0; }
+bool AreCounts(const Facts& facts) {
+  return facts.is_whole && facts.low >= 0.0 &&
+         (facts.reach > 180.0 || (facts.low > 20.0 && facts.reach > 100.0));
+}
+bool AreWholeDegrees(const Facts& facts) {
+  return facts.is_whole && facts.reach > 4.0 && facts.reach <= 180.0;
+}
+bool AreVoltsOfDividers(const Facts& facts) {
+  return IsNotNegative(facts) && facts.high <= kMostVolts && 2 * facts.near_zero <= facts.columns;
+}
+bool FitHalfTurn(const Facts& facts) { return facts.reach <= std::numbers::pi; }
+bool AreVolts(const Facts& facts) { return IsNotNegative(facts) && facts.high <= kMostVolts; }
+bool FitJoints(const Facts& facts) { return facts.reach <= kMostJoint_deg; }
+
+constexpr std::string_view kDegWords = "deg degree degrees";
+constexpr std::string_view kRadWords = "rad radian radians";
+
+constexpr QuantityRule kRules[] = {
+    {"text", kText, Unit::kUnknown, false, "", IsText, "text", "cells without a number"},
+    {"empty", kNothing, Unit::kUnknown, false, "", IsEmpty, "empty", "no value in any row"},
+    {"clock_by_name", kTime, Unit::kUnknown, false,
+     "time timestamp timestamps stamp date clock tick ticks elapsed epoch millis micros sec nsec "
+     "secs "
+     "nsecs nanosec",
+     NamesNoFinger, "another time, by its name", "header.stamp of ROS, timestamp of LeRobot"},
+    {"clock_by_values", kTime, Unit::kUnknown, false, "", IsClock,
+     "another time: it rises with the time in every row",
+     "second clocks of VMG 30 and Shimmer logs; no joint moves on a line"},
+    {"rate", kRate, Unit::kUnknown, false,
+     "rate hz fps sampling frequency freq dt interval period latency", IsRate,
+     "a rate or interval of rows, by its name", "sampling_hz of flex glove logs"},
+    {"number_by_name", kNumber, Unit::kUnknown, false,
+     "index idx id frame sample row seq sequence episode trial task repetition rerepetition rep "
+     "session subject iteration packet number num nr counter step",
+     IsNamedNumber, "a number of a row, episode or person, by its name",
+     "frame_index, episode_index, task_index of LeRobot; repetition of Ninapro"},
+    {"number_by_values", kNumber, Unit::kUnknown, false, "", IsCounter,
+     "a counter: it rises by 1 and seldom starts anew", "index of pandas; packet counters"},
+    {"label_by_name", kLabel, Unit::kUnknown, false,
+     "label labels gesture class stimulus restimulus letter pose posture activity movement "
+     "exercise "
+     "phase marker trigger event annotation object",
+     IsNamedLabel, "a label, by its name", "stimulus, exercise of Ninapro"},
+    {"label_by_values", kLabel, Unit::kUnknown, false, "", IsLabel,
+     "a label: few whole numbers, each for many rows", "stimulus columns without a header"},
+    {"quaternion_axes", kOrientation, Unit::kUnknown, false, "", IsQuaternion,
+     "an orientation: w, x, y, z", "quaternions of motion sensors"},
+    {"orientation_by_name", kOrientation, Unit::kUnknown, false,
+     "quat quaternion quaternions orientation orient euler rpy heading azimuth attitude", Any,
+     "an orientation, by its name", "pose.orientation of ROS, Euler angles of motion sensors"},
+    {"roll_pitch_yaw", kOrientation, Unit::kUnknown, false, "", HasTurns,
+     "an orientation: roll, pitch, yaw", "angles of a motion sensor on the back of the hand"},
+    {"constant_norm", kOrientation, Unit::kUnknown, false, "", HasUnitNorm,
+     "an orientation: its columns have a constant norm of 1",
+     "unit quaternions and directions without a header"},
+    {"acceleration", kAcceleration, Unit::kUnknown, false,
+     "acc accel acceleration accelerometer accelerations gravity", Any,
+     "an acceleration, by its name", "motion sensors"},
+    {"angular_rate", kAngularRate, Unit::kUnknown, false, "gyr gyro gyroscope omega angvel", Any,
+     "an angular rate, by its name", "motion sensors"},
+    {"magnetic_field", kMagneticField, Unit::kUnknown, false, "mag magnetometer magnetic", Any,
+     "a magnetic field, by its name", "motion sensors"},
+    {"motion_sensor", kAcceleration, Unit::kUnknown, false, "imu", Any,
+     "a motion sensor, by its name", "motion sensors"},
+    {"velocity", kVelocity, Unit::kUnknown, false, "velocity velocities vel speed qvel dq qd dot",
+     Any, "a velocity, by its name", "velocity of JointState of ROS"},
+    {"force", kForce, Unit::kUnknown, false,
+     "force forces torque torques effort efforts eff tau load pressure fsr touch tactile contact "
+     "grip",
+     Any, "a force or pressure, by its name", "effort of JointState of ROS; touch sensors"},
+    {"current", kCurrent, Unit::kUnknown, false, "current currents ma amps ampere amperes", Any,
+     "a current, by its name", "current_mA of servo logs"},
+    {"temperature", kTemperature, Unit::kUnknown, false,
+     "temp temperature celsius battery bat vbat", Any, "a temperature or the battery, by its name",
+     "logs of microcontrollers"},
+    {"muscle", kMuscle, Unit::kUnknown, false, "emg semg muscle myo", Any,
+     "a muscle's signal, by its name", "emg of Ninapro"},
+    {"quality", kQuality, Unit::kUnknown, false,
+     "confidence conf probability prob score quality valid validity status flag error err std var "
+     "variance weight tracked",
+     Any, "a confidence or state, by its name", "confidence of hand trackers"},
+    {"command", kCommand, Unit::kUnknown, false,
+     "command commands commanded cmd target targets goal desired setpoint action actions", Any,
+     "a command, by its name", "action of LeRobot, goal_position of Dynamixel"},
+    {"distance", kPosition, Unit::kUnknown, false,
+     "distance dist length mm cm metre metres meter meters aperture height width", Any,
+     "a distance, by its name", "apertures of motion capture"},
+    {"position", kPosition, Unit::kUnknown, false, "", IsVector, "a vector in space: x, y, z",
+     "Thumb_MCP_Position_X of Manus, landmarks of MediaPipe"},
+    {"beyond_counts", kUnknown, Unit::kUnknown, false, "", IsBeyondCounts,
+     "numbers beyond 32 bits, which no converter has", "converters have up to 24 bits"},
+    {"constant", kUnknown, Unit::kUnknown, false, "", StandsAlone, "it never changes",
+     "settings that are repeated in each row"},
+    {"foreign_name", kUnknown, Unit::kUnknown, false, "", IsForeign,
+     "its name is neither a finger's nor a glove's", "columns of other devices"},
+    {"rough", kUnknown, Unit::kUnknown, false, "", IsRough,
+     "it changes from row to row more than a hand does", "muscle signals without a header"},
+
+    {"deg_by_name", kSensor, Unit::kDegrees, false, kDegWords, AreDegrees, "the names say degrees",
+     "suffixes of column names"},
+    {"rad_of_names_in_deg", kSensor, Unit::kRadians, true, kDegWords, Any,
+     "the names say degrees, and no value is above half a turn in radians",
+     "exports with a wrong unit: values decide"},
+    {"rad_by_name", kSensor, Unit::kRadians, false, kRadWords, AreRadians, "the names say radians",
+     "suffixes of column names"},
+    {"deg_of_names_in_rad", kSensor, Unit::kDegrees, true, kRadWords, Any,
+     "the names say radians, and values are above a turn",
+     "exports with a wrong unit: values decide"},
+    {"volts_by_name", kSensor, Unit::kVolts, false, "v volt volts voltage mv", Any,
+     "the names say volts", "suffixes of column names"},
+    {"counts_by_name", kSensor, Unit::kCounts, false, "counts count adc raw", IsNotNegative,
+     "the names say counts", "suffixes of column names"},
+    {"share_by_name", kSensor, Unit::kShare, false,
+     "norm normalized normalised share ratio percent", AreShares,
+     "the names say share, within 0 and 1", "ch0_norm of textile gloves"},
+    {"percent_by_name", kSensor, Unit::kShare, false,
+     "percent pct norm normalized normalised share", ArePercent,
+     "the names say share, within 0 and 100", "percent of a joint's range"},
+    {"turns", kSensor, Unit::kDegrees, false, "", AreTurning, "it jumps by 360, as degrees do",
+     "wrist_roll of LeRobot"},
+    {"counts", kSensor, Unit::kCounts, false, "", AreCounts,
+     "whole numbers, more than an angle has", "converters give whole numbers from 0"},
+    {"percent", kSensor, Unit::kShare, true, "", HitPercents, "from exactly 0 to exactly 100",
+     "curl of hand trackers in percent"},
+    {"whole_degrees", kSensor, Unit::kDegrees, true, "", AreWholeDegrees,
+     "whole numbers, as many as a joint has degrees", "servo and exoskeleton logs"},
+    {"share", kSensor, Unit::kShare, true, "", AreShares, "within 0 and 1",
+     "normalised sensors of data gloves"},
+    {"divider_volts", kSensor, Unit::kVolts, true, "", AreVoltsOfDividers,
+     "away from zero as a voltage divider is", "bend sensors at 3.3 or 5 V"},
+    {"radians", kSensor, Unit::kRadians, true, "", FitHalfTurn,
+     "no more than half a turn in radians", "joints of ROS and MuJoCo"},
+    {"volts", kSensor, Unit::kVolts, true, "", AreVolts, "more than radians, less than degrees",
+     "bend sensors at 3.3 or 5 V"},
+    {"degrees", kSensor, Unit::kDegrees, true, "", FitJoints, "as many as a joint has degrees",
+     "most gloves with a calibration"},
+    {"large_counts", kSensor, Unit::kCounts, true, "", Any, "beyond the degrees of a joint",
+     "filtered or scaled counts"},
+};
+
+}  // namespace
+
+std::span<const QuantityRule> QuantityRules() { return kRules; }
+
+std::string_view NameOf(RawUnit unit) {
+  constexpr std::array<std::string_view, 6> kNames = {"counts", "share", "deg",
+                                                      "rad",    "volts", "unknown"};
+  return kNames[static_cast<std::size_t>(unit)];
+}
+
+std::string_view NameOf(Quantity quantity) {
+  constexpr std::array<std::string_view, 20> kNames = {
+      "text",     "nothing",     "time",         "rate",         "number",
+      "label",    "orientation", "acceleration", "angular rate", "magnetic field",
+      "position", "velocity",    "force",        "current",      "temperature",
+      "muscle",   "quality",     "command",      "unknown",      "sensor"};
+  return kNames[static_cast<std::size_t>(quantity)];
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,356 @@
+#include "sim/recordings/text_forms.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/base/csv_line.h"
+#include "sim/recordings/source_bytes.h"
+#include "sim/recordings/time_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Cells = std::vector<std::string>;
+/// The cells of a line in the plain table; none if it does not fit.
+using Convert = std::function<std::optional<Cells>(std::string_view line)>;
+
+/// A form of text: the names of the plain table, and its rows.
+struct TextForm {
+  Cells names;
+  Convert convert;
+  bool has_header = false;  // the first line of the text contains names
+};
+
+constexpr std::size_t kHeadLines = 40;
+
+bool IsNumber(std::string_view cell) {
+  const std::optional<double> number = NumberOrMissing(Trimmed(cell));
+  return number.has_value() && !Trimmed(cell).empty();
+}
+
+/// The next line; one whose list is not closed with those below it. False at the end.
+bool NextRecord(TextLines& lines, std::string& record) {
+  constexpr int kMostLines = 64;
+  std::string_view line;
+  if (!lines.Next(line)) return false;
+  record = line;
+  const auto is_open = [&record] {
+    return std::ranges::count(record, '[') > std::ranges::count(record, ']');
+  };
+  for (int i = 0; i < kMostLines && is_open() && lines.Next(line); ++i) {
+    record.append(" ").append(line);
+  }
+  return true;
+}
+
+// --- Labels in the cells -------------------------------------------------------------------------
+
+/// Label and value of each cell, such as `Thumb:300`; the clock before an arrow has the label
+/// `time`. None if a cell has no label.
+std::optional<std::vector<std::pair<std::string, std::string>>> LabelledCells(
+    std::string_view line) {
+  std::vector<std::pair<std::string, std::string>> cells;
+  if (const std::size_t arrow = line.find("->"); arrow != std::string_view::npos) {
+    const std::string_view clock = Trimmed(line.substr(0, arrow));
+    if (!SecondsOfText(clock)) return std::nullopt;
+    cells.emplace_back("time", clock);
+    line.remove_prefix(arrow + 2);
+  }
+  std::string text(Trimmed(line));
+  for (char& letter : text)
+    letter = letter == ',' || letter == ';' || letter == '\t' ? ' ' : letter;
+  for (std::size_t colon = text.find(": "); colon != std::string::npos; colon = text.find(": ")) {
+    text.erase(colon + 1, 1);
+  }
+  std::string_view rest = text;
+  while (!Trimmed(rest).empty()) {
+    const std::string_view cell = TakeCell(rest, ' ');
+    const std::size_t mark = cell.find_first_of(":=");
+    if (mark == 0 || mark == std::string_view::npos || !IsNumber(cell.substr(mark + 1)) ||
+        std::isalpha(static_cast<unsigned char>(cell.front())) == 0) {
+      return std::nullopt;
+    }
+    cells.emplace_back(cell.substr(0, mark), cell.substr(mark + 1));
+  }
+  return cells;
+}
+
+std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
+  TextForm form;
+  std::size_t fitting = 0;
+  for (const std::string& line : head) {
+    const auto cells = LabelledCells(line);
+    if (!cells || cells->empty()) continue;
+    ++fitting;
+    if (!form.names.empty()) continue;
+    for (const auto& [label, value] : *cells) form.names.push_back(label);
+  }
+  if (fitting < 3 || 2 * fitting < head.size()) return std::nullopt;
+  form.convert = [names = form.names](std::string_view line) -> std::optional<Cells> {
+    const auto cells = LabelledCells(line);
+    if (!cells || cells->size() != names.size()) return std::nullopt;
+    Cells values;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if ((*cells)[i].first != names[i]) return std::nullopt;
+      values.push_back((*cells)[i].second);
+    }
+    return values;
+  };
+  return form;
+}
+
+// --- Lists in the cells --------------------------------------------------------------------------
+
+/// Cells between commas that are neither in quotes nor in brackets.
+Cells CellsWithLists(std::string_view line) {
+  Cells cells(1);
+  int depth = 0;
+  bool is_quoted = false;
+  for (const char letter : line) {
+    if (letter == '"') is_quoted = !is_quoted;
+    if (letter == '[') ++depth;
+    if (letter == ']') --depth;
+    if (letter == ',' && depth <= 0 && !is_quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += letter;
+    }
+  }
+  return cells;
+}
+
+/// The numbers of a cell `[1.5 2.5]`; none if it is no list.
+std::optional<Cells> ListIn(std::string_view cell) {
+  std::string text(Trimmed(Unquoted(Trimmed(cell))));
+  if (text.size() < 2 || text.front() != '[' || text.back() != ']') return std::nullopt;
+  for (char& letter : text) letter = letter == ',' || letter == '[' || letter == ']' ? ' ' : letter;
+  Cells numbers;
+  std::string_view rest = text;
+  while (!Trimmed(rest).empty()) {
+    const std::string_view number = TakeCell(rest, ' ');
+    if (!IsNumber(number)) return std::nullopt;
+    numbers.emplace_back(number);
+  }
+  return numbers;
+}
+
+/// A row without its lists; none if there is none in it.
+std::optional<Cells> WithoutLists(std::string_view line, std::vector<std::size_t>* sizes) {
+  Cells row;
+  bool has_list = false;
+  for (const std::string& cell : CellsWithLists(line)) {
+    const auto numbers = ListIn(cell);
+    has_list = has_list || numbers;
+    if (sizes != nullptr) sizes->push_back(numbers ? numbers->size() : 0);
+    if (numbers) {
+      row.insert(row.end(), numbers->begin(), numbers->end());
+    } else {
+      row.emplace_back(Trimmed(cell));
+    }
+  }
+  if (!has_list) return std::nullopt;
+  return row;
+}
+
+std::optional<TextForm> ListForm(const std::vector<std::string>& head) {
+  if (head.size() < 2) return std::nullopt;
+  std::vector<std::size_t> sizes;
+  const auto first = WithoutLists(head[1], &sizes);
+  const Cells names = CellsWithLists(head[0]);
+  if (!first || names.size() != sizes.size() || WithoutLists(head[0], nullptr)) return std::nullopt;
+  TextForm form;
+  form.has_header = true;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string name(Unquoted(Trimmed(names[i])));
+    if (sizes[i] == 0) form.names.push_back(name);
+    for (std::size_t k = 1; k <= sizes[i]; ++k) form.names.push_back(fmt::format("{}_{}", name, k));
+  }
+  form.convert = [width = form.names.size()](std::string_view line) -> std::optional<Cells> {
+    auto row = WithoutLists(line, nullptr);
+    if (row && row->size() != width) row.reset();
+    return row;
+  };
+  return form;
+}
+
+// --- JointState of ROS ---------------------------------------------------------------------------
+
+/// Names and numbers behind the stamp and the frame.
+struct JointStateRow {
+  Cells names;
+  Cells numbers;  // with the stamp in front
+};
+
+std::optional<JointStateRow> JointStateIn(std::string_view line) {
+  const std::vector<std::string_view> cells = SplitCells(line, ',');
+  constexpr std::size_t kStamp = 3;
+  constexpr double kFirstStamp_s = 5e8;
+  if (cells.size() < kStamp + 2 || !IsNumber(cells[0]) || !IsNumber(cells[1])) return std::nullopt;
+  const double sec = *NumberOrMissing(Trimmed(cells[0]));
+  const double nanosec = *NumberOrMissing(Trimmed(cells[1]));
+  if (!(sec >= kFirstStamp_s && sec < 1e10 && nanosec >= 0.0 && nanosec < 1e9)) return std::nullopt;
+  JointStateRow row{{}, {std::string(Trimmed(cells[0])), std::string(Trimmed(cells[1]))}};
+  std::size_t at = kStamp;
+  for (; at < cells.size() && !IsNumber(cells[at]); ++at) {
+    if (Trimmed(cells[at]).empty()) return std::nullopt;
+    row.names.emplace_back(Unquoted(Trimmed(cells[at])));
+  }
+  for (; at < cells.size(); ++at) {
+    if (!IsNumber(cells[at])) return std::nullopt;
+    row.numbers.emplace_back(Trimmed(cells[at]));
+  }
+  const std::size_t numbers = row.numbers.size() - 2;
+  const std::size_t joints = row.names.size();
+  if (joints == 0 || numbers < joints || numbers > 3 * joints || numbers % joints != 0) {
+    return std::nullopt;
+  }
+  return row;
+}
+
+std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
+  if (head.size() < 2) return std::nullopt;
+  const auto first = JointStateIn(head[0]);
+  if (!first || !JointStateIn(head[1])) return std::nullopt;
+  TextForm form;
+  form.names = {"sec", "nanosec"};
+  const char* const kParts[] = {"", "_velocity", "_effort"};
+  for (std::size_t i = 0; i + 2 < first->numbers.size(); ++i) {
+    const std::size_t joints = first->names.size();
+    form.names.push_back(first->names[i % joints] + kParts[i / joints]);
+  }
+  form.convert = [names = first->names,
+                  width = form.names.size()](std::string_view line) -> std::optional<Cells> {
+    const auto row = JointStateIn(line);
+    if (!row || row->names != names || row->numbers.size() != width) return std::nullopt;
+    return row->numbers;
+  };
+  return form;
+}
+
+// --- A row per channel ---------------------------------------------------------------------------
+
+constexpr std::size_t kMostChannels = 64;  // far more than any glove has
+
+/// True for a first line with more numbers than a glove has sensors, and nothing else.
+bool MayBeTurned(const std::vector<std::string>& head) {
+  if (head.empty()) return false;
+  const auto cells = SplitCells(head[0], SeparatorOf(head[0]));
+  return cells.size() > kMostChannels &&
+         std::ranges::all_of(cells.begin() + 1, cells.end(), IsNumber);
+}
+
+/// The text with a column per channel; the text itself if it has more rows than channels.
+std::string Turned(std::string text) {
+  std::vector<std::vector<std::string_view>> rows;
+  for (const std::string_view line : SplitLines(text)) {
+    if (Trimmed(line).empty() || Trimmed(line).front() == '#') continue;
+    if (rows.size() == kMostChannels) return text;
+    rows.push_back(SplitCells(line, SeparatorOf(line)));
+    if (rows.back().size() != rows.front().size()) return text;
+  }
+  const std::size_t columns = rows.empty() ? 0 : rows.front().size();
+  if (rows.size() < 2 || columns <= 2 * rows.size()) return text;
+  const bool has_names = !IsNumber(rows[0][0]) && !Trimmed(rows[0][0]).empty();
+  std::string turned;
+  for (std::size_t c = 0; c < columns; ++c) {
+    const bool is_zero = c == 0 && std::ranges::all_of(rows, [](const auto& row) {
+                           return NumberOrMissing(Trimmed(row[0])) == 0.0;
+                         });
+    if (is_zero) continue;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      std::string cell(Trimmed(rows[r][c]));
+      std::ranges::replace(cell, ',', '.');
+      turned += (r > 0 ? "," : "") + (c == 0 && has_names ? std::string(Unquoted(cell)) : cell);
+    }
+    turned += '\n';
+  }
+  return turned;
+}
+
+// --- Sources -------------------------------------------------------------------------------------
+
+/// `head`, then the bytes of `rest`.
+TextLines::Source WithHead(std::string head, TextLines::Source rest) {
+  return [head = std::move(head), given = std::size_t{0}, rest = std::move(rest)](
+             char* buffer, std::size_t size) mutable {
+    if (given == head.size()) return rest ? rest(buffer, size) : 0;
+    const std::size_t count = head.copy(buffer, size, given);
+    given += count;
+    return count;
+  };
+}
+
+/// The plain table, line by line.
+class PlainText {
+ public:
+  PlainText(TextForm form, TextLines::Source source)
+      : form_(std::move(form)), lines_("", std::move(source)) {
+    text_ = CsvLine(form_.names);
+    if (form_.has_header) NextRecord(lines_, record_);
+  }
+
+  std::size_t Read(char* buffer, std::size_t size) {
+    while (given_ == text_.size()) {
+      if (!NextRecord(lines_, record_)) return 0;
+      const auto cells = form_.convert(record_);
+      text_ = cells ? CsvLine(*cells) : fmt::format("# {}\n", record_);
+      given_ = 0;
+    }
+    const std::size_t count = text_.copy(buffer, size, given_);
+    given_ += count;
+    return count;
+  }
+
+ private:
+  TextForm form_;
+  TextLines lines_;
+  std::string record_;
+  std::string text_;
+  std::size_t given_ = 0;
+};
+
+std::vector<std::string> LinesOfHead(std::string_view head) {
+  std::vector<std::string> found;
+  TextLines lines("", [rest = head](char* buffer, std::size_t size) mutable {
+    const std::size_t count = rest.copy(buffer, size);
+    rest.remove_prefix(count);
+    return count;
+  });
+  for (std::string line; found.size() < kHeadLines && NextRecord(lines, line);) {
+    if (!Trimmed(line).empty()) found.push_back(line);
+  }
+  return found;
+}
+
+}  // namespace
+
+TextLines::Source PlainTable(TextLines::Source source) {
+  constexpr std::size_t kHeadBytes = std::size_t{64} << 10;
+  constexpr std::size_t kMostTurned = std::size_t{64} << 20;
+  std::string head = BytesOf(source, kHeadBytes);
+  const std::vector<std::string> lines = LinesOfHead(head);
+  if (MayBeTurned(lines)) {
+    head += BytesOf(source, kMostTurned);
+    if (head.size() < kMostTurned) return WithHead(Turned(std::move(head)), nullptr);
+    return WithHead(std::move(head), std::move(source));
+  }
+  for (const auto& find : {LabelledForm, ListForm, JointStateForm}) {
+    std::optional<TextForm> form = find(lines);
+    if (!form) continue;
+    const auto text =
+        std::make_shared<PlainText>(std::move(*form), WithHead(std::move(head), std::move(source)));
+    return [text](char* buffer, std::size_t size) { return text->Read(buffer, size); };
+  }
+  return WithHead(std::move(head), std::move(source));
+}
+
+}  // namespace gauntlet::sim

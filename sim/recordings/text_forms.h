@@ -1,0 +1,17 @@
+#pragma once
+
+#include "sim/recordings/text_lines.h"
+
+namespace gauntlet::sim {
+
+/// A table of one value per cell from texts in other forms; all other texts as they are:
+///
+/// - labels in the cells, as the serial plotter of Arduino: `10:15:00.0 -> Thumb:300 Index:4`
+/// - lists in the cells, as LeRobot by pandas: `0,[1.5 2.5],0.1`; `action` becomes `action_1` ..
+/// - a row per channel: turned. A row of zeros in front, of an index, is left out.
+/// - JointState as `ros2 topic echo --csv` prints: seconds, nanoseconds, frame, names, numbers
+///
+/// Rows that do not fit become comments. The separator is the comma then.
+TextLines::Source PlainTable(TextLines::Source source);
+
+}  // namespace gauntlet::sim

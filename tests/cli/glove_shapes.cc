@@ -1,0 +1,523 @@
+#include "tests/cli/glove_shapes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+namespace gauntlet::test {
+namespace {
+
+using Formula = std::function<double(int row)>;
+using Joints = std::map<std::string, std::string>;
+
+constexpr int kRows = 120;
+constexpr double kPi = 3.14159265358979323846;
+const std::array<std::string, 5> kFingers = {"thumb", "index", "middle", "ring", "little"};
+const std::array<std::string, 5> kFlex5 = {"thumb_ip", "index_pip", "middle_pip", "ring_pip",
+                                           "little_pip"};
+
+/// Noise of about one, the same every time.
+double Noise(int row, int sensor) {
+  const double mixed = std::sin(12.9898 * row + 78.233 * sensor) * 43758.5453;
+  return 2.0 * (mixed - std::floor(mixed)) - 1.0;
+}
+
+/// What a joint does at 50 to 100 Hz, 5 to 75 degrees.
+double AngleDeg(int row, int sensor) {
+  return 40.0 + 34.0 * std::sin(0.05 * row * (1.0 + 0.1 * sensor) + sensor) +
+         0.3 * Noise(row, sensor);
+}
+Formula Degrees(int sensor) {
+  return [=](int row) { return std::round(1e3 * AngleDeg(row, sensor)) / 1e3; };
+}
+Formula Radians(int sensor) {
+  return [=](int row) { return std::round(1e5 * AngleDeg(row, sensor) * kPi / 180.0) / 1e5; };
+}
+Formula Counts(int sensor, double full) {
+  return [=](int row) { return std::round(full * (0.3 + AngleDeg(row, sensor) / 180.0)); };
+}
+Formula Shares(int sensor) {
+  return [=](int row) { return std::clamp((AngleDeg(row, sensor) - 8.0) / 60.0, 0.0, 1.0); };
+}
+Formula Always(double value) {
+  return [value](int) { return value; };
+}
+Formula Clock(double step, double start = 0.0) {
+  return [=](int row) { return start + step * row; };
+}
+Formula Wave(double amplitude, double phase) {
+  return [=](int row) { return amplitude * std::sin(0.03 * row + phase); };
+}
+
+/// A table of columns with names.
+class Table {
+ public:
+  Table& Add(std::string name, Formula value) {
+    columns_.emplace_back(std::move(name), std::move(value));
+    return *this;
+  }
+  std::string Text(const std::string& separator = ",", bool has_header = true) const {
+    std::string text;
+    if (has_header) {
+      for (std::size_t c = 0; c < columns_.size(); ++c) {
+        text += (c > 0 ? separator : "") + columns_[c].first;
+      }
+      text += "\n";
+    }
+    for (int row = 0; row < kRows; ++row) text += Row(row, separator) + "\n";
+    return text;
+  }
+  /// A row per column, with its name in front if it has one.
+  std::string Turned(const std::string& separator = ",") const {
+    std::string text;
+    for (const auto& [name, value] : columns_) {
+      text += name;
+      for (int row = 0; row < kRows; ++row) {
+        text += (row > 0 || !name.empty() ? separator : "") + Cell(value(row));
+      }
+      text += "\n";
+    }
+    return text;
+  }
+  std::string Row(int row, const std::string& separator) const {
+    std::string text;
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      text += (c > 0 ? separator : "") + Cell(columns_[c].second(row));
+    }
+    return text;
+  }
+  static std::string Cell(double value) { return fmt::format("{}", value); }
+
+ private:
+  std::vector<std::pair<std::string, Formula>> columns_;
+};
+
+/// Five sensors `name1` .. or a finger's name each, in the order of the fingers.
+Joints AddFive(Table& table, const std::string& name, int first,
+               const std::function<Formula(int sensor)>& values) {
+  Joints joints;
+  for (int i = 0; i < 5; ++i) {
+    const std::string column = fmt::format("{}{}", name, first + i);
+    table.Add(column, values(i));
+    joints[column] = kFlex5[i];
+  }
+  return joints;
+}
+
+/// mcp and pip of four fingers; `pattern` has a place for the finger and one for the joint.
+Joints AddEight(Table& table, const std::string& pattern, const std::function<Formula(int)>& values,
+                bool is_capital = false) {
+  Joints joints;
+  int sensor = 0;
+  for (std::size_t f = 1; f < kFingers.size(); ++f) {
+    for (std::string joint : {"mcp", "pip"}) {
+      std::string finger = kFingers[f];
+      const std::string channel = finger + "_" + joint;
+      if (is_capital) {
+        finger[0] = static_cast<char>(finger[0] - 32);
+        for (char& letter : joint) letter = static_cast<char>(letter - 32);
+      }
+      const std::string column = fmt::format(fmt::runtime(pattern), finger, joint);
+      table.Add(column, values(sensor++));
+      joints[column] = channel;
+    }
+  }
+  return joints;
+}
+
+void AddAxes(Table& table, const std::string& stem, const std::string& axes, double amplitude) {
+  for (const char axis : axes) table.Add(stem + axis, Wave(amplitude, axis));
+}
+
+void AddTips(Table& table, const std::string& pattern, bool is_capital = false) {
+  for (std::string finger : kFingers) {
+    if (is_capital) finger[0] = static_cast<char>(finger[0] - 32);
+    for (const char axis : std::string(is_capital ? "XYZ" : "xyz")) {
+      table.Add(fmt::format(fmt::runtime(pattern), finger, axis), Wave(0.2, axis));
+    }
+  }
+}
+
+using Shapes = std::vector<GloveShape>;
+
+void AddPositionsAndAngles(Shapes& shapes) {
+  const auto add = [&shapes](const Table& table, const char* unit, const Joints& joints,
+                             double hz) {
+    shapes.push_back({fmt::format("positions_{}", shapes.size()), table.Text(), hz, unit, joints});
+  };
+  Table manus;
+  manus.Add("Frame", Clock(1)).Add("Elapsed_Time_In_Milliseconds", Clock(12.5));
+  AddTips(manus, "{}_TIP_Position_{}", true);
+  add(manus, "deg", AddEight(manus, "{}_{}_Flex", Degrees, true), 80);
+  Table radians;
+  radians.Add("time_s", Clock(0.01));
+  const Joints of_radians = AddEight(radians, "{}_{}_rad", Radians);
+  AddTips(radians, "{}_tip_{}");
+  add(radians, "rad", of_radians, 100);
+  Table both;
+  both.Add("t", Clock(0.02));
+  AddTips(both, "{}.position.{}");
+  AddEight(both, "{}_{}_raw", [](int sensor) { return Counts(sensor, 4095); });
+  add(both, "deg", AddEight(both, "{}_{}_deg", Degrees), 50);
+  Table quaternions;
+  quaternions.Add("timestamp_ms", Clock(10));
+  for (const std::string& finger : kFingers) AddAxes(quaternions, finger + "_q", "wxyz", 0.7);
+  add(quaternions, "deg", AddEight(quaternions, "{}_{}_angle_deg", Degrees), 100);
+  Table velocities;
+  velocities.Add("time", Clock(0.01));
+  AddEight(velocities, "{}_{}_velocity", [](int sensor) { return Wave(200, sensor); });
+  add(velocities, "deg", AddEight(velocities, "{}_{}_deg", Degrees), 100);
+  Table confident;
+  confident.Add("time_us", Clock(16666.7));
+  const Joints of_confident = AddEight(confident, "{}_{}_deg", Degrees);
+  AddEight(confident, "{}_{}_confidence", Shares);
+  AddAxes(confident, "palm_", "xyz", 0.4);
+  add(confident, "deg", of_confident, 60);
+}
+
+/// Without names: time, five sensors and a quaternion.
+void AddNamelessMotionSensor(Shapes& shapes) {
+  Table nameless;
+  nameless.Add("", Clock(0.01));
+  for (int i = 0; i < 5; ++i) nameless.Add("", Counts(i, 1023));
+  nameless.Add("", [](int row) { return std::cos(0.02 * row); }).Add("", [](int row) {
+    return std::sin(0.02 * row) * std::cos(0.03 * row);
+  });
+  nameless.Add("", [](int row) { return std::sin(0.02 * row) * std::sin(0.03 * row); });
+  nameless.Add("", Always(0.0));
+  Joints joints;
+  for (int i = 0; i < 5; ++i) joints[std::to_string(i + 2)] = kFlex5[i];
+  shapes.push_back({"motion_nameless", nameless.Text(",", false), 100, "counts", joints});
+}
+
+void AddMotionSensors(Shapes& shapes) {
+  const auto counts = [](int sensor) { return Counts(sensor, 1023); };
+  const auto add = [&shapes](Table& table, const char* unit, const Joints& joints, double hz) {
+    shapes.push_back({fmt::format("motion_{}", shapes.size()), table.Text(), hz, unit, joints});
+  };
+  Table rpy;
+  rpy.Add("timestamp_ms", Clock(10));
+  for (const char* name : {"roll", "pitch", "yaw"}) rpy.Add(name, Wave(50, *name));
+  Joints joints = AddFive(rpy, "flex", 1, counts);
+  add(rpy.Add("sampling_hz", [](int row) { return row % 2 == 0 ? 99.5 : 100.5; }), "counts", joints,
+      100);
+  Table imu;
+  imu.Add("millis", Clock(20, 5000));
+  joints = AddFive(imu, "bend_", 0, counts);
+  AddAxes(imu, "acc_", "xyz", 9.8);
+  AddAxes(imu, "gyro_", "xyz", 200);
+  add(imu.Add("temp", Always(31.5)), "counts", joints, 50);
+  Table quaternion;
+  quaternion.Add("t_us", Clock(10000)).Add("packet", Clock(1));
+  AddAxes(quaternion, "q", "wxyz", 0.5);
+  joints = AddFive(quaternion, "sensor", 1, counts);
+  add(quaternion, "counts", joints, 100);
+  Table clocks;
+  clocks.Add("pc_time_ms", Clock(10, 7e5)).Add("glove_clock_ms", Clock(10.0001, 12));
+  joints = AddFive(clocks, "ch", 0, [](int sensor) { return Counts(sensor, 4095); });
+  AddAxes(clocks, "m", "xyz", 40);
+  add(clocks, "counts", joints, 100);
+  Table named;
+  named.Add("time", Clock(0.02));
+  for (std::size_t i = 0; i < kFingers.size(); ++i) {
+    named.Add(kFingers[i], counts(static_cast<int>(i)));
+  }
+  AddAxes(named, "LinAcc", "XYZ", 4);
+  named.Add("battery", [](int row) { return 3.9 - 0.001 * row; });
+  add(named, "counts",
+      {{"thumb", "thumb_ip"},
+       {"index", "index_pip"},
+       {"middle", "middle_pip"},
+       {"ring", "ring_pip"},
+       {"little", "little_pip"}},
+      50);
+}
+
+void AddDeadSensors(Shapes& shapes) {
+  for (int dead = 0; dead < 6; ++dead) {
+    Table table;
+    table.Add("time_s", Clock(0.02));
+    const bool is_share = dead % 2 == 0;
+    Joints joints = AddFive(table, is_share ? "ch" : "flex", 1 - dead % 2, [&](int sensor) {
+      if (sensor == dead || (dead == 5 && sensor > 2)) return Always(is_share ? 1.0 : 1023.0);
+      return is_share ? Shares(sensor) : Counts(sensor, 1023);
+    });
+    for (auto joint = joints.begin(); joint != joints.end();) {
+      const auto place = std::ranges::find(kFlex5, joint->second) - kFlex5.begin();
+      joint = place == dead || (dead == 5 && place > 2) ? joints.erase(joint) : std::next(joint);
+    }
+    shapes.push_back(
+        {fmt::format("dead_{}", dead), table.Text(), 50, is_share ? "share" : "counts", joints});
+  }
+}
+
+/// Lists as numpy prints them, `names` of five or more numbers each.
+std::string ListTable(const std::vector<std::pair<std::string, int>>& lists, const char* cell,
+                      const std::string& between) {
+  std::string text;
+  for (const auto& [name, size] : lists) text += "," + name;
+  text += ",timestamp,frame_index,episode_index,index,task_index\n";
+  for (int row = 0; row < kRows; ++row) {
+    text += std::to_string(row);
+    for (const auto& [name, size] : lists) {
+      std::string list;
+      for (int i = 0; i < size; ++i) {
+        list += (i > 0 ? between : "") + Table::Cell(Degrees(i)(row + (name[0] == 'a' ? 3 : 0)));
+      }
+      text += "," + fmt::format(fmt::runtime(cell), list);
+    }
+    text += fmt::format(",{:.5f},{},0,{},0\n", row / 50.0, row, row);
+  }
+  return text;
+}
+
+void AddLists(Shapes& shapes) {
+  const std::string log = "gauntlet identify";
+  shapes.push_back(
+      {"lists_arm", ListTable({{"action", 6}, {"observation.state", 6}}, "[{}]", " ")});
+  shapes.back().question = log;
+  shapes.push_back(
+      {"lists_lines", ListTable({{"action", 7}, {"observation.state", 7}}, "\"[{}\n ]\"", "  ")});
+  shapes.back().question = log;
+  shapes.push_back(
+      {"lists_commas", ListTable({{"action", 6}, {"observation.state", 6}}, "\"[{}]\"", ", ")});
+  shapes.back().question = log;
+  shapes.push_back({"lists_flex", ListTable({{"flex", 5}}, "[{}]", " "), 50, "deg"});
+  for (int i = 0; i < 5; ++i) shapes.back().joints[fmt::format("flex_{}", i + 1)] = kFlex5[i];
+  shapes.push_back({"lists_glove", ListTable({{"glove", 5}}, "\"[{}]\"", ","), 50, "deg"});
+  for (int i = 0; i < 5; ++i) shapes.back().joints[fmt::format("glove_{}", i + 1)] = kFlex5[i];
+  shapes.push_back({"lists_unknown", ListTable({{"hand", 16}}, "[{}]", " ")});
+  shapes.back().question = "16 sensors";
+}
+
+void AddTurned(Shapes& shapes) {
+  for (const int sensors : {5, 15}) {
+    Table table;
+    for (int i = 0; i < sensors; ++i) table.Add("", Radians(i));
+    table.Add("", Clock(1.0 / 86400 / 50, 738000.25));
+    GloveShape shape = {fmt::format("turned_{}", sensors), table.Turned(), 50, "rad"};
+    if (sensors == 15) shape.question = "15 sensors";
+    for (int i = 0; i < 5; ++i) shape.joints[std::to_string(i + 1)] = kFlex5[i];
+    shapes.push_back(shape);
+  }
+  Table named;
+  named.Add("time_ms", Clock(10));
+  Joints joints = AddEight(named, "{}_{}_deg", Degrees);
+  shapes.push_back({"turned_names", named.Turned(), 100, "deg", joints});
+  shapes.push_back({"turned_blanks", named.Turned(" "), 100, "deg", joints});
+  Table five;
+  five.Add("t", Clock(0.0125));
+  joints = AddFive(five, "flex", 1, [](int sensor) { return Counts(sensor, 1023); });
+  shapes.push_back({"turned_semicolons", five.Turned(";"), 80, "counts", joints});
+  Table none;
+  for (int i = 0; i < 7; ++i) none.Add("", Degrees(i));
+  shapes.push_back({"turned_no_time", none.Turned()});
+  shapes.back().question = "7 sensors";
+}
+
+void AddWithoutHand(Shapes& shapes) {
+  const auto add = [&shapes](const Table& table, const char* name, const char* question) {
+    shapes.push_back({name, table.Text()});
+    shapes.back().question = question;
+  };
+  Table imu;
+  imu.Add("Time_Stamp", [](int row) { return 5e5 + std::floor(row * 9.765625); });
+  AddAxes(imu, "Low_Noise_Accelerometer_", "XYZ", 9.8);
+  AddAxes(imu, "Gyroscope_", "XYZ", 100);
+  add(imu, "none_imu", "no column looks like a sensor of a hand");
+  Table emg;
+  emg.Add("time", Clock(0.001));
+  for (int i = 1; i <= 8; ++i) {
+    emg.Add(fmt::format("emg{}", i), [i](int row) { return Noise(row, i); });
+  }
+  add(emg, "none_emg", "no column looks like a sensor of a hand");
+  Table weather;
+  weather.Add("timestamp", Clock(1, 1.7e9)).Add("humidity", Wave(30, 0)).Add("wind", Wave(8, 1));
+  add(weather, "none_weather", "no column looks like a sensor of a hand");
+  Table servo;
+  servo.Add("time_ms", Clock(10))
+      .Add("goal_position", Degrees(1))
+      .Add("present_position", Degrees(2));
+  add(servo, "none_servo", "gauntlet identify");
+  Table pose;
+  pose.Add("t", Clock(0.01));
+  AddAxes(pose, "hand_position_", "xyz", 0.5);
+  AddAxes(pose, "hand_orientation_", "xyzw", 0.5);
+  add(pose, "none_pose", "no column looks like a sensor of a hand");
+  Table still;
+  still.Add("time_s", Clock(0.01));
+  for (const std::string& finger : kFingers) still.Add(finger, Always(512));
+  add(still, "none_moves", "no sensor of the hand changes");
+}
+
+/// A row as a microcontroller prints it for a plotter.
+std::string Labelled(const std::vector<std::string>& labels, const std::string& colon,
+                     const std::string& separator, bool has_clock) {
+  std::string text;
+  for (int row = 0; row < kRows; ++row) {
+    const int ms = 1000 + 25 * row;
+    if (has_clock) text += fmt::format("10:15:{:02}.{:03} -> ", ms / 1000, ms % 1000);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      text += (i > 0 ? separator : "") + labels[i] + colon +
+              Table::Cell(Counts(static_cast<int>(i), 1023)(row));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+void AddLabels(Shapes& shapes) {
+  const std::vector<std::string> fingers = {"Thumb", "Index", "Middle", "Ring", "Pinky"};
+  const auto add = [&shapes](const std::vector<std::string>& labels, const char* colon,
+                             const char* separator, bool has_clock) {
+    shapes.push_back({fmt::format("labels_{}", shapes.size()),
+                      Labelled(labels, colon, separator, has_clock), has_clock ? 40.0 : 0.0,
+                      "counts"});
+    for (std::size_t i = 0; i < 5; ++i) shapes.back().joints[labels[i]] = kFlex5[i];
+  };
+  add(fingers, ":", "\t", true);
+  add(fingers, ":", ",", true);
+  add({"flex1", "flex2", "flex3", "flex4", "flex5"}, ":", " ", true);
+  add(fingers, "=", " ", false);
+  add({"A0", "A1", "A2", "A3", "A4"}, ": ", ", ", true);
+  add({"a", "b", "c", "d", "e"}, ":", " ", true);
+}
+
+/// As `ros2 topic echo --csv` prints JointState; `parts` of position, velocity and effort.
+std::string JointState(const std::vector<std::string>& joints, int parts, int rate_hz,
+                       const std::function<Formula(int)>& values) {
+  std::string text;
+  for (int row = 0; row < kRows; ++row) {
+    const long long ns = 400000095LL + 1000000000LL / rate_hz * row;
+    text += fmt::format("{},{},base_link", 1762000000 + ns / 1000000000, ns % 1000000000);
+    for (const std::string& joint : joints) text += "," + joint;
+    for (int part = 0; part < parts; ++part) {
+      for (std::size_t i = 0; i < joints.size(); ++i) {
+        const double value = values(static_cast<int>(i))(row);
+        text += "," + Table::Cell(part == 0 ? value : 0.1 * Noise(row, part));
+      }
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+void AddJointStates(Shapes& shapes) {
+  const std::vector<std::string> joints = {"index_mcp", "index_pip", "middle_mcp", "thumb_ip"};
+  Joints same;
+  for (const std::string& joint : joints) same[joint] = joint;
+  for (const int parts : {1, 2, 3}) {
+    shapes.push_back({fmt::format("joint_state_{}", parts), JointState(joints, parts, 100, Radians),
+                      100, "rad", same});
+  }
+  shapes.push_back({"joint_state_slow", JointState(joints, 1, 20, Radians), 20, "rad", same});
+  shapes.push_back({"joint_state_arm",
+                    JointState({"joint_1", "joint_2", "joint_3", "joint_4", "joint_5", "joint_6"},
+                               1, 100, Radians)});
+  shapes.back().question = "6 sensors";
+  shapes.push_back(
+      {"joint_state_hands",
+       JointState({"left_index_mcp", "left_index_pip", "right_index_mcp", "right_index_pip"}, 1, 50,
+                  Radians),
+       50,
+       "rad",
+       {{"right_index_mcp", "index_mcp"}, {"right_index_pip", "index_pip"}}});
+  shapes.back().options = {"--hand", "right"};
+}
+
+void AddTurnsAndSigns(Shapes& shapes) {
+  const auto turning = [](double start) {
+    return
+        [start](int row) { return std::fmod(start + 50.0 * std::sin(0.06 * row) + 720.0, 360.0); };
+  };
+  for (const double start : {0.0, 350.0, 15.0}) {
+    Table table;
+    table.Add("time", Clock(0.02)).Add("wrist_roll.pos", turning(start));
+    table.Add("wrist_flex.pos", Wave(30, 0.5));
+    shapes.push_back(
+        {fmt::format("turns_{}", start),
+         table.Text(),
+         50,
+         "deg",
+         {{"wrist_roll.pos", "forearm_rotation"}, {"wrist_flex.pos", "wrist_flexion"}}});
+  }
+  for (const bool is_radians : {false, true}) {
+    Table table;
+    table.Add("time_s", Clock(0.01));
+    const Joints joints = AddEight(
+        table, is_radians ? "{}_{}_rad" : "{}_{}_deg", [is_radians](int sensor) -> Formula {
+          const Formula value = is_radians ? Radians(sensor) : Degrees(sensor);
+          return [value](int row) { return -value(row); };
+        });
+    shapes.push_back({fmt::format("signs_{}", is_radians), table.Text(), 100,
+                      is_radians ? "rad" : "deg", joints, true});
+  }
+  Table wrong;  // the name of the time says seconds, the values are milliseconds
+  wrong.Add("time_s", Clock(10));
+  shapes.push_back({"signs_time", "", 100, "deg", AddEight(wrong, "{}_{}_deg", Degrees)});
+  shapes.back().text = wrong.Text();
+}
+
+void AddNumbers(Shapes& shapes) {
+  const auto numbered = [](int sensors, const std::function<Formula(int)>& values) {
+    Table table;
+    table.Add("time_ms", Clock(10));
+    for (int i = 1; i <= sensors; ++i) table.Add(fmt::format("s{}", i), values(i));
+    return table;
+  };
+  const auto bytes = [](int sensor) { return Counts(sensor, 255); };
+  GloveShape cyber = {"number_22", numbered(22, bytes).Text(), 100, "counts"};
+  const std::array<const char*, 22> kCyber = {"thumb_rotation",  "thumb_mcp",  "thumb_ip",
+                                              "thumb_abduction", "index_mcp",  "index_pip",
+                                              "index_dip",       "middle_mcp", "middle_pip",
+                                              "middle_dip",      "",           "ring_mcp",
+                                              "ring_pip",        "ring_dip",   "",
+                                              "little_mcp",      "little_pip", "little_dip",
+                                              "finger_spread",   "",           "wrist_flexion",
+                                              "wrist_deviation"};
+  for (int i = 0; i < 22; ++i) {
+    if (*kCyber[i] != '\0') cyber.joints[fmt::format("s{}", i + 1)] = kCyber[i];
+  }
+  shapes.push_back(cyber);
+  cyber.name = "number_23_preset";
+  cyber.text = numbered(23, bytes).Text();
+  cyber.options = {"--preset", "cyberglove22", "--columns", "2-23"};
+  shapes.push_back(cyber);
+  shapes.push_back({"number_23", numbered(23, bytes).Text()});
+  shapes.back().question = "23 sensors";
+  shapes.push_back({"number_16_rad", numbered(16, Radians).Text()});
+  shapes.back().question = "16 sensors";
+  shapes.push_back({"number_7", numbered(7, bytes).Text()});
+  shapes.back().question = "7 sensors";
+  Table hands;
+  hands.Add("t", Clock(0.01));
+  for (const char side : {'L', 'R'}) {
+    for (int i = 1; i <= 5; ++i) hands.Add(fmt::format("{}_flex{}", side, i), Counts(i, 1023));
+  }
+  shapes.push_back({"number_hands", hands.Text()});
+  shapes.back().question = "--hand left or --hand right";
+}
+
+}  // namespace
+
+std::vector<GloveShape> GloveShapes() {
+  Shapes shapes;
+  AddPositionsAndAngles(shapes);
+  AddMotionSensors(shapes);
+  AddNamelessMotionSensor(shapes);
+  AddDeadSensors(shapes);
+  AddLists(shapes);
+  AddTurned(shapes);
+  AddWithoutHand(shapes);
+  AddLabels(shapes);
+  AddJointStates(shapes);
+  AddTurnsAndSigns(shapes);
+  AddNumbers(shapes);
+  return shapes;
+}
+
+}  // namespace gauntlet::test

@@ -1,0 +1,20 @@
+#include "sim/recordings/name_words.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::ElementsAre;
+
+TEST(WordsOf, TakesNamesApart) {
+  EXPECT_THAT(WordsOf("IndexPIP_deg2"), ElementsAre("index", "pip", "deg", "2"));
+  EXPECT_THAT(WordsOf("R.hand/thumb-ip (V)"), ElementsAre("r", "hand", "thumb", "ip", "v"));
+  EXPECT_THAT(WordsOf("q_FFJ3"), ElementsAre("q", "ffj", "3"));
+  EXPECT_THAT(WordsOf("ThumbMCPStretch"), ElementsAre("thumb", "mcp", "stretch"));
+  EXPECT_THAT(WordsOf(""), ElementsAre());
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

@@ -1,0 +1,65 @@
+// Texts whose rows are no plain rows of numbers become tables.
+#include "sim/recordings/text_forms.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "sim/recordings/csv_reader.h"
+#include "sim/recordings/source_bytes.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::StartsWith;
+
+std::string PlainOf(const std::string& text) { return BytesOf(PlainTable(TextSource(text))); }
+
+TEST(PlainTable, TakesLabelsOutOfCells) {
+  EXPECT_EQ(PlainOf("10:15:00.0 -> Thumb:300\tIndex:298\n"
+                    "10:15:00.5 -> Thumb:301\tIndex:299\n"
+                    "noise\n"
+                    "10:15:01.0 -> Thumb:302\tIndex:300\n"),
+            "time,Thumb,Index\n10:15:00.0,300,298\n10:15:00.5,301,299\n# noise\n"
+            "10:15:01.0,302,300\n");
+  EXPECT_EQ(PlainOf("a: 1, b: 2\na: 3, b: 4\na: 5, b: -6.5\n"), "a,b\n1,2\n3,4\n5,-6.5\n");
+  const std::string rows = "10:15:00.0,1\n10:15:00.5,2\n10:15:01.0,3\n";  // clocks have colons, too
+  EXPECT_EQ(PlainOf(rows), rows);
+}
+
+TEST(PlainTable, SpreadsListsOverColumns) {
+  EXPECT_EQ(PlainOf(",action,t\n0,[1.5  -2. ],0.1\n1,\"[3, 4]\",0.2\n2,[ 5.\n 6.],0.3\n"),
+            ",action_1,action_2,t\n0,1.5,-2.,0.1\n1,3,4,0.2\n2,5.,6.,0.3\n");
+  EXPECT_EQ(PlainOf("t,a\n0,[1 2]\n1,[1 2 3]\n2,[3 4]\n"),
+            "t,a_1,a_2\n0,1,2\n# 1,[1 2 3]\n2,3,4\n");
+}
+
+TEST(PlainTable, TurnsARowPerChannel) {
+  std::string channels, turned;
+  for (int row = 0; row < 2; ++row) {
+    channels += "0";
+    for (int i = 1; i < 100; ++i) channels += "," + std::to_string(100 * row + i);
+    channels += "\n";
+  }
+  for (int i = 1; i < 100; ++i) {
+    turned += std::to_string(i) + "," + std::to_string(100 + i) + "\n";
+  }
+  EXPECT_EQ(PlainOf(channels), turned);  // the zeros in front are an index
+  EXPECT_THAT(PlainOf("a," + channels.substr(2)), StartsWith("a,0\n1,101\n"));
+  std::string wide;  // a hundred columns and more rows than any hand has channels
+  for (int row = 0; row < 70; ++row) wide += channels.substr(0, channels.find('\n') + 1);
+  EXPECT_EQ(PlainOf(wide), wide);
+}
+
+TEST(PlainTable, ReadsJointStates) {
+  EXPECT_EQ(PlainOf("1762000000,400000095,base,j1,j2,0.1,0.2,9,8\n"
+                    "1762000000,410000086,base,j1,j2,0.3,0.4,7,6\n"),
+            "sec,nanosec,j1,j2,j1_velocity,j2_velocity\n1762000000,400000095,0.1,0.2,9,8\n"
+            "1762000000,410000086,0.3,0.4,7,6\n");
+  const std::string other = "5,400000095,base,j1,0.1\n5,410000086,base,j1,0.3\n";
+  EXPECT_EQ(PlainOf(other), other);  // no stamp of this century
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
