@@ -14,7 +14,6 @@
 #include "sim/calibrate/chain_log.h"
 #include "sim/calibrate/chain_model.h"
 #include "sim/calibrate/identified_chain.h"
-#include "tests/calibrate/other_chains.h"
 #include "tests/calibrate/simulated_chain.h"
 #include "tests/support/program.h"
 
@@ -298,32 +297,6 @@ TEST(FitChain, IntervalsHoldTheTruthAsOftenAsTheySay) {
   EXPECT_GE(held, 87);
 }
 
-TEST(FitChain, IntervalsHoldTheTruthOfHandsOfOtherModels) {
-  int given = 0;
-  int held = 0;
-  const auto count = [&](const ChainEstimate& estimate, double truth) {
-    if (!std::isfinite(estimate.value)) return;
-    ++given;
-    held += estimate.low <= truth && truth <= estimate.high;
-  };
-  constexpr int kLogs = 42;
-  for (int i = 0; i < kLogs; ++i) {
-    const auto kind = static_cast<OtherKind>(i % std::ssize(kOtherKindNames));
-    const OtherLog log = OtherChain(kind, static_cast<std::uint64_t>(40'000 + i))
-                             .Simulate(i % 4 ? 30.0 : 100.0, 15.0);
-    const ChainFit fit = FitChain(log.command_deg, log.angle_deg, log.rate_hz);
-    count(fit.dead_time_ms, log.truth.dead_time_ms);
-    count(fit.lag_ms, log.truth.lag_ms);
-    count(fit.gain, log.truth.gain);
-    count(fit.hysteresis_deg, log.truth.hysteresis_deg);
-    count(fit.lost_motion_deg, 0.0);
-    count(fit.speed_limit_deg_s, log.truth.speed_limit_deg_s);
-  }
-  EXPECT_GT(given, 2 * kLogs);  // most values are given
-  // 90 % of 400 logs hold (chain_coverage counts them); of these few, chance allows 85 %.
-  EXPECT_GE(held, given * 85 / 100) << held << " of " << given;
-}
-
 /// A servo with a dead time of 30 ms and a speed limit, tested with steps of this size, in whole
 /// degrees every 51 ms.
 ChainFit FitSlowServo(double step_deg) {
@@ -352,9 +325,8 @@ TEST(FitChain, FindsTheSpeedLimitOfAServoWhateverTheSizeOfItsSteps) {
       EXPECT_LE(fit.dead_time_ms.low, 30.0);
       EXPECT_GE(fit.dead_time_ms.high, 30.0);
     }
-    EXPECT_NEAR(fit.gain.value, 1.0, 0.02);
+    EXPECT_NEAR(fit.gain.value, 1.0, 0.01);
     EXPECT_TRUE(std::isnan(fit.delay_ms.value));  // depends on the size of the step
-    EXPECT_FALSE(fit.hysteresis_deg.low > 0.0);   // there is none
     EXPECT_THAT(fit.remarks, testing::Contains(HasSubstr("limited to 2")));
   }
 }
