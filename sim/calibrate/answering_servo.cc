@@ -129,7 +129,7 @@ std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<Chain
       ChainLog answer = SimulatedAnswer(log, servo.PutInto(usual));
       if (answer.angle_deg.rows() == 0) break;
       answer.motor_deg = {};  // not compared
-      std::vector<ChainFit> answer_fits = FitChains(answer);
+      std::vector<ChainFit> answer_fits = FitChains(answer, {}, ChainDetail::kBasic);
       const std::optional<Miss> miss = MissOf(log, fits, answer, answer_fits);
       if (!miss) break;
       const AnsweringServo tried = servo;

@@ -4,173 +4,32 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <vector>
 
 #include "controller/assert.h"
 #include "sim/base/signal.h"
-#include "sim/calibrate/least_squares.h"
+#include "sim/calibrate/chain_selection.h"
 #include "sim/score/delay.h"
 
 namespace gauntlet::sim {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Beginning of the log that is not compared, because the state of the chain is unknown there.
 constexpr double kBeginning_s = 0.5;
-constexpr double kLeastDamping = 0.05;
-constexpr double kLongestDelay_s = 2.0;
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr double kLead_s = 0.2;  // a lead up to this is told from a delay of a motion that repeats
 /// Noise of a motor's angle that may appear as play, in standard deviations.
 constexpr double kNoiseInLost = 3.0;
 
-/// Indices of the parameters of a fit. The fit of the delay has the first three, the fit of lost
-/// motion between two angles the first four, the fit of a chain without lost motion the first six.
-enum Parameter { kDeadTime, kGain, kOffset, kPlay, kLag, kInertia, kLostPlay };
-constexpr Index kShiftParameters = 3;
-constexpr Index kPlayParameters = 4;
-constexpr Index kTightParameters = 6;
-constexpr Index kLooseParameters = 7;
-
-ChainModel ModelOf(const VectorXd& parameters) {
-  ChainModel model{.dead_time_s = parameters[kDeadTime],
-                   .gain = parameters[kGain],
-                   .offset_deg = parameters[kOffset]};
-  if (parameters.size() == kShiftParameters) return model;
-  model.play_deg = parameters[kPlay];
-  if (parameters.size() == kPlayParameters) return model;
-  model.lag_s = parameters[kLag];
-  model.inertia_s2 = parameters[kInertia];
-  if (parameters.size() == kTightParameters) return model;
-  model.lost_play_deg = parameters[kLostPlay];
-  return model;
-}
-
 double Rms(const VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
-}
-
-/// Least-squares problem for one log: the model's parameters with bounds and steps for derivatives.
-/// The offset needs no step.
-class Problem : public LeastSquaresProblem {
- public:
-  Problem(std::span<const double> command_deg, std::span<const double> angle_deg, double rate_hz,
-          Index parameters, const std::optional<FrameClock>& frames = {},
-          double beginning_s = kBeginning_s)
-      : command_(RefineCommand(command_deg, rate_hz, frames)),
-        first_(std::lround(beginning_s * rate_hz)),
-        angle_deg_(
-            Eigen::Map<const VectorXd>(angle_deg.data() + first_, std::ssize(angle_deg) - first_)),
-        simulated_deg_(command_deg.size()),
-        low_(parameters),
-        high_(parameters),
-        step_(parameters) {
-    const double period_s = 1.0 / rate_hz;
-    const auto [least, most] = std::ranges::minmax(command_deg);
-    const double travel_deg = most - least;
-    // A command in steps, such as command frames, needs a wide difference quotient. For a smooth
-    // command with lost motion a wide one is too flat, because of the corners of the angle.
-    constexpr double kWide_s = 0.01;
-    constexpr double kNarrow_s = 0.001;
-    const bool narrow = parameters == kLooseParameters && command_.smooth;
-    Bound(kDeadTime, 0.0, kLongestDelay_s, narrow ? kNarrow_s : kWide_s);
-    Bound(kGain, 0.01, 100.0, 1e-4);
-    Bound(kOffset, -1e4, 1e4);
-    if (parameters == kShiftParameters) return;
-    // With two plays the sum of squares is rough. A step smaller than the row distance would give
-    // the slope of the noise.
-    const double play_step_deg = (parameters == kLooseParameters ? 2e-3 : 1e-4) * travel_deg;
-    Bound(kPlay, 0.0, travel_deg, play_step_deg);
-    if (parameters == kPlayParameters) return;
-    Bound(kLag, 0.0, kLongestDelay_s, 1e-4);
-    Bound(kInertia, std::pow(0.25 * period_s, 2), 1.0, 1e-6);
-    if (parameters == kTightParameters) return;
-    Bound(kLostPlay, 0.0, travel_deg, play_step_deg);
-    exchange_deg_ = 5e-3 * travel_deg;
-  }
-
-  Index parameters() const { return low_.size(); }
-  Index rows() const { return angle_deg_.size(); }
-
-  VectorXd Residual(const VectorXd& parameters) override {
-    SimulateChain(ModelOf(parameters), command_, simulated_deg_);
-    return angle_deg_ - Eigen::Map<const VectorXd>(simulated_deg_.data() + first_, rows());
-  }
-
-  /// Derivative of the model's angle for each parameter, one-sided at a bound.
-  MatrixXd Derivatives(const VectorXd& parameters) override {
-    MatrixXd result(rows(), this->parameters());
-    const bool loose = this->parameters() == kLooseParameters;
-    const Index by_themselves = loose ? Index{kLostPlay} : this->parameters();
-    for (Index i = 0; i < by_themselves; ++i) {
-      if (i == kOffset) {
-        result.col(i).setOnes();
-        continue;
-      }
-      VectorXd below = parameters;
-      VectorXd above = parameters;
-      below[i] = std::max(below[i] - step_[i], low_[i]);
-      above[i] = std::min(above[i] + step_[i], high_[i]);
-      result.col(i) = (Residual(below) - Residual(above)) / (above[i] - below[i]);
-    }
-    if (loose) result.col(kLostPlay) = result.col(kPlay) + DerivativeOfExchange(parameters);
-    return result;
-  }
-
-  void KeepWithinBounds(VectorXd& parameters) const override {
-    parameters = parameters.cwiseMax(low_).cwiseMin(high_);
-    if (this->parameters() < kTightParameters) return;
-    const double least_lag_s = 2.0 * kLeastDamping * std::sqrt(parameters[kInertia]);
-    parameters[kLag] = std::max(parameters[kLag], least_lag_s);
-  }
-
- private:
-  /// Derivative of the angle for play that is moved from before the lag to behind it. The sum of
-  /// both plays stays the same. The two separate derivatives are rough, because they move all
-  /// corners of the angle, and their difference would be mostly error. With a constant sum the
-  /// corners stay, so a wider step is smooth.
-  VectorXd DerivativeOfExchange(const VectorXd& parameters) {
-    VectorXd below = parameters;
-    VectorXd above = parameters;
-    const double less = std::min(exchange_deg_, parameters[kLostPlay]);
-    const double more = std::min(exchange_deg_, parameters[kPlay]);
-    below[kLostPlay] -= less;
-    below[kPlay] += less;
-    above[kLostPlay] += more;
-    above[kPlay] -= more;
-    return (Residual(below) - Residual(above)) / std::max(less + more, 1e-9);
-  }
-
-  void Bound(Index parameter, double low, double high, double step = 0.0) {
-    low_[parameter] = low;
-    high_[parameter] = high;
-    step_[parameter] = step;
-  }
-
-  FineCommand command_;
-  Index first_;
-  VectorXd angle_deg_;
-  std::vector<double> simulated_deg_;
-  double exchange_deg_ = 0.0;
-  VectorXd low_;
-  VectorXd high_;
-  VectorXd step_;
-};
-
-/// `value_of` maps parameters to the value. The interval is cut off at `least`.
-template <class ValueOf>
-ChainEstimate EstimateOf(const LeastSquaresFit& solution, const std::vector<WithoutBlock>& without,
-                         double least, const ValueOf& value_of) {
-  const double value = value_of(solution.parameters);
-  const double half_width = HalfWidthOf(StandardErrorOf(solution, without, value_of),
-                                        DegreesOfFreedomOf(solution, without, value_of));
-  return {value, std::max(least, value - half_width), value + half_width};
 }
 
 /// Image of an estimate under a monotonic function.
@@ -180,62 +39,224 @@ ChainEstimate Through(const ChainEstimate& estimate, const Function& function) {
   return {function(estimate.value), low, high};
 }
 
-void KeepBetter(LeastSquaresFit solution, std::optional<LeastSquaresFit>& best) {
-  if (!best || solution.squares < best->squares) best = std::move(solution);
+/// `value_of` maps a model to the value. The interval is cut off at `least`.
+template <class ValueOf>
+ChainEstimate EstimateOf(const FittedFamily& fit, double least, const ValueOf& value_of) {
+  const auto of_parameters = [&](const VectorXd& p) { return value_of(fit.ModelOf(p)); };
+  const double value = of_parameters(fit.solution.parameters);
+  const double half_width =
+      HalfWidthOf(StandardErrorOf(fit.solution, fit.without, of_parameters),
+                  DegreesOfFreedomOf(fit.solution, fit.without, of_parameters));
+  return {value, std::max(least, value - half_width), value + half_width};
 }
 
-/// A fit of all parameters, and the same fit without each of the blocks.
-struct Split {
-  LeastSquaresFit solution;
-  std::vector<WithoutBlock> without;
-  bool second_order = true;  // false: a first-order lag explains the log as well
-};
-
-/// None if the log does not distinguish the parameters.
-std::optional<Split> SplitOf(const LeastSquaresFit& solution) {
-  if (const auto without = WithoutEachBlock(solution)) return Split{solution, *without};
-  if (const auto without = WithoutEachBlock(solution, kInertia)) {
-    return Split{solution, *without, false};
+/// The estimate of the first fit. Its interval also contains the disagreement with the others,
+/// which explain the log as well, and with itself by other weights of the rows.
+/// Source: Buckland, Burnham, Augustin, Biometrics 53, 603-618 (1997).
+template <class ValueOf>
+ChainEstimate EstimateOf(const std::vector<FittedFamily>& fits, double least,
+                         const ValueOf& value_of) {
+  const FittedFamily& first = fits.front();
+  const ChainEstimate own = EstimateOf(first, -kEndless, value_of);
+  double of_models = 0.0;
+  for (const FittedFamily& fit : fits) {
+    const double value = value_of(fit.ModelOf(fit.solution.parameters));
+    of_models = std::max(of_models, std::abs(value - own.value));
   }
-  return std::nullopt;
+  double of_weights = 0.0;
+  for (const Reweighted& other : first.reweighted) {
+    of_weights = std::max(
+        of_weights, DisagreementOf(first.solution, first.without, other,
+                                   [&](const VectorXd& p) { return value_of(first.ModelOf(p)); }));
+  }
+  const double half_width = std::hypot(own.high - own.value, of_models, of_weights);
+  return {own.value, std::max(least, own.value - half_width), own.value + half_width};
 }
 
-void TakeSplit(const Split& split, ChainFit& fit) {
-  const LeastSquaresFit& solution = split.solution;
-  const auto estimate = [&](const auto& value_of, double least) {
-    return EstimateOf(solution, split.without, least, value_of);
-  };
-  const auto parameter = [&](Parameter index, double factor) {
-    return estimate([index, factor](const VectorXd& p) { return factor * p[index]; }, 0.0);
-  };
-  fit.model = ModelOf(solution.parameters);
-  fit.residual_rms_deg = Rms(solution.residual);
-  fit.dead_time_ms = parameter(kDeadTime, 1e3);
-  fit.lag_ms = parameter(kLag, 1e3);
-  fit.gain = parameter(kGain, 1.0);
-  fit.hysteresis_deg = parameter(kPlay, 2.0);
-  if (solution.parameters.size() == kLooseParameters) {
-    fit.motor_hysteresis_deg = fit.hysteresis_deg;
-    fit.lost_motion_deg = parameter(kLostPlay, 2.0);
-    fit.hysteresis_deg =
-        estimate([](const VectorXd& p) { return 2.0 * (p[kPlay] + p[kLostPlay]); }, 0.0);
-  }
-  const ChainEstimate inertia_s2 = parameter(kInertia, 1.0);
-  if (!split.second_order || !(inertia_s2.low > 0.0)) return;
+/// The parts of a model in words.
+std::string WordsFor(const FittedFamily& fit) {
+  const ChainModel model = fit.ModelOf(fit.solution.parameters);
+  std::string words = !fit.family.Has(kPlay)      ? "no hysteresis"
+                      : !fit.family.Has(kStretch) ? "play"
+                      : model.friction_in_lag     ? "friction of the moving mass"
+                                                  : "friction";
+  words += !fit.family.Has(kExtraLag) ? ", 2nd order"
+           : model.extra_lag_s > 0.0  ? ", 3rd order"
+                                      : ", 2nd order with a zero";
+  if (fit.family.Has(kSlowness)) words += ", speed limit";
+  if (fit.family.Has(kBend)) words += ", load";
+  if (fit.family.Has(kLostPlay)) words += ", lost motion";
+  return words;
+}
+
+/// True if a chain of third order explains the log as well, with another natural frequency.
+bool OrderIsOpen(const std::vector<FittedFamily>& fits) {
+  constexpr double kSame = 0.15;
+  const FittedFamily& first = fits.front();
+  const double inertia_s2 = first.ModelOf(first.solution.parameters).inertia_s2;
+  return std::ranges::any_of(fits, [&](const FittedFamily& fit) {
+    const double other_s2 = fit.ModelOf(fit.solution.parameters).inertia_s2;
+    return fit.family.Has(kExtraLag) && std::abs(0.5 * std::log(other_s2 / inertia_s2)) > kSame;
+  });
+}
+
+void TakeSecondOrder(const std::vector<FittedFamily>& fits, ChainFit& fit) {
+  if (!fits.front().second_order || fits.front().family.Has(kExtraLag)) return;
+  const ChainEstimate inertia_s2 =
+      EstimateOf(fits, 0.0, [](const ChainModel& m) { return m.inertia_s2; });
+  if (!(inertia_s2.low > 0.0) || OrderIsOpen(fits)) return;
   fit.natural_frequency_hz = Through(inertia_s2, [](double inertia) {
     return 1.0 / (2.0 * std::numbers::pi * std::sqrt(inertia));
   });
   // The logarithm of the damping ratio is closest to a normal distribution and always defined.
-  const auto log_damping = [](const VectorXd& p) {
-    return std::log(std::max(p[kLag], 1e-9) / (2.0 * std::sqrt(std::max(p[kInertia], 1e-12))));
+  const auto log_damping = [](const ChainModel& m) {
+    return std::log(std::max(m.lag_s, 1e-9) / (2.0 * std::sqrt(std::max(m.inertia_s2, 1e-12))));
   };
-  fit.damping_ratio = Through(estimate(log_damping, -1e3), [](double l) { return std::exp(l); });
+  fit.damping_ratio =
+      Through(EstimateOf(fits, -1e3, log_damping), [](double l) { return std::exp(l); });
+}
+
+/// A load that depends on the angle changes the slope of the steady angle, and with it the loop. The
+/// intervals contain the slopes of the whole travel.
+void WidenByBend(const FittedFamily& fit, ChainEstimate& gain, ChainEstimate& hysteresis_deg) {
+  const ChainModel model = fit.ModelOf(fit.solution.parameters);
+  const double change = std::abs(2.0 * model.bend_per_deg * fit.half_travel_deg);
+  const double share = change / model.gain;
+  gain = {gain.value, std::max(gain.low - change, 0.0), gain.high + change};
+  hysteresis_deg = {hysteresis_deg.value, hysteresis_deg.low * (1.0 - share),
+                    hysteresis_deg.high * (1.0 + share)};
+}
+
+/// Friction of the moving mass that is larger at slow speeds (Stribeck, 20 to 50 %) looks like a wider
+/// loop with less damping, and a log rarely tells them apart. The allowances are the largest errors
+/// in simulated logs: see tests/measurements/README.md.
+void AllowForStribeck(ChainFit& fit) {
+  fit.hysteresis_deg.low *= 0.88;
+  fit.lag_ms.high *= 1.08;
+  fit.damping_ratio.high *= 1.14;
+}
+
+void TakeSplit(const std::vector<FittedFamily>& fits, ChainFit& fit) {
+  const auto estimate = [&](const auto& value_of, double least = 0.0) {
+    return EstimateOf(fits, least, value_of);
+  };
+  const FittedFamily& selected = fits.front();
+  fit.model = selected.ModelOf(selected.solution.parameters);
+  fit.model_text = WordsFor(selected);
+  fit.residual_rms_deg = Rms(selected.solution.residual);
+  fit.held_out_rms_deg = Rms(selected.held_out);
+  fit.dead_time_ms = estimate([](const ChainModel& m) { return 1e3 * m.dead_time_s; });
+  fit.lag_ms = estimate([](const ChainModel& m) { return 1e3 * (m.lag_s + m.extra_lag_s); });
+  fit.gain = estimate([](const ChainModel& m) { return m.gain; });
+  fit.offset_deg = estimate([](const ChainModel& m) { return m.offset_deg; }, -kEndless);
+  fit.hysteresis_deg =
+      estimate([](const ChainModel& m) { return 2.0 * (m.play_deg + m.lost_play_deg); });
+  WidenByBend(selected, fit.gain, fit.hysteresis_deg);
+  if (selected.family.Has(kLostPlay)) {
+    fit.motor_hysteresis_deg = estimate([](const ChainModel& m) { return 2.0 * m.play_deg; });
+    fit.lost_motion_deg = estimate([](const ChainModel& m) { return 2.0 * m.lost_play_deg; });
+  }
+  if (selected.family.Has(kSlowness)) {
+    fit.speed_limit_deg_s = Through(
+        EstimateOf(selected, 1e-9, [](const ChainModel& m) { return 1.0 / m.speed_limit_deg_s; }),
+        [](double slowness) { return 1.0 / slowness; });
+  }
+  TakeSecondOrder(fits, fit);
+  if (selected.family.friction_in_lag) AllowForStribeck(fit);
 }
 
 /// Widens the interval by the uncertainty of the times at which the frames were sent.
 void WidenDeadTime(double open_ms, ChainEstimate& dead_time_ms) {
   dead_time_ms.low = std::max(dead_time_ms.low - open_ms, 0.0);
   dead_time_ms.high += open_ms;
+}
+
+std::string TextOf(const ChainEstimate& estimate, const char* unit) {
+  return fmt::format("{:.0f} {} ({:.0f}..{:.0f})", estimate.value, unit, estimate.low,
+                     estimate.high);
+}
+
+/// Withholds a value whose interval is at least as wide as `range`.
+bool Withhold(double range, const std::string& name, const std::string& need,
+              ChainEstimate& estimate, ChainFit& fit) {
+  if (!(estimate.high - estimate.low >= range)) return false;
+  estimate = {};
+  fit.remarks.push_back(name + " not identifiable from this log (needs " + need + ")");
+  return true;
+}
+
+/// Dead time and lag share the delay; if one of them is open, so is the other.
+void WithholdShares(const std::vector<FittedFamily>& fits, double range_ms, ChainFit& fit) {
+  const double widest_ms =
+      std::max(fit.dead_time_ms.high - fit.dead_time_ms.low, fit.lag_ms.high - fit.lag_ms.low);
+  const ChainEstimate sum_ms = EstimateOf(fits, 0.0, [](const ChainModel& m) {
+    return 1e3 * (m.dead_time_s + m.lag_s + m.extra_lag_s);
+  });
+  const bool sum_known = sum_ms.high - sum_ms.low < range_ms;
+  if (!(widest_ms >= range_ms)) return;
+  fit.dead_time_ms = fit.lag_ms = {};
+  fit.remarks.push_back(
+      std::string("dead time and lag are not identifiable from this log (needs faster motion or "
+                  "more rows per second)") +
+      (sum_known ? "; their sum is " + TextOf(sum_ms, "ms") : ""));
+}
+
+/// Withholds values that the log does not determine.
+void WithholdUnknown(const PartRows& rows, const std::vector<FittedFamily>& fits, ChainFit& fit) {
+  const FittedFamily& selected = fits.front();
+  const double travel_deg = 2.0 * selected.half_travel_deg * fit.model.gain;
+  const double delay_ms = 1e3 * (fit.model.dead_time_s + fit.model.lag_s + fit.model.extra_lag_s);
+  WithholdShares(fits, std::max(delay_ms, 1e3 / rows.rate_hz), fit);
+  const std::string larger = "larger motion";
+  Withhold(travel_deg, "the offset is", larger, fit.offset_deg, fit);
+  Withhold(fit.gain.value, "the gain is", larger, fit.gain, fit);
+  const double hysteresis_range_deg = selected.family.Has(kPlay) ? 0.5 * travel_deg : 0.0;
+  Withhold(hysteresis_range_deg, "the hysteresis is", "slow motion that turns at many positions",
+           fit.hysteresis_deg, fit);
+  if (std::isnan(fit.natural_frequency_hz.value)) {
+    fit.remarks.emplace_back(
+        "natural frequency and damping are not identifiable from this log (needs a second-order "
+        "lag, faster motion or more rows per second)");
+  } else if (Withhold(fit.natural_frequency_hz.value, "the natural frequency is",
+                      "faster motion or more rows per second", fit.natural_frequency_hz, fit)) {
+    fit.damping_ratio = {};
+  }
+}
+
+/// A speed limit makes the delay depend on the size of the motion. The delay is withheld if the
+/// model without the limit has another one.
+void CheckDelay(const PartRows& rows, const FittedFamily& selected, ChainFit& fit) {
+  if (!selected.family.Has(kSlowness)) return;
+  fit.remarks.push_back(fmt::format("limited to {:.3g} {{unit}}/s", fit.speed_limit_deg_s.value));
+  PartRows free = rows;
+  ChainProblem problem(rows.command_deg, rows.angle_deg, rows.rate_hz, selected.family, rows.frames,
+                       0.0);
+  ChainModel model = fit.model;
+  model.speed_limit_deg_s = kEndless;
+  const VectorXd simulated_deg = problem.Simulated(model);
+  free.angle_deg = {simulated_deg.data(), rows.angle_deg.size()};
+  free.frames = {};
+  const VectorXd start = Eigen::Vector3d(1e-3 * fit.delay_ms.value, fit.model.gain, 0.0);
+  const auto without = FitFamily(free, ShiftFamily(), {start});
+  constexpr double kSame = 0.05;
+  const double delay_ms = without ? 1e3 * without->solution.parameters[kDeadTime] : 0.0;
+  if (std::abs(delay_ms - fit.delay_ms.value) <= kSame * fit.delay_ms.value) return;
+  fit.remarks.push_back(fmt::format(
+      "the delay depends on the size of the motion: {:.0f} ms in this log, {:.0f} ms below the "
+      "speed limit",
+      fit.delay_ms.value, delay_ms));
+  fit.delay_ms = {};
+}
+
+/// Remarks that follow from the rate of the rows and from the residual.
+void RemarkOnRows(const PartRows& rows, ChainFit& fit) {
+  constexpr double kFewRows_hz = 100.0;
+  if (!fit.frames && rows.rate_hz < kFewRows_hz) {
+    fit.remarks.push_back(fmt::format(
+        "at {:.3g} Hz the log does not tell whether commands are held from row to row; if they "
+        "are, the dead time is up to {:.0f} ms shorter (see --held)",
+        rows.rate_hz, 500.0 / rows.rate_hz));
+  }
 }
 
 /// Standard deviation of white noise and encoder quantisation, from third differences. Motion
@@ -247,12 +268,12 @@ double FastNoise(const VectorXd& values) {
   return Rms(third) / std::sqrt(20.0);  // 1 + 9 + 9 + 1
 }
 
-/// Start of a fit of all parameters, with `share` of the delay as dead time.
-VectorXd StartOfSplit(const LeastSquaresFit& shifted, double share) {
+/// Start of a fit of the basic chain, with `share` of the delay as dead time.
+VectorXd StartOfSplit(const FittedFamily& shifted, double share) {
   constexpr double kDamping = 0.8;
-  const double lag_s = (1.0 - share) * shifted.parameters[kDeadTime];
-  VectorXd start(kTightParameters);
-  start << shifted.parameters, 0.2 * Rms(shifted.residual), lag_s,
+  const double lag_s = (1.0 - share) * shifted.solution.parameters[kDeadTime];
+  VectorXd start(6);
+  start << shifted.solution.parameters, 0.2 * Rms(shifted.solution.residual), lag_s,
       std::pow(lag_s / (2.0 * kDamping), 2);
   start[kDeadTime] *= share;
   return start;
@@ -261,9 +282,9 @@ VectorXd StartOfSplit(const LeastSquaresFit& shifted, double share) {
 /// Time at which the angle no longer depends on the initial state of the hysteresis: the command
 /// has travelled its whole width. kBeginning_s if that takes half of the log.
 double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
-                           const LeastSquaresFit& tight) {
+                           const VectorXd& basic) {
   constexpr double kMargin = 1.25;  // the fitted width may be too small
-  const double width_deg = kMargin * 2.0 * tight.parameters[kPlay] / tight.parameters[kGain];
+  const double width_deg = kMargin * 2.0 * basic[kPlay] / basic[kGain];
   double least = command_deg.front();
   double most = least;
   std::size_t row = 0;
@@ -276,51 +297,104 @@ double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
   return static_cast<double>(row) / rate_hz + kBeginning_s;
 }
 
-/// Fit with lost motion behind the lag. None if the log gives no evidence of lost motion.
-std::optional<Split> FitLoose(std::span<const double> command_deg,
-                              std::span<const double> angle_deg, double rate_hz, int parts,
-                              const std::optional<FrameClock>& frames,
-                              const LeastSquaresFit& shifted, const LeastSquaresFit& tight) {
-  Problem problem(command_deg, angle_deg, rate_hz, kLooseParameters, frames,
-                  BeginningBehindPlay(command_deg, rate_hz, tight));
-  std::optional<LeastSquaresFit> best;
-  for (const double share : {0.1, 0.5, 0.9}) {  // lost motion over hysteresis
-    VectorXd start(kLooseParameters);
-    start << StartOfSplit(shifted, 0.5), share * tight.parameters[kPlay];
-    start[kPlay] = (1.0 - share) * tight.parameters[kPlay];
-    KeepBetter(Minimise(problem, start), best);
-  }
-  constexpr double kLeastLost_deg = 0.01;  // noise-free angles always gain a little
-  if (!(2.0 * best->parameters[kLostPlay] > kLeastLost_deg)) return std::nullopt;
-  if (IsByChance(StudentOfGain(*best, tight), 1)) return std::nullopt;
-  std::optional<Split> split = SplitOf(*best);
-  if (!split) return std::nullopt;
-  const double error_deg =
-      StandardErrorOf(*best, split->without, [](const VectorXd& p) { return p[kLostPlay]; });
-  if (IsByChance(best->parameters[kLostPlay] / error_deg, parts)) return std::nullopt;
-  return split;
+/// True if the interval of the hysteresis is narrower than half of the angle's travel.
+bool KnowsHysteresis(const FittedFamily& basic) {
+  const ChainEstimate width_deg =
+      EstimateOf(basic, -kEndless, [](const ChainModel& m) { return 2.0 * m.play_deg; });
+  const double travel_deg = 2.0 * basic.half_travel_deg * basic.solution.parameters[kGain];
+  return width_deg.high - width_deg.low < 0.5 * travel_deg;
 }
 
-/// Fit of dead time and play only, between a motor and its joint.
-LeastSquaresFit FitLost(std::span<const double> motor_deg, std::span<const double> angle_deg,
-                        double rate_hz) {
+/// The basic chain, compared from where its hysteresis is known. None if the log does not
+/// distinguish the parameters.
+std::optional<FittedFamily> FitBasic(const FittedFamily& shifted, PartRows& rows) {
+  std::vector<VectorXd> starts;
+  for (const double share : {0.25, 0.5, 0.75}) starts.push_back(StartOfSplit(shifted, share));
+  std::optional<FittedFamily> basic = FitFamily(rows, BasicFamily(), starts);
+  if (!basic || !KnowsHysteresis(*basic)) {
+    // A command between two positions: gain and hysteresis cannot be told apart.
+    const ChainFamily family = ShiftFamily().With(kLag).With(kInertia);
+    for (VectorXd& start : starts) {
+      start.segment(kPlay, 2) = VectorXd(start.tail(2));
+      start.conservativeResize(std::ssize(family.free));
+    }
+    return FitFamily(rows, family, starts);
+  }
+  rows.beginning_s =
+      BeginningBehindPlay(rows.command_deg, rows.rate_hz, basic->solution.parameters);
+  if (rows.beginning_s == kBeginning_s) return basic;
+  return FitFamily(rows, BasicFamily(), {basic->solution.parameters});
+}
+
+/// Every n-th row of a log of more than 500 Hz: the models are selected on these.
+struct ThinRows {
+  explicit ThinRows(const PartRows& all) : rows(all) {
+    constexpr double kEnough_hz = 500.0;
+    const auto stride = static_cast<std::size_t>(std::floor(all.rate_hz / kEnough_hz));
+    if (stride < 2) return;
+    for (std::size_t k = 0; k < all.command_deg.size(); k += stride) {
+      command_deg.push_back(all.command_deg[k]);
+      angle_deg.push_back(all.angle_deg[k]);
+    }
+    rows.command_deg = command_deg;
+    rows.angle_deg = angle_deg;
+    const auto share = 1.0 / static_cast<double>(stride);
+    rows.rate_hz *= share;
+    if (!rows.frames) return;
+    rows.frames = FrameClock{.period_rows = share * rows.frames->period_rows,
+                             .first_row = share * rows.frames->first_row,
+                             .open_rows = share * rows.frames->open_rows};
+  }
+  ThinRows(const ThinRows&) = delete;
+
+  std::vector<double> command_deg;
+  std::vector<double> angle_deg;
+  PartRows rows;
+};
+
+/// The selected chain first, by all rows, then others that explain the log as well. Empty if the
+/// log does not distinguish the parameters.
+std::vector<FittedFamily> FitSplit(const PartRows& rows, const FittedFamily& shifted, int parts,
+                                   ChainDetail detail) {
+  ThinRows thin(rows);
+  std::optional<FittedFamily> basic = FitBasic(shifted, thin.rows);
+  if (!basic) return {};
+  std::vector<FittedFamily> fits = SelectChain(thin.rows, std::move(*basic), parts, detail);
+  FittedFamily& selected = fits.front();
+  PartRows all = rows;
+  all.beginning_s = thin.rows.beginning_s;
+  if (thin.rows.rate_hz < rows.rate_hz) {
+    auto refined = FitFamily(all, selected.family, {selected.solution.parameters});
+    if (!refined) return {};
+    selected = std::move(*refined);
+  }
+  if (detail == ChainDetail::kBasic) {
+    fits.resize(1);
+  } else {
+    selected.reweighted = ReweighRows(all, selected);
+  }
+  return fits;
+}
+
+/// Fit of dead time and play only, between a motor and its joint. None if the rows do not
+/// distinguish them.
+std::optional<FittedFamily> FitLost(std::span<const double> motor_deg,
+                                    std::span<const double> angle_deg, double rate_hz) {
   // Shift of the motor's angle to earlier times, so that the dead time stays positive: the two
   // sensors have different delays.
   constexpr double kEarlier_s = 0.1;
   const auto earlier = static_cast<std::size_t>(std::lround(kEarlier_s * rate_hz));
   const std::span<const double> motor = motor_deg.subspan(earlier);
-  const std::span<const double> angle = angle_deg.first(motor.size());
-  Problem shift(motor, angle, rate_hz, kShiftParameters);
-  const LeastSquaresFit shifted =
-      Minimise(shift, Eigen::Vector3d(static_cast<double>(earlier) / rate_hz, 1.0, 0.0));
-  Problem lost(motor, angle, rate_hz, kPlayParameters);
-  std::optional<LeastSquaresFit> best;
+  const PartRows rows{motor, angle_deg.first(motor.size()), rate_hz, {}, kBeginning_s};
+  const auto shifted = FitFamily(
+      rows, ShiftFamily(), {Eigen::Vector3d(static_cast<double>(earlier) / rate_hz, 1.0, 0.0)});
+  if (!shifted) return std::nullopt;
+  std::vector<VectorXd> starts;
   for (const double share : {0.2, 1.0, 2.0}) {  // play over RMS residual of a shift
-    VectorXd start(kPlayParameters);
-    start << shifted.parameters, share * Rms(shifted.residual);
-    KeepBetter(Minimise(lost, start), best);
+    starts.emplace_back(4);
+    starts.back() << shifted->solution.parameters, share * Rms(shifted->solution.residual);
   }
-  return *best;
+  return FitFamily(rows, PlayFamily(), starts);
 }
 
 /// The reason why no chain can be fitted; empty if there is none. `delay_s` receives the start
@@ -361,39 +435,37 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
 }  // namespace
 
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz, int parts, const std::optional<FrameClock>& frames) {
+                  double rate_hz, int parts, const std::optional<FrameClock>& frames,
+                  ChainDetail detail) {
   GAUNTLET_ASSERT(rate_hz > 0.0 && parts > 0 && angle_deg.size() == command_deg.size());
   ChainFit fit;
   fit.frames = frames ? frames : FindFrameClock(ChangesOf(command_deg));
+  if (!fit.frames) fit.frames = StepsOf(ChangesOf(command_deg));
   double delay_s = 0.0;
   fit.problem = ProblemOf(command_deg, angle_deg, rate_hz, delay_s);
   if (!fit.problem.empty()) return fit;
 
-  Problem shift(command_deg, angle_deg, rate_hz, kShiftParameters);
-  const LeastSquaresFit shifted = Minimise(shift, Eigen::Vector3d(delay_s, 1.0, 0.0));
-  fit.shifted_rms_deg = Rms(shifted.residual);
-  if (const auto without = WithoutEachBlock(shifted)) {
-    fit.delay_ms =
-        EstimateOf(shifted, *without, 0.0, [](const VectorXd& p) { return 1e3 * p[kDeadTime]; });
+  PartRows rows{command_deg, angle_deg, rate_hz, {}, kBeginning_s};
+  const auto shifted = FitFamily(rows, ShiftFamily(), {Eigen::Vector3d(delay_s, 1.0, 0.0)});
+  if (!shifted) {
+    fit.problem = "its rows do not determine a delay";
+    return fit;
   }
-
-  Problem problem(command_deg, angle_deg, rate_hz, kTightParameters, fit.frames);
-  std::optional<LeastSquaresFit> tight;
-  for (const double share : {0.25, 0.5, 0.75}) {  // dead time over delay
-    KeepBetter(Minimise(problem, StartOfSplit(shifted, share)), tight);
-  }
-  std::optional<Split> split = SplitOf(*tight);
-  if (!split) {
+  fit.shifted_rms_deg = Rms(shifted->solution.residual);
+  fit.delay_ms = EstimateOf(*shifted, 0.0, [](const ChainModel& m) { return 1e3 * m.dead_time_s; });
+  rows.frames = fit.frames;
+  const std::vector<FittedFamily> fits = FitSplit(rows, *shifted, parts, detail);
+  if (fits.empty()) {
     fit.split_problem =
         "this motion does not tell dead time, lag and hysteresis apart: one of more speeds may";
     return fit;
   }
-  if (const auto loose =
-          FitLoose(command_deg, angle_deg, rate_hz, parts, fit.frames, shifted, *tight)) {
-    split = loose;
-  }
-  TakeSplit(*split, fit);
+  TakeSplit(fits, fit);
   if (fit.frames) WidenDeadTime(1e3 * fit.frames->open_rows / rate_hz, fit.dead_time_ms);
+  if (detail == ChainDetail::kBasic) return fit;
+  CheckDelay(rows, fits.front(), fit);
+  WithholdUnknown(rows, fits, fit);
+  RemarkOnRows(rows, fit);
   return fit;
 }
 
@@ -420,20 +492,19 @@ void AddMotor(std::span<const double> command_deg, std::span<const double> motor
   }
   // In the joint's degrees and sign.
   VectorXd scaled = covariance / around.squaredNorm() * around;
-  const LeastSquaresFit lost = FitLost({scaled.data(), motor_deg.size()}, angle_deg, rate_hz);
-  const auto without = WithoutEachBlock(lost);
-  if (!without) return;
+  const auto lost = FitLost({scaled.data(), motor_deg.size()}, angle_deg, rate_hz);
+  if (!lost) return;
   fit.lost_motion_deg =
-      EstimateOf(lost, *without, 0.0, [](const VectorXd& p) { return 2.0 * p[kPlay]; });
-  scaled *= lost.parameters[kGain];
+      EstimateOf(*lost, 0.0, [](const ChainModel& m) { return 2.0 * m.play_deg; });
+  scaled *= lost->solution.parameters[kGain];
   const double noise_deg = kNoiseInLost * FastNoise(scaled);
   fit.lost_motion_deg.low = std::max(fit.lost_motion_deg.low - noise_deg, 0.0);
   ChainEstimate& own = fit.motor_hysteresis_deg;
   own = FitChain(command_deg, {scaled.data(), motor_deg.size()}, rate_hz, parts, fit.frames)
             .hysteresis_deg;
+  if (std::isnan(own.value)) return;
   // The interval also contains the uncertainty of the gain between motor and joint.
-  const ChainEstimate gain =
-      EstimateOf(lost, *without, 0.0, [](const VectorXd& p) { return p[kGain]; });
+  const ChainEstimate gain = EstimateOf(*lost, 0.0, [](const ChainModel& m) { return m.gain; });
   const double of_gain = (gain.high - gain.value) / gain.value * own.value;
   own.low = std::max(own.value - std::hypot(own.value - own.low, of_gain), 0.0);
   own.high = own.value + std::hypot(own.high - own.value, of_gain);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "sim/calibrate/chain_model.h"
 
@@ -30,35 +31,46 @@ struct ChainFit {
   ChainEstimate natural_frequency_hz;  // NaN if a first-order lag explains as much
   ChainEstimate damping_ratio;         // the same
   ChainEstimate gain;
-  ChainEstimate hysteresis_deg;  // whole width of the loop
+  ChainEstimate offset_deg;         // of the angle at command 0
+  ChainEstimate speed_limit_deg_s;  // NaN if none is seen
+  ChainEstimate hysteresis_deg;     // whole width of the loop
   /// Its two parts, if the log distinguishes them, by the angle's curve or the motor's angle; else
   /// NaN.
   ChainEstimate motor_hysteresis_deg;  // in the motor, before the lag
   ChainEstimate lost_motion_deg;       // behind the lag
   std::string motor_problem;           // why the motor's angle gives neither; else empty
+  std::string model_text;              // what the model contains, in words
+  std::vector<std::string> remarks;  // sentences: what limits the values, what is withheld and why
   ChainModel model;
   std::optional<FrameClock> frames;  // steps of the model's command; none: it has no steps
   double residual_rms_deg = kNaN;
-  double shifted_rms_deg = kNaN;  // RMS with the delay alone
+  double held_out_rms_deg = kNaN;  // of blocks of the log that the fit did not contain
+  double shifted_rms_deg = kNaN;   // RMS with the delay alone
 };
+
+/// kBasic: lost motion is the only addition to the basic chain, and no value is withheld.
+enum class ChainDetail { kBasic, kAll };
 
 /// Length of the shortest log that can be fitted.
 inline constexpr double kShortestChainLog_s = 5.0;
 
 /// Fits the model by least squares (Levenberg-Marquardt). The start is the delay of the largest
-/// correlation. The first fit is without lost motion, the second with it. Both are compared after
-/// the command has travelled the whole width of the hysteresis. Play before the lag rounds the
-/// corners of the angle; lost motion leaves them sharp.
-///
-/// The fit with lost motion is accepted if two tests at 5 % reject chance. The first is Student's t
-/// of the reduction of squares in each of 20 stretches. The second compares the lost motion with
-/// its standard error, for all `parts` of a hand together (Bonferroni). Correlated noise does not
-/// mislead these tests, unlike a criterion that counts samples.
+/// correlation. The basic chain (play, lag of second order) is fitted first. Friction with stretch,
+/// a third pole or a zero, a speed limit, a load and lost motion are added if held-out parts of the
+/// log are predicted better: see SelectChain(). All fits are compared after the command has
+/// travelled the whole width of the hysteresis. Correlated noise does not mislead these tests,
+/// unlike a criterion that counts samples.
 ///
 /// Intervals: delete-a-block jackknife over 20 stretches of the log, to first order, with Student's
 /// t. It assumes only that noise is independent between stretches, which holds if the correlation
 /// time is below a tenth of a stretch. A value that depends on few stretches, such as lost motion
-/// on those with reversals, has fewer degrees of freedom (see DegreesOfFreedomOf()).
+/// on those with reversals, has fewer degrees of freedom (see DegreesOfFreedomOf()). The
+/// disagreement with other models that explain the log as well, and with the same model by other
+/// weights of the rows, is added in quadrature.
+///
+/// Values are withheld (NaN, with a sentence in `remarks`) if their interval is as wide as their
+/// range, the natural frequency if a chain of third order explains the log as well, and the delay
+/// if it depends on a speed limit, and so on the size of the motion.
 /// Source: Busing, Meijer, van der Leeden, Statistics and Computing 9, 3-8 (1999); Cameron, Miller,
 /// J. Human Resources 50, 317-372 (2015).
 ///
@@ -70,7 +82,8 @@ inline constexpr double kShortestChainLog_s = 5.0;
 /// Shapes: command and angle of equal length, finite. Units: degrees (or any unit that both share).
 /// Errors: a log that is too short or without motion gives a ChainFit with a `problem`.
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz, int parts = 1, const std::optional<FrameClock>& frames = {});
+                  double rate_hz, int parts = 1, const std::optional<FrameClock>& frames = {},
+                  ChainDetail detail = ChainDetail::kAll);
 
 /// Adds the values that the motor's angle determines to a part's fit. Scale, offset and sign of
 /// that angle do not matter.

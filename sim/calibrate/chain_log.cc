@@ -5,131 +5,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <optional>
-#include <string_view>
+#include <thread>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
+#include "sim/base/threads.h"
+#include "sim/calibrate/chain_columns.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/table_source.h"
-#include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
-
-/// A column of a part's command, angle or motor angle; `scale` converts it to degrees.
-struct PartColumn {
-  std::size_t column = 0;
-  std::string part;
-  double scale = 1.0;
-};
-
-struct ChainColumns {
-  std::optional<std::size_t> time;
-  double time_scale_s = 1.0;
-  std::vector<PartColumn> commands;
-  std::vector<PartColumn> angles;  // after pairing: in the order of `commands`
-  std::vector<PartColumn> motors;  // after pairing: of parts with a motor angle, by name
-};
-
-struct ChainPattern {
-  std::string_view before;
-  std::string_view after;
-  bool is_command;
-  double scale;
-};
-/// Patterns of column names. The first match counts.
-constexpr ChainPattern kChainPatterns[] = {{"true_angle_rad.", "", true, kDegPerRad},
-                                           {"hand_angle_rad.", "", false, kDegPerRad},
-                                           {"", "_command_deg", true, 1.0},
-                                           {"", "_command_rad", true, kDegPerRad},
-                                           {"", "_deg", false, 1.0},
-                                           {"", "_rad", false, kDegPerRad}};
-
-bool AddPart(const std::string& name, std::size_t column, ChainColumns& columns) {
-  for (const ChainPattern& pattern : kChainPatterns) {
-    const std::size_t around = pattern.before.size() + pattern.after.size();
-    if (!name.starts_with(pattern.before) || !name.ends_with(pattern.after)) continue;
-    if (name.size() <= around) continue;
-    (pattern.is_command ? columns.commands : columns.angles)
-        .push_back(
-            {column, name.substr(pattern.before.size(), name.size() - around), pattern.scale});
-    return true;
-  }
-  return name.find('.') != std::string::npos;  // another signal of a trace
-}
-
-const PartColumn* FindPart(const std::vector<PartColumn>& columns, const std::string& part) {
-  const auto found = std::ranges::find(columns, part, &PartColumn::part);
-  return found == columns.end() ? nullptr : &*found;
-}
-
-void RejectRepeatedParts(const CsvReader& csv, const std::vector<PartColumn>& columns) {
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (FindPart(columns, columns[i].part) == &columns[i]) continue;
-    csv.Fail(columns[i].column + 1, fmt::format("{} appears twice", csv.Quoted(columns[i].part)));
-  }
-}
-
-/// Sorts the angles in the order of the commands. In a trace, a joint without a channel of its name
-/// has no partner, and vice versa.
-void PairParts(const CsvReader& csv, ChainColumns& columns) {
-  RejectRepeatedParts(csv, columns.commands);
-  RejectRepeatedParts(csv, columns.angles);
-  std::vector<PartColumn> commands;
-  std::vector<PartColumn> angles;
-  std::vector<PartColumn> motors;
-  std::vector<std::string> names;
-  for (const PartColumn& angle : columns.angles) names.push_back(angle.part);
-  for (const PartColumn& command : columns.commands) {
-    const PartColumn* angle = FindPart(columns.angles, command.part);
-    if (angle != nullptr) {
-      commands.push_back(command);
-      angles.push_back(*angle);
-      // A part may have this name itself.
-      const std::string motor_name = command.part + "_motor";
-      const PartColumn* motor = FindPart(columns.angles, motor_name);
-      if (motor != nullptr && FindPart(columns.commands, motor_name) == nullptr) {
-        motors.push_back({motor->column, command.part, motor->scale});
-      }
-    } else if (!csv.header()[command.column].starts_with(kChainPatterns[0].before)) {
-      csv.Fail(command.column + 1,
-               fmt::format("{} has a command but no angle, add a column {}_deg{}",
-                           csv.Quoted(command.part), OneLine(command.part, 60),
-                           Suggestion(command.part, names)));
-    }
-  }
-  if (commands.empty()) {
-    csv.Fail(1,
-             "there is no part with a command and an angle (columns as index_mcp_command_deg and "
-             "index_mcp_deg)");
-  }
-  columns.commands = std::move(commands);
-  columns.angles = std::move(angles);
-  columns.motors = std::move(motors);
-}
-
-ChainColumns FindChainColumns(const CsvReader& csv) {
-  if (csv.header().empty()) csv.Fail(1, "the first line must name the columns");
-  ChainColumns columns;
-  for (std::size_t column = 0; column < csv.column_count(); ++column) {
-    const std::string& name = csv.header()[column];
-    if (const auto scale_s = TimeScaleS(name)) {
-      columns.time = column;
-      columns.time_scale_s = *scale_s;
-    } else if (!IsSampleNumber(name) && !AddPart(name, column, columns)) {
-      csv.Fail(column + 1, fmt::format("unknown column {}, must be a time (as t_s or time_ms), or "
-                                       "a part's name with _command_deg, _command_rad, _deg or "
-                                       "_rad behind it",
-                                       csv.Quoted(name)));
-    }
-  }
-  if (!columns.time) csv.Fail(1, "there is no column of time (as t_s or time_ms)");
-  PairParts(csv, columns);
-  return columns;
-}
 
 /// Valid values of one column and their times.
 struct Series {
@@ -158,7 +47,8 @@ void InterpolateLine(const Series& series, double start_s, double rate_hz,
 /// command never had a value in between.
 void InterpolateCommand(const Series& series, double start_s, double rate_hz,
                         Eigen::Ref<Eigen::VectorXd> result) {
-  if (!FindFrameClock(ChangesOf(series.value))) {
+  const std::vector<double> changes = ChangesOf(series.value);
+  if (!FindFrameClock(changes) && !StepsOf(changes)) {
     InterpolateLine(series, start_s, rate_hz, result);
     return;
   }
@@ -190,7 +80,7 @@ void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& ser
 
 /// The valid values of all columns: commands, angles, motors.
 struct ChainRows {
-  std::vector<std::string> parts;
+  std::vector<PartColumn> columns;
   std::vector<Series> series;
   double count = 0.0;
   double first_s = 0.0;
@@ -199,72 +89,161 @@ struct ChainRows {
   std::size_t values_missing = 0;
 };
 
-/// Reads only the columns of `columns`. Errors: UserError for times that do not rise.
-std::vector<double> ReadSeries(const ChainColumns& columns, const std::vector<PartColumn>& all,
+/// Number of the episode of each row: that of its column, or counted by times that begin anew.
+class Episodes {
+ public:
+  Episodes(const ChainColumns& columns, std::optional<int> wanted)
+      : columns_(columns), wanted_(wanted) {}
+
+  /// True if the row begins another episode than the row before.
+  bool Begins(std::span<const double> values, double time_s) {
+    constexpr double kAnew = 0.1;  // of the time that has passed
+    const double number = columns_.episode ? values[*columns_.episode] : number_;
+    const bool first = std::isnan(first_s_);
+    const bool anew =
+        !first && time_s < last_s_ && time_s - first_s_ <= kAnew * (last_s_ - first_s_);
+    const bool begins = first || number != number_ || (anew && !columns_.episode);
+    if (begins) {
+      first_s_ = time_s;
+      number_ = columns_.episode || first ? number : number_ + 1.0;
+      numbers_.push_back(number_);
+    }
+    last_s_ = time_s;
+    return begins;
+  }
+
+  bool IsWanted() const { return !wanted_ || number_ == *wanted_; }
+
+  /// Errors: UserError for several episodes of which none is chosen, or a number that does not
+  /// exist.
+  void Check(const CsvReader& csv) const {
+    const bool exists = !wanted_ || std::ranges::find(numbers_, *wanted_) != numbers_.end();
+    if (exists && (wanted_ || numbers_.size() <= 1)) return;
+    const auto [least, most] = std::ranges::minmax(numbers_);
+    csv.FailInRow(1, (columns_.episode ? *columns_.episode : columns_.time) + 1,
+                  fmt::format("the log has {} episode{} ({:g} to {:g}): choose one with --episode",
+                              numbers_.size(), numbers_.size() == 1 ? "" : "s", least, most));
+  }
+
+ private:
+  const ChainColumns& columns_;
+  std::optional<int> wanted_;
+  double number_ = 0.0;
+  double first_s_ = kNaN;
+  double last_s_ = kNaN;
+  std::vector<double> numbers_;
+};
+
+void TakeRow(const std::vector<double>& values, double time_s, ChainRows& rows) {
+  for (std::size_t i = 0; i < rows.columns.size(); ++i) {
+    const double value = values[rows.columns[i].column];
+    if (std::isnan(value)) {
+      ++rows.values_missing;
+      continue;
+    }
+    rows.series[i].time_s.push_back(time_s);
+    rows.series[i].value.push_back(value);
+  }
+}
+
+/// Reads only the columns of `columns`. Result: distances of the rows of one episode. Errors:
+/// UserError for times that do not rise, and for several episodes.
+std::vector<double> ReadSeries(const ChainColumns& columns, std::optional<int> episode,
                                CsvReader& csv, ChainRows& rows) {
   std::vector<bool> used(csv.column_count(), false);
-  used[*columns.time] = true;
-  for (const PartColumn& column : all) used[column.column] = true;
+  used[columns.time] = true;
+  if (columns.episode) used[*columns.episode] = true;
+  for (const PartColumn& column : rows.columns) used[column.column] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) csv.Ignore(i);
   }
   std::vector<double> steps_s;
   std::vector<double> values(csv.column_count());
+  Episodes episodes(columns, episode);
   while (csv.NextRow(values)) {
-    const double time_s = values[*columns.time] * columns.time_scale_s;
-    if (std::isnan(time_s)) csv.Fail(*columns.time + 1, "the time is missing");
-    if (time_s <= rows.last_s) {
-      csv.Fail(*columns.time + 1,
+    const double time_s = values[columns.time] * columns.time_scale_s;
+    if (std::isnan(time_s)) csv.Fail(columns.time + 1, "the time is missing");
+    const bool begins = episodes.Begins(values, time_s);
+    if (!begins && time_s <= rows.last_s) {
+      csv.Fail(columns.time + 1,
                fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
                            rows.last_s));
     }
-    if (rows.count++ == 0.0) rows.first_s = rows.last_s = time_s;
-    if (rows.count > 1.0) steps_s.push_back(time_s - rows.last_s);
-    rows.last_s = time_s;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const double value = values[all[i].column] * all[i].scale;
-      if (std::isnan(value)) {
-        ++rows.values_missing;
-        continue;
-      }
-      rows.series[i].time_s.push_back(time_s);
-      rows.series[i].value.push_back(value);
+    if (episodes.IsWanted()) {
+      if (rows.count++ == 0.0) rows.first_s = time_s;
+      if (!begins) steps_s.push_back(time_s - rows.last_s);
+      TakeRow(values, time_s, rows);
     }
+    rows.last_s = time_s;
   }
+  episodes.Check(csv);
   return steps_s;
 }
 
 /// Errors: UserError for fewer than two rows, a column without values, or a long gap.
-ChainRows ReadChainRows(const ChainColumns& columns, CsvReader& csv) {
-  std::vector<PartColumn> all = columns.commands;
-  all.insert(all.end(), columns.angles.begin(), columns.angles.end());
-  all.insert(all.end(), columns.motors.begin(), columns.motors.end());
+ChainRows ReadChainRows(const ChainColumns& columns, std::optional<int> episode, CsvReader& csv) {
   ChainRows rows;
-  rows.series.resize(all.size());
-  for (const PartColumn& column : all) rows.parts.push_back(column.part);
-  const std::vector<double> steps_s = ReadSeries(columns, all, csv, rows);
+  rows.columns = columns.commands;
+  rows.columns.insert(rows.columns.end(), columns.angles.begin(), columns.angles.end());
+  rows.columns.insert(rows.columns.end(), columns.motors.begin(), columns.motors.end());
+  rows.series.resize(rows.columns.size());
+  const std::vector<double> steps_s = ReadSeries(columns, episode, csv, rows);
   if (steps_s.empty()) csv.Fail(1, "the log has fewer than two rows");
   rows.period_s = controller::MedianOf(steps_s);
-  for (std::size_t i = 0; i < all.size(); ++i) {
+  rows.last_s = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < rows.columns.size(); ++i) {
+    const PartColumn& column = rows.columns[i];
     if (rows.series[i].value.empty()) {
-      csv.FailInRow(1, all[i].column + 1, fmt::format("{} has no values", csv.Quoted(all[i].part)));
+      csv.FailInRow(1, column.column + 1, fmt::format("{} has no values", csv.Quoted(column.part)));
     }
-    RejectGap(csv, all[i], rows.series[i], std::max(0.1, 10.0 * rows.period_s));
+    rows.last_s = std::max(rows.last_s, rows.series[i].time_s.back());
+    RejectGap(csv, column, rows.series[i], std::max(0.1, 10.0 * rows.period_s));
   }
   return rows;
 }
 
+/// Scale of the columns whose names have no unit. Named angles beyond a turn of 6.28 are degrees.
+/// Otherwise the unit is unknown, and `note` says so.
+double ScaleWithoutUnit(const ChainColumns& columns, const ChainRows& rows,
+                        const std::string& wanted, ChainLog& log) {
+  double most = 0.0;
+  bool any = false;
+  for (std::size_t i = 0; i < 2 * columns.commands.size(); ++i) {
+    if (rows.columns[i].scale) continue;
+    any = true;
+    for (const double value : rows.series[i].value) most = std::max(most, std::abs(value));
+  }
+  if (!any) return 1.0;
+  if (wanted == "rad") return kDegPerRad;
+  if (wanted == "deg") return 1.0;
+  constexpr double kMostRad = 6.4;
+  if (columns.names_angles && most > kMostRad) {
+    log.unit_note = fmt::format(
+        "The names of the columns have no unit. Angles up to {:.4g} are read as degrees; for "
+        "another unit see --unit.",
+        most);
+    return 1.0;
+  }
+  log.unit_known = false;
+  log.unit_note = fmt::format(
+      "The unit of the angles is unknown: the names have none, and values up to {:.4g} may be "
+      "degrees, radians or a normalised position. If it is known, say --unit deg or --unit rad.",
+      most);
+  return 1.0;
+}
+
 }  // namespace
 
-ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array) {
-  CsvReader csv(file.string(), TableSource(file, array), ProblemHandling::kAllowMissing);
+ChainLog LoadChainLog(const std::filesystem::path& file, const ChainLogOptions& options) {
+  CsvReader csv(file.string(), TableSource(file, options.array), ProblemHandling::kAllowMissing);
   const ChainColumns columns = FindChainColumns(csv);
   ChainLog log;
   log.name = OneLine(file.string());
   for (const PartColumn& command : columns.commands) log.parts.push_back(command.part);
-  log.from_wearer =
-      csv.header()[columns.commands.front().column].starts_with(kChainPatterns[0].before);
-  const ChainRows rows = ReadChainRows(columns, csv);
+  log.from_wearer = columns.is_trace;
+  log.columns_ignored = columns.ignored;
+  ChainRows rows = ReadChainRows(columns, options.episode, csv);
+  const double scale = ScaleWithoutUnit(columns, rows, options.unit, log);
   log.values_missing = rows.values_missing;
   log.rate_hz = 1.0 / rows.period_s;
   const double periods = (rows.last_s - rows.first_s) / rows.period_s;
@@ -272,7 +251,7 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
   constexpr double kMostSamplesPerRow = 20.0;
   if (!(periods <= kMostSamplesPerRow * rows.count)) {
     csv.FailInRow(
-        1, *columns.time + 1,
+        1, columns.time + 1,
         fmt::format("most rows come {:.3g} s after the one before, but all {} take {:.6g} "
                     "s, must come at an about even rate",
                     rows.period_s, rows.count, rows.last_s - rows.first_s));
@@ -284,13 +263,23 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& arra
   if (!columns.motors.empty()) log.motor_deg = Signal::Constant(samples, parts, kNaN);
   Signal* const signals[] = {&log.command_deg, &log.angle_deg, &log.motor_deg};
   for (std::size_t i = 0; i < rows.series.size(); ++i) {
-    const Eigen::Index part = std::ranges::find(log.parts, rows.parts[i]) - log.parts.begin();
+    for (double& value : rows.series[i].value) value *= rows.columns[i].scale.value_or(scale);
+    const Eigen::Index part =
+        std::ranges::find(log.parts, rows.columns[i].part) - log.parts.begin();
     Signal& signal = *signals[std::min<std::size_t>(i / log.parts.size(), 2)];
     const bool is_command = i < log.parts.size();
     (is_command ? InterpolateCommand : InterpolateLine)(rows.series[i], rows.first_s, log.rate_hz,
                                                         signal.col(part));
   }
   return log;
+}
+
+std::string RemarksOf(const ChainLog& log, const ChainFit& fit) {
+  std::string text;
+  for (const std::string& remark : fit.remarks) text += (text.empty() ? "" : "; ") + remark;
+  const auto unit = text.find("{unit}");
+  if (unit != std::string::npos) text.replace(unit, 6, log.unit_known ? "deg" : "units");
+  return text;
 }
 
 std::string WhatHysteresisIs(const std::vector<ChainFit>& fits) {
@@ -312,6 +301,10 @@ std::string WhatFramesAre(const ChainLog& log, const std::vector<ChainFit>& fits
       fits, [](const ChainFit& fit) { return fit.problem.empty() && fit.frames; });
   if (framed == fits.end()) return "";
   const double period_rows = framed->frames->period_rows;
+  if (framed->frames->open_rows >= 0.5) {
+    return fmt::format("The times of the command's steps are known within {:.1f} ms.",
+                       500.0 / log.rate_hz);
+  }
   return fmt::format("Commands step every {:.2f} ms, {}.", 1e3 * period_rows / log.rate_hz,
                      period_rows == std::round(period_rows)
                          ? "with the rows of the log"
@@ -326,27 +319,35 @@ std::vector<std::optional<FrameClock>> FramesOf(const ChainLog& log) {
     const std::span column(log.command_deg.col(part).data(),
                            static_cast<std::size_t>(log.command_deg.rows()));
     frames.push_back(FindFrameClock(ChangesOf(column)));
+    if (!frames.back()) frames.back() = StepsOf(ChangesOf(column));
     if (!frames.back() && log.held) frames.back() = FrameClock();
   }
   return frames;
 }
 
-std::vector<ChainFit> FitChains(const ChainLog& log) {
-  std::vector<ChainFit> fits;
+std::vector<ChainFit> FitChains(const ChainLog& log, const ChainProgress& progress,
+                                ChainDetail detail) {
   const std::vector<std::optional<FrameClock>> frames = FramesOf(log);
   const auto column = [](const Signal& signal, Eigen::Index part) {
     return std::span<const double>(signal.col(part).data(),
                                    static_cast<std::size_t>(signal.rows()));
   };
   const int parts = std::ssize(log.parts);
-  for (Eigen::Index part = 0; part < parts; ++part) {
+  std::vector<ChainFit> fits(log.parts.size());
+  std::mutex mutex;
+  int done = 0;
+  const auto fit_part = [&](std::size_t i) {
+    const auto part = static_cast<Eigen::Index>(i);
     const std::span<const double> command_deg = column(log.command_deg, part);
     const std::span<const double> angle_deg = column(log.angle_deg, part);
-    ChainFit& fit =
-        fits.emplace_back(FitChain(command_deg, angle_deg, log.rate_hz, parts, frames[part]));
-    if (log.motor_deg.size() == 0 || std::isnan(log.motor_deg(0, part))) continue;
-    AddMotor(command_deg, column(log.motor_deg, part), angle_deg, log.rate_hz, fit, parts);
-  }
+    fits[i] = FitChain(command_deg, angle_deg, log.rate_hz, parts, frames[i], detail);
+    if (log.motor_deg.size() > 0 && !std::isnan(log.motor_deg(0, part))) {
+      AddMotor(command_deg, column(log.motor_deg, part), angle_deg, log.rate_hz, fits[i], parts);
+    }
+    const std::lock_guard lock(mutex);
+    if (progress) progress(++done, parts);
+  };
+  ForEachOnThreads(std::max(1U, std::thread::hardware_concurrency()), fits.size(), fit_part);
   const bool any = std::ranges::any_of(fits, [](const ChainFit& f) { return f.problem.empty(); });
   if (!any) {
     throw UserError({.place = log.name, .key = log.parts.front(), .problem = fits[0].problem});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,21 +24,34 @@ struct ChainLog {
   bool from_wearer = false;  // the command is the wearer's motion, not a motor command
   bool held = false;         // rows hold their command if no other frames are found
   std::size_t values_missing = 0;  // interpolated
+  std::vector<std::string> columns_ignored;
+  bool unit_known = true;  // false: `_deg` values have the unit of the file
+  std::string unit_note;   // how the unit is known, or that it is not; empty: from the names
+};
+
+struct ChainLogOptions {
+  std::string array;           // of a file with several, see ListArrays()
+  std::string unit;            // of columns whose names have none: deg or rad
+  std::optional<int> episode;  // of a log with several
 };
 
 /// Reads a table of any format of TableSource with a header and a time column (see TimeScaleS).
-/// Each part has a column `NAME_command_deg` (or `_rad`), a column `NAME_deg` (or `_rad`) with the
-/// measured angle, and optionally `NAME_motor_deg` (or `_rad`) with the angle of its motor. The CSV
-/// of a trace is also accepted: `true_angle_rad.NAME` and `hand_angle_rad.NAME`; its other signals
-/// are ignored. Other columns are an error. Times may be uneven: values are interpolated linearly
-/// at the median rate, commands in steps (see FindFrameClock()) by the nearest row.
-/// `array` selects the array of a file with several, see ListArrays().
-/// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows.
-ChainLog LoadChainLog(const std::filesystem::path& file, const std::string& array = {});
+/// Each part has a column with its command, one with its measured angle, and optionally
+/// `NAME_motor_deg` (or `_rad`) with the angle of its motor: see FindChainColumns(). The CSV of a
+/// trace is also accepted: `true_angle_rad.NAME` and `hand_angle_rad.NAME`. Other columns are
+/// ignored. Times may be uneven: values are interpolated linearly at the median rate, commands in
+/// steps (see FindFrameClock() and StepsOf()) by the nearest row.
+/// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows, and
+/// for a log of several episodes (a column `episode_index`, or times that begin anew) of which none
+/// is chosen.
+ChainLog LoadChainLog(const std::filesystem::path& file, const ChainLogOptions& options = {});
 
 /// Clock of the command frames for each part: the common clock of all commands, or the part's own
 /// if there is no common one. None if no clock is found.
 std::vector<std::optional<FrameClock>> FramesOf(const ChainLog& log);
+
+/// The remarks on a part in one text, in the unit of the log; empty if there are none.
+std::string RemarksOf(const ChainLog& log, const ChainFit& fit);
 
 /// One sentence about the causes of the hysteresis, as far as the log distinguishes them.
 std::string WhatHysteresisIs(const std::vector<ChainFit>& fits);
@@ -45,8 +59,12 @@ std::string WhatHysteresisIs(const std::vector<ChainFit>& fits);
 /// One sentence about the timing of the commands; empty if no frames are found.
 std::string WhatFramesAre(const ChainLog& log, const std::vector<ChainFit>& fits);
 
-/// Fits every part.
+/// Hears how many of the parts are fitted; called by one thread at a time.
+using ChainProgress = std::function<void(int done, int parts)>;
+
+/// Fits every part, on all processors.
 /// Errors: UserError if no part of the log can be fitted, with the problem of the first.
-std::vector<ChainFit> FitChains(const ChainLog& log);
+std::vector<ChainFit> FitChains(const ChainLog& log, const ChainProgress& progress = {},
+                                ChainDetail detail = ChainDetail::kAll);
 
 }  // namespace gauntlet::sim

@@ -103,6 +103,101 @@ LagStep LagStepOf(const ChainModel& model, double rate_hz) {
   return lag;
 }
 
+/// State of the chain behind its dead time, in steps of one fine value.
+class ChainState {
+ public:
+  ChainState(const ChainModel& model, double rate_hz, double start)
+      : model_(model),
+        lag_(LagStepOf(model, rate_hz)),
+        step_limit_deg_(model.speed_limit_deg_s / rate_hz),
+        zero_steps_(std::max(-model.extra_lag_s, 0.0) * rate_hz),
+        limited_(start),
+        played_(start),
+        pole_(start),
+        angle_(start),
+        joint_(start) {
+    const double pole_steps = std::max(model.extra_lag_s, 0.0) * rate_hz;
+    if (pole_steps > 0.0) {
+      keep_ = std::exp(-1.0 / pole_steps);
+      pole_of_push_ = 1.0 - pole_steps * (1.0 - keep_);
+    }
+  }
+
+  void Step(double wanted) {
+    const bool slew = !model_.limit_in_lag;
+    if (slew) wanted = Dragged(wanted, limited_, step_limit_deg_);
+    const double before = played_;
+    Rub(wanted);
+    limited_ = wanted;
+    const double filtered = pole_;
+    pole_ = keep_ * pole_ + (1.0 - keep_) * before + pole_of_push_ * (played_ - before);
+    const double angle = angle_;
+    Lag(filtered, pole_ - filtered);
+    if (!slew && std::abs(change_) > step_limit_deg_) {
+      change_ = std::copysign(step_limit_deg_, change_);
+      angle_ = angle + change_;
+    }
+    if (model_.friction_in_lag) RubOnMass(angle_ - angle);
+    joint_ = Dragged(joint_, angle_ + zero_steps_ * change_, model_.lost_play_deg);
+  }
+
+  double joint() const { return joint_; }
+
+ private:
+  /// 1 - exp(-x) for x >= 0, within 0.025: monotonic and bounded, without a call of exp().
+  static double Approached(double x) { return 1.0 - 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); }
+
+  /// Friction before the lag: moves played_ after the driver `wanted`.
+  void Rub(double wanted) {
+    if (model_.friction_in_lag) {
+      played_ = wanted - deflection_;
+    } else if (model_.stretch_deg <= 0.0) {
+      played_ = Dragged(played_, wanted, model_.play_deg);
+    } else {
+      const double change = std::abs(wanted - limited_);
+      const double sign = wanted < limited_ ? -1.0 : 1.0;
+      const double open = model_.play_deg - sign * deflection_;
+      // x + open (1 - exp(-x / stretch)) = change, by two steps of Newton from below.
+      double x = change * model_.stretch_deg / (model_.stretch_deg + open);
+      for (int i = 0; i < 2; ++i) {
+        const double left = 1.0 - Approached(x / model_.stretch_deg);
+        x += (change - x - open * (1.0 - left)) / (1.0 + open / model_.stretch_deg * left);
+      }
+      played_ += sign * x;
+      deflection_ = std::clamp(wanted - played_, -model_.play_deg, model_.play_deg);
+      played_ = wanted - deflection_;
+    }
+  }
+
+  void RubOnMass(double moved) {
+    const double sign = moved < 0.0 ? -1.0 : 1.0;
+    const double open = model_.play_deg - sign * deflection_;
+    deflection_ += sign * open * Approached(std::abs(moved) / model_.stretch_deg);
+  }
+
+  void Lag(double input, double push) {
+    const double before = angle_;
+    angle_ = lag_.angle[2] * input + lag_.angle[3] * push + lag_.angle[0] * before +
+             lag_.angle[1] * change_;
+    change_ = lag_.change[2] * input + lag_.change[3] * push + lag_.change[0] * before +
+              lag_.change[1] * change_;
+  }
+
+  const ChainModel& model_;
+  LagStep lag_;
+  double step_limit_deg_;
+  double zero_steps_;
+  double keep_ = 0.0;          // share of the pole's state after a step
+  double pole_of_push_ = 1.0;  // share of a change within the step
+  double limited_;
+  double deflection_ = 0.0;  // of friction: driver less driven
+  double played_;
+  double pole_;
+  double angle_;
+  double change_ = 0.0;
+  double joint_;
+};
+
 }  // namespace
 
 FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
@@ -133,29 +228,20 @@ void SimulateChain(const ChainModel& model, const FineCommand& command,
   const double dead_samples = model.dead_time_s * command.rate_hz + command.late_steps;
   const double whole = std::floor(dead_samples);
   const double fraction = dead_samples - whole;
-  const LagStep lag = LagStepOf(model, command.rate_hz);
+  const auto driven = [&](double u) {
+    const double from_middle = u - model.bend_middle_deg;
+    return model.gain * u + model.bend_per_deg * from_middle * from_middle;
+  };
   const double* arrived = command.values_deg.data();
-  double played = model.gain * *arrived;
-  double angle = played;
-  double change = 0.0;
-  double joint = played;
+  ChainState state(model, command.rate_hz, driven(*arrived));
   Index step = static_cast<Index>(whole) + 1;  // nothing moves before the second value arrives
   for (std::size_t row = 0; row < angle_deg.size(); ++row) {
     const Index last = static_cast<Index>(row) * command.steps_per_row;
     for (; step <= last; ++step) {
-      const double wanted = model.gain * (arrived[1] + fraction * (arrived[0] - arrived[1]));
+      state.Step(driven(arrived[1] + fraction * (arrived[0] - arrived[1])));
       ++arrived;
-      const double next = Dragged(played, wanted, model.play_deg);
-      const double push = next - played;
-      const double before = angle;
-      angle = lag.angle[2] * played + lag.angle[3] * push + lag.angle[0] * before +
-              lag.angle[1] * change;
-      change = lag.change[2] * played + lag.change[3] * push + lag.change[0] * before +
-               lag.change[1] * change;
-      played = next;
-      joint = Dragged(joint, angle, model.lost_play_deg);
     }
-    angle_deg[row] = joint + model.offset_deg;
+    angle_deg[row] = state.joint() + model.offset_deg;
   }
 }
 

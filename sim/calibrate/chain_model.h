@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,21 +10,28 @@
 
 namespace gauntlet::sim {
 
-/// Model of the chain from a command u to the measured angle y: dead time, play (dry friction
-/// against a compliant servo), second-order lag, and lost motion (a second play: backlash of a gear
-/// or cable slack behind the motor).
-/// play, as of a gear or a slack cable behind the motor.
+/// Model of the chain from a command u to the measured angle y:
 ///
-///     v(t) = gain u(t - dead_time)
-///     q    = clamp(q, v - play, v + play)               the width of its loop is 2 play
-///     inertia z'' + lag z' + z = q
-///     j    = clamp(j, z - lost_play, z + lost_play),    y = j + offset
+///     v(t) = gain u(t - dead_time) + bend (u(t - dead_time) - bend_middle)^2
+///     v    changes by speed_limit at most                        (limit before the lag)
+///     q    = v - d,   d' = (play - sgn(x') d) x' / stretch       (friction, Dahl)
+///     (1 + pole s) r = q
+///     inertia z'' + lag z' + z = r,   |z'| <= speed_limit        (limit in the lag)
+///     j    = clamp(j, w - lost_play, w + lost_play),   w = z + zero z'
+///     y    = j + offset
 ///
-/// The lag behind slow motions is dead_time + lag, plus the contribution of both plays. Natural
-/// frequency: 1 / (2 pi sqrt(inertia)). Damping ratio: lag / (2 sqrt(inertia)).
+/// Friction rubs on the motor before the lag (x = q) or on the moving mass (x = z). Without stretch
+/// it is play, q = clamp(q, v - play, v + play). Its loop is 2 play wide in both cases. Lost motion
+/// is a second play: backlash of a gear or cable slack behind the motor. `bend` is the droop of a
+/// servo under a load that depends on the angle, such as gravity. extra_lag is the pole if it is
+/// positive, and the negative zero if it is negative.
 ///
-/// Dry friction and backlash differ only by the side of the lag on which they act.
-/// Source: model of play: Tao, Kokotovic, Automatica 29, 323-335 (1993).
+/// The lag behind slow motions is dead_time + lag + extra_lag, plus the contribution of friction
+/// and lost motion. Natural frequency: 1 / (2 pi sqrt(inertia)). Damping ratio:
+/// lag / (2 sqrt(inertia)).
+///
+/// Sources: play: Tao, Kokotovic, Automatica 29, 323-335 (1993); friction: Dahl, AIAA J. 14,
+/// 1675-1682 (1976).
 struct ChainModel {
   double dead_time_s = 0.0;
   double lag_s = 0.0;
@@ -32,6 +40,13 @@ struct ChainModel {
   double play_deg = 0.0;
   double offset_deg = 0.0;
   double lost_play_deg = 0.0;
+  double stretch_deg = 0.0;
+  double extra_lag_s = 0.0;
+  double bend_per_deg = 0.0;
+  double bend_middle_deg = 0.0;
+  double speed_limit_deg_s = std::numeric_limits<double>::infinity();
+  bool friction_in_lag = false;
+  bool limit_in_lag = false;
 };
 
 /// A command with `steps_per_row` values for each row of a log, and straight lines between them.
@@ -55,8 +70,8 @@ FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
                           const std::optional<FrameClock>& frames = {});
 
 /// The angle of the model for a command, one value per row. Exact for straight lines between the
-/// values, except where play ends within a step. Before the first value nothing moves, and both
-/// plays are in their middle.
+/// values, except where play ends within a step, friction rubs on the moving mass, or the speed is
+/// limited. Before the first value nothing moves, and friction and lost motion are in their middle.
 void SimulateChain(const ChainModel& model, const FineCommand& command,
                    std::span<double> angle_deg);
 

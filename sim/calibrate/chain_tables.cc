@@ -18,7 +18,7 @@ struct Quantity {
   const char* unit;
   ChainEstimate ChainFit::*estimate;
   int digits;
-  bool of_motor = false;  // which few logs tell
+  bool rare = false;  // few logs determine it: no column for a person if none does
 };
 
 constexpr Quantity kQuantities[] = {
@@ -28,6 +28,8 @@ constexpr Quantity kQuantities[] = {
     {"natural_frequency_hz", "frequency", "Hz", &ChainFit::natural_frequency_hz, 1},
     {"damping_ratio", "damping", "", &ChainFit::damping_ratio, 2},
     {"gain", "gain", "", &ChainFit::gain, 3},
+    {"offset_deg", "offset", "deg", &ChainFit::offset_deg, 2},
+    {"speed_limit_deg_s", "speed limit", "deg/s", &ChainFit::speed_limit_deg_s, 0, true},
     {"hysteresis_deg", "hysteresis", "deg", &ChainFit::hysteresis_deg, 2},
     {"motor_hysteresis_deg", "of motor", "deg", &ChainFit::motor_hysteresis_deg, 2, true},
     {"lost_motion_deg", "lost motion", "deg", &ChainFit::lost_motion_deg, 2, true}};
@@ -41,6 +43,13 @@ ResultCell CellOf(const ChainEstimate& estimate, int digits) {
   return cell;
 }
 
+/// A key or unit of degrees; `units` if the log's unit is unknown.
+std::string InUnitOf(const ChainLog& log, std::string text) {
+  const auto at = text.find("deg");
+  if (!log.unit_known && at != std::string::npos) text.replace(at, 3, "units");
+  return text;
+}
+
 /// The first thing that keeps a part from being known, if there is any.
 const std::string& ProblemOf(const ChainFit& fit) {
   if (!fit.problem.empty()) return fit.problem;
@@ -51,18 +60,22 @@ const std::string& ProblemOf(const ChainFit& fit) {
 
 ResultTable ChainTable(const ChainLog& log, const std::vector<ChainFit>& fits) {
   ResultTable table{.columns = {{"part", "part"}, {"problem"}}};
+  const auto in_unit = [&](const std::string& text) { return InUnitOf(log, text); };
   for (const Quantity& quantity : kQuantities) {
     const bool any = std::ranges::any_of(
         fits, [&](const ChainFit& fit) { return std::isfinite((fit.*quantity.estimate).value); });
-    const std::string key = quantity.key;
+    const std::string key = in_unit(quantity.key);
     table.columns.push_back(
         {key,
-         quantity.of_motor && !any ? "" : quantity.heading,
-         quantity.unit,
+         quantity.rare && !any ? "" : quantity.heading,
+         in_unit(quantity.unit),
          {{"value", key}, {"ci95_low", key + "_low"}, {"ci95_high", key + "_high"}}});
   }
-  table.columns.push_back({"residual_rms_deg", "left", "deg"});
-  table.columns.push_back({"shifted_rms_deg"});
+  table.columns.push_back({in_unit("residual_rms_deg"), "left", in_unit("deg")});
+  table.columns.push_back({in_unit("held_out_rms_deg"), "held out", in_unit("deg")});
+  table.columns.push_back({in_unit("shifted_rms_deg")});
+  table.columns.push_back({"model"});
+  table.columns.push_back({"remarks"});
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const ChainFit& fit = fits[i];
     const std::string& problem = ProblemOf(fit);
@@ -72,9 +85,12 @@ ResultTable ChainTable(const ChainLog& log, const std::vector<ChainFit>& fits) {
       row.push_back(CellOf(fit.*quantity.estimate, quantity.digits));
     }
     const bool is_known = fit.problem.empty() && fit.split_problem.empty();
-    row.push_back(
-        {{fit.residual_rms_deg}, is_known ? fmt::format("{:.2f}", fit.residual_rms_deg) : "-"});
+    for (const double rms_deg : {fit.residual_rms_deg, fit.held_out_rms_deg}) {
+      row.push_back({{rms_deg}, is_known ? fmt::format("{:.2f}", rms_deg) : "-"});
+    }
     row.emplace_back(fit.shifted_rms_deg);
+    row.push_back(ResultCell::IfAny(fit.model_text));
+    row.push_back(ResultCell::IfAny(RemarksOf(log, fit)));
   }
   return table;
 }
@@ -87,7 +103,14 @@ ResultText ChainText(const ChainLog& log, const std::vector<ChainFit>& fits) {
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const std::string& problem = ProblemOf(fits[i]);
     if (!problem.empty()) AddLine(fmt::format("{}: {}", log.parts[i], problem), text);
+    if (!fits[i].model_text.empty()) {
+      const std::string remarks = RemarksOf(log, fits[i]);
+      AddLine(fmt::format("{}: {}{}{}", log.parts[i], fits[i].model_text,
+                          remarks.empty() ? "" : "; ", remarks),
+              text);
+    }
   }
+  AddLine(log.unit_note, text);
   AddLine(WhatFramesAre(log, fits), text);
   AddLine(WhatHysteresisIs(fits), text);
   return text;
@@ -97,6 +120,7 @@ std::string ChainJson(const ChainLog& log, const std::vector<ChainFit>& fits) {
   const nlohmann::ordered_json json = {{"log", log.name},
                                        {"samples", log.command_deg.rows()},
                                        {"rate_hz", log.rate_hz},
+                                       {"angle_unit", log.unit_known ? "deg" : "unknown"},
                                        {"parts", JsonOf(ChainTable(log, fits))}};
   return json.dump(2) + "\n";
 }

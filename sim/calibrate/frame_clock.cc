@@ -278,4 +278,23 @@ std::optional<FrameClock> FindFrameClock(std::span<const double> changes) {
   return ClockBetweenRows(found);
 }
 
+std::optional<FrameClock> StepsOf(std::span<const double> changes) {
+  constexpr double kMostChanging = 0.1;  // of the rows
+  constexpr double kLeastStep = 0.05;    // of the travel, for half of the steps
+  constexpr std::size_t kFewSteps = 8;   // fewer may have an even distance by chance
+  constexpr double kKnown_rows = 0.4;
+  const std::vector<Change> steps = ChangesIn(changes);
+  std::vector<double> sizes;
+  for (const Change& change : steps) sizes.push_back(change.size);
+  if (sizes.empty() || std::ssize(sizes) > kMostChanging * std::ssize(changes)) return std::nullopt;
+  const auto middle = sizes.begin() + std::ssize(sizes) / 2;
+  std::ranges::nth_element(sizes, middle);
+  if (*middle < kLeastStep) return std::nullopt;
+  if (steps.size() >= kFewSteps) {
+    const auto clock = BestClock(steps, RowsOf(steps) / static_cast<double>(steps.size() - 1));
+    if (clock && 0.0 <= clock->open_rows && clock->open_rows < kKnown_rows) return clock;
+  }
+  return FrameClock{.period_rows = 1.0, .first_row = 0.5, .open_rows = 0.5};
+}
+
 }  // namespace gauntlet::sim

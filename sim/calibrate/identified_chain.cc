@@ -83,18 +83,25 @@ void IdentifiedPart::Visit(controller::SettingsVisitor& visitor) {
   visitor.Numbers({"natural_frequency_hz", "of the second-order lag"}, natural_frequency_hz);
   visitor.Numbers({"damping_ratio", "of the second-order lag"}, damping_ratio);
   visitor.Numbers({"gain", "angle per command"}, gain);
+  visitor.Numbers({"offset_deg", "angle at command 0"}, offset_deg);
+  visitor.Numbers({"speed_limit_deg_s", "largest speed; empty if none is seen"}, speed_limit_deg_s);
   visitor.Numbers({"hysteresis_deg", "width of the loop between up and down"}, hysteresis_deg);
   visitor.Numbers({"motor_hysteresis_deg", "its part in the motor's own way"},
                   motor_hysteresis_deg);
   visitor.Numbers({"lost_motion_deg", "its part behind the motor"}, lost_motion_deg);
   visitor.Number({"residual_rms_deg", "what the model leaves"}, residual_rms_deg);
+  visitor.Number({"held_out_rms_deg", "the same in parts of the log that the fit did not contain"},
+                 held_out_rms_deg);
+  visitor.Text({"model", "what the fitted model contains"}, model);
+  visitor.Text({"remarks", "what limits the values, what is withheld and why"}, remarks);
 }
 
 void IdentifiedChain::Visit(controller::SettingsVisitor& visitor) {
   visitor.Text({"log", "that it was made from"}, log);
   visitor.Numbers({"horizon_ms", "for prediction.horizon_ms: 0.8 of the delay", 0, 1000},
                   horizon_ms);
-  visitor.Number({"expected_delay_ms", "for joint_loop.expected_delay_ms"}, expected_delay_ms);
+  visitor.Number({"expected_delay_ms", "for joint_loop.expected_delay_ms; 0: unknown"},
+                 expected_delay_ms);
   visitor.Numbers({"friction_deg", "for joint_loop.friction_deg"}, friction_deg);
   visitor.Numbers({"dead_time_ms", "for model_predictive.dead_time_ms"}, dead_time_ms);
   visitor.Numbers({"lag_ms", "for model_predictive.lag_ms"}, lag_ms);
@@ -103,31 +110,49 @@ void IdentifiedChain::Visit(controller::SettingsVisitor& visitor) {
   controller::VisitList(visitor, {"parts", "joints or motors"}, parts);
 }
 
+namespace {
+
+IdentifiedPart PartOf(const ChainLog& log, const ChainFit& fit, const std::string& name) {
+  const auto rounded = [](double value) {
+    return std::isfinite(value) ? std::round(value * 1e3) / 1e3 : 0.0;
+  };
+  const auto in_deg = [&](const ChainEstimate& estimate) {
+    return log.unit_known ? ListOf(estimate) : std::vector<double>();
+  };
+  return {.part = name,
+          .delay_ms = ListOf(fit.delay_ms),
+          .dead_time_ms = ListOf(fit.dead_time_ms),
+          .lag_ms = ListOf(fit.lag_ms),
+          .natural_frequency_hz = ListOf(fit.natural_frequency_hz),
+          .damping_ratio = ListOf(fit.damping_ratio),
+          .gain = ListOf(fit.gain),
+          .offset_deg = in_deg(fit.offset_deg),
+          .speed_limit_deg_s = in_deg(fit.speed_limit_deg_s),
+          .hysteresis_deg = in_deg(fit.hysteresis_deg),
+          .motor_hysteresis_deg = in_deg(fit.motor_hysteresis_deg),
+          .lost_motion_deg = in_deg(fit.lost_motion_deg),
+          .residual_rms_deg = log.unit_known ? rounded(fit.residual_rms_deg) : 0.0,
+          .held_out_rms_deg = log.unit_known ? rounded(fit.held_out_rms_deg) : 0.0,
+          .model = fit.model_text,
+          .remarks = RemarksOf(log, fit)};
+}
+
+}  // namespace
+
 IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits) {
   IdentifiedChain chain;
   chain.log = log.name;
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    const ChainFit& fit = fits[i];
-    const bool known = std::isfinite(fit.residual_rms_deg);
-    chain.parts.push_back(
-        {.part = log.parts[i],
-         .delay_ms = ListOf(fit.delay_ms),
-         .dead_time_ms = ListOf(fit.dead_time_ms),
-         .lag_ms = ListOf(fit.lag_ms),
-         .natural_frequency_hz = ListOf(fit.natural_frequency_hz),
-         .damping_ratio = ListOf(fit.damping_ratio),
-         .gain = ListOf(fit.gain),
-         .hysteresis_deg = ListOf(fit.hysteresis_deg),
-         .motor_hysteresis_deg = ListOf(fit.motor_hysteresis_deg),
-         .lost_motion_deg = ListOf(fit.lost_motion_deg),
-         .residual_rms_deg = known ? std::round(fit.residual_rms_deg * 1e3) / 1e3 : 0.0});
+    chain.parts.push_back(PartOf(log, fits[i], log.parts[i]));
   }
-  double mean_hysteresis_deg = 0.0;
-  chain.horizon_ms = ValuesOf(chain.parts, &IdentifiedPart::delay_ms, chain.expected_delay_ms);
+  double mean_ms = 0.0;
+  ValuesOf(chain.parts, &IdentifiedPart::delay_ms, mean_ms);
+  chain.expected_delay_ms = mean_ms;
+  chain.horizon_ms = KnownValuesOf(chain.parts, &IdentifiedPart::delay_ms);
   for (double& value : chain.horizon_ms) {
     value = std::round(std::clamp(kHorizonShare * value, 0.0, 1000.0) * 10.0) / 10.0;
   }
-  chain.friction_deg = ValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg, mean_hysteresis_deg);
+  chain.friction_deg = KnownValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg);
   for (double& value : chain.friction_deg) value = std::round(value * 500.0) / 1e3;
   chain.dead_time_ms = KnownValuesOf(chain.parts, &IdentifiedPart::dead_time_ms);
   chain.lag_ms = KnownValuesOf(chain.parts, &IdentifiedPart::lag_ms);
@@ -137,6 +162,10 @@ IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<Chain
 
 void UseChain(const IdentifiedChain& chain, const std::vector<std::string>& channel_names,
               const controller::JointMapConfig& joint_map, controller::ControllerConfig& config) {
+  if (chain.horizon_ms.empty()) {
+    throw controller::SettingError(
+        "chain", "has no horizon_ms: the delay of its hand is not known (see remarks)");
+  }
   if (chain.horizon_ms.size() != chain.parts.size()) {
     throw controller::SettingError(
         "chain", fmt::format("horizon_ms has {} values, parts has {}", chain.horizon_ms.size(),

@@ -19,10 +19,15 @@ struct IdentifiedPart {
   std::vector<double> natural_frequency_hz;
   std::vector<double> damping_ratio;
   std::vector<double> gain;
+  std::vector<double> offset_deg;
+  std::vector<double> speed_limit_deg_s;
   std::vector<double> hysteresis_deg;
   std::vector<double> motor_hysteresis_deg;  // this and the next: parts of hysteresis_deg
   std::vector<double> lost_motion_deg;
-  double residual_rms_deg = 0.0;  // 0 without a fitted model
+  double residual_rms_deg = 0.0;  // 0 without a fitted model, as the next
+  double held_out_rms_deg = 0.0;
+  std::string model;    // what the fitted model contains
+  std::string remarks;  // what limits the values, what is withheld and why
 
   void Visit(controller::SettingsVisitor& visitor);
 };
@@ -33,11 +38,12 @@ struct IdentifiedPart {
 inline constexpr double kHorizonShare = 0.8;
 
 /// The chain from a command to the angles of a hand. The first lists are settings of a controller
-/// in the order of `parts`. A part without a value has the mean of the others.
+/// in the order of `parts`. A part without a value has the mean of the others; a list is empty if
+/// no part has a value, and the lists in degrees are empty if the log's unit is unknown.
 struct IdentifiedChain {
   std::string log;                   // source
   std::vector<double> horizon_ms;    // prediction: kHorizonShare times delay
-  double expected_delay_ms = 0.0;    // joint loop: mean delay
+  double expected_delay_ms = 0.0;    // joint loop: mean delay; 0 if no part has one
   std::vector<double> friction_deg;  // joint loop: half the hysteresis
   // For model_predictive, if the log begins with commands; empty if no part has a value.
   std::vector<double> dead_time_ms;

@@ -159,8 +159,9 @@ std::optional<AnsweringServo> UntriedServo(const ChainLog& log, const std::vecto
   return servo;
 }
 
-std::string ServoSettingsText(const ChainLog& log, const std::vector<ChainFit>& fits,
-                              const HandModel& hand) {
+std::string ServoSettingsText(const ChainLog& log, const HandModel& hand) {
+  // The servo of the simulated hand has the parts of the basic chain only.
+  const std::vector<ChainFit> fits = FitChains(log, {}, ChainDetail::kBasic);
   const std::optional<AnsweringServo> untried = UntriedServo(log, fits, hand);
   if (!untried) return "";
   const std::optional<ServoTrial> trial = TryServos(log, fits, *untried, hand.config());

@@ -83,18 +83,50 @@ std::optional<std::vector<WithoutBlock>> WithoutEachBlock(const LeastSquaresFit&
   return result;
 }
 
+Reweighted Reweigh(const LeastSquaresFit& fit, const MatrixXd& weighted,
+                   std::optional<Index> held) {
+  GAUNTLET_ASSERT(weighted.cols() == fit.parameters.size() + 1);
+  const Index count = fit.parameters.size();
+  std::vector<MatrixXd> normal;  // of each block: derivatives' [derivatives, residual]
+  MatrixXd sum = MatrixXd::Zero(count, count + 1);
+  for (Index block = 0; block < kBlocks; ++block) {
+    const Index begin = weighted.rows() * block / kBlocks;
+    const auto part = weighted.middleRows(begin, weighted.rows() * (block + 1) / kBlocks - begin);
+    MatrixXd own(count, count + 1);
+    own << part.rightCols(count).transpose() * part.rightCols(count),
+        part.rightCols(count).transpose() * part.col(0);
+    sum += own;
+    normal.push_back(std::move(own));
+  }
+  const auto solve = [&](MatrixXd equations) {
+    constexpr double kRidge = 1e-7;  // parameters that these weights do not determine stay
+    if (held) equations.row(*held).setZero(), equations.col(*held).setZero();
+    const VectorXd scale = equations.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    MatrixXd scaled = scale.asDiagonal() * equations.leftCols(count) * scale.asDiagonal();
+    scaled.diagonal().array() += kRidge;
+    const VectorXd step = scaled.ldlt().solve(scale.cwiseProduct(equations.col(count)));
+    return VectorXd(fit.parameters + scale.cwiseProduct(step));
+  };
+  Reweighted result{.parameters = solve(sum), .without = {}};
+  for (const MatrixXd& own : normal) result.without.push_back(solve(sum - own));
+  return result;
+}
+
 double HalfWidthOf(double standard_error, double degrees_of_freedom) {
   return StudentHalfWidth(0.95, degrees_of_freedom) * standard_error;
 }
 
-double StudentOfGain(const LeastSquaresFit& better, const LeastSquaresFit& other) {
-  GAUNTLET_ASSERT(other.residual.size() >= better.residual.size());
-  const Index rows = better.residual.size();
-  const VectorXd gain = other.residual.tail(rows).cwiseAbs2() - better.residual.cwiseAbs2();
+double StudentOfGain(const VectorXd& better, const VectorXd& other) {
+  GAUNTLET_ASSERT(other.size() == better.size());
+  const Index rows = better.size();
   Eigen::Vector<double, kBlocks> of_block;
   for (Index block = 0; block < kBlocks; ++block) {
     const Index begin = rows * block / kBlocks;
-    of_block[block] = gain.segment(begin, rows * (block + 1) / kBlocks - begin).sum();
+    const Index count = rows * (block + 1) / kBlocks - begin;
+    const auto squares = [&](const VectorXd& residual) {
+      return std::max(residual.segment(begin, count).squaredNorm(), 1e-300);
+    };
+    of_block[block] = std::log(squares(other) / squares(better));
   }
   const double spread = (of_block.array() - of_block.mean()).matrix().norm();
   return of_block.mean() / std::max(spread / std::sqrt(kBlocks * (kBlocks - 1.0)), 1e-300);

@@ -50,6 +50,33 @@ struct WithoutBlock {
 std::optional<std::vector<WithoutBlock>> WithoutEachBlock(const LeastSquaresFit& fit,
                                                           std::optional<Eigen::Index> held = {});
 
+/// Parameters by other weights of the same rows, as a whole and without each of the blocks.
+struct Reweighted {
+  Eigen::VectorXd parameters;
+  std::vector<Eigen::VectorXd> without;
+};
+
+/// All parameters but `held` by one Gauss-Newton step from the fit, with `weighted` instead of the
+/// fit's rows: its first column is the residual, the others are the derivatives. If the model is
+/// right, the parameters do not depend on the weights, beyond chance.
+/// Source: Hausman, Econometrica 46, 1251-1271 (1978).
+Reweighted Reweigh(const LeastSquaresFit& fit, const Eigen::MatrixXd& weighted,
+                   std::optional<Eigen::Index> held = {});
+
+/// Amount by which a function of the parameters depends on the weights, beyond its standard error.
+template <class ValueOf>
+double DisagreementOf(const LeastSquaresFit& fit, const std::vector<WithoutBlock>& without,
+                      const Reweighted& other, const ValueOf& value_of) {
+  const double difference = value_of(other.parameters) - value_of(fit.parameters);
+  double squares = 0.0;
+  for (std::size_t b = 0; b < without.size(); ++b) {
+    const double of_block = value_of(other.without[b]) - value_of(without[b].parameters);
+    squares += std::pow(of_block - difference, 2);
+  }
+  const double variance = squares * (kBlocks - 1.0) / kBlocks;
+  return std::sqrt(std::max(difference * difference - variance, 0.0));
+}
+
 /// Jackknife standard error (Quenouille, Tukey) of a function `value_of` of the parameters.
 template <class ValueOf>
 double StandardErrorOf(const LeastSquaresFit& fit, const std::vector<WithoutBlock>& without,
@@ -95,8 +122,9 @@ double DegreesOfFreedomOf(const LeastSquaresFit& fit, const std::vector<WithoutB
 /// Half width of the 95 % interval by Student's t.
 double HalfWidthOf(double standard_error, double degrees_of_freedom);
 
-/// Student's t of the reduction of the squares, block by block, in the rows that both fits have.
-double StudentOfGain(const LeastSquaresFit& better, const LeastSquaresFit& other);
+/// Student's t of the reduction of the squares of two residuals of the same rows: of the logarithm
+/// of their ratio in each block, so that few blocks with large residuals do not decide.
+double StudentOfGain(const Eigen::VectorXd& better, const Eigen::VectorXd& other);
 
 /// True if chance explains a t of this size at 5 %, for this number of tests (Bonferroni).
 bool IsByChance(double t, int questions);

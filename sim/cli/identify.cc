@@ -1,6 +1,11 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "sim/base/error.h"
@@ -11,6 +16,7 @@
 #include "sim/calibrate/identified_chain.h"
 #include "sim/calibrate/identified_servo.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
@@ -29,7 +35,9 @@ struct IdentifyOptions {
   std::string array;       // of a file with several
   std::string controller;  // empty: the first of a trace
   std::string from = "wearer";
-  std::string out;  // empty: out/<log>.chain.yaml
+  std::string unit;  // of columns whose names have none
+  int episode = -1;  // of a log with several; below 0: none is chosen
+  std::string out;   // empty: out/<log>.chain.yaml
   bool held = false;
   bool force = false;
   bool json = false;
@@ -52,6 +60,9 @@ struct IdentifyOptions {
         Option("--held", &held, {},
                "each row's command held until the next row's [where the command steps at every "
                "n-th row only]"),
+        Option("--unit", &unit, {.value = "UNIT", .choices = {"deg", "rad"}},
+               "unit of the angles, if the names of the columns have none"),
+        Option("--episode", &episode, {.value = "N"}, "episode to take of a log that has several"),
         ForceOption(force),
         Option("--json", &json, {}, "print JSON instead of the table"),
         terminal.Rows(),
@@ -60,9 +71,14 @@ struct IdentifyOptions {
 
   static constexpr auto kNotes = R"(
 The delay is the shift in time that makes command and angle most alike. The model behind the
-rest: dead time, play (dry friction or backlash), a lag of second order, lost motion behind it
-where the angle shows any, gain and offset. A log of 10 s or more of motion at several speeds
-tells them apart.
+rest: dead time, play, a lag of second order, gain and offset. Friction with stretch (Dahl), a third
+pole or a zero, a speed limit, a load and lost motion are added where held-out parts of the log are
+predicted better. A value that the log does not determine is withheld, and the remark says what is
+needed. A log of 10 s or more of motion at several speeds determines most values.
+
+Other usual names of columns are read, too: target/actual, goal_position/present_position, cmd/pos,
+action.X/observation.state.X. Other columns are ignored with a remark. If the names have no unit
+and the values do not tell it, the unit is unknown; --unit sets it.
 
 Between rows a smooth command counts as a smooth curve, at 50 Hz or more. One that steps at every
 n-th row (n of 2 or more) steps there, as in a log that is written where commands are sent; if that
@@ -121,7 +137,10 @@ ChainLog LoadLog(const IdentifyOptions& options) {
     throw UserError({.place = "--controller " + options.controller,
                      .problem = "is for an output folder or its trace.h5, a CSV has but one"});
   }
-  return LoadChainLog(path, options.array);
+  return LoadChainLog(
+      path, {.array = options.array,
+             .unit = options.unit,
+             .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode)});
 }
 
 fs::path TargetOf(const IdentifyOptions& options) {
@@ -147,6 +166,15 @@ fs::path BesideTarget(fs::path target, const std::string& ending) {
   return target += ending;
 }
 
+std::vector<ChainFit> FitWithProgress(const ChainLog& log) {
+  constexpr auto kQuiet = std::chrono::seconds(2);
+  const auto start = std::chrono::steady_clock::now();
+  Progress bar("gauntlet identify");
+  return FitChains(log, [&](int done, int parts) {
+    if (std::chrono::steady_clock::now() - start > kQuiet) bar.Update(done, parts);
+  });
+}
+
 void RunIdentify(const IdentifyOptions& options) {
   const fs::path target = TargetOf(options);
   const fs::path hand = BesideTarget(target, ".hand.yaml");
@@ -159,10 +187,13 @@ void RunIdentify(const IdentifyOptions& options) {
                      .editable = {target.filename(), hand.filename()},
                      .force = options.force});
   log.held = options.held;
-  const std::vector<ChainFit> fits = FitChains(log);
+  const std::vector<ChainFit> fits = FitWithProgress(log);
   IdentifiedChain chain = MakeIdentifiedChain(log, fits);
-  const std::string servo =
-      log.from_wearer ? "" : ServoSettingsText(log, fits, HandModel(HandConfig()));
+  const bool is_limited = std::ranges::any_of(
+      fits, [](const ChainFit& fit) { return std::isfinite(fit.speed_limit_deg_s.value); });
+  const std::string servo = log.from_wearer || !log.unit_known || is_limited
+                                ? ""
+                                : ServoSettingsText(log, HandModel(HandConfig()));
   const std::string chain_text =
       "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
       "expected_delay_ms\n# and friction_deg are for its joint_loop, dead_time_ms, lag_ms and "
@@ -180,6 +211,10 @@ void RunIdentify(const IdentifyOptions& options) {
   PrintText(options.json ? ChainJson(log, fits)
                          : TextOf(ChainText(log, fits), StyleOf(options.terminal)));
   FlushOutput();
+  if (!log.columns_ignored.empty()) {
+    Say("gauntlet: {}: ignored columns that are no command, angle or motor: {}\n", log.name,
+        OneLine(fmt::format("{}", fmt::join(log.columns_ignored, ", ")), 200));
+  }
   if (log.values_missing > 0) {
     Say("gauntlet: {}: {} missing values, straight lines go over them\n", log.name,
         log.values_missing);

@@ -56,9 +56,11 @@ std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t pa
       command_deg.size(), static_cast<std::size_t>(std::lround(kShown_s * log.rate_hz)) + 1);
   const std::size_t start = BusiestStart(command_deg, samples);
   const bool has_model = fit.problem.empty() && fit.split_problem.empty();
+  const std::string unit = log.unit_known ? "deg" : "units";
+  const std::string y_label = "angle [" + unit + "]";
   Chart curves{.title = log.parts[part] + ", where it moves most",
                .x_label = "time [s]",
-               .y_label = "angle [deg]",
+               .y_label = y_label,
                .bars = {},
                .curves = {PartCurve("command", command_deg, start, samples, log.rate_hz),
                           PartCurve("measured", angle_deg, start, samples, log.rate_hz)}};
@@ -76,15 +78,16 @@ std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t pa
     const auto settling = static_cast<std::size_t>(log.rate_hz);
     const Chart difference{.title = log.parts[part] + ", what the model leaves",
                            .x_label = "time [s]",
-                           .y_label = "angle [deg]",
+                           .y_label = y_label,
                            .bars = {},
                            .curves = {PartCurve("measured less simulated", difference_deg, settling,
                                                 difference_deg.size() - settling, log.rate_hz)}};
     html = SvgChart(curves) + SvgChart(difference);
     caption = fmt::format(
-        "Simulated: the log's own command through the model. It leaves {:.2f} "
-        "deg RMS, a shift in time alone {:.2f}.",
-        fit.residual_rms_deg, fit.shifted_rms_deg);
+        "Simulated: the log's own command through the model ({}). It leaves {:.2f} {} RMS, {:.2f} "
+        "in parts of the log that the fit did not contain; a shift in time alone leaves {:.2f}.{}",
+        fit.model_text, fit.residual_rms_deg, unit, fit.held_out_rms_deg, fit.shifted_rms_deg,
+        fit.remarks.empty() ? "" : " Remarks: " + RemarksOf(log, fit) + ".");
   } else {
     html = SvgChart(curves);
   }
@@ -92,22 +95,31 @@ std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t pa
                      html, EscapeHtml(caption));
 }
 
-std::string ChainVerdict(const std::vector<ChainFit>& fits) {
+std::string ChainVerdict(const std::vector<ChainFit>& fits, const std::string& unit) {
+  int limited = 0;
   double low_ms = kEndless;
   double high_ms = -kEndless;
   double least_deg = kEndless;
   double most_deg = -kEndless;
   for (const ChainFit& fit : fits) {
     if (!fit.problem.empty()) continue;
-    low_ms = std::min(low_ms, fit.delay_ms.value);
-    high_ms = std::max(high_ms, fit.delay_ms.value);
+    if (std::isfinite(fit.delay_ms.value)) {
+      low_ms = std::min(low_ms, fit.delay_ms.value);
+      high_ms = std::max(high_ms, fit.delay_ms.value);
+    }
+    if (std::isfinite(fit.speed_limit_deg_s.value)) ++limited;
     if (!fit.split_problem.empty()) continue;
-    least_deg = std::min(least_deg, fit.residual_rms_deg);
-    most_deg = std::max(most_deg, fit.residual_rms_deg);
+    least_deg = std::min(least_deg, fit.held_out_rms_deg);
+    most_deg = std::max(most_deg, fit.held_out_rms_deg);
   }
-  std::string text = fmt::format("{:.0f} to {:.0f} ms late.", low_ms, high_ms);
+  std::string text = std::isfinite(low_ms)
+                         ? fmt::format("{:.0f} to {:.0f} ms late.", low_ms, high_ms)
+                         : "The delay depends on the size of the motion.";
+  if (limited > 0)
+    text += fmt::format(" The speed of {} of {} parts is limited.", limited, fits.size());
   if (std::isfinite(most_deg)) {
-    text += fmt::format(" The model leaves {:.2f} to {:.2f} deg RMS.", least_deg, most_deg);
+    text += fmt::format(" The model leaves {:.2f} to {:.2f} {} RMS in held-out parts of the log.",
+                        least_deg, most_deg, unit);
   }
   return text;
 }
@@ -127,15 +139,15 @@ std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits) {
        {"kind", "Gauntlet identify"},
        {"sources", ""},
        {"style", std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
-       {"verdict", EscapeHtml(ChainVerdict(fits))},
+       {"verdict", EscapeHtml(ChainVerdict(fits, log.unit_known ? "deg" : "units"))},
        {"facts", EscapeHtml(facts)},
        {"table", HtmlOf(ChainText(log, fits))},
        {"figures",
-        PageSection("parts", "Measured beside simulated",
-                    "Both follow the same command. Where they part, the hand does what no model of "
-                    "dead time, play and a lag of second order has: it touches something, or a "
-                    "motor gives all that it has.",
-                    figures)}});
+        PageSection(
+            "parts", "Measured beside simulated",
+            "Both follow the same command. A difference is motion that the fitted model does "
+            "not contain, such as a contact or a motor at its torque limit.",
+            figures)}});
 }
 
 }  // namespace gauntlet::sim

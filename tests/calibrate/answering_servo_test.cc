@@ -42,14 +42,15 @@ TEST_P(AnsweringServoOf, HasTheHysteresisAndTheDelayOfTheHiddenOne) {
   HandConfig hidden;
   hidden.servo.settings = GetParam();
   const ChainLog log = AnswerOf(hidden, Commands(1));
-  const std::vector<ChainFit> fits = FitChains(log);
+  const std::vector<ChainFit> fits = FitChains(log, {}, ChainDetail::kBasic);
   const auto first = UntriedServo(log, fits, HandModel(HandConfig()));
   ASSERT_TRUE(first);
   const auto trial = TryServos(log, fits, *first, HandConfig());
   ASSERT_TRUE(trial);
   // On commands that the search has not seen.
-  const auto other_log = FitChains(AnswerOf(hidden, Commands(2)));
-  const auto other = FitChains(AnswerOf(trial->servo.PutInto(HandConfig()), Commands(2)));
+  const auto other_log = FitChains(AnswerOf(hidden, Commands(2)), {}, ChainDetail::kBasic);
+  const auto other =
+      FitChains(AnswerOf(trial->servo.PutInto(HandConfig()), Commands(2)), {}, ChainDetail::kBasic);
   for (const auto quantity : {&ChainFit::hysteresis_deg, &ChainFit::delay_ms}) {
     const double was = Median(fits, quantity);
     EXPECT_NEAR(Median(trial->fits, quantity), was, 0.1 * was);
@@ -76,12 +77,14 @@ TEST(AnsweringServo, HasForEachMotorTheFrictionThatItsJointShows) {
   hidden.motor_friction_scale[place("middle_mcp")] = 0.5;
   hidden.motor_friction_scale[place("thumb_ip")] = 0.4;
   const ChainLog log = AnswerOf(hidden, JointCommands(joints, 20.0, 1));
-  const std::vector<ChainFit> fits = FitChains(log);
+  const std::vector<ChainFit> fits = FitChains(log, {}, ChainDetail::kBasic);
   const auto trial = TryServos(log, fits, UntriedServo(log, fits, usual).value(), HandConfig());
   ASSERT_TRUE(trial);
-  const auto other_log = FitChains(AnswerOf(hidden, JointCommands(joints, 20.0, 2)));
+  const auto other_log =
+      FitChains(AnswerOf(hidden, JointCommands(joints, 20.0, 2)), {}, ChainDetail::kBasic);
   const auto other =
-      FitChains(AnswerOf(trial->servo.PutInto(HandConfig()), JointCommands(joints, 20.0, 2)));
+      FitChains(AnswerOf(trial->servo.PutInto(HandConfig()), JointCommands(joints, 20.0, 2)), {},
+                ChainDetail::kBasic);
   const auto tells = [](const ChainFit& fit) {
     return fit.hysteresis_deg.low > 0.5 * fit.hysteresis_deg.value;
   };
@@ -106,11 +109,10 @@ TEST(AnsweringServo, HasForEachMotorTheFrictionThatItsJointShows) {
 
 TEST(AnsweringServo, IsNotTriedOnPartsThatTheHandDoesNotHave) {
   ChainLog log = AnswerOf(HandConfig(), Commands(1));
-  const std::vector<ChainFit> fits = FitChains(log);
+  const std::vector<ChainFit> fits = FitChains(log, {}, ChainDetail::kBasic);
   for (std::string& part : log.parts) part = "claw_" + part;
   EXPECT_FALSE(TryServos(log, fits, {}, HandConfig()));
-  EXPECT_NE(ServoSettingsText(log, fits, HandModel(HandConfig())).find("not tried"),
-            std::string::npos);
+  EXPECT_NE(ServoSettingsText(log, HandModel(HandConfig())).find("not tried"), std::string::npos);
 }
 
 TEST(SimulatedAnswer, FollowsWithoutDelayWhereAServoIsStiffAndNothingRubs) {
@@ -125,7 +127,8 @@ TEST(SimulatedAnswer, FollowsWithoutDelayWhereAServoIsStiffAndNothingRubs) {
   ASSERT_EQ(answer.angle_deg.rows(), commands.command_deg.rows());
   EXPECT_LT((answer.command_deg - commands.command_deg).cwiseAbs().maxCoeff(), 1e-9);
   // A frame waits for 10 ms in the mean, the servo's damping is 9 ms.
-  for (const ChainFit& fit : FitChains(answer)) EXPECT_NEAR(fit.delay_ms.value, 19.0, 6.0);
+  for (const ChainFit& fit : FitChains(answer, {}, ChainDetail::kBasic))
+    EXPECT_NEAR(fit.delay_ms.value, 19.0, 6.0);
 }
 
 }  // namespace

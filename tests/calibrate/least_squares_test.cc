@@ -179,13 +179,13 @@ TEST(LeastSquares, GainIsComparedFromBlockToBlock) {
   constexpr Index kRows = 400;
   LeastSquaresFit better{.parameters = {}, .residual = VectorXd::Ones(kRows), .derivatives = {}};
   LeastSquaresFit other = better;
-  // One row of each block has more: 3 of every second block's, 1 of the others', mean 2.
-  for (Index block = 0; block < kBlocks; ++block) {
-    other.residual[block * kRows / kBlocks] = std::sqrt(1.0 + (block % 2 == 0 ? 3.0 : 1.0));
+  // Blocks of 20 rows. The logarithms of their ratios are 3 and 1 by turns, mean 2.
+  for (Index row = 0; row < kRows; ++row) {
+    other.residual[row] = std::exp(0.5 * (row * kBlocks / kRows % 2 == 0 ? 3.0 : 1.0));
   }
   // Standard error: sqrt(20 / 19) / sqrt(20).
-  EXPECT_NEAR(StudentOfGain(better, other), 2.0 * std::sqrt(19.0), 1e-9);
-  EXPECT_NEAR(StudentOfGain(other, better), -2.0 * std::sqrt(19.0), 1e-9);
+  EXPECT_NEAR(StudentOfGain(better.residual, other.residual), 2.0 * std::sqrt(19.0), 1e-9);
+  EXPECT_NEAR(StudentOfGain(other.residual, better.residual), -2.0 * std::sqrt(19.0), 1e-9);
 }
 
 }  // namespace

@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/calibrate/chain_fit.h"
+#include "tests/calibrate/other_chains.h"
 #include "tests/calibrate/simulated_chain.h"
 
 namespace gauntlet::sim {
@@ -125,6 +128,106 @@ void Measure(const std::string& name, const ChainRecording& recording) {
   std::fflush(stdout);
 }
 
+/// One log in one line, with a star at intervals that do not hold.
+void Show(const ChainFit& fit, const OtherLog& log, int number) {
+  const auto one = [](const char* name, const ChainEstimate& e, double truth) {
+    const bool held = e.low <= truth && truth <= e.high;
+    if (!std::isfinite(e.value)) return std::string();
+    return fmt::format(" {}{} {:.3g} ({:.3g}..{:.3g}) {:.3g};", held ? "" : "*", name, e.value,
+                       e.low, e.high, truth);
+  };
+  const OtherTruth& truth = log.truth;
+  fmt::print(
+      "{:3} {:.0f}Hz [{}] left {:.3f}/{:.3f}{}{}{}{}{}{}{}{}{} {}{}\n", number, log.rate_hz,
+      fit.model_text, fit.residual_rms_deg, fit.held_out_rms_deg,
+      one("dead", fit.dead_time_ms, truth.dead_time_ms), one("lag", fit.lag_ms, truth.lag_ms),
+      one("f", fit.natural_frequency_hz, truth.natural_frequency_hz),
+      one("damp", fit.damping_ratio, truth.damping_ratio), one("gain", fit.gain, truth.gain),
+      one("off", fit.offset_deg, truth.offset_deg),
+      one("hyst", fit.hysteresis_deg, truth.hysteresis_deg), one("lost", fit.lost_motion_deg, 0.0),
+      one("limit", fit.speed_limit_deg_s, truth.speed_limit_deg_s), fit.problem, fit.split_problem);
+}
+
+/// Intervals of hands of other kinds than the basic model: see OtherChain. Every value that is
+/// given is counted, also values that such a hand does not have.
+class OtherQuantity {
+ public:
+  void Add(const ChainEstimate& estimate, double truth) {
+    ++logs_;
+    if (!std::isfinite(estimate.value)) return;
+    ++given_;
+    held_ += estimate.low <= truth && truth <= estimate.high;
+    half_widths_.push_back(0.5 * (estimate.high - estimate.low));
+    errors_.push_back(std::abs(estimate.value - truth));
+  }
+  void Print(const std::string& name) {
+    if (given_ == 0) return;
+    std::ranges::sort(half_widths_);
+    std::ranges::sort(errors_);
+    fmt::print("  {:<22} {:>6} {:>6} {:>8.1f} {:>12.3g} {:>12.3g}\n", name, logs_, given_,
+               100.0 * held_ / given_, errors_[errors_.size() / 2],
+               half_widths_[half_widths_.size() / 2]);
+  }
+  int given() const { return given_; }
+  int held() const { return held_; }
+
+ private:
+  int logs_ = 0;
+  int given_ = 0;
+  int held_ = 0;
+  std::vector<double> half_widths_;
+  std::vector<double> errors_;
+};
+
+constexpr std::array<const char*, 9> kOtherQuantities = {
+    "dead time", "lag",        "natural frequency", "damping",    "gain",
+    "offset",    "hysteresis", "lost motion",       "speed limit"};
+
+void AddOther(const ChainFit& fit, const OtherTruth& truth,
+              std::array<OtherQuantity, kOtherQuantities.size()>& quantities) {
+  quantities[0].Add(fit.dead_time_ms, truth.dead_time_ms);
+  quantities[1].Add(fit.lag_ms, truth.lag_ms);
+  quantities[2].Add(fit.natural_frequency_hz, truth.natural_frequency_hz);
+  quantities[3].Add(fit.damping_ratio, truth.damping_ratio);
+  quantities[4].Add(fit.gain, truth.gain);
+  if (std::isfinite(truth.offset_deg)) quantities[5].Add(fit.offset_deg, truth.offset_deg);
+  quantities[6].Add(fit.hysteresis_deg, truth.hysteresis_deg);
+  quantities[7].Add(fit.lost_motion_deg, 0.0);
+  quantities[8].Add(fit.speed_limit_deg_s, truth.speed_limit_deg_s);
+}
+
+void MeasureOthers(const std::string& wanted) {
+  constexpr double kRates_hz[] = {30.0, 100.0, 200.0, 500.0};
+  int given = 0;
+  int held = 0;
+  const bool verbose = std::getenv("CHAIN_COVERAGE_VERBOSE") != nullptr;
+  for (std::size_t kind = 0; kind < kOtherKindNames.size(); ++kind) {
+    const std::string name = std::string("other models: ") + kOtherKindNames[kind];
+    if (name.find(wanted) == std::string::npos) continue;
+    std::array<OtherQuantity, kOtherQuantities.size()> quantities;
+    const int count =
+        (4 * logs + static_cast<int>(kind)) / static_cast<int>(kOtherKindNames.size());
+    for (int i = 0; i < count; ++i) {
+      OtherChain chain(static_cast<OtherKind>(kind), 1000 * (kind + 1) + i);
+      const OtherLog log = chain.Simulate(kRates_hz[i % 4]);
+      const ChainFit fit = FitChain(log.command_deg, log.angle_deg, log.rate_hz);
+      if (verbose) Show(fit, log, i);
+      AddOther(fit, log.truth, quantities);
+    }
+    fmt::print("{}\n", name);
+    for (std::size_t i = 0; i < quantities.size(); ++i) {
+      quantities[i].Print(kOtherQuantities[i]);
+      given += quantities[i].given();
+      held += quantities[i].held();
+    }
+    std::fflush(stdout);
+  }
+  if (given > 0) {
+    fmt::print("other models: {} of {} given intervals hold, {:.1f} %\n", held, given,
+               100.0 * held / given);
+  }
+}
+
 }  // namespace
 }  // namespace gauntlet::sim
 
@@ -156,5 +259,6 @@ int main(int count, char** arguments) {
     measure(rows + ", held for 20 ms", {.rate_hz = rate_hz, .held_s = 0.02});
     measure(rows + ", held for 21.7 ms", {.rate_hz = rate_hz, .held_s = 0.0217});
   }
+  gauntlet::sim::MeasureOthers(wanted);
   measure("30 s at 500 Hz, noise of 0.3 deg, correlation 0.95", {.noise_correlation = 0.95});
 }

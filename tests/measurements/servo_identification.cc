@@ -70,7 +70,7 @@ void Measure(const ServoSettings& servo) {
   hidden.servo.settings = servo;
   const std::vector<std::string> joints = Joints();
   const ChainLog log = SimulatedAnswer(JointCommands(joints, kDuration_s, 1), hidden);
-  const std::vector<ChainFit> fits = FitChains(log);
+  const std::vector<ChainFit> fits = FitChains(log, {}, ChainDetail::kBasic);
   const auto untried = UntriedServo(log, fits, HandModel(HandConfig()));
   if (!untried) return;
   const auto trial = TryServos(log, fits, *untried, HandConfig());
@@ -78,8 +78,10 @@ void Measure(const ServoSettings& servo) {
   const std::string kind(controller::KindName(servo));
   Print(kind + ", same commands", joints, fits, trial->fits);
   const ChainLog others = JointCommands(joints, kDuration_s, 2);
-  Print(kind + ", others", joints, FitChains(SimulatedAnswer(others, hidden)),
-        FitChains(SimulatedAnswer(others, trial->servo.PutInto(HandConfig()))));
+  Print(kind + ", others", joints,
+        FitChains(SimulatedAnswer(others, hidden), {}, ChainDetail::kBasic),
+        FitChains(SimulatedAnswer(others, trial->servo.PutInto(HandConfig())), {},
+                  ChainDetail::kBasic));
 }
 
 /// What is lost between motor and joint in hands with slack cables and play: means over finger

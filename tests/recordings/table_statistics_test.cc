@@ -12,15 +12,15 @@ namespace {
 
 TEST(TableStatistics, KeepsFewRowsOfALongTableSpreadOverAllOfIt) {
   TableStatistics statistics(2);
-  constexpr int kRows = 300'000;
-  for (int row = 0; row < kRows; ++row) {
+  constexpr int kTableRows = 300'000;
+  for (int row = 0; row < kTableRows; ++row) {
     const double values[] = {static_cast<double>(row % 1000), std::nan("")};
     statistics.Add(0.01 * row, values);
   }
   EXPECT_EQ(statistics.rows(), 300'000U);
   EXPECT_GE(statistics.kept_times_s().size(), 4096U);
   EXPECT_LE(statistics.kept_times_s().size(), 8192U);
-  EXPECT_GT(statistics.kept_times_s().back(), 0.999 * 0.01 * kRows);
+  EXPECT_GT(statistics.kept_times_s().back(), 0.999 * 0.01 * kTableRows);
   const ColumnStatistics column = statistics.Column(0);
   EXPECT_EQ(column.low, 0.0);
   EXPECT_EQ(column.high, 999.0);
