@@ -189,8 +189,10 @@ void RunIdentify(const IdentifyOptions& options) {
   log.held = options.held;
   const std::vector<ChainFit> fits = FitWithProgress(log);
   IdentifiedChain chain = MakeIdentifiedChain(log, fits);
-  const bool is_limited = std::ranges::any_of(
+  // The servo is fitted to what most parts do.
+  const auto limited = std::ranges::count_if(
       fits, [](const ChainFit& fit) { return std::isfinite(fit.speed_limit_deg_s.value); });
+  const bool is_limited = 2 * limited > std::ssize(fits);
   const std::string servo = log.from_wearer || !log.unit_known || is_limited
                                 ? ""
                                 : ServoSettingsText(log, HandModel(HandConfig()));

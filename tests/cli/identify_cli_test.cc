@@ -33,7 +33,7 @@ class IdentifyCliTest : public testing::Test {
   /// A hand of this servo follows a motion; what is found from its targets to its joints.
   nlohmann::json Identified(const std::string& hand, const std::string& name) const {
     std::ofstream(folder_.path() / (name + ".yaml"))
-        << "question: How late?\nseed: 1\nglove:\n  motion: {kind: random, duration_s: 12, "
+        << "question: How late?\nseed: 1\nglove:\n  motion: {kind: random, duration_s: 30, "
            "bandwidth_hz: 1.2, range_percent: 40}\nscore: {noise_free_twin: false}\n"
            "controllers:\n  raw:\n    filter: {kind: butterworth, cutoff_hz: 8}\n"
         << hand;

@@ -163,7 +163,9 @@ IdentifiedChain ChainFromTarget() {
                         .rate_hz = probe.hand->timing().tick_rate_hz(),
                         .command_deg = trace.target_angle_rad * kDegPerRad,
                         .angle_deg = trace.hand_angle_rad * kDegPerRad,
-                        .motor_deg = {}};
+                        .motor_deg = {},
+                        .columns_ignored = {},
+                        .unit_note = {}};
   return MakeIdentifiedChain(log, FitChains(log));
 }
 

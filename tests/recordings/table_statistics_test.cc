@@ -28,7 +28,7 @@ TEST(TableStatistics, KeepsFewRowsOfALongTableSpreadOverAllOfIt) {
   EXPECT_NEAR(column.usual_high, 994.0, 10.0);
   EXPECT_EQ(statistics.Column(1).good_rows, 0U);
   EXPECT_NEAR(statistics.Time().rate_hz, 100.0, 1e-6);
-  EXPECT_NEAR(statistics.Time().duration_s, 0.01 * (kRows - 1), 1e-6);
+  EXPECT_NEAR(statistics.Time().duration_s, 0.01 * (kTableRows - 1), 1e-6);
 }
 
 TEST(TableStatistics, RefusesRowsAndColumnsOfAnotherTable) {
