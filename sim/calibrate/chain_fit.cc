@@ -116,8 +116,8 @@ void TakeSecondOrder(const std::vector<FittedFamily>& fits, ChainFit& fit) {
       Through(EstimateOf(fits, -1e3, log_damping), [](double l) { return std::exp(l); });
 }
 
-/// A load that depends on the angle changes the slope of the steady angle, and with it the loop. The
-/// intervals contain the slopes of the whole travel.
+/// A load that depends on the angle changes the slope of the steady angle, and with it the loop.
+/// The intervals contain the slopes of the whole travel.
 void WidenByBend(const FittedFamily& fit, ChainEstimate& gain, ChainEstimate& hysteresis_deg) {
   const ChainModel model = fit.ModelOf(fit.solution.parameters);
   const double change = std::abs(2.0 * model.bend_per_deg * fit.half_travel_deg);
@@ -127,9 +127,9 @@ void WidenByBend(const FittedFamily& fit, ChainEstimate& gain, ChainEstimate& hy
                     hysteresis_deg.high * (1.0 + share)};
 }
 
-/// Friction of the moving mass that is larger at slow speeds (Stribeck, 20 to 50 %) looks like a wider
-/// loop with less damping, and a log rarely tells them apart. The allowances are the largest errors
-/// in simulated logs: see tests/measurements/README.md.
+/// Friction of the moving mass that is larger at slow speeds (Stribeck, 20 to 50 %) looks like a
+/// wider loop with less damping, and a log rarely tells them apart. The allowances are the largest
+/// errors in simulated logs: see tests/measurements/README.md.
 void AllowForStribeck(ChainFit& fit) {
   fit.hysteresis_deg.low *= 0.88;
   fit.lag_ms.high *= 1.08;

@@ -47,9 +47,9 @@ std::vector<double> ChangesOf(const Signal& command_deg);
 std::optional<FrameClock> FindFrameClock(std::span<const double> changes);
 
 /// Steps of a command that is constant in most rows, such as a test of steps. Each step happened
-/// between its row and the row before. If the steps have an even distance that is no whole number of
-/// rows, all rows together tell when; otherwise the time is known within half a row. None for other
-/// commands.
+/// between its row and the row before. If the steps have an even distance that is no whole number
+/// of rows, all rows together tell when; otherwise the time is known within half a row. None for
+/// other commands.
 std::optional<FrameClock> StepsOf(std::span<const double> changes);
 
 }  // namespace gauntlet::sim
