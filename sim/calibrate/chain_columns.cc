@@ -133,7 +133,7 @@ void RejectRepeatedParts(const CsvReader& csv, const std::vector<PartColumn>& co
 
 /// Sorts the angles in the order of the commands. In a trace, a joint without a channel of its name
 /// has no partner, and vice versa.
-void PairParts(const CsvReader& csv, std::vector<PartColumn> bare, ChainColumns& columns) {
+void PairParts(const CsvReader& csv, const std::vector<PartColumn>& bare, ChainColumns& columns) {
   RejectRepeatedParts(csv, columns.commands, "command");
   RejectRepeatedParts(csv, columns.angles, "angle");
   std::vector<PartColumn> commands;

@@ -72,10 +72,10 @@ std::string Counted(std::size_t count, std::string_view noun) {
 
 std::string BasisText(const Inspection& inspection) {
   std::string text;
-  const std::pair<JointBasis, std::string_view> kTexts[] = {{JointBasis::kName, "by name"},
-                                                            {JointBasis::kPreset, "by preset"},
-                                                            {JointBasis::kMap, "by map"},
-                                                            {JointBasis::kAssumed, "assumed"}};
+  constexpr std::pair<JointBasis, std::string_view> kTexts[] = {{JointBasis::kName, "by name"},
+                                                                {JointBasis::kPreset, "by preset"},
+                                                                {JointBasis::kMap, "by map"},
+                                                                {JointBasis::kAssumed, "assumed"}};
   for (const auto& [basis, name] : kTexts) {
     std::size_t joints = 0;
     for (const std::size_t c : inspection.MappedColumns()) {

@@ -180,7 +180,7 @@ ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
 /// What of a row is assumed: words of this list.
 std::string AssumedIn(MapFile& file) {
   constexpr std::array<std::string_view, 5> kWords = {"joint", "unit", "sign", "range", "rate"};
-  const std::string text = file.Text("assumed", "");
+  std::string text = file.Text("assumed", "");
   for (const std::string_view word : SplitCells(text, ' ')) {
     if (word.empty() || std::ranges::find(kWords, word) != kWords.end()) continue;
     file.FailAt("assumed",

@@ -103,9 +103,8 @@ void MarkVectors(std::span<const ColumnEvidence> columns, std::vector<NameParts>
     for (const auto& [key, axis] : AxisKeysOf(columns[c].name)) {
       const bool is_turn = std::string_view("rpq").find(axis) != std::string_view::npos;
       // Wrist pitch and yaw alone are joints of a glove.
-      if (is_turn && has(key, "rpq")) {
-        parts[c].axes = "rpy";
-      } else if (is_turn && parts[c].part.empty() && (has(key, "pq") || has(key, "rp"))) {
+      const bool is_joint = !has(key, "rpq") && !parts[c].part.empty();
+      if (is_turn && !is_joint && (has(key, "pq") || has(key, "rp"))) {
         parts[c].axes = "rpy";
       } else if (!is_turn && has(key, "xyz")) {
         parts[c].axes = has(key, "wxyz") ? "wxyz" : "xyz";

@@ -222,7 +222,7 @@ std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
   if (!first || !JointStateIn(head[1])) return std::nullopt;
   TextForm form;
   form.names = {"sec", "nanosec"};
-  const char* const kParts[] = {"", "_velocity", "_effort"};
+  constexpr const char* kParts[] = {"", "_velocity", "_effort"};
   for (std::size_t i = 0; i + 2 < first->numbers.size(); ++i) {
     const std::size_t joints = first->names.size();
     form.names.push_back(first->names[i % joints] + kParts[i / joints]);
