@@ -224,7 +224,7 @@ ChainColumns FindChainColumns(const CsvReader& csv) {
   }
   if (!time) csv.Fail(1, "there is no column of time (as t_s or time_ms)");
   columns.time = *time;
-  PairParts(csv, std::move(bare), columns);
+  PairParts(csv, bare, columns);
   ShareUnits(columns);
   ListIgnored(csv, columns);
   return columns;
