@@ -212,9 +212,10 @@ std::string JitterOfNoise(const TunePlan& plan, const TuneResult& result,
   const bool is_bound = std::ranges::any_of(
       plan.constraints, [&](const Constraint& bound) { return bound.metric == jitter; });
   if (!is_bound) return "";
-  const TuneBench bench(plan, {MetricIndex("noise_jitter_rms_deg"), plan.minimise},
-                        result.first_seed, plan.seeds, jobs);
-  const double noise_deg = bench.Run(setting.values, progress).scores.front().mean;
+  std::vector<std::size_t> metrics = result.metrics;
+  metrics.push_back(MetricIndex("noise_jitter_rms_deg"));
+  const TuneBench bench(plan, metrics, result.first_seed, plan.seeds, jobs);
+  const double noise_deg = bench.Run(setting.values, progress).scores.back().mean;
   if (!std::isfinite(noise_deg)) return "";
   return fmt::format(
       "; noise makes {:.3g} of its jitter, the rest comes from the motion and its "

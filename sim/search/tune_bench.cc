@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "controller/assert.h"
 #include "sim/base/error.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/sweep/cell_blocks.h"
@@ -17,6 +18,9 @@ TuneBench::TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, int
       seeds_(seeds),
       jobs_(jobs),
       source_(plan.scenario) {
+  for (const Constraint& constraint : plan.constraints) {
+    GAUNTLET_ASSERT(std::ranges::find(metrics_, constraint.metric) != metrics_.end());
+  }
   source_.overrides.push_back(fmt::format("seed={}", first_seed));
   study_ = PrepareShared(ParseScenario(source_));
   KeepGloves(seeds, study_);

@@ -14,7 +14,8 @@ class TuneBench {
  public:
   using Progress = std::function<bool(double done, int all)>;
 
-  /// From seed `first_seed` on. `metrics` are the scores of every TunedSetting.
+  /// From seed `first_seed` on. `metrics` are the scores of every TunedSetting, those of
+  /// the plan's constraints among them.
   /// Errors: UserError, SettingError for a scenario that cannot be built.
   TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, int first_seed, int seeds,
             int jobs);
