@@ -154,6 +154,10 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
                             : fmt::format("; the first {} of {} MB, not the rest",
                                           kMostInspectedBytes >> 20, inspection.file_bytes >> 20));
   Print("joints  {}\n", BasisText(inspection));
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    if (!inspection.columns[c].is_turning) continue;
+    Print("turns   column {} jumps by 360 deg; the jumps are undone\n", c + 1);
+  }
   if (!is_verbose) {
     PrintArrays(inspection);
     PrintDefects(inspection.time);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -95,26 +94,6 @@ Measured ChooseMeasured(const Study& study, const StudyResult& result) {
   return measured;
 }
 
-/// For each of the repetitions weights that were fitted to those of the other groups.
-std::vector<controller::FittedPredictionConfig> FitToOthers(
-    const Study& study, const controller::ControllerConfig& plain, const Measured& measured,
-    const controller::FittedToOthersPredictionConfig& wanted) {
-  std::vector<controller::RecordedMotion> groups;
-  for (std::size_t i = 0; i < measured.seeds.size(); ++i) {
-    const auto group = static_cast<std::size_t>(measured.groups[i]);
-    if (group >= groups.size()) groups.resize(group + 1);
-    std::ranges::move(SeenByPredictor(study, plain, *GloveOfSeed(study, measured.seeds[i])),
-                      std::back_inserter(groups[group]));
-  }
-  const auto of_groups = controller::FitPredictorsToOthers(
-      groups, study.hand->timing().controller.sample_rate_hz(), wanted);
-  std::vector<controller::FittedPredictionConfig> fitted;
-  for (const int group : measured.groups) {
-    fitted.push_back(of_groups[static_cast<std::size_t>(group)]);
-  }
-  return fitted;
-}
-
 /// All that concerns one controller.
 class Ceiling {
  public:
@@ -130,11 +109,12 @@ class Ceiling {
     const double tap_samples = std::max(1.0, std::round(kTap_ms * 1e-3 * rate_hz));
     controller::FittedToOthersPredictionConfig wanted = {
         .horizon_ms = horizon_ms, .tap_ms = 1e3 * tap_samples / rate_hz, .offset = true};
-    fitted_ = FitToOthers(study, Plain(named.config), measured, wanted);
+    fitted_ = FitToOthers(study, Plain(named.config), measured.seeds, measured.groups, wanted);
     if (channels == 1) return;
     wanted.all_channels = true;
     try {
-      fitted_to_all_ = FitToOthers(study, Plain(named.config), measured, wanted);
+      fitted_to_all_ =
+          FitToOthers(study, Plain(named.config), measured.seeds, measured.groups, wanted);
     } catch (const controller::SettingError&) {  // too short for so many weights
     }
   }

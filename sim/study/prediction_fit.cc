@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <set>
-#include <utility>
+#include <iterator>
 
 #include "controller/angle_estimator.h"
+#include "controller/assert.h"
 #include "controller/prediction/fitted_to_others_prediction.h"
 #include "sim/study/study_identity.h"
 
@@ -33,47 +33,31 @@ Eigen::MatrixXd Seen(const controller::RobotConfig& robot, const Signal& counts,
   return seen_deg;
 }
 
-/// The motions of a study, each with all repetitions that have it.
-struct Motions {
-  std::vector<RecordedMotion> seen;
-  std::vector<std::size_t> of_repetition;
+/// The first seed of each repetition, and the number of its motion.
+struct Repetitions {
+  std::vector<int> seeds;
+  std::vector<int> motions;
 };
 
-Motions MotionsOf(const Study& study, const ControllerConfig& controller) {
-  Motions motions;
-  std::map<std::string, std::size_t> known;
+Repetitions RepetitionsOf(const Study& study) {
+  Repetitions repetitions;
+  std::map<std::string, int> known;
   for (std::size_t i = 0; i < study.repetitions.size(); ++i) {
-    const auto [at, is_new] = known.emplace(study.repetitions[i].motion_hash, motions.seen.size());
-    if (is_new) motions.seen.emplace_back();
-    motions.of_repetition.push_back(at->second);
-    const auto glove = GloveOfSeed(study, study.scenario.seed + static_cast<int>(i));
-    RecordedMotion seen = SeenByPredictor(study, controller, *glove);
-    std::ranges::move(seen, std::back_inserter(motions.seen[at->second]));
+    const auto number = static_cast<int>(known.size());
+    repetitions.seeds.push_back(study.scenario.seed + static_cast<int>(i));
+    repetitions.motions.push_back(
+        known.emplace(study.repetitions[i].motion_hash, number).first->second);
   }
-  if (motions.seen.size() < 2) {
+  if (known.size() < 2) {
     throw controller::SettingError("kind",
                                    "is fitted_to_others, which needs repetitions with other "
                                    "motions; this scenario has one motion, or draws them");
   }
-  return motions;
+  return repetitions;
 }
 
 double SampleRate_hz(const Study& study) {
   return study.hand->timing().controller.sample_rate_hz();
-}
-
-/// Of each repetition.
-std::vector<FittedPredictionConfig> FitToOthers(const Study& study,
-                                                const ControllerConfig& controller,
-                                                const FittedToOthersPredictionConfig& wanted) {
-  const Motions motions = MotionsOf(study, controller);
-  const std::vector<FittedPredictionConfig> of_motions =
-      controller::FitPredictorsToOthers(motions.seen, SampleRate_hz(study), wanted);
-  std::vector<FittedPredictionConfig> of_repetitions;
-  for (const std::size_t motion : motions.of_repetition) {
-    of_repetitions.push_back(of_motions[motion]);
-  }
-  return of_repetitions;
 }
 
 }  // namespace
@@ -95,6 +79,24 @@ RecordedMotion SeenByPredictor(const Study& study, ControllerConfig controller,
   return seen;
 }
 
+std::vector<FittedPredictionConfig> FitToOthers(const Study& study,
+                                                const ControllerConfig& controller,
+                                                std::span<const int> seeds,
+                                                std::span<const int> groups,
+                                                const FittedToOthersPredictionConfig& wanted) {
+  GAUNTLET_ASSERT(!groups.empty() && seeds.size() == groups.size());
+  std::vector<RecordedMotion> seen(static_cast<std::size_t>(std::ranges::max(groups)) + 1);
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    std::ranges::move(SeenByPredictor(study, controller, *GloveOfSeed(study, seeds[i])),
+                      std::back_inserter(seen[static_cast<std::size_t>(groups[i])]));
+  }
+  const std::vector<FittedPredictionConfig> of_groups =
+      controller::FitPredictorsToOthers(seen, SampleRate_hz(study), wanted);
+  std::vector<FittedPredictionConfig> fitted;
+  for (const int group : groups) fitted.push_back(of_groups[static_cast<std::size_t>(group)]);
+  return fitted;
+}
+
 ControllerConfig ControllerOfSeed(const Study& study, const ControllerConfig& controller,
                                   int seed) {
   const auto* wanted = std::get_if<FittedToOthersPredictionConfig>(&controller.prediction.settings);
@@ -102,7 +104,10 @@ ControllerConfig ControllerOfSeed(const Study& study, const ControllerConfig& co
   return controller::WithinSetting("prediction", [&] {
     const std::lock_guard lock(study.fits->mutex);
     auto& fits = study.fits->of_settings[HashOfSettings({.name = {}, .config = controller})];
-    if (fits.empty()) fits = FitToOthers(study, controller, *wanted);
+    if (fits.empty()) {
+      const auto [seeds, motions] = RepetitionsOf(study);
+      fits = FitToOthers(study, controller, seeds, motions, *wanted);
+    }
     ControllerConfig fitted = controller;
     fitted.prediction.settings =
         fits[static_cast<std::size_t>(seed - study.scenario.seed) % fits.size()];
@@ -115,8 +120,9 @@ ControllerConfig ControllerForRobot(const Study& study, ControllerConfig control
   if (wanted == nullptr) return controller;
   return controller::WithinSetting("prediction", [&] {
     std::vector<Eigen::MatrixXd> all;
-    for (RecordedMotion& motion : MotionsOf(study, controller).seen) {
-      std::ranges::move(motion, std::back_inserter(all));
+    for (const int seed : RepetitionsOf(study).seeds) {
+      std::ranges::move(SeenByPredictor(study, controller, *GloveOfSeed(study, seed)),
+                        std::back_inserter(all));
     }
     controller.prediction.settings =
         controller::FitPredictor(all, SampleRate_hz(study), *wanted).predictor;

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,12 @@ namespace gauntlet::sim {
 controller::RecordedMotion SeenByPredictor(const Study& study,
                                            controller::ControllerConfig controller,
                                            const GloveSignal& glove);
+
+/// For each of the seeds weights that were fitted to those of all other groups, which are numbered
+/// from 0. Errors: SettingError if they determine none.
+std::vector<controller::FittedPredictionConfig> FitToOthers(
+    const Study& study, const controller::ControllerConfig& controller, std::span<const int> seeds,
+    std::span<const int> groups, const controller::FittedToOthersPredictionConfig& wanted);
 
 /// The controller as it runs with the glove of a seed. A prediction that is fitted to others gets
 /// its weights, from the first seeds of all repetitions with another motion.
