@@ -9,9 +9,8 @@
 
 namespace gauntlet::controller {
 
-/// A FittedPredictionConfig whose weights are still to be fitted, to other recordings of motions
-/// like these: what is predicted, and what the weights may look at. FitPredictor() makes the one of
-/// the other.
+/// Describes weights that are not fitted yet: how far to look ahead, and what the weights may use.
+/// FitPredictor() makes a FittedPredictionConfig of it, from recordings of similar motions.
 struct FittedToOthersPredictionConfig {
   static constexpr std::string_view kKind = "fitted_to_others";
   static constexpr std::string_view kSummary =
@@ -20,12 +19,13 @@ struct FittedToOthersPredictionConfig {
   std::vector<double> horizon_ms = {100.0};  // one for all channels or one for each
   int order = 40;
   double tap_ms = 5.0;
-  /// The fit is made as if the noise had so many times its variance: a larger one trembles less and
-  /// gives away some of the delay.
+  /// The fit is made as if the noise had so many times its variance. A larger value gives less
+  /// jitter and more delay.
   double caution = 1.0;
-  /// Also at where a channel is: it is then drawn to where hands of such motions go, also at rest.
+  /// The weights also use the position of the channel. Then a hand at rest is predicted to move
+  /// towards where such motions usually are.
   bool offset = false;
-  /// Also at where all other channels are and how they move; needs `offset`.
+  /// The weights also use position and speed of all other channels; needs `offset`.
   bool all_channels = false;
 
   void Visit(SettingsVisitor& visitor);

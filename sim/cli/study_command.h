@@ -39,8 +39,8 @@ struct StudyCommand {
         Option("--csv", &csv, {}, "also write the trace as CSV, one file per controller"),
         Option("--causes", &causes,
                {.value = "SEEDS", .choices = {"none", "first", "all"}, .shows_default = true},
-               "find what the error is made of, by five more trials for each controller and seed, "
-               "each without one cause more"),
+               "find the causes of the error for these seeds: five more trials for each "
+               "controller and seed, each with one more cause switched off"),
         terminal.Rows(),
     };
   }

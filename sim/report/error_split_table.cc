@@ -55,8 +55,8 @@ std::string CausesNote(const Summary& summary) {
   };
   if (summary.one_run || !std::ranges::any_of(summary.controllers, is_of_one)) return "";
   return fmt::format(
-      "What the squared error is made of is found of the first seed; --causes all "
-      "finds it of all, by {} more trials for each controller and seed.",
+      "The causes of the squared error are those of the first seed. --causes all "
+      "finds them for all seeds, with {} more trials for each controller and seed.",
       kCauseHands);
 }
 

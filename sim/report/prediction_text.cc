@@ -21,32 +21,30 @@ std::string UsedShareText(const MeanInterval& used) {
                      100.0 * used.high);
 }
 
-/// "86 % (79 to 93) of what weights of each channel can predict, 52 % (..) of what weights of all
-/// can".
+/// "It removes 54 % (50 to 58) of the error that fitted weights of each channel remove, and .."
 std::string UsedText(const PredictionCeiling& ceiling) {
-  if (!std::isfinite(ceiling.used.mean)) return "has next to nothing to predict";
-  std::string text =
-      "uses " + UsedShareText(ceiling.used) + " of what weights of each channel's past can predict";
+  if (!std::isfinite(ceiling.used.mean)) return "Fitted weights remove next to nothing.";
+  std::string text = "It removes " + UsedShareText(ceiling.used) +
+                     " of the error that fitted weights of each channel remove";
   if (std::isfinite(ceiling.used_of_all.mean)) {
-    text += ", " + UsedShareText(ceiling.used_of_all) + " of what weights of all channels can";
+    text += ", and " + UsedShareText(ceiling.used_of_all) + " of what weights of all channels do";
   }
-  return text;
+  return text + ".";
 }
 
 }  // namespace
 
 std::string PredictionText(const PredictionCeiling& ceiling) {
-  const char* fitted_to = ceiling.is_same_motion ? "fitted to other repetitions of the same motion"
-                                                 : "fitted to other repetitions";
-  std::string fitted = Short(ceiling.fitted.mean) + " with weights of each channel";
+  std::string fitted = Short(ceiling.fitted.mean);
   if (std::isfinite(ceiling.fitted_to_all.mean)) {
-    fitted += ", " + Short(ceiling.fitted_to_all.mean) + " of all";
+    fitted += ", of all channels " + Short(ceiling.fitted_to_all.mean);
   }
   return fmt::format(
-      "{} looks {} ahead and {} ({}). Without a hand, what is asked for is {} deg RMS from the "
-      "wearer that much later; the glove as it is {}, {}, the glove if known ahead {}.",
-      ceiling.controller, HorizonText(ceiling), UsedText(ceiling), fitted_to,
-      Short(ceiling.ours.mean), Short(ceiling.now.mean), fitted, Short(ceiling.known.mean));
+      "{} looks {} ahead. {} Error without a hand, deg RMS: no prediction {}, {} {}, fitted "
+      "weights {}, true future of the glove {}. The weights are fitted to other repetitions{}.",
+      ceiling.controller, HorizonText(ceiling), UsedText(ceiling), Short(ceiling.now.mean),
+      ceiling.controller, Short(ceiling.ours.mean), fitted, Short(ceiling.known.mean),
+      ceiling.is_same_motion ? ", all of the same motion" : "");
 }
 
 }  // namespace gauntlet::sim

@@ -40,7 +40,7 @@ std::optional<NoiseFreeTwin> AsTwin(AnyTrace&& trace) {
                        .spool_speed_rad_s = std::forward<AnyTrace>(trace).spool_speed_rad_s};
 }
 
-/// Of a stored trial what nobody asked for: results shall not depend on what ran before.
+/// Deletes causes of a stored trial that were not asked for: results do not depend on earlier runs.
 void ForgetCauses(Scores& scores) {
   for (const TrackingErrorPart& part : TrackingErrorParts()) {
     scores.summary[part.metric] = kNoScore;
