@@ -59,7 +59,8 @@ TEST(ErrorSplitTable, SaysWhereItIsOfOneSeedOfSeveral) {
   int& seeds = summary.controllers[0].summary[TrackingErrorParts().back().metric].count;
   summary.one_run = false;
   seeds = 1;
-  EXPECT_THAT(CausesNote(summary), HasSubstr("of the first seed. --causes all finds them for all seeds"));
+  EXPECT_THAT(CausesNote(summary),
+              HasSubstr("of the first seed. --causes all finds them for all seeds"));
   seeds = 2;
   EXPECT_EQ(CausesNote(summary), "");
   summary.one_run = true;
