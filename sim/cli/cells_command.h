@@ -19,16 +19,17 @@ struct CellsCommand {
   int jobs = 0;     // 0: one per core
   std::string shard;
   std::vector<std::string> collect;
+  bool verbose = false;
   TerminalOptions terminal;
 
-  /// --jobs, --shard, --collect, --color and --wide.
+  /// --jobs, --shard, --collect, --verbose, --color and --wide.
   Options Rows() {
     return {
         JobsOption(jobs),
-        Option("--shard", &shard, {.value = "i/n"},
-               "run only part i of n equal parts, into a folder of its own"),
+        Option("--shard", &shard, {.value = "i/n"}, "run only part i of n, into its own folder"),
         Option("--collect", &collect, {.value = "DIR", .offer = Offer::kFolders},
-               "take over the trials in these folders of shards, then run what is missing"),
+               "collect the results of these shard folders, then run missing ones"),
+        VerboseOption(verbose),
         terminal.Rows(),
     };
   }

@@ -17,6 +17,7 @@
 #include "sim/base/shell_word.h"
 #include "sim/base/text.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -169,6 +170,31 @@ std::string AsCalled(const std::string& text, const std::string& called) {
   return std::regex_replace(text, kCommand, "$1" + word + "$2");
 }
 
+/// Help in lines of at most 80 columns. Descriptions stay in the column where CLI11 begins them.
+std::string HelpIn80Columns(const std::string& help) {
+  constexpr std::size_t kWidth = 80;
+  constexpr std::size_t kDescription = 30;  // CLI11's column of descriptions
+  std::istringstream lines(help);
+  std::string out;
+  for (std::string line; std::getline(lines, line);) {
+    const bool has_columns = line.starts_with("  -") || line.starts_with("   ") ||
+                             (line.starts_with("  ") && line.find("  ", 2) != std::string::npos);
+    if (Width(line) > kWidth && has_columns && line.size() > kDescription) {
+      const std::string gap(kDescription, ' ');
+      std::string text = Wrapped(line.substr(kDescription), kWidth - kDescription);
+      for (std::size_t at = text.find('\n'); at != std::string::npos;
+           at = text.find('\n', at + 1)) {
+        text.insert(at + 1, gap);
+      }
+      line = line.substr(0, kDescription) + text;
+    } else if (Width(line) > kWidth && !line.starts_with(' ')) {
+      line = Wrapped(line, kWidth);
+    }
+    out += line + "\n";
+  }
+  return out;
+}
+
 }  // namespace
 
 const Command* ReadCommandLine(const Command& program, const std::vector<Command>& commands,
@@ -185,7 +211,7 @@ const Command* ReadCommandLine(const Command& program, const std::vector<Command
   } catch (const CLI::Success& request) {                          // --help, --version
     std::ostringstream text;
     app.exit(request, text, text);
-    PrintText(AsCalled(text.str(), called));
+    PrintText(HelpIn80Columns(AsCalled(text.str(), called)));
     return nullptr;
   } catch (const CLI::ParseError& error) {
     throw UserError(AsCalled(ExplainUsage(commands, arguments, error), called));

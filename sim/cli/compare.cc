@@ -6,8 +6,7 @@ namespace {
 
 struct CompareCommand : StudyCommand {
   static constexpr auto kName = "compare";
-  static constexpr auto kPurpose =
-      "Run every controller over several seeds: means, 95 % intervals, ranking";
+  static constexpr auto kPurpose = "Compare all controllers and recommend one";
   CompareCommand() {
     seeds = 0;
     comparison = true;
@@ -17,8 +16,8 @@ struct CompareCommand : StudyCommand {
     return {
         StudyCommand::Rows(),
         Option("--seeds", &seeds, {.range = {1, 100'000}},
-               "number of seeds, counted up from the scenario's; each is another glove, and takes "
-               "the next of the scenario's repetitions [8, or one for each repetition]"),
+               "number of seeds; each draws a new glove and uses the next recording [8, or one for "
+               "each recording]"),
     };
   }
 
@@ -26,6 +25,7 @@ struct CompareCommand : StudyCommand {
 Examples:
   gauntlet compare scenarios/door_opening.yaml --video
   gauntlet compare scenarios/random_motion.yaml --seeds 32 --controllers raw,paper_kalman
+  gauntlet compare scenarios/door_opening.yaml --priority jitter
 )";
 };
 

@@ -136,7 +136,7 @@ Candidates ForValue(const Option& option, const std::string& current,
   if (offer == Offer::kFiles) return {kFiles};
   if (offer == Offer::kFolders) return {kFolders};
   if (offer == Offer::kScenarios) return ReadyFiles("scenarios", true);
-  if (offer == Offer::kStudies) return ReadyFiles("studies", false);
+  if (offer == Offer::kStudies) return ReadyFiles("studies", true);
   if (offer == Offer::kControllers) {
     const bool is_list = option.rules.separator != '\0';
     return Controllers(ScenarioOf(arguments),

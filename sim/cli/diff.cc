@@ -13,8 +13,7 @@ namespace {
 
 struct DiffOptions {
   static constexpr auto kName = "diff";
-  static constexpr auto kPurpose =
-      "Tell which settings and scores of two output folders differ; exit code 1 if any do";
+  static constexpr auto kPurpose = "Compare settings and scores of two output folders";
   std::string a;
   std::string b;
   bool all = false;

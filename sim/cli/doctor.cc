@@ -37,8 +37,7 @@ namespace fs = std::filesystem;
 
 struct DoctorOptions {
   static constexpr auto kName = "doctor";
-  static constexpr auto kPurpose =
-      "Check this machine: one line per part, ok or what to do. For bug reports";
+  static constexpr auto kPurpose = "Check this machine (for bug reports)";
 
   // NOLINTNEXTLINE(readability-convert-member-functions-to-static): as all commands have it
   Options Rows() { return std::initializer_list<Options>{}; }

@@ -23,8 +23,7 @@ namespace {
 
 struct ExportOptions {
   static constexpr auto kName = "export";
-  static constexpr auto kPurpose =
-      "All that a controller on the robot needs, as one file that its program loads";
+  static constexpr auto kPurpose = "Write a controller's settings for the robot";
   std::string folder;
   std::string controller;
   std::string out;  // empty: NAME.robot.yaml (or another ending) in the folder

@@ -32,8 +32,7 @@ namespace {
 
 struct FilterOptions {
   static constexpr auto kName = "filter";
-  static constexpr auto kPurpose =
-      "Filter a stream: CSV with a header in, the same columns out, line by line";
+  static constexpr auto kPurpose = "Filter a CSV stream line by line";
   std::string kind;
   std::vector<std::string> settings;
   std::vector<std::string> columns;  // to filter; empty: all but the time

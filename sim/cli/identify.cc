@@ -29,8 +29,7 @@ namespace {
 
 struct IdentifyOptions {
   static constexpr auto kName = "identify";
-  static constexpr auto kPurpose =
-      "Delay, dead time, lag, gain and hysteresis of a hand, from commands and angles";
+  static constexpr auto kPurpose = "Delay, lag and hysteresis of a hand from a log";
   std::string log;
   std::string array;       // of a file with several
   std::string controller;  // empty: the first of a trace

@@ -28,8 +28,7 @@ namespace {
 
 struct InspectOptions {
   static constexpr auto kName = "inspect";
-  static constexpr auto kPurpose =
-      "Sensors, rate, unit and joints of a recording; a column map and scenario that run it";
+  static constexpr auto kPurpose = "Detect a file's format; write its map and scenario";
   std::string file;
   std::string map;
   std::string scenario;

@@ -36,9 +36,7 @@ const std::vector<Topic>& Topics();
 
 struct ListOptions {
   static constexpr auto kName = "list";
-  static constexpr auto kPurpose =
-      "List what there is: filters, predictions, motions, faults, servos, metrics, "
-      "channels, scenarios, keys";
+  static constexpr auto kPurpose = "List filters, metrics, keys, scenarios and more";
   std::string what;  // empty: the lists themselves
   bool json = false;
 

@@ -29,14 +29,14 @@ int Complain(const std::string& message, int exit_code) {
 }
 
 constexpr auto kPurpose = R"(Gauntlet: a testbed for glove-driven, tendon-driven prosthetic hands.
-One noisy glove signal goes through many controllers into the same simulated hand; the
-scores tell which setting follows best and shakes least.)";
+Many controllers drive the same simulated hand with the same noisy glove signal.
+The scores show which one to use.)";
 
 constexpr auto kNotes = R"(
 Example:
   gauntlet compare scenarios/door_opening.yaml --video
 
-Exit codes: 0 done, 1 the run failed or diff found a difference, 2 a mistake in what was asked.)";
+Exit codes: 0 done, 1 failed or a difference found, 2 wrong input.)";
 
 std::vector<sim::Command> Commands() {
   std::vector<sim::Command> commands = {
@@ -48,7 +48,7 @@ std::vector<sim::Command> Commands() {
   for (sim::Command& command : commands) {
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},
-        "read no file outside this folder, but for Gauntlet's own: for scenarios of other people"));
+        "read no file outside this folder, except Gauntlet's own (for scenarios of other people)"));
   }
   return commands;
 }

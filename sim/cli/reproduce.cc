@@ -17,8 +17,7 @@ namespace {
 
 struct ReproduceOptions {
   static constexpr auto kName = "reproduce";
-  static constexpr auto kPurpose =
-      "Repeat the paper's experiments and figures, and measure its claims";
+  static constexpr auto kPurpose = "Repeat the paper's experiments, test its claims";
   std::string out = "out/paper";
   bool quick = false;
   int jobs = 0;

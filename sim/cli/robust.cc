@@ -13,8 +13,7 @@ namespace {
 
 struct RobustCommand {
   static constexpr auto kName = "robust";
-  static constexpr auto kPurpose =
-      "Tell whether the verdict of a scenario holds on other hands, links and gloves";
+  static constexpr auto kPurpose = "Robustness of the verdict to hand, link and glove";
   std::string scenario;
   CellsCommand cells;
   std::vector<std::string> set;
@@ -28,15 +27,15 @@ struct RobustCommand {
         ControllersOption(robust.controllers),
         OutOption(cells.out, "output folder [out/<scenario>.robust]"),
         SetOption(set, "change a value of the scenario; may be repeated"),
-        Option("--hands", &robust.hands, {.range = {1, 100000}}, "how many hands are drawn [32]"),
+        Option("--hands", &robust.hands, {.range = {1, 100000}}, "number of sampled hands [32]"),
         Option("--seeds", &robust.seeds, {.range = {1, 100000}},
-               "seeds of each hand [8, or one for each repetition]"),
+               "seeds of each hand [8, or one for each recording]"),
         Option("--within", &within_percent, {.range = {1, 90}},
-               "how far settings are off the scenario's, in percent [30]"),
+               "largest deviation of the parameters, in percent [30]"),
         Option("--design-seed", &robust.design_seed, {.range = {0, 2'147'480'000}},
-               "draws other hands [1]"),
+               "seed of the sampled hands [1]"),
         cells.Rows(),
-        Option("--json", &json, {}, "print JSON instead of the table"),
+        Option("--json", &json, {}, "print JSON instead of the answer"),
     };
   }
 
@@ -80,7 +79,8 @@ void RunRobustCommand(const RobustCommand& command) {
     return;
   }
   PrintText(command.json ? RobustJson(plan, *result)
-                         : TextOf(RobustText(plan, *result), StyleOf(command.cells.terminal)));
+                         : TextOf(RobustText(plan, *result, command.cells.verbose),
+                                  StyleOf(command.cells.terminal)));
   FlushOutput();
   Say("wrote {}: report.html, robust.csv, tornado.csv, {}\n", folder.path().string(), written);
 }

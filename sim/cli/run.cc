@@ -8,16 +8,14 @@ namespace {
 
 struct RunCommand : StudyCommand {
   static constexpr auto kName = "run";
-  static constexpr auto kPurpose =
-      "Run every controller of a scenario once, on the same glove signal and hand";
+  static constexpr auto kPurpose = "Run every controller of a scenario once";
   int seed = -1;  // -1: the scenario's
 
   Options Rows() {
     return {
         StudyCommand::Rows(),
         Option("--seed", &seed, {.range = {0, std::numeric_limits<int>::max()}},
-               "seed of all random numbers, and the repetition that compare gives it [as in the "
-               "scenario]"),
+               "seed of all random numbers [as in the scenario]"),
     };
   }
 

@@ -21,21 +21,34 @@ Option Argument(std::string name, std::string* variable, Offer offer, std::strin
   return Option(std::move(name), variable, {.offer = offer, .required = true}, std::move(help));
 }
 
-std::string ScenarioFile(const std::string& given) {
+std::string ReadyFile(const std::string& given, const std::string& folder,
+                      const std::string& noun) {
   namespace fs = std::filesystem;
   std::error_code unreadable;
   const fs::path file = OwnOrDataFile(given);
   const bool is_name = file == fs::path(given).stem() && !given.empty();
-  if (!is_name || fs::exists(file, unreadable)) return file.string();
-  const fs::path ready = OwnOrDataFile(fs::path("scenarios") / (given + ".yaml"));
+  if (fs::exists(file, unreadable)) return file.string();
+  if (!is_name) {
+    std::vector<std::string> others;  // x.yaml for x.yml
+    for (const auto* ending : {".yaml", ".yml"}) {
+      const fs::path other = fs::path(given).replace_extension(ending);
+      if (fs::exists(other, unreadable)) others.push_back(other.string());
+    }
+    throw UserError({.place = given, .problem = "no such file" + Suggestion(given, others)});
+  }
+  const fs::path ready = OwnOrDataFile(fs::path(folder) / (given + ".yaml"));
   if (fs::exists(ready, unreadable)) return ready.string();
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(DataFolder("scenarios"))) {
+  for (const auto& entry : fs::directory_iterator(DataFolder(folder))) {
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
   }
   std::ranges::sort(names);
   throw UserError(
-      {.place = given, .problem = "no such file or scenario" + Suggestion(given, names)});
+      {.place = given, .problem = "no such file or " + noun + Suggestion(given, names)});
+}
+
+std::string ScenarioFile(const std::string& given) {
+  return ReadyFile(given, "scenarios", "scenario");
 }
 
 Option ScenarioArgument(std::string& file) {

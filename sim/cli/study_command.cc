@@ -206,6 +206,7 @@ void WarnIfUnchecked(const std::string& folder, bool checked) {
 
 void RunStudyCommand(const StudyCommand& asked) {
   StudyCommand options = asked;
+  if (!options.priority.empty()) options.overrides.push_back("priority=" + options.priority);
   const ScenarioSource source{.file = options.scenario_file,
                               .text = ReadYamlText(options.scenario_file),
                               .overrides = options.overrides};
@@ -234,7 +235,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   files.Commit();
   folder.Keep();
   PrintText(options.json ? ScoresJson(finished)
-                         : TextOf(ScoreText(finished), StyleOf(options.terminal)));
+                         : TextOf(ScoreText(finished, options.verbose), StyleOf(options.terminal)));
   FlushOutput();
   if (options.video) DrawVideo(options, folder.path());
   SayWritten(options, folder.path());

@@ -23,6 +23,8 @@ struct StudyCommand {
   bool video = false;
   bool json = false;
   bool csv = false;
+  std::string priority;  // empty: the scenario's
+  bool verbose = false;
   std::string causes = "first";
   TerminalOptions terminal;
 
@@ -35,12 +37,16 @@ struct StudyCommand {
         ControllersOption(controllers),
         JobsOption(jobs),
         Option("--video", &video, {}, "also draw comparison.mp4"),
-        Option("--json", &json, {}, "print scores.json instead of the table"),
+        Option("--priority", &priority, {},
+               "tracking, delay or jitter, with optional bounds: \"tracking, jitter_rms_deg<=0.1\" "
+               "[as in the scenario]"),
+        VerboseOption(verbose),
+        Option("--json", &json, {}, "print scores.json instead of the answer"),
         Option("--csv", &csv, {}, "also write the trace as CSV, one file per controller"),
         Option("--causes", &causes,
                {.value = "SEEDS", .choices = {"none", "first", "all"}, .shows_default = true},
-               "find the causes of the error for these seeds: five more trials for each "
-               "controller and seed, each with one more cause switched off"),
+               "compute the causes of the error for these seeds, with five more trials for each "
+               "controller and seed"),
         terminal.Rows(),
     };
   }

@@ -22,8 +22,7 @@ namespace {
 
 struct SweepCommand {
   static constexpr auto kName = "sweep";
-  static constexpr auto kPurpose =
-      "Run a study file: many cells of settings, each over the same seeds";
+  static constexpr auto kPurpose = "Run a study file: many settings of a scenario";
   std::string file;
   CellsCommand cells;
   std::vector<std::string> set;
@@ -41,26 +40,24 @@ struct SweepCommand {
   Options Rows() {
     return {
         Argument("study", &file, Offer::kStudies,
-                 "study file (YAML): your own, or studies/NAME.yaml that Gauntlet brings along"),
+                 "study file (YAML), or the name of a ready one in studies/"),
         OutOption(cells.out, "output folder [out/<study>]"),
-        SetOption(set, "change a value of the base scenario in all cells; may be repeated"),
+        SetOption(set, "change a value of the base scenario; may be repeated"),
         Option("--seeds", &seeds, {.range = {1, 100000}}, "number of seeds [as in the study file]"),
         Option("--max-cells", &max_cells, {.range = {1, 1'000'000'000}},
-               "more cells than this are refused [10000]"),
-        Option("--filter-only", &filter_only, {}, "without a hand: score what the filters give"),
+               "limit of the number of settings [10000]"),
+        Option("--filter-only", &filter_only, {}, "score the filter outputs, without the hand"),
         Option("--all-seeds", &all_seeds, {},
-               "no early stop: also cells that cannot win any more get all seeds"),
+               "run all seeds, also of statistically excluded settings"),
         cells.Rows(),
-        Option("--json", &json, {}, "print JSON instead of the table"),
-        Option("--slurm", &slurm, {},
-               "submit the shards as an array of jobs to Slurm, which runs failed ones again"),
+        Option("--json", &json, {}, "print JSON instead of the answer"),
+        Option("--slurm", &slurm, {}, "submit the shards to Slurm as a job array"),
         Option("--tasks", &tasks, {.range = {1, 1000}},
-               "how many shards --slurm makes at most [16]"),
-        Option("--retry", &retry, {},
-               "with --slurm: only shards that have not ended well and are not in its queue"),
-        Option("--dry-run", &dry_run, {}, "with --slurm: print the script and do nothing"),
+               "largest number of shards with --slurm [16]"),
+        Option("--retry", &retry, {}, "with --slurm: submit only failed and missing shards"),
+        Option("--dry-run", &dry_run, {}, "with --slurm: print the script only"),
         Option("--sbatch", &sbatch, {.value = "--OPTION"},
-               "an option for sbatch, as in --sbatch=--partition=night; may be repeated"),
+               "option for sbatch, like --sbatch=--partition=night; may be repeated"),
     };
   }
 
@@ -118,7 +115,8 @@ std::vector<std::string> OptionsOfCells(const SweepCommand& command) {
 }
 
 SlurmArray ArrayOf(const SweepCommand& command, const SweepPlan& plan) {
-  const std::string study = std::filesystem::absolute(OwnOrDataFile(command.file)).string();
+  const std::string study =
+      std::filesystem::absolute(ReadyFile(command.file, "studies", "study")).string();
   const std::string out = command.cells.out.empty() ? "out/" + plan.file.name : command.cells.out;
   SlurmArray array{
       .name = "gauntlet-" + plan.file.name,
@@ -182,7 +180,7 @@ void RunSweepCommand(const SweepCommand& command) {
                            .all_seeds = command.all_seeds,
                            .set = command.set};
   if (command.seeds > 0) overrides.seeds = command.seeds;
-  const SweepPlan plan = LoadSweepPlan(OwnOrDataFile(command.file), overrides);
+  const SweepPlan plan = LoadSweepPlan(ReadyFile(command.file, "studies", "study"), overrides);
   CheckSize(plan, command);
   if (command.slurm) return SubmitSweep(command, plan);
   CellsFolder folder(plan, command.cells, "out/" + plan.file.name,
@@ -200,7 +198,8 @@ void RunSweepCommand(const SweepCommand& command) {
     WriteSweepJson(plan, folder.database(), folder.cells(), summary,
                    [](std::string_view text) { PrintText(text); });
   } else {
-    PrintText(TextOf(SweepText(plan, summary, response), StyleOf(command.cells.terminal)));
+    PrintText(TextOf(SweepText(plan, summary, response, command.cells.verbose),
+                     StyleOf(command.cells.terminal)));
   }
   FlushOutput();
   Say("wrote {}: report.html, cells.csv, study.db, manifest.json\n", folder.path().string());

@@ -16,11 +16,16 @@ struct TerminalOptions {
   Options Rows() {
     return {
         Option("--color", &colour, {.choices = {"auto", "always", "never"}},
-               "colours: at a terminal unless NO_COLOR is set, always, or never [auto]"),
-        Option("--wide", &wide, {}, "print tables in one piece, wider than the terminal"),
+               "colours; auto: in a terminal unless NO_COLOR is set [auto]"),
+        Option("--wide", &wide, {}, "do not split wide tables"),
     };
   }
 };
+
+inline Option VerboseOption(bool& verbose) {
+  return Option("--verbose", &verbose, {},
+                "also print confidence intervals, all main scores and methods");
+}
 
 /// Of standard output. Its width is that of the variable COLUMNS, else the terminal's, else 80;
 /// `auto` colours a terminal where NO_COLOR is not set (https://no-color.org).

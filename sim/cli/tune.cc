@@ -24,8 +24,7 @@ namespace {
 
 struct TuneCommand {
   static constexpr auto kName = "tune";
-  static constexpr auto kPurpose =
-      "Find the best values of a controller's settings, judged on seeds that it has not seen";
+  static constexpr auto kPurpose = "Find the best settings, or the best kind of filter";
   std::string scenario;
   std::string controller;
   std::vector<std::string> free;
@@ -41,34 +40,32 @@ struct TuneCommand {
   bool filter_only = false;
   bool force = false;
   bool json = false;
+  bool verbose = false;
   TerminalOptions terminal;
 
   Options Rows() {
     return {
         ScenarioArgument(scenario),
         Option("--controller", &controller, {.offer = Offer::kControllers},
-               "which one of the scenario [with --all: its baseline]"),
-        Option("--all", &all, {},
-               "every kind of filter as that controller's filter, each with the same number of "
-               "evaluations over ranges of its own"),
+               "controller to tune [with --all: the baseline]"),
+        Option("--all", &all, {}, "tune every kind of filter with the same number of evaluations"),
         Option("--free", &free, {.value = "KEY=LOW:HIGH"},
-               "a setting of the controller and its range; :log and :whole may stand behind; may "
-               "be repeated"),
-        Option("--minimise", &minimise, {},
-               "score to make small, or large where that is better [tracking_rmse_deg]"),
+               "setting and its range, with optional suffix :log or :whole; may be repeated"),
+        Option("--minimise", &minimise, {}, "score to optimise [tracking_rmse_deg]"),
         Option("--subject-to", &subject_to, {.value = "SCORE<=X"},
-               "bound of a score, as in --subject-to \"jitter_rms_deg<=0.2\"; may be repeated"),
+               "bound of a score, like \"jitter_rms_deg<=0.2\"; may be repeated"),
         SetOption(set, "change a value of the scenario; may be repeated"),
         Option("--evaluations", &evaluations, {.range = {1, 100000}},
-               "settings to try at most [100]"),
-        Option("--seeds", &seeds, {.range = {1, 10000}}, "seeds that each is tried on [8]"),
+               "largest number of settings [100]"),
+        Option("--seeds", &seeds, {.range = {1, 10000}}, "seeds of the search [8]"),
         Option("--held-out", &held_out, {.range = {1, 10000}},
-               "seeds behind those, for the verdict [8]"),
+               "further seeds, for the verdict [8]"),
         JobsOption(jobs),
-        Option("--filter-only", &filter_only, {}, "without a hand: score what the filters give"),
+        Option("--filter-only", &filter_only, {}, "score the filter outputs, without the hand"),
         OutOption(out, "output folder [out/<scenario>.tune]"),
         ForceOption(force),
-        Option("--json", &json, {}, "print JSON instead of the table"),
+        Option("--json", &json, {}, "print JSON instead of the answer"),
+        VerboseOption(verbose),
         terminal.Rows(),
     };
   }
@@ -193,7 +190,7 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
   files.Commit();
   folder.Keep();
   PrintText(asked.json ? TuneJson(plan, result)
-                       : TextOf(TuneText(plan, result), StyleOf(asked.terminal)));
+                       : TextOf(TuneText(plan, result, asked.verbose), StyleOf(asked.terminal)));
   FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
@@ -222,14 +219,14 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
   files.Commit();
   folder.Keep();
   PrintText(asked.json ? TuneAllJson(plan, kinds)
-                       : TextOf(TuneAllText(plan, kinds), StyleOf(asked.terminal)));
+                       : TextOf(TuneAllText(plan, kinds, asked.verbose), StyleOf(asked.terminal)));
   FlushOutput();
   if (!kinds.front().has_answer()) {
     Say("wrote {}: tune.csv, report.html\n", folder.path().string());
     throw RunError("no kind of filter has an answer: " + kinds.front().result.problem);
   }
   Say("wrote {}: a YAML file of each kind ({}), tune.csv, report.html\n", folder.path().string(),
-      IncludeText(folder.path() / (kinds.front().kind + ".yaml")));
+      IncludeText(folder.path() / (VerdictOf(plan, kinds).best_or(kinds.front().kind) + ".yaml")));
 }
 
 void RunTuneCommand(const TuneCommand& asked) {

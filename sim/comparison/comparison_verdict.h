@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "sim/comparison/summary.h"
@@ -8,13 +9,25 @@
 
 namespace gauntlet::sim {
 
-/// The verdict of a comparison. It recommends the controller with the least jitter among those that
-/// track best, and names the one with the least jitter of all. It recommends nobody if the best
-/// tracking is undecided, after a single run, and if tracking or jitter has no value.
+/// The verdict of a comparison. Tracking error, delay and jitter are the primary scores; one that a
+/// controller has no value of is left out for all.
+///
+/// D is the smallest relevant difference. A controller is no worse than another in a score if it is
+/// judged better or equivalent, or if the difference is undecided and at most 2 D to its
+/// disadvantage. A controller is dominated if another is better in one primary score and no worse
+/// in the others. Candidates for a score are not dominated, keep the bounds of the priority, are
+/// not worse than the baseline in that score, and no worse than any controller in it. Of them the
+/// least jitter, then the least delay, then the least tracking error decides, each among equivalent
+/// ones; after that the baseline, then the score itself.
+///
+/// The candidate for the user's priority is recommended. Those for the other primary scores are the
+/// alternatives, where they are better than the recommended one in their score. One run recommends
+/// nothing.
 Verdict VerdictOf(const Summary& summary);
-/// The controllers in the order of the verdict: who follows best, who shakes least, the others by
-/// how they follow.
+/// Indices of controllers: recommended, alternatives, the others by tracking error.
 std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
+/// Of each controller: "recommended", "least jitter", "baseline" or the like; empty for most.
+std::vector<std::string> RolesOf(const Summary& summary);
 
 /// The main metrics that some controller has a value of.
 std::vector<std::size_t> ShownMetrics(const Summary& summary);

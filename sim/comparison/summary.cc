@@ -9,6 +9,9 @@
 namespace gauntlet::sim {
 namespace {
 
+/// Of a remark about what the map of a recording assumes: see AssumptionsOf().
+constexpr std::string_view kAssumed = ": assumed: ";
+
 std::vector<std::vector<double>> RowMeans(const StudyResult& result, std::size_t controller) {
   const std::vector<int> motions = MotionsOf(result);
   std::vector<std::vector<double>> means;
@@ -175,6 +178,10 @@ std::vector<double> SeedValues(const StudyResult& result, std::size_t controller
 
 Summary Summarise(const Study& study, const StudyResult& result) {
   Summary summary;
+  summary.priority = ParsePriority(study.scenario.priority);
+  for (const std::string& remark : study.remarks) {
+    if (remark.find(kAssumed) != std::string::npos) summary.assumed.push_back(remark + ".");
+  }
   summary.baseline = BaselineOf(study.scenario);
   summary.one_run = result.seeds.size() < 2;
   const std::vector<int> motions = MotionsOf(result);
@@ -202,7 +209,7 @@ std::vector<std::string> Failures(const Summary& summary, std::size_t seeds) {
   std::vector<std::string> lines;
   for (const ControllerSummary& controller : summary.controllers) {
     if (controller.failed_trials == 0) continue;
-    lines.push_back(fmt::format("{} failed in {} of {} trial{}, and is not ranked: {}",
+    lines.push_back(fmt::format("{} failed in {} of {} trial{} and is not ranked: {}",
                                 controller.name, controller.failed_trials, seeds,
                                 seeds == 1 ? "" : "s", controller.problem));
   }

@@ -7,6 +7,7 @@
 
 #include "sim/comparison/prediction_ceiling.h"
 #include "sim/comparison/smoothing_ranking.h"
+#include "sim/score/priority.h"
 #include "sim/statistics/judgement.h"
 #include "sim/statistics/statistics.h"
 #include "sim/study/study_run.h"
@@ -49,6 +50,8 @@ struct Summary {
   bool one_run = true;
   int motions = 1;  // different ones of the wearer: with several, these are what repeats
   int pairs = 0;    // that were judged
+  Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
+  std::vector<std::string> assumed;     // in column maps of recordings, a sentence each
   std::vector<Comparison> comparisons;  // of all pairs, both ways: see Of()
 
   /// Difference of a metric, first controller minus second, and its judgement.

@@ -185,7 +185,7 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
                        {"question", EscapeHtml(texts.question)},
                        {"facts", EscapeHtml(FactsOf(gathered, texts))},
                        {"verdict", EscapeHtml(texts.verdict)},
-                       {"table", HtmlOf(ResultText(texts.text.begin() + 1, texts.text.end()))},
+                       {"table", HtmlOf(ResultText(texts.text.begin() + 2, texts.text.end()))},
                        {"sections", Sections(gathered, texts, axes, points)},
                        {"name", EscapeHtml(first.name)},
                        {"yaml", EscapeHtml(first.yaml)},

@@ -55,8 +55,8 @@ std::string CausesNote(const Summary& summary) {
   };
   if (summary.one_run || !std::ranges::any_of(summary.controllers, is_of_one)) return "";
   return fmt::format(
-      "The causes of the squared error are those of the first seed. --causes all "
-      "finds them for all seeds, with {} more trials for each controller and seed.",
+      "Causes of the squared error: first seed. Option --causes all computes them for all seeds, "
+      "with {} more trials for each controller and seed.",
       kCauseHands);
 }
 

@@ -21,13 +21,13 @@ std::string UsedShareText(const MeanInterval& used) {
                      100.0 * used.high);
 }
 
-/// "It removes 54 % (50 to 58) of the error that fitted weights of each channel remove, and .."
+/// "Its gain is 54 % (50 to 58) of that of a linear predictor of each channel, and .."
 std::string UsedText(const PredictionCeiling& ceiling) {
-  if (!std::isfinite(ceiling.used.mean)) return "Fitted weights remove next to nothing.";
-  std::string text = "It removes " + UsedShareText(ceiling.used) +
-                     " of the error that fitted weights of each channel remove";
+  if (!std::isfinite(ceiling.used.mean)) return "A fitted linear predictor gains next to nothing.";
+  std::string text = "Its gain is " + UsedShareText(ceiling.used) +
+                     " of that of a linear predictor of each channel";
   if (std::isfinite(ceiling.used_of_all.mean)) {
-    text += ", and " + UsedShareText(ceiling.used_of_all) + " of what weights of all channels do";
+    text += ", and " + UsedShareText(ceiling.used_of_all) + " of that of one of all channels";
   }
   return text + ".";
 }
@@ -40,10 +40,11 @@ std::string PredictionText(const PredictionCeiling& ceiling) {
     fitted += ", of all channels " + Short(ceiling.fitted_to_all.mean);
   }
   return fmt::format(
-      "{} looks {} ahead. {} Error without a hand, deg RMS: no prediction {}, {} {}, fitted "
-      "weights {}, true future of the glove {}. The weights are fitted to other repetitions{}.",
-      ceiling.controller, HorizonText(ceiling), UsedText(ceiling), Short(ceiling.now.mean),
-      ceiling.controller, Short(ceiling.ours.mean), fitted, Short(ceiling.known.mean),
+      "{} predicts {} ahead. {} Prediction error without the hand, deg RMS: {} {}, no prediction "
+      "{}, linear predictor {}, true future of the glove {}. The linear predictor is fitted to the "
+      "other replicates{}.",
+      ceiling.controller, HorizonText(ceiling), UsedText(ceiling), ceiling.controller,
+      Short(ceiling.ours.mean), Short(ceiling.now.mean), fitted, Short(ceiling.known.mean),
       ceiling.is_same_motion ? ", all of the same motion" : "");
 }
 

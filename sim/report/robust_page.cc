@@ -55,8 +55,8 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database,
                     .title = plan.sweep.file.name,
                     .question = plan.sweep.file.question,
                     .facts = HandsText(plan),
-                    .verdict = VerdictOf(plan, result).reasons.front().text,
-                    .text = RobustText(plan, result),
+                    .verdict = VerdictOf(plan, result).Text(),
+                    .text = RobustText(plan, result, true),
                     .first_sections = PageSection(
                         "tornado", "What matters",
                         "How the difference between the two that are best on the scenario's own "

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -19,20 +20,11 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr int kHeadLines = 4;
-
-/// What stands above a column, from the top: the words of the metric's key. Below each other they
-/// take less room, and read downwards they are the key.
-std::string HeadOf(std::string_view key) {
-  std::string head(key);
-  const bool is_rate = key.ends_with("_per_s") || key.ends_with("_deg_s");  // which stays together
-  std::size_t place = is_rate ? head.rfind('_') : head.size();
-  for (int lines = 1; lines < kHeadLines; ++lines) {
-    place = head.rfind('_', place - 1);
-    if (place == std::string::npos) break;
-    head[place] = kBreak;
-  }
-  return head;
+/// Its head reads downwards: the words of the name, then the unit.
+ResultColumn ColumnOf(std::size_t metric) {
+  std::string heading(Metrics()[metric].name);
+  std::ranges::replace(heading, ' ', kBreak);
+  return {std::string(Metrics()[metric].key), heading, std::string(Metrics()[metric].unit)};
 }
 
 /// "+0.41" and "±0.05", with as many digits as the interval allows; one alone where nothing else is
@@ -75,15 +67,84 @@ ResultCell CellOf(const Summary& summary, const ControllerSummary& controller, s
 ResultTable MeansTable(const Summary& summary) {
   ResultTable table{.columns = {{"name", "controller"}}};
   const std::vector<std::size_t> shown = ShownMetrics(summary);
-  for (const std::size_t metric : shown) {
-    const std::string_view key = Metrics()[metric].key;
-    table.columns.push_back({std::string(key), HeadOf(key)});
-  }
+  for (const std::size_t metric : shown) table.columns.push_back(ColumnOf(metric));
   for (const ControllerSummary& controller : summary.controllers) {
     ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
     for (const std::size_t metric : shown) row.push_back(CellOf(summary, controller, metric));
   }
   return table;
+}
+
+/// A mark against the baseline, as the legend explains it.
+char MarkOf(const Summary& summary, std::size_t controller, std::size_t metric) {
+  if (!summary.baseline || summary.one_run || controller == *summary.baseline) return ' ';
+  switch (summary.Of(metric, controller, *summary.baseline).judgement) {
+    case Judgement::kBetter:
+      return '*';
+    case Judgement::kEqual:
+      return '=';
+    case Judgement::kWorse:
+      return '!';
+    case Judgement::kUndecided:
+      return '?';
+    default:
+      return ' ';
+  }
+}
+
+/// The primary scores, and the main metrics of motors and objects, of all controllers in the order
+/// of the verdict.
+ResultTable AnswerTable(const Summary& summary) {
+  ResultTable table{.columns = {{"name", "controller"}}};
+  std::vector<std::size_t> shown;
+  for (const std::size_t metric : ShownMetrics(summary)) {
+    const bool is_primary = std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
+    if (is_primary || Metrics()[metric].part != ScoredPart::kJoint) shown.push_back(metric);
+  }
+  for (const std::size_t metric : shown) table.columns.push_back(ColumnOf(metric));
+  const std::vector<std::string> roles = RolesOf(summary);
+  const bool has_roles = std::ranges::any_of(roles, [](const auto& role) { return !role.empty(); });
+  if (has_roles) table.columns.push_back(ForPeople(" ").Words());
+  for (const std::size_t c : OrderOfVerdict(summary)) {
+    const ControllerSummary& controller = summary.controllers[c];
+    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
+    for (const std::size_t metric : shown) {
+      row.emplace_back(controller.summary[metric].mean);
+      row.back().mark = MarkOf(summary, c, metric);
+    }
+    if (has_roles) row.push_back(ResultCell::Text(roles[c]));
+  }
+  return table;
+}
+
+std::string AnswerLegend(const Summary& summary) {
+  if (!summary.baseline || summary.one_run || summary.controllers.size() < 2) return "";
+  return fmt::format("* better   = equivalent   ! worse   ? undecided   (compared with {})",
+                     summary.controllers[*summary.baseline].name);
+}
+
+/// "Causes of the squared error of raw: link 29 %, servo 25 %, friction 18 %."
+std::string CauseLine(const Summary& summary) {
+  constexpr double kLeast = 0.05;
+  constexpr std::size_t kMost = 3;
+  const ControllerSummary& controller = summary.controllers[summary.baseline.value_or(0)];
+  const std::vector<double> parts = ErrorByCause(controller);
+  double whole = 0.0;
+  std::vector<std::pair<double, std::string_view>> causes;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!std::isfinite(parts[i])) continue;
+    whole += parts[i];
+    causes.emplace_back(parts[i], TrackingErrorParts()[i].name);
+  }
+  if (!(whole > 0.0)) return "";
+  std::ranges::stable_sort(causes, std::greater(), &std::pair<double, std::string_view>::first);
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, causes.size()); ++i) {
+    if (causes[i].first < kLeast * whole) break;
+    text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", causes[i].second,
+                        100.0 * causes[i].first / whole);
+  }
+  return fmt::format("Causes of the squared error of {}: {}.", controller.name, text);
 }
 
 /// Where a score of the table is a mean over some of the seeds, as the others have none.
@@ -94,8 +155,9 @@ std::vector<std::string> MissingSeeds(const StudyResult& result, const Summary& 
     for (const std::size_t metric : ShownMetrics(summary)) {
       const int count = controller.summary[metric].count;
       if (count == 0 || count == seeds || controller.failed_trials > 0) continue;
-      missing.push_back(fmt::format("{}: {} from {} of {} seeds; the others have none",
-                                    controller.name, Metrics()[metric].key, count, seeds));
+      missing.push_back(
+          fmt::format("{}: {} is the mean of {} of {} seeds; the others have no value",
+                      controller.name, Metrics()[metric].name, count, seeds));
     }
   }
   return missing;
@@ -104,22 +166,22 @@ std::vector<std::string> MissingSeeds(const StudyResult& result, const Summary& 
 /// Why there is no interval, star or flag.
 std::string ReasonForNoChance(const StudyResult& result) {
   if (result.seeds_alike) {
-    return "Every seed gives the same run, as nothing in it is drawn at random: one was run, and "
-           "there is no interval, no star and no flag.";
+    return "The input is fixed, so one run was made. Add recordings (files:) for confidence "
+           "intervals.";
   }
-  return "One seed tells nothing about chance: no interval, no star, no flag (gauntlet compare "
-         "runs several).";
+  return "gauntlet compare runs several seeds, and recommends a controller.";
 }
 
 std::string Legend(const Summary& summary) {
-  std::string legend = "* best, or equal within what matters   ~ undecided";
+  std::string legend = "* best or equivalent   ~ undecided";
   if (summary.baseline) {
     legend += "   ! worse than " + summary.controllers[*summary.baseline].name;
   }
   return legend;
 }
 
-/// "97 % the motions' and 3 % the noise's", a mean over controllers; empty where it is not known.
+/// "97 % between motions and 3 % between noise seeds", a mean over controllers; empty where it is
+/// not known.
 std::string SharesText(const Summary& summary, const auto& interval_of) {
   double sum = 0.0;
   int count = 0;
@@ -131,7 +193,8 @@ std::string SharesText(const Summary& summary, const auto& interval_of) {
   }
   if (count == 0) return "";
   const double percent = std::round(100.0 * sum / count);
-  return fmt::format("{:.0f} % the motions' and {:.0f} % the noise's", percent, 100.0 - percent);
+  return fmt::format("{:.0f} % between motions and {:.0f} % between noise seeds", percent,
+                     100.0 - percent);
 }
 
 /// Whose the scatter of tracking is, and that of its differences; empty where it is not known.
@@ -142,8 +205,8 @@ std::string WhoseScatter(const Summary& summary) {
   const std::string of_differences =
       SharesText(summary, [&](const auto& c) { return c.to_best[tracking].difference; });
   if (of_values.empty()) return "";
-  std::string text = fmt::format("The variance of {} is {}", Metrics()[tracking].key, of_values);
-  if (!of_differences.empty()) text += fmt::format("; that of its differences {}", of_differences);
+  std::string text = fmt::format("Variance of the tracking error: {}", of_values);
+  if (!of_differences.empty()) text += fmt::format("; of its differences: {}", of_differences);
   return text + ".";
 }
 
@@ -152,32 +215,14 @@ std::string WhatMatters(const Summary& summary) {
   for (const std::size_t metric : ShownMetrics(summary)) {
     const RelevantDifference& least = Metrics()[metric].relevant_difference;
     if (!text.empty()) text += ", ";
-    text += std::string(Metrics()[metric].key);
-    if (least.absolute > 0.0) text += fmt::format(" {:g}", least.absolute);
+    text += std::string(Metrics()[metric].name);
+    if (least.absolute > 0.0)
+      text += fmt::format(" {:g} {}", least.absolute, Metrics()[metric].unit);
     if (least.absolute > 0.0 && least.relative > 0.0) text += " or";
     if (least.relative > 0.0) text += fmt::format(" {:g} %", 100.0 * least.relative);
   }
-  return fmt::format("Differences matter from here on: {} (gauntlet list metrics says why).", text);
-}
-
-/// Of all controllers' hands; empty where digits stayed apart.
-std::string DigitsInEachOther(const Summary& summary) {
-  const std::size_t metric = MetricIndex("digit_overlap_share");
-  double least = 1.0;
-  double most = 0.0;
-  for (const ControllerSummary& controller : summary.controllers) {
-    const double share = controller.summary[metric].mean;
-    if (std::isnan(share)) continue;
-    least = std::min(least, share);
-    most = std::max(most, share);
-  }
-  if (most == 0.0) return "";
-  const std::string shortest = fmt::format("{:.1f}", 100.0 * least);
-  const std::string longest = fmt::format("{:.1f}", 100.0 * most);
-  return fmt::format(
-      "Digits of the hand were in each other for {} % of the time "
-      "(digit_overlap_share).",
-      shortest == longest ? longest : fmt::format("{} to {}", shortest, longest));
+  return fmt::format("Smallest relevant differences: {} (gauntlet list metrics gives sources).",
+                     text);
 }
 
 /// The joints that the means of delay_ms are over; empty if these are all joints that count.
@@ -198,8 +243,8 @@ std::string JointsWithDelay(const FinishedStudy& finished) {
   }
   if (fewest == std::ssize(joints)) return "";
   return fmt::format(
-      "delay_ms is a mean over {}{} of {} joints: with some controller the others have no delay "
-      "that can be told.",
+      "The delay is the mean of {}{} of {} joints. The others have no unique delay with some "
+      "controller.",
       fewest, most == fewest ? "" : fmt::format(" to {}", most), joints.size());
 }
 
@@ -207,20 +252,17 @@ std::string JointsWithDelay(const FinishedStudy& finished) {
 std::vector<std::string> NotesOnChance(const Summary& summary) {
   std::vector<std::string> notes;
   if (summary.controllers.size() == 1) {
-    notes.emplace_back("± half of the 95 % interval of the mean.");
+    notes.emplace_back("± 95 % confidence interval of the mean.");
   }
   if (summary.pairs > 0) {
     notes.push_back(fmt::format(
-        "Differences are to the best of the column, paired by seed, ± half of the interval that "
-        "decides: those of all {} pairs hold together with 95 % (Bonferroni).",
+        "Second line: difference to the best of the column, paired by seed, ± simultaneous 95 % "
+        "confidence interval of all {} pairs (Bonferroni).",
         summary.pairs));
     notes.push_back(WhatMatters(summary));
   }
-  notes.push_back(summary.motions == 1
-                      ? "One motion: the intervals tell of noise only."
-                      : fmt::format("{} motions are what repeats: the intervals hold for other "
-                                    "motions of their kind.",
-                                    summary.motions));
+  notes.push_back(summary.motions == 1 ? "One motion: the confidence intervals cover noise only."
+                                       : fmt::format("Replicates: {} motions.", summary.motions));
   if (const std::string whose = WhoseScatter(summary); !whose.empty()) notes.push_back(whose);
   return notes;
 }
@@ -239,9 +281,7 @@ std::string SmoothingText(const FinishedStudy& finished) {
                         rank.smoothing_hz, finished.result.controller_names[index], *least);
   }
   return fmt::format(
-      "The reference is the recording itself, smoothed, and nobody knows at which cut-off it is "
-      "the "
-      "wearer's motion. Who follows it best at{}: {}.",
+      "The true motion is unknown. Least tracking error for a reference smoothed at{}: {}.",
       finished.study.repetitions.size() > 1 ? " (first recording)" : "", best);
 }
 
@@ -249,8 +289,8 @@ std::string SmoothingText(const FinishedStudy& finished) {
 
 std::vector<std::string> Notes(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
-  std::vector<std::string> notes =
-      summary.one_run ? std::vector{ReasonForNoChance(finished.result)} : NotesOnChance(summary);
+  std::vector<std::string> notes;
+  if (!summary.one_run) notes = NotesOnChance(summary);
   if (std::string joints = JointsWithDelay(finished); !joints.empty()) {
     notes.push_back(std::move(joints));
   }
@@ -260,9 +300,7 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
   if (std::string smoothing = SmoothingText(finished); !smoothing.empty()) {
     notes.push_back(std::move(smoothing));
   }
-  for (std::string note : {DigitsInEachOther(summary), CausesNote(summary)}) {
-    if (!note.empty()) notes.push_back(std::move(note));
-  }
+  if (std::string causes = CausesNote(summary); !causes.empty()) notes.push_back(std::move(causes));
   return notes;
 }
 
@@ -290,15 +328,11 @@ std::string WhatVaries(const StudyResult& result) {
   return fmt::format("{}, {} to {} noises each", moved, fewest, most);
 }
 
-/// Of a remark about what the map of a recording assumes: see AssumptionsOf().
-constexpr std::string_view kAssumed = ": assumed: ";
-
 std::string Measured(const Study& study) {
-  return fmt::format("{} of {} joints measured", study.measured_joint_names.size(),
-                     study.joint_count);
+  return fmt::format("{} of {} joints", study.measured_joint_names.size(), study.joint_count);
 }
 
-ResultText ScoreText(const FinishedStudy& finished) {
+ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   const StudyResult& result = finished.result;
   const Summary& summary = finished.summary;
   const Scenario& scenario = finished.study.scenario;
@@ -306,19 +340,24 @@ ResultText ScoreText(const FinishedStudy& finished) {
                                 ? fmt::format("seed {}", result.seeds.front().seed)
                                 : fmt::format("seeds {} to {}: {}", result.seeds.front().seed,
                                               result.seeds.back().seed, WhatVaries(result));
-  ResultText text = {
-      fmt::format("{}: {}\n{}, {}; {}; reference: {}", scenario.name, scenario.question,
-                  DurationText(result), Measured(finished.study), seeds, result.reference_name),
-      MeansTable(summary)};
-  if (summary.pairs > 0) AddLine(Legend(summary), text);
+  const Verdict verdict = VerdictOf(summary);
+  ResultText text = {fmt::format("{}: {}\n{}, {}; {}; reference: {}", scenario.name,
+                                 scenario.question, DurationText(result), Measured(finished.study),
+                                 seeds, result.reference_name)};
+  text.emplace_back(std::string());
+  for (const std::string& sentence : verdict.Answer()) AddLine(sentence, text);
+  if (summary.one_run) AddLine(ReasonForNoChance(result), text);
+  text.emplace_back(AnswerTable(summary));
+  AddLine(AnswerLegend(summary), text);
+  AddLine(CauseLine(summary), text);
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
   for (const std::string& missing : MissingSeeds(result, summary)) AddLine(missing, text);
+  for (const std::string& doubt : verdict.Doubts()) AddLine("Warning: " + doubt, text);
+  if (!verbose) return text;
+  text.emplace_back(MeansTable(summary));
+  if (summary.pairs > 0) AddLine(Legend(summary), text);
   for (const std::string& note : Notes(finished)) AddLine(note, text);
-  for (const std::string& remark : finished.study.remarks) {  // a guess stands beside its result
-    if (remark.find(kAssumed) != std::string::npos) AddLine(remark + ".", text);
-  }
   text.emplace_back(ErrorSplitTable(summary));
-  text.emplace_back(VerdictOf(summary).Text());
   return text;
 }
 

@@ -20,11 +20,10 @@ std::string WhatVaries(const StudyResult& result);
 /// How the marks and intervals come about, a sentence or two each: for the table and the page.
 std::vector<std::string> Notes(const FinishedStudy& finished);
 
-/// The scores for a person: what was asked; per controller its means and, below each, the
-/// difference to the best with the interval that decides; a star at the best of each column and at
-/// those equal to it, a tilde where it is undecided, an exclamation mark where a filter is worse
-/// than the baseline; a verdict. Columns are the main metrics that have a value. Of one run alone
-/// nothing is marked, and the text says why.
-ResultText ScoreText(const FinishedStudy& finished);
+/// The answer for a person: verdict; table of the primary scores with marks against the baseline;
+/// causes of the error; warnings. `verbose` adds the main metrics with the difference to the best
+/// and its confidence interval, the method, and the causes for each controller. One run has no
+/// marks, and the text says why.
+ResultText ScoreText(const FinishedStudy& finished, bool verbose);
 
 }  // namespace gauntlet::sim

@@ -69,7 +69,7 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
                                          Metrics()[plan.best_by].key, BoundsText(plan.constraints),
                                          plan.file.physics ? "" : " · filters only, no hand"),
                     .verdict = VerdictOf(plan, summary).Text(),
-                    .text = SweepText(plan, summary, response),
+                    .text = SweepText(plan, summary, response, true),
                     .first_sections = ResponseSection(plan, response)});
 }
 

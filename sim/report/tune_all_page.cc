@@ -110,7 +110,7 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
                             plan.evaluations, plan.seeds, plan.held_out,
                             plan.physics ? "" : " · filters only, no hand"),
        .verdict = VerdictOf(plan, kinds).Text(),
-       .text = TuneAllText(plan, kinds),
+       .text = TuneAllText(plan, kinds, true),
        .first_sections = PageSection(
            "fronts", "Jitter against delay, kind by kind",
            "A line joins the settings of one kind that no other of its kind beats in both means, "

@@ -48,7 +48,7 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result) {
            fmt::format("{} settings tried on {} seeds · judged on {} others{}", result.tried.size(),
                        plan.seeds, plan.held_out, plan.physics ? "" : " · filters only, no hand"),
        .verdict = VerdictOf(plan, result).Text(),
-       .text = TuneText(plan, result)});
+       .text = TuneText(plan, result, true)});
 }
 
 }  // namespace gauntlet::sim

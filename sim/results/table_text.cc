@@ -166,6 +166,15 @@ std::string Padded(const std::string& text, std::size_t width, bool right) {
   return right ? space + text : text + space;
 }
 
+std::string Listed(std::vector<std::string> items) {
+  std::erase(items, "");
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 < items.size() ? ", " : " and ") + items[i];
+  }
+  return text;
+}
+
 std::string Good(const std::string& text) { return "\033[1;32m" + text + "\033[0m"; }
 std::string Warning(const std::string& text) { return "\033[33m" + text + "\033[0m"; }
 
@@ -233,6 +242,12 @@ std::string TextOf(const ResultText& result, const TerminalStyle& style) {
     out += text;
   }
   return out;
+}
+
+void AddVerdict(const Verdict& verdict, ResultText& result) {
+  result.emplace_back(std::string());
+  for (const std::string& sentence : verdict.Answer()) AddLine(sentence, result);
+  for (const std::string& doubt : verdict.Doubts()) AddLine("Warning: " + doubt, result);
 }
 
 void AddLine(const std::string& paragraph, ResultText& result) {

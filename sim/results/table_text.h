@@ -8,6 +8,7 @@
 
 #include "sim/base/text.h"  // Width, for those who align
 #include "sim/results/result_table.h"
+#include "sim/results/verdict.h"
 
 namespace gauntlet::sim {
 
@@ -20,6 +21,9 @@ std::string Padded(const std::string& text, std::size_t width, bool right);
 /// Colours of a terminal: what is good, and what to look at.
 std::string Good(const std::string& text);
 std::string Warning(const std::string& text);
+
+/// "a", "a and b", "a, b and c"; empty ones are left out.
+std::string Listed(std::vector<std::string> items);
 
 /// What a terminal can show.
 struct TerminalStyle {
@@ -52,6 +56,9 @@ using ResultText = std::vector<std::variant<std::string, ResultTable, CommandLin
 
 /// The parts with an empty line between them; empty ones are left out.
 std::string TextOf(const ResultText& result, const TerminalStyle& style);
+
+/// Adds the answer of a verdict, and its doubts as warnings, as one text.
+void AddVerdict(const Verdict& verdict, ResultText& result);
 
 /// Adds a paragraph to the text at the end of `result`; an empty one changes nothing.
 void AddLine(const std::string& paragraph, ResultText& result);

@@ -3,11 +3,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 namespace gauntlet::sim {
 namespace {
+
+/// Key of what the answer rests on, which stands before it.
+constexpr std::string_view kAssumed = "assumed";
 
 nlohmann::ordered_json JsonOfRemarks(const std::vector<VerdictRemark>& remarks) {
   auto json = nlohmann::ordered_json::array();
@@ -29,21 +35,47 @@ void Verdict::AddWarning(std::string key, std::string text) {
 
 void Verdict::AddUndecided(const std::vector<std::string>& undecided) {
   if (undecided.empty()) return;
-  AddWarning("undecided", fmt::format("It is undecided against {}.", fmt::join(undecided, "; ")));
+  constexpr std::size_t kMostNames = 3;
+  std::string others = undecided.front();
+  for (std::size_t i = 1; i < std::min(kMostNames, undecided.size()); ++i) {
+    others += "; " + undecided[i];
+  }
+  if (undecided.size() > kMostNames) {
+    others += fmt::format("; {} others", undecided.size() - kMostNames);
+  }
+  AddReason("undecided", fmt::format("No recommendation, as it is undecided against {}. More seeds "
+                                     "can decide it.",
+                                     others));
   alternatives.insert(alternatives.begin(), std::exchange(recommended, {}));
   alternatives.insert(alternatives.end(), undecided.begin(), undecided.end());
 }
 
 void Verdict::AddWithoutHand() {
-  AddWarning("without_hand", "Without a hand: confirm with physics before it counts.");
+  AddWarning("without_hand",
+             "Filters only: confirm the result with the hand model (gauntlet compare).");
+}
+
+std::vector<std::string> Verdict::Answer() const {
+  std::vector<std::string> sentences;
+  for (const VerdictRemark& warning : warnings) {
+    if (warning.key == kAssumed) sentences.push_back(warning.text);
+  }
+  for (const VerdictRemark& reason : reasons) sentences.push_back(reason.text);
+  return sentences;
+}
+
+std::vector<std::string> Verdict::Doubts() const {
+  std::vector<std::string> sentences;
+  for (const VerdictRemark& warning : warnings) {
+    if (warning.key != kAssumed) sentences.push_back(warning.text);
+  }
+  return sentences;
 }
 
 std::string Verdict::Text() const {
-  std::string text;
-  for (const auto* remarks : {&reasons, &warnings}) {
-    for (const VerdictRemark& remark : *remarks) text += (text.empty() ? "" : " ") + remark.text;
-  }
-  return text;
+  std::vector<std::string> sentences = Answer();
+  std::ranges::move(Doubts(), std::back_inserter(sentences));
+  return fmt::format("{}", fmt::join(sentences, " "));
 }
 
 nlohmann::ordered_json JsonOf(const Verdict& verdict) {

@@ -15,7 +15,7 @@ struct VerdictRemark {
 /// What to use, and why. It is made once, from the judgements: terminal, page and JSON show it.
 struct Verdict {
   std::string recommended = {};  // a controller, cell, setting or filter; may be empty
-  std::vector<std::string> alternatives = {};  // equal within what matters, or better elsewhere
+  std::vector<std::string> alternatives = {};  // equivalent, or better in another score
   std::vector<VerdictRemark> reasons = {};
   std::vector<VerdictRemark> warnings = {};
 
@@ -26,7 +26,15 @@ struct Verdict {
   void AddUndecided(const std::vector<std::string>& undecided);
   void AddWithoutHand();
 
-  /// All reasons and warnings; empty where nothing can be said.
+  /// What is assumed, then the reasons, a sentence or two each.
+  std::vector<std::string> Answer() const;
+  /// The other warnings.
+  std::vector<std::string> Doubts() const;
+  /// The recommended one, or `other` where there is none.
+  const std::string& best_or(const std::string& other) const {
+    return recommended.empty() ? other : recommended;
+  }
+  /// Both in one line.
   std::string Text() const;
 };
 

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sim/comparison/comparison_verdict.h"
 #include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
@@ -54,29 +56,76 @@ std::string CsvOfScores(const RobustResult& result, const TableOf& table_of) {
   return text;
 }
 
+/// "Sensitive to friction: .."; of the difference between the two best controllers.
+std::string Sensitivity(const RobustPlan& plan, const RobustScore& score) {
+  if (score.bars.empty()) return "";
+  std::vector<std::string> matters, open;
+  for (const TornadoBar& bar : score.bars) {
+    const std::string& name = plan.parameters[bar.parameter].name;
+    const Judgement judgement = bar.change.judgement;
+    if (judgement == Judgement::kBetter || judgement == Judgement::kWorse) matters.push_back(name);
+    if (judgement == Judgement::kUndecided) open.push_back(name);
+  }
+  std::string text = fmt::format("The difference in {} between {} and {} is sensitive to {}",
+                                 ScoreName(score.metric), score.controllers[score.two_best[0]].name,
+                                 score.controllers[score.two_best[1]].name,
+                                 matters.empty() ? "no parameter" : Listed(matters));
+  if (!open.empty()) text += fmt::format("; undecided for {}", Listed(open));
+  return text + ".";
+}
+
+/// A row for each controller: on how many hands it is best or equivalent, score by score.
+ResultTable HandsTable(const RobustResult& result) {
+  ResultTable table{.columns = {ForPeople("best or equivalent on")}};
+  for (const RobustScore& score : result.scores) {
+    std::string heading = ScoreName(score.metric);
+    std::ranges::replace(heading, ' ', kBreak);
+    table.columns.push_back(ForPeople(heading));
+  }
+  for (const std::size_t c : OrderOfVerdict(result.nominal)) {
+    ResultRow& row =
+        table.rows.emplace_back(ResultRow{ResultCell::Text(result.nominal.controllers[c].name)});
+    for (const RobustScore& score : result.scores) {
+      const Share& share = score.controllers[c].near_best;
+      row.push_back(ResultCell::Text(fmt::format("{}/{}", share.hits, share.count)));
+    }
+  }
+  return table;
+}
+
 }  // namespace
 
 Verdict VerdictOf(const RobustPlan& plan, const RobustResult& result) {
+  const Verdict nominal = VerdictOf(result.nominal);
   Verdict verdict;
   for (const RobustScore& score : result.scores) {
-    const RobustController& best = score.controllers[score.two_best.front()];
-    if (score.metric == plan.sweep.best_by) {
-      verdict.recommended = best.name;
-      std::vector<std::string> undecided;
-      for (const ControllerSummary& controller : result.nominal.controllers) {
-        if (controller.to_best[score.metric].judgement == Judgement::kUndecided) {
-          undecided.push_back(controller.name);
-        }
-      }
-      verdict.AddUndecided(undecided);
+    if (score.metric != plan.sweep.best_by) continue;
+    const std::size_t best = score.two_best.front();
+    const std::string& name = nominal.best_or(score.controllers[best].name);
+    const RobustController& judged =
+        *std::ranges::find(score.controllers, name, &RobustController::name);
+    const std::string range =
+        fmt::format("{:.0f} to {:.0f} %", std::floor(100.0 * judged.near_best.low),
+                    std::ceil(100.0 * judged.near_best.high));
+    const std::string hands = fmt::format("{} of {} hands (95 % CI {})", judged.near_best.hits,
+                                          judged.near_best.count, range);
+    if (nominal.recommended.empty()) {
+      verdict.alternatives = nominal.alternatives;
+      verdict.AddReason(
+          "undecided",
+          fmt::format("No recommendation on the nominal hand: more seeds are needed. {} "
+                      "has the least {} there, and is best or equivalent on {}.",
+                      name, ScoreName(score.metric), hands));
+    } else {
+      verdict.recommended = name;
+      verdict.alternatives = nominal.alternatives;
+      verdict.AddReason(
+          "recommended",
+          fmt::format("Use {}: recommended on the nominal hand, and best or equivalent "
+                      "in {} on {}.",
+                      name, ScoreName(score.metric), hands));
     }
-    verdict.AddReason(
-        std::string(Metrics()[score.metric].key),
-        fmt::format("{}: {} is best on the scenario's own hand, and as good as the best "
-                    "on {} of {} hands ({:.0f} to {:.0f} %).",
-                    Metrics()[score.metric].key, best.name, best.near_best.hits,
-                    best.near_best.count, std::floor(100.0 * best.near_best.low),
-                    std::ceil(100.0 * best.near_best.high)));
+    verdict.AddReason("sensitivity", Sensitivity(plan, score));
   }
   return verdict;
 }
@@ -86,12 +135,12 @@ std::string_view TornadoVerdict(const TornadoBar& bar) {
     case Judgement::kNone:
       return "";
     case Judgement::kEqual:
-      return "does not matter";
+      return "no effect";
     case Judgement::kUndecided:
       return "undecided";
     case Judgement::kBetter:
     case Judgement::kWorse:
-      return "matters";
+      return "effect";
   }
   return "";
 }
@@ -101,10 +150,10 @@ ResultTable RobustScoreTable(const RobustResult& result, const RobustScore& scor
   ResultTable table{
       .columns = {OnlyInCsv("score"),
                   {"name", key, "", {{"name", "controller"}}},
-                  LevelColumn("nominal", "own hand"),
+                  LevelColumn("nominal", "nominal hand"),
                   DifferenceColumn("nominal_to_best", "verdict", "nominal_verdict_to_best"),
                   ShareColumn("best", "best", "hands"),
-                  ShareColumn("near_best", "as good", "")}};
+                  ShareColumn("near_best", "equivalent", "")}};
   for (std::size_t c = 0; c < score.controllers.size(); ++c) {
     const ControllerSummary& nominal = result.nominal.controllers[c];
     const Comparison& to_best = nominal.to_best[score.metric];
@@ -192,40 +241,44 @@ std::string HandsText(const RobustPlan& plan) {
                             plan.sweep.file.seeds == 1 ? "" : "s");
 }
 
-ResultText RobustText(const RobustPlan& plan, const RobustResult& result) {
+ResultText RobustText(const RobustPlan& plan, const RobustResult& result, bool verbose) {
   ResultText text = {
       fmt::format("{}: {}\n{}", plan.sweep.file.name, plan.sweep.file.question, HandsText(plan))};
-  for (const RobustScore& score : result.scores) {
-    text.emplace_back(RobustScoreTable(result, score));
+  AddVerdict(VerdictOf(plan, result), text);
+  text.emplace_back(HandsTable(result));
+  if (result.not_built > 0) {
+    AddLine(fmt::format("Warning: {} hands could not be built.", result.not_built), text);
   }
-  AddLine(
-      "verdict: on the scenario's own hand, against the best there, as gauntlet compare gives it. "
-      "best: hands on which no mean is better; as good: nearer to the best mean than the smallest "
-      "difference that matters. In brackets the 95 % interval of that share, for other hands and "
-      "the same seeds (Clopper and Pearson), each by itself.",
-      text);
-  for (const RobustScore& score : result.scores) {
-    if (score.metric != plan.sweep.best_by || score.bars.empty()) continue;
-    text.emplace_back(fmt::format("What matters: {} - {} in {}, one parameter at a time",
-                                  score.controllers[score.two_best[0]].name,
-                                  score.controllers[score.two_best[1]].name,
-                                  Metrics()[score.metric].key));
-    text.emplace_back(TornadoTable(plan, score));
-  }
-  AddLine(
-      "high - low: seed by seed; all such intervals of all scores hold together with 95 % "
-      "(Bonferroni). tornado.csv and report.html have the other scores.",
-      text);
-  if (result.not_built > 0)
-    AddLine(fmt::format("{} hands could not be built.", result.not_built), text);
   if (result.failed > 0) {
-    AddLine(fmt::format("{} times a controller's hand was stopped; it is not the best there.",
+    AddLine(fmt::format("Warning: {} simulations failed; their controller does not count as best "
+                        "there.",
                         result.failed),
             text);
   }
   AddLine(result.first_problem, text);
-  text.emplace_back("");
-  for (const VerdictRemark& reason : VerdictOf(plan, result).reasons) AddLine(reason.text, text);
+  if (!verbose) return text;
+  for (const RobustScore& score : result.scores) {
+    text.emplace_back(RobustScoreTable(result, score));
+  }
+  AddLine(
+      "verdict: difference to the best on the nominal hand, as gauntlet compare judges it. best: "
+      "share of hands with the lowest mean. equivalent: share of hands with a mean within the "
+      "smallest relevant difference of the lowest. In brackets: 95 % confidence interval of the "
+      "share, for other hands and the same seeds (Clopper and Pearson).",
+      text);
+  for (const RobustScore& score : result.scores) {
+    if (score.metric != plan.sweep.best_by || score.bars.empty()) continue;
+    text.emplace_back(fmt::format("Sensitivity of {} - {} in {}, one parameter at a time",
+                                  score.controllers[score.two_best[0]].name,
+                                  score.controllers[score.two_best[1]].name,
+                                  ScoreName(score.metric)));
+    text.emplace_back(TornadoTable(plan, score));
+  }
+  AddLine(
+      "high - low: paired by seed, simultaneous 95 % confidence intervals (Bonferroni). "
+      "tornado.csv "
+      "and report.html contain the other scores.",
+      text);
   return text;
 }
 

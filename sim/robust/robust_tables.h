@@ -31,7 +31,7 @@ std::string RobustJson(const RobustPlan& plan, const RobustResult& result);
 /// The result for people: for each score the verdict on the scenario's own hand and the share of
 /// hands on which each controller is best, then the parameters that matter for the score that
 /// decides, and a sentence for each score.
-ResultText RobustText(const RobustPlan& plan, const RobustResult& result);
+ResultText RobustText(const RobustPlan& plan, const RobustResult& result, bool verbose);
 
 /// Description of the hands: "32 hands, each with friction, delay ... within 30 % of the
 /// scenario's".

@@ -93,6 +93,10 @@ void Scenario::Visit(SettingsVisitor& visitor) {
                 "controller that the others are held against; empty: the first that neither "
                 "filters nor predicts"},
                baseline);
+  visitor.Text({"priority",
+                "score that decides which controller is recommended: tracking, delay or jitter; "
+                "also bounds behind commas, as jitter_rms_deg<=0.1"},
+               priority);
   VisitGroup(visitor, {"made_with", "written into resolved scenarios"}, made_with);
 }
 

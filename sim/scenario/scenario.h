@@ -74,6 +74,7 @@ struct Scenario {
   controller::JointMapConfig joint_map;
   std::vector<NamedController> controllers;
   std::string baseline;  // name of a controller; empty: the first that neither filters nor predicts
+  std::string priority = "tracking";  // see ParsePriority()
   MadeWith made_with;
 
   void Visit(controller::SettingsVisitor& visitor);

@@ -11,6 +11,7 @@
 #include "sim/base/text.h"
 #include "sim/scenario/controller_defaults.h"
 #include "sim/scenario/included_controllers.h"
+#include "sim/score/priority.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_tree.h"
 
@@ -51,6 +52,14 @@ void CheckBaseline(const YamlNode& root, const YamlSource& source, const Scenari
                    .key = "baseline",
                    .problem = Shown(scenario.baseline) + " is not a controller of the scenario" +
                               Suggestion(scenario.baseline, names)});
+}
+
+void CheckPriority(const YamlNode& root, const YamlSource& source, const Scenario& scenario) {
+  try {
+    ParsePriority(scenario.priority);
+  } catch (const controller::SettingError& error) {
+    throw source.At(ChildOf(root, "priority"), error);
+  }
 }
 
 void CheckVideoSize(const YamlNode& root, const YamlSource& source, const VideoConfig& video) {
@@ -155,6 +164,7 @@ Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>&
   CheckNames(root, source, scenario);
   FillControllers(root, source, auto_horizons, scenario);
   CheckBaseline(root, source, scenario);
+  CheckPriority(root, source, scenario);
   CheckVideoSize(root, source, scenario.video);
   scenario.repetitions = AllRepetitions(text, overrides, lists, source, scenario);
   scenario.glove = GloveOf(scenario, scenario.seed);

@@ -110,12 +110,16 @@ constexpr RelevantDifference kFeltForce = {
 
 constexpr MetricRow kRows[] = {
     {{.key = "tracking_rmse_deg",
+      .name = "tracking error",
+      .unit = "deg RMS",
       .help = "how far the hand is from the wearer, RMS",
       .definition = "sqrt(mean((hand - reference)^2))",
       .main = true,
       .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) { return kDegPerRad * RmsWithin(j.error_rad(), 0, j.counted); }},
     {{.key = "delay_ms",
+      .name = "delay",
+      .unit = "ms",
       .help = "how late the hand is",
       .definition = "lag of the largest Pearson correlation over the overlap, within half the "
                     "dominant period, refined by a parabola (Knapp and Carter 1976)",
@@ -125,6 +129,8 @@ constexpr MetricRow kRows[] = {
        return j.delay_ticks() ? 1000.0 * *j.delay_ticks() / j.rate_hz : kNoScore;
      }},
     {{.key = "aligned_rmse_deg",
+      .name = "aligned error",
+      .unit = "deg RMS",
       .help = "how far the hand is from the wearer once the delay is taken out, RMS",
       .definition = "sqrt(mean((hand(t + delay_ms) - reference(t))^2)); the plain difference where "
                     "there is no delay",
@@ -141,6 +147,8 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kFeltPeak},
      [](const ScoredJoint& j) { return kDegPerRad * PeakWithin(j.error_rad(), j.counted); }},
     {{.key = "jitter_rms_deg",
+      .name = "jitter",
+      .unit = "deg RMS",
       .help = "trembling of the hand: its angle above score.jitter_above_hz (10 Hz), RMS",
       .definition = "RMS behind a zero-phase high pass at score.jitter_above_hz: linear phase, "
                     "Kaiser window, 0.8 to 1.2 of it (8 to 12 Hz), 80 dB; 6.3 of its periods (0.63 "
@@ -149,6 +157,8 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.jitter_rad(); }},
     {{.key = "noise_jitter_rms_deg",
+      .name = "noise jitter",
+      .unit = "deg RMS",
       .help = "trembling that the glove's noise makes, RMS: not that of frames and limits",
       .definition = "jitter_rms_deg of the hand less the hand of the same trial with a noise-free "
                     "glove",
@@ -157,6 +167,8 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.noise_jitter_rad(); }},
     {{.key = "command_reversals_per_s",
+      .name = "command reversals",
+      .unit = "per s",
       .help = "local jumps: how often the motor command turns round",
       .definition = "sign changes between successive non-zero increments of the integer command, "
                     "per second (Bai, Jiang, Yokoi 2021, figure 12)",
@@ -330,6 +342,8 @@ constexpr MetricRow kRows[] = {
        return c.stall_tension_n ? PeakTension(c) / *c.stall_tension_n : kNoScore;
      }},
     {{.key = "grip_force_ripple_n",
+      .name = "grip force ripple",
+      .unit = "N",
       .help = "trembling of the grip: the force on a held object above score.jitter_above_hz (10 "
               "Hz), RMS",
       .definition =

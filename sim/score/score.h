@@ -70,6 +70,8 @@ struct RelevantDifference {
 /// One score that Gauntlet knows. The unit is the suffix of the key.
 struct Metric {
   std::string_view key;
+  std::string_view name = {};  // for people, where tables or sentences show it
+  std::string_view unit = {};  // the same
   std::string_view help;
   std::string_view definition;  // formula and source, one line
   bool lower_is_better = true;

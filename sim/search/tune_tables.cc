@@ -88,8 +88,8 @@ ResultTable FrontTable(const TunePlan& plan, const TuneResult& result) {
 }
 
 ResultTable ValuesTable(const TunePlan& plan, const TuneResult& result) {
-  ResultTable table{.columns = {ForPeople("setting"), ForPeople("tuned"),
-                                ForPeople("as good within what matters")}};
+  ResultTable table{
+      .columns = {ForPeople("setting"), ForPeople("tuned"), ForPeople("equivalent range")}};
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
     table.rows.push_back(
         {ResultCell::Text(KeyInController(plan, a)),
@@ -103,7 +103,8 @@ ResultTable HeldOutTable(const TunePlan& plan, const TuneResult& result) {
   ResultTable table{
       .columns = {ForPeople("held-out seeds"), ForPeople("before"), ForPeople("tuned")}};
   for (std::size_t m = 0; m < result.metrics.size(); ++m) {
-    table.rows.push_back({ResultCell::Text(Metrics()[result.metrics[m]].key),
+    table.rows.push_back({ResultCell::Text(fmt::format("{} [{}]", ScoreName(result.metrics[m]),
+                                                       Metrics()[result.metrics[m]].unit)),
                           CellOf(result.before.scores[m]), CellOf(result.verdict.scores[m])});
   }
   if (!plan.constraints.empty()) {
@@ -124,11 +125,30 @@ std::string Seeds(int first, int count) {
 Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
   if (!result.problem.empty()) return {.reasons = {{.key = "problem", .text = result.problem}}};
   Verdict verdict{.recommended = SettingsText(plan, result.tried[result.chosen].values)};
-  const std::string_view judgement = JudgementText(result.gain.judgement);
-  verdict.AddReason(
-      "answer", fmt::format("{}: {}, against the setting before ({} {}).", verdict.recommended,
-                            judgement.empty() ? "one seed decides nothing" : judgement,
-                            IntervalText(result.gain.difference), Metrics()[plan.minimise].key));
+  std::vector<std::string> values;
+  for (std::size_t m = 0; m < result.metrics.size(); ++m) {
+    std::string value = NamedScore(result.metrics[m], result.verdict.scores[m].mean);
+    if (!value.empty() && result.before.problem.empty()) {
+      value += fmt::format(" (before {})", Short(result.before.scores[m].mean));
+    }
+    values.push_back(std::move(value));
+  }
+  verdict.AddReason("answer", fmt::format("Use {} for {}: {}.", verdict.recommended,
+                                          plan.controller, Listed(values)));
+  if (const std::string_view judgement = JudgementText(result.gain.judgement); !judgement.empty()) {
+    verdict.AddReason(
+        "gain", fmt::format("The {} is {}: {} {} against before, paired, 95 % CI.",
+                            ScoreName(plan.minimise), JudgementWord(result.gain.judgement),
+                            IntervalText(result.gain.difference), Metrics()[plan.minimise].unit));
+  } else if (result.before.problem.empty()) {
+    verdict.AddWarning("one_seed", "One held-out seed has no confidence interval.");
+  }
+  std::vector<std::string> ranges;
+  for (std::size_t a = 0; a < plan.free.size(); ++a) {
+    ranges.push_back(fmt::format("{} {} to {}", KeyInController(plan, a), result.equal[a].low,
+                                 result.equal[a].high));
+  }
+  verdict.AddReason("equivalent", fmt::format("Equivalent settings: {}.", Listed(ranges)));
   if (!plan.physics) verdict.AddWithoutHand();
   return verdict;
 }
@@ -136,24 +156,45 @@ Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
 Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
   Verdict verdict;
   if (!kinds.front().has_answer()) {
-    verdict.AddReason("constraints", "No kind of filter keeps the bounds.");
+    verdict.AddReason("constraints", "No kind of filter meets the bounds.");
     return verdict;
   }
-  verdict.recommended = kinds.front().kind;
+  // Of those equivalent to the best, the one with the least jitter.
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  const std::vector<std::size_t>& metrics = kinds.front().result.metrics;
+  const bool has_jitter = std::ranges::count(metrics, jitter) > 0;
+  const auto is_equal = [&](const TunedKind& tuned) {
+    return &tuned == &kinds.front() ||
+           (tuned.has_answer() && tuned.to_best.judgement == Judgement::kEqual);
+  };
+  const TunedKind* chosen = &kinds.front();
+  for (const TunedKind& tuned : kinds) {
+    const auto jitter_of = [&](const TunedKind& of) {
+      return of.result.verdict.scores[PlaceOfMetric(of.result, jitter)].mean;
+    };
+    if (is_equal(tuned) && has_jitter && jitter_of(tuned) < jitter_of(*chosen)) chosen = &tuned;
+  }
+  verdict.recommended = chosen->kind;
   std::vector<std::string> undecided;
   for (const TunedKind& tuned : kinds) {
-    if (!tuned.has_answer() || &tuned == &kinds.front()) continue;
-    if (tuned.to_best.judgement == Judgement::kEqual) verdict.alternatives.push_back(tuned.kind);
-    if (tuned.to_best.judgement == Judgement::kUndecided) undecided.push_back(tuned.kind);
+    if (&tuned != chosen && is_equal(tuned)) verdict.alternatives.push_back(tuned.kind);
+    if (tuned.has_answer() && tuned.to_best.judgement == Judgement::kUndecided) {
+      undecided.push_back(tuned.kind);
+    }
   }
-  const Metric& metric = Metrics()[plan.minimise];
-  std::string text = fmt::format("{} has the {} {}", verdict.recommended,
-                                 metric.lower_is_better ? "least" : "most", metric.key);
+  std::vector<std::string> values;
+  for (std::size_t m = 0; m < metrics.size(); ++m) {
+    values.push_back(NamedScore(metrics[m], chosen->result.verdict.scores[m].mean));
+  }
+  const std::string settings = SettingsText(chosen->plan, chosen->result.verdict.values);
+  verdict.AddReason(
+      "best_by",
+      fmt::format("{} {}{}: {}.", undecided.empty() ? "Use" : "Best in the mean:", chosen->kind,
+                  settings.empty() ? "" : " with " + settings, Listed(values)));
   if (!verdict.alternatives.empty()) {
-    text +=
-        fmt::format("; equal to it within what matters: {}", fmt::join(verdict.alternatives, ", "));
+    verdict.AddReason("equivalent", fmt::format("Equivalent in {}: {}.", ScoreName(plan.minimise),
+                                                Listed(verdict.alternatives)));
   }
-  verdict.AddReason("best_by", text + ".");
   verdict.AddUndecided(undecided);
   if (!plan.physics) verdict.AddWithoutHand();
   return verdict;
@@ -233,47 +274,42 @@ std::string QuestionText(const TunePlan& plan, const std::string& search) {
   std::string text =
       fmt::format("{} of {}{}{}: {} {}", plan.controller, plan.scenario.file.stem().string(),
                   plan.physics ? "" : " (filters only, no hand)", search,
-                  metric.lower_is_better ? "least" : "most", metric.key);
+                  metric.lower_is_better ? "least" : "most", ScoreName(plan.minimise));
   for (const Constraint& constraint : plan.constraints) text += ", " + constraint.Text();
   return text;
 }
 
 std::string SeedsText(const TunePlan& plan, const TuneResult& result) {
   const int first = result.first_seed;
-  return fmt::format("{}; judged on {}", Seeds(first, plan.seeds),
+  return fmt::format("{}, validated on held-out {}", Seeds(first, plan.seeds),
                      Seeds(first + plan.seeds, plan.held_out));
 }
 
-ResultText TuneText(const TunePlan& plan, const TuneResult& result) {
-  ResultText text = {
-      fmt::format("{}\n{} settings tried on {}, which the search has not seen",
-                  QuestionText(plan, ""), result.tried.size(), SeedsText(plan, result)),
-      ValuesTable(plan, result), HeldOutTable(plan, result)};
-  if (result.before.problem.empty()) {
-    const std::string_view judgement = JudgementText(result.gain.judgement);
-    AddLine(fmt::format("tuned - before, paired by seed: {} {} (95 %): {}",
-                        IntervalText(result.gain.difference), Metrics()[plan.minimise].key,
-                        judgement.empty() ? "one seed decides nothing" : judgement),
-            text);
-  }
+ResultText TuneText(const TunePlan& plan, const TuneResult& result, bool verbose) {
+  ResultText text = {fmt::format("{}\n{} settings on {}", QuestionText(plan, ""),
+                                 result.tried.size(), SeedsText(plan, result))};
+  AddVerdict(VerdictOf(plan, result), text);
+  text.emplace_back(HeldOutTable(plan, result));
   if (result.refused > 0) {
     AddLine(
-        fmt::format("{} better on the first seeds broke a bound on the others.", result.refused),
+        fmt::format("{} better settings violated a bound on the held-out seeds.", result.refused),
         text);
   }
+  if (!verbose) return text;
+  text.emplace_back(ValuesTable(plan, result));
   if (!result.front.empty()) {
-    text.emplace_back("no setting that was tried has less delay and less jitter:");
+    text.emplace_back("Pareto front of delay and jitter, of the settings tried:");
     text.emplace_back(FrontTable(plan, result));
   }
   return text;
 }
 
-ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
+ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds, bool verbose) {
   ResultTable table{.columns = {ForPeople("filter")}};
   std::ranges::move(MetricColumns(kinds.front().result.metrics, ""),
                     std::back_inserter(table.columns));
-  table.columns.push_back(ForPeople("to the best"));
-  table.columns.push_back(ForPeople("settings").Words());
+  table.columns.push_back(ForPeople("against\nthe best"));
+  if (verbose) table.columns.push_back(ForPeople("settings").Words());
   std::string others;
   for (const TunedKind& tuned : kinds) {
     if (!tuned.has_answer()) {
@@ -282,15 +318,22 @@ ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds
       continue;
     }
     ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell::Text(tuned.kind)});
-    for (const MeanInterval& score : tuned.result.verdict.scores) row.push_back(CellOf(score));
+    for (const MeanInterval& score : tuned.result.verdict.scores) {
+      row.push_back(verbose ? CellOf(score) : ResultCell(score.mean));
+    }
     row.push_back(ResultCell::Text(
-        &tuned == &kinds.front() ? "best" : JudgementText(tuned.to_best.judgement)));
-    row.push_back(ResultCell::Text(SettingsText(tuned.plan, tuned.result.verdict.values)));
+        &tuned == &kinds.front() ? "best" : JudgementWord(tuned.to_best.judgement)));
+    if (verbose) {
+      row.push_back(ResultCell::Text(SettingsText(tuned.plan, tuned.result.verdict.values)));
+    }
   }
-  return {fmt::format("{}\nat most {} settings of each tried on {}, which no search has seen",
-                      QuestionText(plan, ", each kind of filter as its filter"), plan.evaluations,
-                      SeedsText(plan, kinds.front().result)),
-          std::move(table), others + VerdictOf(plan, kinds).Text()};
+  ResultText text = {fmt::format("{}\nat most {} settings of each kind on {}",
+                                 QuestionText(plan, ", every kind of filter"), plan.evaluations,
+                                 SeedsText(plan, kinds.front().result))};
+  AddVerdict(VerdictOf(plan, kinds), text);
+  text.emplace_back(std::move(table));
+  if (verbose) text.emplace_back(others);
+  return text;
 }
 
 }  // namespace gauntlet::sim

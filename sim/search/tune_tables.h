@@ -35,7 +35,7 @@ std::string KeyInController(const TunePlan& plan, std::size_t axis);
 std::string ControllerYaml(const NamedController& controller);
 
 /// The result of tuning for people: values, scores on the held-out seeds, the front.
-ResultText TuneText(const TunePlan& plan, const TuneResult& result);
+ResultText TuneText(const TunePlan& plan, const TuneResult& result, bool verbose);
 
 /// `tuned_kalman of door_opening: least jitter_rms_deg, delay_ms<=50`; `search`: behind the name.
 std::string QuestionText(const TunePlan& plan, const std::string& search);
@@ -43,6 +43,6 @@ std::string QuestionText(const TunePlan& plan, const std::string& search);
 std::string SeedsText(const TunePlan& plan, const TuneResult& result);
 
 /// The result of `tune --all` for people: a row per kind of filter, the best first.
-ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds);
+ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds, bool verbose);
 
 }  // namespace gauntlet::sim

@@ -22,6 +22,10 @@ std::string_view JudgementText(Judgement judgement) {
   return "";
 }
 
+std::string_view JudgementWord(Judgement judgement) {
+  return judgement == Judgement::kEqual ? "equivalent" : JudgementText(judgement);
+}
+
 Judgement JudgeDifference(const MeanInterval& difference, double relevant_difference,
                           bool lower_is_better) {
   if (std::isnan(difference.mean)) return Judgement::kNone;

@@ -21,6 +21,8 @@ enum class Judgement {
 
 /// "better", "equal", ...; empty for kNone.
 std::string_view JudgementText(Judgement judgement);
+/// As sentences have it: "equivalent" for kEqual.
+std::string_view JudgementWord(Judgement judgement);
 
 /// One difference, first - second, to be judged: is the first better?
 struct Question {

@@ -2,13 +2,30 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "sim/base/json_number.h"
+#include "sim/results/table_text.h"
 #include "sim/score/metrics.h"
 
 namespace gauntlet::sim {
+
+std::string ScoreName(std::size_t metric) {
+  const Metric& named = Metrics()[metric];
+  return std::string(named.name.empty() ? named.key : named.name);
+}
+
+std::string ScoreValue(std::size_t metric, double value) {
+  const std::string_view unit = Metrics()[metric].unit;
+  return Short(value) + (unit.empty() ? "" : " ") + std::string(unit);
+}
+
+std::string NamedScore(std::size_t metric, double value) {
+  if (!std::isfinite(value)) return "";
+  return ScoreName(metric) + " " + ScoreValue(metric, value);
+}
 
 ResultColumn MeanColumn(const std::string& key, const std::string& heading) {
   return {
@@ -20,7 +37,9 @@ std::vector<ResultColumn> MetricColumns(const std::vector<std::size_t>& metrics,
   std::vector<ResultColumn> columns;
   for (const std::size_t metric : metrics) {
     const std::string key(Metrics()[metric].key);
-    columns.push_back(MeanColumn(key, key).In(group));
+    ResultColumn& column = columns.emplace_back(MeanColumn(key, ScoreName(metric)).In(group));
+    column.unit = Metrics()[metric].unit;
+    std::ranges::replace(column.heading, ' ', kBreak);
   }
   return columns;
 }
@@ -46,7 +65,8 @@ ResultCell CellOf(const MeanInterval& interval) {
 ResultCell CellOf(const MeanInterval& difference, std::string_view verdict) {
   return {
       {difference.mean, difference.low, difference.high, difference.level, std::string(verdict)},
-      std::string(verdict)};
+      std::string(verdict == JudgementText(Judgement::kEqual) ? JudgementWord(Judgement::kEqual)
+                                                              : verdict)};
 }
 
 nlohmann::ordered_json JsonOf(const MeanInterval& interval) {

@@ -9,6 +9,13 @@
 
 namespace gauntlet::sim {
 
+/// What sentences call a score: "tracking error"; the key of one without such a name.
+std::string ScoreName(std::size_t metric);
+/// "4.45 deg RMS"
+std::string ScoreValue(std::size_t metric, double value);
+/// "tracking error 4.45 deg RMS"; empty for no value.
+std::string NamedScore(std::size_t metric, double value);
+
 /// A mean with its interval: {"mean", "ci95_low", "ci95_high"} in JSON, KEY, KEY_low and KEY_high
 /// in CSV.
 ResultColumn MeanColumn(const std::string& key, const std::string& heading);

@@ -100,6 +100,7 @@ std::string SharedSettings(const Study& study) {
   scenario.made_with = {};
   scenario.controllers.clear();
   scenario.baseline.clear();  // judges trials, and changes none
+  scenario.priority.clear();  // the same
   DropFolders(scenario);      // what is in the files counts: in the signals and in the hand
   return ScenarioToYaml(scenario);
 }

@@ -94,36 +94,6 @@ std::string SweepAxis::WholeProblem() const {
   return fmt::format("from {} to {} lies no whole number, the range must have one", low, high);
 }
 
-std::size_t FindScore(const std::string& name, const std::string& key) {
-  if (const std::optional<std::size_t> metric = FindMetric(name)) return *metric;
-  std::vector<std::string> known;
-  for (const Metric& metric : Metrics()) known.emplace_back(metric.key);
-  throw SettingError(key, Shown(name) + " is not a score" + Suggestion(name, known));
-}
-
-Constraint ParseConstraint(const std::string& text, const std::string& key) {
-  const std::size_t sign = text.find_first_of("<>");
-  if (sign == std::string::npos || sign + 1 >= text.size() || text[sign + 1] != '=') {
-    throw SettingError(key, Shown(text) + " must be SCORE<=NUMBER or SCORE>=NUMBER");
-  }
-  const auto trimmed = [](std::string part) {
-    part.erase(0, std::min(part.find_first_not_of(' '), part.size()));
-    part.erase(part.find_last_not_of(' ') + 1);
-    return part;
-  };
-  const std::string number = trimmed(text.substr(sign + 2));
-  const std::size_t metric = FindScore(trimmed(text.substr(0, sign)), key);
-  const std::optional<double> bound = controller::ParseNumber(number);
-  if (!bound) {
-    throw SettingError(key, fmt::format("{}: \"{}\" must be a number", Shown(text), Shown(number)));
-  }
-  return {.metric = metric, .at_most = text[sign] == '<', .bound = *bound};
-}
-
-std::string Constraint::Text() const {
-  return fmt::format("{}{}{}", Metrics()[metric].key, at_most ? "<=" : ">=", bound);
-}
-
 namespace {
 
 /// Number of values of this axis in a grid.

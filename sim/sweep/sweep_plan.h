@@ -7,6 +7,7 @@
 
 #include "controller/settings.h"
 #include "sim/scenario/scenario_reader.h"
+#include "sim/score/priority.h"
 
 namespace gauntlet::sim {
 
@@ -34,20 +35,6 @@ struct SweepAxis {
 
   void Visit(controller::SettingsVisitor& visitor);
 };
-
-/// A bound on a score: `jitter_rms_deg<=0.2`.
-struct Constraint {
-  std::size_t metric = 0;  // of Metrics()
-  bool at_most = true;     // else at least
-  double bound = 0.0;
-
-  std::string Text() const;
-};
-
-/// Errors: SettingError of `key` for what is no bound, or of a score that there is not.
-Constraint ParseConstraint(const std::string& text, const std::string& key);
-/// The place in Metrics(). Errors: SettingError of `key` for a score that there is not.
-std::size_t FindScore(const std::string& name, const std::string& key);
 
 /// A study file as it is written: which cells there are, and what is asked of them. A cell is the
 /// base scenario with one value for each axis.

@@ -25,11 +25,11 @@ std::vector<ResultColumn> CellColumns(const SweepPlan& plan, bool some_stopped) 
   for (ResultColumn& column : MetricColumns(plan.metrics, "scores")) {
     columns.push_back(std::move(column));
   }
-  columns.push_back({"constraints_met", plan.constraints.empty() ? "" : "constraints"});
+  columns.push_back({"constraints_met", plan.constraints.empty() ? "" : "bounds"});
   columns.push_back(OnlyInCsv("failed_trials"));
   columns.push_back(OnlyInJson("failed_trials"));  // where there are some
   columns.push_back({"problem"});
-  columns.push_back(DifferenceColumn("to_best", "to the best"));
+  columns.push_back(DifferenceColumn("to_best", "against\nthe best"));
   return columns;
 }
 
@@ -49,32 +49,41 @@ ResultRow RowOf(const CellResult& result) {
 }
 
 std::string Cells(std::int64_t count) {
-  return fmt::format("{} cell{}", count, count == 1 ? "" : "s");
+  return fmt::format("{} setting{}", count, count == 1 ? "" : "s");
 }
 
 void AddCounts(const SweepPlan& plan, const SweepSummary& summary, ResultText& text) {
   if (!plan.constraints.empty()) {
     std::vector<std::string> bounds;
     for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
-    AddLine(fmt::format("{} of {} keep {} (yes: with the whole 95 % interval, likely: with the "
-                        "mean).",
-                        summary.meeting, summary.results, fmt::join(bounds, ", ")),
-            text);
+    AddLine(
+        fmt::format("{} of {} meet {} (yes: the whole 95 % confidence interval, likely: the mean).",
+                    summary.meeting, summary.results, fmt::join(bounds, ", ")),
+        text);
   }
   if (summary.not_built > 0) AddLine(Cells(summary.not_built) + " could not be built.", text);
   if (summary.failed > 0) {
-    AddLine(fmt::format("In {} a hand was stopped.", Cells(summary.failed)), text);
+    AddLine(fmt::format("Simulations failed in {}.", Cells(summary.failed)), text);
   }
   AddLine(summary.first_problem, text);
   if (summary.stopped > 0 && summary.stopped < summary.results) {
-    AddLine(fmt::format("{} of {} were stopped early, which saved {} of {} trials: they could not "
-                        "win any more (sequential test, 5 % for all looks and cells; --all-seeds "
-                        "runs them to the end).",
-                        summary.stopped, summary.results, summary.trials_saved,
-                        summary.results * plan.file.seeds),
-            text);
+    AddLine(
+        fmt::format("{} of {} settings were statistically excluded before all seeds were run. This "
+                    "saved {} of {} trials (sequential test, 5 %; --all-seeds runs all).",
+                    summary.stopped, summary.results, summary.trials_saved,
+                    summary.results * plan.file.seeds),
+        text);
   }
-  if (summary.missing > 0) AddLine(Cells(summary.missing) + " are not there yet.", text);
+  if (summary.missing > 0) AddLine(Cells(summary.missing) + " have no result yet.", text);
+}
+
+/// "prediction with horizon_ms=50", "cell" being a word of files.
+std::string SettingText(const SweepPlan& plan, const CellResult& cell) {
+  std::string settings;
+  for (std::size_t a = 0; a < cell.values.size(); ++a) {
+    settings += fmt::format("{}{}={}", a == 0 ? "" : ", ", ShortKey(plan, a), cell.values[a]);
+  }
+  return settings.empty() ? cell.controller : cell.controller + " with " + settings;
 }
 
 /// The values at which a judgement holds; neighbouring values form one stretch, "0.5 to 2.5".
@@ -91,17 +100,33 @@ std::vector<std::string> StretchesOf(const ResponseVerdict& verdict, Judgement j
   return stretches;
 }
 
+bool IsAnswer(const SweepPlan& plan, std::size_t metric) {
+  return metric == plan.best_by ||
+         std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
+}
+
+/// Leaves the first rows, and of the scores the primary ones without their intervals.
+void KeepAnswer(const SweepPlan& plan, std::size_t rows, ResultTable& table) {
+  if (table.rows.size() > rows) table.rows.resize(rows);
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (table.columns[c].key == "seeds") table.columns[c].heading = "";
+    const auto metric = FindMetric(table.columns[c].key);
+    if (!metric || table.columns[c].group != "scores") continue;
+    if (!IsAnswer(plan, *metric)) table.columns[c].heading = "";
+    for (ResultRow& row : table.rows) {
+      row[c].text = row[c].text.substr(0, row[c].text.find("±"));
+    }
+  }
+}
+
 }  // namespace
 
 Verdict VerdictOf(const SweepPlan& plan, const SweepSummary& summary) {
   Verdict verdict;
-  const std::string key(Metrics()[plan.best_by].key);
   if (summary.best.empty()) {
-    verdict.AddReason("constraints", "No cell keeps all constraints.");
+    verdict.AddReason("constraints", "No setting meets all bounds.");
   } else {
-    const auto name_of = [](const CellResult& cell) {
-      return fmt::format("cell {}, {}", cell.number, cell.controller);
-    };
+    const auto name_of = [&](const CellResult& cell) { return SettingText(plan, cell); };
     const CellResult& best = summary.best.front();
     verdict.recommended = name_of(best);
     std::vector<std::string> undecided;
@@ -111,7 +136,19 @@ Verdict VerdictOf(const SweepPlan& plan, const SweepSummary& summary) {
       if (to_best.judgement == Judgement::kEqual) verdict.alternatives.push_back(name_of(cell));
       if (to_best.judgement == Judgement::kUndecided) undecided.push_back(name_of(cell));
     }
-    verdict.AddReason("best_by", fmt::format("Best by {}: {}.", key, verdict.recommended));
+    std::vector<std::string> values;
+    for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
+      if (IsAnswer(plan, plan.metrics[m]))
+        values.push_back(NamedScore(plan.metrics[m], best.scores[m].mean));
+    }
+    verdict.AddReason("best_by",
+                      fmt::format("{} {}: {}.", undecided.empty() ? "Use" : "Best in the mean:",
+                                  verdict.recommended, Listed(values)));
+    if (!verdict.alternatives.empty()) {
+      verdict.AddReason("equivalent",
+                        fmt::format("Equivalent in {}, of the settings below: {}.",
+                                    ScoreName(plan.best_by), verdict.alternatives.size()));
+    }
     verdict.AddUndecided(undecided);
   }
   if (!plan.file.physics) verdict.AddWithoutHand();
@@ -218,40 +255,37 @@ std::string ResponseText(const SweepPlan& plan, const Response& response) {
       const std::vector<std::string> stretches = StretchesOf(verdict, judgement, response.texts);
       if (stretches.empty()) continue;
       parts.push_back(
-          fmt::format("{} at {}", JudgementText(judgement), fmt::join(stretches, ", ")));
+          fmt::format("{} at {}", JudgementWord(judgement), fmt::join(stretches, ", ")));
     }
     if (parts.empty()) continue;
     text += fmt::format("{}{} against {}, by {}: {}.", text.empty() ? "" : "\n", verdict.controller,
                         response.controllers.front(), ShortKey(plan, 0), fmt::join(parts, "; "));
   }
   if (text.empty()) return "";
-  return text + fmt::format(
-                    "\nIn {}, paired by seed; all {} comparisons hold together with 95 % "
-                    "(Bonferroni).",
-                    Metrics()[plan.best_by].key, response.comparisons);
+  return text + fmt::format("\nIn {}, paired by seed, simultaneous 95 % ({} pairs, Bonferroni).",
+                            ScoreName(plan.best_by), response.comparisons);
 }
 
-ResultText SweepText(const SweepPlan& plan, const SweepSummary& summary, const Response& response) {
-  const Metric& best_by = Metrics()[plan.best_by];
+ResultText SweepText(const SweepPlan& plan, const SweepSummary& summary, const Response& response,
+                     bool verbose) {
+  constexpr std::size_t kFewRows = 5;
   ResultTable best = BestCells(plan, summary);
   const std::size_t shown = best.rows.size();
+  if (!verbose) KeepAnswer(plan, kFewRows, best);
   ResultText text = {
       fmt::format("{}: {}\n{}, {} seed{}{}; best by {}", plan.file.name, plan.file.question,
                   Cells(plan.cell_count()), plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
-                  plan.file.physics ? "" : ", filters only, no hand", best_by.key),
-      std::move(best)};
-  if (summary.best.empty()) AddLine(VerdictOf(plan, summary).reasons.front().text, text);
+                  plan.file.physics ? "" : ", filters only, no hand", ScoreName(plan.best_by))};
+  AddVerdict(VerdictOf(plan, summary), text);
+  text.emplace_back(std::move(best));
   AddCounts(plan, summary, text);
-  if (shown > 1) {
-    AddLine(fmt::format("To the best: in {}, paired by seed; all {} pairs hold together with 95 % "
-                        "(Bonferroni).",
-                        best_by.key, summary.results * (summary.results - 1) / 2),
+  if (verbose && shown > 1) {
+    AddLine(fmt::format("To the best: in {}, paired by seed, simultaneous 95 % ({} pairs, "
+                        "Bonferroni).",
+                        ScoreName(plan.best_by), summary.results * (summary.results - 1) / 2),
             text);
   }
   text.emplace_back(ResponseText(plan, response));
-  for (const VerdictRemark& warning : VerdictOf(plan, summary).warnings) {
-    AddLine(warning.text, text);
-  }
   if (!summary.best.empty()) {
     text.emplace_back(
         CommandLines{RepeatCommand(plan, NameHere(plan.file.scenario),

@@ -34,7 +34,8 @@ void WriteSweepJson(const SweepPlan& plan, SweepDatabase& database, const CellRa
 
 /// The best cells of a sweep for a person, what became of the others, and the command that repeats
 /// the best as a comparison.
-ResultText SweepText(const SweepPlan& plan, const SweepSummary& summary, const Response& response);
+ResultText SweepText(const SweepPlan& plan, const SweepSummary& summary, const Response& response,
+                     bool verbose);
 
 /// "prediction is better than raw at frequency_hz 0.5 to 2.5, worse at 4", a line per controller;
 /// nothing of a sweep that has no such curve, or one controller.

@@ -128,7 +128,7 @@ TEST_F(CliTest, TablesFitTheTerminalAndHaveColoursOnlyThere) {
     const ProgramResult result = RunProgram(
         {"script", "--quiet", "--return", "--command",
          fmt::format("stty cols 60; cd '{}'; env -u COLUMNS -u NO_COLOR {} '{}' compare {} --seeds "
-                     "2 {} 2>/dev/null",
+                     "2 --verbose {} 2>/dev/null",
                      folder_.path().string(), variables, kProgram, scenario, more),
          "/dev/null"});
     EXPECT_EQ(result.exit_code, 0) << result.standard_output;

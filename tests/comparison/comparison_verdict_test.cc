@@ -1,126 +1,237 @@
-// The sentence that stands first on the page and last below the table.
+// Which controller a comparison recommends, and in which words.
 #include "sim/comparison/comparison_verdict.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
+
+#include "tests/comparison/simulated_comparisons.h"
 
 namespace gauntlet::sim {
 namespace {
 
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// A controller by the means of its primary scores. D is 0.5 deg, 5 ms and 0.05 deg.
 struct Entry {
   std::string name;
   double tracking_deg;
+  double delay_ms;
   double jitter_deg;
-  bool follows_as_well_as_best;
-  bool shakes_as_little_as_least;
 };
 
-Summary Of(const std::vector<Entry>& entries) {
-  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
-  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+/// Differences have intervals of +- `half_width` D.
+Summary Of(const std::vector<Entry>& entries, double half_width = 0.2) {
   Summary summary;
   summary.baseline = 0;
   summary.one_run = false;
+  summary.motions = 25;
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  const std::size_t delay = MetricIndex("delay_ms");
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
   for (const Entry& entry : entries) {
     ControllerSummary& controller = summary.controllers.emplace_back();
     controller.name = entry.name;
     controller.summary.resize(Metrics().size());
-    controller.summary[tracking].mean = entry.tracking_deg;
-    controller.summary[jitter].mean = entry.jitter_deg;
-    controller.rank.assign(Metrics().size(), 1);
-    for (const Entry& other : entries) {
-      controller.rank[tracking] += other.tracking_deg < entry.tracking_deg;
-      controller.rank[jitter] += other.jitter_deg < entry.jitter_deg;
+    controller.rank.assign(Metrics().size(), 0);
+    controller.to_baseline.resize(Metrics().size());
+    for (const auto& [metric, value] : {std::pair{tracking, entry.tracking_deg},
+                                        {delay, entry.delay_ms},
+                                        {jitter, entry.jitter_deg}}) {
+      controller.summary[metric] = {.mean = value, .low = value - 0.01, .high = value + 0.01};
+      controller.rank[metric] = std::isfinite(value) ? 1 : 0;
     }
-    controller.to_best.resize(Metrics().size());
-    controller.as_good_as_best.assign(Metrics().size(), false);
-    controller.as_good_as_best[tracking] = entry.follows_as_well_as_best;
-    controller.as_good_as_best[jitter] = entry.shakes_as_little_as_least;
+  }
+  summary.comparisons.resize(Metrics().size() * entries.size() * entries.size());
+  for (const std::size_t metric : {tracking, delay, jitter}) {
+    const double relevant = Metrics()[metric].relevant_difference.absolute;
+    for (std::size_t a = 0; a < entries.size(); ++a) {
+      for (std::size_t b = 0; b < entries.size(); ++b) {
+        const double mean = summary.controllers[a].summary[metric].mean -
+                            summary.controllers[b].summary[metric].mean;
+        if (a == b || !std::isfinite(mean)) continue;
+        const MeanInterval difference{.mean = mean,
+                                      .low = mean - half_width * relevant,
+                                      .high = mean + half_width * relevant};
+        summary.comparisons[summary.Place(metric, a, b)] = {
+            .difference = difference,
+            .relevant_difference = relevant,
+            .judgement = JudgeDifference(difference, relevant, true)};
+        if (b == 0) summary.controllers[a].to_baseline[metric] = summary.Of(metric, a, b);
+      }
+    }
   }
   return summary;
 }
 
-TEST(Verdict, NamesTheOneThatIsBestInBoth) {
-  EXPECT_EQ(
-      VerdictOf(Of({{"raw", 5.0, 0.5, false, false}, {"filter", 4.0, 0.2, true, true}})).Text(),
-      "filter follows best (4.00 deg RMS) and shakes least (0.200 deg RMS); raw: "
-      "5.00 and 0.500.");
+std::vector<std::string> Names(const Summary& summary) {
+  std::vector<std::string> names;
+  for (const std::size_t c : OrderOfVerdict(summary)) names.push_back(summary.controllers[c].name);
+  return names;
 }
 
-TEST(Verdict, AmongEqualFollowersTakesTheCalmest) {
-  EXPECT_EQ(
-      VerdictOf(Of({{"raw", 4.9, 0.5, true, false},
-                    {"calm", 5.0, 0.3, true, false},
-                    {"late", 6.0, 0.1, false, true}}))
-          .Text(),
-      "calm follows as well as any (5.00 deg RMS, jitter 0.300); late shakes least (0.100 deg "
-      "RMS, tracking 6.00); raw: 4.90 and 0.500.");
-}
+const std::vector<Entry> kDoor = {{"raw", 6.4, 104, 0.28},
+                                  {"mean", 6.6, 116, 0.10},
+                                  {"kalman", 6.4, 106, 0.13},
+                                  {"prediction", 4.4, 59, 0.21}};
 
-TEST(Verdict, AdmitsThatNoFilterIsBetter) {
-  EXPECT_EQ(
-      VerdictOf(Of({{"raw", 4.0, 0.1, true, true}, {"filter", 5.0, 0.2, false, false}})).Text(),
-      "raw follows best (4.00 deg RMS) and shakes least (0.100 deg RMS).");
-}
-
-TEST(Verdict, SaysWhereItIsUndecided) {
-  Summary summary = Of({{"raw", 4.9, 0.5, false, false}, {"calm", 4.8, 0.3, true, true}});
-  summary.controllers[0].to_best[MetricIndex("tracking_rmse_deg")].judgement =
-      Judgement::kUndecided;
-  EXPECT_EQ(VerdictOf(summary).Text(),
-            "calm may follow best (4.80 deg RMS) and shakes least (0.300 deg RMS); raw: 4.90 and "
-            "0.500.");
-}
-
-TEST(Verdict, TellsWhatItCosts) {
-  Summary summary = Of({{"raw", 5.0, 0.5, true, false}, {"late", 5.1, 0.2, true, true}});
-  summary.controllers[1].to_baseline.resize(Metrics().size());
-  summary.controllers[1].to_baseline[MetricIndex("delay_ms")].judgement = Judgement::kWorse;
-  summary.controllers[1].summary[MetricIndex("delay_ms")].mean = 80.0;
-  EXPECT_EQ(VerdictOf(summary).Text(),
-            "late follows as well as any (5.10 deg RMS) and shakes least (0.200 deg RMS); raw: "
-            "5.00 and 0.500. late is worse than raw in delay_ms.");
-}
-
-TEST(Verdict, RecommendsWhoFollowsBestAndNamesTheOthersThatMayBeTaken) {
-  const Summary summary = Of({{"raw", 4.9, 0.5, true, false},
-                              {"calm", 5.0, 0.3, true, false},
-                              {"late", 6.0, 0.1, false, true},
-                              {"bad", 9.0, 0.9, false, false}});
+TEST(ComparisonVerdict, RecommendsTheBestTrackerAndNamesThePriceOfLessJitter) {
+  const Summary summary = Of(kDoor);
   const Verdict verdict = VerdictOf(summary);
-  EXPECT_EQ(verdict.recommended, "calm");
-  EXPECT_EQ(verdict.alternatives, (std::vector<std::string>{"raw", "late"}));
-  const auto json = nlohmann::json::parse(JsonOf(verdict).dump());
-  EXPECT_EQ(json["version"], 1);
-  EXPECT_EQ(json["recommended"], "calm");
-  EXPECT_EQ(json["reasons"][0]["key"], "tracking_and_jitter");
-  EXPECT_TRUE(json["warnings"].empty());
+  EXPECT_EQ(verdict.recommended, "prediction");
+  EXPECT_THAT(verdict.alternatives, ElementsAre("kalman"));  // mean is late: dominated
+  EXPECT_EQ(verdict.Text(),
+            "Use prediction: tracking error 4.40 deg RMS (raw 6.40), delay 59.0 ms (raw 104) and "
+            "jitter 0.210 deg RMS (raw 0.280). Use kalman if jitter matters more: 0.130 deg RMS "
+            "instead of 0.210, but tracking error 6.40 deg RMS instead of 4.40 and delay 106 ms "
+            "instead of 59.0.");
+  EXPECT_THAT(Names(summary), ElementsAre("prediction", "kalman", "raw", "mean"));
+  EXPECT_THAT(RolesOf(summary), ElementsAre("baseline", "", "least jitter", "recommended"));
 }
 
-TEST(Verdict, RecommendsNobodyWhereItIsUndecidedOrOneRun) {
-  Summary summary = Of({{"raw", 4.9, 0.5, false, false}, {"calm", 4.8, 0.3, true, true}});
-  summary.controllers[0].to_best[MetricIndex("tracking_rmse_deg")].judgement =
-      Judgement::kUndecided;
+TEST(ComparisonVerdict, FollowsThePriorityOfTheUser) {
+  Summary summary = Of(kDoor);
+  summary.priority = ParsePriority("jitter");
+  EXPECT_EQ(VerdictOf(summary).recommended, "kalman");
+  EXPECT_THAT(VerdictOf(summary).alternatives, ElementsAre("prediction"));
+  summary.priority = ParsePriority("delay");
+  EXPECT_EQ(VerdictOf(summary).recommended, "prediction");
+  summary.priority = ParsePriority("tracking, jitter_rms_deg<=0.2");
+  EXPECT_EQ(VerdictOf(summary).recommended, "kalman");
+  summary.priority = ParsePriority("jitter_rms_deg<=0.09, delay_ms<=60");
   EXPECT_EQ(VerdictOf(summary).recommended, "");
-  EXPECT_EQ(VerdictOf(summary).alternatives, (std::vector<std::string>{"raw", "calm"}));
-  EXPECT_TRUE(JsonOf(VerdictOf(summary))["recommended"].is_null());
-  summary.one_run = true;
-  EXPECT_EQ(VerdictOf(summary).recommended, "");
-  EXPECT_TRUE(VerdictOf(summary).alternatives.empty());
-}
-
-TEST(Verdict, OfOneRunSpeaksOfThatRunAlone) {
-  Summary summary = Of({{"raw", 4.9, 0.5, false, false}, {"calm", 5.0, 0.3, false, false}});
-  summary.one_run = true;
   EXPECT_EQ(VerdictOf(summary).Text(),
-            "In this one run raw follows nearest (4.90 deg RMS, jitter 0.500); calm shakes least "
-            "(0.300 deg RMS, tracking 5.00).");
+            "No controller meets jitter_rms_deg<=0.09 and delay_ms<=60.");
+  summary.priority = ParsePriority("jitter_rms_deg<=0.215");  // the interval ends at 0.22
+  EXPECT_THAT(
+      VerdictOf(summary).Text(),
+      HasSubstr("prediction meets jitter_rms_deg<=0.215 (95 % CI 0.200 to 0.220) in the mean "
+                "only."));
 }
 
-TEST(Verdict, OfOneControllerJudgesNothing) {
-  EXPECT_EQ(VerdictOf(Of({{"only", 4.0, 0.1, true, true}})).Text(),
-            "only follows within 4.00 deg RMS and shakes by 0.100 deg RMS.");
+TEST(ComparisonVerdict, TakesTheLeastJitterOfEquivalentTrackers) {
+  const Verdict verdict =
+      VerdictOf(Of({{"raw", 5.0, 100, 0.5}, {"a", 4.0, 100, 0.4}, {"b", 4.2, 100, 0.2}}));
+  EXPECT_EQ(verdict.recommended, "b");
+  EXPECT_THAT(verdict.alternatives, ElementsAre());
+  EXPECT_EQ(verdict.Text(),
+            "Use b: tracking error 4.20 deg RMS (raw 5.00) and jitter 0.200 deg RMS (raw 0.500); "
+            "delay equivalent.");
+}
+
+TEST(ComparisonVerdict, StaysAtTheBaselineWhereNothingIsBetter) {
+  const Verdict verdict =
+      VerdictOf(Of({{"raw", 5.0, 100, 0.20}, {"a", 4.9, 99, 0.19}, {"late", 4.9, 120, 0.2}}));
+  EXPECT_EQ(verdict.recommended, "raw");
+  EXPECT_EQ(verdict.Text(),
+            "Use raw, the baseline: tracking error 5.00 deg RMS, delay 100 ms and jitter 0.200 deg "
+            "RMS. No other controller is clearly better in tracking error.");
+}
+
+TEST(ComparisonVerdict, CountsASmallUndecidedDifferenceAsEquivalentAndSaysSo) {
+  // b - a: 0.4 D +- 1.2 D, undecided, at most 1.6 D = 0.8 deg.
+  const std::vector<Entry> entries = {
+      {"raw", 9.0, 100, 0.9}, {"a", 4.0, 100, 0.9}, {"b", 4.2, 100, 0.2}};
+  const Verdict verdict = VerdictOf(Of(entries, 1.2));
+  EXPECT_EQ(verdict.recommended, "b");
+  EXPECT_THAT(verdict.Text(),
+              HasSubstr("The tracking error of b is undecided against a (at most 0.800 deg RMS "
+                        "worse), and counts as equivalent."));
+}
+
+TEST(ComparisonVerdict, RecommendsNothingWhereALargeDifferenceIsPossible) {
+  // a and b may differ by up to 3.4 D in both directions.
+  const Verdict verdict =
+      VerdictOf(Of({{"raw", 9.0, 100, 0.9}, {"a", 4.0, 100, 0.9}, {"b", 4.2, 100, 0.2}}, 3.0));
+  EXPECT_EQ(verdict.recommended, "");
+  EXPECT_THAT(verdict.alternatives, ElementsAre("a", "b"));
+  EXPECT_THAT(verdict.Text(), HasSubstr("No recommendation: the tracking error of a (4.00 deg RMS) "
+                                        "and b (4.20 deg RMS) is undecided."));
+  EXPECT_TRUE(JsonOf(verdict)["recommended"].is_null());
+}
+
+TEST(ComparisonVerdict, RecommendsNothingAfterOneRun) {
+  Summary summary = Of(kDoor);
+  summary.one_run = true;
+  const Verdict verdict = VerdictOf(summary);
+  EXPECT_EQ(verdict.recommended, "");
+  EXPECT_EQ(
+      verdict.Text(),
+      "One run has no confidence interval, so nothing is recommended. Least tracking error: "
+      "prediction (4.40 deg RMS). Least delay: prediction (59.0 ms). Least jitter: mean (0.100 "
+      "deg RMS).");
+  EXPECT_THAT(RolesOf(summary), ElementsAre("baseline", "", "", ""));
+}
+
+TEST(ComparisonVerdict, LeavesOutAScoreThatAControllerHasNoValueOf) {
+  std::vector<Entry> entries = kDoor;
+  entries[1].delay_ms = kNone;
+  const Summary summary = Of(entries);
+  const Verdict verdict = VerdictOf(summary);
+  EXPECT_EQ(verdict.recommended, "prediction");
+  EXPECT_THAT(verdict.Text(), HasSubstr("The delay has no value for some controllers, so it is not "
+                                        "judged."));
+  EXPECT_THAT(verdict.Text(), Not(HasSubstr("59.0 ms")));
+  Summary by_delay = summary;
+  by_delay.priority = ParsePriority("delay");
+  EXPECT_EQ(VerdictOf(by_delay).recommended, "");
+}
+
+TEST(ComparisonVerdict, DoesNotJudgeWhatFailed) {
+  Summary summary = Of(kDoor);
+  summary.controllers[3].failed_trials = 1;
+  summary.controllers[3].rank.assign(Metrics().size(), 0);
+  EXPECT_EQ(VerdictOf(summary).recommended, "kalman");
+  EXPECT_THAT(RolesOf(summary)[3], "failed");
+}
+
+TEST(ComparisonVerdict, OfOneControllerGivesItsScores) {
+  EXPECT_EQ(VerdictOf(Of({kDoor[0]})).Text(),
+            "raw: tracking error 6.40 deg RMS, delay 104 ms and jitter 0.280 deg RMS.");
+}
+
+TEST(ComparisonVerdict, BeginsWithWhatIsAssumed) {
+  Summary summary = Of(kDoor);
+  summary.assumed = {"a.csv: assumed: joint of index_pip."};
+  const Verdict verdict = VerdictOf(summary);
+  EXPECT_THAT(verdict.Text(), testing::StartsWith("a.csv: assumed: joint of index_pip. Use "));
+  EXPECT_EQ(JsonOf(verdict)["warnings"][0]["key"], "assumed");
+}
+
+TEST(ComparisonVerdict, WarnsOfSaturationInterpenetrationAndOneMotion) {
+  Summary summary = Of(kDoor);
+  summary.motions = 1;
+  for (ControllerSummary& controller : summary.controllers) {
+    controller.summary[MetricIndex("digit_overlap_share")].mean = 0.25;
+    for (const TrackingErrorPart& part : TrackingErrorParts()) {
+      controller.summary[part.metric].mean = 0.0;
+    }
+    controller.summary[MetricIndex("error_saturation_deg2")].mean = 3.0;
+    controller.summary[MetricIndex("error_rest_deg2")].mean = 1.0;
+  }
+  EXPECT_THAT(VerdictOf(summary).Doubts(),
+              ElementsAre("One motion: the confidence intervals cover noise only.",
+                          "Actuator saturation causes 75 % of the squared error of prediction.",
+                          "Fingers interpenetrate for 25 % of the time (hand.contact)."));
+}
+
+TEST(ComparisonVerdict, RarelyRecommendsWhatIsWorseByTwiceTheSmallestRelevantDifference) {
+  for (const double scatter : {0.3, 1.0, 3.0}) {
+    for (const Scatter shape : {Scatter::kNormal, Scatter::kSkewed}) {
+      const RecommendationOutcome outcome =
+          SimulateRecommendations({.scatter = shape, .scatter_size = scatter, .studies = 1000});
+      EXPECT_LE(outcome.too_bad, 0.05) << scatter;
+      if (scatter <= 1.0) {
+        EXPECT_GE(outcome.recommended, 0.7) << scatter;
+      }
+    }
+  }
 }
 
 }  // namespace

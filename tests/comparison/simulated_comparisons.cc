@@ -1,10 +1,13 @@
 #include "tests/comparison/simulated_comparisons.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
+#include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/summary.h"
 
 namespace gauntlet::sim {
@@ -33,6 +36,26 @@ class Simulation {
     }
   }
 
+  RecommendationOutcome Recommend() {
+    const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+    const double relevant = Metrics()[tracking].relevant_difference.absolute;
+    RecommendationOutcome shares;
+    for (int study = 0; study < shape_.studies; ++study) {
+      truth_.clear();
+      for (std::size_t m = 0; m < Metrics().size(); ++m) Draw(m);
+      const std::string name = VerdictOf(Summarise(study_, result_)).recommended;
+      if (name.empty()) continue;
+      const std::size_t chosen = static_cast<std::size_t>(
+          std::ranges::find(result_.controller_names, name) - result_.controller_names.begin());
+      const std::vector<double>& means = truth_[tracking];
+      shares.recommended += 1.0 / shape_.studies;
+      if (means[chosen] - std::ranges::min(means) > 2.0 * relevant) {
+        shares.too_bad += 1.0 / shape_.studies;
+      }
+    }
+    return shares;
+  }
+
   ComparisonsOutcome Run() {
     for (int study = 0; study < shape_.studies; ++study) {
       truth_.clear();
@@ -53,6 +76,7 @@ class Simulation {
   double Offset(std::size_t controller) {
     const double side = random_.Uniform() < 0.5 ? -1.0 : 1.0;
     if (shape_.truth == Truth::kEqual || controller == 0) return 0.0;
+    if (shape_.truth == Truth::kUniform) return side * random_.Uniform(0.0, 4.0);
     if (shape_.truth == Truth::kAtLimit) return side * (controller % 2 == 1 ? 1.0 : 0.0);
     switch (random_.Index(3)) {
       case 0:
@@ -174,6 +198,11 @@ class Simulation {
 
 ComparisonsOutcome SimulateComparisons(const ComparisonsShape& shape) {
   return Simulation(shape).Run();
+}
+
+RecommendationOutcome SimulateRecommendations(ComparisonsShape shape) {
+  shape.truth = Truth::kUniform;
+  return Simulation(shape).Recommend();
 }
 
 }  // namespace gauntlet::sim

@@ -9,6 +9,7 @@ namespace gauntlet::sim {
 enum class Truth {
   kEqual,  // not at all
   kMixed,  // in each metric and controller: equal, slightly (0.2 to 0.8 D), or clearly (1.5 to 4 D)
+  kUniform,  // by 0 to 4 D, uniformly, in each metric and controller
   kAtLimit,  // by exactly D, the smallest difference that matters
 };
 
@@ -49,5 +50,13 @@ struct ComparisonsOutcome {
 };
 
 ComparisonsOutcome SimulateComparisons(const ComparisonsShape& shape);
+
+/// What VerdictOf() recommended where true differences are kUniform. Shares of studies.
+struct RecommendationOutcome {
+  double recommended = 0.0;  // with a recommendation
+  double too_bad = 0.0;  // it is worse than another in tracking error by more than 2 D, in truth
+};
+
+RecommendationOutcome SimulateRecommendations(ComparisonsShape shape);
 
 }  // namespace gauntlet::sim

@@ -60,7 +60,7 @@ TEST(ErrorSplitTable, SaysWhereItIsOfOneSeedOfSeveral) {
   summary.one_run = false;
   seeds = 1;
   EXPECT_THAT(CausesNote(summary),
-              HasSubstr("of the first seed. --causes all finds them for all seeds"));
+              HasSubstr("first seed. Option --causes all computes them for all seeds"));
   seeds = 2;
   EXPECT_EQ(CausesNote(summary), "");
   summary.one_run = true;
@@ -88,7 +88,7 @@ TEST(ErrorSplitTable, FitsBesideOtherTextAtATerminal) {
 
 TEST(ErrorSplitTable, TheTableOfScoresAndThePageHaveIt) {
   test::MadeUpStudy made = test::MakeUpStudy({});
-  EXPECT_THAT(TextOf(ScoreText(made), {}), HasSubstr("of squared error "));
+  EXPECT_THAT(TextOf(ScoreText(made, true), {}), HasSubstr("of squared error "));
   const auto json = PageData(made, made.first_seed())["error_split"];
   EXPECT_EQ(json["parts"].size(), TrackingErrorParts().size());
   EXPECT_EQ(json["parts"][0], "noise");
@@ -100,7 +100,7 @@ TEST(ErrorSplitTable, TheTableOfScoresAndThePageHaveIt) {
     controller.summary[TrackingErrorParts().back().metric].mean =
         std::numeric_limits<double>::quiet_NaN();
   }
-  EXPECT_THAT(TextOf(ScoreText(made), {}), Not(HasSubstr("of squared error")));
+  EXPECT_THAT(TextOf(ScoreText(made, true), {}), Not(HasSubstr("of squared error")));
   EXPECT_TRUE(PageData(made, made.first_seed())["error_split"].is_null());
 }
 

@@ -154,9 +154,9 @@ TEST_F(RobustTest, TheTornadoNamesTheParameterThatMatters) {
   EXPECT_NEAR(bars[0].low.mean, -4.0, 1e-9);  // 10 x -0.3 - 1
   EXPECT_NEAR(bars[0].high.mean, 2.0, 1e-9);  // 10 x +0.3 - 1
   EXPECT_NEAR(bars[0].change.difference.mean, 6.0, 1e-9);
-  EXPECT_EQ(TornadoVerdict(bars[0]), "matters");
+  EXPECT_EQ(TornadoVerdict(bars[0]), "effect");
   for (std::size_t i = 1; i < bars.size(); ++i) {
-    EXPECT_EQ(TornadoVerdict(bars[i]), "does not matter");
+    EXPECT_EQ(TornadoVerdict(bars[i]), "no effect");
   }
 }
 

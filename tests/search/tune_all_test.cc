@@ -154,6 +154,10 @@ TEST(TuneAll, RecommendsNoneThatIsNotToldApartFromOthers) {
   TunePlan plan;
   plan.minimise = MetricIndex("delay_ms");
   std::vector<TunedKind> kinds(3);
+  for (TunedKind& kind : kinds) {
+    kind.result.metrics = {MetricIndex("delay_ms")};
+    kind.result.verdict.scores = {{.mean = 7.0}};
+  }
   kinds[0].kind = "kalman";
   kinds[1].kind = "one_euro";
   kinds[1].to_best.judgement = Judgement::kEqual;
@@ -166,8 +170,8 @@ TEST(TuneAll, RecommendsNoneThatIsNotToldApartFromOthers) {
   EXPECT_EQ(VerdictOf(plan, kinds).alternatives,
             (std::vector<std::string>{"kalman", "one_euro", "median"}));
   EXPECT_EQ(VerdictOf(plan, kinds).Text(),
-            "kalman has the least delay_ms; equal to it within what matters: one_euro. It is "
-            "undecided against median.");
+            "Best in the mean: kalman: delay 7.00 ms. Equivalent in delay: one_euro. No "
+            "recommendation, as it is undecided against median. More seeds can decide it.");
   for (TunedKind& tuned : kinds) tuned.result.problem = "no setting keeps the bounds";
   EXPECT_EQ(VerdictOf(plan, kinds).recommended, "");
 }
