@@ -134,7 +134,7 @@ function(gauntlet_add_fuzzer name)
   set(found ${CMAKE_CURRENT_BINARY_DIR}/found/${name})
   file(MAKE_DIRECTORY ${found})
   add_test(NAME fuzz_${name}
-    COMMAND fuzz_${name} -seed=1 -max_total_time=30 -max_len=${ARG_MAX_BYTES} -timeout=20
+    COMMAND fuzz_${name} -seed=1 -max_total_time=15 -max_len=${ARG_MAX_BYTES} -timeout=20
             -close_fd_mask=3 -print_final_stats=1 -artifact_prefix=${found}/ ${found}
             ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${name})
   # COST: they start first, so that none of them is left alone at the end.

@@ -23,7 +23,7 @@ void JointLoopConfig::Visit(SettingsVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> kNames = {"none", "pi"};
   VisitEnum(visitor,
             {"kind",
-             "pi: commands are moved so that measured joints come where they shall (needs "
+             "pi: commands are corrected until measured joints reach their targets (needs "
              "hand.joint_sensors, but with gains of 0); it steps with the command frames"},
             kNames, kind);
   visitor.Number({"proportional", "so much of a joint's error is added to its command (pi)", 0, 2},
@@ -35,15 +35,15 @@ void JointLoopConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number({"max_correction_deg", "no command is moved by more (pi)", 0, 90},
                  max_correction_deg);
   visitor.Number({"expected_delay_ms",
-                  "how late the hand is without the loop: measured angles are held against what "
-                  "was wanted then (pi)",
+                  "delay of the hand without the loop: measured angles are compared with the "
+                  "targets of that time (pi)",
                   0, 1000},
                  expected_delay_ms);
   visitor.Number({"dead_band_deg",
                   "errors up to this, and half the turn of a motor count, are left (pi)", 0, 30},
                  dead_band_deg);
   visitor.Numbers({"friction_deg",
-                   "half the width of a joint's hysteresis, added towards where it is told to go; "
+                   "half the width of a joint's hysteresis, added in the direction of the target; "
                    "one for all joints, or one for each (pi)",
                    0, 30},
                   friction_deg);

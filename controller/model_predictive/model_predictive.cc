@@ -46,7 +46,7 @@ void ModelPredictiveConfig::Visit(SettingsVisitor& visitor) {
                   natural_frequency_hz);
   visitor.Number({"change_weight",
                   "what the square of a command's change costs, in squares of a joint's error: "
-                  "more is calmer, and later (second_order)",
+                  "more gives less jitter and more delay (second_order)",
                   1e-4, 1e4},
                  change_weight);
   visitor.Number({"speed_limit_deg_s",

@@ -146,7 +146,7 @@ bool IsResult(const fs::path& target) {
 void RefuseResult(const fs::path& target) {
   if (!IsResult(target)) return;
   throw UserError({.place = target.string(),
-                   .problem = "is a result of another command, which stays; name another file"});
+                   .problem = "is a result of another command and is kept; name another file"});
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, con
       database_(KeepsTrials(path() / "study.db"), hash_, plan.metrics) {
   const std::filesystem::path file = path() / "study.db";
   if (const std::int64_t known = database_.TrialCount(); known > 0) {
-    Say("goes on from {}, which holds {} trial{}\n", file.string(), known, known == 1 ? "" : "s");
+    Say("continues from {} with {} trial{}\n", file.string(), known, known == 1 ? "" : "s");
   }
   CollectShards(command.collect, database_);
 }
@@ -110,19 +110,20 @@ void CellsFolder::Run() {
   const std::filesystem::path file = path() / "study.db";
   Progress progress(fmt::format("{} cells", cells_.end - cells_.first));
   try {
-    RunSweep(plan_, database_,
-             {.jobs = jobs,
-              .cells = cells_,
-              .forecast =
-                  [&](const SweepForecast& forecast) {
-                    Say("{} cells x {} seeds: {:.0f} trials to run{}, noise-free twins counted; "
-                        "about {} with {} at a time\n",
-                        cells_.end - cells_.first, plan_.file.seeds, forecast.trials,
-                        plan_.early_stop && !LooksOf(plan_.file.seeds).empty() ? " at most" : "",
-                        TimeText(forecast.seconds), jobs);
-                  },
-              .progress = [&](double done, double all) { return progress.Update(done, all); },
-              .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
+    RunSweep(
+        plan_, database_,
+        {.jobs = jobs,
+         .cells = cells_,
+         .forecast =
+             [&](const SweepForecast& forecast) {
+               Say("{} cells x {} seeds: {:.0f} trials to run{}, with noise-free reference runs; "
+                   "about {} with {} at a time\n",
+                   cells_.end - cells_.first, plan_.file.seeds, forecast.trials,
+                   plan_.early_stop && !LooksOf(plan_.file.seeds).empty() ? " at most" : "",
+                   TimeText(forecast.seconds), jobs);
+             },
+         .progress = [&](double done, double all) { return progress.Update(done, all); },
+         .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
   } catch (const Cancelled&) {
     database_.Flush();
     const std::int64_t known = database_.TrialCount();

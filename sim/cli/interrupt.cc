@@ -84,7 +84,7 @@ void CatchSignals() {
 void EndAtSignals() { at_once = true; }
 
 std::string KeptIn(const std::filesystem::path& file) {
-  return "kept in " + file.string() + ": the same command goes on from there";
+  return "kept in " + file.string() + ": the same command continues from there";
 }
 
 const std::filesystem::path& KeepsTrials(const std::filesystem::path& file) {

@@ -62,11 +62,11 @@ std::string OutputOf(const StudyCommand& options, const std::string& scenario) {
   std::string out = options.out.empty() ? "out/" + scenario : options.out;
   if (options.comparison || !HoldsComparison(out)) return out;
   if (options.out.empty()) {
-    Say("gauntlet: {} holds a comparison, which stays: this run goes to {}_run\n", out, out);
+    Say("gauntlet: {} contains a comparison and is kept; this run is written to {}_run\n", out,
+        out);
     return out + "_run";
   }
-  Say("gauntlet: {} holds a comparison: this run takes the place of its scores, page and trace\n",
-      out);
+  Say("gauntlet: {} contained a comparison; this run replaces its scores, page and trace\n", out);
   return out;
 }
 
@@ -88,7 +88,7 @@ StudyResult RunTrials(const Study& study, const StudyCommand& options,
   if (options.comparison) {
     database.emplace(KeepsTrials(file), study, StudyDatabaseOptions{.seeds = options.seeds});
     if (const int known = database->TrialCount(); known > 0) {
-      Say("goes on from {}, which holds {}\n", file.string(), Trials(known));
+      Say("continues from {} with {}\n", file.string(), Trials(known));
     }
     if (const int damaged = database->DamagedCount(); damaged > 0) {
       Say("gauntlet: {}: {} damaged, computed again\n", file.string(), Trials(damaged));

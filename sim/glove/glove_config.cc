@@ -10,7 +10,7 @@ void GloveConfig::Visit(controller::SettingsVisitor& visitor) {
                  "first 18 of gauntlet list channels, without the end joints of the fingers"},
                 channels);
   VisitGroup(visitor, {"motion", "what the wearer does"}, motion);
-  VisitGroup(visitor, {"tremor", "trembling of the wearer's hand"}, tremor);
+  VisitGroup(visitor, {"tremor", "tremor of the wearer's hand"}, tremor);
   VisitGroup(visitor, {"sensor", "the bend sensors"}, sensor);
   VisitGroup(visitor, {"noise", "noise of the electrical signal"}, noise);
   VisitGroup(visitor, {"converter", "the analog-digital converter"}, converter);

@@ -266,8 +266,8 @@ class Claims {
     const double raw_deg = EstimateMean(SeedValues(result, "raw", jitter.key), motions).mean;
     const double visible_deg = jitter.relevant_difference.absolute;
     claim.relevant_reason = fmt::format(
-        "the points of the unfiltered {:.2f} deg that make {:g} deg, the smallest trembling that "
-        "is seen",
+        "the points of the unfiltered {:.2f} deg that make {:g} deg, the smallest visible "
+        "jitter",
         raw_deg, visible_deg);
     Add(motions, std::move(claim), before, after, false);
     questions_.back().relevant_difference = 100.0 * visible_deg / raw_deg;

@@ -276,7 +276,7 @@ std::string PaperTable(const PaperExperiment& experiment) {
                        Short(relevant_difference));
     if (!claim.costs.empty()) out += fmt::format("{:21}costs {}\n", "", claim.costs);
   }
-  out += "Intervals are paired by seed, and hold together with 95 % (Bonferroni).\n";
+  out += "Simultaneous 95 % confidence intervals, paired by seed (Bonferroni).\n";
   if (experiment.quick) out += "\nQuick: 6 s of motion instead of the paper's 94.";
   return out + "\n" + PaperVerdict(experiment) + "\n";
 }

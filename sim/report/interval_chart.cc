@@ -129,7 +129,7 @@ std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double 
   panel.AddAxes(figure);
   const double own = panel.X(nominal);
   figure.Line({own, area.top}, {own, bottom}, {"own"});
-  figure.Text({own, area.top - 5.0}, Anchor::kMiddle, "own hand");
+  figure.Text({own, area.top - 5.0}, Anchor::kMiddle, "nominal hand");
   for (std::size_t i = 0; i < score.bars.size(); ++i) {
     AddTornadoBar(figure, panel, score.bars[i], plan.parameters[score.bars[i].parameter].name,
                   kFirst + kEach * (static_cast<double>(i) + 0.5));

@@ -1,6 +1,7 @@
 #include "sim/report/report_page.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/study_files.h"
@@ -69,6 +70,7 @@ std::string AssemblePage(const PageParts& parts) {
        {"question", EscapeHtml(parts.question)},
        {"facts", EscapeHtml(parts.facts)},
        {"verdict", EscapeHtml(parts.verdict)},
+       {"answer", parts.answer},
        {"settings", EscapeHtml(parts.resolved_scenario)},
        {"video", parts.video.exists ? "drawn" : "none"},
        {"motion_starts_s", fmt::format("{:g}", parts.video.motion_starts_s)},
@@ -84,15 +86,17 @@ std::string AssemblePage(const PageParts& parts) {
 }
 
 std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) {
-  return AssemblePage({.title = finished.study.scenario.name,
-                       .question = finished.study.scenario.question,
-                       .facts = Facts(finished),
-                       .verdict = VerdictOf(finished.summary).Text(),
-                       .front = ControllersFront(finished.summary),
-                       .recording = RecordingSection(finished),
-                       .data = JsonForScript(PageData(finished, MeasureFirstSeed(finished))),
-                       .resolved_scenario = ResolvedScenario(finished),
-                       .video = video});
+  return AssemblePage(
+      {.title = finished.study.scenario.name,
+       .question = finished.study.scenario.question,
+       .facts = Facts(finished),
+       .verdict = fmt::format("{}", fmt::join(VerdictOf(finished.summary).Answer(), " ")),
+       .answer = HtmlOf(AnswerText(finished)),
+       .front = ControllersFront(finished.summary),
+       .recording = RecordingSection(finished),
+       .data = JsonForScript(PageData(finished, MeasureFirstSeed(finished))),
+       .resolved_scenario = ResolvedScenario(finished),
+       .video = video});
 }
 
 }  // namespace gauntlet::sim

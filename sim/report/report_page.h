@@ -23,6 +23,7 @@ struct PageParts {
   std::string question;
   std::string facts;  // duration, joints, seeds, reference
   std::string verdict;
+  std::string answer = {};        // HTML of the table and the warnings of the verdict
   std::string front = {};         // HTML of jitter against delay
   std::string recording = {};     // HTML of its part; empty: nothing was recorded
   std::string data;               // JSON, as JsonForScript() gives it

@@ -58,12 +58,11 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database,
                     .verdict = VerdictOf(plan, result).Text(),
                     .text = RobustText(plan, result, true),
                     .first_sections = PageSection(
-                        "tornado", "What matters",
-                        "How the difference between the two that are best on the scenario's own "
-                        "hand changes where one parameter is low (hollow) or high (filled), "
-                        "with 95 % intervals; in the band around the own hand's a change is "
-                        "less than what matters. A word stands where high against low is "
-                        "decided: all these hold together with 95 %.",
+                        "tornado", "Sensitivity",
+                        "Difference between the two best controllers of the nominal hand, with one "
+                        "parameter low (hollow) or high (filled), and 95 % confidence intervals. "
+                        "The band is the smallest relevant difference around the nominal hand. A "
+                        "word marks a decided effect (simultaneous 95 %).",
                         "<div class=\"tornadoes\">" + tornadoes + "</div>\n"),
                     .command_folder = "the folder of this page",
                     .heat = false});

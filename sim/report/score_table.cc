@@ -104,7 +104,7 @@ ResultTable AnswerTable(const Summary& summary) {
   for (const std::size_t metric : shown) table.columns.push_back(ColumnOf(metric));
   const std::vector<std::string> roles = RolesOf(summary);
   const bool has_roles = std::ranges::any_of(roles, [](const auto& role) { return !role.empty(); });
-  if (has_roles) table.columns.push_back(ForPeople(" ").Words());
+  if (has_roles) table.columns.push_back(ForPeople("verdict").Words());
   for (const std::size_t c : OrderOfVerdict(summary)) {
     const ControllerSummary& controller = summary.controllers[c];
     ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
@@ -119,7 +119,7 @@ ResultTable AnswerTable(const Summary& summary) {
 
 std::string AnswerLegend(const Summary& summary) {
   if (!summary.baseline || summary.one_run || summary.controllers.size() < 2) return "";
-  return fmt::format("* better   = equivalent   ! worse   ? undecided   (compared with {})",
+  return fmt::format("* better, = equivalent, ! worse, ? undecided (compared with {})",
                      summary.controllers[*summary.baseline].name);
 }
 
@@ -169,7 +169,7 @@ std::string ReasonForNoChance(const StudyResult& result) {
     return "The input is fixed, so one run was made. Add recordings (files:) for confidence "
            "intervals.";
   }
-  return "gauntlet compare runs several seeds, and recommends a controller.";
+  return "For a recommendation, run several seeds (gauntlet compare).";
 }
 
 std::string Legend(const Summary& summary) {
@@ -332,6 +332,16 @@ std::string Measured(const Study& study) {
   return fmt::format("{} of {} joints", study.measured_joint_names.size(), study.joint_count);
 }
 
+ResultText AnswerText(const FinishedStudy& finished) {
+  const Summary& summary = finished.summary;
+  ResultText text = {AnswerTable(summary)};
+  AddLine(AnswerLegend(summary), text);
+  AddLine(CauseLine(summary), text);
+  for (const std::string& missing : MissingSeeds(finished.result, summary)) AddLine(missing, text);
+  for (const std::string& doubt : VerdictOf(summary).Doubts()) AddLine("Warning: " + doubt, text);
+  return text;
+}
+
 ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   const StudyResult& result = finished.result;
   const Summary& summary = finished.summary;
@@ -340,19 +350,14 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
                                 ? fmt::format("seed {}", result.seeds.front().seed)
                                 : fmt::format("seeds {} to {}: {}", result.seeds.front().seed,
                                               result.seeds.back().seed, WhatVaries(result));
-  const Verdict verdict = VerdictOf(summary);
   ResultText text = {fmt::format("{}: {}\n{}, {}; {}; reference: {}", scenario.name,
                                  scenario.question, DurationText(result), Measured(finished.study),
                                  seeds, result.reference_name)};
   text.emplace_back(std::string());
-  for (const std::string& sentence : verdict.Answer()) AddLine(sentence, text);
+  for (const std::string& sentence : VerdictOf(summary).Answer()) AddLine(sentence, text);
   if (summary.one_run) AddLine(ReasonForNoChance(result), text);
-  text.emplace_back(AnswerTable(summary));
-  AddLine(AnswerLegend(summary), text);
-  AddLine(CauseLine(summary), text);
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
-  for (const std::string& missing : MissingSeeds(result, summary)) AddLine(missing, text);
-  for (const std::string& doubt : verdict.Doubts()) AddLine("Warning: " + doubt, text);
+  std::ranges::move(AnswerText(finished), std::back_inserter(text));
   if (!verbose) return text;
   text.emplace_back(MeansTable(summary));
   if (summary.pairs > 0) AddLine(Legend(summary), text);

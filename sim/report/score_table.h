@@ -20,6 +20,10 @@ std::string WhatVaries(const StudyResult& result);
 /// How the marks and intervals come about, a sentence or two each: for the table and the page.
 std::vector<std::string> Notes(const FinishedStudy& finished);
 
+/// Below the sentences of the verdict: the table of the primary scores with marks against the
+/// baseline, causes of the error, warnings.
+ResultText AnswerText(const FinishedStudy& finished);
+
 /// The answer for a person: verdict; table of the primary scores with marks against the baseline;
 /// causes of the error; warnings. `verbose` adds the main metrics with the difference to the best
 /// and its confidence interval, the method, and the causes for each controller. One run has no

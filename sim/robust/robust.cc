@@ -285,7 +285,7 @@ std::vector<HandResults> ReadHands(const RobustPlan& plan, SweepDatabase& databa
     if (!cell.controller.empty()) hands[number].push_back(cell);
   });
   if (const auto missing = std::ranges::count(seen, false); missing > 0) {
-    throw RunError(fmt::format("{} of {} cells are not there yet", missing, seen.size()));
+    throw RunError(fmt::format("{} of {} hands have no result yet", missing, seen.size()));
   }
   for (HandResults& hand : hands) {
     std::ranges::sort(hand, {}, [&scenario](const CellResult& cell) {
@@ -293,7 +293,7 @@ std::vector<HandResults> ReadHands(const RobustPlan& plan, SweepDatabase& databa
              scenario.controllers.begin();
     });
   }
-  if (hands.front().empty()) throw RunError("the scenario's own hand: " + result.first_problem);
+  if (hands.front().empty()) throw RunError("the nominal hand: " + result.first_problem);
   return hands;
 }
 

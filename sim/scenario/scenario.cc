@@ -90,7 +90,7 @@ void Scenario::Visit(SettingsVisitor& visitor) {
                          .visit = [this](std::size_t i,
                                          SettingsVisitor& inner) { controllers[i].Visit(inner); }});
   visitor.Text({"baseline",
-                "controller that the others are held against; empty: the first that neither "
+                "controller that the others are compared with; empty: the first that neither "
                 "filters nor predicts"},
                baseline);
   visitor.Text({"priority",

@@ -9,7 +9,7 @@ namespace gauntlet::sim {
 
 void ScoreConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Number({"jitter_above_hz",
-                  "where trembling begins: nothing counts below 0.8, all above 1.2 times this (at "
+                  "where jitter begins: nothing counts below 0.8, all above 1.2 times this (at "
                   "most 6.6 for a tremor of 8 to 12 Hz)",
                   2, 100},
                  jitter_above_hz);

@@ -122,9 +122,9 @@ std::string CountedRemark(const Study& study) {
                         all ? "every joint" : fmt::format("{}", fmt::join(names, " ")));
   }
   return fmt::format(
-      "scores leave out gaps and restarts of the recording, {:g} s after each, and where a sensor "
-      "stands at its stop: {} counts",
-      study.scenario.score.recovery_s, text);
+      "scored: {} (gaps and restarts of the recording, {:g} s after each, and clipped samples are "
+      "excluded)",
+      text, study.scenario.score.recovery_s);
 }
 
 }  // namespace gauntlet::sim

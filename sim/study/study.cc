@@ -129,7 +129,7 @@ std::string BeyondRangeRemark(const Study& study) {
     const double share = static_cast<double>(beyond) / static_cast<double>(asked_deg.size());
     if (share < kLeastShare) continue;
     joints.push_back(
-        {-share, fmt::format("{} {:.0f} % (asked for {:.0f} to {:.0f} deg, range "
+        {-share, fmt::format("{} {:.0f} % (targets {:.0f} to {:.0f} deg, range "
                              "{:.0f} to {:.0f})",
                              hand.joint_names[place], std::max(1.0, 100.0 * share),
                              asked_deg.minCoeff(), asked_deg.maxCoeff(), min_deg, max_deg)});
@@ -142,9 +142,8 @@ std::string BeyondRangeRemark(const Study& study) {
     shown.push_back(joints[i].second);
   }
   const std::size_t more = joints.size() - shown.size();
-  return fmt::format(
-      "joint_map: the wearer is beyond a joint's range, where no hand follows, for {}{}",
-      fmt::join(shown, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
+  return fmt::format("joint_map: targets beyond the joint's range: {} of the time{}",
+                     fmt::join(shown, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
 /// One line for the user if the wearer's motion of the first seed repeats; else empty.

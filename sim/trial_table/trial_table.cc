@@ -287,7 +287,7 @@ void TrialTable::Keep(TrialKey key, TrialOutcome outcome) {
   const auto problem = TryToWrite(false);
   if (problem && TroubleOf(*problem) == Trouble::kFullDisk) {
     throw RunError(file_.string() +
-                   ": the disk is full; the same command goes on from the trials that are kept");
+                   ": the disk is full; the same command continues from the trials that are kept");
   }
 }
 

@@ -223,8 +223,7 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
   const TextStyle title = {.size_px = 19.0 * unit, .bold = true};
   const TextStyle subtitle = {.size_px = 12.5 * unit, .color = palette::kMutedInk};
   const std::string curves = fmt::format(
-      "Numbers: mean over {} joints, up to now.  Lines in the pictures: way of a "
-      "fingertip, its trembling x {:g}.",
+      "Numbers: mean over {} joints, up to now.  Lines: fingertip path, its jitter x {:g}.",
       measured_joints_.size(), HandView::kTremblingGain);
   painter.Text(painter.Elide(input_.title, kTitleShare * header.width, title),
                {header.x, header.y + 28.0 * unit}, title);

@@ -37,7 +37,7 @@ std::string DetailOf(const json& difference, bool as_good, const Column& column)
       0.5 * (difference.at("high").get<double>() - difference.at("low").get<double>());
   return fmt::format("+{:.{}f} ± {:.{}f}: {}", difference.at("mean").get<double>(), column.decimals,
                      half, column.decimals,
-                     as_good ? "equal" : difference.at("verdict").get<std::string>());
+                     as_good ? "equivalent" : difference.at("verdict").get<std::string>());
 }
 
 ScoreBoardCell CellOf(const json& controller, const Column& column, bool one_run) {
@@ -59,15 +59,14 @@ ScoreBoardCell CellOf(const json& controller, const Column& column, bool one_run
 }
 
 std::string RemarkOf(const json& scores, bool one_run) {
-  if (one_run) return "One run: nothing is said about chance.";
+  if (one_run) return "One run: no confidence interval.";
   const std::string baseline =
       scores.at("baseline").is_string()
           ? "  Red: worse than " + scores.at("baseline").get<std::string>() + "."
           : "";
   return fmt::format(
-      "Mean over {} seeds.  Green: best, or equal within what matters.{}  Differences to the best, "
-      "± "
-      "half of the interval that decides.",
+      "Mean over {} seeds.  Green: best or equivalent.{}  Differences to the best, ± 95 % "
+      "confidence interval.",
       scores.at("seeds").size(), baseline);
 }
 

@@ -194,7 +194,7 @@ TEST_F(OfferedCommands, OfAnInspectedRecordingRun) {
 TEST_F(OfferedCommands, OfComparisonsRun) {
   std::set<std::string> commands;
   Gauntlet({"run", Here("s.yaml"), "--out", Here("run")}, commands);
-  Gauntlet({"compare", Here("s.yaml"), "--seeds", "4", "--out", Here("o")}, commands);
+  Gauntlet({"compare", Here("s.yaml"), "--verbose", "--seeds", "4", "--out", Here("o")}, commands);
   Gauntlet({"compare", Here("s.yaml"), "--seeds", "4", "--out", Here("o")}, commands);
   Gauntlet({"render", Here("o"), "--frame", "0.1", "--size", "480x360"}, commands);
   EXPECT_THAT(commands, Not(IsEmpty()));

@@ -87,7 +87,7 @@ TEST_F(ResumeTest, DamagedTrialsAreComputedAgainAndTold) {
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.standard_error, HasSubstr("a/study.db: 2 trials damaged, computed again\n"));
   ExpectSameFiles("undisturbed", "a");
-  EXPECT_THAT(Run("a").standard_error, HasSubstr("which holds 8 trials"));
+  EXPECT_THAT(Run("a").standard_error, HasSubstr("with 8 trials"));
 }
 
 TEST_F(ResumeTest, ADatabaseThatTakesNoTrialCostsNoResult) {
@@ -105,7 +105,7 @@ TEST_F(ResumeTest, ADatabaseThatTakesNoTrialCostsNoResult) {
   ExpectSameFiles("undisturbed", "a");
   database.exec("DROP TRIGGER full");
   EXPECT_EQ(Run("a").exit_code, 0);
-  EXPECT_THAT(Run("a").standard_error, HasSubstr("which holds 8 trials"));
+  EXPECT_THAT(Run("a").standard_error, HasSubstr("with 8 trials"));
 }
 
 TEST_F(ResumeTest, AReaderDoesNotEndAComparison) {
@@ -115,7 +115,7 @@ TEST_F(ResumeTest, AReaderDoesNotEndAComparison) {
   reader.exec("BEGIN");
   EXPECT_EQ(reader.execAndGet("SELECT count(*) FROM trial").getInt(), 4);
   Program program(Command("a"), {.working_directory = folder_.path()});
-  ASSERT_TRUE(program.WaitForText("goes on from"));
+  ASSERT_TRUE(program.WaitForText("continues from"));
   std::this_thread::sleep_for(std::chrono::milliseconds(500));  // of a few trials; any time will do
   reader.exec("COMMIT");
   EXPECT_EQ(program.Wait().exit_code, 0) << program.Wait().standard_error;

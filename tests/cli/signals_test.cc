@@ -98,7 +98,7 @@ TEST_F(SignalsTest, ASecondSignalLeavesNoTemporaryFile) {
     std::vector<std::string> names = Names(out);
     if (std::erase(names, "study.db") > 0) {  // there if a trial was finished
       EXPECT_THAT(result.standard_error,
-                  HasSubstr("kept in " + out + "/study.db: the same command goes on from there"));
+                  HasSubstr("kept in " + out + "/study.db: the same command continues from there"));
     }
     EXPECT_EQ(names, std::vector<std::string>()) << wait_ms;
   }

@@ -83,7 +83,7 @@ TEST_F(SweepCommandTest, ADatabaseThatAnotherProgramLocksOnlyWaits) {
   other.exec("BEGIN IMMEDIATE");  // it may be read, and nobody else writes
   Program program(Command({"--filter-only", "--out", "locked"}),
                   {.working_directory = folder_.path()});
-  ASSERT_TRUE(program.WaitForText("goes on from"));
+  ASSERT_TRUE(program.WaitForText("continues from"));
   std::this_thread::sleep_for(std::chrono::milliseconds(700));  // longer than all trials take
   other.exec("ROLLBACK");
   EXPECT_EQ(program.Wait().exit_code, 0) << program.Wait().standard_error;

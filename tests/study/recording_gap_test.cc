@@ -58,8 +58,8 @@ TEST_F(RecordingGap, OfASecondDoesNotMoveTheErrorOfTheRest) {
   EXPECT_NEAR(TrackingOf(cut), whole, 0.15 * whole);
   EXPECT_THAT(remarks_,
               testing::Contains(testing::HasSubstr(
-                  "scores leave out gaps and restarts of the recording, 1 s after each")));
-  EXPECT_THAT(remarks_, testing::Contains(testing::HasSubstr("83 % of every joint counts")));
+                  "(gaps and restarts of the recording, 1 s after each, and clipped samples")));
+  EXPECT_THAT(remarks_, testing::Contains(testing::HasSubstr("scored: 83 % of every joint")));
   // The same, but the clock starts anew behind it.
   const auto restart = [](double t) { return t > 5.5 && t < 6.5 ? -1.0 : t > 6.0 ? t - 6.4 : t; };
   EXPECT_NEAR(TrackingOf(restart), whole, 0.15 * whole);

@@ -109,7 +109,7 @@ TEST_P(EachTrialTable, WaitsForLocksAgainAfterAFullDisk) {
     const test::FailingCall failing(test::kWrite, test::NoSpace);
     EXPECT_EQ(ProblemOfKeeping(table, 1),
               file_.string() +
-                  ": the disk is full; the same command goes on from the trials that are kept");
+                  ": the disk is full; the same command continues from the trials that are kept");
   }
   SQLite::Database other(file_.string(), SQLite::OPEN_READWRITE);
   other.exec("BEGIN EXCLUSIVE");

@@ -45,7 +45,7 @@ void TremorConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Number({"shared_percent", "share of its power that all channels have in common", 0, 100},
                  shared_percent);
   VisitChannels(visitor, channels);
-  visitor.Flag({"belongs_to_truth", "true: the hand should tremble likewise; false: it should not"},
+  visitor.Flag({"belongs_to_truth", "true: the reference contains the tremor; false: it does not"},
                belongs_to_truth);
 }
 

@@ -330,8 +330,7 @@ function curvesNote(data) {
       "that no peak is lost; trace.h5 has every sample."
     : `Every sample, rounded to ${step_deg} deg.`;
   const uncounted = data.uncounted_s?.some((stretches) => stretches.length > 0)
-    ? " Grey is what no score counts: gaps and restarts of the recording and the time after them, and where the " +
-      "channel's sensor stands at its stop."
+    ? " Grey: not scored (gaps and restarts of the recording, the time after them, and clipped samples)."
     : "";
   return seed + detail + uncounted;
 }

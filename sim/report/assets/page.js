@@ -6,7 +6,7 @@ function showProblems(data) {
   for (const controller of data.controllers) {
     if (controller.untrusted_samples > 0) {
       list.append(element("li", {}, `${controller.name}: ${controller.untrusted_samples} glove ` +
-        "samples were missing, out of range, wild or unchanged for a second: the last good value was held"));
+        "samples were rejected (missing, out of range, spike or frozen); the last valid value was held"));
     }
   }
   list.hidden = list.children.length === 0;

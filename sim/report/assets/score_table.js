@@ -64,7 +64,7 @@ function definitionRow(data, metric, id) {
   const {key, definition, relevant_reason} = data.metrics[metric];
   const row = element("tr", {class: "definition", id, hidden: true},
     element("th", {scope: "row"}, definition, element("br"), element("code", {}, key),
-      element("br"), `What matters: ${relevant_reason}.`));
+      element("br"), `Smallest relevant difference: ${relevant_reason}.`));
   for (const controller of data.order.map((c) => data.controllers[c])) {
     const cell = element("td");
     for (const [difference, other] of [[controller.to_best[metric], "the best"],
@@ -192,7 +192,7 @@ function drawScoreTable(data) {
   byId("scores-facts").append(...data.notes.map((note) => element("li", {}, note)));
   const marks = [];
   if (data.comparison && data.controllers.length > 1) {
-    marks.push("★ best, or equal within what matters", "~ undecided");
+    marks.push("★ best or equivalent", "~ undecided");
   }
   if (data.controllers.some((c) => c.to_baseline.some((d) => d.verdict === "worse"))) {
     marks.push(`▲ worse than ${data.baseline}`);
