@@ -16,7 +16,7 @@ struct Channel {
 };
 
 /// All channels that a glove can have, in the order of the data: the 18 that it has by default,
-/// then the end joints of the four fingers. Ranges: see sim/glove/README.md.
+/// then the end joints of the four fingers. Ranges: see docs/explanation/glove.md.
 std::span<const Channel> KnownChannels();
 std::vector<std::string> KnownChannelNames();
 /// The 18 that a glove has by default, as in the paper: the first of KnownChannels().

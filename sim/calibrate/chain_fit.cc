@@ -129,7 +129,7 @@ void WidenByBend(const FittedFamily& fit, ChainEstimate& gain, ChainEstimate& hy
 
 /// Friction of the moving mass that is larger at slow speeds (Stribeck, 20 to 50 %) looks like a
 /// wider loop with less damping, and a log rarely tells them apart. The allowances are the largest
-/// errors in simulated logs: see tests/measurements/README.md.
+/// errors in simulated logs: see docs/evidence/measurements.md.
 void AllowForStribeck(ChainFit& fit) {
   fit.hysteresis_deg.low *= 0.88;
   fit.lag_ms.high *= 1.08;

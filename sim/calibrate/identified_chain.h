@@ -34,7 +34,7 @@ struct IdentifiedPart {
 
 /// Horizon of a prediction as a share of the delay. The last fifth costs more, by noise and
 /// reversals, than it gains: see tracking and jitter over this share in
-/// tests/measurements/README.md.
+/// docs/evidence/measurements.md.
 inline constexpr double kHorizonShare = 0.8;
 
 /// The chain from a command to the angles of a hand. The first lists are settings of a controller

@@ -75,7 +75,7 @@ and returns 2.
 Example:
   gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot my_glove.png
   gauntlet compare my_glove.yaml
-  gauntlet inspect my_hand.xml  # does it declare all that models/README.md asks for?
+  gauntlet inspect my_hand.xml  # see docs/how-to/your-hand-model.md
 )";
 };
 

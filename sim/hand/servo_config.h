@@ -40,7 +40,7 @@ struct ServoNumbers {
 };
 
 /// Source: a common 10-bit RC servo (300 deg of travel, 0.15 s per 60 deg, one frame per 20 ms);
-/// dead band, gain and damping are assumptions (models/README.md).
+/// dead band, gain and damping are assumptions (docs/explanation/hand-model.md).
 struct StandardServo : ServoNumbers {
   static constexpr std::string_view kKind = "standard";
   static constexpr std::string_view kSummary =
@@ -55,7 +55,7 @@ struct IdealServo : ServoNumbers {
   IdealServo();
 };
 
-/// As the SG-90 of the measurements in models/README.md.
+/// As the SG-90 of the measurements in docs/evidence/hand.md.
 struct RcAnalogServo : ServoNumbers {
   static constexpr std::string_view kKind = "rc_analog";
   static constexpr std::string_view kSummary =
@@ -70,7 +70,7 @@ struct RcDigitalServo : ServoNumbers {
   RcDigitalServo();
 };
 
-/// As the STS3215 of the measurements in models/README.md.
+/// As the STS3215 of the measurements in docs/evidence/hand.md.
 struct BusServo : ServoNumbers {
   static constexpr std::string_view kKind = "bus";
   static constexpr std::string_view kSummary =
@@ -92,7 +92,7 @@ using ServoSettings = std::variant<StandardServo, IdealServo, RcAnalogServo, RcD
 /// Position servos of one kind. A kind brings all its numbers; what is said beside `kind`
 /// replaces one of them.
 struct ServoConfig {
-  ServoSettings settings = DynamixelServo{};  // why: models/README.md
+  ServoSettings settings = DynamixelServo{};  // why: docs/explanation/hand-model.md
 
   std::string_view kind() const { return controller::KindName(settings); }
   const ServoNumbers& numbers() const;

@@ -179,7 +179,8 @@ std::string MotionSettings(const Inspection& inspection, double glove_hz) {
 /// The comments above the table of a map.
 std::string HeadOfMap(const Inspection& inspection) {
   std::string map = fmt::format(
-      "# Written by gauntlet inspect. Language: sim/recordings/README.md.\n# unit: {}{} ({})\n",
+      "# Written by gauntlet inspect. Language: docs/reference/column-maps.md.\n# unit: {}{} "
+      "({})\n",
       NameOf(inspection.unit), inspection.unit_is_assumed ? ", assumed" : "", inspection.unit_why);
   if (!inspection.question.empty()) {
     map += fmt::format(

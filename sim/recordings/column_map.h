@@ -65,8 +65,8 @@ std::filesystem::path FileOfMap(const std::filesystem::path& map);
 
 /// From a map file, or from a preset of Gauntlet by its name (scenarios/maps/NAME.csv): a text
 /// table like a recording (see CsvReader), with a header `column,channel` and any of the other
-/// keys. sim/recordings/README.md has the language with an example per case. Columns that the map
-/// does not name are left out. Errors: UserError `map:row:column: ...`.
+/// keys. docs/reference/column-maps.md has the language with examples. Columns that the map does
+/// not name are left out. Errors: UserError `map:row:column: ...`.
 ColumnMap ReadColumnMap(const std::filesystem::path& map, const CsvReader& recording);
 
 }  // namespace gauntlet::sim

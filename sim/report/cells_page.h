@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 // A page of many settings, self-contained as ReportPage() is: tables, as the terminal has them, and
 // pictures, which stand there without scripts: a heat map per pair of settings, parallel
 // coordinates, jitter against delay. With scripts ranges can be brushed, and a click gives a
-// point's settings as YAML and the command that repeats it. See sim/report/README.md.
+// point's settings as YAML and the command that repeats it. See docs/reference/report-page.md.
 
 /// What a page says besides its points.
 struct CellsPageTexts {

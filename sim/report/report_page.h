@@ -14,7 +14,7 @@ struct VideoBeside {
 
 /// `report.html`: one page that holds all that it shows but the video, needs no network, and sends
 /// nothing anywhere. The verdict first, then scores, jitter against delay, channels, curves,
-/// settings. See sim/report/README.md for what is in it and how large it gets.
+/// settings. See docs/reference/report-page.md for what is in it and how large it gets.
 std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video);
 
 /// The parts of a page that are made elsewhere.

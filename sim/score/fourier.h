@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 /// One pass per factor, which also sorts (Stockham's), so that each goes through memory in order;
 /// two real numbers at a time, as every 64-bit processor can. Not FFTW, which chooses its own code
 /// by the processor and so gives no same bits, and not Eigen's own transform (kissfft), which takes
-/// 2.4 to 5 times as long. Measured in tests/benchmarks/README.md.
+/// 2.4 to 5 times as long. Measured in docs/evidence/benchmarks.md.
 /// Source: Cochran et al. 1967, What is the fast Fourier transform?, for the sorting of Stockham.
 ///
 /// Roots of 1 are kept per length, until they are too many; use one object per thread.

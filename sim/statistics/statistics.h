@@ -52,7 +52,7 @@ struct MeanEstimate {
 ///     motion = max(0, (MSB - MSW) / n_0),   noise = MSW
 ///
 /// Student's t and no bootstrap: 2,000 resamples do not reach the levels of many comparisons.
-/// Coverage and false verdicts: sim/study/README.md.
+/// Coverage and false verdicts: docs/evidence/judgements.md.
 /// Shapes: `motions` empty or as long as `values`.
 /// Source: Searle, Casella, McCulloch 1992, Variance Components, section 3.6.
 MeanEstimate EstimateMean(std::span<const double> values, std::span<const int> motions = {});

@@ -10,8 +10,8 @@
 
 namespace gauntlet::sim {
 
-// The format of `study.db`, one set of tables for comparisons and sweeps. README.md of this folder
-// describes the tables.
+// The format of `study.db`, one set of tables for comparisons and sweeps, as described in
+// docs/reference/output-files.md.
 
 /// The name of the row of score that is the mean over all joints, motors or cables.
 constexpr std::string_view kSummaryChannel = "summary";

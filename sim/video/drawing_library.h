@@ -8,8 +8,8 @@
 namespace gauntlet::sim {
 
 /// What Gauntlet has of OSMesa and libav, as a library of its own: they bring 140 others along,
-/// which take three quarters of the time in which the program starts (sim/video/README.md), and few
-/// commands draw.
+/// which take three quarters of the time in which the program starts, and few commands draw.
+/// Measured in docs/evidence/benchmarks.md.
 struct DrawingLibrary {
   std::unique_ptr<OffScreenContext> (*open_context)();
   std::unique_ptr<VideoEncoder> (*open_encoder)(const OutputFile& file, const VideoFormat& format);

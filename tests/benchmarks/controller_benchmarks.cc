@@ -1,5 +1,5 @@
 // Time per sample of the filters and of the whole controller, beside copying the samples, 18
-// two-state filters written the plain way, and one dense filter. See README.md for the commands.
+// two-state filters written the plain way, and one dense filter. See docs/evidence/benchmarks.md.
 
 #include <benchmark/benchmark.h>
 

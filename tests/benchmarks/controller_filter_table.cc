@@ -1,4 +1,4 @@
-// Prints the table of all filters that stands in controller/README.md.
+// Prints the table of all filters that is in docs/evidence/controller.md.
 
 #include <malloc.h>
 #include <time.h>

@@ -1,6 +1,6 @@
 // How long one Step() of the whole controller takes, each of 10 million measured by itself: the
-// histogram and the worst. See README.md for the command; run it as a real-time process, or what is
-// measured is who else wants the core.
+// histogram and the worst. See docs/evidence/benchmarks.md; run it as a real-time process, or the
+// scheduler is measured.
 //
 // No core is idle for long: the kernel's timer comes every few milliseconds, and on a virtual
 // machine its host's as well. They come at fixed times of a period, so a loop that only reads the

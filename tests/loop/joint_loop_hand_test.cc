@@ -1,5 +1,5 @@
 // What the joint loop makes of a hand of cables, with every kind of servo: the table of
-// models/README.md, held to limits.
+// docs/evidence/hand.md, held to limits.
 #include <gtest/gtest.h>
 
 #include "tests/loop/joint_loop_bench.h"

@@ -1,6 +1,6 @@
 // How often the intervals of a calibration hold the truth, on gloves as they are: coarse
 // converters, spikes, noise that is not white, values at the end of the scale. The table of
-// tests/measurements/README.md.
+// docs/evidence/measurements.md.
 #include <fmt/format.h>
 
 #include <Eigen/Core>

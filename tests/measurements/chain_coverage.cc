@@ -1,5 +1,5 @@
 // How near gauntlet identify comes to what simulated logs hide, and how often its intervals hold
-// it. The table of tests/measurements/README.md.
+// it. The table of docs/evidence/measurements.md.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Measures verdicts: how often a comparison is wrong whose truth is known. The table of
-// sim/statistics/README.md.
+// docs/evidence/judgements.md.
 
 #include <fmt/core.h>
 

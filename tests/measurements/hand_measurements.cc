@@ -1,4 +1,4 @@
-// Measures the hand: the numbers and pictures of models/README.md.
+// Measures the hand: the numbers and pictures of docs/evidence/hand.md.
 
 #include "tests/measurements/hand_measurements.h"
 

@@ -4,7 +4,7 @@
 
 namespace gauntlet::sim::testing {
 
-/// What models/README.md says of the hand, measured; each prints to stdout.
+/// The numbers of docs/evidence/hand.md, measured; each prints to stdout.
 void PrintJoints();
 void PrintCoupling();
 void PrintReach();

@@ -1,5 +1,5 @@
 // How much of the delay each way to look ahead takes away, how much could be taken, and what a
-// wrong model costs. The tables of tests/measurements/README.md.
+// wrong model costs. The tables of docs/evidence/measurements.md.
 #include <fmt/format.h>
 
 #include <Eigen/Core>
@@ -169,7 +169,7 @@ IdentifiedChain ChainFromTarget() {
   return MakeIdentifiedChain(log, FitChains(log));
 }
 
-/// Commands that are planned for the chain, as controller/README.md has them.
+/// Commands that are planned for the chain, as docs/evidence/controller.md has them.
 ControllerConfig Planned(ControllerConfig ours, const IdentifiedChain& chain, double change_weight,
                          double friction_share) {
   auto& adaptive = std::get<controller::AdaptivePredictionConfig>(ours.prediction.settings);

@@ -4,10 +4,10 @@
     gauntlet run scenarios/random_motion.yaml --out out/random_motion
     tests/measurements/rescore.py out/random_motion [--tolerance 0.001] [--rows]
 
-Written from the definitions in sim/score/README.md and `gauntlet list metrics`. Every value of
+Written from the definitions in docs/explanation/scores.md and `gauntlet list metrics`. Every value of
 scores.json, of each joint, motor and cable and of the summary, is held against what trace.h5 says of
 it, and the largest relative difference of each metric is printed. A score that exists on one side only
-differs by inf. What the motors of the project's hand pull and turn is read from models/README.md.
+differs by inf. What the motors of the project's hand pull and turn is read from docs/evidence/hand.md.
 
 Needs numpy, scipy and h5py (python3-h5py and python3-scipy of Debian). Exit code: 0 all within the
 tolerance; 1 one is beyond, a metric is unknown to this script, or a library is missing; 2 the folder
@@ -460,7 +460,7 @@ class ModelCard:
 
     def __init__(self):
         here = os.path.dirname(os.path.abspath(__file__))
-        with open(os.path.join(here, "..", "..", "models", "README.md"), encoding="utf-8") as file:
+        with open(os.path.join(here, "..", "..", "docs", "evidence", "hand.md"), encoding="utf-8") as file:
             card = file.read()
         number = r" *([-\d.]+) *\|"
         rows = re.findall(rf"^\| `(\w+)` \| [-\d]+ \.\. \d+ \|{number * 4}", card, re.MULTILINE)

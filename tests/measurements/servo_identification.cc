@@ -1,6 +1,6 @@
 // How near the simulated hand's hysteresis, joint by joint, comes to that of a hand whose servos
 // are of another kind, with what gauntlet identify found of it. The table of
-// tests/measurements/README.md.
+// docs/evidence/measurements.md.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // How long the page and questions take of a study.db with a million scores: the table of
-// tests/measurements/README.md.
+// docs/evidence/measurements.md.
 //
 //   sweep_measurements FOLDER [CELLS]     makes FOLDER/study.db, unless it is there
 #include <SQLiteCpp/SQLiteCpp.h>

@@ -182,7 +182,7 @@ TEST_F(RobustTest, OnTheOwnHandSaysWhatAComparisonSays) {
   const Study study = PrepareStudy(LoadScenario(folder_.path() / "base.yaml", {}));
   const Summary compared =
       Summarise(study, RunStudy(study, {.seeds = 2, .keep_first_traces = false}));
-  // A delay may be a mean over other joints: see sim/score/README.md.
+  // A delay may be a mean over other joints: see docs/explanation/scores.md.
   for (const std::size_t metric :
        {MetricIndex("tracking_rmse_deg"), MetricIndex("aligned_rmse_deg")}) {
     for (std::size_t c = 0; c < 2; ++c) {

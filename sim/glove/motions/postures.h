@@ -15,7 +15,7 @@ struct Posture {
 };
 
 /// The library of postures. Angles are assumptions: typical values inside the joints' ranges, named
-/// after the grasps of daily life (power, precision, tripod, lateral, hook), see the README.
+/// after the grasps of daily life (power, precision, tripod, lateral, hook).
 std::span<const Posture> Postures();
 /// For a setting that is a choice of one posture; the same order.
 std::span<const std::string_view> PostureNames();
