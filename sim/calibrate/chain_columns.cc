@@ -9,7 +9,9 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/recordings/log_map.h"
 #include "sim/recordings/time_columns.h"
+#include "sim/recordings/time_guess.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -119,23 +121,27 @@ const PartColumn* FindPart(const std::vector<PartColumn>& columns, const std::st
   return found == columns.end() ? nullptr : &*found;
 }
 
-void RejectRepeatedParts(const CsvReader& csv, const std::vector<PartColumn>& columns,
+void RejectRepeatedParts(const FoundTable& table, const std::vector<PartColumn>& columns,
                          const char* role) {
+  const CsvReader& csv = table.reader;
+  const std::vector<std::string>& names = table.layout.names;
   for (const PartColumn& column : columns) {
     const PartColumn* const first = FindPart(columns, column.part);
     if (first == &column) continue;
-    csv.Fail(column.column + 1,
-             fmt::format("{} and {} are both the {} of {}: remove one",
-                         csv.Quoted(csv.header()[first->column]),
-                         csv.Quoted(csv.header()[column.column]), role, csv.Quoted(column.part)));
+    csv.Fail(
+        column.column + 1,
+        fmt::format("{} and {} are both the {} of {}: remove one", csv.Quoted(names[first->column]),
+                    csv.Quoted(names[column.column]), role, csv.Quoted(column.part)));
   }
 }
 
 /// Sorts the angles in the order of the commands. In a trace, a joint without a channel of its name
 /// has no partner, and vice versa.
-void PairParts(const CsvReader& csv, const std::vector<PartColumn>& bare, ChainColumns& columns) {
-  RejectRepeatedParts(csv, columns.commands, "command");
-  RejectRepeatedParts(csv, columns.angles, "angle");
+void PairParts(const FoundTable& table, const std::vector<PartColumn>& bare,
+               ChainColumns& columns) {
+  const CsvReader& csv = table.reader;
+  RejectRepeatedParts(table, columns.commands, "command");
+  RejectRepeatedParts(table, columns.angles, "angle");
   std::vector<PartColumn> commands;
   std::vector<PartColumn> angles;
   std::vector<std::string> names;
@@ -150,7 +156,7 @@ void PairParts(const CsvReader& csv, const std::vector<PartColumn>& bare, ChainC
       const PartColumn* motor = FindPart(columns.angles, motor_name);
       // A part may have this name itself.
       if (motor != nullptr && FindPart(columns.commands, motor_name) == nullptr) {
-        columns.motors.push_back({motor->column, command.part, motor->scale});
+        columns.motors.push_back({motor->column, command.part, motor->scale, motor->offset_deg});
       }
     } else if (!columns.is_trace) {
       csv.Fail(command.column + 1,
@@ -178,36 +184,28 @@ void ShareUnits(ChainColumns& columns) {
   }
 }
 
-void ListIgnored(const CsvReader& csv, ChainColumns& columns) {
+void ListIgnored(const std::vector<std::string>& names, ChainColumns& columns) {
   if (columns.is_trace) return;  // its other signals
-  std::vector<bool> used(csv.column_count(), false);
-  used[columns.time] = true;
+  std::vector<bool> used(names.size(), false);
+  for (const TimeMapping& time : columns.time) used[time.column] = true;
   if (columns.episode) used[*columns.episode] = true;
   for (const auto* const list : {&columns.commands, &columns.angles, &columns.motors}) {
     for (const PartColumn& column : *list) used[column.column] = true;
   }
   for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i] && !IsSampleNumber(csv.header()[i])) columns.ignored.push_back(csv.header()[i]);
+    if (!used[i] && !IsSampleNumber(names[i])) columns.ignored.push_back(names[i]);
   }
 }
 
-}  // namespace
-
-ChainColumns FindChainColumns(const CsvReader& csv) {
-  if (csv.header().empty()) csv.Fail(1, "the first line must name the columns");
-  ChainColumns columns;
-  std::optional<std::size_t> time;
-  std::vector<PartColumn> bare;
-  for (std::size_t column = 0; column < csv.column_count(); ++column) {
-    const std::string& name = csv.header()[column];
-    const std::string bare_name = BareName(name);
-    if (const auto scale_s = TimeScaleS(name)) {
-      time = column;
-      columns.time_scale_s = *scale_s;
-      continue;
-    }
-    if (bare_name == "episode" || bare_name == "episodeindex") columns.episode = column;
-    if (columns.episode == column || IsSampleNumber(name)) continue;
+/// The columns of the parts by their names; those of `bare` have no word of a role.
+void TakeNames(const std::vector<std::string>& names, std::vector<PartColumn>& bare,
+               ChainColumns& columns) {
+  for (std::size_t column = 0; column < names.size(); ++column) {
+    const std::string& name = names[column];
+    const bool is_time =
+        TimeScaleS(name) ||
+        std::ranges::find(columns.time, column, &TimeMapping::column) != columns.time.end();
+    if (is_time || columns.episode == column || IsSampleNumber(name)) continue;
     const ChainName read = ReadName(name);
     columns.is_trace |= name.starts_with(kWearer);
     if (read.role == ColumnRole::kOther) continue;
@@ -218,15 +216,52 @@ ChainColumns FindChainColumns(const CsvReader& csv) {
         .push_back({column, read.part, read.scale});
   }
   if (columns.is_trace) {  // true_angle_rad.X has words of an angle, too
-    std::erase_if(columns.angles, [&](const PartColumn& angle) {
-      return !csv.header()[angle.column].starts_with(kHand);
-    });
+    std::erase_if(columns.angles,
+                  [&](const PartColumn& angle) { return !names[angle.column].starts_with(kHand); });
   }
-  if (!time) csv.Fail(1, "there is no column of time (as t_s or time_ms)");
-  columns.time = *time;
-  PairParts(csv, bare, columns);
+}
+
+/// The columns of the parts by a column map.
+void TakeMap(const FoundTable& table, const std::string& map, ChainColumns& columns) {
+  const LogMap roles = ReadLogMap(
+      map,
+      {.name = table.reader.name(), .header = table.layout.names, .count = table.layout.columns});
+  if (!roles.time.empty()) columns.time = roles.time;
+  for (const PartMapping& part : roles.parts) {
+    const std::string name = part.part.empty() ? "joint" : part.part;
+    if (part.role == "command") {
+      columns.commands.push_back({part.column, name, part.scale, part.offset_deg});
+    } else {
+      columns.angles.push_back({part.column, part.role == "motor" ? name + "_motor" : name,
+                                part.scale, part.offset_deg});
+    }
+  }
+}
+
+}  // namespace
+
+ChainColumns FindChainColumns(const FoundTable& table, const std::string& map) {
+  const CsvReader& csv = table.reader;
+  const std::vector<std::string>& names = table.layout.names;
+  const bool has_names =
+      std::ranges::any_of(names, [](const std::string& name) { return !name.empty(); });
+  if (map.empty() && !has_names) csv.Fail(1, "the first line must name the columns, or --map");
+  ChainColumns columns;
+  columns.time = TimeByName(table.layout);
+  for (std::size_t column = 0; column < names.size(); ++column) {
+    const std::string bare_name = BareName(names[column]);
+    if (bare_name == "episode" || bare_name == "episodeindex") columns.episode = column;
+  }
+  std::vector<PartColumn> bare;
+  if (map.empty()) {
+    TakeNames(names, bare, columns);
+  } else {
+    TakeMap(table, map, columns);
+  }
+  if (columns.time.empty()) csv.Fail(1, "there is no column of time (as t_s or time_ms)");
+  PairParts(table, bare, columns);
   ShareUnits(columns);
-  ListIgnored(csv, columns);
+  ListIgnored(names, columns);
   return columns;
 }
 

@@ -5,22 +5,23 @@
 #include <string>
 #include <vector>
 
-#include "sim/recordings/csv_reader.h"
+#include "sim/recordings/column_map.h"
+#include "sim/recordings/table_layout.h"
 
 namespace gauntlet::sim {
 
-/// A column of a part's command, angle or motor angle. `scale` converts it to degrees; none: the
-/// name has no unit.
+/// A column of a part's command, angle or motor angle: degrees = scale * value + offset_deg. No
+/// scale: the name has no unit.
 struct PartColumn {
   std::size_t column = 0;
   std::string part;
   std::optional<double> scale;
+  double offset_deg = 0.0;
 };
 
-/// The columns of a log of commands and angles, by their names.
+/// The columns of a log of commands and angles.
 struct ChainColumns {
-  std::size_t time = 0;
-  double time_scale_s = 1.0;
+  std::vector<TimeMapping> time;  // summed
   std::optional<std::size_t> episode;
   std::vector<PartColumn> commands;
   std::vector<PartColumn> angles;    // in the order of `commands`
@@ -36,7 +37,8 @@ struct ChainColumns {
 /// angle: `goal_position` and `present_position`, `action.X.pos` and `observation.state.X.pos`.
 /// A log of a single part needs no name for it; it is called `joint`. Columns of other quantities
 /// (speed, current, torque, ..) are ignored.
+/// A column map (see ReadLogMap), if one is given, is used in place of the names.
 /// Errors: UserError for a command without an angle, two columns for the same, or no time.
-ChainColumns FindChainColumns(const CsvReader& csv);
+ChainColumns FindChainColumns(const FoundTable& table, const std::string& map = {});
 
 }  // namespace gauntlet::sim

@@ -120,7 +120,7 @@ class Episodes {
     const bool exists = !wanted_ || std::ranges::find(numbers_, *wanted_) != numbers_.end();
     if (exists && (wanted_ || numbers_.size() <= 1)) return;
     const auto [least, most] = std::ranges::minmax(numbers_);
-    csv.FailInRow(1, (columns_.episode ? *columns_.episode : columns_.time) + 1,
+    csv.FailInRow(1, (columns_.episode ? *columns_.episode : columns_.time.front().column) + 1,
                   fmt::format("the log has {} episode{} ({:g} to {:g}): choose one with --episode",
                               numbers_.size(), numbers_.size() == 1 ? "" : "s", least, most));
   }
@@ -151,21 +151,26 @@ void TakeRow(const std::vector<double>& values, double time_s, ChainRows& rows) 
 std::vector<double> ReadSeries(const ChainColumns& columns, std::optional<int> episode,
                                CsvReader& csv, ChainRows& rows) {
   std::vector<bool> used(csv.column_count(), false);
-  used[columns.time] = true;
+  for (const TimeMapping& time : columns.time) {
+    used[time.column] = true;
+    if (time.is_text) csv.ReadAsTime(time.column);
+  }
   if (columns.episode) used[*columns.episode] = true;
   for (const PartColumn& column : rows.columns) used[column.column] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) csv.Ignore(i);
   }
+  const std::size_t time_column = columns.time.front().column;
   std::vector<double> steps_s;
   std::vector<double> values(csv.column_count());
   Episodes episodes(columns, episode);
   while (csv.NextRow(values)) {
-    const double time_s = values[columns.time] * columns.time_scale_s;
-    if (std::isnan(time_s)) csv.Fail(columns.time + 1, "the time is missing");
+    double time_s = 0.0;
+    for (const TimeMapping& time : columns.time) time_s += values[time.column] * time.scale_s;
+    if (std::isnan(time_s)) csv.Fail(time_column + 1, "the time is missing");
     const bool begins = episodes.Begins(values, time_s);
     if (!begins && time_s <= rows.last_s) {
-      csv.Fail(columns.time + 1,
+      csv.Fail(time_column + 1,
                fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
                            rows.last_s));
     }
@@ -235,8 +240,10 @@ double ScaleWithoutUnit(const ChainColumns& columns, const ChainRows& rows,
 }  // namespace
 
 ChainLog LoadChainLog(const std::filesystem::path& file, const ChainLogOptions& options) {
-  CsvReader csv(file.string(), TableSource(file, options.array), ProblemHandling::kAllowMissing);
-  const ChainColumns columns = FindChainColumns(csv);
+  FoundTable table =
+      FindTable(file.string(), TableSource(file, options.array), ProblemHandling::kAllowMissing);
+  CsvReader& csv = table.reader;
+  const ChainColumns columns = FindChainColumns(table, options.map);
   ChainLog log;
   log.name = OneLine(file.string());
   for (const PartColumn& command : columns.commands) log.parts.push_back(command.part);
@@ -251,7 +258,7 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const ChainLogOptions& 
   constexpr double kMostSamplesPerRow = 20.0;
   if (!(periods <= kMostSamplesPerRow * rows.count)) {
     csv.FailInRow(
-        1, columns.time + 1,
+        1, columns.time.front().column + 1,
         fmt::format("most rows come {:.3g} s after the one before, but all {} take {:.6g} "
                     "s, must come at an about even rate",
                     rows.period_s, rows.count, rows.last_s - rows.first_s));
@@ -263,7 +270,9 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const ChainLogOptions& 
   if (!columns.motors.empty()) log.motor_deg = Signal::Constant(samples, parts, kNaN);
   Signal* const signals[] = {&log.command_deg, &log.angle_deg, &log.motor_deg};
   for (std::size_t i = 0; i < rows.series.size(); ++i) {
-    for (double& value : rows.series[i].value) value *= rows.columns[i].scale.value_or(scale);
+    for (double& value : rows.series[i].value) {
+      value = rows.columns[i].scale.value_or(scale) * value + rows.columns[i].offset_deg;
+    }
     const Eigen::Index part =
         std::ranges::find(log.parts, rows.columns[i].part) - log.parts.begin();
     Signal& signal = *signals[std::min<std::size_t>(i / log.parts.size(), 2)];

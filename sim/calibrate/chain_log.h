@@ -30,12 +30,13 @@ struct ChainLog {
 };
 
 struct ChainLogOptions {
-  std::string array;           // of a file with several, see ListArrays()
-  std::string unit;            // of columns whose names have none: deg or rad
-  std::optional<int> episode;  // of a log with several
+  std::string array = {};           // of a file with several, see ListArrays()
+  std::string map = {};             // column map with command, angle, motor; empty: by names
+  std::string unit = {};            // of columns whose names have none: deg or rad
+  std::optional<int> episode = {};  // of a log with several
 };
 
-/// Reads a table of any format of TableSource with a header and a time column (see TimeScaleS).
+/// Reads a table of any format of TableSource with a header and a time (see TimeByName).
 /// Each part has a column with its command, one with its measured angle, and optionally
 /// `NAME_motor_deg` (or `_rad`) with the angle of its motor: see FindChainColumns(). The CSV of a
 /// trace is also accepted: `true_angle_rad.NAME` and `hand_angle_rad.NAME`. Other columns are

@@ -11,7 +11,9 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/column_map.h"
+#include "sim/recordings/column_scale.h"
 #include "sim/recordings/time_columns.h"
+#include "sim/recordings/time_guess.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -45,11 +47,9 @@ bool AddChannel(const std::string& name, std::size_t column, PoseColumns& column
   return false;
 }
 
-bool AddTime(const std::string& name, std::size_t column, PoseColumns& columns) {
-  const auto scale_s = TimeScaleS(name);
-  if (!scale_s) return IsSampleNumber(name);
-  columns.time = {TimeMapping{.column = column, .scale_s = *scale_s}};  // the last of several
-  return true;
+bool IsTime(const std::string& name, std::size_t column, const PoseColumns& columns) {
+  return TimeScaleS(name) || IsSampleNumber(name) ||
+         std::ranges::find(columns.time, column, &TimeMapping::column) != columns.time.end();
 }
 
 void RejectRepeats(const CsvReader& csv, const std::vector<ChannelColumn>& columns) {
@@ -86,12 +86,15 @@ void PairUp(const CsvReader& csv, PoseColumns& columns) {
   columns.angles = std::move(ordered);
 }
 
-PoseColumns ColumnsByName(const CsvReader& csv) {
+PoseColumns ColumnsByName(const FoundTable& table) {
+  const CsvReader& csv = table.reader;
+  const std::vector<std::string>& names = table.layout.names;
   PoseColumns columns;
+  columns.time = TimeByName(table.layout);
   std::size_t first_unknown = 0;
   for (std::size_t column = 0; column < csv.column_count(); ++column) {
-    const std::string& name = csv.header()[column];
-    if (AddTime(name, column, columns) || AddChannel(name, column, columns)) continue;
+    const std::string& name = names[column];
+    if (IsTime(name, column, columns) || AddChannel(name, column, columns)) continue;
     if (name.find('.') != std::string::npos) {
       ++columns.left_out;
     } else {
@@ -103,15 +106,18 @@ PoseColumns ColumnsByName(const CsvReader& csv) {
     csv.Fail(first_unknown + 1,
              fmt::format("unknown column {}, must be a time (as t_s or time_ms), k, or a channel's "
                          "name with _counts, _deg or _rad behind it; or --map says what it is",
-                         csv.Quoted(csv.header()[first_unknown])));
+                         csv.Quoted(names[first_unknown])));
   }
   return columns;
 }
 
 /// Uses only the time columns, sensor columns and bits of the map: scale and offset are the
 /// unknowns of the calibration. Known angles have the names of the channels.
-PoseColumns ColumnsByMap(const CsvReader& csv, const std::string& file) {
-  const ColumnMap map = ReadColumnMap(file, csv);
+PoseColumns ColumnsByMap(const FoundTable& table, const std::string& file) {
+  const CsvReader& csv = table.reader;
+  const std::vector<std::string>& names = table.layout.names;
+  const ColumnMap map =
+      ReadColumnMap(file, {.name = csv.name(), .header = names, .count = table.layout.columns});
   PoseColumns columns;
   columns.time = map.time;
   std::vector<bool> used(csv.column_count(), false);
@@ -135,10 +141,10 @@ PoseColumns ColumnsByMap(const CsvReader& csv, const std::string& file) {
     columns.full_scale_counts = full_scale;
     columns.counts.push_back({mapping.column, channel});
   }
-  for (std::size_t column = 0; column < csv.header().size(); ++column) {
+  for (std::size_t column = 0; column < names.size(); ++column) {
     if (used[column]) continue;
     PoseColumns one;
-    const bool is_angle = AddChannel(csv.header()[column], column, one) && !one.angles.empty() &&
+    const bool is_angle = AddChannel(names[column], column, one) && !one.angles.empty() &&
                           std::ranges::find(columns.counts, one.angles.front().channel,
                                             &ChannelColumn::channel) != columns.counts.end();
     if (is_angle) columns.angles.push_back(one.angles.front());
@@ -148,11 +154,12 @@ PoseColumns ColumnsByMap(const CsvReader& csv, const std::string& file) {
 
 }  // namespace
 
-PoseColumns FindPoseColumns(const CsvReader& csv, const std::string& map) {
-  if (map.empty() && csv.header().empty()) {
-    csv.Fail(1, "the first line must name the columns, or --map");
-  }
-  PoseColumns columns = map.empty() ? ColumnsByName(csv) : ColumnsByMap(csv, map);
+PoseColumns FindPoseColumns(const FoundTable& table, const std::string& map) {
+  const CsvReader& csv = table.reader;
+  const bool has_names = std::ranges::any_of(table.layout.names,
+                                             [](const std::string& name) { return !name.empty(); });
+  if (map.empty() && !has_names) csv.Fail(1, "the first line must name the columns, or --map");
+  PoseColumns columns = map.empty() ? ColumnsByName(table) : ColumnsByMap(table, map);
   if (columns.counts.empty()) csv.Fail(1, "there is no column of counts (as index_mcp_counts)");
   RejectRepeats(csv, columns.counts);
   RejectRepeats(csv, columns.angles);

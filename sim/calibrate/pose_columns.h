@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/recordings/column_map.h"
-#include "sim/recordings/csv_reader.h"
+#include "sim/recordings/table_layout.h"
 
 namespace gauntlet::sim {
 
@@ -28,6 +28,6 @@ struct PoseColumns {
 
 /// Finds the columns by their names, or by a column map.
 /// Errors: UserError `file:row:column: ...`.
-PoseColumns FindPoseColumns(const CsvReader& csv, const std::string& map);
+PoseColumns FindPoseColumns(const FoundTable& table, const std::string& map);
 
 }  // namespace gauntlet::sim

@@ -243,8 +243,10 @@ void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> a
 
 PoseRecording LoadPoseRecording(const std::filesystem::path& file,
                                 const PoseRecordingFormat& format) {
-  CsvReader csv(file.string(), TableSource(file, format.array), ProblemHandling::kAllowMissing);
-  const PoseColumns columns = FindPoseColumns(csv, format.map);
+  FoundTable table =
+      FindTable(file.string(), TableSource(file, format.array), ProblemHandling::kAllowMissing);
+  CsvReader& csv = table.reader;
+  const PoseColumns columns = FindPoseColumns(table, format.map);
   ReadOnly(columns, csv);
   PoseRecording recording;
   recording.name = OneLine(file.string());  // as results show it

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,6 +25,9 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/stream_table.h"
+#include "sim/recordings/file_format.h"
+#include "sim/recordings/source_bytes.h"
+#include "sim/recordings/utf16.h"
 #include "sim/settings/yaml_reader.h"
 
 namespace gauntlet::sim {
@@ -55,9 +58,10 @@ struct FilterOptions {
   }
 
   static constexpr auto kNotes = R"(
-Cells stand between commas, semicolons or tabs, and come out so. A column of
+The table is found as gauntlet inspect finds it; lines above it are left out. A column of
 time (time, timestamp, t, with a unit as in time_ms; in s without) passes through, and k,
 frame or sample if it is the first; all others are channels, unless --columns names some.
+Another name of a time, as recv_timestamp_ms, is taken if its first 21 values rise.
 The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that
 only count samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is
 held at the last good one.
@@ -160,8 +164,6 @@ class FilterStream {
     PrintText(table_.header());
     CheckOutput();
   }
-
-  bool has_header() const { return !table_.header().empty(); }
 
   void ReadRow(std::string_view line, std::size_t row) {
     table_.Read(line, row);
@@ -281,45 +283,32 @@ class FilterStream {
   std::size_t missing_ = 0;
 };
 
-/// The lines of standard input, without their ends.
-class InputLines {
- public:
-  /// False at the end. Errors: UserError for a line of more than kLongestLine bytes; RunError where
-  /// a read failed, which is no end: what comes behind it is missing.
-  bool Next(std::string_view& line) {
-    ++row_;
-    std::cin.getline(buffer_.data(), std::ssize(buffer_));
-    if (std::cin.bad()) {
+/// The text of standard input, as soon as it comes; UTF-16 as UTF-8.
+/// Errors: UserError for what is no text; RunError where a read failed, which is no end: what comes
+/// behind it is missing.
+TextLines::Source StandardInput() {
+  const TextLines::Source bytes = [](char* buffer, std::size_t size) {
+    for (;;) {
+      const ssize_t got = read(STDIN_FILENO, buffer, size);
+      if (got >= 0) return static_cast<std::size_t>(got);
+      if (errno == EINTR) continue;
       throw RunError(fmt::format("standard input: cannot be read: {}", std::strerror(errno)));
     }
-    const auto count = static_cast<std::size_t>(std::cin.gcount());
-    if (std::cin.fail() && !std::cin.eof()) StreamTable::Fail(row_, LineTooLong());
-    line = {buffer_.data(), count - (std::cin.eof() ? 0 : 1)};  // the count has the end
-    return !std::cin.fail();
-  }
-  /// Of the last line, from 1.
-  std::size_t row() const { return row_; }
-
- private:
-  std::vector<char> buffer_ = std::vector<char>(kLongestLine);
-  std::size_t row_ = 0;
-};
+  };
+  std::string head = BytesOf(bytes, 2);  // of a byte order mark
+  TextLines::Source all = WithHead(head, bytes);
+  return FormatOfBytes(head) == FileFormat::kUtf16 ? Utf8Of(std::move(all)) : all;
+}
 
 void RunFilter(const FilterOptions& options) {
   EndAtSignals();  // it waits for its source, and has nothing to tidy up
   const StreamFilter settings = ReadFilter(options);
-  std::ios::sync_with_stdio(false);
-  errno = 0;
-  InputLines lines;
-  std::string_view line;
-  if (!lines.Next(line)) {
-    throw UserError({.place = "standard input", .problem = "is empty, needs a header"});
-  }
-  const std::string first(WithoutByteOrderMark(line));
-  FilterStream stream(settings, StreamTable(first, options.map, options.columns));
-  if (!stream.has_header()) stream.ReadRow(first, 1);
-  while (lines.Next(line)) {
-    if (!Trimmed(line).empty()) stream.ReadRow(line, lines.row());
+  TextLines lines("standard input", StandardInput());
+  const StreamHead head = ReadHead(lines, !options.map.empty());
+  FilterStream stream(settings, StreamTable(head, options.map, options.columns));
+  for (const TextLine& row : head.rows) stream.ReadRow(row.text, row.number);
+  for (std::string_view line; lines.Next(line);) {
+    if (IsRow(line)) stream.ReadRow(line, lines.number());
   }
   stream.Finish();
 }

@@ -32,6 +32,7 @@ struct IdentifyOptions {
   static constexpr auto kPurpose = "Delay, lag and hysteresis of a hand from a log";
   std::string log;
   std::string array;       // of a file with several
+  std::string map;         // column map
   std::string controller;  // empty: the first of a trace
   std::string from = "wearer";
   std::string unit;  // of columns whose names have none
@@ -56,6 +57,9 @@ struct IdentifyOptions {
         Option("--controller", &controller, {.value = "NAME", .offer = Offer::kControllers},
                "of an output folder [the scenario's first]"),
         ArrayOption(array),
+        Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
+               "column map: columns with the channels command, angle and motor, their joint in the "
+               "key joint [by names]"),
         Option("--held", &held, {},
                "each row's command held until the next row's [where the command steps at every "
                "n-th row only]"),
@@ -138,6 +142,7 @@ ChainLog LoadLog(const IdentifyOptions& options) {
   }
   return LoadChainLog(
       path, {.array = options.array,
+             .map = options.map,
              .unit = options.unit,
              .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode)});
 }

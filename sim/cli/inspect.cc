@@ -13,6 +13,7 @@
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/inspect_hand.h"
+#include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
@@ -166,12 +167,6 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
   Print("\n{}", TextOf(ColumnsTable(inspection, is_verbose), StyleOf({})));
 }
 
-/// As a file in the folder of `from` names it.
-std::string SeenFrom(const fs::path& from, const fs::path& file) {
-  const fs::path folder = fs::absolute(from).parent_path();
-  return fs::absolute(file).lexically_proximate(folder).generic_string();
-}
-
 /// Errors: UserError, before anything is written, for a target that must stay.
 void CheckTargets(const std::string& map, const InspectOptions& options) {
   const std::vector<std::string> targets = {map, options.scenario, options.plot};
@@ -184,12 +179,6 @@ void CheckTargets(const std::string& map, const InspectOptions& options) {
   }
   if (options.force) return;
   for (const std::string& target : {map, options.scenario}) RefuseEdited(target);
-}
-
-void Write(const std::string& target, const std::string& text, bool force) {
-  MakeDirectoryOf(target);
-  WriteEditableFile(target, text, force);
-  Say("wrote {}\n", target);
 }
 
 /// First and last column of `FIRST-LAST`.
@@ -205,17 +194,6 @@ std::pair<std::size_t, std::size_t> ColumnRange(const std::string& text) {
          .problem = fmt::format("'{}' must be FIRST-LAST, as 3-25", OneLine(text, 30))});
   }
   return {*first, *last};
-}
-
-/// Errors: UserError with the question that is open, and what answers it.
-void CheckQuestion(const Inspection& inspection, const std::string& map) {
-  if (inspection.question.empty()) return;
-  const bool has_rows = !inspection.Sensors().empty();
-  const std::string way =
-      !has_rows     ? ""
-      : map.empty() ? "; --preset NAME, or --write-map MAP.csv and fill it in"
-                    : fmt::format("; fill in {}, then --map {}", ShellPath(map), ShellPath(map));
-  throw UserError({.place = inspection.file, .problem = inspection.question + way});
 }
 
 void RunInspect(const InspectOptions& options) {
@@ -239,14 +217,14 @@ void RunInspect(const InspectOptions& options) {
   }
   FlushOutput();
   if (!map.empty() && !inspection.Sensors().empty()) {
-    Write(map, StarterMap(inspection), options.force);
+    WriteStarter(map, StarterMap(inspection), options.force);
   }
   CheckQuestion(inspection, map);
   if (!options.scenario.empty()) {
-    Write(options.scenario,
-          StarterScenario(inspection, SeenFrom(options.scenario, options.file),
-                          SeenFrom(options.scenario, given_map.empty() ? map : given_map)),
-          options.force);
+    WriteStarter(options.scenario,
+                 StarterScenario(inspection, SeenFrom(options.scenario, options.file),
+                                 SeenFrom(options.scenario, given_map.empty() ? map : given_map)),
+                 options.force);
     if (!options.json) Print("\nNext: gauntlet compare {}\n", ShellPath(options.scenario));
   }
   if (!options.plot.empty()) {

@@ -1,6 +1,7 @@
 #include "sim/cli/stream_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
@@ -12,24 +13,75 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/cli/row_clock.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/recording_reader.h"
 #include "sim/recordings/time_columns.h"
+#include "sim/recordings/time_guess.h"
 #include "sim/recordings/time_text.h"
+#include "sim/recordings/turn_counter.h"
 
 namespace gauntlet::sim {
 namespace {
 
-bool IsNumber(std::string_view text) {
-  return controller::ParseNumberOfProgram(Trimmed(text)).has_value();
+constexpr const char* kPlace = "standard input";
+
+std::size_t ValuesIn(const std::vector<std::string_view>& cells, char separator) {
+  return std::ranges::count_if(cells,
+                               [=](std::string_view cell) { return IsValue(cell, separator); });
 }
 
-std::vector<std::string> NamesOf(const std::vector<std::string_view>& cells) {
-  std::vector<std::string> names;
-  for (const std::string_view cell : cells) names.emplace_back(Unquoted(cell));
-  return names;
+/// True if the line is a row: it has values and, unless it may stand alone, as many cells as the
+/// line above it.
+bool EndsHead(std::string_view line, const std::string& above, bool may_be_alone) {
+  const char separator = SeparatorOf(line);
+  const std::vector<std::string_view> cells = SplitCells(line, separator);
+  const std::size_t values = ValuesIn(cells, separator);
+  if (above.empty()) return may_be_alone && values == cells.size();
+  return values > 0 && SplitCells(above, separator).size() == cells.size();
+}
+
+/// True if only rows tell which column is the time.
+bool IsTimeUnclear(const TableLayout& layout) {
+  bool may_be = false;
+  for (std::size_t c = 0; c < layout.columns; ++c) {
+    const std::string& name = layout.names[c];
+    if (TimeScaleS(name)) return false;
+    may_be = may_be || (MayBeTime(name) && !IsSampleNumber(name)) ||
+             KindOf(layout, c) == CellKind::kTime;
+  }
+  return may_be;
+}
+
+/// The first line with cells names the columns. A blank may be part of a name: `sensor 3`.
+TableLayout LayoutWithoutRows(const std::vector<TextLine>& lines) {
+  TableLayout layout;
+  const auto header =
+      std::ranges::find_if(lines, [](const TextLine& line) { return IsRow(line.text); });
+  if (header == lines.end()) throw UserError({.place = kPlace, .problem = "is empty"});
+  layout.separator = SeparatorOf(header->text) == ' ' ? ',' : SeparatorOf(header->text);
+  layout.has_header = true;
+  layout.skipped_lines = static_cast<int>(header - lines.begin());
+  for (const std::string_view cell : SplitCells(header->text, layout.separator)) {
+    layout.names.emplace_back(Unquoted(cell));
+  }
+  layout.columns = layout.names.size();
+  return layout;
+}
+
+/// The shape that FindTable() finds, if the last line has it: few lines may mislead it.
+TableLayout LayoutOf(const std::vector<TextLine>& lines) {
+  std::string text;
+  for (const TextLine& line : lines) text += std::string(Trimmed(line.text)) + "\n";
+  try {
+    TableLayout layout = FindTable(kPlace, TextSource(text), ProblemHandling::kRepair).layout;
+    const std::size_t cells = SplitCells(lines.back().text, layout.separator).size();
+    if (cells == layout.columns || cells == layout.columns + 1) return layout;
+  } catch (const UserError&) {  // no table in it
+  }
+  return LayoutWithoutRows(lines);
 }
 
 /// Columns that --columns names, by their names or by their numbers from 1.
@@ -55,17 +107,62 @@ std::vector<bool> AskedColumns(const std::vector<std::string>& names,
 
 }  // namespace
 
-StreamTable::StreamTable(std::string_view first_line, const std::string& map,
-                         const std::vector<std::string>& asked) {
-  if (map.empty()) {
-    TakeColumns(first_line, asked);
-  } else {
-    TakeMap(first_line, map, asked);
+bool IsRow(std::string_view line) { return !Trimmed(line).empty() && Trimmed(line).front() != '#'; }
+
+StreamHead ReadHead(TextLines& lines, bool has_map) {
+  constexpr std::size_t kMostLines = 64;
+  std::vector<TextLine> read;
+  std::string above;
+  std::string_view line;
+  bool ends = false;
+  while (!ends && read.size() < kMostLines && lines.Next(line)) {
+    read.push_back({std::string(line), lines.number()});
+    if (!IsRow(line)) continue;
+    ends = EndsHead(line, above, has_map);
+    above = line;
   }
+  StreamHead head;
+  head.layout = ends ? LayoutOf(read) : LayoutWithoutRows(read);
+  TableLayout& layout = head.layout;
+  if (!has_map && ends && IsTimeUnclear(layout)) {
+    const std::size_t most = read.size() + RowClock::kRowsForRate;
+    while (read.size() < most && lines.Next(line)) {
+      read.push_back({std::string(line), lines.number()});
+    }
+    layout = LayoutOf(read);
+  }
+  const bool has_names =
+      std::ranges::any_of(layout.names, [](const std::string& name) { return !name.empty(); });
+  bool is_header = layout.has_header || (!has_names && !has_map);
+  for (std::size_t i = static_cast<std::size_t>(layout.skipped_lines); i < read.size(); ++i) {
+    if (!IsRow(read[i].text)) continue;
+    if (!is_header) {
+      head.rows.push_back(read[i]);
+      continue;
+    }
+    is_header = false;
+    for (const std::string_view cell : SplitCells(read[i].text, layout.separator)) {
+      head.names.emplace_back(Trimmed(cell));
+    }
+  }
+  if (!has_names || head.names.size() == layout.columns) return head;
+  head.names.clear();  // in a comment, above their units, or one short
+  for (const std::string& name : layout.names) {
+    const bool is_plain = name.find_first_of({layout.separator, '"', ' '}) == std::string::npos;
+    head.names.push_back(is_plain ? name : '"' + name + '"');
+  }
+  return head;
 }
 
-void StreamTable::TakeTime(std::size_t column, double scale_s) {
-  if (time_.empty()) time_.push_back({.column = column, .scale_s = scale_s});
+StreamTable::StreamTable(const StreamHead& head, const std::string& map,
+                         const std::vector<std::string>& asked) {
+  separator_ = head.layout.separator;
+  columns_ = head.layout.columns;
+  if (map.empty()) {
+    TakeColumns(head, asked);
+  } else {
+    TakeMap(head, map, asked);
+  }
 }
 
 void StreamTable::TakeChannel(std::size_t column) {
@@ -74,15 +171,14 @@ void StreamTable::TakeChannel(std::size_t column) {
   channels_.push_back(StreamChannel{Part{.column = column}});
 }
 
-/// The first column of time is the clock; `k`, the number of the sample, is no channel in the
-/// first column only.
-void StreamTable::TakeColumns(std::string_view line, const std::vector<std::string>& asked) {
-  // A blank may be part of a name: `sensor 3` is one column.
-  separator_ = SeparatorOf(line) == ' ' ? ',' : SeparatorOf(line);
-  const std::vector<std::string_view> cells = SplitCells(line, separator_);
-  const std::vector<std::string> names = NamesOf(cells);
-  columns_ = names.size();
+/// `k`, the number of the sample, is no channel in the first column only.
+void StreamTable::TakeColumns(const StreamHead& head, const std::vector<std::string>& asked) {
+  std::vector<std::string> names;
+  for (const std::string& name : head.names) names.emplace_back(Unquoted(name));
+  names.resize(columns_);
   const std::vector<bool> is_asked = AskedColumns(names, asked);
+  time_ = TimeByName(head.layout);
+  std::erase_if(time_, [&](const TimeMapping& time) { return is_asked[time.column]; });
   for (std::size_t column = 0; column < columns_; ++column) {
     const std::string& name = names[column];
     output_.push_back({.column = column});
@@ -91,9 +187,11 @@ void StreamTable::TakeColumns(std::string_view line, const std::vector<std::stri
       continue;
     }
     if (asked.empty() && name.empty()) Fail(1, column, "has no name");
-    if (const auto scale_s = TimeScaleS(name)) {
-      TakeTime(column, *scale_s);
-    } else if (asked.empty() && (!IsSampleNumber(name) || column > 0)) {
+    const bool is_time = std::ranges::find(time_, column, &TimeMapping::column) != time_.end();
+    if (TimeScaleS(name) || (IsSampleNumber(name) && column == 0)) continue;
+    if (is_time) {
+      Say("gauntlet: standard input: {} is the time\n", Shown(name));
+    } else if (asked.empty()) {
       TakeChannel(column);
       if (!MayBeTime(name)) continue;
       Say("gauntlet: warning: standard input:1:{}: {} is filtered as a channel; if it is the time, "
@@ -101,37 +199,25 @@ void StreamTable::TakeColumns(std::string_view line, const std::vector<std::stri
           column + 1, Shown(name));
     }
   }
-  if (std::ranges::all_of(cells, IsNumber)) {  // data frames do so; or the header was forgotten
+  if (ValuesIn({names.begin(), names.end()}, separator_) == columns_) {
+    // Data frames do so; or the header was forgotten.
     Say("gauntlet: warning: standard input:1: numbers only, taken as the header\n");
   }
   if (channels_.empty()) Fail(1, "has no channel besides the time");
-  header_ = fmt::format("{}\n", Trimmed(line));
+  header_ = fmt::format("{}\n", fmt::join(head.names, std::string(1, separator_)));
 }
 
-void StreamTable::TakeMap(std::string_view line, const std::string& map,
+void StreamTable::TakeMap(const StreamHead& head, const std::string& map,
                           const std::vector<std::string>& asked) {
-  separator_ = SeparatorOf(line);
-  std::vector<std::string_view> cells = SplitCells(line, separator_);
-  const bool has_header = !std::ranges::all_of(
-      cells, [this](std::string_view cell) { return IsValue(cell, separator_); });
-  if (has_header && separator_ == ' ') {  // as without a map
-    separator_ = ',';
-    cells = SplitCells(line, separator_);
-  }
-  columns_ = cells.size();
-  const std::vector<std::string> no_header;
-  const ColumnMap columns =
-      ReadColumnMap(map, RecordingColumns{.name = "standard input",
-                                          .header = has_header ? NamesOf(cells) : no_header,
-                                          .count = columns_});
+  const ColumnMap columns = ReadColumnMap(
+      map, RecordingColumns{.name = kPlace, .header = head.layout.names, .count = columns_});
   time_ = columns.time;
   const std::vector<std::string> names = TakeChannels(columns);
   KeepAsked(names, asked);
-  if (!has_header) return;
+  if (head.names.empty()) return;
   for (const OutputCell& cell : output_) {
     if (&cell != output_.data()) header_.push_back(separator_);
-    header_ +=
-        cell.channel ? names[*cell.channel] + "_deg" : std::string(Trimmed(cells[cell.column]));
+    header_ += cell.channel ? names[*cell.channel] + "_deg" : head.names[cell.column];
   }
   header_.push_back('\n');
 }
@@ -144,7 +230,8 @@ std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
     const AngleScale scale = ScaleOf(mapping, nominal.low_counts, nominal.high_counts);
     parts[mapping.channel].push_back({.column = mapping.column,
                                       .factor = scale.factor * kDegPerRad,
-                                      .offset = scale.offset_rad * kDegPerRad});
+                                      .offset = scale.offset_rad * kDegPerRad,
+                                      .wraps_at = mapping.wraps_at});
     passes[mapping.column] = false;
   }
   std::vector<std::string> names;
@@ -177,6 +264,8 @@ void StreamTable::KeepAsked(const std::vector<std::string>& names,
 void StreamTable::Read(std::string_view line, std::size_t row) {
   row_ = row;
   fields_ = SplitCells(line, separator_);
+  const bool has_end = fields_.size() == columns_ + 1 && Trimmed(fields_.back()).empty();
+  if (has_end) fields_.pop_back();
   if (fields_.size() != columns_) {
     Fail(row, fmt::format("has {} fields, must have {}", fields_.size(), columns_));
   }
@@ -200,15 +289,15 @@ double StreamTable::Time() const {
   return sum;
 }
 
-double StreamTable::ValueOf(const StreamChannel& channel) const {
+double StreamTable::ValueOf(StreamChannel& channel) {
   double sum = -0.0;
-  for (const Part& part : channel) {
+  for (Part& part : channel) {
     const std::string_view field = fields_[part.column];
     const std::optional<double> value = NumberOrMissing(Plain(field));
     if (!value) {
       Fail(row_, part.column, fmt::format("is \"{}\", must be a number", Shown(field)));
     }
-    sum += part.factor * *value + part.offset;
+    sum += part.factor * Unwrapped(*value, part.wraps_at, part.before, part.turned) + part.offset;
   }
   return sum;
 }
@@ -242,7 +331,7 @@ std::string_view StreamTable::Written(std::span<const double> values) {
 }
 
 void StreamTable::Fail(std::size_t row, const std::string& problem) {
-  throw UserError({.place = fmt::format("standard input:{}", row), .problem = problem});
+  throw UserError({.place = fmt::format("{}:{}", kPlace, row), .problem = problem});
 }
 
 void StreamTable::Fail(std::size_t row, std::size_t column, const std::string& problem) {

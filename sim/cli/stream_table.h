@@ -7,9 +7,29 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/number.h"
 #include "sim/recordings/column_map.h"
+#include "sim/recordings/table_layout.h"
+#include "sim/recordings/text_lines.h"
 
 namespace gauntlet::sim {
+
+/// The beginning of a stream: the shape of its table, as FindTable() finds it, and the rows that it
+/// took to find it.
+struct StreamHead {
+  TableLayout layout;
+  std::vector<std::string> names;  // as the stream has them; empty: no line of names
+  std::vector<TextLine> rows;
+};
+
+/// False for empty lines and comments.
+bool IsRow(std::string_view line);
+
+/// Reads up to the first row, so that a live stream gets its answer at once. Without a map a first
+/// line of numbers is the header. If a column may be the time (see MayBeTime, or a clock) and none
+/// is by its name, as many rows are read as tell the rate.
+/// Errors: UserError for an empty stream.
+StreamHead ReadHead(TextLines& lines, bool has_map);
 
 /// The table that runs through `gauntlet filter`, line by line: which columns are the time, which
 /// make channels, and which pass through.
@@ -23,7 +43,7 @@ namespace gauntlet::sim {
 /// Errors: UserError `standard input:row:column: ...`, or of the map.
 class StreamTable {
  public:
-  StreamTable(std::string_view first_line, const std::string& map,
+  StreamTable(const StreamHead& head, const std::string& map,
               const std::vector<std::string>& asked);
 
   /// The line that comes out first, with its end; empty if the stream has no header.
@@ -42,7 +62,7 @@ class StreamTable {
   /// The cell that Time() begins with.
   std::string_view TimeText() const { return fields_[time_column()]; }
   /// Of a channel to filter; NaN if a part of it is missing.
-  double Value(std::size_t channel) const { return ValueOf(channels_[filtered_[channel]]); }
+  double Value(std::size_t channel) { return ValueOf(channels_[filtered_[channel]]); }
   /// The row, with these values of the channels to filter, and its end.
   std::string_view Written(std::span<const double> values);
 
@@ -55,6 +75,9 @@ class StreamTable {
     std::size_t column = 0;
     double factor = 1.0;
     double offset = -0.0;
+    double wraps_at = 0.0;  // as in a column map
+    double before = controller::kNaN;
+    double turned = 0.0;
   };
   using StreamChannel = std::vector<Part>;  // their sum
   /// Of the rows that come out: a channel, or a column that passes through.
@@ -63,16 +86,15 @@ class StreamTable {
     std::optional<std::size_t> channel = {};
   };
 
-  void TakeColumns(std::string_view line, const std::vector<std::string>& asked);
-  void TakeMap(std::string_view line, const std::string& map,
+  void TakeColumns(const StreamHead& head, const std::vector<std::string>& asked);
+  void TakeMap(const StreamHead& head, const std::string& map,
                const std::vector<std::string>& asked);
   /// The channels of a map and the columns that pass through; returns the names of the channels.
   std::vector<std::string> TakeChannels(const ColumnMap& map);
   void KeepAsked(const std::vector<std::string>& names, const std::vector<std::string>& asked);
-  void TakeTime(std::size_t column, double scale_s);
   void TakeChannel(std::size_t column);
   std::string Plain(std::string_view field) const;
-  double ValueOf(const StreamChannel& channel) const;
+  double ValueOf(StreamChannel& channel);
   void WriteNumber(const StreamChannel& channel, double value);
 
   char separator_ = ',';

@@ -17,6 +17,7 @@
 #include "sim/cli/interrupt.h"
 #include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/comparison/study_files.h"
@@ -207,6 +208,14 @@ void WarnIfUnchecked(const std::string& folder, bool checked) {
 void RunStudyCommand(const StudyCommand& asked) {
   StudyCommand options = asked;
   if (!options.priority.empty()) options.overrides.push_back("priority=" + options.priority);
+  if (IsRecordingFile(asked.scenario_file)) {
+    const std::filesystem::path recording = asked.scenario_file;
+    const std::string folder = asked.out.empty() ? "out/" + recording.stem().string() : asked.out;
+    options.scenario_file = ScenarioOfRecording(recording, asked.map, folder);
+  } else if (!asked.map.empty()) {
+    throw UserError({.place = "--map " + asked.map,
+                     .problem = "needs a recording, not a scenario, which names its own map"});
+  }
   const ScenarioSource source{.file = options.scenario_file,
                               .text = ReadYamlText(options.scenario_file),
                               .overrides = options.overrides};

@@ -14,6 +14,7 @@ namespace gauntlet::sim {
 /// What `run` and `compare` share: options, and the way from a scenario to an output folder.
 struct StudyCommand {
   std::string scenario_file;
+  std::string map;  // column map of a recording in place of a scenario
   std::string out;  // empty: out/<scenario>
   std::vector<std::string> overrides;
   std::vector<std::string> controllers;  // empty: all of the scenario
@@ -31,6 +32,9 @@ struct StudyCommand {
   Options Rows() {
     return {
         ScenarioArgument(scenario_file),
+        Option("--map", &map, {.value = "MAP.csv", .offer = Offer::kFiles},
+               "column map of a recording in place of a scenario, whose scenario is then written "
+               "as gauntlet inspect writes it"),
         OutOption(out, "output folder [out/<scenario>]"),
         SetOption(overrides,
                   "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated"),

@@ -11,11 +11,11 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
-#include "sim/inspect/time_guess.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/name_words.h"
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_columns.h"
+#include "sim/recordings/time_guess.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -59,6 +59,14 @@ bool IsCoarse(const TimeStatistics& time, std::size_t rows) {
          static_cast<double>(time.repeats) > kMostRepeats * static_cast<double>(rows);
 }
 
+/// Rows that come in bursts, as USB packets do: most intervals are far shorter or far longer than
+/// the usual one.
+bool IsInBursts(const TimeStatistics& time) {
+  constexpr double kFar = 4.0;
+  const double usual_ms = 1e3 / time.rate_hz;
+  return time.short_ms < usual_ms / kFar && time.long_ms > kFar * usual_ms;
+}
+
 /// Rate in a line before the table, as `Sampling rate: 100 Hz`; 0 if there is none.
 double RateInNotes(const std::vector<std::string>& notes) {
   constexpr double kSlowest_hz = 1.0;
@@ -96,10 +104,12 @@ void TakeRate(const TimeStatistics& time, bool is_coarse, double given_rate_hz,
 /// Takes over the guessed time columns if their time advances from row to row.
 void TakeTime(const TimeGuess& guess, const TimeStatistics& time, double given_rate_hz,
               Inspection& inspection) {
-  const bool is_coarse = !guess.parts.empty() && IsCoarse(time, inspection.rows);
+  const bool is_bursts = !guess.parts.empty() && IsInBursts(time);
+  const bool is_coarse = is_bursts || (!guess.parts.empty() && IsCoarse(time, inspection.rows));
   inspection.has_time = !guess.parts.empty() && std::isfinite(time.rate_hz) && !is_coarse;
   inspection.rate_is_known = inspection.has_time;
   inspection.time_why = guess.parts.empty() || inspection.has_time ? guess.why
+                        : is_bursts ? "its rows come in bursts and are spread evenly"
                         : is_coarse ? "its clock repeats in many rows; the mean rate counts"
                                     : "its column has no two rows at different times";
   if (!inspection.has_time) {
@@ -199,6 +209,7 @@ void TakeJoints(const std::vector<ColumnFamily>& families, const JointChoice& ch
   inspection.unit_high = choice.high;
   if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(choice.high);
   inspection.question = choice.question;
+  inspection.is_command_log = choice.is_command_log;
 }
 
 double DegPerUnit(const Inspection& inspection) {
@@ -372,7 +383,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   const auto is_whole = std::make_shared<bool>(true);
   auto [layout, reader] =
       FindTable(file.string(), BeginningOf(TableSource(file, options.array), is_whole),
-                [&inspection](RecordingProblem problem, std::size_t) {
+                ProblemHandling::kRepair, [&inspection](RecordingProblem problem, std::size_t) {
                   ++inspection.problems[std::string(NameOf(problem))];
                 });
   inspection.layout = std::move(layout);

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "sim/inspect/joint_choice.h"
-#include "sim/inspect/table_layout.h"
 #include "sim/recordings/array_table.h"
 #include "sim/recordings/file_format.h"
 #include "sim/recordings/quantities.h"
+#include "sim/recordings/table_layout.h"
 #include "sim/recordings/table_statistics.h"
 
 namespace gauntlet::sim {
@@ -59,6 +59,7 @@ struct Inspection {
   double unit_high = 0.0;  // highest usual value of the sensors
   int bits = 0;            // for counts
   std::string unit_why;
+  bool is_command_log = false;
   std::string question;  // that stops the work until it is answered; empty: none
   std::vector<InspectedColumn> columns;
   std::vector<double> picture_time_s;               // of some rows

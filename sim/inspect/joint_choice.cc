@@ -33,14 +33,6 @@ const std::vector<KnownGlove>& KnownGloves() {
   return kGloves;
 }
 
-/// Names of sensors whose order may be that of a glove: robots have joints and motors instead.
-constexpr std::string_view kOrderedWords =
-    "flex bend bending glove finger fingers hand sensor sensors sens s ch chan channel channels "
-    "adc a "
-    "f v val value values raw norm normalized normalised data analog volt volts count counts deg "
-    "degree degrees rad radian radians angle angles cyberglove dataglove cal calibrated filtered "
-    "abc";
-
 /// Channels by the number of the sensor, and whether all values must be angles.
 struct Preset {
   std::vector<std::string> channels;  // empty: the sensor drives no joint
@@ -111,19 +103,26 @@ void Take(const ColumnFamily& family, JointChoice& choice) {
   choice.high = family.facts.high;
 }
 
-/// A log of commands and of what was measured, and no glove.
+/// A log of commands and of what was measured, and no glove. A command that is held for many rows
+/// looks like a label: then a word of the measured columns must say that they answer.
 bool IsCommandLog(const std::vector<ColumnFamily>& families) {
-  constexpr std::string_view kMeasured =
-      "state observation measured actual feedback present current position";
-  bool has_command = false, has_measured = false, has_glove = false;
+  constexpr std::string_view kAnswers = "state observation measured actual feedback present";
+  const auto command_rule = std::ranges::find(QuantityRules(), "command", &QuantityRule::key);
+  bool has_command = false, has_held = false, has_measured = false, has_answer = false;
   for (const ColumnFamily& family : families) {
-    has_command = has_command || (family.quantity == Quantity::kCommand && family.facts.moving > 0);
-    const bool is_measured = family.quantity != Quantity::kCommand && family.facts.moving > 0;
-    has_measured = has_measured || (is_measured && (HasWordOf(family.facts.words, kMeasured) ||
-                                                    family.quantity == Quantity::kSensor));
-    has_glove = has_glove || HasWordOf(family.facts.words, "glove flex bend");
+    const std::vector<std::string>& words = family.facts.words;
+    if (HasWordOf(words, "glove flex bend")) return false;
+    if (family.facts.moving == 0) continue;
+    if (HasWordOf(words, command_rule->words)) {
+      has_held = true;
+      has_command = has_command || family.quantity == Quantity::kCommand;
+      continue;
+    }
+    has_answer = has_answer || HasWordOf(words, kAnswers);
+    has_measured = has_measured || family.quantity == Quantity::kSensor ||
+                   HasWordOf(words, kAnswers) || HasWordOf(words, "position current");
   }
-  return has_command && has_measured && !has_glove;
+  return (has_command && has_measured) || (has_held && has_answer);
 }
 
 /// Sensors of the asked hand. `question` receives a sentence if a file with both has none asked.
@@ -219,15 +218,10 @@ void TakeMap(const std::vector<ColumnFamily>& families, const std::vector<std::s
   }
 }
 
-bool AreOf(const std::vector<std::string>& words, std::string_view list) {
-  return std::ranges::all_of(words,
-                             [list](const std::string& word) { return HasWordOf({word}, list); });
-}
-
 /// Joints by the number of the sensors, or a question.
 void TakeByNumber(const ColumnFamily& family, JointChoice& choice) {
   const std::string_view preset = PresetFor(family.columns.size(), family.unit);
-  const bool may_be_ordered = AreOf(family.facts.words, kOrderedWords);
+  const bool may_be_ordered = std::ranges::all_of(family.facts.words, IsSensorWord);
   if (preset.empty() || !may_be_ordered || !family.facts.is_even) {
     choice.question = fmt::format(
         "{}: {} [{}], {}", ColumnsText(family.columns),
@@ -285,7 +279,9 @@ void TakeBest(const std::vector<const ColumnFamily*>& sensors,
   for (const std::size_t c : choice.columns) own_names.push_back(names[c]);
   choice.joints = JointsByNames(own_names, choice.question);
   // A word that is not known may say that it is no angle of the joint.
-  if (!AreOf(family.facts.words, std::string(kOrderedWords) + " pos position positions")) {
+  if (!std::ranges::all_of(family.facts.words, [](const std::string& word) {
+        return IsSensorWord(word) || HasWordOf({word}, "pos position positions");
+      })) {
     for (ColumnJoint& joint : choice.joints) joint.basis = JointBasis::kAssumed;
   }
   const bool any_joint = std::ranges::any_of(
@@ -307,7 +303,8 @@ JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
     return choice;
   }
   if (IsCommandLog(families)) {
-    choice.question = "a log of commands and measured values, not of a glove: gauntlet identify";
+    choice.is_command_log = true;
+    choice.question = "a log of commands and measured angles, not of a glove";
     return choice;
   }
   const auto sensors = SensorsOf(families, options.hand, choice.question);

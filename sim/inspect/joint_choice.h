@@ -23,8 +23,9 @@ struct JointChoice {
   RawUnit unit = RawUnit::kUnknown;
   bool unit_is_assumed = false;
   std::string unit_why;
-  double high = 0.0;     // of the family, without its rarest values
-  std::string question;  // that must be answered before a column drives a joint; empty: none
+  double high = 0.0;            // of the family, without its rarest values
+  std::string question;         // that must be answered before a column drives a joint; empty: none
+  bool is_command_log = false;  // commands and measured angles of a hand, not of a glove
 };
 
 /// Chooses the best family of sensors: with names of joints before without, then angles before

@@ -79,19 +79,29 @@ bool HasTurns(const Inspection& inspection) {
   return std::ranges::any_of(inspection.columns, &InspectedColumn::is_turning);
 }
 
+/// Keys that only some maps have, with a comma in front of each.
+std::string MoreKeys(const Inspection& inspection) {
+  constexpr int kMostBits = 24;  // of a map
+  if (inspection.unit == RawUnit::kCounts && inspection.bits <= kMostBits) return ",bits";
+  return HasTurns(inspection) ? ",offset,wraps_at" : "";
+}
+
 /// A row of the map; a sensor that drives no joint is ignored.
 std::string MapRow(const Inspection& inspection, std::size_t c) {
   const InspectedColumn& column = inspection.columns[c];
   const std::string name = ColumnText(inspection, c);
-  const std::string more = HasTurns(inspection) ? ",," : "";
+  const std::string keys = MoreKeys(inspection);
+  const std::string more(std::ranges::count(keys, ','), ',');
   if (!column.time_unit.empty()) {
     return fmt::format("{},time,{},,,,,,{}\n", name, column.time_unit, more);
   }
   const bool has_joint = !column.channel.empty();
   const Channel* joint = has_joint ? &KnownChannels()[ChannelIndex(column.channel)] : nullptr;
-  const std::string turns = column.is_turning ? fmt::format(",{:g},360", column.turned_deg) : more;
+  const std::string values = column.is_turning ? fmt::format(",{:g},360", column.turned_deg)
+                             : keys == ",bits" ? fmt::format(",{}", inspection.bits)
+                                               : more;
   return fmt::format("{},{},{},{}{}\n", name, has_joint ? column.channel : "ignore",
-                     AngleCells(inspection, column, joint), AssumedOf(inspection, column), turns);
+                     AngleCells(inspection, column, joint), AssumedOf(inspection, column), values);
 }
 
 /// Noise variance of the glove in counts^2 of the scenario's converter (10 bits over the joint's
@@ -204,9 +214,9 @@ std::string HeadOfMap(const Inspection& inspection) {
 
 std::string StarterMap(const Inspection& inspection) {
   std::string map = HeadOfMap(inspection);
-  const std::string turns = HasTurns(inspection) ? ",offset,wraps_at" : "";
+  const std::string keys = MoreKeys(inspection);
   map +=
-      fmt::format("column,channel,unit,sign,raw_low,raw_high,deg_low,deg_high,assumed{}\n", turns);
+      fmt::format("column,channel,unit,sign,raw_low,raw_high,deg_low,deg_high,assumed{}\n", keys);
   std::string assumed;
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     const InspectedColumn& column = inspection.columns[c];
@@ -225,7 +235,7 @@ std::string StarterMap(const Inspection& inspection) {
     map += fmt::format(
         "# Remove the # of the next line when all that is assumed is right.\n"
         "# all,confirmed,,,,,,,{}\n",
-        turns.empty() ? "" : ",,");
+        std::string(std::ranges::count(keys, ','), ','));
   }
   return map;
 }

@@ -42,6 +42,20 @@ bool IsRate(std::string_view name) {
          std::ranges::any_of(kEnds, [&](std::string_view end) { return bare.ends_with(end); });
 }
 
+/// Hz of a duration between rows, in s or ms; 0 if either may be meant.
+double RateOfPeriod(double period) {
+  constexpr double kLongest_s = 0.1;
+  if (period > 0.0 && period <= kLongest_s) return 1.0 / period;
+  return period >= 1.0 && period <= 1e3 ? 1e3 / period : 0.0;
+}
+
+bool IsPeriod(std::string_view name) {
+  const std::string bare = BareName(name);
+  constexpr std::array<std::string_view, 5> kEnds = {
+      "frameduration", "sampleperiod", "samplingperiod", "sampletime", "samplinginterval"};
+  return std::ranges::any_of(kEnds, [&](std::string_view end) { return bare.ends_with(end); });
+}
+
 /// Fit for a line of names: no separators, no quotes.
 std::string Plain(std::string name) {
   std::ranges::replace_if(
@@ -173,16 +187,67 @@ std::vector<NamedArray> Taken(std::vector<NamedArray> arrays, std::string_view c
   return taken;
 }
 
-/// The last lone number that is a rate; 0 if there is none.
+/// The last lone number that is a rate, else a period; 0 if there is none.
 double RateIn(const std::vector<NamedArray>& arrays) {
   double rate_hz = 0.0;
   for (const NamedArray& array : arrays) {
-    if (array.values.size() == 1 && IsRate(array.name)) rate_hz = array.values.front();
+    if (array.values.size() != 1) continue;
+    if (IsPeriod(array.name) && rate_hz == 0.0) rate_hz = RateOfPeriod(array.values.front());
+    if (IsRate(array.name)) rate_hz = array.values.front();
   }
   return rate_hz;
 }
 
+/// True for numbers of sensors that texts of this name may be about: of its group, and no time.
+bool IsAbout(const NamedArray& texts, const NamedArray& array) {
+  return array.texts.empty() && array.values.size() > RowsOf(array) && RowsOf(array) > 1 &&
+         array.name.starts_with(GroupOf(texts.name));
+}
+
+std::size_t SensorsOf(const NamedArray& array) {
+  return LiesOnItsSide(array) ? array.rows : array.columns;
+}
+
+/// `deg` or `rad` for a text that is such a unit.
+std::string UnitIn(const NamedArray& texts) {
+  const std::string bare = BareName(texts.name);
+  if (texts.texts.size() != 1 || (!bare.ends_with("unit") && !bare.ends_with("units"))) return "";
+  const std::string unit = BareName(texts.texts.front());
+  if (unit == "rad" || unit == "radian" || unit == "radians") return "rad";
+  return unit == "deg" || unit == "degree" || unit == "degrees" ? "deg" : "";
+}
+
 }  // namespace
+
+std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays) {
+  const auto is_texts = [](const NamedArray& array) { return !array.texts.empty(); };
+  for (const NamedArray& texts : arrays) {
+    const std::string bare = BareName(texts.name);
+    if (texts.texts.size() < 2 || !(bare.ends_with("names") || bare.ends_with("labels"))) continue;
+    const auto is_named = [&](const NamedArray& array) {
+      return IsAbout(texts, array) && SensorsOf(array) == texts.texts.size();
+    };
+    const bool is_one = std::ranges::count_if(arrays, is_named) == 1;
+    for (NamedArray& array : arrays) {
+      if (!is_named(array) || !array.column_names.empty()) continue;
+      for (const std::string& text : texts.texts) {
+        array.column_names.push_back(is_one ? text : array.name + "_" + text);
+      }
+    }
+  }
+  for (const NamedArray& texts : arrays) {
+    const std::string unit = UnitIn(texts);
+    for (NamedArray& array : arrays) {
+      if (unit.empty() || !IsAbout(texts, array)) continue;
+      for (std::size_t i = array.column_names.size(); i < SensorsOf(array); ++i) {
+        array.column_names.push_back(fmt::format("{}_{}", Plain(array.name), i + 1));
+      }
+      for (std::string& name : array.column_names) name += "_" + unit;
+    }
+  }
+  std::erase_if(arrays, is_texts);
+  return arrays;
+}
 
 std::string TextOf(const std::vector<ListedArray>& arrays) {
   constexpr std::size_t kMost = 20;

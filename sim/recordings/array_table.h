@@ -16,7 +16,12 @@ struct NamedArray {
   std::vector<double> values;                  // row by row
   std::vector<std::string> column_names = {};  // empty: name_1, name_2 ..
   std::string cells_of = {};                   // the cell array that it is a cell of; empty: none
+  std::vector<std::string> texts = {};         // of an array of texts, which has no values
 };
+
+/// Only the arrays of numbers, with what the texts beside them tell: names of the columns (as in
+/// `sensornames`, one for each) and the unit (`rad` in `angleunit`) behind the names.
+std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays);
 
 /// One of a file's arrays, and whether it is in the table that WriteTable() makes of them.
 struct ListedArray {
@@ -41,7 +46,8 @@ std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays, std::
 
 /// One table of text with a line of names, of the arrays that ListArrays() takes, side by side in
 /// their order. What was chosen by its group has names without it, and so have times. A lone number
-/// called fs, rate or the like is the rate: the table begins with a time then, unless it has one.
+/// called fs, rate or the like is the rate, one called frame_duration or the like its inverse (up
+/// to 0.1 in s, from 1 in ms): the table begins with a time then, unless it has one.
 /// Errors: as ListArrays().
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
                 const std::function<void(std::string_view)>& write);

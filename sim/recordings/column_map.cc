@@ -12,8 +12,11 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/signal.h"
 #include "sim/recordings/column_scale.h"
+#include "sim/recordings/log_map.h"
 #include "sim/recordings/time_columns.h"
+#include "sim/recordings/time_guess.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -25,6 +28,7 @@ constexpr std::array<std::pair<std::string_view, RecordedUnit>, 4> kUnits = {
      {"share", RecordedUnit::kShare}}};
 constexpr std::string_view kDateUnit = "date";
 constexpr std::string_view kVolts = "volts";
+constexpr std::array<std::string_view, 3> kRoles = {"command", "angle", "motor"};  // of a log
 
 const RecordedUnit* FindUnit(std::string_view name) {
   const auto found =
@@ -45,10 +49,7 @@ bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
     map.channels.push_back({.column = column, .channel = *channel});
     return true;
   }
-  if (const auto scale_s = TimeScaleS(name); scale_s && map.time.empty()) {
-    map.time.push_back({.column = column, .scale_s = *scale_s});
-    return true;
-  }
+  if (std::ranges::find(map.time, column, &TimeMapping::column) != map.time.end()) return true;
   if (IsSampleNumber(name)) return true;
   const std::size_t cut = std::min(name.rfind('_'), name.size());
   const RecordedUnit* unit = FindUnit(name.substr(std::min(cut + 1, name.size())));
@@ -105,9 +106,9 @@ class MapFile {
   }
 
  private:
-  static constexpr std::array<std::string_view, 14> kKeys = {
-      "column",   "channel", "unit",     "scale", "sign",   "offset",   "raw_low",
-      "raw_high", "deg_low", "deg_high", "bits",  "weight", "wraps_at", "assumed"};
+  static constexpr std::array<std::string_view, 15> kKeys = {
+      "column",  "channel",  "unit", "scale",  "sign",     "offset",  "raw_low", "raw_high",
+      "deg_low", "deg_high", "bits", "weight", "wraps_at", "assumed", "joint"};
 
   std::size_t Find(std::string_view key) const {
     return std::ranges::find(csv_.header(), key) - csv_.header().begin();
@@ -117,24 +118,36 @@ class MapFile {
   std::vector<std::string> cells_;
 };
 
-void AddTime(const MapFile& file, std::size_t column, ColumnMap& map) {
+void AddTime(const MapFile& file, std::size_t column, std::vector<TimeMapping>& time) {
   const std::string unit = file.Text("unit", "s");
   if (unit == kDateUnit) {
-    map.time.push_back({.column = column, .is_text = true});
+    time.push_back({.column = column, .is_text = true});
     return;
   }
   const std::optional<double> scale_s = SecondsPerUnit(unit);
   if (!scale_s) {
     file.FailAt("unit", file.Quoted(unit) + " must be one of: s, ms, us, ns, min, h, day, date");
   }
-  map.time.push_back({.column = column, .scale_s = *scale_s});
+  time.push_back({.column = column, .scale_s = *scale_s});
+}
+
+/// Bits of the converter; 0 if the row has none.
+int BitsIn(MapFile& file, bool is_counts) {
+  constexpr int kMostBits = 24;
+  if (!file.Has("bits")) return 0;
+  const double bits = file.Number("bits", 0.0);
+  if (!(bits >= 1.0 && bits <= kMostBits && bits == std::floor(bits))) {
+    file.FailAt("bits", fmt::format("must be a whole number from 1 to {}", kMostBits));
+  }
+  if (!is_counts) file.FailAt("bits", "is for counts only");
+  return static_cast<int>(bits);
 }
 
 /// Two values of the column and the angles that they stand for, by default the ends of the joint's
 /// range.
 ColumnMapping TwoPoint(MapFile& file, std::size_t column, int channel) {
   const Channel& joint = KnownChannels()[channel];
-  for (const std::string_view key : {"scale", "sign", "offset", "bits"}) {
+  for (const std::string_view key : {"scale", "sign", "offset"}) {
     if (file.Has(key)) file.FailAt(key, "must be empty beside raw_low and raw_high");
   }
   for (const std::string_view key : {"raw_low", "raw_high"}) {
@@ -145,8 +158,11 @@ ColumnMapping TwoPoint(MapFile& file, std::size_t column, int channel) {
   if (raw_range == 0.0) file.FailAt("raw_high", "must not be raw_low");
   const double low_deg = file.Number("deg_low", joint.min_deg);
   const double scale = (file.Number("deg_high", joint.max_deg) - low_deg) / raw_range;
-  return {
-      .column = column, .channel = channel, .scale = scale, .offset = low_deg - raw_low * scale};
+  return {.column = column,
+          .channel = channel,
+          .scale = scale,
+          .offset = low_deg - raw_low * scale,
+          .bits = BitsIn(file, file.Text("unit", "counts") == "counts")};
 }
 
 ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
@@ -161,20 +177,13 @@ ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
   }
   const double sign = file.Number("sign", 1.0);
   if (std::abs(sign) != 1.0) file.FailAt("sign", "must be 1 or -1");
-  constexpr int kMostBits = 24;
-  const double bits = file.Number("bits", 0.0);
-  if (file.Has("bits") && !(bits >= 1.0 && bits <= kMostBits && bits == std::floor(bits))) {
-    file.FailAt("bits", fmt::format("must be a whole number from 1 to {}", kMostBits));
-  }
-  if (file.Has("bits") && *known != RecordedUnit::kCounts) {
-    file.FailAt("bits", "is for counts only");
-  }
+  const int bits = BitsIn(file, unit == "counts");
   return {.column = column,
           .channel = channel,
           .unit = *known,
           .scale = sign * file.Number("scale", 1.0),
           .offset = file.Number("offset", 0.0),
-          .bits = static_cast<int>(bits)};
+          .bits = bits};
 }
 
 /// What of a row is assumed: words of this list.
@@ -192,10 +201,15 @@ std::string AssumedIn(MapFile& file) {
 /// The next row of the map, which is of `channel`.
 void AddChannel(MapFile& file, std::size_t column, const std::string& channel, ColumnMap& map) {
   const auto index = FindChannel(channel);
+  if (std::ranges::find(kRoles, channel) != kRoles.end()) {
+    file.FailAt("channel",
+                channel + " is of a log of commands and angles: gauntlet identify --map");
+  }
   if (!index) {
     file.FailAt("channel", fmt::format("unknown channel {}{}", file.Quoted(channel),
                                        Suggestion(channel, KnownChannelNames())));
   }
+  if (file.Has("joint")) file.FailAt("joint", "is for command, angle and motor");
   const bool two_points = file.Has("raw_low") || file.Has("raw_high");
   ColumnMapping mapping =
       two_points ? TwoPoint(file, column, *index) : OnePoint(file, column, *index);
@@ -211,6 +225,35 @@ void AddChannel(MapFile& file, std::size_t column, const std::string& channel, C
   map.channels.push_back(mapping);
 }
 
+/// The next row of the map, which is of a log. Two points need their angles: a log's joint has no
+/// range.
+void AddPart(MapFile& file, std::size_t column, const std::string& role, LogMap& map) {
+  if (std::ranges::find(kRoles, role) == kRoles.end()) {
+    file.FailAt("channel", file.Quoted(role) +
+                               " must be one of: time, command, angle, motor, ignore; its joint "
+                               "stands in the key joint");
+  }
+  for (const std::string_view key : {"weight", "wraps_at"}) {
+    if (file.Has(key)) file.FailAt(key, "is for a glove's channels, not for a log");
+  }
+  const bool two_points = file.Has("raw_low") || file.Has("raw_high");
+  for (const std::string_view key : {"deg_low", "deg_high"}) {
+    if (two_points && !file.Has(key)) file.FailAt(key, "must be given beside raw_low and raw_high");
+  }
+  const ColumnMapping mapping = two_points ? TwoPoint(file, column, 0) : OnePoint(file, column, 0);
+  if (mapping.unit != RecordedUnit::kDegrees && mapping.unit != RecordedUnit::kRadians) {
+    file.FailAt("unit",
+                "of a log must be deg or rad; counts need raw_low, raw_high, deg_low, "
+                "deg_high");
+  }
+  const double deg = mapping.unit == RecordedUnit::kRadians ? kDegPerRad : 1.0;
+  map.parts.push_back({.column = column,
+                       .role = role,
+                       .part = file.Text("joint", ""),
+                       .scale = deg * mapping.scale,
+                       .offset_deg = deg * mapping.offset});
+}
+
 std::size_t ColumnOf(const MapFile& map, const RecordingColumns& recording) {
   const std::string name = map.Text("column", "");
   const auto& header = recording.header;
@@ -223,6 +266,30 @@ std::size_t ColumnOf(const MapFile& map, const RecordingColumns& recording) {
   }
   map.FailAt("column", fmt::format("{} has no column {}, must be one of its names or 1 to {}",
                                    recording.name, map.Quoted(name), recording.count));
+}
+
+/// Hands each row with a channel to `add`, as (column, channel). Errors: UserError for rows that
+/// name no column.
+template <class Add>
+void ReadRows(MapFile& file, const RecordingColumns& recording, std::vector<TimeMapping>& time,
+              bool& is_confirmed, const Add& add) {
+  bool any = false;
+  while (file.NextRow()) {
+    const std::string channel = file.Text("channel", "");
+    if (file.Text("column", "") == kAllOfMap && channel == "confirmed") {
+      is_confirmed = true;
+      continue;
+    }
+    const std::size_t column = ColumnOf(file, recording);
+    if (channel == "ignore") continue;
+    if (channel == "time") {
+      AddTime(file, column, time);
+    } else {
+      add(column, channel);
+      any = true;
+    }
+  }
+  if (!any) file.FailAt("channel", "the map names no channel");
 }
 
 }  // namespace
@@ -261,7 +328,15 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
   if (recording.header().empty()) {
     recording.Fail(1, "the first line must name the columns, or a column map must be given");
   }
+  constexpr std::size_t kRows = 200;
+  // FirstRows() leaves the reader as it was.
+  const auto rows = const_cast<CsvReader&>(recording).FirstRows(kRows, recording.row() + 2 * kRows);
   ColumnMap map;
+  map.time = TimeByName({.separator = recording.separator(),
+                         .columns = recording.column_count(),
+                         .names = recording.header(),
+                         .notes = {},
+                         .rows = rows});
   for (std::size_t column = 0; column < recording.column_count(); ++column) {
     const std::string& name = recording.header()[column];
     if (AddByName(name, column, map)) continue;
@@ -288,21 +363,19 @@ ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& reco
 ColumnMap ReadColumnMap(const std::filesystem::path& path, const RecordingColumns& recording) {
   MapFile file(FileOfMap(path));
   ColumnMap map;
-  while (file.NextRow()) {
-    const std::string channel = file.Text("channel", "");
-    if (file.Text("column", "") == kAllOfMap && channel == "confirmed") {
-      map.is_confirmed = true;
-      continue;
-    }
-    const std::size_t column = ColumnOf(file, recording);
-    if (channel == "ignore") continue;
-    if (channel == "time") {
-      AddTime(file, column, map);
-    } else {
-      AddChannel(file, column, channel, map);
-    }
-  }
-  if (map.channels.empty()) file.FailAt("channel", "the map names no channel");
+  ReadRows(file, recording, map.time, map.is_confirmed,
+           [&](std::size_t column, const std::string& channel) {
+             AddChannel(file, column, channel, map);
+           });
+  return map;
+}
+
+LogMap ReadLogMap(const std::filesystem::path& path, const RecordingColumns& recording) {
+  MapFile file(FileOfMap(path));
+  LogMap map;
+  bool is_confirmed = false;
+  ReadRows(file, recording, map.time, is_confirmed,
+           [&](std::size_t column, const std::string& role) { AddPart(file, column, role, map); });
   return map;
 }
 

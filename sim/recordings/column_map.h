@@ -52,7 +52,7 @@ struct ColumnMap {
 /// Which joints a map assumes, and what of them, in one sentence; empty if nothing is assumed.
 std::string AssumptionsOf(const ColumnMap& map);
 
-/// From the names in the file's header: a column of time (see TimeScaleS) or the name of a channel
+/// From the names in the file's header: a column of time (see TimeByName) or the name of a channel
 /// with the unit as a suffix (`index_mcp_rad`), without one degrees. `k`, the sample's number in a
 /// trace, is passed over. In a strict reading every column must be known; otherwise the unknown
 /// ones are reported and left out.

@@ -22,6 +22,21 @@
 #include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
+namespace {
+
+/// True for two rows with texts and numbers in the same cells, at least one number: the upper one
+/// names no columns.
+bool HaveNumbersInTheSameCells(std::string_view upper, std::string_view lower, char separator) {
+  const std::vector<std::string_view> above = SplitCells(upper, separator);
+  const std::vector<std::string_view> below = SplitCells(lower, separator);
+  const auto is_number = [separator](std::string_view cell) {
+    return !Trimmed(cell).empty() && IsValue(cell, separator);
+  };
+  return std::ranges::any_of(above, is_number) &&
+         std::ranges::equal(above, below, {}, is_number, is_number);
+}
+
+}  // namespace
 
 CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener,
                      int skipped_lines)
@@ -68,11 +83,19 @@ void CsvReader::ReadFirstLine() {
   std::string_view line;
   if (!NextLine(line)) FailInRow(1, 1, "the file holds no data");
   separator_ = SeparatorOf(line);
-  const std::vector<std::string_view> cells = SplitCells(line, separator_);
+  const std::string first(line);
+  const std::vector<std::string_view> cells = SplitCells(first, separator_);
   column_count_ = cells.size();
-  if (std::ranges::all_of(cells, [this](auto cell) { return IsValue(cell, separator_); })) {
-    first_row_line_ = row_;
+  const std::size_t first_line = row_;
+  bool is_row = std::ranges::all_of(cells, [this](auto cell) { return IsValue(cell, separator_); });
+  if (!is_row && NextLine(line)) {
+    is_row = HaveNumbersInTheSameCells(first, line, separator_);
     lines_.GiveBack({{std::string(line), row_}});
+  }
+  row_ = first_line;
+  if (is_row) {
+    first_row_line_ = row_;
+    lines_.GiveBack({{first, row_}});
   } else {
     for (const std::string_view cell : cells) header_.emplace_back(Unquoted(cell));
     ReadFirstRowOfData();

@@ -18,7 +18,7 @@ struct Signature {
   std::string_view bytes;  // at the beginning of the file
   FileFormat format;
 };
-constexpr std::array<Signature, 9> kSignatures = {{
+constexpr std::array<Signature, 10> kSignatures = {{
     {"\x89HDF\r\n\x1a\n"sv, FileFormat::kHdf5},
     {"\x93NUMPY"sv, FileFormat::kNpy},
     {"\x1f\x8b"sv, FileFormat::kGzip},
@@ -26,6 +26,7 @@ constexpr std::array<Signature, 9> kSignatures = {{
     {"#ROSBAG"sv, FileFormat::kRosBag},
     {"\x89MCAP0\r\n"sv, FileFormat::kMcap},
     {"PAR1"sv, FileFormat::kParquet},
+    {"\x1a\x45\xdf\xa3"sv, FileFormat::kVideo},  // Matroska, WebM
     {"\xff\xfe"sv, FileFormat::kUtf16},
     {"\xfe\xff"sv, FileFormat::kUtf16},
 }};
@@ -38,7 +39,7 @@ struct FormatFacts {
 const FormatFacts& FactsOf(FileFormat format) {
   constexpr std::string_view kRos2 =
       "write the topic as CSV: ros2 topic echo --csv TOPIC > FILE.csv while ros2 bag play plays it";
-  static constexpr std::array<FormatFacts, 16> kFacts = {{
+  static constexpr std::array<FormatFacts, 18> kFacts = {{
       {FileFormat::kText, "text"},
       {FileFormat::kUtf16, "UTF-16 text"},
       {FileFormat::kEmpty, "empty"},
@@ -57,6 +58,10 @@ const FormatFacts& FactsOf(FileFormat format) {
       {FileFormat::kParquet, "Parquet (as LeRobot has)",
        "write it as CSV: python3 -c \"import pandas; "
        "pandas.read_parquet('FILE').to_csv('FILE.csv')\""},
+      {FileFormat::kVideo, "a video",
+       "find the joint angles in it with a hand tracker and write them as CSV"},
+      {FileFormat::kUrdf, "a URDF, a model of a robot",
+       "a hand must be an MJCF file as models/README.md describes"},
       {FileFormat::kBinary, "binary, of a kind that is not known",
        "export it as CSV from the program that wrote it"},
   }};
@@ -93,6 +98,11 @@ FileFormat FormatOfBytes(std::string_view head) {
     if (head.starts_with(signature.bytes)) return signature.format;
   }
   if (head.starts_with("PK\x03\x04")) return FormatOfZip(head);
+  constexpr std::size_t kBrandAt = 4;  // of MP4 and MOV
+  const bool is_avi = head.starts_with("RIFF") && head.substr(0, 12).ends_with("AVI ");
+  if (is_avi || head.substr(std::min(kBrandAt, head.size())).starts_with("ftyp")) {
+    return FileFormat::kVideo;
+  }
   constexpr std::size_t kEndOfMatText = 126;
   if (head.starts_with("MATLAB ") && head.size() >= kEndOfMatText + 2) {
     const std::string_view order = head.substr(kEndOfMatText, 2);
@@ -102,6 +112,10 @@ FileFormat FormatOfBytes(std::string_view head) {
   }
   constexpr int kTextPerZero = 20;  // a broken line of text may hold some
   if (std::ranges::count(head, '\0') * kTextPerZero > std::ssize(head)) return FileFormat::kBinary;
+  const std::size_t first = std::min(head.find_first_not_of(" \t\r\n"), head.size());
+  if (head.substr(first, 1) == "<" && head.find("<robot") != std::string_view::npos) {
+    return FileFormat::kUrdf;
+  }
   return IsJson(head) ? FileFormat::kJson : FileFormat::kText;
 }
 

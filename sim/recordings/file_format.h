@@ -23,6 +23,8 @@ enum class FileFormat {
   kRosBag,
   kMcap,
   kParquet,
+  kVideo,
+  kUrdf,
   kBinary,
 };
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
 #include "sim/recordings/library_arrays.h"
@@ -43,6 +44,31 @@ bool AppendNumbers(const matvar_t& variable, NamedArray& array) {
 
 void Collect(const matvar_t& variable, const std::string& place, std::vector<NamedArray>& arrays);
 
+/// The rows of a matrix of letters.
+std::vector<std::string> TextsIn(const matvar_t& variable) {
+  std::vector<std::string> texts;
+  if (variable.data == nullptr || variable.rank != 2) return texts;
+  const std::size_t rows = variable.dims[0];
+  const auto width = static_cast<std::size_t>(variable.data_size);
+  if (rows * variable.dims[1] * width > variable.nbytes || width > 2) return texts;
+  for (std::size_t row = 0; row < rows; ++row) {
+    std::string text;
+    for (std::size_t i = 0; i < variable.dims[1]; ++i) {
+      const auto* const letter =
+          static_cast<const unsigned char*>(variable.data) + (i * rows + row) * width;
+      text += static_cast<char>(width == 1 || letter[1] == 0 ? letter[0] : '?');
+    }
+    texts.emplace_back(Trimmed(text));
+  }
+  return texts;
+}
+
+void AddTexts(const std::string& place, std::vector<std::string> texts,
+              std::vector<NamedArray>& arrays) {
+  if (texts.empty()) return;
+  arrays.push_back({.name = place, .columns = 0, .values = {}, .texts = std::move(texts)});
+}
+
 /// Cells are called `name_2`, in a matrix of cells `name_2_1`.
 void CollectCells(const matvar_t& variable, const std::string& place,
                   std::vector<NamedArray>& arrays) {
@@ -50,6 +76,12 @@ void CollectCells(const matvar_t& variable, const std::string& place,
   const std::size_t rows = variable.dims[0];
   const std::size_t cells = variable.nbytes / static_cast<std::size_t>(variable.data_size);
   const auto* const all = static_cast<matvar_t* const*>(variable.data);
+  std::vector<std::string> texts;  // of cells that are all letters
+  for (std::size_t i = 0; i < cells && texts.size() == i; ++i) {
+    if (all[i] == nullptr || all[i]->class_type != MAT_C_CHAR) break;
+    for (std::string& text : TextsIn(*all[i])) texts.push_back(std::move(text));
+  }
+  if (cells > 0 && texts.size() == cells) return AddTexts(place, std::move(texts), arrays);
   const std::size_t before = arrays.size();
   for (std::size_t i = 0; i < cells; ++i) {
     if (all[i] == nullptr) continue;
@@ -75,9 +107,9 @@ void Collect(const matvar_t& variable, const std::string& place, std::vector<Nam
     }
     return;
   }
+  if (variable.class_type == MAT_C_CHAR) return AddTexts(place, TextsIn(variable), arrays);
   if (variable.data == nullptr || variable.isComplex != 0 || variable.rank < 2 ||
-      variable.rank > 3 || variable.class_type == MAT_C_CHAR ||
-      variable.class_type == MAT_C_SPARSE) {
+      variable.rank > 3 || variable.class_type == MAT_C_SPARSE) {
     return;
   }
   NamedArray array{.name = place, .rows = variable.dims[0], .values = {}};

@@ -70,6 +70,18 @@ std::string_view JointOf(std::string_view word) { return MeaningOf(kJoints, word
 bool IsSpread(std::string_view word) {
   return IsWordOf("abd abduction adduction abducted spread splay aa", word);
 }
+bool IsSensorWord(std::string_view word) {
+  return IsWordOf(
+      "flex bend bending glove finger fingers hand sensor sensors sens s ch chan channel channels "
+      "adc a f v val value values raw norm normalized normalised data analog volt volts count "
+      "counts deg degree degrees rad radian radians angle angles cyberglove dataglove cal "
+      "calibrated filtered abc",
+      word);
+}
+bool IsJointWord(std::string_view word) {
+  return IsWordOf("joint joints j q qpos pos position positions g col column share percent smooth",
+                  word);
+}
 std::string_view ArmPartOf(std::string_view word) { return MeaningOf(kArmParts, word); }
 std::string_view SideOf(std::string_view word) { return MeaningOf(kSides, word); }
 

@@ -29,6 +29,10 @@ std::string_view JointOf(std::string_view word);
 bool IsSpread(std::string_view word);
 /// wrist, forearm, elbow or shoulder; empty for other words.
 std::string_view ArmPartOf(std::string_view word);
+/// True for words of sensors whose order may be a glove's: flex, sensor, adc, deg ..
+bool IsSensorWord(std::string_view word);
+/// True for words of positions and joints, which a robot's columns have as well: joint, q, pos ..
+bool IsJointWord(std::string_view word);
 /// left or right; empty for other words.
 std::string_view SideOf(std::string_view word);
 

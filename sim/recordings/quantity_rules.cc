@@ -22,13 +22,6 @@ constexpr double kHalfTurn_rad = 1.05 * std::numbers::pi;
 constexpr double kTurn_rad = 2.1 * std::numbers::pi;
 constexpr double kMostJoint_deg = 200.0;
 
-constexpr std::string_view kGloveWords =
-    "flex bend bending glove finger fingers hand sensor sensors sens s ch chan channel channels "
-    "adc "
-    "a f v g value values val raw norm normalized normalised data col column analog volt volts "
-    "count counts deg degree degrees rad radian radians angle angles joint joints j q qpos pos "
-    "position positions share percent cyberglove dataglove cal calibrated filtered smooth abc";
-
 bool Any(const Facts&) { return true; }
 bool IsText(const Facts& facts) { return facts.is_text; }
 bool IsEmpty(const Facts& facts) { return facts.is_empty; }
@@ -59,7 +52,10 @@ bool StandsAlone(const Facts& facts) {
   return !facts.names_fingers && facts.moving == 0 && facts.columns == 1;
 }
 bool IsForeign(const Facts& facts) {
-  return !facts.names_fingers && !facts.words.empty() && !HasWordOf(facts.words, kGloveWords);
+  return !facts.names_fingers && !facts.words.empty() &&
+         std::ranges::none_of(facts.words, [](const std::string& word) {
+           return IsSensorWord(word) || IsJointWord(word);
+         });
 }
 bool IsRough(const Facts& facts) {
   return !facts.names_fingers && facts.moving > 0 && facts.roughness > kRoughest &&

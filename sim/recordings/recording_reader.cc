@@ -11,6 +11,7 @@
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/missing.h"
 #include "sim/recordings/recording_problem.h"
+#include "sim/recordings/turn_counter.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -96,12 +97,7 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
 }
 
 double RecordingReader::Unwrapped(Linear& linear, double value) {
-  if (linear.wraps_at == 0.0 || std::isnan(value)) return value;
-  const double step = value - linear.before;
-  if (step > 0.5 * linear.wraps_at) linear.turned -= linear.wraps_at;
-  if (step < -0.5 * linear.wraps_at) linear.turned += linear.wraps_at;
-  linear.before = value;
-  return value + linear.turned;
+  return sim::Unwrapped(value, linear.wraps_at, linear.before, linear.turned);
 }
 
 RecordingReader::Count& RecordingReader::Note(RecordingProblem problem, std::size_t row) {

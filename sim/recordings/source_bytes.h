@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "sim/recordings/text_lines.h"
 
@@ -20,6 +21,17 @@ inline std::string BytesOf(const TextLines::Source& source, std::size_t most = S
     bytes.resize(size + got);
   }
   return bytes;
+}
+
+/// `head`, then the bytes of `rest`, if there is one.
+inline TextLines::Source WithHead(std::string head, TextLines::Source rest) {
+  return [head = std::move(head), given = std::size_t{0}, rest = std::move(rest)](
+             char* buffer, std::size_t size) mutable {
+    if (given == head.size()) return rest ? rest(buffer, size) : 0;
+    const std::size_t count = head.copy(buffer, size, given);
+    given += count;
+    return count;
+  };
 }
 
 }  // namespace gauntlet::sim

@@ -56,7 +56,8 @@ class HelperText {
       : place_(file.string()),
         helper_(
             [=](const HelperProcess::Send& send) {
-              write_text(ArraysOf(file, format), [&](std::string_view text) { send(text); });
+              write_text(WithFacts(ArraysOf(file, format)),
+                         [&](std::string_view text) { send(text); });
             },
             LimitsFor(fs::file_size(file))) {}
 

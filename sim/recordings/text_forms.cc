@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cctype>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/recordings/source_bytes.h"
 #include "sim/recordings/time_text.h"
@@ -236,6 +238,106 @@ std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
   return form;
 }
 
+// --- rostopic echo -p ----------------------------------------------------------------------------
+
+/// JointState of `rostopic echo -p`: `field.position0` has the name in the column `field.name0`.
+std::optional<TextForm> RosEchoForm(const std::vector<std::string>& head) {
+  if (head.size() < 2 || !head[0].starts_with("%time,")) return std::nullopt;
+  const Cells header = CellsWithLists(head[0]);
+  const Cells first = CellsWithLists(head[1]);
+  if (header.size() != first.size()) return std::nullopt;
+  constexpr std::string_view kName = "field.name";
+  TextForm form;
+  form.has_header = true;
+  std::vector<std::size_t> kept;
+  Cells joints;
+  for (std::size_t c = 0; c < header.size(); ++c) {
+    if (header[c].starts_with(kName)) joints.emplace_back(Trimmed(first[c]));
+  }
+  for (std::size_t c = 0; c < header.size(); ++c) {
+    if (header[c].starts_with(kName)) continue;
+    std::string name = header[c];
+    for (const auto& [field, after] : {std::pair("field.position", ""),
+                                       {"field.velocity", "_velocity"},
+                                       {"field.effort", "_effort"}}) {
+      const auto number = name.starts_with(field)
+                              ? controller::ParseWholeNumber(
+                                    std::string_view(name).substr(std::string_view(field).size()),
+                                    0, std::max<std::ptrdiff_t>(std::ssize(joints), 1) - 1)
+                              : std::nullopt;
+      if (number && !joints.empty()) name = joints[*number] + after;
+    }
+    kept.push_back(c);
+    form.names.push_back(std::move(name));
+  }
+  if (joints.empty()) return std::nullopt;
+  form.convert = [header, first, kept](std::string_view line) -> std::optional<Cells> {
+    const Cells cells = CellsWithLists(line);
+    if (cells.size() != header.size()) return std::nullopt;
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      if (header[c].starts_with(kName) && cells[c] != first[c]) return std::nullopt;
+    }
+    Cells row;
+    for (const std::size_t c : kept) row.push_back(cells[c]);
+    return row;
+  };
+  return form;
+}
+
+// --- Alpha encoding of opengloves ----------------------------------------------------------------
+
+/// `A123B456C789`: a letter and its number, each once, and letters of pressed buttons, which are
+/// left out. Source: opengloves, AlphaEncoding: A to E are the fingers, F and G the joystick.
+std::optional<std::map<char, std::string>> AlphaCells(std::string_view line) {
+  std::map<char, std::string> cells;
+  std::size_t i = 0;
+  line = Trimmed(line);
+  while (i < line.size()) {
+    if (line[i] == '(') {  // (AB)123: splay of a finger
+      const std::size_t end = line.find(')', i);
+      if (end == std::string_view::npos) return std::nullopt;
+      i = std::min(line.find_first_not_of("0123456789", end + 1), line.size());
+      continue;
+    }
+    const char letter = line[i++];
+    if (letter < 'A' || letter > 'Z') return std::nullopt;
+    const std::size_t end = std::min(line.find_first_not_of("0123456789", i), line.size());
+    if (end > i && !cells.emplace(letter, line.substr(i, end - i)).second) return std::nullopt;
+    i = end;
+  }
+  return cells;
+}
+
+std::optional<TextForm> AlphaForm(const std::vector<std::string>& head) {
+  static const std::map<char, std::string> kNames = {
+      {'A', "thumb"},  {'B', "index"},      {'C', "middle"},     {'D', "ring"},
+      {'E', "little"}, {'F', "joystick_x"}, {'G', "joystick_y"}, {'P', "trigger"}};
+  std::optional<std::string> letters;
+  std::size_t fitting = 0;
+  for (const std::string& line : head) {
+    const auto cells = AlphaCells(line);
+    if (!cells || cells->size() < 2 || !cells->contains('A')) continue;
+    ++fitting;
+    std::string of_line;
+    for (const auto& [letter, value] : *cells) of_line += kNames.contains(letter) ? letter : ' ';
+    std::erase(of_line, ' ');
+    if (!letters) letters = of_line;
+  }
+  if (fitting < 3 || 2 * fitting < head.size()) return std::nullopt;
+  TextForm form;
+  for (const char letter : *letters) form.names.push_back(kNames.at(letter));
+  form.convert = [letters](std::string_view line) -> std::optional<Cells> {
+    const auto cells = AlphaCells(line);
+    Cells row;
+    for (const char letter : *letters) {
+      if (!cells || !cells->contains(letter)) return std::nullopt;
+      row.push_back(cells->at(letter));
+    }
+    return row;
+  };
+  return form;
+}
+
 // --- A row per channel ---------------------------------------------------------------------------
 
 constexpr std::size_t kMostChannels = 64;  // far more than any glove has
@@ -277,17 +379,6 @@ std::string Turned(std::string text) {
 }
 
 // --- Sources -------------------------------------------------------------------------------------
-
-/// `head`, then the bytes of `rest`.
-TextLines::Source WithHead(std::string head, TextLines::Source rest) {
-  return [head = std::move(head), given = std::size_t{0}, rest = std::move(rest)](
-             char* buffer, std::size_t size) mutable {
-    if (given == head.size()) return rest ? rest(buffer, size) : 0;
-    const std::size_t count = head.copy(buffer, size, given);
-    given += count;
-    return count;
-  };
-}
 
 /// The plain table, line by line.
 class PlainText {
@@ -343,7 +434,7 @@ TextLines::Source PlainTable(TextLines::Source source) {
     if (head.size() < kMostTurned) return WithHead(Turned(std::move(head)), nullptr);
     return WithHead(std::move(head), std::move(source));
   }
-  for (const auto& find : {LabelledForm, ListForm, JointStateForm}) {
+  for (const auto& find : {LabelledForm, AlphaForm, ListForm, RosEchoForm, JointStateForm}) {
     std::optional<TextForm> form = find(lines);
     if (!form) continue;
     const auto text =

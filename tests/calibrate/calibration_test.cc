@@ -282,7 +282,8 @@ TEST_F(PoseFile, MayBeATraceOrHaveNoAngles) {
 TEST_F(PoseFile, NamesThePlaceOfAMistake) {
   const std::string header = "t_s,index_mcp_counts,index_mcp_deg\n";
   EXPECT_EQ(ErrorOfFile(header + "0,1,2\n0.01,x,2\n"), "poses.csv:3:2: 'x' is not a number");
-  EXPECT_EQ(ErrorOfFile(header + "0,1\n"), "poses.csv:2:2: the row has 2 of 3 values");
+  EXPECT_EQ(ErrorOfFile(header + "0,1,2\n1,1,2\n2,1\n"),
+            "poses.csv:4:2: the row has 2 of 3 values");
   EXPECT_THAT(ErrorOfFile(header + "0,1,2\n0,1,2\n"),
               HasSubstr("poses.csv:3:1: the time is 0 s, must be above the 0 s"));
   EXPECT_THAT(ErrorOfFile(header + "0,1,2\n,1,2\n"), HasSubstr(":3:1: the time is missing"));
@@ -292,7 +293,7 @@ TEST_F(PoseFile, NamesThePlaceOfAMistake) {
               HasSubstr("poses.csv:22:2: is 2000 counts, must be from 0 to the converter's full "
                         "scale of 1023 (--full-scale); 2 of 22 rows have such values"));
   EXPECT_THAT(ErrorOfFile(header + "0,1,2\n"), HasSubstr("has 1 rows"));
-  EXPECT_THAT(ErrorOfFile(header), HasSubstr("has 0 rows"));
+  EXPECT_THAT(ErrorOfFile(header), HasSubstr("holds no table"));
   EXPECT_THAT(ErrorOfFile("t_s,a\n0,1\n"), HasSubstr("poses.csv:1:2: unknown column 'a'"));
   EXPECT_THAT(ErrorOfFile("t_s,index_mcp_deg\n0,1\n"), HasSubstr("no column of counts"));
   EXPECT_THAT(
@@ -303,7 +304,7 @@ TEST_F(PoseFile, NamesThePlaceOfAMistake) {
               HasSubstr("poses.csv:1:3: 'index_pip' has a known angle but no counts"));
   EXPECT_THAT(ErrorOfFile("index_mcp_counts,index_mcp_deg,index_mcp_rad\n1,2,3\n"),
               HasSubstr("'index_mcp' appears twice"));
-  EXPECT_THAT(ErrorOfFile(""), HasSubstr("holds no data"));
+  EXPECT_THAT(ErrorOfFile(""), HasSubstr("holds no table"));
 }
 
 }  // namespace

@@ -539,6 +539,48 @@ TEST_F(ChainLogTest, SaysThatAUnitIsUnknownUnlessNamesOrValuesTellIt) {
               2.0 * kDegPerRad, 1e-9);
 }
 
+TEST_F(ChainLogTest, TakesRolesUnitsAndTimeFromAColumnMap) {
+  const auto load = [this](const std::string& map) {
+    std::ofstream(folder_.path() / "map.csv") << map;
+    std::ofstream(folder_.path() / "log.csv")
+        << "bench 3\nc1,x,y,z\n0,1000,0.5,7\n10,1100,0.6,8\n20,1200,0.7,9\n";
+    return LoadChainLog(folder_.path() / "log.csv", {.map = (folder_.path() / "map.csv").string()});
+  };
+  const std::string head = "column,channel,unit,offset,raw_low,raw_high,deg_low,deg_high,joint\n";
+  const std::string rows = head +
+                           "c1,time,ms,,,,,,\nx,command,,,1000,1100,0,9,wrist\n"
+                           "y,angle,rad,0.1,,,,,wrist\n";
+  const ChainLog log = load(rows + "z,motor,,,,,,,wrist\n");
+  EXPECT_THAT(log.parts, testing::ElementsAre("wrist"));
+  EXPECT_NEAR(log.rate_hz, 100.0, 1e-9);
+  EXPECT_NEAR(log.command_deg(2, 0), 18.0, 1e-9);
+  EXPECT_NEAR(log.angle_deg(0, 0), 0.6 * kDegPerRad, 1e-9);
+  EXPECT_NEAR(log.motor_deg(1, 0), 8.0, 1e-9);
+  const auto refusal = [&load](const std::string& map) {
+    try {
+      load(map);
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_THAT(refusal(rows + "z,index_mcp,,,,,,,\n"), HasSubstr("must be one of: time, command"));
+  EXPECT_THAT(refusal(rows + "z,motor,counts,,,,,,wrist\n"), HasSubstr("must be deg or rad"));
+  EXPECT_THAT(refusal(head + "c1,time,ms,,,,,,\nx,command,,,1,2,,,\n"),
+              HasSubstr("must be given beside raw_low"));
+  EXPECT_THAT(refusal(head + "c1,time,ms,,,,,,\nx,command,,,,,,,a\ny,angle,,,,,,,b\n"),
+              HasSubstr("'a' has a command but no angle"));
+}
+
+TEST_F(ChainLogTest, ReadsClocksAndNamesAboveUnits) {
+  const ChainLog log = Load(
+      "Time,a command,a angle\n[h],[deg],[deg]\n14:10:49.00,1,2\n"
+      "14:10:49.02,3,4\n14:10:49.04,5,6\n");
+  EXPECT_NEAR(log.rate_hz, 50.0, 1e-6);
+  EXPECT_EQ(log.angle_deg(2, 0), 6.0);
+  EXPECT_TRUE(log.unit_known);
+}
+
 TEST_F(ChainLogTest, AsksForOneOfSeveralEpisodes) {
   const std::string anew = "t_s,a_command_deg,a_deg\n0,1,2\n0.01,3,4\n0,5,6\n0.01,7,8\n";
   EXPECT_EQ(Refusal(anew),

@@ -68,7 +68,7 @@ TEST(FilterLines, AreAsLongAsThoseOfARecording) {
     const ProgramResult longer = Filter({"none"}, "time_s,a\n" + row + "\n" + longest + end);
     EXPECT_EQ(longer.exit_code, 2);
     EXPECT_EQ(longer.standard_error,
-              "gauntlet: standard input:3: the line is longer than 1048576 bytes\n");
+              "gauntlet: standard input:3:1: the line is longer than 1048576 bytes\n");
     EXPECT_EQ(longer.standard_output, "time_s,a\n0,1\n");
   }
 }

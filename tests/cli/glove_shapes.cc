@@ -429,6 +429,75 @@ void AddJointStates(Shapes& shapes) {
   shapes.back().options = {"--hand", "right"};
 }
 
+/// Files of other tools: rostopic echo -p, opengloves, an Arduino's plotter, names above units,
+/// rows in bursts, a date beside a clock in ms, a servo whose command is held.
+void AddOtherTools(Shapes& shapes) {
+  const auto counts = [](int sensor) { return Counts(sensor, 4095); };
+  std::string text;
+  const std::vector<std::string> joints = {"index_mcp", "index_pip", "thumb_ip"};
+  for (int row = -1; row < kRows; ++row) {
+    text += row < 0 ? "%time,field.header.seq"
+                    : fmt::format("{},{}", 1500000000000000000 + 20000000LL * row, row);
+    for (int i = 0; i < 3; ++i) text += row < 0 ? fmt::format(",field.name{}", i) : "," + joints[i];
+    for (int i = 0; i < 3; ++i) {
+      text += row < 0 ? fmt::format(",field.position{}", i) : "," + Table::Cell(Radians(i)(row));
+    }
+    text += "\n";
+  }
+  shapes.push_back({"tool_rostopic", text, 50, "rad", {}});
+  for (const std::string& joint : joints) shapes.back().joints[joint] = joint;
+  text.clear();
+  for (int row = 0; row < kRows; ++row) {
+    for (int i = 0; i < 5; ++i) text += fmt::format("{}{}", "ABCDE"[i], counts(i)(row));
+    text += row % 7 == 0 ? "F2048G2047P0IL\n" : "F2048G2047P0\n";
+  }
+  shapes.push_back({"tool_opengloves", text, 0, "counts"});
+  for (std::size_t i = 0; i < 5; ++i) {
+    shapes.back().joints[kFingers[i]] = kFlex5[i];
+  }
+  text.clear();
+  for (int row = 0; row < kRows; ++row) {
+    for (int i = 0; i < 5; ++i) {
+      text += fmt::format("{}flex{}:{}", i > 0 ? "," : "", i + 1, counts(i)(row));
+    }
+    text += "\n";
+  }
+  shapes.push_back({"tool_plotter", text, 0, "counts"});
+  for (int i = 0; i < 5; ++i) shapes.back().joints[fmt::format("flex{}", i + 1)] = kFlex5[i];
+  Table units;
+  units.Add("time", Clock(10));
+  AddEight(units, "{}_{}", Degrees);
+  Joints numbers;
+  int column = 1;
+  for (const auto& finger : {"index", "middle", "ring", "little"}) {
+    for (const auto& joint : {"mcp", "pip"}) {
+      numbers[std::to_string(++column)] = fmt::format("{}_{}", finger, joint);
+    }
+  }
+  text = units.Text();
+  text.insert(text.find('\n') + 1, "[ms],[deg],[deg],[deg],[deg],[deg],[deg],[deg],[deg]\n");
+  shapes.push_back({"tool_units", "Glove Studio 2\n\n" + text, 100, "deg", numbers});
+  Table bursts;  // eight rows in each packet of 80 ms, a tenth of a millisecond apart
+  bursts.Add("time_ms", [](int row) { return 80.0 * (row / 8) + 0.1 * (row % 8); });
+  const Joints of_bursts = AddEight(bursts, "{}_{}_deg", Degrees);
+  shapes.push_back({"tool_bursts", bursts.Text(), 100, "deg", of_bursts});
+  Table dated;
+  dated.Add("recv_timestamp_ms", Clock(10, 5000));
+  const Joints of_dated = AddEight(dated, "{}_{}_deg", Degrees);
+  text = "date," + dated.Text();
+  for (std::size_t end = text.find('\n'); end + 1 < text.size(); end = text.find('\n', end + 1)) {
+    text.insert(end + 1, "2024-05-31,");
+  }
+  shapes.push_back({"tool_date", text, 100, "deg", of_dated});
+  Table held;
+  held.Add("t", Clock(0.02)).Add("command_angle", [](int row) {
+    return row / 40 % 2 == 0 ? 20.0 : 90.0;
+  });
+  held.Add("feedback_angle", [](int row) { return std::round(Degrees(0)(row)); });
+  shapes.push_back({"tool_servo", held.Text()});
+  shapes.back().question = "next: gauntlet identify glove.csv";
+}
+
 void AddTurnsAndSigns(Shapes& shapes) {
   const auto turning = [](double start) {
     return
@@ -515,6 +584,7 @@ std::vector<GloveShape> GloveShapes() {
   AddWithoutHand(shapes);
   AddLabels(shapes);
   AddJointStates(shapes);
+  AddOtherTools(shapes);
   AddTurnsAndSigns(shapes);
   AddNumbers(shapes);
   return shapes;

@@ -169,6 +169,11 @@ TEST_F(ColumnMaps, SayWhatIsWrongInOneLine) {
   EXPECT_THAT(ErrorOf(text, row("deg_low", "3")), HasSubstr("needs raw_low and raw_high"));
   EXPECT_THAT(ErrorOf(text, row("unit,bits", "counts,0")), HasSubstr("from 1 to 24"));
   EXPECT_THAT(ErrorOf(text, row("unit,bits", "deg,8")), HasSubstr("is for counts only"));
+  EXPECT_THAT(ErrorOf(text, row("unit,bits,raw_low,raw_high", "volts,8,1,2")),
+              HasSubstr("is for counts only"));
+  EXPECT_THAT(ErrorOf(text, "column,channel\n1,command\n"),
+              HasSubstr("command is of a log of commands and angles: gauntlet identify --map"));
+  EXPECT_THAT(ErrorOf(text, row("joint", "wrist")), HasSubstr("is for command, angle and motor"));
   EXPECT_THAT(ErrorOf(text, "column,channel\n1,index_pip\n2,index_pip\n"),
               HasSubstr("each has a weight"));
   EXPECT_THAT(ErrorOf(text, "column,channel,unit\n1,time,years\n2,index_pip,\n"),

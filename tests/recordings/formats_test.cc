@@ -225,5 +225,36 @@ TEST(FormatOfBytes, KnowsTextFromWhatIsNone) {
   EXPECT_EQ(FormatOfBytes(""), FileFormat::kEmpty);
 }
 
+TEST(WithFacts, NamesColumnsAndUnitsByTheTextsBesideThem) {
+  const std::vector<double> five(3 * 2, 0.5);
+  std::vector<NamedArray> arrays = {
+      {.name = "glove_data", .rows = 3, .columns = 2, .values = five},
+      {.name = "glove_sensornames", .columns = 0, .values = {}, .texts = {"Thumb IP", "Index"}},
+      {.name = "glove_angleunit", .columns = 0, .values = {}, .texts = {"Radians"}},
+      {.name = "other_data", .rows = 3, .columns = 2, .values = five},
+      {.name = "glove_time", .rows = 3, .columns = 1, .values = {0, 1, 2}}};
+  const std::vector<NamedArray> found = WithFacts(arrays);
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_THAT(found[0].column_names, testing::ElementsAre("Thumb IP_rad", "Index_rad"));
+  EXPECT_THAT(found[1].column_names, testing::IsEmpty());
+  EXPECT_THAT(found[2].column_names, testing::IsEmpty());
+  arrays[1].texts.emplace_back("Ring");  // fits no array
+  EXPECT_THAT(WithFacts(arrays)[0].column_names,
+              testing::ElementsAre("glove_data_1_rad", "glove_data_2_rad"));
+}
+
+TEST(WriteTable, TakesTheRateFromAFrameDuration) {
+  const auto first_line_of = [](const char* name, double value) {
+    std::string text;
+    WriteTable({{.name = name, .rows = 1, .columns = 1, .values = {value}},
+                {.name = "a", .rows = 3, .columns = 1, .values = {7, 8, 9}}},
+               "", [&text](std::string_view part) { text += part; });
+    return text;
+  };
+  EXPECT_EQ(first_line_of("FrameDuration", 0.02), "time_s,a\n0,7\n0.02,8\n0.04,9\n");
+  EXPECT_EQ(first_line_of("FrameDuration", 20.0), "time_s,a\n0,7\n0.02,8\n0.04,9\n");
+  EXPECT_EQ(first_line_of("FrameDuration", 0.5), "a\n7\n8\n9\n");  // s or ms
+}
+
 }  // namespace
 }  // namespace gauntlet::sim

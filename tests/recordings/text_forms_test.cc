@@ -52,6 +52,29 @@ TEST(PlainTable, TurnsARowPerChannel) {
   EXPECT_EQ(PlainOf(wide), wide);
 }
 
+TEST(PlainTable, NamesPositionsOfRostopicEcho) {
+  EXPECT_EQ(PlainOf("%time,field.header.seq,field.name0,field.name1,field.position0,"
+                    "field.position1,field.velocity0\n"
+                    "1500000000000000000,1,index_mcp,thumb_ip,0.1,0.2,9\n"
+                    "1500000000010000000,2,index_mcp,thumb_ip,0.3,0.4,8\n"
+                    "1500000000020000000,3,thumb_ip,index_mcp,0.5,0.6,7\n"),
+            "%time,field.header.seq,index_mcp,thumb_ip,index_mcp_velocity\n"
+            "1500000000000000000,1,0.1,0.2,9\n1500000000010000000,2,0.3,0.4,8\n"
+            "# 1500000000020000000,3,thumb_ip,index_mcp,0.5,0.6,7\n");
+}
+
+TEST(PlainTable, ReadsTheAlphaEncodingOfOpengloves) {
+  EXPECT_EQ(PlainOf("A100B200C300D400E500F2048G2047P0(AB)7(BB)9\n"
+                    "A101B201C301D401E501F2048G2047P5IL\n"
+                    "A102B202C302\n"
+                    "A103B203C303D403E503F2048G2047P5(AB)7\n"),
+            "thumb,index,middle,ring,little,joystick_x,joystick_y,trigger\n"
+            "100,200,300,400,500,2048,2047,0\n101,201,301,401,501,2048,2047,5\n"
+            "# A102B202C302\n103,203,303,403,503,2048,2047,5\n");
+  const std::string words = "AB\nCD\nEF\nGH\n";  // no numbers
+  EXPECT_EQ(PlainOf(words), words);
+}
+
 TEST(PlainTable, ReadsJointStates) {
   EXPECT_EQ(PlainOf("1762000000,400000095,base,j1,j2,0.1,0.2,9,8\n"
                     "1762000000,410000086,base,j1,j2,0.3,0.4,7,6\n"),

@@ -1,4 +1,4 @@
-#include "sim/inspect/table_layout.h"
+#include "sim/recordings/table_layout.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,14 +6,16 @@
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/inspect/time_guess.h"
+#include "sim/recordings/time_guess.h"
 
 namespace gauntlet::sim {
 namespace {
 
 using testing::ElementsAre;
 
-TableLayout LayoutOf(const std::string& text) { return FindTable("in", TextSource(text)).layout; }
+TableLayout LayoutOf(const std::string& text) {
+  return FindTable("in", TextSource(text), ProblemHandling::kRepair).layout;
+}
 
 TEST(FindTable, PassesOverWhatASensorsSoftwareWrites) {
   const TableLayout layout = LayoutOf("Glove 2.1\nSerial,17\n\nt,a\n0,1\n1,2\n2,3\n");
@@ -35,6 +37,16 @@ TEST(FindTable, ReadsNamesInAComment) {
   EXPECT_THAT(layout.names, ElementsAre("t", "a", "b"));
   EXPECT_FALSE(layout.has_header);
   EXPECT_EQ(layout.skipped_lines, 0);
+}
+
+TEST(FindTable, KeepsAFirstRowWithATextIfNoLineNamesTheColumns) {
+  FoundTable table =
+      FindTable("in", TextSource("left,0,7\nleft,1,8\nright,2,9\n"), ProblemHandling::kRepair);
+  table.reader.Ignore(0);
+  std::vector<double> values(3);
+  ASSERT_TRUE(table.reader.NextRow(values));
+  EXPECT_EQ(values[2], 7.0);
+  EXPECT_EQ(table.layout.rows.size(), 3U);
 }
 
 TEST(FindTable, NeedsNoHeader) {
@@ -62,7 +74,7 @@ TEST(FindTable, HasTheShapeThatItsReaderHas) {
       {"x,y\n1,2\n3\n", 2},
   };
   for (const auto& [text, columns] : columns_of) {
-    FoundTable table = FindTable("in", TextSource(text));
+    FoundTable table = FindTable("in", TextSource(text), ProblemHandling::kRepair);
     EXPECT_EQ(table.reader.column_count(), columns) << text;
     EXPECT_EQ(table.layout.columns, columns) << text;
     EXPECT_EQ(table.layout.names.size(), columns) << text;
@@ -101,6 +113,24 @@ TEST(GuessTime, KnowsTheUnitByNameOrSize) {
   EXPECT_EQ(TimeOf("Date,Time,a", {"2024-05-31,12:00:00", "2024-05-31,12:00:01"}), "date date ");
   EXPECT_EQ(TimeOf("frame,a", {"0", "1", "2", "3"}), "");
   EXPECT_EQ(TimeOf("x,a", {"7", "9", "8", "9"}), "");
+  EXPECT_EQ(TimeOf("date,recv_timestamp_ms,a",
+                   {"2024-05-31,5", "2024-05-31,25", "2024-05-31,45", "2024-05-31,65"}),
+            "ms ");
+}
+
+TEST(TimeByName, TakesNoColumnByItsValuesAlone) {
+  const auto scales = [](const std::string& text) {
+    std::string found;
+    for (const TimeMapping& time : TimeByName(LayoutOf(text))) {
+      found += std::to_string(time.column) + (time.is_text ? "t " : " ");
+    }
+    return found;
+  };
+  const std::string rows = "0,0\n0.01,1\n0.02,2\n0.03,3\n";
+  EXPECT_EQ(scales("thumb,index\n" + rows), "");
+  EXPECT_EQ(scales("thumb,time_s\n" + rows), "1 ");
+  EXPECT_EQ(scales("pc_time_s,time_s\n" + rows), "0 ");
+  EXPECT_EQ(scales("a,Time\n1,14:10:49.000\n"), "1t ");
 }
 
 }  // namespace

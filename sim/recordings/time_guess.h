@@ -3,7 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/inspect/table_layout.h"
+#include "sim/recordings/column_map.h"
+#include "sim/recordings/table_layout.h"
 
 namespace gauntlet::sim {
 
@@ -17,10 +18,15 @@ struct TimeGuess {
   std::vector<TimePart> parts;  // empty: no time columns
   std::string why;
   bool is_assumed = false;  // the unit is a guess against the name, or by an unusual rate
+  bool is_named = true;     // false: found by its values alone
 };
 
 /// Guesses the time columns by their names and first rows.
 TimeGuess GuessTime(const TableLayout& layout);
+/// The time of a table whose columns are known by their names: that of GuessTime(), unless it is
+/// found by its values alone or its unit is assumed. Else the first column with a name of
+/// TimeScaleS(). Empty: none.
+std::vector<TimeMapping> TimeByName(const TableLayout& layout);
 /// Seconds per unit of a part; 1 for dates.
 double SecondsPer(const std::string& time_unit);
 

@@ -1,4 +1,4 @@
-#include "sim/inspect/time_guess.h"
+#include "sim/recordings/time_guess.h"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,11 @@
 #include <optional>
 #include <utility>
 
-#include "sim/base/error.h"
+#include "controller/number.h"
 #include "sim/recordings/name_words.h"
 #include "sim/recordings/table_statistics.h"
 #include "sim/recordings/time_columns.h"
+#include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -132,6 +133,19 @@ std::vector<TimePart> NamedParts(const TableLayout& layout) {
   return {};
 }
 
+/// True if these parts add up to a time that advances in nearly every row.
+bool Advance(const std::vector<TimePart>& parts, const TableLayout& layout) {
+  constexpr double kNearlyAll = 0.9;
+  std::vector<double> times;
+  for (const auto& row : layout.rows) {
+    double sum_s = 0.0;
+    for (const TimePart& part : parts)
+      sum_s += SecondsOfText(row[part.column]).value_or(controller::kNaN);
+    times.push_back(sum_s);
+  }
+  return StepsOf(times).forward_share > kNearlyAll;
+}
+
 /// Columns of dates and clock times: one with both, or one of each.
 std::vector<TimePart> DateParts(const TableLayout& layout) {
   std::vector<TimePart> parts;
@@ -159,6 +173,7 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
   const std::string unit(named.empty() || is_wrong ? by_values : named);
   const double rate_hz = 1.0 / (usual_step * SecondsPer(unit));
   TimeGuess guess = {{{column, unit}}, by_name ? "by its name" : "it rises in every row"};
+  guess.is_named = by_name;
   guess.is_assumed =
       is_wrong || (named.empty() && (rate_hz < kUsualSlowest_hz || rate_hz > kUsualFastest_hz));
   if (is_wrong) {
@@ -176,16 +191,18 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
 double SecondsPer(const std::string& time_unit) { return SecondsPerUnit(time_unit).value_or(1.0); }
 
 TimeGuess GuessTime(const TableLayout& layout) {
-  if (const auto dates = DateParts(layout); !dates.empty()) {
-    return {dates, dates.size() > 1 ? "date and clock" : "dates or clocks"};
-  }
+  const auto dates = DateParts(layout);
+  TimeGuess of_dates = {dates, dates.size() > 1 ? "date and clock" : "dates or clocks"};
+  if (!dates.empty() && Advance(dates, layout)) return of_dates;
   if (const auto parts = NamedParts(layout); parts.size() > 1) {
     return {parts, "by the names of its parts, which add up"};
   }
   constexpr double kNearlyAll = 0.9;
   constexpr double kAll = 0.98;  // except where the clock starts anew
   TimeGuess best = {{}, "no column rises as a time does"};
+  if (!dates.empty()) best = std::move(of_dates);
   for (const bool by_name : {true, false}) {
+    if (!by_name && !dates.empty()) break;
     for (std::size_t column = 0; column < layout.columns; ++column) {
       const std::string& name = layout.names[column];
       if (KindOf(layout, column) != CellKind::kNumber) continue;
@@ -198,13 +215,27 @@ TimeGuess GuessTime(const TableLayout& layout) {
       const bool rises = steps.rising_share > kNearlyAll && steps.usual > 0.0;
       if (values.size() < 3 || !rises || (!by_name && steps.forward_share < kAll)) continue;
       if (steps.is_count && UnitByName(name).empty()) {
-        best.why = fmt::format("column {} only counts the rows", column + 1);
+        if (dates.empty()) best.why = fmt::format("column {} only counts the rows", column + 1);
         continue;
       }
       return GuessOf(column, name, values.front(), steps.usual, by_name);
     }
   }
   return best;
+}
+
+std::vector<TimeMapping> TimeByName(const TableLayout& layout) {
+  std::vector<TimeMapping> time;
+  const TimeGuess guess = GuessTime(layout);
+  for (const TimePart& part : guess.parts) {
+    if (!guess.is_named || guess.is_assumed) break;
+    time.push_back({part.column, SecondsPer(part.unit), part.unit == "date"});
+  }
+  for (std::size_t c = 0; time.empty() && c < layout.columns; ++c) {
+    const auto scale_s = TimeScaleS(layout.names[c]);
+    if (scale_s) time.push_back({c, *scale_s, KindOf(layout, c) == CellKind::kTime});
+  }
+  return time;
 }
 
 }  // namespace gauntlet::sim

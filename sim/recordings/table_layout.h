@@ -22,12 +22,12 @@ struct TableLayout {
 
 struct FoundTable {
   TableLayout layout;
-  CsvReader reader;  // before the first row; repairs problems
+  CsvReader reader;  // before the first row
 };
 
 /// Finds the table in the first 256 KB of the text.
 /// Errors: UserError if there is no table, or if it has a row per channel.
-FoundTable FindTable(const std::string& name, CsvReader::Source source,
+FoundTable FindTable(const std::string& name, CsvReader::Source source, ProblemHandling handling,
                      CsvReader::Listener listener = {});
 
 /// Kind of nearly all cells of a column.

@@ -1,4 +1,4 @@
-#include "sim/inspect/table_layout.h"
+#include "sim/recordings/table_layout.h"
 
 #include <fmt/format.h>
 
@@ -22,17 +22,6 @@ namespace {
 
 constexpr std::size_t kHeadBytes = std::size_t{256} << 10;
 constexpr std::size_t kMostRows = 2000;
-
-/// A source that returns `head`, then the bytes of `rest`.
-CsvReader::Source WithHead(std::string head, CsvReader::Source rest) {
-  return [head = std::move(head), given = std::size_t{0}, rest = std::move(rest)](
-             char* buffer, std::size_t size) mutable {
-    if (given == head.size()) return rest(buffer, size);
-    const std::size_t count = head.copy(buffer, size, given);
-    given += count;
-    return count;
-  };
-}
 
 struct Line {
   TextLine line;
@@ -197,12 +186,12 @@ TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
 
 }  // namespace
 
-FoundTable FindTable(const std::string& name, CsvReader::Source source,
+FoundTable FindTable(const std::string& name, CsvReader::Source source, ProblemHandling handling,
                      CsvReader::Listener listener) {
   std::string head = BytesOf(source, kHeadBytes);
   const std::vector<Line> lines = LinesOf(head);
   TableLayout layout = LayoutOf(name, lines);
-  CsvReader reader(name, WithHead(std::move(head), std::move(source)), ProblemHandling::kRepair,
+  CsvReader reader(name, WithHead(std::move(head), std::move(source)), handling,
                    std::move(listener), layout.skipped_lines);
   layout.separator = reader.separator();
   layout.columns = reader.column_count();

@@ -1,0 +1,81 @@
+#include "sim/cli/recording_scenario.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "sim/base/error.h"
+#include "sim/base/output_file.h"
+#include "sim/base/shell_word.h"
+#include "sim/cli/standard_streams.h"
+#include "sim/inspect/starter_files.h"
+#include "sim/recordings/time_columns.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
+
+bool IsRecordingFile(const fs::path& file) {
+  const std::string ending = BareName(file.extension().string());
+  return IsWordOf("csv tsv txt dat json jsonl npy npz mat h5 hdf5 xlsx gz bag db3 mcap parquet mp4",
+                  ending);
+}
+
+std::string SeenFrom(const fs::path& from, const fs::path& file) {
+  const fs::path folder = fs::absolute(from).parent_path();
+  return fs::absolute(file).lexically_proximate(folder).generic_string();
+}
+
+void WriteStarter(const std::string& target, const std::string& text, bool force) {
+  MakeDirectoryOf(target);
+  WriteEditableFile(target, text, force);
+  Say("wrote {}\n", target);
+}
+
+void CheckQuestion(const Inspection& inspection, const std::string& map) {
+  if (inspection.question.empty()) return;
+  const bool has_rows = !inspection.Sensors().empty();
+  const std::string array =
+      inspection.array.empty() ? "" : " --array " + ShellWord(inspection.array);
+  const std::string way =
+      inspection.is_command_log
+          ? fmt::format("; next: gauntlet identify {}{}", ShellPath(inspection.file), array)
+      : !has_rows   ? ""
+      : map.empty() ? "; --preset NAME, or --write-map MAP.csv and fill it in"
+                    : fmt::format("; fill in {}, then --map {}", ShellPath(map), ShellPath(map));
+  throw UserError({.place = inspection.file, .problem = inspection.question + way});
+}
+
+std::string ScenarioOfRecording(const fs::path& recording, const std::string& map,
+                                const fs::path& folder) {
+  InspectionOptions options;
+  options.joints.map = map;
+  const Inspection inspection = Inspect(recording, options);
+  const fs::path scenario = folder / recording.stem().concat(".yaml");
+  const fs::path starter = folder / recording.stem().concat(".map.csv");
+  const bool is_assumed = std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
+    return inspection.columns[c].basis == JointBasis::kAssumed;
+  });
+  if (map.empty() && (is_assumed || !inspection.question.empty())) {
+    throw UserError(
+        {.place = recording.string(),
+         .problem = fmt::format(
+             "{}; gauntlet inspect {} --write-map MAP.csv, check MAP.csv, then --map MAP.csv",
+             inspection.question.empty() ? "its joints are assumed by their order"
+                                         : inspection.question,
+             ShellPath(recording))});
+  }
+  CheckQuestion(inspection, map);
+  if (map.empty()) WriteStarter(starter.string(), StarterMap(inspection), false);
+  WriteStarter(scenario.string(),
+               StarterScenario(inspection, SeenFrom(scenario, recording),
+                               SeenFrom(scenario, map.empty() ? starter : fs::path(map))),
+               false);
+  return scenario.string();
+}
+
+}  // namespace gauntlet::sim
