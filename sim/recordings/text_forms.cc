@@ -240,13 +240,14 @@ std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
 
 // --- rostopic echo -p ----------------------------------------------------------------------------
 
+constexpr std::string_view kName = "field.name";  // and its number
+
 /// JointState of `rostopic echo -p`: `field.position0` has the name in the column `field.name0`.
 std::optional<TextForm> RosEchoForm(const std::vector<std::string>& head) {
   if (head.size() < 2 || !head[0].starts_with("%time,")) return std::nullopt;
   const Cells header = CellsWithLists(head[0]);
   const Cells first = CellsWithLists(head[1]);
   if (header.size() != first.size()) return std::nullopt;
-  constexpr std::string_view kName = "field.name";
   TextForm form;
   form.has_header = true;
   std::vector<std::size_t> kept;
