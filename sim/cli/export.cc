@@ -1,16 +1,23 @@
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "controller/joint_map.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_file.h"
+#include "sim/base/signal.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
+#include "sim/results/table_text.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/robot_constants.h"
@@ -48,8 +55,10 @@ struct ExportOptions {
   }
 
   static constexpr auto kNotes = R"(
-The file holds the controller's settings, the calibration of the glove that its trials used, the
-joint map, the hand's motors and coupling, and the clocks. Its first lines tell how a program loads it.
+The file contains the controller's settings, the calibration of the glove, the joint map, the
+hand's motors and coupling, and the clocks. The calibration is that of the trials: the calibration
+file of the controller, else the column map of a recording in counts, else the simulated glove.
+The first lines contain warnings about it, the joints without a sensor, and how to load the file.
 
 Example:
   gauntlet export out/door_opening --controller tuned_kalman --out robot.yaml
@@ -88,6 +97,73 @@ std::string ContentOf(const ExportOptions& options, const controller::RobotConfi
   return RobotToYaml(robot, origin);
 }
 
+/// Adds `name` to the group of `key`.
+using Groups = std::vector<std::pair<std::string, std::string>>;
+void AddTo(Groups& groups, const std::string& key, const std::string& name) {
+  const auto found = std::ranges::find(groups, key, &Groups::value_type::first);
+  if (found == groups.end()) {
+    groups.emplace_back(key, name);
+  } else {
+    found->second += ", " + name;
+  }
+}
+
+/// The parts of the file that are no measurement of the user's glove, and the joints without a
+/// sensor: a sentence each.
+std::vector<std::string> NotesOf(const GloveConfig& config, const controller::RobotConfig& robot) {
+  const bool is_calibrated =
+      robot.controller.linearisation.kind != controller::LinearisationKind::kGlove;
+  std::vector<std::string> notes;
+  Groups assumed, simulated, held;
+  for (std::size_t i = 0; i < robot.glove.channel_names.size(); ++i) {
+    const std::string& name = robot.glove.channel_names[i];
+    const auto own = std::ranges::find(config.calibration, name, &OwnCalibration::channel);
+    if (own == config.calibration.end()) {
+      const std::string counts =
+          fmt::format("{:g} to {:g}", robot.glove.low_counts[i], robot.glove.high_counts[i]);
+      if (!is_calibrated) AddTo(simulated, counts, name);
+    } else if (!own->assumed.empty()) {
+      AddTo(assumed, own->assumed, name);
+    }
+  }
+  for (const auto& [counts, names] : simulated) {
+    notes.push_back(
+        fmt::format("warning: the calibration is that of the simulated glove, {} counts over the "
+                    "joint's range: "
+                    "{}. Calibrate your glove (gauntlet calibrate) before it drives a robot",
+                    counts, names));
+  }
+  for (const auto& [words, names] : assumed) {
+    notes.push_back(fmt::format(
+        "warning: the column map assumes {} of {}. Check them, and add the row all,confirmed{}",
+        words, names, is_calibrated ? "; the calibration file decides the range" : ""));
+  }
+  const controller::JointMap map(robot.joint_map, robot.glove.channel_names, robot.hand);
+  for (int joint = 0; joint < map.joint_count(); ++joint) {
+    if (map.measured(joint)) continue;
+    AddTo(held, fmt::format("{:.4g} deg", map.offset_rad(joint) * kDegPerRad),
+          robot.hand.joint_names[static_cast<std::size_t>(joint)]);
+  }
+  std::string text;
+  for (const auto& [angle, names] : held) {
+    text += fmt::format("{} {}: {}", text.empty() ? "" : ";", angle, names);
+  }
+  if (!text.empty()) notes.push_back("joints without a sensor hold an angle:" + text);
+  return notes;
+}
+
+/// The notes as comments at the head of the file.
+std::string CommentsOf(const std::vector<std::string>& notes, const ExportOptions& options) {
+  constexpr std::size_t kWidth = 97;
+  const std::string mark = options.header || options.embedded ? "// " : "# ";
+  std::string comments;
+  for (const std::string& note : notes) {
+    std::istringstream lines(Wrapped(note, kWidth));
+    for (std::string line; std::getline(lines, line);) comments += mark + line + "\n";
+  }
+  return comments;
+}
+
 /// Fits what is still to be fitted, to all repetitions of the scenario.
 controller::ControllerConfig ForRobot(const Scenario& scenario,
                                       const controller::ControllerConfig& config) {
@@ -113,7 +189,9 @@ void RunExport(const ExportOptions& options) {
                            .scenario = scenario.name,
                            .controller = named.name,
                            .model_hash = hand.Hash()};
-  WriteOutputFile(target, ContentOf(options, robot, origin));
+  const std::vector<std::string> notes = NotesOf(scenario.glove, robot);
+  WriteOutputFile(target, CommentsOf(notes, options) + ContentOf(options, robot, origin));
+  for (const std::string& note : notes) Say("gauntlet: {}\n", note);
   Say("wrote {}\n", target.string());
 }
 

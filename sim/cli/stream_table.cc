@@ -227,7 +227,7 @@ std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
   std::vector<StreamChannel> parts(KnownChannels().size());
   std::vector<bool> passes(columns_, true);
   for (const ColumnMapping& mapping : map.channels) {
-    const AngleScale scale = ScaleOf(mapping, nominal.low_counts, nominal.high_counts);
+    const ColumnScale scale = ScaleOf(mapping, nominal.low_counts, nominal.high_counts);
     parts[mapping.channel].push_back({.column = mapping.column,
                                       .factor = scale.factor * kDegPerRad,
                                       .offset = scale.offset_rad * kDegPerRad,

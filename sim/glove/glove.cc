@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
 #include "sim/base/timing.h"
 #include "sim/glove/noise/add_noise.h"
 #include "sim/glove/sensor/bend_sensor.h"
+#include "sim/recordings/column_scale.h"
+#include "sim/recordings/recording.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -46,13 +50,52 @@ void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
   KeepOfChannels(indices, glove.masked);
 }
 
+/// Replaces the counts of the nominal sensor by those of the recorded glove, where its calibration
+/// is known. Errors: UserError for counts that its converter does not give.
+void PutOwnCounts(const GloveConfig& config, const Motion& motion, Signal& counts) {
+  constexpr double kMostBeyond = 0.05;
+  const double full_scale = config.converter.full_scale_counts();
+  for (const OwnCalibration& own : config.calibration) {
+    const int c = ChannelIndex(own.channel);
+    const double slope =
+        (own.high_deg - own.low_deg) * kRadPerDeg / (own.high_counts - own.low_counts);
+    ColumnScale scale{.factor = slope,
+                      .offset_rad = own.low_deg * kRadPerDeg - own.low_counts * slope};
+    for (const OwnCounts& recorded : motion.recording->own_counts) {
+      if (recorded.channel == c) scale = recorded.scale;
+    }
+    auto column = counts.col(c).array();
+    column = (motion.measured_rad.col(c).array() - scale.offset_rad) / scale.factor;
+    TrimSignals();
+    const auto beyond = ((column < -0.5) || (column > full_scale + 0.5)).count();
+    if (static_cast<double>(beyond) <= kMostBeyond * static_cast<double>(counts.rows())) continue;
+    throw UserError(
+        {.place = motion.recording->name,
+         .problem = fmt::format(
+             "{}: {:.0f} % of its counts are outside 0 to {:g}; bits in the "
+             "column map, or glove.converter.bits, must be larger",
+             own.channel, 100.0 * static_cast<double>(beyond) / static_cast<double>(counts.rows()),
+             full_scale)});
+  }
+}
+
 /// The analog signal of all channels before noise, at every tick [counts].
 Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& tremor_rad,
              double tick_rate_hz, std::uint64_t seed) {
   const double full_scale = config.converter.full_scale_counts();
   // A recorded glove has gone through its own sensors already.
   if (motion.measured_rad.size() > 0) {
-    return SenseBendNominal(config.sensor, motion.measured_rad, full_scale);
+    Signal counts = SenseBendNominal(config.sensor, motion.measured_rad, full_scale);
+    if (!config.calibration.empty() && !config.noise.recording.empty()) {
+      throw controller::SettingError("noise.recording",
+                                     "must be empty: the recording is in counts of a glove, whose "
+                                     "noise is in it");
+    }
+    PutOwnCounts(config, motion, counts);
+    return counts;
+  }
+  if (!config.calibration.empty()) {
+    throw controller::SettingError("calibration", "is for a recording with use: measured alone");
   }
   const SensorParameters sensor = DrawSensor(config.sensor, seed);
   if (tremor_rad.size() == 0) {
@@ -104,7 +147,55 @@ std::vector<int> ChannelsOf(const GloveConfig& config) {
       throw controller::SettingError("channels", "names " + name + " twice");
     }
   }
+  for (const OwnCalibration& own : config.calibration) {
+    const std::vector<std::string> known = KnownChannelNames();
+    if (std::ranges::count(config.calibration, own.channel, &OwnCalibration::channel) > 1 ||
+        std::ranges::find(known, own.channel) == known.end()) {
+      throw controller::SettingError("calibration", own.channel + " is no channel, or named twice" +
+                                                        Suggestion(own.channel, known));
+    }
+  }
   return indices;
+}
+
+void TakeCalibrationOfMap(GloveConfig& config) {
+  const auto* motion = std::get_if<RecordedMotionConfig>(&config.motion.settings);
+  if (motion == nullptr || motion->use != RecordingUse::kMeasured || motion->map.empty() ||
+      !config.calibration.empty()) {
+    return;
+  }
+  ColumnMap map;
+  try {
+    map = ReadMapOf(*motion);
+  } catch (const UserError&) {
+    return;
+  }
+  const auto own_counts = [&] {
+    const double full_scale = config.converter.full_scale_counts();
+    return OwnCountsOf(map, config.sensor.low_counts(full_scale),
+                       config.sensor.high_counts(full_scale));
+  };
+  int bits = 8;  // of the smallest converter
+  for (const OwnCounts& own : own_counts()) {
+    int needed = own.bits > 0 ? own.bits : config.converter.bits;
+    while (std::max(own.low_counts, own.high_counts) > std::ldexp(1.0, needed) - 1.0) ++needed;
+    bits = std::max(bits, needed);
+  }
+  if (own_counts().empty()) return;
+  config.converter.bits = bits;
+  const auto rounded = [](double value) { return std::round(value * 1e9) / 1e9; };
+  for (const OwnCounts& own : own_counts()) {
+    const auto deg_at = [&](double counts) {
+      return rounded((own.scale.factor * counts + own.scale.offset_rad) * kDegPerRad);
+    };
+    config.calibration.push_back(
+        {.channel = std::string(KnownChannels()[static_cast<std::size_t>(own.channel)].name),
+         .low_counts = rounded(own.low_counts),
+         .high_counts = rounded(own.high_counts),
+         .low_deg = deg_at(own.low_counts),
+         .high_deg = deg_at(own.high_counts),
+         .assumed = own.assumed});
+  }
 }
 
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
@@ -197,6 +288,15 @@ controller::GloveCalibration NominalCalibration(const GloveConfig& config) {
     calibration.high_angle_rad.push_back(channel.max_deg * kRadPerDeg);
     calibration.low_counts.push_back(config.sensor.low_counts(calibration.full_scale_counts));
     calibration.high_counts.push_back(config.sensor.high_counts(calibration.full_scale_counts));
+  }
+  for (const OwnCalibration& own : config.calibration) {
+    const auto place = std::ranges::find(calibration.channel_names, own.channel);
+    if (place == calibration.channel_names.end()) continue;
+    const auto i = place - calibration.channel_names.begin();
+    calibration.low_counts[i] = own.low_counts;
+    calibration.high_counts[i] = own.high_counts;
+    calibration.low_angle_rad[i] = own.low_deg * kRadPerDeg;
+    calibration.high_angle_rad[i] = own.high_deg * kRadPerDeg;
   }
   return calibration;
 }

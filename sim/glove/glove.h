@@ -53,8 +53,13 @@ std::vector<double> NoiseVarianceCounts2(const GloveConfig& config);
 /// The same behind the nominal linearisation [rad^2].
 std::vector<double> NoiseVarianceRad2(const GloveConfig& config);
 
-/// What a careful person knows of the glove after calibrating it: the nominal sensor, without the
-/// deviations of the one glove that a seed draws.
+/// Takes the calibration, and the converter's bits, of a recording in counts (`use: measured`) from
+/// its column map, unless the settings have a calibration. A file that cannot be read changes
+/// nothing: SynthesiseGlove() reports it.
+void TakeCalibrationOfMap(GloveConfig& config);
+
+/// Calibration for the controllers. A channel of `config.calibration` has its two poses, every
+/// other one those of the nominal sensor, without the deviations of the glove that a seed draws.
 controller::GloveCalibration NominalCalibration(const GloveConfig& config);
 
 }  // namespace gauntlet::sim

@@ -13,6 +13,18 @@
 
 namespace gauntlet::sim {
 
+/// Two known poses of one channel of a real glove, whose recording is in its own counts.
+struct OwnCalibration {
+  std::string channel;
+  double low_counts = 0.0;
+  double high_counts = 0.0;
+  double low_deg = 0.0;
+  double high_deg = 0.0;
+  std::string assumed;  // what of it is a guess, as in a column map
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
 /// Everything that the glove does. Lists of one number per channel are in the order of
 /// KnownChannels(), also if the glove has only some of them; see PlaceInList().
 struct GloveConfig {
@@ -23,6 +35,7 @@ struct GloveConfig {
   SensorConfig sensor;
   NoiseConfig noise;
   ConverterConfig converter;
+  std::vector<OwnCalibration> calibration;  // see TakeCalibrationOfMap()
   std::vector<FaultConfig> faults;
 
   void Visit(controller::SettingsVisitor& visitor);

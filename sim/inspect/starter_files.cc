@@ -75,6 +75,14 @@ std::string AssumedOf(const Inspection& inspection, const InspectedColumn& colum
   return words;
 }
 
+/// True if the recorded counts reach the controllers: see OwnCountsOf.
+bool HasOwnCounts(const Inspection& inspection) {
+  return inspection.unit == RawUnit::kCounts &&
+         std::ranges::all_of(inspection.MappedColumns(), [&](std::size_t c) {
+           return inspection.columns[c].statistics.usual_low >= 0.0;
+         });
+}
+
 bool HasTurns(const Inspection& inspection) {
   return std::ranges::any_of(inspection.columns, &InspectedColumn::is_turning);
 }
@@ -104,11 +112,22 @@ std::string MapRow(const Inspection& inspection, std::size_t c) {
                      AngleCells(inspection, column, joint), AssumedOf(inspection, column), values);
 }
 
-/// Noise variance of the glove in counts^2 of the scenario's converter (10 bits over the joint's
-/// range): the median over the channels, at least the quantisation noise.
-double VarianceCounts2(const Inspection& inspection) {
+/// Settings of filters in counts: r is the median of the channels' noise, at least the
+/// quantisation noise. Counts are those of the recording, else of 10 bits over the joint's range.
+/// The filters do not depend on the counts: q is proportional to r, and beta to 1 / counts.
+struct FilterSettings {
+  double r = 0.0;
+  double q = 0.0;
+  double beta = 0.0;  // of one_euro
+};
+
+FilterSettings SettingsInCounts(const Inspection& inspection, double glove_hz) {
   constexpr double kCountsPerRange = 0.8 * 1023.0;
-  std::vector<double> variances;
+  struct Noise {
+    double variance;   // counts^2 of 10 bits
+    double per_count;  // counts of 10 bits per count of the controllers
+  };
+  std::vector<Noise> noises;
   for (const std::size_t c : inspection.MappedColumns()) {
     const ColumnStatistics& column = inspection.columns[c].statistics;
     const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
@@ -121,10 +140,14 @@ double VarianceCounts2(const Inspection& inspection) {
       per_unit *= (joint.max_deg - LowDegOf(joint)) / std::max(range, 1e-9);
     }
     const double noise = std::max(column.noise, column.step / std::sqrt(12.0)) * per_unit;
-    variances.push_back(noise * noise);
+    noises.push_back({noise * noise, HasOwnCounts(inspection) ? per_unit : 1.0});
   }
-  std::ranges::sort(variances);
-  return std::clamp(variances[variances.size() / 2], 0.1, 1e4);
+  std::ranges::sort(noises, {}, &Noise::variance);
+  const Noise& median = noises[noises.size() / 2];
+  const double scale = 1.0 / (median.per_count * median.per_count);
+  return {.r = scale * std::clamp(median.variance, 0.1, 1e4),
+          .q = scale * 10.0 / glove_hz,
+          .beta = 0.03 * median.per_count};
 }
 
 /// Text in double quotes for YAML.
@@ -246,6 +269,7 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
   const std::vector<std::string> channels = MappedChannels(inspection);
   const bool has_index_pip = std::ranges::find(channels, "index_pip") != channels.end();
   constexpr double kMean_s = 0.08;
+  const FilterSettings filters = SettingsInCounts(inspection, glove_hz);
   return fmt::format(
       "# Written by gauntlet inspect. The wearer's true motion is unknown: scores compare with "
       "the\n"
@@ -266,13 +290,15 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
       "controllers:\n"
       "  raw: {{filter: none}}\n"
       "  mean: {{filter: {{kind: moving_average, window: {}}}}}\n"
-      "  # r is the noise of this recording, in counts of 10 bits over a joint's range.\n"
+      "  # r is the noise variance of this recording, in {}.\n"
       "  kalman: {{filter: {{kind: kalman, q: {:.3g}, r: {:.3g}}}}}\n"
-      "  one_euro: {{filter: {{kind: one_euro, min_cutoff_hz: 1, beta: 0.03}}}}\n",
+      "  one_euro: {{filter: {{kind: one_euro, min_cutoff_hz: 1, beta: {:.2g}}}}}\n",
       glove_hz, fmt::join(channels, ", "), YamlText(recording), YamlText(map),
       MotionSettings(inspection, glove_hz), has_index_pip ? "index_pip" : channels.front(),
-      std::max(2, static_cast<int>(std::lround(kMean_s * glove_hz))), 10.0 / glove_hz,
-      VarianceCounts2(inspection));
+      std::max(2, static_cast<int>(std::lround(kMean_s * glove_hz))),
+      HasOwnCounts(inspection) ? "counts^2 of the glove"
+                               : "counts^2 of 10 bits over a joint's range",
+      filters.q, filters.r, filters.beta);
 }
 
 }  // namespace gauntlet::sim

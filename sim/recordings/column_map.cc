@@ -21,10 +21,11 @@
 namespace gauntlet::sim {
 namespace {
 
+constexpr std::string_view kCounts = "counts";
 constexpr std::array<std::pair<std::string_view, RecordedUnit>, 4> kUnits = {
     {{"deg", RecordedUnit::kDegrees},
      {"rad", RecordedUnit::kRadians},
-     {"counts", RecordedUnit::kCounts},
+     {kCounts, RecordedUnit::kCounts},
      {"share", RecordedUnit::kShare}}};
 constexpr std::string_view kDateUnit = "date";
 constexpr std::string_view kVolts = "volts";
@@ -131,15 +132,20 @@ void AddTime(const MapFile& file, std::size_t column, std::vector<TimeMapping>& 
   time.push_back({.column = column, .scale_s = *scale_s});
 }
 
+std::string UnitIn(const MapFile& file) {
+  const std::string unit = file.Text("unit", "deg");
+  if (unit == kVolts || FindUnit(unit) != nullptr) return unit;
+  file.FailAt("unit", file.Quoted(unit) + " must be one of: deg, rad, counts, share, volts");
+}
+
 /// Bits of the converter; 0 if the row has none.
-int BitsIn(MapFile& file, bool is_counts) {
-  constexpr int kMostBits = 24;
+int BitsIn(MapFile& file, std::string_view unit) {
   if (!file.Has("bits")) return 0;
   const double bits = file.Number("bits", 0.0);
-  if (!(bits >= 1.0 && bits <= kMostBits && bits == std::floor(bits))) {
-    file.FailAt("bits", fmt::format("must be a whole number from 1 to {}", kMostBits));
+  if (!(bits >= 1.0 && bits <= kMostMapBits && bits == std::floor(bits))) {
+    file.FailAt("bits", fmt::format("must be a whole number from 1 to {}", kMostMapBits));
   }
-  if (!is_counts) file.FailAt("bits", "is for counts only");
+  if (unit != kCounts) file.FailAt("bits", "is for counts only");
   return static_cast<int>(bits);
 }
 
@@ -150,11 +156,13 @@ ColumnMapping TwoPoint(MapFile& file, std::size_t column, int channel) {
   for (const std::string_view key : {"scale", "sign", "offset"}) {
     if (file.Has(key)) file.FailAt(key, "must be empty beside raw_low and raw_high");
   }
+  const std::string unit = UnitIn(file);
   for (const std::string_view key : {"raw_low", "raw_high"}) {
     if (!file.Has(key)) file.FailAt(key, "must be given, as the other end is");
   }
   const double raw_low = file.Number("raw_low", 0.0);
-  const double raw_range = file.Number("raw_high", 0.0) - raw_low;
+  const double raw_high = file.Number("raw_high", 0.0);
+  const double raw_range = raw_high - raw_low;
   if (raw_range == 0.0) file.FailAt("raw_high", "must not be raw_low");
   const double low_deg = file.Number("deg_low", joint.min_deg);
   const double scale = (file.Number("deg_high", joint.max_deg) - low_deg) / raw_range;
@@ -162,28 +170,27 @@ ColumnMapping TwoPoint(MapFile& file, std::size_t column, int channel) {
           .channel = channel,
           .scale = scale,
           .offset = low_deg - raw_low * scale,
-          .bits = BitsIn(file, file.Text("unit", "counts") == "counts")};
+          .bits = BitsIn(file, unit),
+          .in_counts = unit == kCounts,
+          .points = RawPoints{.low = raw_low, .high = raw_high}};
 }
 
 ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
   for (const std::string_view key : {"deg_low", "deg_high"}) {
     if (file.Has(key)) file.FailAt(key, "needs raw_low and raw_high");
   }
-  const std::string unit = file.Text("unit", "deg");
+  const std::string unit = UnitIn(file);
   if (unit == kVolts) file.FailAt("unit", "volts need raw_low and raw_high");
-  const RecordedUnit* known = FindUnit(unit);
-  if (known == nullptr) {
-    file.FailAt("unit", file.Quoted(unit) + " must be one of: deg, rad, counts, share, volts");
-  }
   const double sign = file.Number("sign", 1.0);
   if (std::abs(sign) != 1.0) file.FailAt("sign", "must be 1 or -1");
-  const int bits = BitsIn(file, unit == "counts");
+  const RecordedUnit known = *FindUnit(unit);
   return {.column = column,
           .channel = channel,
-          .unit = *known,
+          .unit = known,
           .scale = sign * file.Number("scale", 1.0),
           .offset = file.Number("offset", 0.0),
-          .bits = bits};
+          .bits = BitsIn(file, unit),
+          .in_counts = known == RecordedUnit::kCounts};
 }
 
 /// What of a row is assumed: words of this list.
@@ -340,7 +347,7 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
   for (std::size_t column = 0; column < recording.column_count(); ++column) {
     const std::string& name = recording.header()[column];
     if (AddByName(name, column, map)) continue;
-    if (handling == ProblemHandling::kRepair) {
+    if (GoesOn(handling)) {
       left_out.push_back(name);
       continue;
     }

@@ -18,19 +18,30 @@ enum class RecordedUnit {
   kShare,   // of the joint's range: 0 its lower end, 1 its upper end
 };
 
+/// Two values of a column whose angles the map gives.
+struct RawPoints {
+  double low = 0.0;
+  double high = 0.0;
+};
+
 /// What a column gives to a channel: weight * unit(scale * value + offset). The angle of a channel
 /// is the sum over its mappings.
 struct ColumnMapping {
   std::size_t column = 0;  // from 0
   int channel = 0;
   RecordedUnit unit = RecordedUnit::kDegrees;
-  double scale = 1.0;   // sign included
-  double offset = 0.0;  // in the unit
-  int bits = 0;         // of the converter that counts are of; 0: the scenario's
+  double scale = 1.0;                    // sign included
+  double offset = 0.0;                   // in the unit
+  int bits = 0;                          // of the converter that counts are of; 0: the scenario's
+  bool in_counts = false;                // of a glove's converter
+  std::optional<RawPoints> points = {};  // of a map with two known values
   double weight = 1.0;
   double wraps_at = 0.0;     // the column's values jump by this; 0: they do not
   std::string assumed = {};  // what of this row is a guess, as in the map; empty: nothing
 };
+
+/// Bits of the widest converter.
+inline constexpr int kMostMapBits = 24;
 
 /// The name of a map's row for all columns: `all,confirmed` confirms what the map assumes.
 inline constexpr std::string_view kAllOfMap = "all";

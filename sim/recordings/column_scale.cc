@@ -1,5 +1,6 @@
 #include "sim/recordings/column_scale.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/base/channels.h"
@@ -13,7 +14,7 @@ constexpr double kNominalLowShare = 0.1;
 
 }  // namespace
 
-AngleScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high_counts) {
+ColumnScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high_counts) {
   const Channel& joint = KnownChannels()[mapping.channel];
   const double min_rad = joint.min_deg * kRadPerDeg;
   const double range_rad = (joint.max_deg - joint.min_deg) * kRadPerDeg;
@@ -35,6 +36,32 @@ AngleScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high_
   }
   return {.factor = mapping.weight * factor * mapping.scale,
           .offset_rad = mapping.weight * (zero_rad + factor * mapping.offset)};
+}
+
+std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, double low_counts, double high_counts) {
+  const double most_counts = std::ldexp(1.0, kMostMapBits) - 1.0;
+  std::vector<OwnCounts> all;
+  for (const ColumnMapping& mapping : map.channels) {
+    const ColumnScale scale = ScaleOf(mapping, low_counts, high_counts);
+    const bool is_only =
+        std::ranges::count(map.channels, mapping.channel, &ColumnMapping::channel) == 1;
+    if (!mapping.in_counts || !is_only || mapping.wraps_at > 0.0 || scale.factor == 0.0) continue;
+    const Channel& joint = KnownChannels()[mapping.channel];
+    const auto counts_at = [&scale](double deg) {
+      return (deg * kRadPerDeg - scale.offset_rad) / scale.factor;
+    };
+    const RawPoints points = mapping.points.value_or(
+        RawPoints{.low = counts_at(joint.min_deg), .high = counts_at(joint.max_deg)});
+    const auto [least, most] = std::minmax(points.low, points.high);
+    if (least < 0.0 || most > most_counts) continue;  // no converter gives these
+    all.push_back({.channel = mapping.channel,
+                   .scale = scale,
+                   .low_counts = points.low,
+                   .high_counts = points.high,
+                   .bits = mapping.bits,
+                   .assumed = map.is_confirmed ? "" : mapping.assumed});
+  }
+  return all;
 }
 
 }  // namespace gauntlet::sim

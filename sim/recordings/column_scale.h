@@ -10,14 +10,28 @@ namespace gauntlet::sim {
 
 /// What a mapping adds to the angle of its channel: factor * value + offset_rad, its weight
 /// included.
-struct AngleScale {
+struct ColumnScale {
   double factor = 1.0;  // rad per unit of the column
   double offset_rad = 0.0;
 };
 
 /// `low_counts` and `high_counts`: at the ends of a joint's range, of counts whose bits the map
 /// does not say.
-AngleScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high_counts);
+ColumnScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high_counts);
+
+/// The counts of a glove's own converter in one column: the channel's calibration.
+struct OwnCounts {
+  int channel = 0;
+  ColumnScale scale;        // counts to angle
+  double low_counts = 0.0;  // the two points of the map, else the ends of the joint's range
+  double high_counts = 0.0;
+  int bits = 0;         // of the converter; 0: not in the map
+  std::string assumed;  // as in the map; empty if a person confirmed it
+};
+
+/// The channels that a map takes from one column of counts each, without weights of other columns
+/// and jumps. `low_counts` and `high_counts`: as for ScaleOf().
+std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, double low_counts, double high_counts);
 
 /// The columns of a table, as a map names them.
 struct RecordingColumns {

@@ -57,7 +57,7 @@ void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string
 }
 
 void CsvReader::Problem(RecordingProblem problem, std::size_t column, const std::string& message) {
-  if (handling_ != ProblemHandling::kRepair) Fail(column, message);
+  if (!GoesOn(handling_)) Fail(column, message);
   if (listener_) listener_(problem, row_);
 }
 

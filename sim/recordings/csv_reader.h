@@ -17,11 +17,17 @@ namespace gauntlet::sim {
 /// What a reader does with a value or row that is not as it should be.
 enum class ProblemHandling {
   kStrict,        // stops with a UserError at the first one
-  kRepair,        // gives NaN for the value and reports
+  kRepair,        // gives NaN for what is no value and reports; see LoadRecording for glitches
+  kRemove,        // the same, and no glitch reaches a controller
   kAllowMissing,  // strict, but a missing value is NaN and no problem
 };
-/// As settings name the first two.
-inline constexpr std::array<std::string_view, 2> kProblemHandlingNames = {"strict", "repair"};
+/// As settings name the first three.
+inline constexpr std::array<std::string_view, 3> kProblemHandlingNames = {"strict", "repair",
+                                                                          "remove"};
+/// True if a bad value is reported and does not stop the reader.
+constexpr bool GoesOn(ProblemHandling handling) {
+  return handling == ProblemHandling::kRepair || handling == ProblemHandling::kRemove;
+}
 
 /// Reads numbers from text with one row a line (see TextLines), in one pass. It owns the shape of
 /// the table: its separator, columns, header and rows are those that it finds, for all who use it.

@@ -23,11 +23,6 @@ constexpr std::size_t kRowsBeside = 3;
 // Times in files are often rounded to the microsecond: a row so little after a sample is there.
 constexpr double kSameMoment_s = 1e-6;
 
-struct Glitch {
-  Eigen::Index place;
-  Eigen::Index channel;
-};
-
 /// Rows of angles, as many as come, in blocks: see SignalStorage.
 class RowTable {
  public:
@@ -90,25 +85,33 @@ class RowTable {
 /// Reports them in the order of rows and makes them NaN. `rows` are lines of the file.
 void HandleGlitches(RecordingReader& reader, const std::vector<std::size_t>& rows, StretchEnds ends,
                     Recording& recording) {
-  std::vector<Glitch> glitches;
+  constexpr double kFarthest_rad = 1e6;  // of any converter; sums of larger ones overflow
+  const auto leave_out = [&recording](const WildValue& wild) {
+    recording.angle_rad(wild.row, wild.channel) = kMissing;
+    recording.wild.push_back(wild);
+  };
+  std::vector<WildValue> glitches;
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
     const Channel& joint = KnownChannels()[c];
     if (!recording.has_channel[c]) continue;
+    for (Eigen::Index row = 0; row < recording.angle_rad.rows(); ++row) {
+      const double angle_rad = recording.angle_rad(row, c);
+      if (!IsFarBeyondRange(joint, angle_rad)) continue;
+      leave_out({row, c, std::clamp(angle_rad, -kFarthest_rad, kFarthest_rad)});
+    }
     for (const Eigen::Index place :
          FindGlitches(recording.time_s, {recording.angle_rad.col(c).data(), rows.size()},
                       (joint.max_deg - joint.min_deg) * kRadPerDeg, ends)) {
-      glitches.push_back({place, c});
+      glitches.push_back({place, c, recording.angle_rad(place, c)});
     }
     TrimSignals();
   }
-  std::ranges::stable_sort(glitches, {}, &Glitch::place);
-  for (const auto [place, c] : glitches) {
-    const std::string_view name = KnownChannels()[c].name;
-    double& angle = recording.angle_rad(place, c);
-    reader.Report(RecordingProblem::kGlitch, rows[place], c,
-                  fmt::format("{} jumps to {:.6g} deg and back, faster than a hand", name,
-                              angle * kDegPerRad));
-    angle = kMissing;
+  std::ranges::stable_sort(glitches, {}, &WildValue::row);
+  for (const WildValue& wild : glitches) {
+    reader.Report(RecordingProblem::kGlitch, rows[wild.row], wild.channel,
+                  fmt::format("{} jumps to {:.6g} deg and back, faster than a hand",
+                              KnownChannels()[wild.channel].name, wild.angle_rad * kDegPerRad));
+    leave_out(wild);
   }
 }
 
@@ -354,6 +357,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   Recording recording;
   recording.name = file.string();
   recording.has_channel = reader.has_channel();
+  recording.own_counts = reader.own_counts();
   const ReadLines lines = ReadAngles(reader, start_s, duration_s, recording);
   if (recording.time_s.size() < 2 || recording.time_s.back() <= start_s) {
     FailAsTooShort(reader, recording, start_s);
@@ -362,7 +366,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   CheckBudget(reader, recording, format.repair_budget_percent);
   if (format.keeps_to_range) CheckRanges(recording);
   recording.remarks = reader.Remarks();
-  if (format.handling == ProblemHandling::kRepair) LeaveOutFrozen(recording);
+  if (GoesOn(format.handling)) LeaveOutFrozen(recording);
   if (format.keeps_to_range) RemarkRadians(recording);
   RemarkRepeats(recording);
   return recording;

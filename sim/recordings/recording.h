@@ -11,21 +11,31 @@
 
 namespace gauntlet::sim {
 
+/// A value that no hand can have: a glitch.
+struct WildValue {
+  Eigen::Index row = 0;
+  Eigen::Index channel = 0;
+  double angle_rad = 0.0;
+};
+
 /// A stretch of a recording, at its own times.
 struct Recording {
-  std::string name;                  // of the file, for messages
-  std::vector<double> time_s;        // rises strictly; 0 is the first row of the file
-  Signal angle_rad;                  // rows x channels of KnownChannels(); NaN is missing
-  std::vector<bool> has_channel;     // per channel
-  std::vector<double> restart_s;     // rows behind which the clock had started anew
-  std::vector<std::string> remarks;  // what was repaired
+  std::string name;                   // of the file, for messages
+  std::vector<double> time_s;         // rises strictly; 0 is the first row of the file
+  Signal angle_rad;                   // rows x channels of KnownChannels(); NaN is missing
+  std::vector<bool> has_channel;      // per channel
+  std::vector<OwnCounts> own_counts;  // channels in counts of the glove
+  std::vector<WildValue> wild;        // NaN in angle_rad
+  std::vector<double> restart_s;      // rows behind which the clock had started anew
+  std::vector<std::string> remarks;   // what was repaired
 };
 
 /// Reads from start_s for duration_s (0: to the end). Rows before the stretch are passed over and
 /// reading ends behind it, so memory grows with the stretch and not with the file.
 ///
 /// Glitches (see FindGlitches) are a problem like all that RecordingReader finds: strict reading
-/// stops at the first of the stretch, repair makes them NaN. A remark tells where a channel hardly
+/// stops at the first of the stretch. Otherwise they and angles far beyond the joint's range are
+/// NaN in `angle_rad` and kept in `wild`. A remark tells where a channel hardly
 /// ever changes: a slow device that was polled fast, a sensor at its stop.
 ///
 /// Errors: UserError in one line, also if the stretch has fewer than two rows, and where more than

@@ -27,7 +27,7 @@ const Facts& FactsOf(RecordingProblem problem) {
       {kGap, "gap in time", true},  // the cause is told by the usual step
       {kFarBeyondRange, "glitch far outside the joint's range", true,
        "is the unit another: degrees taken for radians, counts for degrees?"},
-      {kGlitch, "glitch, value left out", true, "are the columns angles of joints at all?"},
+      {kGlitch, "glitch", true, "are the columns angles of joints at all?"},
       {kShortHeader, "header too short", false},
       {kMissingValue, "missing value", false},
       {kNoTime, "no time", true, "is the column of time another?"},

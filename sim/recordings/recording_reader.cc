@@ -66,6 +66,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
     used[time.column] = true;
     if (time.is_text) csv_->ReadAsTime(time.column);
   }
+  own_counts_ = OwnCountsOf(map_, format.low_counts, format.high_counts);
   for (const ColumnMapping& mapping : map_.channels) {
     used[mapping.column] = true;
     has_channel_[mapping.channel] = true;
@@ -77,7 +78,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
 }
 
 void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFormat& format) {
-  const AngleScale scale = ScaleOf(mapping, format.low_counts, format.high_counts);
+  const ColumnScale scale = ScaleOf(mapping, format.low_counts, format.high_counts);
   const std::size_t channel = mapping.channel;
   // A sum ends with the last of its rows.
   bool is_first = true;
@@ -125,17 +126,29 @@ void RecordingReader::Report(RecordingProblem problem, std::size_t row, std::siz
   ++Note(problem, row).rows_of_channel[channel];
 }
 
-void RecordingReader::CheckRange(const Linear& linear, double& angle_rad) {
+namespace {
+
+double BeyondRangeDeg(const Channel& joint, double angle_deg) {
+  return std::max(joint.min_deg - angle_deg, angle_deg - joint.max_deg);
+}
+
+}  // namespace
+
+bool IsFarBeyondRange(const Channel& joint, double angle_rad) {
+  return BeyondRangeDeg(joint, angle_rad * kDegPerRad) >
+         kGlitchShare * (joint.max_deg - joint.min_deg);
+}
+
+void RecordingReader::CheckRange(const Linear& linear, double angle_rad) {
   const Channel& joint = KnownChannels()[linear.channel];
   const double angle_deg = angle_rad * kDegPerRad;
-  const double beyond_deg = std::max(joint.min_deg - angle_deg, angle_deg - joint.max_deg);
-  const bool is_glitch = beyond_deg > kGlitchShare * (joint.max_deg - joint.min_deg);
+  const double beyond_deg = BeyondRangeDeg(joint, angle_deg);
+  const bool is_glitch = IsFarBeyondRange(joint, angle_rad);
   if (!is_glitch && !(linear.keeps_to_range && beyond_deg > kRangeRounding_deg)) return;
   Report(is_glitch ? RecordingProblem::kFarBeyondRange : RecordingProblem::kBeyondRange, row_,
          linear.channel,
          fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name, angle_deg,
                      joint.min_deg, joint.max_deg));
-  if (is_glitch) angle_rad = kMissing;
 }
 
 double RecordingReader::GivenTimeS(std::span<const double> values) const {
@@ -159,7 +172,7 @@ bool RecordingReader::FixTime(double& time_s) {
   time_s = given_s + clock_offset_s_;
   if (good_rows_ == 0) return true;
   const double step_s = time_s - last_time_s_;
-  if (handling_ == ProblemHandling::kRepair && IsWildTime(step_s)) {
+  if (GoesOn(handling_) && IsWildTime(step_s)) {
     Note(RecordingProblem::kWildTime, row_);
     return false;
   }

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/channels.h"
 #include "sim/recordings/column_map.h"
+#include "sim/recordings/column_scale.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/missing.h"
 
@@ -31,6 +33,10 @@ struct RecordingFormat {
   bool keeps_to_range = true;          // an angle beyond the joint's range is a problem
 };
 
+/// True if no hand and no bad calibration reaches the angle: further outside the joint's range than
+/// half of it. NaN is not.
+bool IsFarBeyondRange(const Channel& joint, double angle_rad);
+
 /// Reads a recording row by row, in one pass and with flat memory: angles [rad] at times [s] that
 /// rise strictly. A missing value is NaN.
 ///
@@ -38,9 +44,9 @@ struct RecordingFormat {
 /// that goes back by up to a second (left out) or by more (a new start of the clock: time goes on),
 /// gaps, a wild time (left out: one row far ahead or far back, while the next row goes on from the
 /// row before it; or the last row of the file, if it is more than a second away), and angles
-/// further outside the joint's range than half of that range (left out as a glitch) or outside it
-/// at all (only counted; a tenth of a degree is rounding). Strict reading stops at the first of
-/// them; repair counts them. Errors: UserError `file:row:column: ...` in one line.
+/// further outside the joint's range than half of that range (see IsFarBeyondRange) or outside it
+/// at all (both only counted; a tenth of a degree is rounding). Strict reading stops at the
+/// first of them; repair counts them. Errors: UserError `file:row:column: ...` in one line.
 class RecordingReader {
  public:
   RecordingReader(std::string name, CsvReader::Source source, const RecordingFormat& format);
@@ -49,6 +55,8 @@ class RecordingReader {
   bool NextRow(double& time_s, std::span<double> angle_rad);
 
   const std::vector<bool>& has_channel() const { return has_channel_; }
+  /// The channels that are in counts of a glove.
+  const std::vector<OwnCounts>& own_counts() const { return own_counts_; }
   /// Whether the clock started anew before the last row.
   bool restarted() const { return restarted_; }
   /// Line of the last row, from 1.
@@ -91,7 +99,7 @@ class RecordingReader {
   void ReportHere(RecordingProblem problem, std::size_t column, const std::string& message);
   std::string Remark(RecordingProblem problem, const Count& count) const;
   Count& Note(RecordingProblem problem, std::size_t row);
-  void CheckRange(const Linear& linear, double& angle_rad);
+  void CheckRange(const Linear& linear, double angle_rad);
   bool ReadRow();
   /// In the file; NaN if a part of it is missing.
   double GivenTimeS(std::span<const double> values) const;
@@ -106,6 +114,7 @@ class RecordingReader {
   ColumnMap map_;
   std::vector<Linear> channels_;
   std::vector<bool> has_channel_;
+  std::vector<OwnCounts> own_counts_;
   std::vector<double> values_;
   std::size_t row_ = 0;
   std::vector<double> next_values_;  // of the row behind, if it was needed

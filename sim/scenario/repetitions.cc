@@ -144,8 +144,11 @@ std::string WhyNotAlike(const GloveConfig& first, const GloveConfig& other) {
   const controller::GloveCalibration a = NominalCalibration(first);
   const controller::GloveCalibration b = NominalCalibration(other);
   const bool same = a.full_scale_counts == b.full_scale_counts && a.low_counts == b.low_counts &&
-                    a.high_counts == b.high_counts;
-  return same ? "" : "glove.converter or glove.sensor ask for another calibration than the first";
+                    a.high_counts == b.high_counts && a.low_angle_rad == b.low_angle_rad &&
+                    a.high_angle_rad == b.high_angle_rad;
+  return same ? ""
+              : "glove.converter, glove.sensor or the column map need another calibration than the "
+                "first";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
+#include "sim/glove/glove.h"
 #include "sim/scenario/controller_defaults.h"
 #include "sim/scenario/included_controllers.h"
 #include "sim/score/priority.h"
@@ -110,6 +111,7 @@ Scenario ReadScenario(const RepeatedSettings& lists, std::size_t repetition, Yam
     throw source.At(list->values[repetition],
                     controller::SettingError(error.key(), error.problem()));
   }
+  TakeCalibrationOfMap(scenario.glove);
   return scenario;
 }
 

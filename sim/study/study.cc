@@ -4,15 +4,18 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "controller/linearisation/linearisation.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/fast_hash.h"
 #include "sim/base/nearest_name.h"
 #include "sim/hand/camera_view.h"
+#include "sim/recordings/recording.h"
 #include "sim/score/delay.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/prediction_fit.h"
@@ -144,6 +147,41 @@ std::string BeyondRangeRemark(const Study& study) {
   const std::size_t more = joints.size() - shown.size();
   return fmt::format("joint_map: targets beyond the joint's range: {} of the time{}",
                      fmt::join(shown, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
+}
+
+/// One line per controller whose calibration contradicts the column map, by which the recorded
+/// counts became the reference, by more than a degree.
+std::vector<std::string> CalibrationRemarks(const Study& study) {
+  constexpr double kMatters_deg = 1.0;
+  const controller::GloveCalibration& glove = study.calibration;
+  const Recording* recording = study.gloves.front()->recording.get();
+  if (recording == nullptr || study.scenario.glove.calibration.empty()) return {};
+  std::vector<std::string> remarks;
+  for (const NamedController& named : study.scenario.controllers) {
+    const auto curves =
+        controller::MakeLinearisation(named.config.linearisation, glove, glove.channel_names);
+    double worst_deg = 0.0;
+    std::string worst;
+    for (const OwnCounts& own : recording->own_counts) {
+      const std::string name(KnownChannels()[own.channel].name);
+      const auto c = std::ranges::find(glove.channel_names, name) - glove.channel_names.begin();
+      if (c == std::ssize(glove.channel_names)) continue;
+      for (const double counts : {own.low_counts, own.high_counts}) {
+        std::vector<double> sample(glove.channel_names.size(), counts);
+        curves->ToAngles(sample, sample);
+        const double map_rad = own.scale.factor * counts + own.scale.offset_rad;
+        const double off_deg = std::abs(sample[c] - map_rad) * kDegPerRad;
+        if (off_deg > worst_deg) worst = name;
+        worst_deg = std::max(worst_deg, off_deg);
+      }
+    }
+    if (worst_deg <= kMatters_deg) continue;
+    remarks.push_back(fmt::format(
+        "controllers.{}: its calibration and the column map differ by up to {:.1f} deg ({}). The "
+        "reference follows the map: give it the calibrated points",
+        named.name, worst_deg, worst));
+  }
+  return remarks;
 }
 
 /// One line for the user if the wearer's motion of the first seed repeats; else empty.
@@ -282,6 +320,7 @@ Study PrepareStudy(Scenario scenario) {
   for (const NamedController& named : study.scenario.controllers) CheckController(study, named);
   ChooseVideoChannel(study, study.scenario.video.channel);
   ChooseVideoCamera(*study.hand, study.scenario.video.camera);
+  for (std::string& remark : CalibrationRemarks(study)) study.remarks.push_back(std::move(remark));
   const std::string counted = CountedRemark(study);
   if (!counted.empty()) study.remarks.push_back(counted);
   for (const std::string& remark : {BeyondRangeRemark(study), RepeatRemark(study)}) {

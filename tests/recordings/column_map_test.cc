@@ -166,6 +166,9 @@ TEST_F(ColumnMaps, SayWhatIsWrongInOneLine) {
   EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high", "3,")), HasSubstr("must be given"));
   EXPECT_THAT(ErrorOf(text, row("raw_low", "3")), HasSubstr("must be given"));
   EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high,scale", "3,4,2")), HasSubstr("must be empty"));
+  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high,unit", "3,4,feet")), HasSubstr("must be one of"));
+  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high,unit,bits", "3,4,deg,8")),
+              HasSubstr("is for counts only"));
   EXPECT_THAT(ErrorOf(text, row("deg_low", "3")), HasSubstr("needs raw_low and raw_high"));
   EXPECT_THAT(ErrorOf(text, row("unit,bits", "counts,0")), HasSubstr("from 1 to 24"));
   EXPECT_THAT(ErrorOf(text, row("unit,bits", "deg,8")), HasSubstr("is for counts only"));

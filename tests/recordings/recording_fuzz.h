@@ -15,12 +15,12 @@
 namespace gauntlet::sim {
 
 /// One input of the fuzzer: the first byte chooses how to read, the rest is the file. Whatever it
-/// is, the reader ends with rows of rising time and NaN or sane angles, or with a UserError; and
-/// only values are glitches.
+/// is, the reader ends with rows of rising time and NaN, sane or far angles, or with a UserError;
+/// and only values are glitches.
 inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;
   RecordingFormat format;
-  format.handling = static_cast<ProblemHandling>(data[0] % 3);
+  format.handling = static_cast<ProblemHandling>(data[0] % 4);
   format.rate_hz = data[0] & 128 ? 100.0 : 0.0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
@@ -32,8 +32,9 @@ inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
     while (reader.NextRow(time_s, angles)) {
       if (!(time_s > before_s)) std::abort();
       before_s = time_s;
-      for (const double angle : angles) {
-        if (!std::isnan(angle) && !(std::abs(angle) < 10.0)) std::abort();
+      for (std::size_t c = 0; c < angles.size(); ++c) {
+        if (IsFarBeyondRange(KnownChannels()[c], angles[c])) angles[c] = kMissing;
+        if (!std::isnan(angles[c]) && !(std::abs(angles[c]) < 10.0)) std::abort();
       }
       times_s.push_back(time_s);
       index_mcp.push_back(angles[4]);

@@ -165,10 +165,11 @@ TEST(RecordingRepair, ReportsGaps) {
   EXPECT_EQ(StrictError(text), "in.csv:4:1: nothing for 660 ms");
 }
 
-TEST(RecordingRepair, LeavesOutAbsurdValues) {
+TEST(RecordingRepair, ReportsAbsurdValues) {
   const std::string text = "time_s,index_mcp_counts\n0,512\n0.01,35512.6\n0.02,512\n";
   const ReadResult result = Repair(text);
-  EXPECT_TRUE(std::isnan(result.rows[1].index_mcp_deg));
+  EXPECT_TRUE(IsFarBeyondRange(KnownChannels()[ChannelIndex("index_mcp")],
+                               result.rows[1].index_mcp_deg * kRadPerDeg));
   EXPECT_NEAR(result.rows[2].index_mcp_deg, 22.5, 0.1);  // half scale is the middle of the range
   EXPECT_THAT(StrictError(text), HasSubstr("in.csv:3:2: index_mcp is 5796.14 deg"));
 }
@@ -284,8 +285,7 @@ TEST_F(Files, WithGlitchesStopAStrictReadingAndAreRepaired) {
   const Recording recording = LoadRecording(file, repair);
   EXPECT_THAT(
       recording.remarks,
-      ElementsAre(file + ": glitch, value left out: 4 times, first in row 2 (index_mcp 1.33 % of "
-                         "the rows)"));
+      ElementsAre(file + ": glitch: 4 times, first in row 2 (index_mcp 1.33 % of the rows)"));
   const auto angle = recording.angle_rad.col(ChannelIndex("index_mcp"));
   EXPECT_EQ(angle.array().isNaN().count(), 4);
   EXPECT_TRUE(std::isnan(angle[99]));
@@ -448,7 +448,7 @@ TEST_F(Files, OfNoiseHaveTheirGlitchesLeftOut) {
   config.noise.recording_problems = ProblemHandling::kRepair;
   EXPECT_NEAR(span_counts(40.0), clean_counts, 2.0);
   EXPECT_THAT(SynthesiseGlove(config, 1).remarks,
-              ElementsAre(HasSubstr("glitch, value left out: 1 times, first in row 202")));
+              ElementsAre(HasSubstr("glitch: 1 times, first in row 202")));
 }
 
 TEST_F(Files, AreHeldWhereAGloveMeasuredAndInterpolatedWhereTheyAreTheTruth) {
@@ -601,6 +601,40 @@ TEST(MeasuredRecording, IsMissingWhereNothingWasRecordedForLong) {
   EXPECT_GT(missing, 1500);
   EXPECT_LT(missing, 3800);
   EXPECT_FALSE(glove.true_angle_rad.hasNaN());
+}
+
+TEST_F(Files, OfAGloveKeepTheirGlitchesForTheControllersUnlessRemoved) {
+  // 400 deg is far beyond the range: full scale. The sine is below 30 deg.
+  RecordedMotionConfig recording = {.file = Write("in.csv", SlowSine({{101, 85}, {201, 400}})),
+                                    .problems = ProblemHandling::kRepair,
+                                    .use = RecordingUse::kMeasured};
+  const int channel = ChannelIndex("index_mcp");
+  const auto counts_at = [&](const GloveSignal& glove, int ms) {
+    return glove.counts(ms, channel);
+  };
+  const GloveSignal repaired = SynthesiseGlove(Played(recording), 1);
+  const double deg_85 = 102.3 + 818.4 * (85.0 + 45.0) / 135.0;
+  EXPECT_NEAR(counts_at(repaired, 995), deg_85, 0.51);
+  EXPECT_EQ(counts_at(repaired, 1995), 1023.0);
+  recording.problems = ProblemHandling::kRemove;
+  const GloveSignal removed = SynthesiseGlove(Played(recording), 1);
+  EXPECT_LT(removed.counts.col(channel).maxCoeff(), 102.3 + 818.4 * (31.0 + 45.0) / 135.0);
+  // The reference is the same, and every tick of it counts: a lost row is a short gap.
+  EXPECT_EQ(repaired.true_angle_rad, removed.true_angle_rad);
+  EXPECT_LT(repaired.true_angle_rad.col(channel).maxCoeff() * kDegPerRad, 31.0);
+  EXPECT_TRUE(repaired.masked.empty());
+  // A gap that is too long to fill is masked in both.
+  recording.longest_gap_ms = 15.0;
+  const GloveSignal no_filling = SynthesiseGlove(Played(recording), 1);
+  recording.problems = ProblemHandling::kRepair;
+  const GloveSignal unfilled = SynthesiseGlove(Played(recording), 1);
+  EXPECT_TRUE(no_filling.counts.col(channel).hasNaN());
+  EXPECT_FALSE(unfilled.counts.col(channel).hasNaN());
+  EXPECT_FALSE(unfilled.masked.empty());
+  // As the true motion a recording has none.
+  recording.use = RecordingUse::kTruth;
+  const GloveSignal truth = SynthesiseGlove(Played(recording), 1);
+  EXPECT_LT(truth.true_angle_rad.col(channel).maxCoeff() * kDegPerRad, 31.0);
 }
 
 TEST(MeasuredRecording, OfAHomeMadeGloveNamesItsReference) {

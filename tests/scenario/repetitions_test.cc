@@ -280,7 +280,7 @@ TEST_F(RepetitionsTest, OneControllerServesAllOfThem) {
   EXPECT_THAT(Refusal("repetitions:\n  glove.channels: [[index_mcp], [nose]]\n"),
               StartsWith("s.yaml:6:33: glove.channels: unknown channel 'nose'"));
   EXPECT_THAT(Refusal("repetitions:\n  glove.converter.bits: [10, 8]\n"),
-              HasSubstr("in repetition 2 glove.converter or glove.sensor ask for another"));
+              HasSubstr("in repetition 2 glove.converter, glove.sensor or the column map need"));
   // How far a glove is off its nominal self is its own affair.
   EXPECT_EQ(Refusal("repetitions:\n  glove.sensor.gain_deviation_percent: [0, 9]\n"), "nothing");
 }

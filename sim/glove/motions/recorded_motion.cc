@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 #include <span>
+#include <utility>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
@@ -14,6 +17,7 @@
 #include "sim/glove/motions/recording_mask.h"
 #include "sim/glove/motions/settings_of_motions.h"
 #include "sim/recordings/recording.h"
+#include "sim/recordings/table_source.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -62,6 +66,13 @@ Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recor
     TrimSignals();
   }
   return angle_rad;
+}
+
+/// Puts glitches into the recording, or takes them out again.
+void SwapGlitches(Recording& recording) {
+  for (WildValue& wild : recording.wild) {
+    std::swap(wild.angle_rad, recording.angle_rad(wild.row, wild.channel));
+  }
 }
 
 /// In a gap the glove says nothing.
@@ -164,7 +175,11 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Integer(
       {"skip_lines", "lines before the table, as a sensor's software writes them", 0, 1000},
       skip_lines);
-  controller::VisitEnum(visitor, {"problems", "stop at the first bad value, or repair and report"},
+  controller::VisitEnum(visitor,
+                        {"problems",
+                         "strict stops at the first bad value; repair reports all and leaves "
+                         "glitches out of the reference alone; remove leaves them out of the "
+                         "glove's signal, too, with knowledge of later values"},
                         kProblemHandlingNames, problems);
   visitor.Number({"longest_gap_ms", "a shorter gap is filled; a longer one is a problem", 0, 1e7},
                  longest_gap_ms);
@@ -216,10 +231,19 @@ void TakeReference(const RecordedMotionConfig& config, const RecordingFormat& re
 
 }  // namespace
 
+ColumnMap ReadMapOf(const RecordedMotionConfig& config) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(config.file, none)) {  // a pipe can be read once
+    throw UserError({.place = config.file, .problem = "no such file"});
+  }
+  return ReadColumnMap(config.map, CsvReader(config.file, TableSource(config.file, config.array),
+                                             config.problems, {}, config.skip_lines));
+}
+
 Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context) {
   const RecordingFormat format = FormatOf(config, context);
   const auto loaded =
-      std::make_shared<const Recording>(Load(config, format, config.file, config.start_s));
+      std::make_shared<Recording>(Load(config, format, config.file, config.start_s));
   const Recording& recording = *loaded;
   const PlayedStretch stretch{.start_s = config.start_s,
                               .rate_hz = context.rate_hz,
@@ -234,14 +258,20 @@ Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& conte
     KeepInRange(motion.angle_rad);
     return motion;
   }
+  const bool glove_has_glitches =
+      config.problems == ProblemHandling::kRepair && !recording.wild.empty();
+  if (glove_has_glitches) SwapGlitches(*loaded);
   motion.measured_rad =
       AtSamplingRate(config, recording, stretch, config.resampling(), motion.masked);
+  if (glove_has_glitches) SwapGlitches(*loaded);
   LeaveOutGaps(motion.masked, motion.measured_rad);
   if (!config.reference.empty()) {
     TakeReference(config, format, recording, stretch, motion);
   } else {
-    std::vector<MaskedStretch> same;  // what the glove does not say is known already
-    motion.angle_rad = AtSamplingRate(config, recording, stretch, Resampling::kCubic, same);
+    std::vector<MaskedStretch> unknown;
+    motion.angle_rad = AtSamplingRate(config, recording, stretch, Resampling::kCubic, unknown);
+    // Other gaps are those of the glove itself, which are masked already.
+    if (glove_has_glitches) std::ranges::copy(unknown, std::back_inserter(motion.masked));
     for (int channel = 0; channel < motion.angle_rad.cols(); ++channel) {
       SmoothBetween(motion.masked, channel, config.smoothing_hz, context.rate_hz,
                     {motion.angle_rad.col(channel).data(), stretch.ticks});

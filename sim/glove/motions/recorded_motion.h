@@ -55,6 +55,9 @@ struct RecordedMotionConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
+/// The column map of the recording. Errors: UserError.
+ColumnMap ReadMapOf(const RecordedMotionConfig& config);
+
 /// For `measured`, angle_rad is the reference, always by interpolation, and measured_rad what the
 /// glove said. What nobody knows is `masked`: gaps and restarts, of a measured recording also where
 /// a sensor stands at its stop, and what the reference lacks.

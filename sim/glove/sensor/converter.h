@@ -16,7 +16,7 @@ struct ConverterConfig {
   double full_scale_counts() const { return std::ldexp(1.0, bits) - 1.0; }
 
   void Visit(controller::SettingsVisitor& visitor) {
-    visitor.Integer({"bits", "resolution; the scale is 0 to 2^bits - 1 counts", 8, 16}, bits);
+    visitor.Integer({"bits", "resolution; the scale is 0 to 2^bits - 1 counts", 8, 24}, bits);
   }
 };
 
