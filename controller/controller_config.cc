@@ -156,13 +156,14 @@ void ControllerConfig::Visit(SettingsVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> kAt = {"sample", "event"};
   VisitEnum(visitor,
             {"filter_at",
-             "sample: the filter steps at every sample; event: once per command frame, on the "
+             "sample: the filter steps at every sample; event: per command frame, on the "
              "newest sample"},
             kAt, filter_at);
-  visitor.Flag({"coupling_compensation", "undo the coupling of cables that cross several joints"},
-               coupling_compensation);
+  visitor.Flag(
+      {"coupling_compensation", "compensate the coupling of cables that cross several joints"},
+      coupling_compensation);
   VisitGroup(visitor, {"linearisation", "from counts to bending angles"}, linearisation);
-  VisitGroup(visitor, {"prediction", "look ahead to make up for the delay"}, prediction);
+  VisitGroup(visitor, {"prediction", "prediction to compensate the delay"}, prediction);
   VisitGroup(visitor, {"model_predictive", "commands planned for how joints follow them"},
              model_predictive);
   VisitGroup(visitor, {"joint_loop", "what it does with measured joint angles"}, joint_loop);

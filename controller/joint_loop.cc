@@ -70,7 +70,7 @@ JointLoop::JointLoop(const JointLoopConfig& config, const TendonTransmission& ha
   if (measures && !hand.joint_sensors) {
     throw SettingError("kind",
                        "pi needs a hand that measures its joints (hand.joint_sensors); with "
-                       "proportional and integral_per_s 0 it undoes friction without");
+                       "proportional and integral_per_s 0 it compensates friction without");
   }
   const auto joint_count = static_cast<int>(hand.joint_names.size());
   const Eigen::ArrayXd friction_deg =

@@ -37,7 +37,7 @@ void ModelPredictiveConfig::Visit(SettingsVisitor& visitor) {
        0, 500},
       dead_time_ms);
   visitor.Numbers({"lag_ms",
-                   "how late a joint then is in slow motion; one for all joints, or one for each "
+                   "delay of a joint then in slow motion; one for all joints, or one for each "
                    "(second_order)",
                    0.1, 1000},
                   lag_ms);

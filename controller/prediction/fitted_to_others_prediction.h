@@ -14,7 +14,7 @@ namespace gauntlet::controller {
 struct FittedToOthersPredictionConfig {
   static constexpr std::string_view kKind = "fitted_to_others";
   static constexpr std::string_view kSummary =
-      "as fitted, by weights that each repetition takes from all others of the scenario";
+      "as fitted, with weights fitted to all other replicates of the scenario";
 
   std::vector<double> horizon_ms = {100.0};  // one for all channels or one for each
   int order = 40;

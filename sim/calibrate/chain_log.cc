@@ -296,11 +296,11 @@ std::string WhatHysteresisIs(const std::vector<ChainFit>& fits) {
       fits, [](const ChainFit& fit) { return std::isfinite(fit.lost_motion_deg.value); });
   if (told_apart) {
     return "Hysteresis is the motor's own (dry friction, dead band) and lost motion, behind the "
-           "motor: play of the gear, slack of cables and what cables stretch before they slide, "
+           "motor: backlash of the gear, slack of cables and stretch of cables before they slide, "
            "which look alike, and of which little shows where a load holds the joint on one side. "
            "Without the motor's angle they are told apart by how sharp the joint turns.";
   }
-  return "Hysteresis is the sum of dry friction, play of gears and slack of cables; no lost "
+  return "Hysteresis is the sum of dry friction, backlash of gears and slack of cables; no lost "
          "motion behind the motor is seen in these angles, and a log with the motors' angles, too "
          "(NAME_motor_deg), tells more.";
 }

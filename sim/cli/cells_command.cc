@@ -108,22 +108,22 @@ CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, con
 void CellsFolder::Run() {
   const int jobs = JobsOrCores(command_.jobs);
   const std::filesystem::path file = path() / "study.db";
-  Progress progress(fmt::format("{} cells", cells_.end - cells_.first));
+  Progress progress(fmt::format("{} settings", cells_.end - cells_.first));
   try {
-    RunSweep(
-        plan_, database_,
-        {.jobs = jobs,
-         .cells = cells_,
-         .forecast =
-             [&](const SweepForecast& forecast) {
-               Say("{} cells x {} seeds: {:.0f} trials to run{}, with noise-free reference runs; "
-                   "about {} with {} at a time\n",
-                   cells_.end - cells_.first, plan_.file.seeds, forecast.trials,
-                   plan_.early_stop && !LooksOf(plan_.file.seeds).empty() ? " at most" : "",
-                   TimeText(forecast.seconds), jobs);
-             },
-         .progress = [&](double done, double all) { return progress.Update(done, all); },
-         .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
+    RunSweep(plan_, database_,
+             {.jobs = jobs,
+              .cells = cells_,
+              .forecast =
+                  [&](const SweepForecast& forecast) {
+                    Say("{} settings x {} seeds: {:.0f} trials to run{}, with noise-free reference "
+                        "runs; "
+                        "about {} with {} at a time\n",
+                        cells_.end - cells_.first, plan_.file.seeds, forecast.trials,
+                        plan_.early_stop && !LooksOf(plan_.file.seeds).empty() ? " at most" : "",
+                        TimeText(forecast.seconds), jobs);
+                  },
+              .progress = [&](double done, double all) { return progress.Update(done, all); },
+              .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }});
   } catch (const Cancelled&) {
     database_.Flush();
     const std::int64_t known = database_.TrialCount();

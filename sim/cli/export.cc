@@ -128,15 +128,14 @@ std::vector<std::string> NotesOf(const GloveConfig& config, const controller::Ro
   }
   for (const auto& [counts, names] : simulated) {
     notes.push_back(
-        fmt::format("warning: the calibration is that of the simulated glove, {} counts over the "
-                    "joint's range: "
-                    "{}. Calibrate your glove (gauntlet calibrate) before it drives a robot",
+        fmt::format("warning: the calibration is that of the simulated glove ({} counts over the "
+                    "joint's range): {}. Calibrate your glove (gauntlet calibrate)",
                     counts, names));
   }
   for (const auto& [words, names] : assumed) {
     notes.push_back(fmt::format(
-        "warning: the column map assumes {} of {}. Check them, and add the row all,confirmed{}",
-        words, names, is_calibrated ? "; the calibration file decides the range" : ""));
+        "warning: the column map assumes {} of {}. Confirm it with the row all,confirmed{}", words,
+        names, is_calibrated ? "; the calibration file decides the range" : ""));
   }
   const controller::JointMap map(robot.joint_map, robot.glove.channel_names, robot.hand);
   for (int joint = 0; joint < map.joint_count(); ++joint) {
@@ -164,14 +163,14 @@ std::string CommentsOf(const std::vector<std::string>& notes, const ExportOption
   return comments;
 }
 
-/// Fits what is still to be fitted, to all repetitions of the scenario.
+/// Fits what is still to be fitted, to all replicates of the scenario.
 controller::ControllerConfig ForRobot(const Scenario& scenario,
                                       const controller::ControllerConfig& config) {
   if (!std::holds_alternative<controller::FittedToOthersPredictionConfig>(
           config.prediction.settings)) {
     return config;
   }
-  Say("gauntlet: its prediction is fitted to all repetitions of the scenario\n");
+  Say("gauntlet: its prediction is fitted to all replicates of the scenario\n");
   return ControllerForRobot(PrepareStudy(scenario), config);
 }
 
@@ -188,7 +187,8 @@ void RunExport(const ExportOptions& options) {
   const RobotOrigin origin{.gauntlet_version = GAUNTLET_VERSION,
                            .scenario = scenario.name,
                            .controller = named.name,
-                           .model_hash = hand.Hash()};
+                           .model_hash = hand.Hash(),
+                           .file = target.filename().string()};
   const std::vector<std::string> notes = NotesOf(scenario.glove, robot);
   WriteOutputFile(target, CommentsOf(notes, options) + ContentOf(options, robot, origin));
   for (const std::string& note : notes) Say("gauntlet: {}\n", note);

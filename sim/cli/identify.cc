@@ -53,7 +53,7 @@ struct IdentifyOptions {
         Option("--from", &from,
                {.value = "SIGNAL", .choices = {"wearer", "target"}, .shows_default = true},
                "of an output folder: the chain from the wearer's angles (what a prediction has to "
-               "make up for), or from the controller's targets"),
+               "compensate), or from the controller's targets"),
         Option("--controller", &controller, {.value = "NAME", .offer = Offer::kControllers},
                "of an output folder [the scenario's first]"),
         ArrayOption(array),

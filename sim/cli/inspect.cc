@@ -130,7 +130,7 @@ void PrintTime(const Inspection& inspection) {
 /// Format, time, unit and repairs, with reasons.
 void PrintDetails(const Inspection& inspection) {
   const TableLayout& layout = inspection.layout;
-  Print("format  {}, {} between cells{}; {}\n", NameOf(inspection.format),
+  Print("format  {}, {} between entries{}; {}\n", NameOf(inspection.format),
         SeparatorText(layout.separator), layout.decimal_comma ? ", decimal comma" : "",
         HeaderText(layout));
   PrintArrays(inspection);

@@ -78,29 +78,31 @@ std::vector<Entry> EntriesOf(const Kinds& kinds) {
   return entries;
 }
 
-/// "differences matter from 0.5 on, and from 10 % of the smaller value on: why"
-std::string WhatMatters(const RelevantDifference& least) {
+/// "smallest relevant difference: 0.5 or 10 % of the smaller value (why)"
+std::string RelevantDifferenceText(const RelevantDifference& least) {
   std::vector<std::string> limits;
-  if (least.absolute > 0.0) limits.push_back(fmt::format("from {:g} on", least.absolute));
+  if (least.absolute > 0.0) limits.push_back(fmt::format("{:g}", least.absolute));
   if (least.relative > 0.0) {
-    limits.push_back(fmt::format("from {:g} % of the smaller value on", 100.0 * least.relative));
+    limits.push_back(fmt::format("{:g} % of the smaller value", 100.0 * least.relative));
   }
-  return fmt::format("differences matter {}: {}", fmt::join(limits, " and "), least.reason);
+  return fmt::format("smallest relevant difference: {} ({})", fmt::join(limits, " or "),
+                     least.reason);
 }
 
 std::vector<Entry> MetricEntries() {
   std::vector<Entry> entries;
   for (const Metric& metric : Metrics()) {
     const RelevantDifference& least = metric.relevant_difference;
-    entries.push_back({.name = std::string(metric.key),
-                       .summary = std::string(metric.help),
-                       .settings = {},
-                       .facts = {{"definition", metric.definition},
-                                 {"relevant_difference",
-                                  {{"absolute", least.absolute},
-                                   {"relative", least.relative},
-                                   {"reason", least.reason}}}},
-                       .details = {fmt::format("= {}", metric.definition), WhatMatters(least)}});
+    entries.push_back(
+        {.name = std::string(metric.key),
+         .summary = std::string(metric.help),
+         .settings = {},
+         .facts = {{"definition", metric.definition},
+                   {"relevant_difference",
+                    {{"absolute", least.absolute},
+                     {"relative", least.relative},
+                     {"reason", least.reason}}}},
+         .details = {fmt::format("= {}", metric.definition), RelevantDifferenceText(least)}});
   }
   return entries;
 }

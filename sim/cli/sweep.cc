@@ -75,7 +75,7 @@ void CheckSize(const SweepPlan& plan, const SweepCommand& command) {
   if (cells <= command.max_cells) return;
   throw UserError({.place = command.file,
                    .key = "axes",
-                   .problem = fmt::format("make {} cells, more than --max-cells {}", cells,
+                   .problem = fmt::format("make {} settings, more than --max-cells {}", cells,
                                           command.max_cells)});
 }
 
@@ -203,7 +203,7 @@ void RunSweepCommand(const SweepCommand& command) {
   }
   FlushOutput();
   Say("wrote {}: report.html, cells.csv, study.db, manifest.json\n", folder.path().string());
-  if (summary.results == 0) throw RunError("no cell has scores: " + summary.first_problem);
+  if (summary.results == 0) throw RunError("no setting has scores: " + summary.first_problem);
 }
 
 }  // namespace

@@ -182,6 +182,14 @@ void TakeCalibrationOfMap(GloveConfig& config) {
     bits = std::max(bits, needed);
   }
   if (own_counts().empty()) return;
+  for (const ColumnMapping& mapping : map.channels) {
+    if (bits == config.converter.bits || mapping.unit != RecordedUnit::kCounts) continue;
+    if (mapping.bits > 0) continue;
+    throw UserError(
+        {.place = motion->map,
+         .problem = fmt::format("{}: bits must be given, as other columns are of {} bits",
+                                KnownChannels()[mapping.channel].name, bits)});
+  }
   config.converter.bits = bits;
   const auto rounded = [](double value) { return std::round(value * 1e9) / 1e9; };
   for (const OwnCounts& own : own_counts()) {

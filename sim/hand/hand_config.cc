@@ -19,7 +19,7 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number({"slack_mm", "excess length of every cable", 0, 20}, slack_mm);
   visitor.Number({"capstan_friction", "coefficient of friction where cables bend; 0: none", 0, 0.5},
                  capstan_friction);
-  visitor.Number({"backlash_deg", "play of the drum on the motor's shaft, end to end", 0, 30},
+  visitor.Number({"backlash_deg", "backlash of the drum on the motor's shaft, end to end", 0, 30},
                  backlash_deg);
   visitor.Flag(
       {"interference", "cables that cross a joint on their way move it and are moved by it"},

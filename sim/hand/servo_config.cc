@@ -51,7 +51,7 @@ void ServoNumbers::Visit(SettingsVisitor& visitor) {
        "friction of the gear that grows with its load: share of the torque of the cables", 0, 0.9},
       load_friction);
   visitor.Number(
-      {"play_deg", "play of the gear, end to end; adds to hand.cable.backlash_deg", 0, 30},
+      {"play_deg", "backlash of the gear, end to end; adds to hand.cable.backlash_deg", 0, 30},
       play_deg);
 }
 

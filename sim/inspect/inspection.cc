@@ -305,6 +305,32 @@ std::string RangeQuestion(const Inspection& inspection) {
   return "";
 }
 
+/// A sentence if the joints have a clock of their own, with the first word of their names, whose
+/// duration is not that of the time.
+std::string ClockQuestion(const Inspection& inspection) {
+  constexpr double kSame = 0.005;  // of the duration
+  const double duration_s = inspection.time.duration_s;
+  for (std::size_t c = 0; inspection.has_time && c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    const std::size_t cut = std::min(column.name.find('_'), column.name.size() - 1) + 1;
+    const auto scale_s = TimeScaleS(column.name.substr(cut));
+    const double own_s = scale_s.value_or(kNaN) * (column.statistics.high - column.statistics.low);
+    const std::string_view word = std::string_view(column.name).substr(0, cut);
+    const auto has_word = [&](std::size_t i) {
+      return inspection.columns[i].name.starts_with(word);
+    };
+    if (!column.time_unit.empty() || !(std::abs(own_s - duration_s) > kSame * duration_s) ||
+        !std::ranges::all_of(inspection.MappedColumns(), has_word)) {
+      continue;
+    }
+    return fmt::format(
+        "the joints have a clock of their own, column {}, which takes {:.4g} s, not {:.4g} s; "
+        "name it as the time in a map: --map MAP.csv",
+        c + 1, own_s, duration_s);
+  }
+  return "";
+}
+
 /// A sentence if the recording cannot be played as it is understood.
 std::string StopQuestion(const Inspection& inspection, bool has_map) {
   constexpr double kSlowest_hz = 1.0;
@@ -317,7 +343,9 @@ std::string StopQuestion(const Inspection& inspection, bool has_map) {
         rate_hz);
   }
   if (inspection.MappedColumns().empty()) return "no sensor of the hand changes its value";
-  return has_map ? "" : RangeQuestion(inspection);
+  if (has_map) return "";
+  const std::string question = ClockQuestion(inspection);
+  return question.empty() ? RangeQuestion(inspection) : question;
 }
 
 void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {

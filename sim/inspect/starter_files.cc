@@ -274,7 +274,7 @@ std::string StarterScenario(const Inspection& inspection, const std::string& rec
       "# Written by gauntlet inspect. The wearer's true motion is unknown: scores compare with "
       "the\n"
       "# recording, smoothed without delay.\n"
-      "question: Which filter calms this glove?\n"
+      "question: Which filter suits this glove?\n"
       "seed: 1\n"
       "glove:\n"
       "  rate_hz: {:.6g}\n"

@@ -313,13 +313,13 @@ std::vector<Claim> JudgeClaims(const PaperExperiment& experiment) {
                        .measured = "jitter that the filter takes away, %: fast motion, then slow"},
                       Reduction(result, "fast_jitter_rms_deg"),
                       Reduction(result, "slow_jitter_rms_deg"));
-  claims.AddReduction(result,
-                      {.row = "P16",
-                       .claim = "Better servos gain more",
-                       .measured = "jitter that the filter takes away, %: RC servos with dead band "
-                                   "and play (rc_digital), then the default servos (dynamixel)"},
-                      Reduction(experiment.rc_servo_result, "jitter_rms_deg"),
-                      Reduction(result, "jitter_rms_deg"));
+  claims.AddReduction(
+      result,
+      {.row = "P16",
+       .claim = "Better servos gain more",
+       .measured = "jitter that the filter takes away, %: RC servos with dead band "
+                   "and backlash (rc_digital), then the default servos (dynamixel)"},
+      Reduction(experiment.rc_servo_result, "jitter_rms_deg"), Reduction(result, "jitter_rms_deg"));
   claims.AddScores(result, {.row = "P4", .claim = "A mean filter costs real-time behaviour"},
                    "delay_ms", "paper_kalman", "mean_20", false);
   claims.AddScores(

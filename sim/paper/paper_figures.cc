@@ -142,7 +142,7 @@ PaperFigure Figure12(const PaperExperiment& experiment) {
   }
   return {"figure_12",
           "The six channels of the paper for four seconds, with the paper's filter. The command is "
-          "what the servos hold: integer, a frame every 20 ms, later by the event delay.",
+          "what the servos hold: integer, a frame every 20 ms, later by the link delay.",
           charts};
 }
 

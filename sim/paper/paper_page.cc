@@ -110,11 +110,11 @@ ResultTable FilterTable(const std::vector<FilterFacts>& filters) {
                                 ForPeople("Passes at once"), ForPeople("Noise left"),
                                 ForPeople("Delay at 1 Hz, ms")}};
   for (const FilterFacts& facts : filters) {
-    table.rows.push_back({ResultCell(facts.name),
-                          ResultCell::Text(facts.per_event ? "an event, 20 ms" : "a sample, 1 ms"),
-                          ResultCell::Text(Range(facts.gain)),
-                          ResultCell::Text(Range(facts.noise_share)),
-                          ResultCell::Text(fmt::format("{:.1f}", facts.delay_ms + 0.0))});
+    table.rows.push_back(
+        {ResultCell(facts.name),
+         ResultCell::Text(facts.per_event ? "a command frame, 20 ms" : "a sample, 1 ms"),
+         ResultCell::Text(Range(facts.gain)), ResultCell::Text(Range(facts.noise_share)),
+         ResultCell::Text(fmt::format("{:.1f}", facts.delay_ms + 0.0))});
   }
   return table;
 }

@@ -133,7 +133,7 @@ void AddTime(const MapFile& file, std::size_t column, std::vector<TimeMapping>& 
 }
 
 std::string UnitIn(const MapFile& file) {
-  const std::string unit = file.Text("unit", "deg");
+  std::string unit = file.Text("unit", "deg");
   if (unit == kVolts || FindUnit(unit) != nullptr) return unit;
   file.FailAt("unit", file.Quoted(unit) + " must be one of: deg, rad, counts, share, volts");
 }
@@ -324,10 +324,12 @@ std::string AssumptionsOf(const ColumnMap& map) {
   }
   std::string text;
   for (auto& [words, channels] : channels_by_words) {
-    std::ranges::replace(words, ' ', '+');
+    for (std::size_t at = 0; (at = words.find(' ', at)) != std::string::npos; at += 5) {
+      words.replace(at, 1, " and ");
+    }
     text += fmt::format("{}{} of {}", text.empty() ? "assumed: " : "; ", words, channels);
   }
-  return text.empty() ? "" : text + " (the row all,confirmed in the map confirms them)";
+  return text.empty() ? "" : text + " (to confirm: the row all,confirmed in the map)";
 }
 
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,

@@ -54,12 +54,14 @@ std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, double low_counts, doub
         RawPoints{.low = counts_at(joint.min_deg), .high = counts_at(joint.max_deg)});
     const auto [least, most] = std::minmax(points.low, points.high);
     if (least < 0.0 || most > most_counts) continue;  // no converter gives these
+    std::string assumed = mapping.points || !mapping.assumed.empty() ? mapping.assumed : "range";
+    if (map.is_confirmed) assumed.clear();
     all.push_back({.channel = mapping.channel,
                    .scale = scale,
                    .low_counts = points.low,
                    .high_counts = points.high,
                    .bits = mapping.bits,
-                   .assumed = map.is_confirmed ? "" : mapping.assumed});
+                   .assumed = assumed});
   }
   return all;
 }

@@ -126,4 +126,18 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
   return rows.Take("");
 }
 
+ListNames ReadFeatureNames(std::string_view text) {
+  ListNames found;
+  const Json whole = Json::parse(text, nullptr, false);
+  if (!whole.is_object() || !whole.contains("features")) return found;
+  for (const auto& [name, feature] : whole["features"].items()) {
+    if (!feature.is_object() || !feature.contains("names")) continue;
+    const Json* names = &feature["names"];
+    if (names->is_object() && names->size() == 1) names = &names->front();
+    if (!names->is_array() || !std::ranges::all_of(*names, &Json::is_string)) continue;
+    found[name] = names->get<std::vector<std::string>>();
+  }
+  return found;
+}
+
 }  // namespace gauntlet::sim

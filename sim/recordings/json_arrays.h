@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/recordings/array_table.h"
+#include "sim/recordings/text_forms.h"
 
 namespace gauntlet::sim {
 
@@ -18,5 +19,10 @@ namespace gauntlet::sim {
 /// Texts that are numbers, dates or clocks count as such: see SecondsOfText. Errors: UserError
 /// without a place.
 std::vector<NamedArray> ReadJsonArrays(std::string_view text);
+
+/// Names of the numbers of each feature in LeRobot's info.json, such as
+/// `{"features": {"action": {"names": ["wrist"]}}}` or `{"names": {"motors": ["wrist"]}}`. Without
+/// any in other texts.
+ListNames ReadFeatureNames(std::string_view text);
 
 }  // namespace gauntlet::sim

@@ -86,7 +86,7 @@ constexpr std::string_view kDegWords = "deg degree degrees";
 constexpr std::string_view kRadWords = "rad radian radians";
 
 constexpr QuantityRule kRules[] = {
-    {"text", kText, Unit::kUnknown, false, "", IsText, "text", "cells without a number"},
+    {"text", kText, Unit::kUnknown, false, "", IsText, "text", "entries without a number"},
     {"empty", kNothing, Unit::kUnknown, false, "", IsEmpty, "empty", "no value in any row"},
     {"clock_by_name", kTime, Unit::kUnknown, false,
      "time timestamp timestamps stamp date clock tick ticks elapsed epoch millis micros sec nsec "

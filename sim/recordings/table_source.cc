@@ -107,6 +107,21 @@ FileFormat ReadableFormat(const fs::path& file) {
   return format;
 }
 
+/// Names from LeRobot's meta/info.json beside the file or in a folder above it, if there is one.
+ListNames NamesBeside(const fs::path& file) {
+  constexpr int kMostFolders = 4;
+  constexpr std::size_t kMostInfoBytes = std::size_t{4} << 20;
+  fs::path folder = fs::absolute(file).parent_path();
+  for (int i = 0; i < kMostFolders; ++i, folder = folder.parent_path()) {
+    std::error_code ignored;
+    const fs::path info = folder / "meta" / "info.json";
+    if (fs::is_regular_file(info, ignored)) {
+      return ReadFeatureNames(BytesOf(FileSource(info), kMostInfoBytes));
+    }
+  }
+  return {};
+}
+
 [[noreturn]] void FailWithoutArrays(const fs::path& file, const std::string& array) {
   throw UserError({.place = file.string(),
                    .problem = fmt::format("is text, which has no array {}", Shown(array))});
@@ -120,7 +135,7 @@ CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
     CsvReader::Source source = FileSource(file);
     if (!array.empty()) FailWithoutArrays(file, array);
     if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
-    return PlainTable(std::move(source));
+    return PlainTable(std::move(source), NamesBeside(file));
   }
   const auto write_table = [array](std::vector<NamedArray> arrays, const auto& write) {
     WriteTable(std::move(arrays), array, write);

@@ -163,7 +163,7 @@ std::optional<Cells> WithoutLists(std::string_view line, std::vector<std::size_t
   return row;
 }
 
-std::optional<TextForm> ListForm(const std::vector<std::string>& head) {
+std::optional<TextForm> ListForm(const std::vector<std::string>& head, const ListNames& known) {
   if (head.size() < 2) return std::nullopt;
   std::vector<std::size_t> sizes;
   const auto first = WithoutLists(head[1], &sizes);
@@ -174,7 +174,12 @@ std::optional<TextForm> ListForm(const std::vector<std::string>& head) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string name(Unquoted(Trimmed(names[i])));
     if (sizes[i] == 0) form.names.push_back(name);
-    for (std::size_t k = 1; k <= sizes[i]; ++k) form.names.push_back(fmt::format("{}_{}", name, k));
+    const auto parts = known.find(name);
+    const bool has_names = parts != known.end() && parts->second.size() == sizes[i];
+    for (std::size_t k = 0; k < sizes[i]; ++k) {
+      form.names.push_back(has_names ? fmt::format("{}.{}", name, parts->second[k])
+                                     : fmt::format("{}_{}", name, k + 1));
+    }
   }
   form.convert = [width = form.names.size()](std::string_view line) -> std::optional<Cells> {
     auto row = WithoutLists(line, nullptr);
@@ -186,10 +191,15 @@ std::optional<TextForm> ListForm(const std::vector<std::string>& head) {
 
 // --- JointState of ROS ---------------------------------------------------------------------------
 
-/// Names and numbers behind the stamp and the frame.
+/// Column of a joint's position, which JointState has in rad.
+std::string PositionName(const std::string& joint) {
+  return joint.ends_with("_rad") || joint.ends_with("_deg") ? joint : joint + "_rad";
+}
+
+/// A row of the stamp, the frame, the names, and numbers for each name in up to three arrays.
 struct JointStateRow {
-  Cells names;
-  Cells numbers;  // with the stamp in front
+  Cells columns = {"sec", "nanosec"};
+  Cells numbers;
 };
 
 std::optional<JointStateRow> JointStateIn(std::string_view line) {
@@ -200,21 +210,27 @@ std::optional<JointStateRow> JointStateIn(std::string_view line) {
   const double sec = *NumberOrMissing(Trimmed(cells[0]));
   const double nanosec = *NumberOrMissing(Trimmed(cells[1]));
   if (!(sec >= kFirstStamp_s && sec < 1e10 && nanosec >= 0.0 && nanosec < 1e9)) return std::nullopt;
-  JointStateRow row{{}, {std::string(Trimmed(cells[0])), std::string(Trimmed(cells[1]))}};
+  JointStateRow row;
+  row.numbers = {std::string(Trimmed(cells[0])), std::string(Trimmed(cells[1]))};
+  const auto is_empty = [&cells](std::size_t i) { return Trimmed(cells[i]).empty(); };
+  Cells joints;
   std::size_t at = kStamp;
-  for (; at < cells.size() && !IsNumber(cells[at]); ++at) {
-    if (Trimmed(cells[at]).empty()) return std::nullopt;
-    row.names.emplace_back(Unquoted(Trimmed(cells[at])));
+  for (; at < cells.size() && !IsNumber(cells[at]) && !is_empty(at); ++at) {
+    joints.emplace_back(Unquoted(Trimmed(cells[at])));
   }
-  for (; at < cells.size(); ++at) {
-    if (!IsNumber(cells[at])) return std::nullopt;
-    row.numbers.emplace_back(Trimmed(cells[at]));
+  for (const std::string part : {"", "_velocity", "_effort"}) {
+    if (at < cells.size() && is_empty(at)) {  // an array without numbers
+      ++at;
+      continue;
+    }
+    for (std::size_t i = 0; i < joints.size() && at < cells.size(); ++i, ++at) {
+      if (!IsNumber(cells[at])) return std::nullopt;
+      row.columns.push_back(part.empty() ? PositionName(joints[i]) : joints[i] + part);
+      row.numbers.emplace_back(Trimmed(cells[at]));
+    }
   }
   const std::size_t numbers = row.numbers.size() - 2;
-  const std::size_t joints = row.names.size();
-  if (joints == 0 || numbers < joints || numbers > 3 * joints || numbers % joints != 0) {
-    return std::nullopt;
-  }
+  if (at < cells.size() || numbers == 0 || numbers % joints.size() != 0) return std::nullopt;
   return row;
 }
 
@@ -223,16 +239,10 @@ std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
   const auto first = JointStateIn(head[0]);
   if (!first || !JointStateIn(head[1])) return std::nullopt;
   TextForm form;
-  form.names = {"sec", "nanosec"};
-  constexpr const char* kParts[] = {"", "_velocity", "_effort"};
-  for (std::size_t i = 0; i + 2 < first->numbers.size(); ++i) {
-    const std::size_t joints = first->names.size();
-    form.names.push_back(first->names[i % joints] + kParts[i / joints]);
-  }
-  form.convert = [names = first->names,
-                  width = form.names.size()](std::string_view line) -> std::optional<Cells> {
+  form.names = first->columns;
+  form.convert = [names = form.names](std::string_view line) -> std::optional<Cells> {
     const auto row = JointStateIn(line);
-    if (!row || row->names != names || row->numbers.size() != width) return std::nullopt;
+    if (!row || row->columns != names) return std::nullopt;
     return row->numbers;
   };
   return form;
@@ -266,7 +276,9 @@ std::optional<TextForm> RosEchoForm(const std::vector<std::string>& head) {
                                     std::string_view(name).substr(std::string_view(field).size()),
                                     0, std::max<std::ptrdiff_t>(std::ssize(joints), 1) - 1)
                               : std::nullopt;
-      if (number && !joints.empty()) name = joints[*number] + after;
+      if (number && !joints.empty()) {
+        name = *after == '\0' ? PositionName(joints[*number]) : joints[*number] + after;
+      }
     }
     kept.push_back(c);
     form.names.push_back(std::move(name));
@@ -425,7 +437,7 @@ std::vector<std::string> LinesOfHead(std::string_view head) {
 
 }  // namespace
 
-TextLines::Source PlainTable(TextLines::Source source) {
+TextLines::Source PlainTable(TextLines::Source source, const ListNames& known) {
   constexpr std::size_t kHeadBytes = std::size_t{64} << 10;
   constexpr std::size_t kMostTurned = std::size_t{64} << 20;
   std::string head = BytesOf(source, kHeadBytes);
@@ -435,9 +447,11 @@ TextLines::Source PlainTable(TextLines::Source source) {
     if (head.size() < kMostTurned) return WithHead(Turned(std::move(head)), nullptr);
     return WithHead(std::move(head), std::move(source));
   }
-  for (const auto& find : {LabelledForm, AlphaForm, ListForm, RosEchoForm, JointStateForm}) {
-    std::optional<TextForm> form = find(lines);
-    if (!form) continue;
+  std::optional<TextForm> form = ListForm(lines, known);
+  for (const auto& find : {LabelledForm, AlphaForm, RosEchoForm, JointStateForm}) {
+    if (!form) form = find(lines);
+  }
+  if (form) {
     const auto text =
         std::make_shared<PlainText>(std::move(*form), WithHead(std::move(head), std::move(source)));
     return [text](char* buffer, std::size_t size) { return text->Read(buffer, size); };

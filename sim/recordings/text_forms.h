@@ -1,17 +1,27 @@
 #pragma once
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "sim/recordings/text_lines.h"
 
 namespace gauntlet::sim {
 
+/// Names of the numbers of a list, by the column of the list.
+using ListNames = std::map<std::string, std::vector<std::string>>;
+
 /// A table of one value per cell from texts in other forms; all other texts as they are:
 ///
 /// - labels in the cells, as the serial plotter of Arduino: `10:15:00.0 -> Thumb:300 Index:4`
-/// - lists in the cells, as LeRobot by pandas: `0,[1.5 2.5],0.1`; `action` becomes `action_1` ..
+/// - lists in the cells, as LeRobot by pandas: `0,[1.5 2.5],0.1`; `action` becomes `action_1` ..,
+///   or `action.wrist` .. where `known` has as many names
 /// - a row per channel: turned. A row of zeros in front, of an index, is left out.
-/// - JointState as `ros2 topic echo --csv` prints: seconds, nanoseconds, frame, names, numbers
+/// - JointState as `ros2 topic echo --csv` prints: seconds, nanoseconds, frame, names, numbers, and
+///   as `rostopic echo -p`; positions are called `JOINT_rad`
+/// - the alpha encoding of opengloves: `A123B456`
 ///
 /// Rows that do not fit become comments. The separator is the comma then.
-TextLines::Source PlainTable(TextLines::Source source);
+TextLines::Source PlainTable(TextLines::Source source, const ListNames& known = {});
 
 }  // namespace gauntlet::sim

@@ -46,7 +46,7 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
   const std::string scenario_name = NameHere(plan.file.scenario);
   ForEachCell(plan, database, cells, [&](const CellResult& result) {
     if (!result.problem.empty()) return;
-    CellPoint point{.name = fmt::format("cell {}, {}", result.number, result.controller),
+    CellPoint point{.name = fmt::format("setting {}, {}", result.number, result.controller),
                     .values = result.values,
                     .scores = MeansOf(result.scores),
                     .keeps_bounds = result.CanBeBest(),
@@ -60,17 +60,17 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
     });
   });
   gathered.Finish();
-  return CellsPage(gathered,
-                   {.kind = "Gauntlet sweep",
-                    .title = plan.file.name,
-                    .question = plan.file.question,
-                    .facts = fmt::format("{} cells · {} seed{} · best by {}{}{}", plan.cell_count(),
-                                         plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
-                                         Metrics()[plan.best_by].key, BoundsText(plan.constraints),
-                                         plan.file.physics ? "" : " · filters only, no hand"),
-                    .verdict = VerdictOf(plan, summary).Text(),
-                    .text = SweepText(plan, summary, response, true),
-                    .first_sections = ResponseSection(plan, response)});
+  return CellsPage(
+      gathered, {.kind = "Gauntlet sweep",
+                 .title = plan.file.name,
+                 .question = plan.file.question,
+                 .facts = fmt::format("{} settings · {} seed{} · best by {}{}{}", plan.cell_count(),
+                                      plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
+                                      Metrics()[plan.best_by].key, BoundsText(plan.constraints),
+                                      plan.file.physics ? "" : " · filters only, no hand"),
+                 .verdict = VerdictOf(plan, summary).Text(),
+                 .text = SweepText(plan, summary, response, true),
+                 .first_sections = ResponseSection(plan, response)});
 }
 
 }  // namespace gauntlet::sim

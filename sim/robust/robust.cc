@@ -279,7 +279,7 @@ std::vector<HandResults> ReadHands(const RobustPlan& plan, SweepDatabase& databa
         (cell.controller.empty() ? result.not_built : result.failed) += 1;
       }
       if (result.first_problem.empty()) {
-        result.first_problem = fmt::format("cell {}: {}", cell.number, cell.problem);
+        result.first_problem = fmt::format("hand {}: {}", cell.number, cell.problem);
       }
     }
     if (!cell.controller.empty()) hands[number].push_back(cell);

@@ -33,7 +33,7 @@ void RefuseSetOfOneList(const YamlSource& source) {
     throw UserError(
         {.place = OverridePlace(text),
          .key = "repetitions",
-         .problem = "--set cannot change one list: it gives one value to all repetitions (--set "
+         .problem = "--set cannot change one list: it gives one value to all replicates (--set "
                     "glove.motion.file=a.csv) or replaces all lists (--set repetitions={})"});
   }
 }
@@ -59,7 +59,7 @@ void CheckKey(const YamlSource& source, const YamlNode& node, const std::string&
 
 RepeatedSetting ReadList(const YamlSource& source, const std::string& key, const YamlNode& list) {
   if (!list.IsSequence() || list.items().empty()) {
-    Fail(source, list, key, "must be a list of values, one for each repetition");
+    Fail(source, list, key, "must be a list of values, one for each replicate");
   }
   const std::string* set = source.OverrideOf("repetitions");
   return {.key = key, .values = list.items(), .set = set == nullptr ? "" : *set};
@@ -125,10 +125,10 @@ void ReadFiles(const YamlNode& root, const YamlSource& source,
   }
   for (const RepeatedSetting& other : lists) {
     if (IsAtOrBelow(list.key, other.key)) {
-      fail(fmt::format("and repetitions of {} cannot both be given", other.key));
+      fail(fmt::format("and values of {} in repetitions cannot both be given", other.key));
     }
     if (other.values.size() != list.values.size()) {
-      fail(fmt::format("has {} values, {} has {}: each repetition takes one of every list",
+      fail(fmt::format("has {} values, {} has {}: each replicate takes one of every list",
                        list.values.size(), other.key, other.values.size()));
     }
   }
@@ -180,7 +180,7 @@ std::vector<RepeatedSetting> ReadRepetitions(const YamlNode& root, const YamlSou
       if (count == 0) count = size;
       if (size == count) continue;
       Fail(source, list.second, key,
-           fmt::format("has {} values, {} has {}: each repetition takes one of every list", size,
+           fmt::format("has {} values, {} has {}: each replicate takes one of every list", size,
                        lists.front().key, count));
     }
   }
@@ -224,7 +224,7 @@ void CheckRepetitions(const std::vector<RepeatedSetting>& lists, const Repetitio
     }
     if (problem.empty()) continue;
     Fail(source, lists.front().values[i], "",
-         fmt::format("in repetition {} {}; one controller must serve all", i + 1, problem));
+         fmt::format("in replicate {} {}; one controller must fit all", i + 1, problem));
   }
 }
 

@@ -69,7 +69,7 @@ void Scenario::Visit(SettingsVisitor& visitor) {
   VisitGroup(visitor, {"glove", "the wearer's motion and the data glove"}, glove);
   // Read and written by hand, see repetitions.h: no other setting has this form.
   visitor.Map({"repetitions",
-               "what differs between the repetitions of a comparison: settings, as "
+               "what differs between the replicates of a comparison: settings, as "
                "glove.motion.file, each with a list of values"},
               SettingMap{.size = [] { return 0; }, .name = {}, .add = {}, .visit = {}});
   VisitGroup(visitor, {"event", "when command frames leave and arrive"}, event);

@@ -26,9 +26,9 @@ struct StageName {
 constexpr StageName kStages[] = {
     {"sensor_ms", "sensor and converter, until the next sample"},
     {"filter_ms", "filter"},
-    {"event_wait_ms", "waiting for the event"},
+    {"event_wait_ms", "waiting for the command frame"},
     {"prediction_ms", "looking ahead"},
-    {"event_delay_ms", "from the event to the servo"},
+    {"event_delay_ms", "from the command frame to the servo"},
     {"servo_frame_ms", "waiting for the servo's frame"},
     {"servo_and_cables_ms", "servo and cables"},
 };

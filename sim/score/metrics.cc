@@ -431,7 +431,7 @@ constexpr std::array<TrackingErrorPart, kErrorCauseCount> kTrackingErrorParts = 
       {.key = "error_noise_deg2", .name = "noise", .metric = 0},
       {.key = "error_glove_deg2", .name = "glove", .metric = 0},
       {.key = "error_link_deg2", .name = "link", .metric = 0},
-      {.key = "error_saturation_deg2", .name = "saturation", .metric = 0},
+      {.key = "error_saturation_deg2", .name = "motor limit", .metric = 0},
       {.key = "error_friction_deg2", .name = "friction", .metric = 0},
       {.key = "error_servo_deg2", .name = "servo", .metric = 0},
       {.key = "error_rest_deg2", .name = "rest", .metric = 0},

@@ -97,7 +97,7 @@ std::size_t MetricIndex(std::string_view key);
 /// and sum to the square of tracking_rmse_deg; their summaries sum to the mean of these squares.
 struct TrackingErrorPart {
   std::string_view key;   // of the metric
-  std::string_view name;  // for pictures and tables: "saturation"
+  std::string_view name;  // for pictures and tables: "motor limit"
   std::size_t metric;     // its place in Metrics()
 };
 

@@ -239,7 +239,7 @@ std::string NearestText(const TunePlan& plan, const TuneResult& result, int jobs
         fmt::format("{} {}", Metrics()[bound.metric].key,
                     IntervalText(nearest->scores[PlaceOfMetric(result, bound.metric)])));
   }
-  return fmt::format("; the nearest, {}, has {}{}", SettingsText(plan, nearest->values),
+  return fmt::format("; closest is {} with {}{}", SettingsText(plan, nearest->values),
                      fmt::join(scores, ", "),
                      JitterOfNoise(plan, result, *nearest, jobs, progress));
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "sim/base/data_folder.h"
 #include "sim/settings/yaml_writer.h"
@@ -120,6 +121,25 @@ std::string Seeds(int first, int count) {
                     : fmt::format("seeds {} to {}", first, first + count - 1);
 }
 
+/// A primary score that is worse than before by a relevant difference, though the tuned score is
+/// equivalent to that before; empty if there is none, or if the settings before keep no bounds.
+std::string WorseForNothing(const TuneResult& result) {
+  if (!result.before.problem.empty() || result.before.met > Met::kLikely ||
+      result.gain.judgement != Judgement::kEqual) {
+    return "";
+  }
+  for (std::size_t m = 0; m < result.metrics.size(); ++m) {
+    const std::size_t metric = result.metrics[m];
+    if (std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) == 0) continue;
+    const double before = result.before.scores[m].mean;
+    const double tuned = result.verdict.scores[m].mean;
+    if (tuned - before > RelevantDifferenceBetween(Metrics()[metric], before, tuned)) {
+      return ScoreName(metric);
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
@@ -133,8 +153,15 @@ Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
     }
     values.push_back(std::move(value));
   }
-  verdict.AddReason("answer", fmt::format("Use {} for {}: {}.", verdict.recommended,
-                                          plan.controller, Listed(values)));
+  if (const std::string worse = WorseForNothing(result); !worse.empty()) {
+    verdict.AddReason("keep", fmt::format("Keep the settings of {}: {} gains nothing in {} and has "
+                                          "more {}. Tuned: {}.",
+                                          plan.controller, std::exchange(verdict.recommended, {}),
+                                          ScoreName(plan.minimise), worse, Listed(values)));
+  } else {
+    verdict.AddReason("answer", fmt::format("Use {} for {}: {}.", verdict.recommended,
+                                            plan.controller, Listed(values)));
+  }
   if (const std::string_view judgement = JudgementText(result.gain.judgement); !judgement.empty()) {
     verdict.AddReason(
         "gain", fmt::format("The {} is {}: {} {} against before, paired, 95 % CI.",

@@ -31,7 +31,7 @@ std::string Header(const RobotConfig& robot, const RobotOrigin& origin) {
 #   #include "controller/controller.h"
 #   #include "sim/settings/robot_file.h"
 #
-#   const auto robot = gauntlet::sim::LoadRobot("{controller}.robot.yaml");
+#   const auto robot = gauntlet::sim::LoadRobot("{file}");
 #   gauntlet::controller::Controller controller(robot);
 #   std::vector<double> counts(robot.glove.channel_names.size());
 #   while (running) {{  // {rate:.6g} times per second; {fresh}
@@ -40,9 +40,9 @@ std::string Header(const RobotConfig& robot, const RobotOrigin& origin) {
 #     if (command.event) SendToMotors(command.motor_counts);
 #   }}
 )",
-      fmt::arg("controller", origin.controller), fmt::arg("scenario", OneLine(origin.scenario)),
-      fmt::arg("hash", origin.model_hash), fmt::arg("version", origin.gauntlet_version),
-      fmt::arg("rate", robot.timing.tick_rate_hz),
+      fmt::arg("controller", origin.controller), fmt::arg("file", origin.file),
+      fmt::arg("scenario", OneLine(origin.scenario)), fmt::arg("hash", origin.model_hash),
+      fmt::arg("version", origin.gauntlet_version), fmt::arg("rate", robot.timing.tick_rate_hz),
       fmt::arg("fresh", every == 1 ? "each time with a new sample of the glove"
                                    : fmt::format("a new sample every {} times", every)));
 }

@@ -50,7 +50,7 @@ Repetitions RepetitionsOf(const Study& study) {
   }
   if (known.size() < 2) {
     throw controller::SettingError("kind",
-                                   "is fitted_to_others, which needs repetitions with other "
+                                   "is fitted_to_others, which needs replicates with other "
                                    "motions; this scenario has one motion, or draws them");
   }
   return repetitions;

@@ -25,7 +25,7 @@ using controller::SettingsVisitor;
 
 void SweepAxis::Visit(SettingsVisitor& visitor) {
   visitor.Text({.key = "key", .help = "setting, as --set takes it", .required = true}, key);
-  visitor.Texts({.key = "values", .help = "one cell each, as behind the = of --set"}, values);
+  visitor.Texts({.key = "values", .help = "values, as behind the = of --set"}, values);
   visitor.Number({.key = "low", .help = "first value of a range"}, low);
   visitor.Number({.key = "high", .help = "last value of a range"}, high);
   visitor.Integer({.key = "count", .help = "values of the range in a grid", .min = 1, .max = 1e6},
@@ -41,34 +41,33 @@ void SweepFile::Visit(SettingsVisitor& visitor) {
   visitor.Text(
       {.key = "question", .help = "what the sweep answers, one sentence", .required = true},
       question);
-  visitor.Path({.key = "scenario", .help = "what every cell begins with", .required = true},
+  visitor.Path({.key = "scenario", .help = "base scenario of all settings", .required = true},
                scenario);
-  visitor.Texts({.key = "set", .help = "key=value as --set takes them, for all cells"}, set);
+  visitor.Texts({.key = "set", .help = "key=value of --set, for all settings"}, set);
   visitor.Texts({.key = "controllers", .help = "only these of the scenario; empty: all"},
                 controllers);
   visitor.Integer({.key = "seeds",
-                   .help = "how many, from the scenario's on: the same for all cells",
+                   .help = "how many, from the scenario's on: the same for all settings",
                    .min = 1,
                    .max = 100000},
                   seeds);
-  visitor.Flag({.key = "all_seeds",
-                .help = "true: no early stop, also cells that cannot be the best get all seeds"},
+  visitor.Flag({.key = "all_seeds", .help = "true: no early stop, all settings get all seeds"},
                all_seeds);
   visitor.Flag(
       {.key = "physics", .help = "false: no hand; what the filters give is scored as it is"},
       physics);
   static constexpr std::array<std::string_view, 3> kDesigns = {"grid", "random", "sobol"};
-  controller::VisitEnum(visitor, {.key = "design", .help = "which cells there are"}, kDesigns,
+  controller::VisitEnum(visitor, {.key = "design", .help = "how settings are chosen"}, kDesigns,
                         design);
   visitor.Integer(
       {.key = "cells", .help = "how many, random or of the Sobol sequence", .min = 1, .max = 1e9},
       cells);
-  visitor.Integer({.key = "design_seed", .help = "of random cells", .min = 0, .max = 2147480000},
+  visitor.Integer({.key = "design_seed", .help = "of random settings", .min = 0, .max = 2147480000},
                   design_seed);
   controller::VisitList(visitor, {.key = "axes", .help = "what varies"}, axes);
   visitor.Texts({.key = "scores", .help = "that are kept; left out: those of the main question"},
                 scores);
-  visitor.Text({.key = "best_by", .help = "score that decides which cell is best"}, best_by);
+  visitor.Text({.key = "best_by", .help = "score that decides which setting is best"}, best_by);
   visitor.Texts({.key = "subject_to", .help = "bounds of scores, as jitter_rms_deg<=0.2"},
                 subject_to);
 }
@@ -132,9 +131,10 @@ void CheckAxes(const SweepFile& file) {
     const std::string path = fmt::format("axes[{}]", i);
     CheckAxis(axis, file.design, path);
     if (axis.key == "seed") {
-      throw SettingError(path + ".key",
-                         "is the same for all cells, so that they can be held "
-                         "against each other: seeds says how many");
+      throw SettingError(
+          path + ".key",
+          "is the same for all settings, for paired differences; the key seeds gives their "
+          "number");
     }
     if (!keys.insert(axis.key).second) throw SettingError(path + ".key", "is varied twice");
     if (!axis.of_controller() || file.controllers.empty()) continue;
@@ -150,9 +150,9 @@ void CheckAxes(const SweepFile& file) {
 
 void CheckDesign(const SweepFile& file) {
   const bool grid = file.design == SweepFile::Design::kGrid;
-  if (!grid && file.cells == 0) throw SettingError("cells", "must say how many cells there are");
+  if (!grid && file.cells == 0) throw SettingError("cells", "must give the number of settings");
   if (grid && file.cells > 0) {
-    throw SettingError("cells", "is for design: random and sobol; a grid has all its cells");
+    throw SettingError("cells", "is for design: random and sobol; a grid has all its settings");
   }
   if (file.design == SweepFile::Design::kSobol && file.axes.size() > kSobolDimensions) {
     throw SettingError("axes", fmt::format("are {}, the Sobol sequence has at most {} here",
@@ -161,7 +161,7 @@ void CheckDesign(const SweepFile& file) {
   double cells = 1.0;
   for (const SweepAxis& axis : file.axes) cells *= static_cast<double>(GridCount(axis));
   if (grid && cells > 1e9) {
-    throw SettingError("axes", fmt::format("make {:.3g} cells, at most 1e9 can be", cells));
+    throw SettingError("axes", fmt::format("make {:.3g} settings; the limit is 1e9", cells));
   }
 }
 

@@ -69,7 +69,7 @@ void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summar
   if (!result.problem.empty()) {
     (result.failed_trials > 0 ? summary.failed : summary.not_built) += 1;
     if (summary.first_problem.empty()) {
-      summary.first_problem = fmt::format("cell {}: {}", result.number, result.problem);
+      summary.first_problem = fmt::format("setting {}: {}", result.number, result.problem);
     }
     return;
   }

@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::vector<ResultColumn> CellColumns(const SweepPlan& plan, bool some_stopped) {
-  std::vector<ResultColumn> columns = {{"cell", "cell"}, {"controller", "controller"}};
+  std::vector<ResultColumn> columns = {{"cell", "no."}, {"controller", "controller"}};
   for (std::size_t a = 0; a < plan.file.axes.size(); ++a) {
     columns.push_back(ResultColumn(plan.file.axes[a].key, ShortKey(plan, a)).In("settings"));
   }

@@ -248,7 +248,7 @@ double ComparisonPicture::DrawLegend(Painter& painter, double right, double base
   const auto hand = [&](int pane) {
     return input_.overlay ? input_.panes[pane].title : std::string("hand");
   };
-  const std::string off = fmt::format("link off by 0 to {:g}°", colour_scale_.full_error_deg);
+  const std::string off = fmt::format("joint error 0 to {:g}°", colour_scale_.full_error_deg);
   const Entry entries[] = {{input_.overlay ? hand(1) : "", palette::kSecondHand, input_.overlay},
                            {hand(0), palette::kHand},
                            {"command", palette::kCommand, decided && !input_.overlay},

@@ -38,7 +38,7 @@ std::string RemarkOf(const InspectedColumn& column) {
   constexpr double kMostlyStill = 0.9;
   if (column.statistics.low == column.statistics.high) return "never moves";
   if (column.statistics.clipped_share > kMuch) {
-    return fmt::format("{:.0f} % at its stop", 100.0 * column.statistics.clipped_share);
+    return fmt::format("{:.0f} % clipped", 100.0 * column.statistics.clipped_share);
   }
   if (column.statistics.still_share > kMostlyStill) {
     return fmt::format("{:.0f} % repeats", 100.0 * column.statistics.still_share);

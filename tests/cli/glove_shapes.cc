@@ -387,7 +387,8 @@ void AddLabels(Shapes& shapes) {
   add({"a", "b", "c", "d", "e"}, ":", " ", true);
 }
 
-/// As `ros2 topic echo --csv` prints JointState; `parts` of position, velocity and effort.
+/// As `ros2 topic echo --csv` prints JointState; `parts` of position, velocity and effort have
+/// numbers, the others are empty.
 std::string JointState(const std::vector<std::string>& joints, int parts, int rate_hz,
                        const std::function<Formula(int)>& values) {
   std::string text;
@@ -401,7 +402,7 @@ std::string JointState(const std::vector<std::string>& joints, int parts, int ra
         text += "," + Table::Cell(part == 0 ? value : 0.1 * Noise(row, part));
       }
     }
-    text += "\n";
+    text += std::string(static_cast<std::size_t>(3 - parts), ',') + "\n";
   }
   return text;
 }
@@ -409,7 +410,7 @@ std::string JointState(const std::vector<std::string>& joints, int parts, int ra
 void AddJointStates(Shapes& shapes) {
   const std::vector<std::string> joints = {"index_mcp", "index_pip", "middle_mcp", "thumb_ip"};
   Joints same;
-  for (const std::string& joint : joints) same[joint] = joint;
+  for (const std::string& joint : joints) same[joint + "_rad"] = joint;
   for (const int parts : {1, 2, 3}) {
     shapes.push_back({fmt::format("joint_state_{}", parts), JointState(joints, parts, 100, Radians),
                       100, "rad", same});
@@ -425,12 +426,12 @@ void AddJointStates(Shapes& shapes) {
                   Radians),
        50,
        "rad",
-       {{"right_index_mcp", "index_mcp"}, {"right_index_pip", "index_pip"}}});
+       {{"right_index_mcp_rad", "index_mcp"}, {"right_index_pip_rad", "index_pip"}}});
   shapes.back().options = {"--hand", "right"};
 }
 
 /// Files of other tools: rostopic echo -p, opengloves, an Arduino's plotter, names above units,
-/// rows in bursts, a date beside a clock in ms, a servo whose command is held.
+/// rows in bursts, a clock per hand, a date beside a clock in ms, a servo whose command is held.
 void AddOtherTools(Shapes& shapes) {
   const auto counts = [](int sensor) { return Counts(sensor, 4095); };
   std::string text;
@@ -445,7 +446,7 @@ void AddOtherTools(Shapes& shapes) {
     text += "\n";
   }
   shapes.push_back({"tool_rostopic", text, 50, "rad", {}});
-  for (const std::string& joint : joints) shapes.back().joints[joint] = joint;
+  for (const std::string& joint : joints) shapes.back().joints[joint + "_rad"] = joint;
   text.clear();
   for (int row = 0; row < kRows; ++row) {
     for (int i = 0; i < 5; ++i) text += fmt::format("{}{}", "ABCDE"[i], counts(i)(row));
@@ -481,6 +482,14 @@ void AddOtherTools(Shapes& shapes) {
   bursts.Add("time_ms", [](int row) { return 80.0 * (row / 8) + 0.1 * (row % 8); });
   const Joints of_bursts = AddEight(bursts, "{}_{}_deg", Degrees);
   shapes.push_back({"tool_bursts", bursts.Text(), 100, "deg", of_bursts});
+  Table hands;
+  hands.Add("left_time_ms", Clock(10));
+  AddEight(hands, "left_{}_{}_deg", Degrees);
+  hands.Add("right_time_ms", Clock(12.5, 37));
+  AddEight(hands, "right_{}_{}_deg", Degrees);
+  shapes.push_back({"tool_clocks", hands.Text()});
+  shapes.back().question = "the joints have a clock of their own, column 10,";
+  shapes.back().options = {"--hand", "right"};
   Table dated;
   dated.Add("recv_timestamp_ms", Clock(10, 5000));
   const Joints of_dated = AddEight(dated, "{}_{}_deg", Degrees);

@@ -18,7 +18,7 @@ struct GloveShape {
   std::string question = {};  // part of the sentence that must come; empty: may be answered
 };
 
-/// 67 shapes in eleven kinds: positions beside angles, motion sensors, dead sensors, lists in
+/// 68 shapes in eleven kinds: positions beside angles, motion sensors, dead sensors, lists in
 /// cells, rows per channel, no hand, labels in cells, JointState, other tools, turns and signs,
 /// numbers of sensors.
 std::vector<GloveShape> GloveShapes();

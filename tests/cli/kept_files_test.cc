@@ -131,7 +131,7 @@ TEST_F(KeptFiles, AScenarioStaysWhateverTheResultsAreCalled) {
   ExpectRefused({"tune", "kalman.yaml", "--all", "--controller", "raw", "--seeds", "2",
                  "--held-out", "2", "--evaluations", "2", "--filter-only", "--out", "."},
                 kIsInput);
-  for (const std::string name : {"report.html", "scenario.resolved.yaml", "scores.csv"}) {
+  for (const std::string name : {"report.html", "scenario.resolved.yaml"}) {
     ExpectRefused({"run", name, "--out", "."}, kIsInput);
     ExpectRefused({"compare", name, "--seeds", "2", "--out", "."}, kIsInput);
   }

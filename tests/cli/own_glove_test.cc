@@ -226,11 +226,14 @@ TEST_F(OwnGlove, AssumptionsAndSimulatedGlovesAreWarnedOf) {
   for (std::size_t place = 0; (place = map.find(",counts,", place)) != std::string::npos;) {
     map.replace(place, 8, ",volts,");
   }
+  for (std::size_t place = 0; (place = map.find(",10\n", place)) != std::string::npos;) {
+    map.replace(place, 4, ",\n");  // bits are of counts only
+  }
   Write("my.map.csv", map);
   Run({"run", "my.yaml", "--controllers", "raw", "--causes", "none", "--out", "out2"});
   EXPECT_THAT(Run({"export", "out2", "--controller", "raw", "--header"}).standard_error,
-              HasSubstr("warning: the calibration is that of the simulated glove, 102.3 to 920.7 "
-                        "counts over the joint's range: thumb_ip, index_pip"));
+              HasSubstr("warning: the calibration is that of the simulated glove (102.3 to 920.7 "
+                        "counts over the joint's range): thumb_ip, index_pip"));
   EXPECT_THAT(Read("out2/raw.robot.h"), testing::StartsWith("// warning: the calibration is that"));
 }
 

@@ -228,7 +228,7 @@ TEST_F(SummaryTest, DoesNotRankAControllerOfWhichATrialFailed) {
   EXPECT_EQ(failed.problem, "at 1.5 s: diverged (seed 3)");
   EXPECT_EQ(failed.failed_trials, 2);
   EXPECT_EQ(Failures(summary, 10),
-            (std::vector<std::string>{"better failed in 2 of 10 trials, and is not ranked: at 1.5 "
+            (std::vector<std::string>{"better failed in 2 of 10 trials and is not ranked: at 1.5 "
                                       "s: diverged (seed 3)"}));
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
     EXPECT_EQ(failed.rank[m], 0);

@@ -81,8 +81,9 @@ TEST_F(ColumnMaps, TellWhatTheyAssume) {
     format.map = MapFile();
     return RecordingReader("in.csv", TextSource("1,2,3\n"), format).Remarks();
   };
-  EXPECT_THAT(assumed(map), testing::ElementsAre(HasSubstr(
-                                "in.csv: assumed: joint+unit of index_mcp, ring_pip (the row")));
+  EXPECT_THAT(assumed(map),
+              testing::ElementsAre(HasSubstr(
+                  "in.csv: assumed: joint and unit of index_mcp, ring_pip (to confirm: the row")));
   EXPECT_THAT(assumed(map + "all,confirmed,,\n"), testing::IsEmpty());
   EXPECT_THAT(ErrorOf("1\n2\n", "column,channel,assumed\n1,index_mcp,wrong\n"),
               HasSubstr("map.csv:2:3: 'wrong' must be one of: joint, unit, sign, range, rate"));

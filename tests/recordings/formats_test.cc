@@ -166,6 +166,16 @@ TEST(Json, ThatIsBrokenNamesItsLine) {
   EXPECT_NE(ErrorOf([&] { ReadJsonArrays(deep); }), "");
 }
 
+TEST(ReadFeatureNames, TakesListsAndGroupsOfNames) {
+  EXPECT_EQ(ReadFeatureNames(R"({"fps": 30, "features": {"action": {"names": ["a", "b"]},
+                                "state": {"names": {"motors": ["c"]}}, "index": {"names": null},
+                                "image": {"names": [1]}, "mask": {"shape": [1]}}})"),
+            (ListNames{{"action", {"a", "b"}}, {"state", {"c"}}}));
+  for (const char* other : {"", "{", "[]", "{}", R"({"features": 1})", R"({"features": []})"}) {
+    EXPECT_TRUE(ReadFeatureNames(other).empty()) << other;
+  }
+}
+
 TEST(Utf16, IsReadInBothOrdersOfBytes) {
   const std::u16string text = u"\uFEFFt\u00B0\u20AC\U0001F600\xD800x";
   std::string little, big;

@@ -637,6 +637,41 @@ TEST_F(Files, OfAGloveKeepTheirGlitchesForTheControllersUnlessRemoved) {
   EXPECT_LT(truth.true_angle_rad.col(channel).maxCoeff() * kDegPerRad, 31.0);
 }
 
+TEST_F(Files, OfAGloveInCountsHaveTheCalibrationOfTheirMap) {
+  const auto taken = [this](const std::string& rows) {
+    RecordedMotionConfig recording = {.file = Write("in.csv", "t,a,b\n0,300,3000\n1,500,2000\n"),
+                                      .map = Write("map.csv",
+                                                   "column,channel,unit,bits,raw_low,"
+                                                   "raw_high,assumed\nt,time,s,,,,\n" +
+                                                       rows),
+                                      .use = RecordingUse::kMeasured};
+    GloveConfig config = Played(recording);
+    TakeCalibrationOfMap(config);
+    return config;
+  };
+  const GloveConfig points =
+      taken("a,index_mcp,counts,,300,500,range\nb,index_pip,counts,,3000,2000,\n");
+  EXPECT_EQ(points.converter.bits, 12);
+  ASSERT_EQ(points.calibration.size(), 2U);
+  EXPECT_EQ(points.calibration[0].assumed, "range");
+  EXPECT_EQ(points.calibration[1].assumed, "");
+  EXPECT_EQ(points.calibration[1].low_counts, 3000.0);
+  EXPECT_EQ(points.calibration[1].high_counts, 2000.0);
+  // The ends of the joint's range at 10 % and 90 % of full scale are a guess until confirmed.
+  const std::string no_points = "a,index_mcp,counts,10,,,\n";
+  EXPECT_EQ(taken(no_points).calibration.at(0).assumed, "range");
+  EXPECT_NEAR(taken(no_points).calibration.at(0).low_counts, 102.3, 1e-6);
+  EXPECT_EQ(taken(no_points + "all,confirmed,,,,,\n").calibration.at(0).assumed, "");
+  // Ten bits of the scenario would become twelve.
+  try {
+    taken("a,index_mcp,counts,,,,\nb,index_pip,counts,12,,,\n");
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("index_mcp: bits must be given, as other columns are of 12 bits"));
+  }
+}
+
 TEST(MeasuredRecording, OfAHomeMadeGloveNamesItsReference) {
   RecordedMotionConfig recording = Measured("sign_glove/letters_v_h_r.csv");
   recording.map = SourceDir() + "/scenarios/recordings/sign_glove/map.csv";

@@ -35,6 +35,13 @@ TEST(PlainTable, SpreadsListsOverColumns) {
             "t,a_1,a_2\n0,1,2\n# 1,[1 2 3]\n2,3,4\n");
 }
 
+TEST(PlainTable, NamesListsAsIsKnown) {
+  const std::string text = "action,state\n[1 2],[3 4]\n[5 6],[7 8]\n";
+  const ListNames known = {{"action", {"wrist.pos", "elbow"}}, {"state", {"one"}}};
+  EXPECT_EQ(BytesOf(PlainTable(TextSource(text), known)),
+            "action.wrist.pos,action.elbow,state_1,state_2\n1,2,3,4\n5,6,7,8\n");
+}
+
 TEST(PlainTable, TurnsARowPerChannel) {
   std::string channels, turned;
   for (int row = 0; row < 2; ++row) {
@@ -58,7 +65,7 @@ TEST(PlainTable, NamesPositionsOfRostopicEcho) {
                     "1500000000000000000,1,index_mcp,thumb_ip,0.1,0.2,9\n"
                     "1500000000010000000,2,index_mcp,thumb_ip,0.3,0.4,8\n"
                     "1500000000020000000,3,thumb_ip,index_mcp,0.5,0.6,7\n"),
-            "%time,field.header.seq,index_mcp,thumb_ip,index_mcp_velocity\n"
+            "%time,field.header.seq,index_mcp_rad,thumb_ip_rad,index_mcp_velocity\n"
             "1500000000000000000,1,0.1,0.2,9\n1500000000010000000,2,0.3,0.4,8\n"
             "# 1500000000020000000,3,thumb_ip,index_mcp,0.5,0.6,7\n");
 }
@@ -78,8 +85,14 @@ TEST(PlainTable, ReadsTheAlphaEncodingOfOpengloves) {
 TEST(PlainTable, ReadsJointStates) {
   EXPECT_EQ(PlainOf("1762000000,400000095,base,j1,j2,0.1,0.2,9,8\n"
                     "1762000000,410000086,base,j1,j2,0.3,0.4,7,6\n"),
-            "sec,nanosec,j1,j2,j1_velocity,j2_velocity\n1762000000,400000095,0.1,0.2,9,8\n"
-            "1762000000,410000086,0.3,0.4,7,6\n");
+            "sec,nanosec,j1_rad,j2_rad,j1_velocity,j2_velocity\n"
+            "1762000000,400000095,0.1,0.2,9,8\n1762000000,410000086,0.3,0.4,7,6\n");
+  EXPECT_EQ(PlainOf("1762000000,400000095,,j1,j2_deg,0.1,0.2,,9,8\n"  // frame and velocity empty
+                    "1762000000,410000086,,j1,j2_deg,0.3,0.4,,7,6\n"
+                    "1762000000,420000086,,j1,j2_deg,0.3,0.4,7,6,\n"),
+            "sec,nanosec,j1_rad,j2_deg,j1_effort,j2_deg_effort\n"
+            "1762000000,400000095,0.1,0.2,9,8\n1762000000,410000086,0.3,0.4,7,6\n"
+            "# 1762000000,420000086,,j1,j2_deg,0.3,0.4,7,6,\n");
   const std::string other = "5,400000095,base,j1,0.1\n5,410000086,base,j1,0.3\n";
   EXPECT_EQ(PlainOf(other), other);  // no stamp of this century
 }

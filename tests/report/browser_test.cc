@@ -273,7 +273,7 @@ TEST_F(BrowserTest, WhatDoesNotCountStandsOnGrey) {
   made.counted->joints = {{{0, 500}, {900, 1500}}, {{0, 1500}}, {}};
   const auto seen = Use(Page(made), 1200, kFindShade);
   ASSERT_EQ(seen["problems"], nlohmann::json::array());
-  EXPECT_THAT(seen["note"].get<std::string>(), testing::HasSubstr("Grey is what no score counts"));
+  EXPECT_THAT(seen["note"].get<std::string>(), testing::HasSubstr("Grey: not scored"));
   EXPECT_NEAR(seen["first"][0], 400.0 / 1500.0, 0.03);
   EXPECT_EQ(seen["first"][1], 1);
   EXPECT_EQ(seen["second"], nlohmann::json::array({0, 0}));

@@ -124,9 +124,8 @@ TEST(Response, SaysWhereAControllerIsBetterAndDrawsEachOne) {
     response.scores.push_back({{some}, {v < 4 ? some : MeanInterval{}}});
   }
   EXPECT_EQ(ResponseText(plan, response),
-            "<b> against raw, by frequency_hz: better at 1 to 2; equal at 0.5; worse at 4.\n"
-            "In tracking_rmse_deg, paired by seed; all 5 comparisons hold together with 95 % "
-            "(Bonferroni).");
+            "<b> against raw, by frequency_hz: better at 1 to 2; equivalent at 0.5; worse at 4.\n"
+            "In tracking error, paired by seed, simultaneous 95 % (5 pairs, Bonferroni).");
 
   const std::string svg = ResponseSvg(response, 0, "frequency_hz");
   EXPECT_EQ(Count(svg, "class=\"curve\""), 2u);

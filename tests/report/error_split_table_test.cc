@@ -38,10 +38,10 @@ TEST(ErrorSplitTable, TellsTheShareOfEveryCause) {
   Summary summary;
   summary.controllers = {Controller("raw", kParts), Controller("a_name_of_a_filter", kParts)};
   EXPECT_EQ(TextOf(ErrorSplitTable(summary), {}),
-            "                                        motors'\n"
-            "of squared error    noise  glove  link    limit  friction  servo  rest  control\n"
-            "raw                  -2 %   12 %  31 %     16 %      20 %   10 %   0 %     13 %\n"
-            "a_name_of_a_filter   -2 %   12 %  31 %     16 %      20 %   10 %   0 %     13 %\n");
+            "                                        motor\n"
+            "of squared error    noise  glove  link  limit  friction  servo  rest  control\n"
+            "raw                  -2 %   12 %  31 %   16 %      20 %   10 %   0 %     13 %\n"
+            "a_name_of_a_filter   -2 %   12 %  31 %   16 %      20 %   10 %   0 %     13 %\n");
 }
 
 /// A cause that could not be taken away has no share, and the others sum to the whole.

@@ -49,7 +49,7 @@ TEST_F(ScoreBoardTest, SaysWhatTheTableSays) {
   const ScoreBoardRow &slow = verdict.rows[0], &raw = verdict.rows[1];
   EXPECT_EQ(slow.controller, "slow");
   EXPECT_EQ(raw.cells[0].value, "6.44°");
-  EXPECT_EQ(raw.cells[0].detail, "+0.01 ± 0.02: equal");
+  EXPECT_EQ(raw.cells[0].detail, "+0.01 ± 0.02: equivalent");
   EXPECT_EQ(raw.cells[0].tone, ScoreBoardCell::Tone::kAsGoodAsBest);
   EXPECT_EQ(raw.cells[1].value, "104 ms");
   EXPECT_EQ(raw.cells[1].detail, "best");
@@ -67,7 +67,7 @@ TEST_F(ScoreBoardTest, OneRunSaysNothingAboutChance) {
   scores.replace(scores.find("[1, 2, 3]"), 9, "[1]");
   const ScoreBoard verdict = ReadScoreBoard(Write(scores), {"raw"});
   EXPECT_EQ(verdict.rows[0].cells[2].detail, "");
-  EXPECT_EQ(verdict.remark, "One run: nothing is said about chance.");
+  EXPECT_EQ(verdict.remark, "One run: no confidence interval.");
 
   const ScoreBoard run =
       ReadScoreBoard(Write(R"({"seed": 1, "controllers": [{"name": "raw", "summary":

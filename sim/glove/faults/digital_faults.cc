@@ -30,7 +30,7 @@ void DropoutFault::Apply(FaultStrike& strike) const { LoseValues(strike); }
 void DuplicatedFrameFault::Apply(FaultStrike& strike) const { RepeatTheValueBefore(strike); }
 
 void LateFrameFault::Visit(controller::SettingsVisitor& visitor) {
-  visitor.Number({"delay_ms", "how late", 1, 10000}, delay_ms);
+  visitor.Number({"delay_ms", "delay", 1, 10000}, delay_ms);
 }
 
 void LateFrameFault::Apply(FaultStrike& strike) const {

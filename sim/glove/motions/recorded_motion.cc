@@ -131,7 +131,8 @@ void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config
                         kResamplingNames, how);
   if (how != config.resampling()) config.resample = how;
   if (config.use == RecordingUse::kTruth) return;
-  visitor.Path({"reference", "recording of the truth at the same times, if any"}, config.reference);
+  visitor.Path({"reference", "recording of the reference at the same times, if any"},
+               config.reference);
   visitor.Path({"reference_map", "column map of the reference; by default as map"},
                config.reference_map);
   visitor.Text({"reference_array",
@@ -162,7 +163,7 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Path(
       {.key = "file",
        .help = "a table of any format: time and channels by name; in its place files, a list or a "
-               "folder, whose recordings are the repetitions of a comparison",
+               "folder, whose recordings are the replicates of a comparison",
        .required = true},
       file);
   visitor.Path({"map", "column map for a file with other names or units, or a preset"}, map);
