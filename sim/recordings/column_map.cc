@@ -132,7 +132,7 @@ void AddTime(const MapFile& file, std::size_t column, ColumnMap& map) {
 }
 
 std::string UnitIn(const MapFile& file) {
-  const std::string unit = file.Text("unit", "deg");
+  std::string unit = file.Text("unit", "deg");
   if (unit == kVolts || FindUnit(unit) != nullptr) return unit;
   file.FailAt("unit", file.Quoted(unit) + " must be one of: deg, rad, counts, share, volts");
 }
