@@ -97,7 +97,7 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
     EXPECT_THAT(page, HasSubstr(text));
   }
   EXPECT_EQ(page.find("claw<b>"), std::string::npos);
-  const std::string sum = "Hysteresis is the sum of dry friction, play of gears and slack";
+  const std::string sum = "Hysteresis is the sum of dry friction, backlash of gears and slack";
   EXPECT_THAT(Read("out/claw.chain.yaml"), HasSubstr(sum));
   EXPECT_THAT(result.standard_output, HasSubstr(sum.substr(0, 30)));
   EXPECT_THAT(page, HasSubstr("the sum of dry friction"));

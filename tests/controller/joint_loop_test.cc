@@ -235,7 +235,7 @@ TEST(JointLoop, RefusesAHandWithoutJointSensorsAndListsThatDoNotFit) {
   EXPECT_EQ(problem(SensingHand(3)), "none");
   EXPECT_EQ(problem(CoupledHand(3)),
             "joint_loop.kind: pi needs a hand that measures its joints (hand.joint_sensors); with "
-            "proportional and integral_per_s 0 it undoes friction without");
+            "proportional and integral_per_s 0 it compensates friction without");
   config.friction_deg = {1.0, 2.0};
   EXPECT_EQ(problem(SensingHand(3)),
             "joint_loop.friction_deg: has 2 values, must have 1 for all joints or 3, one for each");

@@ -273,14 +273,14 @@ TEST_F(RepetitionsTest, ASetCannotChangeOneList) {
 
 TEST_F(RepetitionsTest, OneControllerServesAllOfThem) {
   EXPECT_THAT(Refusal("repetitions:\n  glove.rate_hz: [100, 100, 60]\n"),
-              StartsWith("s.yaml:6:29: repetitions: in repetition 3 glove.rate_hz is 60, in the "
+              StartsWith("s.yaml:6:29: repetitions: in replicate 3 glove.rate_hz is 60, in the "
                          "first 100"));
   EXPECT_THAT(Refusal("repetitions:\n  glove.channels: [[index_mcp], [index_pip]]\n"),
-              HasSubstr("in repetition 2 glove.channels are others"));
+              HasSubstr("in replicate 2 glove.channels are others"));
   EXPECT_THAT(Refusal("repetitions:\n  glove.channels: [[index_mcp], [nose]]\n"),
               StartsWith("s.yaml:6:33: glove.channels: unknown channel 'nose'"));
   EXPECT_THAT(Refusal("repetitions:\n  glove.converter.bits: [10, 8]\n"),
-              HasSubstr("in repetition 2 glove.converter, glove.sensor or the column map need"));
+              HasSubstr("in replicate 2 glove.converter, glove.sensor or the column map need"));
   // How far a glove is off its nominal self is its own affair.
   EXPECT_EQ(Refusal("repetitions:\n  glove.sensor.gain_deviation_percent: [0, 9]\n"), "nothing");
 }

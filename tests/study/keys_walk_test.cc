@@ -320,7 +320,7 @@ const std::vector<Step>& Walk() {
       {kOf + "prediction={kind: fitted, weights: [-1], offset_deg: [1]}", kRefused,
        "offset_deg: has 1 values, must have none or 18"},
       {kOf + "prediction={kind: fitted_to_others}", kRefused,
-       "kind: is fitted_to_others, which needs repetitions with other motions; this scenario has "
+       "kind: is fitted_to_others, which needs replicates with other motions; this scenario has "
        "one motion, or draws them"},
       {kOf + "model_predictive.kind=second_order", kChanges},
       {kOf + "model_predictive.kind=second_order",

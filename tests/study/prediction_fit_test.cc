@@ -92,7 +92,7 @@ TEST_F(PredictionFitTest, IsWholeForTheRobot) {
 
 TEST_F(PredictionFitTest, RefusesWhatHasNoOtherMotion) {
   const std::string none =
-      "controllers.fitted.prediction.kind: is fitted_to_others, which needs repetitions with other "
+      "controllers.fitted.prediction.kind: is fitted_to_others, which needs replicates with other "
       "motions; this scenario has one motion, or draws them";
   EXPECT_EQ(Complaint(""), none);
   EXPECT_EQ(Complaint(kThree), "");

@@ -172,9 +172,10 @@ TEST_F(SweepTest, RefusesWhatMakesNoSenseAndSaysWhere) {
               HasSubstr("must be SCORE<=NUMBER"));
   EXPECT_THAT(Problem(With("scores: [tracking_rmse_deg]", "scores: [command_reversals_per_s]")),
               HasSubstr("there is none without a hand"));
-  EXPECT_THAT(Problem(With("glove.rate_hz", "seed")), HasSubstr("is the same for all cells"));
+  EXPECT_THAT(Problem(With("glove.rate_hz", "seed")), HasSubstr("is the same for all settings"));
   EXPECT_THAT(Problem(With("physics: false", "design: sobol")), HasSubstr("count: is for a grid"));
-  EXPECT_THAT(Problem(With("physics: false", "cells: 9")), HasSubstr("a grid has all its cells"));
+  EXPECT_THAT(Problem(With("physics: false", "cells: 9")),
+              HasSubstr("a grid has all its settings"));
 }
 
 TEST_F(SweepTest, KeepsACellThatCannotBeBuiltWithItsReason) {
@@ -184,7 +185,7 @@ TEST_F(SweepTest, KeepsACellThatCannotBeBuiltWithItsReason) {
   const SweepSummary summary = SummariseSweep(plan, database, ShardOf(plan, 1, 1));
   EXPECT_EQ(summary.not_built, 2);        // window 0 at either rate
   EXPECT_EQ(summary.results, 2 * 2 * 3);  // two controllers
-  EXPECT_THAT(summary.first_problem, AllOf(HasSubstr("cell 2"), HasSubstr("window")));
+  EXPECT_THAT(summary.first_problem, AllOf(HasSubstr("setting 2"), HasSubstr("window")));
   ASSERT_FALSE(summary.best.empty());
 }
 
