@@ -123,6 +123,7 @@ struct FilterSettings {
 
 FilterSettings SettingsInCounts(const Inspection& inspection, double glove_hz) {
   constexpr double kCountsPerRange = 0.8 * 1023.0;
+  constexpr double kMostBeta = 1e9;  // of the key; counts of a tiny range reach it
   struct Noise {
     double variance;   // counts^2 of 10 bits
     double per_count;  // counts of 10 bits per count of the controllers
@@ -147,7 +148,7 @@ FilterSettings SettingsInCounts(const Inspection& inspection, double glove_hz) {
   const double scale = 1.0 / (median.per_count * median.per_count);
   return {.r = scale * std::clamp(median.variance, 0.1, 1e4),
           .q = scale * 10.0 / glove_hz,
-          .beta = 0.03 * median.per_count};
+          .beta = std::min(kMostBeta, 0.03 * median.per_count)};
 }
 
 /// Text in double quotes for YAML.
