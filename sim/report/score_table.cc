@@ -16,15 +16,14 @@
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/report/error_split_table.h"
 #include "sim/report/prediction_text.h"
+#include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
 
-/// Its head reads downwards: the words of the name, then the unit.
 ResultColumn ColumnOf(std::size_t metric) {
-  std::string heading(Metrics()[metric].name);
-  std::ranges::replace(heading, ' ', kBreak);
-  return {std::string(Metrics()[metric].key), heading, std::string(Metrics()[metric].unit)};
+  return {std::string(Metrics()[metric].key), ScoreHeading(metric),
+          std::string(Metrics()[metric].unit)};
 }
 
 /// "+0.41" and "±0.05", with as many digits as the interval allows; one alone where nothing else is

@@ -78,9 +78,7 @@ std::string Sensitivity(const RobustPlan& plan, const RobustScore& score) {
 ResultTable HandsTable(const RobustResult& result) {
   ResultTable table{.columns = {ForPeople("best or equivalent on")}};
   for (const RobustScore& score : result.scores) {
-    std::string heading = ScoreName(score.metric);
-    std::ranges::replace(heading, ' ', kBreak);
-    table.columns.push_back(ForPeople(heading));
+    table.columns.push_back(ForPeople(ScoreHeading(score.metric)));
   }
   for (const std::size_t c : OrderOfVerdict(result.nominal)) {
     ResultRow& row =

@@ -17,6 +17,12 @@ std::string ScoreName(std::size_t metric) {
   return std::string(named.name.empty() ? named.key : named.name);
 }
 
+std::string ScoreHeading(std::size_t metric) {
+  std::string heading = ScoreName(metric);
+  std::ranges::replace(heading, ' ', kBreak);
+  return heading;
+}
+
 std::string ScoreValue(std::size_t metric, double value) {
   const std::string_view unit = Metrics()[metric].unit;
   return Short(value) + (unit.empty() ? "" : " ") + std::string(unit);
@@ -37,9 +43,8 @@ std::vector<ResultColumn> MetricColumns(const std::vector<std::size_t>& metrics,
   std::vector<ResultColumn> columns;
   for (const std::size_t metric : metrics) {
     const std::string key(Metrics()[metric].key);
-    ResultColumn& column = columns.emplace_back(MeanColumn(key, ScoreName(metric)).In(group));
+    ResultColumn& column = columns.emplace_back(MeanColumn(key, ScoreHeading(metric)).In(group));
     column.unit = Metrics()[metric].unit;
-    std::ranges::replace(column.heading, ' ', kBreak);
   }
   return columns;
 }

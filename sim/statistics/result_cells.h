@@ -11,6 +11,8 @@ namespace gauntlet::sim {
 
 /// What sentences call a score: "tracking error"; the key of one without such a name.
 std::string ScoreName(std::size_t metric);
+/// The same as the head of a column, a word below the other.
+std::string ScoreHeading(std::size_t metric);
 /// "4.45 deg RMS"
 std::string ScoreValue(std::size_t metric, double value);
 /// "tracking error 4.45 deg RMS"; empty for no value.
