@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kDefaults = 18;
 constexpr std::array<Channel, 22> kChannels = {{
-    {"thumb_rotation", 0, 90, "thumb turned in front of the palm (opposition)"},
+    {"thumb_rotation", 0, 140, "thumb turned in front of the palm (opposition)"},
     {"thumb_abduction", 0, 60, "thumb lifted away from the palm"},
     {"thumb_mcp", 0, 60, "thumb, base joint"},
     {"thumb_ip", -15, 80, "thumb, end joint"},

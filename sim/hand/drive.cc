@@ -54,6 +54,7 @@ Servo MakeServo(ServoNumbers numbers, double stall_torque_nm, bool limits) {
     numbers.torque_scale = kUnlimited * std::max(1.0, numbers.torque_scale);
     numbers.full_torque_error_deg *= kUnlimited;
     numbers.no_load_speed_deg_s *= kUnlimited;
+    numbers.current_limit_ma = 0.0;
   }
   Servo servo;
   servo.stall_torque_nm = numbers.torque_scale * stall_torque_nm;
@@ -61,6 +62,10 @@ Servo MakeServo(ServoNumbers numbers, double stall_torque_nm, bool limits) {
   servo.damping_nm_s_rad = servo.gain_nm_rad * numbers.damping_ms * 1e-3;
   servo.dead_band_rad = numbers.dead_band_deg * kRadPerDeg;
   servo.no_load_speed_rad_s = numbers.no_load_speed_deg_s * kRadPerDeg;
+  if (numbers.current_limit_ma > 0.0) {
+    servo.current_share = numbers.current_limit_ma / numbers.stall_current_ma;
+    servo.limits_supply = numbers.limited_current == LimitedCurrent::kSupply;
+  }
   return servo;
 }
 
@@ -101,14 +106,39 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, const std::stri
   return cable;
 }
 
-CableWear MakeWear(const WearConfig& config, const std::string& cable) {
-  CableWear wear{.longer_m_per_s = 1e-3 * config.slack_mm_per_hour / 3600.0,
-                 .longer_per_travel = 1e-6 * config.slack_mm_per_km};
+/// Errors: UserError for a limit that the servo cannot have.
+void CheckCurrentLimit(const ServoNumbers& numbers, std::string_view servo_key) {
+  if (numbers.current_limit_ma <= numbers.stall_current_ma) return;
+  throw UserError(
+      {.key = fmt::format("{}.current_limit_ma", servo_key),
+       .problem =
+           numbers.stall_current_ma > 0.0
+               ? fmt::format("is {}, must be at most stall_current_ma, {}",
+                             numbers.current_limit_ma, numbers.stall_current_ma)
+               : fmt::format("is {}, but stall_current_ma of this servo is not known: give it",
+                             numbers.current_limit_ma)});
+}
+
+CableWear MakeWear(const WearConfig& config, std::size_t motor, const std::string& cable) {
+  CableWear wear{.longer_m_per_s = 1e-3 * OfMotor(config.slack_mm_per_hour, motor) / 3600.0,
+                 .longer_per_travel = 1e-6 * OfMotor(config.slack_mm_per_km, motor)};
   if (config.snap.cable == cable) wear.snaps_at_s = config.snap.at_s;
   return wear;
 }
 
 }  // namespace
+
+void CheckOneForEach(std::string_view key, const std::vector<double>& values, std::size_t motors) {
+  if (values.size() == 1 || values.size() == motors) return;
+  throw UserError({.key = std::string(key),
+                   .problem = fmt::format("has {} values, must have 1 for all motors or {}, one "
+                                          "for each",
+                                          values.size(), motors)});
+}
+
+double OfMotor(const std::vector<double>& values, std::size_t motor) noexcept {
+  return values[values.size() == 1 ? 0 : motor];
+}
 
 Leading LeadingOf(const Crossing& crossing, const std::vector<Follower>& followers) {
   const auto found = std::ranges::find(followers, crossing.qpos, &Follower::qpos);
@@ -143,6 +173,7 @@ std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config) {
     const auto [key, numbers] = config.ServoOf(stall_torque_nm);
     drive.servo_key = key;
     drive.numbers = numbers;
+    CheckCurrentLimit(numbers, key);
     drive.play_rad = (config.cable.backlash_deg + drive.numbers.play_deg) * kRadPerDeg;
     drive.servo = MakeServo(drive.numbers, stall_torque_nm, config.motor_limits);
     drive.spool = MakeSpool(drive.numbers, model, drive.spool_dof);
@@ -158,7 +189,11 @@ void FindCables(const mjModel& model, const HandConfig& config,
   const CablePaths paths(model, joints, followers);
   // The force of pretension stays what it is with another stiffness.
   const double pretension_m = 1e-3 * config.cable.pretension_mm / StiffnessFactor(config.cable);
-  for (Drive& drive : drives) {
+  CheckOneForEach("hand.cable.slack_mm", config.cable.slack_mm, drives.size());
+  CheckOneForEach("hand.wear.slack_mm_per_hour", config.wear.slack_mm_per_hour, drives.size());
+  CheckOneForEach("hand.wear.slack_mm_per_km", config.wear.slack_mm_per_km, drives.size());
+  for (std::size_t motor = 0; motor < drives.size(); ++motor) {
+    Drive& drive = drives[motor];
     // A joint with a motor of its own name is that motor's alone.
     const auto meant = [&](int dof) {
       const auto joint = std::ranges::find(joints, dof, &HandJoint::dof);
@@ -172,9 +207,9 @@ void FindCables(const mjModel& model, const HandConfig& config,
     }
     for (Cable& cable : drive.cables) {
       paths.Trace(cable, meant);
-      cable.wear = MakeWear(config.wear, cable.name);
+      cable.wear = MakeWear(config.wear, motor, cable.name);
       cable.pretension_n = cable.cord.stiffness_n_m * pretension_m;
-      cable.natural_length_m += 1e-3 * config.cable.slack_mm - pretension_m;
+      cable.natural_length_m += 1e-3 * OfMotor(config.cable.slack_mm, motor) - pretension_m;
     }
   }
 }

@@ -16,7 +16,9 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
                   "force stays when stiffness_scale or stretch changes it",
                   0, 5},
                  pretension_mm);
-  visitor.Number({"slack_mm", "excess length of every cable", 0, 20}, slack_mm);
+  visitor.Numbers(
+      {"slack_mm", "excess length of the cables: one for all motors, or one for each", 0, 20},
+      slack_mm);
   visitor.Number({"capstan_friction", "coefficient of friction where cables bend; 0: none", 0, 0.5},
                  capstan_friction);
   visitor.Number({"backlash_deg", "backlash of the drum on the motor's shaft, end to end", 0, 30},
@@ -50,14 +52,16 @@ void SnapConfig::Visit(SettingsVisitor& visitor) {
 }
 
 void WearConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Number({"slack_mm_per_hour",
-                  "every cable becomes longer by this in an hour of simulated time; first it loses "
-                  "its pretension",
-                  0, 36000},
-                 slack_mm_per_hour);
-  visitor.Number(
-      {"slack_mm_per_km", "and by this for each km that its drum winds, to and fro", 0, 100000},
-      slack_mm_per_km);
+  visitor.Numbers({"slack_mm_per_hour",
+                   "cables become longer by this in an hour of simulated time: one for all motors, "
+                   "or one for each; first they lose their pretension",
+                   0, 36000},
+                  slack_mm_per_hour);
+  visitor.Numbers({"slack_mm_per_km",
+                   "and by this for each km that their drum winds, to and fro: one for all, or one "
+                   "for each",
+                   0, 100000},
+                  slack_mm_per_km);
   controller::VisitGroup(visitor, {"snap", "a cable that snaps"}, snap);
 }
 

@@ -16,10 +16,10 @@ struct CableConfig {
   bool stretch = true;           // off: 8 times as stiff, about what the time step can bear
   double stiffness_scale = 1.0;  // on the stiffness of the model
   double pretension_mm = 0.4;    // both cables are this much too short, if as stiff as the model's
-  double slack_mm = 0.0;         // and this much too long
-  double capstan_friction = 0.03;  // coefficient of friction on pulleys and guides; 0 is off
-  double backlash_deg = 0.0;       // play of the drum on the motor's shaft, end to end
-  bool interference = true;        // off: cables cross other joints without moving them
+  std::vector<double> slack_mm = {0.0};  // and this much too long: for all motors, or for each
+  double capstan_friction = 0.04;        // coefficient of friction on pulleys and guides; 0 is off
+  double backlash_deg = 0.0;             // play of the drum on the motor's shaft, end to end
+  bool interference = true;              // off: cables cross other joints without moving them
 
   void Visit(controller::SettingsVisitor& visitor);
 };
@@ -46,8 +46,8 @@ struct SnapConfig {
 /// What time and use do to all cables during a trial, each of which begins with new ones. A cable
 /// that becomes longer first loses its pretension, then it is slack.
 struct WearConfig {
-  double slack_mm_per_hour = 0.0;
-  double slack_mm_per_km = 0.0;  // of what its drum winds, to and fro
+  std::vector<double> slack_mm_per_hour = {0.0};  // for all motors, or for each
+  std::vector<double> slack_mm_per_km = {0.0};    // of what its drum winds, to and fro
   SnapConfig snap;
 
   void Visit(controller::SettingsVisitor& visitor);

@@ -198,14 +198,9 @@ void CheckSnap(const SnapConfig& snap, const std::vector<std::string>& cable_nam
 
 /// Errors: UserError if there is neither one value for all motors nor one for each.
 void ScaleFriction(const std::vector<double>& scale, std::vector<Drive>& drives) {
-  if (scale.size() != 1 && scale.size() != drives.size()) {
-    throw UserError({.key = "hand.motor_friction_scale",
-                     .problem = fmt::format("has {} values, must have 1 for all motors or {}, one "
-                                            "for each",
-                                            scale.size(), drives.size())});
-  }
+  CheckOneForEach("hand.motor_friction_scale", scale, drives.size());
   for (std::size_t motor = 0; motor < drives.size(); ++motor) {
-    const double factor = scale[scale.size() == 1 ? 0 : motor];
+    const double factor = OfMotor(scale, motor);
     Drive& drive = drives[motor];
     drive.spool.dry_friction_nm *= factor;
     drive.spool.load_friction *= factor;
@@ -357,6 +352,8 @@ std::string HandModel::Hash() const {
                               drive.servo.dead_band_rad,
                               drive.servo.stall_torque_nm,
                               drive.servo.no_load_speed_rad_s,
+                              drive.servo.current_share,
+                              drive.servo.limits_supply ? 1.0 : 0.0,
                               drive.spool.inertia_kg_m2,
                               drive.spool.damping_nm_s_rad,
                               drive.spool.dry_friction_nm,

@@ -1,5 +1,7 @@
 #include "sim/hand/servo_config.h"
 
+#include <array>
+
 namespace gauntlet::sim {
 
 using controller::SettingsVisitor;
@@ -40,6 +42,19 @@ void ServoNumbers::Visit(SettingsVisitor& visitor) {
       no_load_speed_deg_s);
   visitor.Number({"torque_scale", "factor on the stall torques of the model", 1e-9, 10},
                  torque_scale);
+  visitor.Number({"stall_current_ma", "current at the stall torque; 0: not known", 0, 100000},
+                 stall_current_ma);
+  visitor.Number(
+      {"current_limit_ma",
+       "limit of the current, at most stall_current_ma, which must be known; 0: none", 0, 100000},
+      current_limit_ma);
+  static constexpr std::array<std::string_view, 2> kCurrents = {"motor", "supply"};
+  controller::VisitEnum(
+      visitor,
+      {"limited_current",
+       "what the servo measures: the motor's current, to which torque is in proportion, or the "
+       "supply's, of which the torque at stall is the square root"},
+      kCurrents, limited_current);
   visitor.Number(
       {"inertia_scale", "factor on the inertia of the model's spools, rotors behind their gears",
        0.1, 100},
@@ -128,10 +143,27 @@ DynamixelServo::DynamixelServo() {
   full_torque_error_deg = 16.6;  // e-manual: P of 600 reaches the largest PWM at 189 steps
   damping_ms = 30.0;             // back-EMF; 3 ms of them D, if it is of steps per ms
   no_load_speed_deg_s = 618.0;   // e-manual
+  stall_current_ma = 1470.0;     // e-manual, at 5 V
   inertia_scale = 6.5;           // bam: 47 ms, which is 2.0e-3 kg m2 for a finger
   friction_scale = 1.6;          // bam
   load_friction = 0.27;          // bam
   play_deg = 0.25;
+}
+
+StiffDynamixelServo::StiffDynamixelServo() {
+  full_torque_error_deg = 4.15;  // e-manual: P of 2400, of at most 16383
+  damping_ms = 20.0;             // back-EMF, and 13 ms of D of 4000
+}
+
+// leap-hand/LEAP_Hand_API, main.py, of the version with XL330. Which current the servo measures is
+// open: the manual gives torque over current as a line, Rhoban/bam found that of the supply.
+LeapServo::LeapServo() { current_limit_ma = 350.0; }
+
+// orcahand/orca_core, config of version 2 (version 1: 400 mA), which sets no gains.
+OrcaServo::OrcaServo() {
+  full_torque_error_deg = 24.9;  // e-manual: P of 400
+  damping_ms = 40.3;             // back-EMF
+  current_limit_ma = 300.0;
 }
 
 const ServoNumbers& ServoConfig::numbers() const {

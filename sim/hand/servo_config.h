@@ -9,6 +9,12 @@
 
 namespace gauntlet::sim {
 
+/// Which current a servo measures and limits.
+enum class LimitedCurrent {
+  kMotor,   // torque is limited in proportion
+  kSupply,  // torque at stall goes as the square root of the limit
+};
+
 /// What can be said of any position servo on a spool. Stall torques, rotors and dry friction stand
 /// in the model file, since a shoulder needs another motor than a finger; here stand the laws that
 /// motors of one make share, and factors on the model's numbers.
@@ -31,10 +37,13 @@ struct ServoNumbers {
   // What its motor and gear are like.
   double no_load_speed_deg_s = 400.0;  // back-EMF: torque falls linearly to zero at this speed
   double torque_scale = 1.0;           // on the stall torques of the model
-  double inertia_scale = 1.0;          // on the inertia of the model's spools
-  double friction_scale = 1.0;         // on the dry friction of the model's spools
-  double load_friction = 0.0;          // and so much of the torque that the cables ask for
-  double play_deg = 0.0;               // of the gear, end to end
+  double stall_current_ma = 0.0;       // at the stall torque; 0: not known
+  double current_limit_ma = 0.0;       // 0: none
+  LimitedCurrent limited_current = LimitedCurrent::kMotor;
+  double inertia_scale = 1.0;   // on the inertia of the model's spools
+  double friction_scale = 1.0;  // on the dry friction of the model's spools
+  double load_friction = 0.0;   // and so much of the torque that the cables ask for
+  double play_deg = 0.0;        // of the gear, end to end
 
   void Visit(controller::SettingsVisitor& visitor);
 };
@@ -81,13 +90,39 @@ struct BusServo : ServoNumbers {
 struct DynamixelServo : ServoNumbers {
   static constexpr std::string_view kKind = "dynamixel";
   static constexpr std::string_view kSummary =
-      "a serial bus servo of 12 bits whose friction grows with the load, as XL330";
+      "a serial bus servo of 12 bits whose friction grows with the load, as XL330, with its whole "
+      "current";
   DynamixelServo();
 };
 
+/// The same with four times the position gain, as an engineer sets it to overcome friction.
+struct StiffDynamixelServo : DynamixelServo {
+  static constexpr std::string_view kKind = "dynamixel_stiff";
+  static constexpr std::string_view kSummary =
+      "the same with four times the gain (P 2400, D 4000): friction holds it off by less";
+  StiffDynamixelServo();
+};
+
+/// The same as the program of the LEAP Hand sets it.
+struct LeapServo : DynamixelServo {
+  static constexpr std::string_view kKind = "leap";
+  static constexpr std::string_view kSummary =
+      "the same as the LEAP Hand's program sets it: P 600, D 200, current at most 350 mA";
+  LeapServo();
+};
+
+/// The same as the program of the ORCA hand sets it.
+struct OrcaServo : DynamixelServo {
+  static constexpr std::string_view kKind = "orca";
+  static constexpr std::string_view kSummary =
+      "the same as the ORCA hand's program sets it: P 400 of the factory, at most 300 mA";
+  OrcaServo();
+};
+
 /// Every kind of servo that there is. To add one: a struct of its numbers, and one entry here.
-using ServoSettings = std::variant<StandardServo, IdealServo, RcAnalogServo, RcDigitalServo,
-                                   BusServo, DynamixelServo>;
+using ServoSettings =
+    std::variant<StandardServo, IdealServo, RcAnalogServo, RcDigitalServo, BusServo, DynamixelServo,
+                 StiffDynamixelServo, LeapServo, OrcaServo>;
 
 /// Position servos of one kind. A kind brings all its numbers; what is said beside `kind`
 /// replaces one of them.

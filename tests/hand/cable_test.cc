@@ -212,7 +212,7 @@ TEST(SmallHandCable, SlackAndBacklashLoseMotion) {
   // Both cables 1 mm too long: the joint floats over 2 mm of cable.
   CableConfig slack = tight;
   slack.pretension_mm = 0.0;
-  slack.slack_mm = 1.0;
+  slack.slack_mm = {1.0};
   EXPECT_NEAR(LostMotion(slack), 2e-3 / SmallHand::kPulleyM, 2e-3);
 
   // A drum with 6 deg of play, as large as the pulley.

@@ -201,7 +201,7 @@ double StepWithEnergy(Hand& hand) {
 TEST(SmallHandMotion, AFreeFallLosesTheEnergyThatDampingTakes) {
   SmallHand small;
   small.config.cable.pretension_mm = 0.0;
-  small.config.cable.slack_mm = 20.0;
+  small.config.cable.slack_mm = {20.0};
   Hand hand(small.Make());
   hand.Reset(std::vector<double>{-0.9});
   const double sphere_inertia = 0.4 * small.mass_kg * 0.004 * 0.004;

@@ -56,7 +56,7 @@ inline StepResponse MeasureStep(const ServoConfig& servo, double step_deg) {
   for (int moment = 0; moment < kMoments; ++moment) {
     hand.Reset(map.reference_angle_rad);
     hand.SetCommand(counts(from_rad));
-    StepTimes(hand, 500 + 7 * moment);
+    StepTimes(hand, 1500 + 7 * moment);
     std::vector<double> start_rad(map.motor_names.size());
     hand.ReadSpoolAngles(start_rad);
     hand.SetCommand(counts(from_rad + step_deg * kRadPerDeg));

@@ -34,6 +34,31 @@ TEST(Servo, BackEmfTakesTorqueAway) {
   EXPECT_EQ(ComputeServoTorque(kServo, -9.0, 0.0, 3.5).torque_nm, -0.5);
 }
 
+// A third of the motor's current is a third of the torque until the voltage allows less.
+TEST(Servo, ALimitOfTheMotorsCurrentLimitsTorqueInProportion) {
+  Servo servo = kServo;
+  servo.current_share = 0.3;
+  EXPECT_NEAR(ComputeServoTorque(servo, 9.0, 0.0, 0.0).torque_nm, 0.15, 1e-12);
+  EXPECT_NEAR(ComputeServoTorque(servo, 9.0, 0.0, 3.5).torque_nm, 0.15, 1e-12);
+  EXPECT_NEAR(ComputeServoTorque(servo, 9.0, 0.0, 6.3).torque_nm, 0.05, 1e-12);
+  EXPECT_NEAR(ComputeServoTorque(servo, -9.0, 0.0, 3.5).torque_nm, -0.15, 1e-12);
+  EXPECT_TRUE(ComputeServoTorque(servo, 0.03, 0.0, 0.0).saturated);
+}
+
+// The supply gives duty cycle times the motor's current: u (u - x) = i, and the torque is u - x.
+TEST(Servo, ALimitOfTheSupplysCurrentLeavesTheSquareRootAtStall) {
+  Servo servo = kServo;
+  servo.current_share = 0.25;
+  servo.limits_supply = true;
+  EXPECT_NEAR(ComputeServoTorque(servo, 9.0, 0.0, 0.0).torque_nm, 0.25, 1e-12);
+  for (const double x : {0.1, 0.5, 0.7}) {
+    const double share = ComputeServoTorque(servo, 9.0, 0.0, 7.0 * x).torque_nm / 0.5;
+    EXPECT_NEAR((share + x) * share, 0.25, 1e-12) << x;
+  }
+  EXPECT_NEAR(ComputeServoTorque(servo, 9.0, 0.0, 6.3).torque_nm, 0.05, 1e-12);
+  EXPECT_NEAR(ComputeServoTorque(servo, -9.0, 0.0, 0.0).torque_nm, -0.25, 1e-12);
+}
+
 SmallHand Weightless() {
   SmallHand small;
   small.gravity_m_s2 = 0.0;

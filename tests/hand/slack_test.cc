@@ -7,6 +7,7 @@
 
 #include "controller/slack_detector.h"
 #include "tests/hand/servo_response.h"
+#include "tests/hand/slow_motion.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -62,12 +63,49 @@ std::vector<double> FrictionOf(const HandConfig& config) {
 
 TEST(SlackDetector, FindsHalfAMillimetreInEveryFinger) {
   HandConfig slack;
-  slack.cable.slack_mm = 0.5;
+  slack.cable.slack_mm = {0.5};
   const std::vector<double> healthy_nm = FrictionOf({});
   const std::vector<double> slack_nm = FrictionOf(slack);
   const double alarm_share = controller::SlackDetectorConfig{}.alarm_share;
   for (const int motor : FingerMotors()) {
     EXPECT_LT(slack_nm[motor], alarm_share * healthy_nm[motor]) << GloveChannelNames()[motor];
+  }
+}
+
+TEST(Slack, OfOneMotorIsThatOfItsCablesAlone) {
+  HandConfig config;
+  config.cable.slack_mm = std::vector<double>(18, 0.0);
+  config.cable.slack_mm[5] = 0.5;
+  const auto usual = MakeModel();
+  const auto slack = MakeModel(config);
+  for (std::size_t motor = 0; motor < usual->drives().size(); ++motor) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double longer_m = slack->drives()[motor].cables[i].natural_length_m -
+                              usual->drives()[motor].cables[i].natural_length_m;
+      EXPECT_NEAR(longer_m, motor == 5 ? 0.5e-3 : 0.0, 1e-12) << usual->motor_names()[motor];
+    }
+  }
+}
+
+// What a wearer sees of friction: docs/evidence/hand.md has the other servos and coefficients.
+TEST(Friction, OfCablesLeavesMostOfASlowMotion) {
+  EXPECT_GT(MoveSlowly({}, 5.0, false).share, 0.5);
+  HandConfig stiff;
+  stiff.servo.settings = StiffDynamixelServo{};
+  EXPECT_GT(MoveSlowly(stiff, 5.0, false).share, 0.6);
+  EXPECT_LT(MoveSlowly(stiff, 30.0, false).loop_deg, 3.0);
+}
+
+TEST(Cables, OfFingersBendAsThoseOfOpenHands) {
+  const auto hand = MakeModel();
+  for (const int motor : FingerMotors()) {
+    const Drive& drive = hand->drives()[motor];
+    for (const Cable& cable : drive.cables) {
+      EXPECT_LT(cable.bend_rad * kDegPerRad, 260.0) << cable.name;
+      const double loss = cable.cord.friction_coefficient * cable.bend_rad;
+      EXPECT_GT(loss, 0.09) << cable.name;
+      EXPECT_LT(loss, 0.9) << cable.name;
+    }
   }
 }
 

@@ -20,7 +20,7 @@ SmallHand Weightless(const WearConfig& wear) {
 }
 
 TEST(Wear, TakesThePretensionOfEveryCableAtItsRate) {
-  const SmallHand small = Weightless({.slack_mm_per_hour = 3600.0, .snap = {}});  // 1 mm/s
+  const SmallHand small = Weightless({.slack_mm_per_hour = {3600.0}, .snap = {}});  // 1 mm/s
   const auto model = small.Make();
   Hand hand(model);
   const std::int32_t middle = JointCommand(*model, 0.0);
@@ -37,7 +37,7 @@ TEST(Wear, TakesThePretensionOfEveryCableAtItsRate) {
 
 TEST(Wear, OfUseFollowsWhatTheDrumWinds) {
   constexpr double kPerTravel = 5e-3;  // 5000 mm per km
-  const SmallHand small = Weightless({.slack_mm_per_km = 1e6 * kPerTravel, .snap = {}});
+  const SmallHand small = Weightless({.slack_mm_per_km = {1e6 * kPerTravel}, .snap = {}});
   const auto model = small.Make();
   Hand hand(model);
   double travel_m = 0.0;

@@ -14,6 +14,8 @@ int main(int argc, char** argv) {
   const std::map<std::string, std::function<void()>> measurements = {
       {"joints", PrintJoints},
       {"coupling", PrintCoupling},
+      {"thumb", PrintOpposition},
+      {"friction", PrintFriction},
       {"reach", PrintReach},
       {"steps", PrintSteps},
       {"closing", PrintClosing},

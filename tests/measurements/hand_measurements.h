@@ -7,6 +7,8 @@ namespace gauntlet::sim::testing {
 /// The numbers of docs/evidence/hand.md, measured; each prints to stdout.
 void PrintJoints();
 void PrintCoupling();
+void PrintOpposition();
+void PrintFriction();
 void PrintReach();
 void PrintSteps();
 void PrintClosing();

@@ -101,7 +101,7 @@ void MeasureLostMotion() {
        {Loose{0.0, 0.0, 0.0}, Loose{0.0, 0.0, 0.03}, Loose{0.0, 6.0, 0.0}, Loose{0.0, 6.0, 0.03},
         Loose{1.0, 0.0, 0.0}, Loose{1.0, 0.0, 0.03}, Loose{0.7, 3.0, 0.03}}) {
     HandConfig hidden;
-    hidden.cable.slack_mm = loose.slack_mm;
+    hidden.cable.slack_mm = {loose.slack_mm};
     hidden.cable.backlash_deg = loose.backlash_deg;
     hidden.cable.capstan_friction = loose.capstan_friction;
     const HandModel hand(hidden);

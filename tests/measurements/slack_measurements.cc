@@ -120,7 +120,7 @@ Found Detect(const ServoConfig& servo, int healthy_s) {
   });
 
   HandConfig slack = healthy;
-  slack.cable.slack_mm = 0.5;
+  slack.cable.slack_mm = {0.5};
   controller::SlackDetector third(config, motors);
   std::vector<double> found_s(before.size(), -1.0);
   Watch(slack, 3, 240, third, [&](int tick) {

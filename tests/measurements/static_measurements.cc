@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <fstream>
@@ -6,6 +7,8 @@
 #include "sim/base/data_folder.h"
 #include "sim/video/hand_picture.h"
 #include "tests/hand/hand_fixture.h"
+#include "tests/hand/opposition.h"
+#include "tests/hand/slow_motion.h"
 #include "tests/measurements/hand_measurements.h"
 
 namespace gauntlet::sim::testing {
@@ -97,6 +100,44 @@ void PrintCoupling() {
   fmt::print("\n");
 }
 
+void PrintOpposition() {
+  Hand hand(MakeModel());
+  fmt::print(
+      "| Kapandji | meets | gap [mm] | facing [deg] | rotation, abduction, MCP, IP | spread, MCP, "
+      "PIP of the finger |\n|---|---|---|---|---|---|\n");
+  for (const Opposition& posture : kOppositions) {
+    const Meeting meeting = Meet(hand, posture);
+    fmt::print("| {} | {} | {:.1f} | {:.0f} | {} | {} |\n", posture.kapandji,
+               *posture.body == '\0' ? std::string("pad of the ") + posture.finger + " finger"
+                                     : std::string("side of ") + posture.body,
+               meeting.gap_mm, meeting.facing_deg, fmt::join(posture.thumb_deg, ", "),
+               fmt::join(posture.finger_deg, ", "));
+  }
+}
+
+void PrintFriction() {
+  fmt::print(
+      "| servo | coefficient | neighbours | arrives of 5 deg to and fro | of 12.5 | loop [deg] |\n"
+      "|---|---|---|---|---|---|\n");
+  for (const char* kind : {"dynamixel", "dynamixel_stiff", "leap", "orca", "standard"}) {
+    for (const double coefficient : {0.02, 0.04, 0.08}) {
+      if (coefficient != 0.04 && std::string_view(kind) != "dynamixel_stiff") continue;
+      for (const bool moving : {false, true}) {
+        HandConfig config;
+        config.servo.settings =
+            std::ranges::find(ServoKinds(), kind, &ServoKind::name)->defaults.settings;
+        config.cable.capstan_friction = coefficient;
+        const SlowMotion small = MoveSlowly(config, 5.0, moving);
+        const SlowMotion middle = MoveSlowly(config, 12.5, moving);
+        const SlowMotion large = MoveSlowly(config, 30.0, moving);
+        fmt::print("| `{}` | {} | {} | {:.0f} % | {:.0f} % | {:.1f} |\n", kind, coefficient,
+                   moving ? "moving" : "at rest", 100.0 * small.share, 100.0 * middle.share,
+                   large.loop_deg);
+      }
+    }
+  }
+}
+
 void PrintReach() {
   Hand free(MakeModel(FrictionFree()));
   Hand real(MakeModel());
@@ -122,7 +163,7 @@ void PrintReach() {
 void WriteHysteresis(const std::filesystem::path& folder) {
   HandConfig slack;
   slack.cable.pretension_mm = 0.0;
-  slack.cable.slack_mm = 0.2;
+  slack.cable.slack_mm = {0.2};
   HandConfig backlash;
   backlash.cable.backlash_deg = 3.0;
   const std::pair<const char*, HandConfig> hands[] = {
