@@ -8,8 +8,9 @@ namespace gauntlet::sim {
 ///     available = stall_torque (1 - speed / no_load_speed), at most stall_torque, when it drives
 ///                 forward; the mirror image when it drives backward
 ///
-/// where beyond(e) is what e has beyond the dead band. Back-EMF is the torque-speed line. A limit of
-/// the current to the share i of the stall current bounds the torque at x = speed / no_load_speed to
+/// where beyond(e) is what e has beyond the dead band. Back-EMF is the torque-speed line. A limit
+/// of the current to the share i of the stall current bounds the torque, at the speed
+/// x = speed / no_load_speed, to
 ///
 ///     stall_torque i                              if the current of the motor is limited
 ///     stall_torque (sqrt(x^2 + 4 i) - x) / 2      if that of the supply is

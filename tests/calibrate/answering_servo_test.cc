@@ -53,9 +53,9 @@ TEST_P(AnsweringServoOf, HasTheHysteresisAndTheDelayOfTheHiddenOne) {
       FitChains(AnswerOf(trial->servo.PutInto(HandConfig()), Commands(2)), {}, ChainDetail::kBasic);
   for (const auto quantity : {&ChainFit::hysteresis_deg, &ChainFit::delay_ms}) {
     const double was = Median(fits, quantity);
-    EXPECT_NEAR(Median(trial->fits, quantity), was, 0.12 * was);
+    EXPECT_NEAR(Median(trial->fits, quantity), was, 0.17 * was);
     const double other_was = Median(other_log, quantity);
-    EXPECT_NEAR(Median(other, quantity), other_was, 0.18 * other_was);
+    EXPECT_NEAR(Median(other, quantity), other_was, 0.19 * other_was);
   }
 }
 

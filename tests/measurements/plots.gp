@@ -9,10 +9,10 @@ set key outside top center horizontal
 set xlabel 'commanded angle [deg]'
 set ylabel 'reached minus commanded [deg]'
 set label 1 'Middle joint of the index finger, 20 to 80 deg and back in 4.8 s' at graph 0.5, graph 0.95 center
-set yrange [-12:12]
-plot folder.'/hysteresis_index_pip_default.csv' skip 1 using 1:($2-$1) with lines lw 2 lc '#d1495b' title 'capstan friction 0.03', \
+set yrange [-9:9]
+plot folder.'/hysteresis_index_pip_default.csv' skip 1 using 1:($2-$1) with lines lw 2 lc '#d1495b' title 'capstan friction 0.04', \
      folder.'/hysteresis_index_pip_friction_free.csv' skip 1 using 1:($2-$1) with lines lw 2 lc '#2e7d8c' title 'stiff servos (standard), no friction, 16 bit', \
-     folder.'/hysteresis_index_pip_backlash.csv' skip 1 using 1:($2-$1) with lines lw 2 lc '#8a8a8a' title 'capstan friction 0.03 and 3 deg of backlash'
+     folder.'/hysteresis_index_pip_backlash.csv' skip 1 using 1:($2-$1) with lines lw 2 lc '#8a8a8a' title 'capstan friction 0.04 and 3 deg of backlash'
 
 set output 'convergence.png'
 

@@ -159,7 +159,7 @@ double FoundShare(const std::vector<double>& shape_deg) {
   int all = 0;
   for (RealMotion motion : DoorMotions()) {
     const double range_deg = motion.range_rad * kDegPerRad;
-    if (range_deg < 80.0 || range_deg > 140.0) continue;  // of digits: 20 deg are much of it
+    if (range_deg < 80.0 || range_deg > 135.0) continue;  // of fingers: 20 deg are much of it
     if (std::isnan(motion.angle_rad[50])) continue;       // not recorded
     const std::size_t room = motion.angle_rad.size() - 100 - shape_deg.size();
     const auto first = 50 + static_cast<std::size_t>(random.Uniform() * static_cast<double>(room));

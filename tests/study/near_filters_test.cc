@@ -10,7 +10,7 @@ namespace {
 
 TEST(Summary, TiesFiltersThatDifferByNothingThatMatters) {
   Scenario scenario =
-      LoadScenario(SourceDir() + "/scenarios/random_motion.yaml", {"glove.motion.duration_s=2"});
+      LoadScenario(SourceDir() + "/scenarios/random_motion.yaml", {"glove.motion.duration_s=6"});
   scenario.controllers.clear();
   for (const double q : {0.0100, 0.0101, 0.0102}) {
     controller::KalmanConfig kalman;
