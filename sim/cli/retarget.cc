@@ -71,10 +71,12 @@ std::filesystem::path RetargetedFile(const RetargetOptions& options) {
   return std::filesystem::path("out") / (stem + ".retargeted.csv");
 }
 
-FingertipMotion MotionOfRecording(const RetargetOptions& options) {
+FingertipMotion MotionOfRecording(const RetargetOptions& options, const HandKinematics& hand) {
   if (options.from == kKeypoints) return FingertipsOfKeypoints(options.recording, options.format);
   HandKinematics from(options.from, "--from", FingerOfJointName);
-  return FingertipsOfAngles(options.recording, from, options.format);
+  FingertipFormat format = options.format;
+  format.copied = hand.other_joint_names();
+  return FingertipsOfAngles(options.recording, from, format);
 }
 
 void RunRetarget(const RetargetOptions& options) {
@@ -82,7 +84,7 @@ void RunRetarget(const RetargetOptions& options) {
   const std::filesystem::path model = options.hand.empty() ? DataFolder("models") / "hand_arm.xml"
                                                            : std::filesystem::path(options.hand);
   HandKinematics hand(model, "--hand", FingerOfJointName);
-  const FingertipMotion motion = MotionOfRecording(options);
+  const FingertipMotion motion = MotionOfRecording(options, hand);
   RefuseInput(target);
   const RetargetedMotion retargeted = Retarget(motion, hand);
   const double copied_overlap_share = CopiedOverlapShare(motion, hand);

@@ -176,17 +176,6 @@ void HandKinematics::FindJoints() {
     joints_.push_back(joint);
     moves_.push_back(moves);
   }
-  for (int joint = 0; joint < model_->njnt; ++joint) {
-    if (std::ranges::count(followers_, model_->jnt_qposadr[joint], &Follower::qpos) > 0) {
-      other_joint_names_.push_back(NameIn(*model_, mjOBJ_JOINT, joint));
-    }
-  }
-}
-
-bool HandKinematics::Follows(const std::string& joint) const {
-  const int index = mj_name2id(model_.get(), mjOBJ_JOINT, joint.c_str());
-  return index >= 0 &&
-         std::ranges::count(followers_, model_->jnt_qposadr[index], &Follower::qpos) > 0;
 }
 
 std::vector<double> HandKinematics::NeutralAngles() const {

@@ -59,10 +59,8 @@ class HandKinematics {
   const std::array<Digit, kFingers>& digits() const { return digits_; }
   /// Those that move a fingertip against the palm, in the model's order; followers are led.
   const std::vector<HandJoint>& joints() const { return joints_; }
-  /// Names of all other joints that do not carry a spool, and of followers.
+  /// Names of all other joints, but those of spools and those that follow.
   const std::vector<std::string>& other_joint_names() const { return other_joint_names_; }
-  /// Whether the joint of this name follows another by a linkage.
-  bool Follows(const std::string& joint) const;
   /// Whether the joint moves the tip of the digit.
   bool Moves(std::size_t joint, int finger) const { return moves_[joint][finger]; }
   /// Per joint: 0, or the end of the range next to it.

@@ -87,8 +87,8 @@ double GapOfPinch(const HandKinematics& hand, int finger, double touch_m) {
 
 FingertipMotion FingertipsOfAngles(const std::filesystem::path& recording, HandKinematics& hand,
                                    const FingertipFormat& format) {
-  const auto is_other = [&hand](const std::string& name) {
-    return std::ranges::count(hand.other_joint_names(), name) > 0;
+  const auto is_other = [&format](const std::string& name) {
+    return std::ranges::count(format.copied, name) > 0;
   };
   const MotionTable table = LoadMotionTable(recording, format.rate_hz, [&](std::string_view name) {
     const std::string joint = ColumnOf(name).joint;

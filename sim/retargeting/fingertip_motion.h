@@ -28,7 +28,7 @@ struct FingertipMotion {
   std::array<bool, HandKinematics::kFingers> has_digit = {};
   std::array<double, HandKinematics::kFingers> length_m = {};  // base to tip along the joints
   std::vector<std::string> remarks;                            // assumptions and left-out columns
-  /// Other joint angles of the recording [rad], rows x names: arm and wrist.
+  /// Angles of FingertipFormat::copied that the recording has [rad], rows x names: arm and wrist.
   std::vector<std::string> other_joints;
   Eigen::MatrixXd other_angle_rad;
   /// Angles of the finger joints of the recorded hand [rad], rows x joints; none of keypoints.
@@ -40,6 +40,7 @@ struct FingertipMotion {
 struct FingertipFormat {
   double rate_hz = 0.0;    // of a file without times; 0: it has them
   double touch_mm = 15.0;  // distance of two tips whose pads touch, where no shape tells it
+  std::vector<std::string> copied = {};  // joints of the other hand whose angles are copied
 };
 
 /// The finger of a joint by its name, as HandKinematics asks for it: thumb_mcp, FFJ3, if_mcp.

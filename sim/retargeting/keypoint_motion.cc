@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 constexpr int kDigits = HandKinematics::kFingers;
 
-/// OpenXR's joints of a digit from its base to its tip; thumb_metacarpal is the thumb's first joint.
+/// OpenXR's joints of a digit from its base to its tip; the thumb begins with its metacarpal.
 std::vector<std::string> JointsOfDigit(int finger) {
   const std::string name(HandKinematics::kFingerNames[finger]);
   if (finger == HandKinematics::kThumb) {

@@ -21,8 +21,9 @@ struct RetargetingConfig {
   double direction_length_m = 0.02;  // an angle of the last phalanx counts as so long an arc
   double clearance_m = 0.0005;       // least gap between digits
   double overlap_weight = 1e4;       // of missing clearance: 10 mm of reach cost 0.01 mm of overlap
-  double damping_m2 = 1e-6;          // per rad^2, to the frame before: dex-retargeting's 4e-3
-  double most_speed_rad_s = 15.0;    // of any joint
+  double acceleration_weight = 3e-10;  // m^2 s^4/rad^2: fingertips follow up to 8 Hz
+  double damping_m2 = 1e-6;            // per rad^2, to the frame before: dex-retargeting's 4e-3
+  double most_speed_rad_s = 15.0;      // of any joint
 };
 
 /// Angles of a hand whose fingertips do what those of another hand did.
@@ -50,22 +51,24 @@ inline constexpr double kContactGap_m = 0.002;
 /// beyond it is scaled; at least `clearance_m`.
 double WantedGap(double gap_m, double scale, double clearance_m);
 
-/// Finds, frame by frame, the joint angles q of `hand` with the least cost
+/// Finds the joint angles q of `hand` with the least sum over all frames of
 ///
-///     sum over digits   (1 - a_i) (|t_i - b_i - s_i v_i|^2 + L^2 |u_i - n_i|^2)
+///     sum over digits   (1 - a_i) (|t_i - b_i - s_i v_i|^2 + L^2 |n_i - u_i|^2)
 ///     sum over fingers  a_i (|t_i - t_thumb - s p_i|^2 + W (g_i - h_i)^2)
 ///     sum over pairs of capsules of two digits  O max(c - d, 0)^2
-///     + D |q - q'|^2
+///     S |q''|^2
 ///
-/// within the joints' ranges and the largest speed. Hand: t, b tip and base of a digit, n direction
-/// of its last phalanx, g gap between the last phalanges of thumb and finger, d gap of two capsules.
-/// Recording: v from base to tip, u direction, p from the thumb's tip to the finger's, h its gap by WantedGap(). s_i is
-/// the ratio of the digits' lengths, s their mean; c, L, W, O, D: see RetargetingConfig; q' is the
-/// frame before. a_i blends from reach to pinch by h; the thumb has the largest a of all fingers.
-/// b_i + s_i v_i is a vector from the wrist to the tip, whose part in the palm is the hand's own.
+/// within the joints' ranges and the largest speed. Of the hand: t, b tip and base of a digit, n
+/// direction of its last phalanx, g gap between the last phalanges of thumb and finger, d gap of
+/// two capsules. Of the recording: v from base to tip, u direction of the last phalanx, p from the
+/// thumb's tip to the finger's, h gap by WantedGap(). s_i is the ratio of the digits' lengths, s
+/// that of their sums. a_i blends from reach to pinch by the gap in the recording; the thumb has
+/// the largest of all fingers. c, L, O, S, W: see RetargetingConfig. b_i + s_i v_i is a vector from
+/// the wrist to the tip, whose part in the palm is the hand's own.
 ///
-/// Joints that move no recorded digit stay at 0. Levenberg-Marquardt, from the frame before; the
-/// first frame from several postures. The same bytes each time.
+/// First each frame from the frame before, with D |q - q'|^2 for directions that no term decides,
+/// the first frame from many postures; then all frames at once, which adds S; last the speed is
+/// limited. Joints that move no recorded digit stay at 0. The same bits each time.
 /// Source: dex-retargeting (Qin et al., AnyTeleop, 2023), DexPilot (arXiv:1910.03135) and Wuji's
 /// retargeting for the terms; the gap of capsules instead of a distance of tips is ours.
 /// Errors: UserError if hand and motion have no fingertip in common, or if no row is complete.

@@ -63,11 +63,11 @@ ResultCell Millimetres(double value_m) {
 ResultTable DigitTable(const RetargetedMotion& retargeted) {
   ResultTable table{.columns = {{"digit", "digit"},
                                 {"scale", "scale"},
-                                {"tip_error_median_mm", "tip error, median", "mm"},
-                                {"tip_error_95_mm", "tip error, 95 %", "mm"},
+                                {"tip_error_median_mm", "error, median", "mm"},
+                                {"tip_error_95_mm", "error, 95 %", "mm"},
                                 {"contacts", "contacts", "frames"},
                                 {"contacts_kept", "kept", "frames"},
-                                {"gap_95_mm", "gap at contact, 95 %", "mm"}}};
+                                {"gap_95_mm", "gap, 95 %", "mm"}}};
   for (int digit = 0; digit < HandKinematics::kFingers; ++digit) {
     const std::vector<double>& errors = retargeted.tip_error_m[digit];
     if (errors.empty()) continue;
@@ -134,25 +134,10 @@ std::string SpeedText(const RetargetedMotion& retargeted) {
   return text;
 }
 
-/// Arm and wrist of the motion that the hand has, too.
-std::vector<std::size_t> CopiedJoints(const FingertipMotion& motion, const HandKinematics& hand,
-                                      const RetargetedMotion& retargeted) {
-  std::vector<std::size_t> copied;
-  for (std::size_t i = 0; i < motion.other_joints.size(); ++i) {
-    const std::string& name = motion.other_joints[i];
-    const bool is_there = std::ranges::count(hand.other_joint_names(), name) > 0;
-    const bool follows = hand.Follows(name);
-    if (is_there && !follows && std::ranges::count(retargeted.joints, name) == 0)
-      copied.push_back(i);
-  }
-  return copied;
-}
-
 }  // namespace
 
 std::string RetargetedCsv(const FingertipMotion& motion, const HandKinematics& hand,
                           const RetargetedMotion& retargeted) {
-  const std::vector<std::size_t> copied = CopiedJoints(motion, hand, retargeted);
   std::string csv = fmt::format(
       "# Made by gauntlet retarget: joint angles [deg] of {} whose fingertips do what those of {} "
       "did in {}.\n# {} {}\n",
@@ -160,7 +145,7 @@ std::string RetargetedCsv(const FingertipMotion& motion, const HandKinematics& h
       PinchText(retargeted), OverlapText(hand, retargeted, kNaN));
   std::vector<std::string> cells = {"time_s"};
   cells.insert(cells.end(), retargeted.joints.begin(), retargeted.joints.end());
-  for (const std::size_t i : copied) cells.push_back(motion.other_joints[i]);
+  cells.insert(cells.end(), motion.other_joints.begin(), motion.other_joints.end());
   csv += CsvLine(cells);
   const auto angle_text = [](double rad) {
     return std::isfinite(rad) ? fmt::format("{:.4f}", rad * kDegPerRad + 0.0) : "";
@@ -169,8 +154,8 @@ std::string RetargetedCsv(const FingertipMotion& motion, const HandKinematics& h
     const auto row = static_cast<Eigen::Index>(k);
     cells = {NumberOrNothing(motion.time_s[k])};
     for (const double angle : retargeted.angle_rad.row(row)) cells.push_back(angle_text(angle));
-    for (const std::size_t i : copied) {
-      cells.push_back(angle_text(motion.other_angle_rad(row, static_cast<Eigen::Index>(i))));
+    for (Eigen::Index i = 0; i < motion.other_angle_rad.cols(); ++i) {
+      cells.push_back(angle_text(motion.other_angle_rad(row, i)));
     }
     csv += CsvLine(cells);
   }
@@ -207,7 +192,10 @@ ResultText RetargetedText(const FingertipMotion& motion, const HandKinematics& h
                     PinchText(retargeted) + " " +
                     OverlapText(hand, retargeted, copied_overlap_share));
   text.emplace_back(DigitTable(retargeted));
-  text.emplace_back(SpeedText(retargeted));
+  text.emplace_back(
+      "Error: of the fingertip. Contacts: frames of the recording in which thumb and finger touch. "
+      "Gap: between them in these frames.");
+  AddLine(SpeedText(retargeted), text);
   AddLine(LimitText(retargeted), text);
   const auto missing = std::ranges::count(motion.is_missing, true);
   if (missing > 0) {

@@ -147,7 +147,8 @@ TEST(FingertipsOfAngles, TellsDegreesFromRadiansByTheNameOnly) {
 TEST(FingertipsOfAngles, HasTheDigitsThatWereRecorded) {
   HandKinematics hand = ModelHand("hand_arm.xml");
   const FingertipMotion motion = FingertipsOfAngles(
-      Written("f.csv", "time_s,index_mcp,wrist_flexion,note\n0,60,5,\n1,,7,\n2,30,9,\n"), hand, {});
+      Written("f.csv", "time_s,index_mcp,wrist_flexion,note\n0,60,5,\n1,,7,\n2,30,9,\n"), hand,
+      {.copied = {"wrist_flexion"}});
   EXPECT_TRUE(motion.has_digit[HandKinematics::kIndex]);
   EXPECT_FALSE(motion.has_digit[HandKinematics::kThumb]);
   EXPECT_EQ(motion.is_missing, (std::vector<bool>{false, true, false}));
