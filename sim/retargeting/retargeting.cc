@@ -25,15 +25,13 @@ using Eigen::VectorXd;
 constexpr int kDigitCount = HandKinematics::kFingers;
 constexpr int kThumbDigit = HandKinematics::kThumb;
 
-/// The best of the minima from several postures.
+/// The best of the minima from many postures, `rest` one of them.
 LeastSquaresFit FromManyPostures(FrameProblem& problem, const FingertipFrame& frame,
-                                 const HandKinematics& hand, const std::vector<Index>& moved) {
+                                 const HandKinematics& hand, const std::vector<Index>& moved,
+                                 const VectorXd& rest) {
   constexpr int kPostures = 100;
   constexpr double kAnywhere = 1e3;
   RandomStream random(1, "retargeting");
-  const std::vector<double> neutral = hand.NeutralAngles();
-  VectorXd rest(std::ssize(moved));
-  for (Index i = 0; i < rest.size(); ++i) rest[i] = neutral[moved[i]];
   std::optional<LeastSquaresFit> best;
   for (int posture = 0; posture < kPostures; ++posture) {
     VectorXd start = rest;
@@ -92,14 +90,22 @@ std::size_t LimitSpeed(const std::vector<double>& time_s, double most_speed_rad_
   return limited;
 }
 
-/// Angles frame by frame, each from the frame before.
+/// Angles frame by frame, each from the frame before. The first one, and any after a long time,
+/// from many postures.
 MatrixXd FollowFrames(FrameProblem& problem, const std::vector<const FingertipFrame*>& frames,
                       const std::vector<double>& time_s, const RetargetingConfig& config,
-                      VectorXd angles) {
+                      const HandKinematics& hand, const std::vector<Index>& moved) {
+  constexpr double kLongTime_s = 1.0;
+  const std::vector<double> neutral = hand.NeutralAngles();
+  VectorXd angles(std::ssize(moved));
+  for (Index i = 0; i < angles.size(); ++i) angles[i] = neutral[moved[i]];
   MatrixXd all(std::ssize(frames), angles.size());
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    if (k > 0) {
-      problem.Begin(*frames[k], angles, config.most_speed_rad_s * (time_s[k] - time_s[k - 1]));
+    const double step_s = k > 0 ? time_s[k] - time_s[k - 1] : 0.0;
+    if (k == 0 || step_s > kLongTime_s) {
+      angles = FromManyPostures(problem, *frames[k], hand, moved, angles).parameters;
+    } else {
+      problem.Begin(*frames[k], angles, config.most_speed_rad_s * step_s);
       angles = Minimise(problem, angles).parameters;
     }
     all.row(static_cast<Index>(k)) = angles;
@@ -152,8 +158,7 @@ RetargetedMotion Retarget(const FingertipMotion& motion, HandKinematics& hand,
   result.scale = problem.scale();
   result.pinch_scale = problem.pinch_scale();
   for (const Index joint : moved) result.joints.push_back(hand.joints()[joint].name);
-  const VectorXd first = FromManyPostures(problem, *frames.front(), hand, moved).parameters;
-  MatrixXd angle_rad = FollowFrames(problem, frames, time_s, config, first);
+  MatrixXd angle_rad = FollowFrames(problem, frames, time_s, config, hand, moved);
   angle_rad = SmoothMotion(problem, frames, time_s, config.acceleration_weight, angle_rad);
   result.frames_at_most_speed = LimitSpeed(time_s, config.most_speed_rad_s, angle_rad);
   result.share_at_limit.assign(moved.size(), 0.0);

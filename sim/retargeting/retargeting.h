@@ -67,8 +67,9 @@ double WantedGap(double gap_m, double scale, double clearance_m);
 /// the wrist to the tip, whose part in the palm is the hand's own.
 ///
 /// First each frame from the frame before, with D |q - q'|^2 for directions that no term decides,
-/// the first frame from many postures; then all frames at once, which adds S; last the speed is
-/// limited. Joints that move no recorded digit stay at 0. The same bits each time.
+/// the first frame and any after a second without one from many postures; then all frames at once,
+/// which adds S; last the speed is limited. Joints that move no recorded digit stay at 0. The same
+/// bits each time.
 /// Source: dex-retargeting (Qin et al., AnyTeleop, 2023), DexPilot (arXiv:1910.03135) and Wuji's
 /// retargeting for the terms; the gap of capsules instead of a distance of tips is ours.
 /// Errors: UserError if hand and motion have no fingertip in common, or if no row is complete.

@@ -209,6 +209,19 @@ TEST(Retarget, MovesNoJointFasterThanAllowed) {
   EXPECT_NEAR(retargeted.fastest_rad_s, 5.0, 1e-6);
 }
 
+TEST(Retarget, FindsPosturesThatAreFarApart) {
+  HandKinematics hand = ModelHand("hand_arm.xml");
+  MatrixXd angles = SwingingAngles(hand, 200)({0, 60, 120, 199}, Eigen::all);
+  for (Eigen::Index j = 0; j < angles.cols(); ++j) {  // a fist in between
+    const std::string& name = hand.joints()[static_cast<std::size_t>(j)].name;
+    if (name.ends_with("_mcp") && !name.starts_with("thumb")) angles(2, j) = 85.0 * kRadPerDeg;
+    if (name.ends_with("_pip")) angles(2, j) = 95.0 * kRadPerDeg;
+  }
+  ASSERT_EQ(DeepestOverlap(hand, angles), 0.0);
+  const RetargetedMotion retargeted = Retarget(MotionOf(hand, angles, 0.5), hand);
+  EXPECT_LT((retargeted.angle_rad - angles).cwiseAbs().maxCoeff() * kDegPerRad, 0.5);
+}
+
 TEST(Retarget, StaysWithinRanges) {
   HandKinematics source = ModelHand("five_motor_hand.xml");
   HandKinematics hand = ModelHand("hand_arm.xml");
