@@ -18,6 +18,7 @@ Command MakeInspectCommand();
 Command MakeFilterCommand();
 Command MakeCalibrateCommand();
 Command MakeIdentifyCommand();
+Command MakeRetargetCommand();
 Command MakeReproduceCommand();
 Command MakeListCommand();
 Command MakeDoctorCommand();

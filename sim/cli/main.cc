@@ -40,11 +40,12 @@ Exit codes: 0 done, 1 failed or a difference found, 2 wrong input.)";
 
 std::vector<sim::Command> Commands() {
   std::vector<sim::Command> commands = {
-      sim::MakeRunCommand(),       sim::MakeCompareCommand(),   sim::MakeSweepCommand(),
-      sim::MakeTuneCommand(),      sim::MakeRobustCommand(),    sim::MakeRenderCommand(),
-      sim::MakeExportCommand(),    sim::MakeDiffCommand(),      sim::MakeInspectCommand(),
-      sim::MakeFilterCommand(),    sim::MakeCalibrateCommand(), sim::MakeIdentifyCommand(),
-      sim::MakeReproduceCommand(), sim::MakeListCommand(),      sim::MakeDoctorCommand()};
+      sim::MakeRunCommand(),      sim::MakeCompareCommand(),   sim::MakeSweepCommand(),
+      sim::MakeTuneCommand(),     sim::MakeRobustCommand(),    sim::MakeRenderCommand(),
+      sim::MakeExportCommand(),   sim::MakeDiffCommand(),      sim::MakeInspectCommand(),
+      sim::MakeFilterCommand(),   sim::MakeCalibrateCommand(), sim::MakeIdentifyCommand(),
+      sim::MakeRetargetCommand(), sim::MakeReproduceCommand(), sim::MakeListCommand(),
+      sim::MakeDoctorCommand()};
   for (sim::Command& command : commands) {
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},

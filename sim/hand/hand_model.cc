@@ -6,13 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <new>
 
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
-#include "sim/base/helper_process.h"
-#include "sim/base/input_file.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
@@ -31,53 +28,6 @@ std::filesystem::path ModelPath(const HandConfig& config) {
   if (!config.model_path.empty()) return config.model_path;
   return DataFolder("models") /
          (config.contact == Contact::kObject ? "hand_arm_object.xml" : "hand_arm.xml");
-}
-
-mjModel* LoadModel(const std::filesystem::path& path) {
-  char message[1000] = "";
-  mjModel* model = nullptr;
-  try {
-    model = mj_loadXML(path.c_str(), nullptr, message, sizeof message);
-  } catch (const RunError& error) {
-    throw UserError({.place = path.string(), .problem = error.what()});
-  }
-  TakeMujocoWarning();
-  if (model != nullptr) return model;
-  std::string line = message;
-  for (char& letter : line) letter = letter == '\n' ? ' ' : letter;
-  throw UserError({.place = path.string(), .problem = line});
-}
-
-/// The engine believes what a model file says: some take all memory, or name a pipe as a mesh. So a
-/// process that can be spared loads it first.
-void TryModel(const std::filesystem::path& path) {
-  constexpr HelperLimits kLimits = {
-      .processor_s = 20.0, .memory_bytes = std::size_t{2} << 30, .silence_s = 30};
-  try {
-    TakeModelFiles(path);
-  } catch (const UserError& error) {
-    throw UserError({.key = "hand.model_path", .problem = error.what()});
-  }
-  const std::filesystem::path root = InputRoot();
-  const auto load = [&path, &root](const HelperProcess::Send&) {
-    if (!root.empty()) ReadOnlyBelow({root, DataFolder("models")});
-    try {
-      mj_deleteModel(LoadModel(path));
-    } catch (const std::bad_alloc&) {
-      throw UserError({.place = path.string(), .problem = "takes more than 2 GB of memory"});
-    }
-  };
-  try {
-    HelperProcess(load, kLimits).Finish();
-  } catch (const HelperError& error) {
-    throw UserError(error.what());
-  } catch (const HelperSilent& silent) {
-    throw RunError(path.string() + ": the process that reads it " + silent.what());
-  } catch (const HelperEnded& ended) {
-    throw UserError(
-        {.place = path.string(),
-         .problem = std::string("cannot be loaded: the process that tried it ") + ended.what()});
-  }
 }
 
 /// Does something with the model; what it finds wrong there is said with the model's file.
@@ -281,7 +231,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   TakeOverMujocoMessages();
   controller::CheckSettings(config);
   const std::filesystem::path path = ModelPath(config);
-  if (!config.model_path.empty()) TryModel(path);
+  if (!config.model_path.empty()) TryModel(path, "hand.model_path");
   model_.reset(LoadModel(path));
   model_->opt.timestep = timing.step_s();
 
@@ -324,7 +274,9 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     for (Cable& cable : drive.cables) NumberAsIn(*physics_, cable);
   }
   if (grasp_.exists()) grasp_in_physics_ = NumberedAsIn(*physics_, grasp_);
-  digits_ = Digits(*model_, *physics_);
+  std::vector<int> bodies(model_->nbody);
+  for (int body = 0; body < model_->nbody; ++body) bodies[body] = physics_->BodyOf(body);
+  digits_ = Digits(*model_, mj_name2id(model_.get(), mjOBJ_BODY, "palm"), bodies);
 }
 
 std::vector<std::string> HandModel::CameraNames() const {

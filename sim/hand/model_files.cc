@@ -1,13 +1,21 @@
 #include "sim/hand/model_files.h"
 
+#include <mujoco/mujoco.h>
+
+#include <cstddef>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "sim/base/data_folder.h"
+#include "sim/base/error.h"
+#include "sim/base/helper_process.h"
 #include "sim/base/input_file.h"
+#include "sim/hand/mujoco_messages.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -55,6 +63,51 @@ void Take(const fs::path& file, const fs::path& folder, std::set<fs::path>& take
 void TakeModelFiles(const fs::path& model) {
   std::set<fs::path> taken;
   Take(model, model.parent_path(), taken);
+}
+
+mjModel* LoadModel(const fs::path& path) {
+  char message[1000] = "";
+  mjModel* model = nullptr;
+  try {
+    model = mj_loadXML(path.c_str(), nullptr, message, sizeof message);
+  } catch (const RunError& error) {
+    throw UserError({.place = path.string(), .problem = error.what()});
+  }
+  TakeMujocoWarning();
+  if (model != nullptr) return model;
+  std::string line = message;
+  for (char& letter : line) letter = letter == '\n' ? ' ' : letter;
+  throw UserError({.place = path.string(), .problem = line});
+}
+
+void TryModel(const fs::path& path, const std::string& key) {
+  constexpr HelperLimits kLimits = {
+      .processor_s = 20.0, .memory_bytes = std::size_t{2} << 30, .silence_s = 30};
+  try {
+    TakeModelFiles(path);
+  } catch (const UserError& error) {
+    throw UserError({.key = key, .problem = error.what()});
+  }
+  const fs::path root = InputRoot();
+  const auto load = [&path, &root](const HelperProcess::Send&) {
+    if (!root.empty()) ReadOnlyBelow({root, DataFolder("models")});
+    try {
+      mj_deleteModel(LoadModel(path));
+    } catch (const std::bad_alloc&) {
+      throw UserError({.place = path.string(), .problem = "takes more than 2 GB of memory"});
+    }
+  };
+  try {
+    HelperProcess(load, kLimits).Finish();
+  } catch (const HelperError& error) {
+    throw UserError(error.what());
+  } catch (const HelperSilent& silent) {
+    throw RunError(path.string() + ": the process that reads it " + silent.what());
+  } catch (const HelperEnded& ended) {
+    throw UserError(
+        {.place = path.string(),
+         .problem = std::string("cannot be loaded: the process that tried it ") + ended.what()});
+  }
 }
 
 }  // namespace gauntlet::sim

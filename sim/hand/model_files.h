@@ -1,6 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+
+#include "sim/hand/engine_types.h"
 
 namespace gauntlet::sim {
 
@@ -8,5 +11,13 @@ namespace gauntlet::sim {
 /// file="..", where the engine looks for them: beside the model and in the folders of its meshdir,
 /// texturedir and assetdir. Errors: as of InputFile().
 void TakeModelFiles(const std::filesystem::path& model);
+
+/// The compiled model of an MJCF file; the caller deletes it. Errors: UserError with the file.
+mjModel_* LoadModel(const std::filesystem::path& path);
+
+/// Loads a model of other people in a helper process with limits: the engine trusts a model file,
+/// so that some files use all memory, or name a pipe as a mesh. `key`: the setting or option of the
+/// file. Errors: UserError.
+void TryModel(const std::filesystem::path& path, const std::string& key);
 
 }  // namespace gauntlet::sim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gauntlet::sim {
+
+/// Columns of a recording as they are in the file, by name.
+struct MotionTable {
+  std::string file;
+  std::vector<std::string> columns;  // those that were read
+  std::vector<std::string> ignored;  // all others but time and sample numbers
+  std::vector<double> time_s;        // rises strictly
+  Eigen::MatrixXd values;            // rows x columns; NaN is missing
+};
+
+/// Reads the columns of which `is_wanted` is true. Times are from a column of time (TimeScaleS), or
+/// from `rate_hz` where that is above 0.
+/// Errors: UserError with file, row and column, if there are no names or no times, or if a time is
+/// missing or does not rise.
+MotionTable LoadMotionTable(const std::filesystem::path& file, double rate_hz,
+                            const std::function<bool(std::string_view column)>& is_wanted);
+
+}  // namespace gauntlet::sim
