@@ -99,7 +99,7 @@ struct DynamixelServo : ServoNumbers {
 struct StiffDynamixelServo : DynamixelServo {
   static constexpr std::string_view kKind = "dynamixel_stiff";
   static constexpr std::string_view kSummary =
-      "the same with four times the gain (P 2400, D 4000): friction holds it off by less";
+      "the same with four times the gain (P 2400, D 4000): friction leaves less of an error";
   StiffDynamixelServo();
 };
 
