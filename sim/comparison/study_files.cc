@@ -147,6 +147,7 @@ std::string ScoresJson(const FinishedStudy& finished) {
     for (const SeedOutcome& seed : result.seeds) json["motions"].push_back(seed.motion);
     json["seeds_alike"] = result.seeds_alike;
     json["pairs"] = summary.pairs;
+    json["primary_pairs"] = summary.primary_pairs;
   } else {
     json["seed"] = result.seeds[0].seed;
   }

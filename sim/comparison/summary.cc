@@ -58,12 +58,18 @@ Comparison Reversed(Comparison comparison) {
   return comparison;
 }
 
-void JudgePairs(const StudyResult& result, Summary& summary) {
+bool IsPrimary(std::size_t metric) {
+  return std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
+}
+
+/// Judges all pairs of controllers in the metrics of one family. Returns how many have an interval.
+int JudgeFamily(const StudyResult& result, bool primary, Summary& summary) {
   const std::vector<int> motions = MotionsOf(result);
   const std::size_t controllers = summary.controllers.size();
   std::vector<Question> questions;
   std::vector<std::pair<std::size_t, std::size_t>> places;  // there and back
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (IsPrimary(m) != primary) continue;
     for (std::size_t first = 0; first < controllers; ++first) {
       for (std::size_t second = 0; second < first; ++second) {
         const ControllerSummary& a = summary.controllers[first];
@@ -79,14 +85,22 @@ void JudgePairs(const StudyResult& result, Summary& summary) {
       }
     }
   }
-  summary.comparisons.resize(Metrics().size() * controllers * controllers);
+  int pairs = 0;
   std::vector<Comparison> answers = Judge(questions);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     if (summary.one_run) answers[i].judgement = Judgement::kNone;
-    if (std::isfinite(answers[i].difference.low)) ++summary.pairs;
+    if (std::isfinite(answers[i].difference.low)) ++pairs;
     summary.comparisons[places[i].first] = answers[i];
     summary.comparisons[places[i].second] = Reversed(answers[i]);
   }
+  return pairs;
+}
+
+void JudgePairs(const StudyResult& result, Summary& summary) {
+  const std::size_t controllers = summary.controllers.size();
+  summary.comparisons.resize(Metrics().size() * controllers * controllers);
+  summary.primary_pairs = JudgeFamily(result, true, summary);
+  summary.pairs = summary.primary_pairs + JudgeFamily(result, false, summary);
 }
 
 /// The controller with the best mean, if any can be ranked.

@@ -36,10 +36,11 @@ struct ControllerSummary {
   }
 };
 
-/// Means and judgements of a comparison. All pairs of controllers in all metrics are one family of
-/// questions, see Judge(): every pair has one interval and one judgement, whoever it is shown
-/// against, and what is called the best may be chosen from the same data. A controller of which a
-/// trial failed is in no pair.
+/// Means and judgements of a comparison. All pairs of controllers in the primary scores are one
+/// family of questions, see Judge(), and decide the verdict. Those in all other metrics are a
+/// second family, which explains it. Every pair has one interval and one judgement, whoever it is
+/// shown against, and what is called the best may be chosen from the same data. A controller of
+/// which a trial failed is in no pair.
 struct Summary {
   std::vector<ControllerSummary> controllers;
   std::vector<bool> dominated;          // another is better in jitter or delay, and equal or better
@@ -50,6 +51,7 @@ struct Summary {
   bool one_run = true;
   int motions = 1;  // different ones of the wearer: with several, these are what repeats
   int pairs = 0;    // that were judged
+  int primary_pairs = 0;  // of these in primary scores
   Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
   std::vector<std::string> assumed;     // in column maps of recordings, a sentence each
   std::vector<Comparison> comparisons;  // of all pairs, both ways: see Of()

@@ -256,8 +256,9 @@ std::vector<std::string> NotesOnChance(const Summary& summary) {
   if (summary.pairs > 0) {
     notes.push_back(fmt::format(
         "Second line: difference to the best of the column, paired by seed, ± simultaneous 95 % "
-        "confidence interval of all {} pairs (Bonferroni).",
-        summary.pairs));
+        "confidence interval of the {} pairs in tracking error, delay and jitter, and of the {} "
+        "pairs in all other scores (Bonferroni).",
+        summary.primary_pairs, summary.pairs - summary.primary_pairs));
     notes.push_back(WhatMatters(summary));
   }
   notes.push_back(summary.motions == 1 ? "One motion: the confidence intervals cover noise only."

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace gauntlet::sim {
@@ -157,6 +158,17 @@ TEST_F(SummaryTest, OneFarSeedOfEightDecidesNothing) {
   EXPECT_EQ(summary.controllers[2].to_baseline[0].judgement, Judgement::kUndecided);
   EXPECT_EQ(summary.controllers[1].to_best[0].judgement, Judgement::kNone);  // the best
   EXPECT_EQ(summary.controllers[0].to_best[0].judgement, Judgement::kWorse);
+}
+
+TEST_F(SummaryTest, ThePrimaryScoresAreAFamilyOfTheirOwn) {
+  const Summary summary = Summarise(study_, result_);
+  EXPECT_EQ(summary.primary_pairs, 3 * 3);
+  const double others = 3.0 * static_cast<double>(Metrics().size() - 3);
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    const bool is_primary = std::ranges::count(PrimaryScores(), m, &PrimaryScore::metric) > 0;
+    EXPECT_DOUBLE_EQ(summary.Of(m, 0, 1).difference.level,
+                     1.0 - 0.05 / (is_primary ? 9.0 : others));
+  }
 }
 
 TEST_F(SummaryTest, TwoSeedsDecideOnlyWhatIsPlain) {
