@@ -143,7 +143,10 @@ void WarnOf(const Study& study) {
 std::optional<std::string> Compute(const StudyCommand& options, FinishedStudy& finished) {
   std::optional<std::string> not_kept;
   finished.result = RunTrials(finished.study, options, finished.folder, not_kept);
-  finished.summary = Summarise(finished.study, finished.result);
+  finished.summary = Summarise(finished.study, finished.result,
+                               options.comparison ? DivideRecording(finished.study, finished.result,
+                                                                    JobsOrCores(options.jobs))
+                                                  : RecordingBlocks());
   if (options.comparison) {
     finished.ceilings =
         MeasurePredictionCeilings(finished.study, finished.result,

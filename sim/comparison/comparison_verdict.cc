@@ -227,10 +227,10 @@ std::string Undecided(const Summary& summary, const Choice& choice, Verdict& ver
     values.push_back(
         fmt::format("{} ({})", summary.controllers[c].name, ValueWithUnit(summary, c, metric)));
   }
-  return fmt::format(
-      "No recommendation: the {} of {} is undecided. More seeds or recordings can "
-      "decide it.",
-      Metrics()[metric].name, Listed(values));
+  return fmt::format("No recommendation: the {} of {} is undecided. {} can decide it.",
+                     Metrics()[metric].name, Listed(values),
+                     summary.blocks.empty() ? "More seeds or recordings"
+                                            : "A longer recording or more recordings");
 }
 
 /// "One run has no confidence interval, so nothing is recommended. Least tracking error: raw (4.5
@@ -334,7 +334,12 @@ void AddWarnings(const Summary& summary, const Choice& choice,
     verdict.AddWarning("worse_than_baseline", WorseThanBaseline(summary, choice, *recommended));
     verdict.AddWarning("bounds", MayBreakBound(summary, *recommended));
   }
-  if (!summary.one_run && summary.motions == 1) {
+  if (!summary.blocks.empty()) {
+    verdict.AddWarning("one_recording",
+                       fmt::format("The confidence intervals are from {} of this recording: one "
+                                   "session of one person.",
+                                   summary.blocks.Text()));
+  } else if (!summary.one_run && summary.motions == 1) {
     verdict.AddWarning("one_motion", "One motion: the confidence intervals cover noise only.");
   }
   if (!choice.all().empty()) {

@@ -36,8 +36,8 @@ Json MetricValues(const std::vector<double>& values) {
   return ByMetric([&](std::size_t m) { return NumberOrNull(values[m]); });
 }
 
-Json ComparisonsJson(const std::vector<Comparison>& comparisons) {
-  return ByMetric([&](std::size_t m) { return JsonOf(comparisons[m]); });
+Json ComparisonsJson(const std::vector<Comparison>& comparisons, const std::string& replicates) {
+  return ByMetric([&](std::size_t m) { return JsonOf(comparisons[m], replicates); });
 }
 
 /// The scores that a row has: those of its joint, motor or cable.
@@ -62,15 +62,15 @@ Json KeysWhere(Condition condition) {
   return keys;
 }
 
-Json EstimateJson(const MeanInterval& estimate) {
+Json EstimateJson(const MeanInterval& estimate, const std::string& replicates = "seeds") {
   Json json = JsonOf(estimate);
-  json["seeds"] = estimate.count;
+  json[replicates] = estimate.count;
   return json;
 }
 
-Json EstimatesJson(const std::vector<MeanInterval>& estimates) {
+Json EstimatesJson(const std::vector<MeanInterval>& estimates, const std::string& replicates) {
   return ByMetric([&](std::size_t m) {
-    Json json = EstimateJson(estimates[m]);
+    Json json = EstimateJson(estimates[m], replicates);
     json["motion_share"] = NumberOrNull(estimates[m].motion_share);
     return json;
   });
@@ -91,19 +91,32 @@ Json CeilingJson(const PredictionCeiling& ceiling) {
           {"fitted_to_the_same_motion", ceiling.is_same_motion}};
 }
 
+/// Times in s, from the begin of the trial.
+Json BlocksJson(const RecordingBlocks& blocks) {
+  Json json = {{"counted_s", blocks.duration_s},
+               {"correlation_s", blocks.plan.correlation_s},
+               {"needed_s", blocks.plan.needed_s},
+               {"replicates", Json::array()}};
+  for (const RecordingBlock& block : blocks.blocks) {
+    json["replicates"].push_back({{"start_s", block.start_s}, {"end_s", block.end_s}});
+  }
+  return json;
+}
+
 Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
   const StudyResult& result = finished.result;
   const ControllerSummary& controller = finished.summary.controllers[index];
   const bool comparison = finished.comparison;
+  const std::string replicates = ReplicatesOf(finished.summary);
   Json json;
   json["name"] = controller.name;
   json["health"] = controller.problem.empty() ? "ok" : controller.problem;
   json["failed_trials"] = controller.failed_trials;
-  json["summary"] = comparison ? EstimatesJson(controller.summary)
+  json["summary"] = comparison ? EstimatesJson(controller.summary, replicates)
                                : MetricValues(result.seeds[0].controllers[index].scores.summary);
-  if (comparison) json["difference_to_best"] = ComparisonsJson(controller.to_best);
+  if (comparison) json["difference_to_best"] = ComparisonsJson(controller.to_best, replicates);
   if (comparison && !controller.to_baseline.empty()) {
-    json["difference_to_baseline"] = ComparisonsJson(controller.to_baseline);
+    json["difference_to_baseline"] = ComparisonsJson(controller.to_baseline, replicates);
     json["effect_size"] = MetricValues(controller.effect_size);
   }
   const auto ceiling =
@@ -117,13 +130,23 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
     json["channels"][result.row_names[row]] =
         RowValues(finished.study.rows, row, controller.rows[row]);
   }
+  if (!finished.summary.blocks.empty()) {
+    const auto& values = finished.summary.blocks.values[index];
+    for (std::size_t m = 0; m < values.size(); ++m) {
+      if (!values[m].empty()) json["blocks"][std::string(Metrics()[m].key)] = values[m];
+    }
+  }
   json["dominated"] = static_cast<bool>(finished.summary.dominated[index]);
   return json;
 }
 
 }  // namespace
 
-Json JsonOf(const Comparison& comparison) {
+std::string ReplicatesOf(const Summary& summary) {
+  return summary.blocks.empty() ? "seeds" : "blocks";
+}
+
+Json JsonOf(const Comparison& comparison, const std::string& replicates) {
   const auto& [difference, relevant_difference, judgement] = comparison;
   const bool judged = judgement != Judgement::kNone;
   return {{"mean", NumberOrNull(difference.mean)},
@@ -132,7 +155,7 @@ Json JsonOf(const Comparison& comparison) {
           {"level", judged ? Json(difference.level) : Json(nullptr)},
           {"relevant_difference", NumberOrNull(relevant_difference)},
           {"verdict", judged ? Json(JudgementText(judgement)) : Json(nullptr)},
-          {"seeds", difference.count},
+          {replicates, difference.count},
           {"motion_share", NumberOrNull(difference.motion_share)}};
 }
 
@@ -147,6 +170,8 @@ std::string ScoresJson(const FinishedStudy& finished) {
     for (const SeedOutcome& seed : result.seeds) json["motions"].push_back(seed.motion);
     json["seeds_alike"] = result.seeds_alike;
     json["pairs"] = summary.pairs;
+    json["primary_pairs"] = summary.primary_pairs;
+    if (summary.blocks.is_wanted) json["blocks"] = BlocksJson(summary.blocks);
   } else {
     json["seed"] = result.seeds[0].seed;
   }

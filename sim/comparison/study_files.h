@@ -8,8 +8,10 @@
 
 namespace gauntlet::sim {
 
-/// A difference as `scores.json` and the page have it.
-nlohmann::ordered_json JsonOf(const Comparison& comparison);
+/// A difference as `scores.json` and the page have it. `replicates`: the key of their number.
+nlohmann::ordered_json JsonOf(const Comparison& comparison, const std::string& replicates);
+/// "blocks" of a single recording, or "seeds".
+std::string ReplicatesOf(const Summary& summary);
 
 /// `scores.json` of one run (one seed: values) or of a comparison (several: means and intervals).
 /// `channels` has an entry per scored joint, motor and cable, with the scores that it can have.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace gauntlet::sim {
 namespace {
@@ -26,6 +27,18 @@ std::vector<std::vector<double>> RowMeans(const StudyResult& result, std::size_t
     }
   }
   return means;
+}
+
+/// Values of the replicates: of the blocks of a recording, or of the seeds.
+std::vector<double> ReplicateValues(const StudyResult& result, const RecordingBlocks& blocks,
+                                    std::size_t controller, std::size_t metric) {
+  const bool has_blocks = !blocks.empty() && !blocks.values[controller][metric].empty();
+  return has_blocks ? blocks.values[controller][metric] : SeedValues(result, controller, metric);
+}
+
+/// The motion of each replicate; none of blocks, which share it.
+std::vector<int> MotionsOfReplicates(const StudyResult& result, const RecordingBlocks& blocks) {
+  return blocks.empty() ? MotionsOf(result) : std::vector<int>();
 }
 
 void FindFailures(const StudyResult& result, std::size_t controller, ControllerSummary& summary) {
@@ -58,35 +71,51 @@ Comparison Reversed(Comparison comparison) {
   return comparison;
 }
 
-void JudgePairs(const StudyResult& result, Summary& summary) {
-  const std::vector<int> motions = MotionsOf(result);
+bool IsPrimary(std::size_t metric) {
+  return std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
+}
+
+/// Judges all pairs of controllers in the metrics of one family. Returns how many have an interval.
+int JudgeFamily(const StudyResult& result, bool primary, Summary& summary) {
+  const std::vector<int> motions = MotionsOfReplicates(result, summary.blocks);
   const std::size_t controllers = summary.controllers.size();
   std::vector<Question> questions;
   std::vector<std::pair<std::size_t, std::size_t>> places;  // there and back
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (IsPrimary(m) != primary) continue;
     for (std::size_t first = 0; first < controllers; ++first) {
       for (std::size_t second = 0; second < first; ++second) {
         const ControllerSummary& a = summary.controllers[first];
         const ControllerSummary& b = summary.controllers[second];
         if (!CanBeRanked(a, m) || !CanBeRanked(b, m)) continue;
         places.emplace_back(summary.Place(m, first, second), summary.Place(m, second, first));
-        questions.push_back(
-            {.difference = EstimateDifference(SeedValues(result, first, m),
-                                              SeedValues(result, second, m), motions),
-             .relevant_difference =
-                 RelevantDifferenceBetween(Metrics()[m], a.summary[m].mean, b.summary[m].mean),
-             .lower_is_better = Metrics()[m].lower_is_better});
+        questions.push_back({.difference = EstimateDifference(
+                                 ReplicateValues(result, summary.blocks, first, m),
+                                 ReplicateValues(result, summary.blocks, second, m), motions),
+                             .relevant_difference = RelevantDifferenceBetween(
+                                 Metrics()[m], a.summary[m].mean, b.summary[m].mean),
+                             .lower_is_better = Metrics()[m].lower_is_better});
       }
     }
   }
-  summary.comparisons.resize(Metrics().size() * controllers * controllers);
+  int pairs = 0;
   std::vector<Comparison> answers = Judge(questions);
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    if (summary.one_run) answers[i].judgement = Judgement::kNone;
-    if (std::isfinite(answers[i].difference.low)) ++summary.pairs;
+    const bool has_interval = std::isfinite(answers[i].difference.low);
+    const bool needs_interval = summary.one_run || !summary.blocks.empty();
+    if (needs_interval && !has_interval) answers[i].judgement = Judgement::kNone;
+    if (has_interval) ++pairs;
     summary.comparisons[places[i].first] = answers[i];
     summary.comparisons[places[i].second] = Reversed(answers[i]);
   }
+  return pairs;
+}
+
+void JudgePairs(const StudyResult& result, Summary& summary) {
+  const std::size_t controllers = summary.controllers.size();
+  summary.comparisons.resize(Metrics().size() * controllers * controllers);
+  summary.primary_pairs = JudgeFamily(result, true, summary);
+  summary.pairs = summary.primary_pairs + JudgeFamily(result, false, summary);
 }
 
 /// The controller with the best mean, if any can be ranked.
@@ -118,8 +147,9 @@ void CompareWithBaseline(const StudyResult& result, std::size_t metric, Summary&
     if (c == *summary.baseline) continue;
     ControllerSummary& controller = summary.controllers[c];
     controller.to_baseline.push_back(summary.Of(metric, c, *summary.baseline));
-    controller.effect_size.push_back(PairedEffectSize(
-        SeedValues(result, c, metric), SeedValues(result, *summary.baseline, metric)));
+    controller.effect_size.push_back(
+        PairedEffectSize(ReplicateValues(result, summary.blocks, c, metric),
+                         ReplicateValues(result, summary.blocks, *summary.baseline, metric)));
   }
 }
 
@@ -176,23 +206,26 @@ std::vector<double> SeedValues(const StudyResult& result, std::size_t controller
   return values;
 }
 
-Summary Summarise(const Study& study, const StudyResult& result) {
+Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks blocks) {
   Summary summary;
+  summary.blocks = std::move(blocks);
   summary.priority = ParsePriority(study.scenario.priority);
   for (const std::string& remark : study.remarks) {
     if (remark.find(kAssumed) != std::string::npos) summary.assumed.push_back(remark + ".");
   }
   summary.baseline = BaselineOf(study.scenario);
-  summary.one_run = result.seeds.size() < 2;
+  summary.one_run = result.seeds.size() < 2 && summary.blocks.empty();
   const std::vector<int> motions = MotionsOf(result);
   summary.motions = static_cast<int>(std::set(motions.begin(), motions.end()).size());
+  const std::vector<int> of_replicates = MotionsOfReplicates(result, summary.blocks);
   for (std::size_t c = 0; c < result.controller_names.size(); ++c) {
     ControllerSummary& controller = summary.controllers.emplace_back();
     controller.name = result.controller_names[c];
     FindFailures(result, c, controller);
     controller.rows = RowMeans(result, c);
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
-      controller.summary.push_back(EstimateMean(SeedValues(result, c, m), motions).IntervalAt());
+      controller.summary.push_back(
+          EstimateMean(ReplicateValues(result, summary.blocks, c, m), of_replicates).IntervalAt());
     }
   }
   JudgePairs(result, summary);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/comparison/prediction_ceiling.h"
+#include "sim/comparison/recording_blocks.h"
 #include "sim/comparison/smoothing_ranking.h"
 #include "sim/score/priority.h"
 #include "sim/statistics/judgement.h"
@@ -36,20 +37,24 @@ struct ControllerSummary {
   }
 };
 
-/// Means and judgements of a comparison. All pairs of controllers in all metrics are one family of
-/// questions, see Judge(): every pair has one interval and one judgement, whoever it is shown
-/// against, and what is called the best may be chosen from the same data. A controller of which a
-/// trial failed is in no pair.
+/// Means and judgements of a comparison. All pairs of controllers in the primary scores are one
+/// family of questions, see Judge(), and decide the verdict. Those in all other metrics are a
+/// second family, which explains it. Every pair has one interval and one judgement, whoever it is
+/// shown against, and what is called the best may be chosen from the same data. A controller of
+/// which a trial failed is in no pair.
 struct Summary {
   std::vector<ControllerSummary> controllers;
   std::vector<bool> dominated;          // another is better in jitter or delay, and equal or better
                                         // in the other
   std::optional<std::size_t> baseline;  // index of the controller that others are held against
-  /// Fewer than two different runs allow no statement about chance: no interval, nothing is as good
-  /// as the best, nothing is worse than the baseline.
+  /// Fewer than two replicates allow no statement about chance: no interval, nothing is as good as
+  /// the best, nothing is worse than the baseline.
   bool one_run = true;
-  int motions = 1;  // different ones of the wearer: with several, these are what repeats
-  int pairs = 0;    // that were judged
+  RecordingBlocks blocks;  // of one recording: these are the replicates. A score without values of
+                           // blocks has no interval and no judgement
+  int motions = 1;         // different ones of the wearer: with several, these are what repeats
+  int pairs = 0;           // that were judged
+  int primary_pairs = 0;   // of these in primary scores
   Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
   std::vector<std::string> assumed;     // in column maps of recordings, a sentence each
   std::vector<Comparison> comparisons;  // of all pairs, both ways: see Of()
@@ -70,8 +75,8 @@ std::vector<int> MotionsOf(const StudyResult& result);
 std::vector<double> SeedValues(const StudyResult& result, std::size_t controller,
                                std::size_t metric);
 
-/// Pure and deterministic.
-Summary Summarise(const Study& study, const StudyResult& result);
+/// Pure and deterministic. `blocks`: of this result, where a single recording was divided.
+Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks blocks = {});
 
 /// One line for each controller of which a trial failed: "raw failed in 1 of 8 trials, and is not
 /// ranked: at 1.5 s: diverged (seed 3)".

@@ -179,7 +179,7 @@ std::vector<std::string> MappedChannels(const Inspection& inspection) {
 
 /// Settings of the motion that depend on what was found in the recording.
 std::string MotionSettings(const Inspection& inspection, double glove_hz) {
-  constexpr double kLongest_s = 30.0;
+  constexpr double kLongest_s = 60.0;
   constexpr double kSmoothingHz = 5.0;
   constexpr double kShortestGap_ms = 100.0;
   constexpr double kLongestGap_ms = 1e7;  // upper limit of the setting

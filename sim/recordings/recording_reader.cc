@@ -98,7 +98,10 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
 }
 
 double RecordingReader::Unwrapped(Linear& linear, double value) {
-  return sim::Unwrapped(value, linear.wraps_at, linear.before, linear.turned);
+  const double turned = linear.turned;
+  const double unwrapped = sim::Unwrapped(value, linear.wraps_at, linear.before, linear.turned);
+  if (linear.turned != turned) ++linear.jumps;
+  return unwrapped;
 }
 
 RecordingReader::Count& RecordingReader::Note(RecordingProblem problem, std::size_t row) {
@@ -249,6 +252,12 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
 std::vector<std::string> RecordingReader::Remarks() const {
   std::vector<std::string> remarks = notes_;
   for (const auto& [problem, count] : problems_) remarks.push_back(Remark(problem, count));
+  for (const Linear& linear : channels_) {
+    if (linear.jumps == 0) continue;
+    remarks.push_back(fmt::format(
+        "column {} jumps by {:g}: {} jump{} removed ({})", linear.column + 1, linear.wraps_at,
+        linear.jumps, linear.jumps == 1 ? "" : "s", KnownChannels()[linear.channel].name));
+  }
   std::ranges::sort(remarks);
   for (std::string& remark : remarks) remark.insert(0, csv_->name() + ": ");
   return remarks;

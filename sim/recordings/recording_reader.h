@@ -92,6 +92,7 @@ class RecordingReader {
     double wraps_at;           // 0: does not
     double before = kMissing;  // the last value
     double turned = 0.0;       // added to values since the last jump
+    std::size_t jumps = 0;     // that were undone
   };
   /// The value of a column without its jumps.
   static double Unwrapped(Linear& linear, double value);

@@ -28,7 +28,9 @@ Json Estimates(const std::vector<MeanInterval>& estimates) {
 
 Json ComparisonsJson(const std::vector<Comparison>& comparisons) {
   Json json = Json::array();
-  for (const Comparison& comparison : comparisons) json.push_back(JsonOf(comparison));
+  for (const Comparison& comparison : comparisons) {
+    json.push_back(JsonOf(comparison, "replicates"));
+  }
   return json;
 }
 
@@ -198,6 +200,7 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   Json json;
   json["scenario"] = finished.study.scenario.name;
   json["comparison"] = !summary.one_run;
+  json["blocks"] = summary.blocks.Text();
   for (const SeedOutcome& seed : result.seeds) json["seeds"].push_back(seed.seed);
   json["rate_hz"] = result.first_glove->tick_rate_hz;
   json["reference"] = result.reference_name;

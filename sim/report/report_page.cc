@@ -22,7 +22,8 @@ std::string Facts(const FinishedStudy& finished) {
   const StudyResult& result = finished.result;
   const int first = result.seeds.front().seed;
   const int last = result.seeds.back().seed;
-  const std::string seeds = finished.summary.one_run
+  const std::string seeds = !finished.summary.blocks.empty() ? finished.summary.blocks.Text()
+                            : finished.summary.one_run
                                 ? fmt::format("seed {}", first)
                                 : fmt::format("{} seeds, {} to {}: {}", result.seeds.size(), first,
                                               last, WhatVaries(result));

@@ -150,6 +150,7 @@ std::string CauseLine(const Summary& summary) {
 std::vector<std::string> MissingSeeds(const StudyResult& result, const Summary& summary) {
   std::vector<std::string> missing;
   const int seeds = result.seeds.size();
+  if (!summary.blocks.empty()) return missing;  // blocks have all scores or none
   for (const ControllerSummary& controller : summary.controllers) {
     for (const std::size_t metric : ShownMetrics(summary)) {
       const int count = controller.summary[metric].count;
@@ -163,7 +164,14 @@ std::vector<std::string> MissingSeeds(const StudyResult& result, const Summary& 
 }
 
 /// Why there is no interval, star or flag.
-std::string ReasonForNoChance(const StudyResult& result) {
+std::string ReasonForNoChance(const StudyResult& result, const RecordingBlocks& blocks) {
+  if (blocks.is_wanted) {
+    return fmt::format(
+        "The recording is too short: it gives confidence intervals from {:.0f} s on, and {:.1f} s "
+        "were used. Use more of it (glove.motion.duration_s), a longer one or more recordings "
+        "(files:).",
+        std::ceil(blocks.plan.needed_s), blocks.duration_s);
+  }
   if (result.seeds_alike) {
     return "The input is fixed, so one run was made. Add recordings (files:) for confidence "
            "intervals.";
@@ -255,13 +263,22 @@ std::vector<std::string> NotesOnChance(const Summary& summary) {
   }
   if (summary.pairs > 0) {
     notes.push_back(fmt::format(
-        "Second line: difference to the best of the column, paired by seed, ± simultaneous 95 % "
-        "confidence interval of all {} pairs (Bonferroni).",
-        summary.pairs));
+        "Second line: difference to the best of the column, paired by {}, ± simultaneous 95 % "
+        "confidence interval of the {} pairs in tracking error, delay and jitter, and of the {} "
+        "pairs in all other scores (Bonferroni).",
+        summary.blocks.empty() ? "seed" : "block", summary.primary_pairs,
+        summary.pairs - summary.primary_pairs));
     notes.push_back(WhatMatters(summary));
   }
-  notes.push_back(summary.motions == 1 ? "One motion: the confidence intervals cover noise only."
-                                       : fmt::format("Replicates: {} motions.", summary.motions));
+  if (!summary.blocks.empty()) {
+    notes.push_back(fmt::format(
+        "Replicates: {} of this recording, each left out in turn (jackknife). The errors are "
+        "correlated over {:.1f} s.",
+        summary.blocks.Text(), summary.blocks.plan.correlation_s));
+  } else {
+    notes.push_back(summary.motions == 1 ? "One motion: the confidence intervals cover noise only."
+                                         : fmt::format("Replicates: {} motions.", summary.motions));
+  }
   if (const std::string whose = WhoseScatter(summary); !whose.empty()) notes.push_back(whose);
   return notes;
 }
@@ -345,7 +362,8 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   const StudyResult& result = finished.result;
   const Summary& summary = finished.summary;
   const Scenario& scenario = finished.study.scenario;
-  const std::string seeds = summary.one_run
+  const std::string seeds = !summary.blocks.empty() ? summary.blocks.Text()
+                            : summary.one_run
                                 ? fmt::format("seed {}", result.seeds.front().seed)
                                 : fmt::format("seeds {} to {}: {}", result.seeds.front().seed,
                                               result.seeds.back().seed, WhatVaries(result));
@@ -354,7 +372,7 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
                                  seeds, result.reference_name)};
   text.emplace_back(std::string());
   for (const std::string& sentence : VerdictOf(summary).Answer()) AddLine(sentence, text);
-  if (summary.one_run) AddLine(ReasonForNoChance(result), text);
+  if (summary.one_run) AddLine(ReasonForNoChance(result, summary.blocks), text);
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
   std::ranges::move(AnswerText(finished), std::back_inserter(text));
   if (!verbose) return text;

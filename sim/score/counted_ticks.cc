@@ -48,6 +48,18 @@ CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& c
   return overlap;
 }
 
+CountedTicks Without(const CountedTicks& counted, const TickRange& left_out) {
+  CountedTicks rest;
+  for (const TickRange& range : counted) {
+    const TickRange before{range.begin, std::min(range.end, left_out.begin)};
+    const TickRange behind{std::max(range.begin, left_out.end), range.end};
+    for (const TickRange& part : {before, behind}) {
+      if (part.begin < part.end) rest.push_back(part);
+    }
+  }
+  return rest;
+}
+
 int CountOf(const CountedTicks& counted) {
   int count = 0;
   for (const TickRange& range : counted) count += range.end - range.begin;

@@ -41,6 +41,9 @@ bool AreWithin(const CountedTicks& counted, std::ptrdiff_t ticks);
 /// What lies in both.
 CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& counted);
 
+/// The same without a range.
+CountedTicks Without(const CountedTicks& counted, const TickRange& left_out);
+
 /// How many ticks these are.
 int CountOf(const CountedTicks& counted);
 

@@ -81,6 +81,22 @@ struct MeasuredMotors {
   std::optional<Columns<Signal>> twin_speed;
 };
 
+/// Takes ticks away from all parts.
+void LeaveOut(const Study& study, const TickRange& ticks, const Trace& trace,
+              std::optional<CountedParts>& counted) {
+  if (!counted) {
+    const CountedTicks all = {{0, static_cast<int>(trace.hand_angle_rad.rows())}};
+    counted = CountedParts{.joints = {study.measured_joints.size(), all},
+                           .motors = {study.measured_motors.size(), all},
+                           .cables = {study.measured_cables.size(), all},
+                           .hand = all};
+  }
+  for (std::vector<CountedTicks>* parts : {&counted->joints, &counted->motors, &counted->cables}) {
+    for (CountedTicks& part : *parts) part = Without(part, ticks);
+  }
+  counted->hand = Without(counted->hand, ticks);
+}
+
 /// The signals that a metric of such a part needs.
 std::vector<std::string_view> SignalsOf(ScoredPart part) {
   switch (part) {
@@ -126,7 +142,7 @@ std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metri
 Scores ScoreTrial(const Study& study, const controller::ControllerConfig& controller,
                   const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
                   const std::optional<NoiseFreeTwin>& twin, std::span<const std::size_t> metrics,
-                  const CauseAngles& without) {
+                  const CauseAngles& without, const TickRange& left_out) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const std::optional<CountedParts> counted =
@@ -134,8 +150,10 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   const MeasuredMotors motors(study, trace, twin, counted);
   std::optional<Columns<Signal>> twin_hand;
   if (twin) twin_hand.emplace(twin->hand_angle_rad, study.measured_joints);
+  std::optional<CountedParts> scored = counted;
+  if (left_out.begin < left_out.end) LeaveOut(study, left_out, trace, scored);
   ScoreInput input;
-  if (counted) input.counted = &*counted;
+  if (scored) input.counted = &*scored;
   input.rate_hz = glove.tick_rate_hz;
   input.reference_angle_rad = &*reference;
   input.hand_angle_rad = &*hand;

@@ -58,16 +58,30 @@ ScoreBoardCell CellOf(const json& controller, const Column& column, bool one_run
   return cell;
 }
 
+struct Replicates {
+  std::size_t count = 0;
+  bool are_blocks = false;
+};
+
+Replicates ReplicatesIn(const json& scores) {
+  if (!scores.contains("seeds")) return {.count = 1};
+  const json blocks = scores.value("blocks", json::object()).value("replicates", json::array());
+  if (!blocks.empty()) return {.count = blocks.size(), .are_blocks = true};
+  return {.count = scores.at("seeds").size()};
+}
+
 std::string RemarkOf(const json& scores, bool one_run) {
   if (one_run) return "One run: no confidence interval.";
   const std::string baseline =
       scores.at("baseline").is_string()
           ? "  Red: worse than " + scores.at("baseline").get<std::string>() + "."
           : "";
+  const Replicates replicates = ReplicatesIn(scores);
   return fmt::format(
-      "Mean over {} seeds.  Green: best or equivalent.{}  Differences to the best, ± 95 % "
-      "confidence interval.",
-      scores.at("seeds").size(), baseline);
+      "{} {} {}.  Green: best or equivalent.{}  Differences to the best, ± 95 % confidence "
+      "interval.",
+      replicates.are_blocks ? "Intervals from" : "Mean over", replicates.count,
+      replicates.are_blocks ? "blocks of the recording" : "seeds", baseline);
 }
 
 }  // namespace
@@ -77,7 +91,7 @@ ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
   try {
     std::ifstream stream(file);
     const json scores = json::parse(stream);
-    const bool one_run = !scores.contains("seeds") || scores.at("seeds").size() < 2;
+    const bool one_run = ReplicatesIn(scores).count < 2;
     ScoreBoard verdict = {.columns = {}, .rows = {}, .remark = RemarkOf(scores, one_run)};
     for (const Column& column : kColumns) verdict.columns.emplace_back(column.title);
     for (const std::string& name : controllers) {

@@ -74,6 +74,7 @@ TEST(SimulatedComparisons, AreWrongInAtMost5Percent) {
                                                               .studies = 100});
       // 5 % of 100 and twice their standard error.
       EXPECT_LE(outcome.false_verdict, 0.05 + 2.0 * 0.022) << motions;
+      EXPECT_LE(outcome.false_other, 0.05 + 2.0 * 0.022) << motions;
       EXPECT_NEAR(outcome.coverage, 0.95, 0.02) << motions;
     }
   }

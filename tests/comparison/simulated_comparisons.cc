@@ -127,8 +127,9 @@ class Simulation {
 
   void Count(const Summary& summary) {
     const std::vector<int> motions = MotionsOf(result_);
-    bool false_step = false, false_equal = false;
+    bool false_step = false, false_equal = false, false_other = false;
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
+      const bool is_primary = std::ranges::count(PrimaryScores(), m, &PrimaryScore::metric) > 0;
       for (std::size_t a = 0; a < truth_[m].size(); ++a) {
         for (std::size_t b = 0; b < a; ++b) {
           const double truth = truth_[m][a] - truth_[m][b];
@@ -139,6 +140,14 @@ class Simulation {
                              (judgement == Judgement::kWorse && gain >= 0.0);
           const bool matters = std::abs(truth) >= d * (1.0 - 1e-9);
           const bool wrongly_equal = judgement == Judgement::kEqual && std::abs(truth) >= printed_d;
+          const MeanInterval interval =
+              EstimateDifference(Values(m, a), Values(m, b), motions).IntervalAt(0.95);
+          outcome_.coverage += interval.low <= truth && truth <= interval.high;
+          ++pairs_;
+          if (!is_primary) {
+            false_other |= wrong || wrongly_equal;
+            continue;
+          }
           false_step |= wrong;
           false_equal |= wrongly_equal;
           auto& verdicts = outcome_.of_truth[truth == 0.0 ? 0 : matters ? 2 : 1];
@@ -151,16 +160,13 @@ class Simulation {
           } else {
             ++verdicts.right;
           }
-          const MeanInterval interval =
-              EstimateDifference(Values(m, a), Values(m, b), motions).IntervalAt(0.95);
-          outcome_.coverage += interval.low <= truth && truth <= interval.high;
-          ++pairs_;
         }
       }
     }
     outcome_.false_better_worse += false_step;
     outcome_.false_equal += false_equal;
     outcome_.false_verdict += false_step || false_equal;
+    outcome_.false_other += false_other;
   }
 
   std::vector<double> Values(std::size_t metric, std::size_t controller) const {
@@ -174,7 +180,8 @@ class Simulation {
   ComparisonsOutcome Shares() const {
     ComparisonsOutcome shares = outcome_;
     shares.coverage /= pairs_;
-    for (double* share : {&shares.false_better_worse, &shares.false_equal, &shares.false_verdict}) {
+    for (double* share : {&shares.false_better_worse, &shares.false_equal, &shares.false_verdict,
+                          &shares.false_other}) {
       *share /= shape_.studies;
     }
     for (auto& [right, equal, undecided, wrong] : shares.of_truth) {

@@ -34,12 +34,13 @@ struct ComparisonsShape {
   std::uint64_t seed = 1;
 };
 
-/// What Summarise() made of them. Shares of pairs of controllers, unless said.
+/// Judgements by Summarise(). Shares of pairs of controllers in the primary scores, unless said.
 struct ComparisonsOutcome {
-  double coverage = 0.0;            // of the 95 % interval of the paired difference
+  double coverage = 0.0;            // of the 95 % interval of the paired difference, all scores
   double false_better_worse = 0.0;  // of studies with one where the truth is equal or the reverse
   double false_equal = 0.0;         // of studies with one where the truth is the printed D or more
   double false_verdict = 0.0;       // of studies with one of either
+  double false_other = 0.0;         // of studies with one of either in another score
   /// How pairs whose truth is equal, slightly and clearly different are judged: shares of what is
   /// right
   /// (in the direction of the truth), equal, undecided, wrong.

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "sim/comparison/comparison_verdict.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -157,6 +160,52 @@ TEST_F(SummaryTest, OneFarSeedOfEightDecidesNothing) {
   EXPECT_EQ(summary.controllers[2].to_baseline[0].judgement, Judgement::kUndecided);
   EXPECT_EQ(summary.controllers[1].to_best[0].judgement, Judgement::kNone);  // the best
   EXPECT_EQ(summary.controllers[0].to_best[0].judgement, Judgement::kWorse);
+}
+
+TEST_F(SummaryTest, ThePrimaryScoresAreAFamilyOfTheirOwn) {
+  const Summary summary = Summarise(study_, result_);
+  EXPECT_EQ(summary.primary_pairs, 3 * 3);
+  const double others = 3.0 * static_cast<double>(Metrics().size() - 3);
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    const bool is_primary = std::ranges::count(PrimaryScores(), m, &PrimaryScore::metric) > 0;
+    EXPECT_DOUBLE_EQ(summary.Of(m, 0, 1).difference.level,
+                     1.0 - 0.05 / (is_primary ? 9.0 : others));
+  }
+}
+
+TEST_F(SummaryTest, BlocksOfARecordingAreTheReplicates) {
+  result_.seeds.resize(1);
+  RecordingBlocks blocks;
+  blocks.plan = PlanBlocks(40.0, 1.0);
+  blocks.values.assign(3, std::vector<std::vector<double>>(Metrics().size()));
+  for (int block = 0; block < blocks.plan.count; ++block) {
+    blocks.blocks.push_back({5.0 * block, 5.0 * (block + 1)});
+    const double noise = 0.01 * (block % 3);
+    for (std::size_t c = 0; c < 3; ++c) {
+      blocks.values[c][0].push_back(5.0 - static_cast<double>(c) + 10.0 * noise +
+                                    static_cast<double>(c) * noise);
+    }
+  }
+  const std::size_t peak = MetricIndex("peak_error_deg");
+  const Summary alone = Summarise(study_, result_);
+  EXPECT_TRUE(alone.one_run);
+  EXPECT_TRUE(std::isnan(alone.Of(0, 0, 1).difference.low));
+  const Summary summary = Summarise(study_, result_, blocks);
+  EXPECT_FALSE(summary.one_run);
+  EXPECT_EQ(summary.controllers[0].summary[0].count, 8);
+  EXPECT_EQ(summary.Of(0, 0, 1).judgement, Judgement::kWorse);
+  const MeanInterval expected =
+      EstimateDifference(blocks.values[0][0], blocks.values[1][0]).IntervalAt(1.0 - 0.05 / 3.0);
+  EXPECT_DOUBLE_EQ(summary.Of(0, 0, 1).difference.low, expected.low);  // a family of 3 pairs
+  EXPECT_EQ(summary.primary_pairs, 3);
+  EXPECT_EQ(summary.Of(peak, 0, 1).judgement, Judgement::kNone);  // has no values of blocks
+  EXPECT_DOUBLE_EQ(summary.controllers[0].summary[peak].mean,
+                   alone.controllers[0].summary[peak].mean);
+  const std::vector<std::string> doubts = VerdictOf(summary).Doubts();
+  EXPECT_EQ(std::ranges::count(doubts,
+                               "The confidence intervals are from 8 blocks of 5.0 s of this "
+                               "recording: one session of one person."),
+            1);
 }
 
 TEST_F(SummaryTest, TwoSeedsDecideOnlyWhatIsPlain) {

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,24 +20,26 @@ struct Repetitions {
 
 std::string Percent(double share) { return fmt::format("{:.1f}", 100.0 * share); }
 
-void PrintHead(const char* title) {
-  fmt::print("\n{}\n", title);
+void PrintHead() {
   fmt::print(
-      "| repetitions | scatter | over D | coverage | false step | false equal | either | "
-      "equal: equal | slight: equal / step | clear: step |\n");
-  fmt::print("|---|---|---|---|---|---|---|---|---|---|\n");
+      "| replicates | values | coverage | false step | false equal | other scores | equal: found "
+      "equal | slight: found equal | clear: found better or worse |\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
 }
 
 void PrintRow(const ComparisonsShape& shape) {
   const ComparisonsOutcome outcome = SimulateComparisons(shape);
   const auto& [equal, slight, clear] = outcome.of_truth;
-  fmt::print("| {} | {} | {:g} | {} | {} | {} | {} | {} | {} / {} | {} |\n",
+  const auto share_of = [](const ComparisonsOutcome::Verdicts& of, double part) {
+    return of.right + of.equal + of.undecided + of.wrong == 0.0 ? "-" : Percent(part);
+  };
+  fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
              shape.motions == 1 ? fmt::format("{}", shape.noises)
                                 : fmt::format("{} x {}", shape.motions, shape.noises),
-             shape.scatter == Scatter::kNormal ? "normal" : "skewed", shape.scatter_size,
-             Percent(outcome.coverage), Percent(outcome.false_better_worse),
-             Percent(outcome.false_equal), Percent(outcome.false_verdict), Percent(equal.equal),
-             Percent(slight.equal), Percent(slight.right), Percent(clear.right));
+             shape.scatter == Scatter::kNormal ? "normal" : "skewed", Percent(outcome.coverage),
+             Percent(outcome.false_better_worse), Percent(outcome.false_equal),
+             Percent(outcome.false_other), share_of(equal, equal.equal),
+             share_of(slight, slight.equal), share_of(clear, clear.right));
   std::fflush(stdout);
 }
 
@@ -45,8 +48,8 @@ void PrintRow(const ComparisonsShape& shape) {
 int main(int argc, char** argv) {
   ComparisonsShape shape;
   if (argc > 1) shape.studies = std::stoi(argv[1]);
-  constexpr Repetitions kRepetitions[] = {{1, 2},  {1, 3}, {1, 4}, {1, 8}, {1, 16},
-                                          {1, 32}, {2, 2}, {4, 2}, {8, 2}, {16, 2}};
+  constexpr Repetitions kNormal[] = {{1, 2}, {1, 4}, {1, 8}, {1, 32}, {2, 2}, {8, 2}, {16, 2}};
+  constexpr Repetitions kSkewed[] = {{1, 8}, {1, 16}, {1, 32}, {8, 2}};
   struct Case {
     const char* title;
     Truth truth;
@@ -54,19 +57,23 @@ int main(int argc, char** argv) {
   };
   // The last two are the hardest for "better" and "worse", and for "equal".
   constexpr Case kCases[] = {
-      {"Equal, slightly and clearly different, a third each", Truth::kMixed, 0.3},
-      {"The same with more scatter", Truth::kMixed, 1.0},
-      {"The same with most scatter", Truth::kMixed, 3.0},
-      {"All equal", Truth::kEqual, 3.0},
-      {"All equal, or different by what just matters", Truth::kAtLimit, 0.3}};
+      {"a third each equal, slightly (0.2 to 0.8 D) and clearly (1.5 to 4 D) different; scatter "
+       "0.3 D",
+       Truth::kMixed, 0.3},
+      {"the same; scatter 1 D", Truth::kMixed, 1.0},
+      {"the same; scatter 3 D", Truth::kMixed, 3.0},
+      {"all equal; scatter 3 D", Truth::kEqual, 3.0},
+      {"all equal, or different by D; scatter 0.3 D", Truth::kAtLimit, 0.3}};
+  PrintHead();
   for (const auto& [title, truth, scatter_size] : kCases) {
     if (argc > 2 && std::string_view(title).find(argv[2]) == std::string_view::npos) continue;
-    PrintHead(title);
+    fmt::print("| **{}** | | | | | | | | |\n", title);
     shape.truth = truth;
     shape.scatter_size = scatter_size;
     for (const Scatter scatter : {Scatter::kNormal, Scatter::kSkewed}) {
       shape.scatter = scatter;
-      for (const auto& [motions, noises] : kRepetitions) {
+      for (const auto& [motions, noises] :
+           scatter == Scatter::kNormal ? std::span<const Repetitions>(kNormal) : kSkewed) {
         shape.motions = motions;
         shape.noises = noises;
         PrintRow(shape);

@@ -152,6 +152,21 @@ TEST(CountedTicks, OfNothingHaveNoScores) {
   for (const double score : trial.Score(&none).summary) EXPECT_TRUE(std::isnan(score));
 }
 
+TEST(CountedTicks, WithoutARangeKeepWhatIsBeforeAndBehind) {
+  const CountedTicks counted = {{0, 10}, {20, 30}};
+  const auto text_of = [](const CountedTicks& ticks) {
+    std::string text;
+    for (const TickRange& range : ticks) {
+      text += std::to_string(range.begin) + "-" + std::to_string(range.end) + " ";
+    }
+    return text;
+  };
+  EXPECT_EQ(text_of(Without(counted, {5, 25})), "0-5 25-30 ");
+  EXPECT_EQ(text_of(Without(counted, {2, 4})), "0-2 4-10 20-30 ");
+  EXPECT_EQ(text_of(Without(counted, {10, 20})), "0-10 20-30 ");
+  EXPECT_EQ(text_of(Without(counted, {0, 30})), "");
+}
+
 TEST(CountedTicks, InTwoRangesGiveTheDelayOfEach) {
   const auto leader = Sampled(20.0, 1000.0, [](double t) { return std::sin(2.0 * kPi * 0.6 * t); });
   auto follower =

@@ -14,7 +14,7 @@ function differenceText({mean, low, high}) {
 function seedsText(data, estimate) {
   const count = estimate[3];
   const all = data.seeds.length;
-  return count === 0 || count === all ? "" : ` ${count} of ${all} seeds`;
+  return data.blocks || count === 0 || count === all ? "" : ` ${count} of ${all} seeds`;
 }
 
 // What a cell is, in the words of scores.json; one run decides nothing.
@@ -187,7 +187,8 @@ function drawScoreTable(data) {
   update();
 
   byId("scores-note").textContent = [
-    data.comparison ? `Means over ${data.seeds.length} seeds.` : "One run.",
+    data.blocks ? `Confidence intervals from ${data.blocks} of this recording.`
+      : data.comparison ? `Means over ${data.seeds.length} seeds.` : "One run.",
     "Averaged over joints, motors or cables. Each score opens its definition."].join(" ");
   byId("scores-facts").append(...data.notes.map((note) => element("li", {}, note)));
   const marks = [];
