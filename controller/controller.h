@@ -71,10 +71,10 @@ class Controller {
   /// A controller with other settings for the same glove, hand and timing, for Swap(). Any thread
   /// may call it at any time. Allocates. Errors: SettingError.
   Controller Prepare(const ControllerConfig& config) const;
-  /// Takes over the settings of `next`, without waiting or allocation, from the next sample on. Call
-  /// it in the thread of Step(). `next` has the old settings afterwards; it can be destroyed in
-  /// another thread, or swapped in again. Filters of the same kind, unit and step keep their state,
-  /// so channels with unchanged settings keep every bit; others start at the angle of the joint.
+  /// Takes over the settings of `next`, without waiting or allocation, from the next sample on.
+  /// Call it in the thread of Step(). `next` has the old settings afterwards; it can be destroyed
+  /// in another thread, or swapped in again. Filters of the same kind, unit and step keep their
+  /// state, so channels with unchanged settings keep every bit; others start at the joint's angle.
   /// False, without a change, if `next` is not from Prepare() of this controller.
   bool Swap(Controller& next) noexcept;
   /// Prepare() and Swap(). Allocates. Errors: SettingError.

@@ -11,8 +11,8 @@ namespace gauntlet::controller {
 ///
 /// Step() takes one sample of every channel and gives one value of every channel. It neither throws
 /// nor allocates. Its time does not depend on the data: decaying states become exactly 0 before
-/// they are subnormal numbers, which are slow. Inputs are finite: the controller replaces an invalid
-/// value by the last valid value of the channel.
+/// they are subnormal numbers, which are slow. Inputs are finite: the controller replaces an
+/// invalid value by the last valid value of the channel.
 ///
 /// Shapes: `input`, `output` and `values` have channel_count() values; `input` and `output` are the
 /// same memory, or do not overlap. Units: those of the input; parameters with a unit name it.

@@ -13,8 +13,8 @@ struct DifferenceDetail {
 };
 
 /// The differences of two output folders for a person: the answer with the largest differences,
-/// settings, names, and a table of the changed scores: relevant differences of primary scores first,
-/// then the larger in multiples of the smallest relevant difference.
+/// settings, names, and a table of the changed scores: relevant differences of primary scores
+/// first, then the larger in multiples of the smallest relevant difference.
 ResultText DifferenceText(const StudyFolder& a, const StudyFolder& b,
                           const StudyDifference& difference, const DifferenceDetail& detail = {});
 
