@@ -8,7 +8,7 @@ install(TARGETS gauntlet_drawing LIBRARY DESTINATION lib/gauntlet COMPONENT prog
 install(DIRECTORY models scenarios studies DESTINATION share/gauntlet COMPONENT program
         PATTERN "*.py" EXCLUDE PATTERN "*.gp" EXCLUDE)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.mp4")
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.html" PATTERN "*.png" PATTERN "*.mp4")
 install(FILES README.md CHANGELOG.md CITATION.cff SECURITY.md LICENSE
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES sim/cli/completion/gauntlet DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions

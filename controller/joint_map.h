@@ -52,6 +52,7 @@ class JointMap {
 
   void ToJoints(std::span<const double> channel_angle_rad,
                 std::span<double> joint_angle_rad) const noexcept;
+  /// Share of a channel in a joint's angle.
   struct Term {
     int channel = 0;
     double weight = 1.0;

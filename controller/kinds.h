@@ -29,6 +29,7 @@ namespace gauntlet::controller {
 /// MakeMotion, ..), and one entry in the variant. A kind without that function does not compile.
 template <class Settings>
 struct KindsOf;
+/// The kinds of a variant.
 template <class... Configs>
 struct KindsOf<std::variant<Configs...>> {
   using Settings = std::variant<Configs...>;

@@ -25,6 +25,7 @@ struct NoiseEstimate {
   double degrees_of_freedom = 0.0;
 };
 
+/// Options of EstimateNoise().
 struct NoiseEstimateOptions {
   double confidence = 0.95;
   /// Rounding to steps of this size adds step^2 / 12, which is not noise of the sensor and is taken

@@ -9,6 +9,7 @@
 
 namespace gauntlet::controller {
 
+/// A fitted prediction and its errors. z is the signal, y its prediction, h the horizon.
 struct PredictorFit {
   FittedPredictionConfig predictor;
   // Per channel.

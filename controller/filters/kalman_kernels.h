@@ -31,11 +31,12 @@ enum KalmanArray3 {
 void StepCovariance2(ChannelArrays& arrays, const ProcessNoiseFactors& q);
 void StepCovariance3(ChannelArrays& arrays, const ProcessNoiseFactors& q);
 
-/// Position, velocity and acceleration of every channel, and the gain of each.
+/// Position and velocity of every channel, and their gains.
 struct States2 {
   double *x, *w;
   const double *k1, *k2;
 };
+/// The same with acceleration.
 struct States3 {
   double *x, *w, *a;
   const double *k1, *k2, *k3;

@@ -115,7 +115,8 @@ HandConfig AnsweringServo::PutInto(const HandConfig& usual) const {
 }
 
 std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<ChainFit>& fits,
-                                    const AnsweringServo& first, const HandConfig& usual) {
+                                    const AnsweringServo& first, const HandConfig& usual,
+                                    const ChainProgress& progress) {
   std::optional<ServoTrial> best;
   double least_miss = std::numeric_limits<double>::infinity();
   AnsweringServo servo = first;
@@ -126,6 +127,7 @@ std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<Chain
     const HandModel hand(usual);
     servo.motor_friction_scale.assign(hand.drives().size(), 1.0);
     for (int trial = 0; trial < kTrials && least_miss > kCloseEnough; ++trial) {
+      if (progress) progress(trial, kTrials);
       ChainLog answer = SimulatedAnswer(log, servo.PutInto(usual));
       if (answer.angle_deg.rows() == 0) break;
       answer.motor_deg = {};  // not compared

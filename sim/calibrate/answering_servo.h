@@ -42,8 +42,10 @@ struct ServoTrial {
 /// its friction appears only in part as hysteresis. Friction of the cables acts at the joint
 /// itself.
 ///
+/// `progress` hears how many of the trials are done, before each.
 /// None if no part of the log is a joint of the model, or if no such hand can be simulated.
 std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<ChainFit>& fits,
-                                    const AnsweringServo& first, const HandConfig& usual);
+                                    const AnsweringServo& first, const HandConfig& usual,
+                                    const ChainProgress& progress = {});
 
 }  // namespace gauntlet::sim

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-
-#include "sim/calibrate/identified_chain.h"
+#include <utility>
 
 namespace gauntlet::sim {
 namespace {
@@ -50,6 +49,72 @@ std::string InUnitOf(const ChainLog& log, std::string text) {
   return text;
 }
 
+/// The table that answers: no model, no remarks.
+ResultTable DelayTable(const ChainLog& log, const std::vector<ChainFit>& fits,
+                       const IdentifiedChain& chain) {
+  const std::string unit = InUnitOf(log, "deg");
+  ResultTable table{.columns = {ForPeople("part"), ForPeople("delay (95 % CI)", "ms"),
+                                ForPeople("horizon", "ms"), ForPeople("hysteresis", unit),
+                                ForPeople("residual", unit + " RMS")}};
+  const auto fixed = [](double value, int digits) {
+    return ResultCell::Text(std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-");
+  };
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const ChainFit& fit = fits[i];
+    const bool is_known = fit.problem.empty() && fit.split_problem.empty();
+    table.rows.push_back({ResultCell::Text(log.parts[i]), CellOf(fit.delay_ms, 1),
+                          fixed(chain.horizon_ms.empty() ? kNaN : chain.horizon_ms[i], 1),
+                          fixed(fit.hysteresis_deg.value, 2),
+                          fixed(is_known ? fit.held_out_rms_deg : kNaN, 2)});
+  }
+  return table;
+}
+
+/// "46.0", or "46.0 to 132.6".
+std::string RangeText(const std::vector<double>& values, int digits) {
+  const auto [low, high] = std::ranges::minmax(values);
+  const std::string first = fmt::format("{:.{}f}", low, digits);
+  const std::string last = fmt::format("{:.{}f}", high, digits);
+  return first == last ? first : first + " to " + last;
+}
+
+/// "a, b and 3 others"
+std::string FirstNames(std::vector<std::string> names) {
+  constexpr std::size_t kMost = 3;
+  if (names.size() > kMost + 1) {
+    const std::size_t others = names.size() - kMost;
+    names.resize(kMost);
+    names.push_back(fmt::format("{} others", others));
+  }
+  return Listed(std::move(names));
+}
+
+std::string CountOf(std::size_t count, std::size_t all) {
+  return all == 1 ? "" : fmt::format(" of {} of {} parts", count, all);
+}
+
+/// One sentence with the values that most logs determine and this one does not.
+std::string WithheldText(const std::vector<ChainFit>& fits) {
+  const auto without = [&](auto estimate) {
+    return static_cast<std::size_t>(std::ranges::count_if(fits, [&](const ChainFit& fit) {
+      return fit.problem.empty() && std::isnan((fit.*estimate).value);
+    }));
+  };
+  std::vector<std::string> withheld;
+  for (const auto& [name, estimate] :
+       {std::pair("dead time and lag", &ChainFit::dead_time_ms),
+        std::pair("natural frequency", &ChainFit::natural_frequency_hz),
+        std::pair("hysteresis", &ChainFit::hysteresis_deg)}) {
+    const std::size_t count = without(estimate);
+    if (count > 0) withheld.push_back(name + CountOf(count, fits.size()));
+  }
+  if (withheld.empty()) return "";
+  return fmt::format(
+      "Not determined by this log: {}. Faster motion or more rows per second "
+      "determine more (--verbose: reasons).",
+      Listed(std::move(withheld)));
+}
+
 /// The first thing that keeps a part from being known, if there is any.
 const std::string& ProblemOf(const ChainFit& fit) {
   if (!fit.problem.empty()) return fit.problem;
@@ -71,7 +136,7 @@ ResultTable ChainTable(const ChainLog& log, const std::vector<ChainFit>& fits) {
          in_unit(quantity.unit),
          {{"value", key}, {"ci95_low", key + "_low"}, {"ci95_high", key + "_high"}}});
   }
-  table.columns.push_back({in_unit("residual_rms_deg"), "left", in_unit("deg")});
+  table.columns.push_back({in_unit("residual_rms_deg"), "residual", in_unit("deg")});
   table.columns.push_back({in_unit("held_out_rms_deg"), "held out", in_unit("deg")});
   table.columns.push_back({in_unit("shifted_rms_deg")});
   table.columns.push_back({"model"});
@@ -97,7 +162,7 @@ ResultTable ChainTable(const ChainLog& log, const std::vector<ChainFit>& fits) {
 
 ResultText ChainText(const ChainLog& log, const std::vector<ChainFit>& fits) {
   ResultText text = {
-      fmt::format("{:.1f} s at {:.6g} Hz; in brackets the 95 % interval",
+      fmt::format("{:.1f} s at {:.6g} Hz; in brackets: 95 % confidence interval",
                   static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz),
       ChainTable(log, fits)};
   for (std::size_t i = 0; i < fits.size(); ++i) {
@@ -116,11 +181,71 @@ ResultText ChainText(const ChainLog& log, const std::vector<ChainFit>& fits) {
   return text;
 }
 
-std::string ChainJson(const ChainLog& log, const std::vector<ChainFit>& fits) {
+Verdict VerdictOf(const ChainLog& log, const std::vector<ChainFit>& fits,
+                  const IdentifiedChain& chain, const std::string& file) {
+  Verdict verdict;
+  std::vector<double> delays_ms;
+  std::vector<std::string> without_delay;  // the model of the others is known
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (std::isfinite(fits[i].delay_ms.value)) {
+      delays_ms.push_back(fits[i].delay_ms.value);
+    } else if (fits[i].problem.empty()) {
+      without_delay.push_back(log.parts[i]);
+    }
+  }
+  if (chain.horizon_ms.empty()) {
+    verdict.AddReason("horizon", "No horizon_ms: the log determines no delay.");
+  } else {
+    const std::string horizon = RangeText(chain.horizon_ms, 1);
+    verdict.recommended = "horizon_ms: " + horizon;
+    verdict.AddReason(
+        "horizon",
+        fmt::format("Set prediction.horizon_ms to {} ({:g} of the delay{}, {} ms): written to {}, "
+                    "for a controller's key chain.",
+                    horizon, kHorizonShare, fits.size() == 1 ? "" : " of each part",
+                    RangeText(delays_ms, 1), file));
+  }
+  verdict.AddReason("withheld", WithheldText(fits));
+  if (!without_delay.empty() && !delays_ms.empty()) {
+    verdict.AddWarning("assumed_delay",
+                       FirstNames(without_delay) +
+                           " without a delay: the delay depends on the size of the motion. The "
+                           "mean of the others is written.");
+  }
+  std::vector<std::string> failed;
+  std::string problem;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (fits[i].problem.empty()) continue;
+    failed.push_back(log.parts[i]);
+    if (problem.empty()) problem = fits[i].problem;
+  }
+  if (!failed.empty()) {
+    verdict.AddWarning("failed",
+                       fmt::format("No result for {}: {}.{}", FirstNames(failed), problem,
+                                   delays_ms.empty() ? "" : " The mean of the others is written."));
+  }
+  verdict.AddWarning("unit", log.unit_note);
+  return verdict;
+}
+
+ResultText ChainAnswer(const ChainLog& log, const std::vector<ChainFit>& fits,
+                       const IdentifiedChain& chain, const std::string& file, bool verbose) {
+  ResultText text = {fmt::format("{}: {:.1f} s at {:.6g} Hz, {} part{}", log.name,
+                                 static_cast<double>(log.command_deg.rows()) / log.rate_hz,
+                                 log.rate_hz, fits.size(), fits.size() == 1 ? "" : "s")};
+  AddVerdict(VerdictOf(log, fits, chain, file), text);
+  text.emplace_back(DelayTable(log, fits, chain));
+  if (verbose) std::ranges::move(ChainText(log, fits), std::back_inserter(text));
+  return text;
+}
+
+std::string ChainJson(const ChainLog& log, const std::vector<ChainFit>& fits,
+                      const Verdict& verdict) {
   const nlohmann::ordered_json json = {{"log", log.name},
                                        {"samples", log.command_deg.rows()},
                                        {"rate_hz", log.rate_hz},
                                        {"angle_unit", log.unit_known ? "deg" : "unknown"},
+                                       {"verdict", JsonOf(verdict)},
                                        {"parts", JsonOf(ChainTable(log, fits))}};
   return json.dump(2) + "\n";
 }

@@ -159,12 +159,13 @@ std::optional<AnsweringServo> UntriedServo(const ChainLog& log, const std::vecto
   return servo;
 }
 
-std::string ServoSettingsText(const ChainLog& log, const HandModel& hand) {
+std::string ServoSettingsText(const ChainLog& log, const HandModel& hand,
+                              const ChainProgress& progress) {
   // The servo of the simulated hand has the parts of the basic chain only.
   const std::vector<ChainFit> fits = FitChains(log, {}, ChainDetail::kBasic);
   const std::optional<AnsweringServo> untried = UntriedServo(log, fits, hand);
   if (!untried) return "";
-  const std::optional<ServoTrial> trial = TryServos(log, fits, *untried, hand.config());
+  const std::optional<ServoTrial> trial = TryServos(log, fits, *untried, hand.config(), progress);
   const AnsweringServo& servo = trial ? trial->servo : *untried;
   const LogOfServo of_log = LogOfServoOf(log, fits, hand);
   const HandConfig config = servo.PutInto(hand.config());

@@ -29,7 +29,8 @@ std::optional<AnsweringServo> UntriedServo(const ChainLog& log, const std::vecto
 
 /// The part of a scenario (`hand:` and `event:`) with which the simulated hand answers commands
 /// like the hand of a log, with comments. TryServos() refines it if parts of the log are joints of
-/// the simulated hand. Empty if no part of the log has a model.
-std::string ServoSettingsText(const ChainLog& log, const HandModel& hand);
+/// the simulated hand, and reports its `progress`. Empty if no part of the log has a model.
+std::string ServoSettingsText(const ChainLog& log, const HandModel& hand,
+                              const ChainProgress& progress = {});
 
 }  // namespace gauntlet::sim

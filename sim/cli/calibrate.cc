@@ -51,6 +51,8 @@ struct CalibrateOptions {
   controller::FittedToOthersPredictionConfig fit;
   std::vector<std::string> held_out;
   bool json = false;
+  bool verbose = false;
+  TerminalOptions terminal;
 
   Options Rows() { return {SensorRows(), PredictorRows()}; }
 
@@ -118,6 +120,8 @@ struct CalibrateOptions {
                {.value = "FILE.csv", .offer = Offer::kFiles, .needs = {"--predictor"}},
                "another recording, which is not fitted to, but judged; may be repeated"),
         Option("--json", &json, {.excludes = {"--predictor"}}, "print JSON instead of the table"),
+        VerboseOption(verbose, "also print all curves, confidence intervals and methods"),
+        terminal.Rows(),
     };
   }
 
@@ -306,8 +310,9 @@ void RunPredictorFit(const CalibrateOptions& options) {
             VisitGroup(visitor, {.key = "prediction", .help = {}}, prediction);
           }));
   PrintText(
-      TextOf(PredictorFitText(recording, fit, held_out, options.curves.empty() ? "counts" : "deg"),
-             StyleOf({})));
+      TextOf(PredictorFitText(recording, fit, held_out, options.curves.empty() ? "counts" : "deg",
+                              target.string(), options.verbose),
+             StyleOf(options.terminal)));
   FlushOutput();
   RemarkOnRows(recording);
   if (const std::size_t gaps = recording.stretch_begins.size() - 1; gaps > 0) {
@@ -333,8 +338,9 @@ void RunCalibrate(const CalibrateOptions& given) {
                   "`calibration: FILE`.\n" +
                       SettingsToYaml([&](auto& visitor) { calibration.Visit(visitor); }));
   PrintText(options.json ? CalibrationJson(calibration, errors)
-                         : TextOf(CalibrationText(calibration, errors, options.calibration.curve),
-                                  StyleOf({})));
+                         : TextOf(CalibrationText(calibration, errors, options.calibration.curve,
+                                                  target.string(), options.verbose),
+                                  StyleOf(options.terminal)));
   FlushOutput();
   Remark(recording, calibration);
   Say("wrote {}\n", target.string());

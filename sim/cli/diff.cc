@@ -18,6 +18,7 @@ struct DiffOptions {
   std::string b;
   bool all = false;
   bool json = false;
+  bool verbose = false;
   TerminalOptions terminal;
 
   Options Rows() {
@@ -26,15 +27,17 @@ struct DiffOptions {
         Argument("B", &b, Offer::kFolders, "another"),
         Option("--all", &all, {}, "also show the scores that are the same"),
         Option("--json", &json, {}, "print JSON, with all scores"),
+        VerboseOption(verbose, "also print all differences, versions, intervals and methods"),
         terminal.Rows(),
     };
   }
 
   static constexpr auto kNotes = R"(
-Seeds that both have are compared, pair by pair; so a run can be held beside a comparison.
+Seeds that both have are compared, pair by pair; so a run can be compared with a comparison.
 Without any, all of A are compared with all of B. A score differs if the 95 % interval of its
-difference does not hold 0. With one seed there is no interval and every difference counts.
-Versions are shown and do not count.
+difference does not contain 0. With one seed there is no interval and every difference counts.
+The largest differences come first, in multiples of the smallest relevant difference. Versions
+do not count.
 
 Example:
   gauntlet diff out/baseline out/door_opening && echo nothing changed
@@ -54,7 +57,9 @@ void Diff(const DiffOptions& options) {
   if (options.json) {
     PrintText(StudyDifferenceJson(a, b, difference));
   } else {
-    PrintText(TextOf(DifferenceText(a, b, difference, options.all), StyleOf(options.terminal)));
+    PrintText(
+        TextOf(DifferenceText(a, b, difference, {.all = options.all, .verbose = options.verbose}),
+               StyleOf(options.terminal)));
   }
   if (!difference.Same()) throw ExitCode{kDifferent};
 }

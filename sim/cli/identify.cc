@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -41,6 +40,7 @@ struct IdentifyOptions {
   bool held = false;
   bool force = false;
   bool json = false;
+  bool verbose = false;
   TerminalOptions terminal;
 
   Options Rows() {
@@ -68,6 +68,7 @@ struct IdentifyOptions {
         Option("--episode", &episode, {.value = "N"}, "episode to take of a log that has several"),
         ForceOption(force),
         Option("--json", &json, {}, "print JSON instead of the table"),
+        VerboseOption(verbose, "also print all values, confidence intervals and reasons"),
         terminal.Rows(),
     };
   }
@@ -171,12 +172,16 @@ fs::path BesideTarget(fs::path target, const std::string& ending) {
 }
 
 std::vector<ChainFit> FitWithProgress(const ChainLog& log) {
-  constexpr auto kQuiet = std::chrono::seconds(2);
-  const auto start = std::chrono::steady_clock::now();
   Progress bar("gauntlet identify");
-  return FitChains(log, [&](int done, int parts) {
-    if (std::chrono::steady_clock::now() - start > kQuiet) bar.Update(done, parts);
-  });
+  bar.Update(0, std::ssize(log.parts));
+  return FitChains(log, [&](int done, int parts) { bar.Update(done, parts); });
+}
+
+std::string ServoWithProgress(const ChainLog& log) {
+  Progress bar("gauntlet identify: servo");
+  bar.Update(0, 1);
+  return ServoSettingsText(log, HandModel(HandConfig()),
+                           [&](int done, int trials) { bar.Update(done, trials); });
 }
 
 void RunIdentify(const IdentifyOptions& options) {
@@ -197,9 +202,8 @@ void RunIdentify(const IdentifyOptions& options) {
   const auto limited = std::ranges::count_if(
       fits, [](const ChainFit& fit) { return std::isfinite(fit.speed_limit_deg_s.value); });
   const bool is_limited = 2 * limited > std::ssize(fits);
-  const std::string servo = log.from_wearer || !log.unit_known || is_limited
-                                ? ""
-                                : ServoSettingsText(log, HandModel(HandConfig()));
+  const std::string servo =
+      log.from_wearer || !log.unit_known || is_limited ? "" : ServoWithProgress(log);
   const std::string chain_text =
       "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
       "expected_delay_ms\n# and friction_deg are for its joint_loop, dead_time_ms, lag_ms and "
@@ -214,8 +218,10 @@ void RunIdentify(const IdentifyOptions& options) {
     WriteOutputFile(place / page.filename(), ChainPage(log, fits));
   });
   files.Commit();
-  PrintText(options.json ? ChainJson(log, fits)
-                         : TextOf(ChainText(log, fits), StyleOf(options.terminal)));
+  const std::string name = target.string();
+  PrintText(options.json ? ChainJson(log, fits, VerdictOf(log, fits, chain, name))
+                         : TextOf(ChainAnswer(log, fits, chain, name, options.verbose),
+                                  StyleOf(options.terminal)));
   FlushOutput();
   if (!log.columns_ignored.empty()) {
     Say("gauntlet: {}: ignored columns that are no command, angle or motor: {}\n", log.name,

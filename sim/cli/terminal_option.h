@@ -22,9 +22,10 @@ struct TerminalOptions {
   }
 };
 
-inline Option VerboseOption(bool& verbose) {
-  return Option("--verbose", &verbose, {},
-                "also print confidence intervals, all main scores and methods");
+inline Option VerboseOption(
+    bool& verbose,
+    const char* help = "also print confidence intervals, all main scores and methods") {
+  return Option("--verbose", &verbose, {}, help);
 }
 
 /// Of standard output. Its width is that of the variable COLUMNS, else the terminal's, else 80;

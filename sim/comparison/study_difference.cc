@@ -235,30 +235,37 @@ std::string_view ChangeText(ScoreChange change) {
   return "";
 }
 
-ResultTable ScoreDifferences(const StudyDifference& difference, bool all) {
+double SizeOf(const ScoreDifference& score) {
+  if (score.change == ScoreChange::kNone) return 0.0;
+  const double size = std::abs(score.b - score.a) /
+                      RelevantDifferenceBetween(Metrics()[score.metric], score.a, score.b);
+  return std::isfinite(size) ? size : std::numeric_limits<double>::infinity();
+}
+
+ResultTable ScoreDifferences(const StudyDifference& difference, bool all, bool verbose) {
   ResultTable table{.columns = {{"controller", "controller"},
-                                {"metric", "score"},
+                                ResultColumn("metric", "score").Words(),
                                 {"a", "A"},
                                 {"b", "B"},
-                                MeanColumn("difference", "B - A"),
-                                ForPeople("95 % interval"),
-                                ResultColumn("change", "B is").Words()},
+                                MeanColumn("difference", "B - A")},
                     .rows = {},
-                    .names = 2};
+                    .names = verbose ? 2U : 1U};
+  if (verbose) table.columns.push_back(ForPeople("95 % CI"));
+  table.columns.push_back(ResultColumn("change", "B is").Words());
   for (const ScoreDifference& score : difference.scores) {
     if (score.change == ScoreChange::kNone && !all) continue;
     const MeanInterval& change = score.difference;
     ResultRow& row = table.rows.emplace_back();
     row = {ResultCell(score.controller),
-           ResultCell(std::string(Metrics()[score.metric].key)),
-           ResultCell(score.a),
-           ResultCell(score.b),
-           CellOf(change),
-           ResultCell::Text(std::isfinite(change.low)
-                                ? fmt::format("{:+.3g} to {:+.3g}", change.low, change.high)
-                                : "-"),
-           ResultCell(std::string(ChangeText(score.change)))};
-    row[4].text = std::isfinite(change.mean) ? fmt::format("{:+.3g}", change.mean) : "-";
+           ResultCell({std::string(Metrics()[score.metric].key)}, ScoreName(score.metric)),
+           ResultCell(score.a), ResultCell(score.b), CellOf(change)};
+    row.back().text = std::isfinite(change.mean) ? fmt::format("{:+.3g}", change.mean) : "-";
+    if (verbose) {
+      row.push_back(ResultCell::Text(
+          std::isfinite(change.low) ? fmt::format("{:+.3g} to {:+.3g}", change.low, change.high)
+                                    : "-"));
+    }
+    row.emplace_back(std::string(ChangeText(score.change)));
     if (score.change != ScoreChange::kNone) {
       row.back().mark = score.change == ScoreChange::kBetter ? '*' : '!';
     }
@@ -283,7 +290,7 @@ std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
   json["metrics_only_in_b"] = difference.metrics_only_in_b;
   json["method"] = kMethods[static_cast<int>(difference.method)];
   json["common_seeds"] = difference.common_seeds;
-  json["scores"] = JsonOf(ScoreDifferences(difference, true));
+  json["scores"] = JsonOf(ScoreDifferences(difference, true, false));
   return json.dump(2) + "\n";
 }
 

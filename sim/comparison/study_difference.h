@@ -63,8 +63,12 @@ struct StudyDifference {
 /// Pure and deterministic.
 StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b);
 
-/// A row per score that A and B have, or per one that changed.
-ResultTable ScoreDifferences(const StudyDifference& difference, bool all);
+/// Size of a difference: a multiple of the smallest relevant difference of its score; infinite if a
+/// value is missing in A or B, 0 for kNone.
+double SizeOf(const ScoreDifference& score);
+
+/// A row per score that A and B have, or per one that changed; `verbose` adds confidence intervals.
+ResultTable ScoreDifferences(const StudyDifference& difference, bool all, bool verbose);
 
 /// The difference as JSON.
 std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,

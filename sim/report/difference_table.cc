@@ -4,11 +4,18 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
+#include <limits>
+#include <ranges>
+#include <utility>
 
+#include "sim/score/priority.h"
 #include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
+
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
 std::string SeedsText(std::vector<int> seeds) {
   std::sort(seeds.begin(), seeds.end());
@@ -25,13 +32,17 @@ std::string ValueText(const std::optional<std::string>& value) {
   return value->empty() ? "\"\"" : *value;
 }
 
+/// At most `most` settings, then the number of the others.
 void AddSettings(const std::string& title, const std::vector<SettingDifference>& settings,
-                 ResultText& text) {
+                 std::size_t most, ResultText& text) {
   if (settings.empty()) return;
-  text.emplace_back(title);
-  for (const SettingDifference& setting : settings) {
+  AddLine(title, text);
+  for (const SettingDifference& setting : settings | std::views::take(most)) {
     AddLine(fmt::format("{}: {} -> {}", setting.key, ValueText(setting.a), ValueText(setting.b)),
             text);
+  }
+  if (settings.size() > most) {
+    AddLine(fmt::format("{} others (--verbose)", settings.size() - most), text);
   }
 }
 
@@ -50,15 +61,14 @@ std::string OfCommonSeeds(const StudyFolder& a, const StudyFolder& b,
 std::string MethodText(const StudyDifference& difference) {
   switch (difference.method) {
     case DifferenceMethod::kPaired:
-      return "paired by seed, with the 95 % interval of B - A";
+      return "paired by seed, 95 % CI of B - A";
     case DifferenceMethod::kUnpaired:
-      return "no seed in common, so unpaired, with the 95 % interval of B - A";
+      return "no common seed, so unpaired, 95 % CI of B - A";
     case DifferenceMethod::kPlain:
       return difference.common_seeds.empty()
-                 ? "no seed in common and one seed has no interval, so every difference counts, "
-                   "also "
-                   "by chance"
-                 : "one seed has no interval, so every difference counts";
+                 ? "no common seed, and one seed has no interval: every difference counts, also by "
+                   "chance"
+                 : "one seed has no interval: every difference counts";
   }
   return "";
 }
@@ -67,53 +77,94 @@ std::string Count(std::size_t count, const std::string& what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-std::string VerdictOf(const StudyDifference& difference, const std::string& of_seeds) {
+/// "delay of mean_20 41 -> 62 ms (worse)"
+std::string ChangeSentence(const ScoreDifference& score) {
+  const auto value = [&](double number) {
+    return std::isfinite(number) ? Short(number) : std::string("none");
+  };
+  const std::string unit(Metrics()[score.metric].unit);
+  return fmt::format("{} of {} {} -> {}{} ({})", ScoreName(score.metric), score.controller,
+                     value(score.a), value(score.b), unit.empty() ? "" : " " + unit,
+                     ChangeText(score.change));
+}
+
+/// Relevant differences of primary scores before all others, then the larger.
+std::pair<bool, double> Importance(const ScoreDifference& score) {
+  const bool is_primary = std::ranges::any_of(
+      PrimaryScores(), [&](const PrimaryScore& primary) { return primary.metric == score.metric; });
+  const double size = SizeOf(score);
+  return {is_primary && size >= 1.0, size};
+}
+
+/// The answer; `largest` begins with the largest differences.
+std::string AnswerOf(const StudyDifference& difference, const std::vector<ScoreDifference>& largest,
+                     const std::string& of_seeds) {
   const std::size_t names =
       difference.controllers_only_in_a.size() + difference.controllers_only_in_b.size() +
       difference.channels_only_in_a.size() + difference.channels_only_in_b.size();
-  const std::size_t changed = difference.ChangedScores();
+  const std::string scores = Count(difference.scores.size(), "score") + of_seeds;
   if (difference.Same()) {
-    return fmt::format("A and B have the same settings, and {}{} without a difference{}.",
-                       Count(difference.scores.size(), "score"), of_seeds,
+    return fmt::format("Same: equal settings, and {} without a difference{}.", scores,
                        difference.method == DifferenceMethod::kPlain ? "" : " beyond chance");
   }
-  std::string text = fmt::format("A and B differ in {} and in {} of {}{}",
-                                 Count(difference.settings.size(), "setting"), changed,
-                                 Count(difference.scores.size(), "score"), of_seeds);
+  const std::size_t changed = difference.ChangedScores();
+  std::string text = fmt::format("Different: {} and {} of {}",
+                                 Count(difference.settings.size(), "setting"), changed, scores);
   if (names > 0) text += fmt::format("; {} in one of them only", names);
-  if (changed > 0 && difference.method != DifferenceMethod::kPlain) {
-    text += "; by chance alone about 1 score in 20 leaves its interval";
+  if (changed == 0) return text + ".";
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> sentences;
+  for (const ScoreDifference& score : largest | std::views::take(std::min(changed, kMost))) {
+    sentences.push_back(ChangeSentence(score));
   }
-  return text + ".";
+  text +=
+      fmt::format(". {}: {}.", changed > kMost ? "Largest" : "Changed", fmt::join(sentences, "; "));
+  if (SizeOf(largest.front()) < 1.0) {
+    text += " All changes of scores are below the smallest relevant difference.";
+  }
+  if (difference.method != DifferenceMethod::kPlain) {
+    text += " By chance alone about 1 score in 20 changes.";
+  }
+  return text;
 }
 
 }  // namespace
 
 ResultText DifferenceText(const StudyFolder& a, const StudyFolder& b,
-                          const StudyDifference& difference, bool all) {
-  ResultText text;
+                          const StudyDifference& difference, const DifferenceDetail& detail) {
+  const std::string of_seeds = OfCommonSeeds(a, b, difference);
+  StudyDifference shown = difference;
+  std::ranges::stable_sort(shown.scores, std::ranges::greater(), Importance);
+  ResultText text = {AnswerOf(difference, shown.scores, of_seeds)};
+  const bool is_short = !detail.verbose && !detail.all;
+  AddSettings("Settings, A -> B:", difference.settings, detail.verbose ? kAll : 4, text);
+  if (detail.verbose) AddSettings("Versions, A -> B:", difference.versions, kAll, text);
+  AddNames("Controllers only in A", difference.controllers_only_in_a, text);
+  AddNames("Controllers only in B", difference.controllers_only_in_b, text);
+  AddNames("Channels only in A", difference.channels_only_in_a, text);
+  AddNames("Channels only in B", difference.channels_only_in_b, text);
+  AddNames("Scores only in A", difference.metrics_only_in_a, text);
+  AddNames("Scores only in B", difference.metrics_only_in_b, text);
+  constexpr std::size_t kFewRows = 6;
+  const std::size_t changed = difference.ChangedScores();
+  const bool is_cut = is_short && changed > kFewRows;
+  if (is_cut) shown.scores.resize(kFewRows);
+  ResultTable scores = ScoreDifferences(shown, detail.all, detail.verbose);
+  if (!scores.rows.empty()) {
+    text.emplace_back(std::move(scores));
+    if (is_cut)
+      AddLine(fmt::format("{} other scores changed (--verbose).", changed - kFewRows), text);
+    if (detail.verbose || difference.method == DifferenceMethod::kPlain) {
+      AddLine(fmt::format("Scores{}: {}.", of_seeds, MethodText(difference)), text);
+    }
+  }
+  text.emplace_back("");
   for (const auto& [letter, folder] : {std::pair("A", &a), std::pair("B", &b)}) {
     AddLine(
         fmt::format("{}: {}, {}, {}, Gauntlet {}", letter, folder->name, folder->scenario.name,
                     SeedsText(folder->scores.seeds), folder->scenario.made_with.gauntlet_version),
         text);
   }
-  AddSettings("settings, A -> B:", difference.settings, text);
-  AddSettings("versions, A -> B:", difference.versions, text);
-  text.emplace_back("");
-  AddNames("controllers only in A", difference.controllers_only_in_a, text);
-  AddNames("controllers only in B", difference.controllers_only_in_b, text);
-  AddNames("channels only in A", difference.channels_only_in_a, text);
-  AddNames("channels only in B", difference.channels_only_in_b, text);
-  AddNames("scores that only A knows", difference.metrics_only_in_a, text);
-  AddNames("scores that only B knows", difference.metrics_only_in_b, text);
-  const std::string of_seeds = OfCommonSeeds(a, b, difference);
-  ResultTable scores = ScoreDifferences(difference, all);
-  if (!scores.rows.empty()) {
-    text.emplace_back(fmt::format("scores{}, {}:", of_seeds, MethodText(difference)));
-    text.emplace_back(std::move(scores));
-  }
-  text.emplace_back(VerdictOf(difference, of_seeds));
   return text;
 }
 

@@ -7,9 +7,15 @@
 
 namespace gauntlet::sim {
 
-/// What differs between two output folders, for a person: settings, versions, names, a row per
-/// score that changed, or `all`, and the verdict in one sentence.
+struct DifferenceDetail {
+  bool all = false;      // rows of scores without a difference, too
+  bool verbose = false;  // all changed scores and settings, versions, intervals and methods
+};
+
+/// The differences of two output folders for a person: the answer with the largest differences,
+/// settings, names, and a table of the changed scores: relevant differences of primary scores
+/// first, then the larger in multiples of the smallest relevant difference.
 ResultText DifferenceText(const StudyFolder& a, const StudyFolder& b,
-                          const StudyDifference& difference, bool all);
+                          const StudyDifference& difference, const DifferenceDetail& detail = {});
 
 }  // namespace gauntlet::sim

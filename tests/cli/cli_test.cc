@@ -13,6 +13,7 @@
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
+#include "tests/support/working_folder.h"
 
 namespace gauntlet::test {
 namespace {
@@ -46,19 +47,15 @@ std::size_t WidestLine(const std::string& text) {
 class CliTest : public testing::Test {
  protected:
   ProgramResult Gauntlet(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), kProgram);
-    ProgramOptions options;
-    options.working_directory = folder_.path();
-    options.timeout = std::chrono::minutes(5);  // reproduce, with sanitizers, on a busy machine
-    return RunProgram(arguments, options);
+    return folder_.Run(std::move(arguments));
   }
   ProgramResult ShortRun(std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), kShort.begin(), kShort.end());
     return Gauntlet(std::move(arguments));
   }
-  fs::path Out(const std::string& name) const { return folder_.path() / name; }
+  fs::path Out(const std::string& name) const { return folder_.In(name); }
   std::string WriteScenario(const std::string& text) const {
-    std::ofstream(folder_.path() / "scenario.yaml") << text;
+    folder_.Write("scenario.yaml", text);
     return "scenario.yaml";
   }
   /// What is left in the working folder besides the scenario.
@@ -94,7 +91,7 @@ class CliTest : public testing::Test {
     return overhang_px;
   }
 
-  TemporaryDirectory folder_;
+  WorkingFolder folder_{kProgram};
 };
 
 TEST_F(CliTest, ReproduceMeasuresThePaper) {
@@ -200,8 +197,8 @@ TEST_F(CliTest, CalibrateTakesATraceOfKnownPosesAndAScenarioIncludesTheResult) {
   ASSERT_EQ(
       Gauntlet({"run", kScenarios + "known_poses.yaml", "--csv", "--controllers", "raw"}).exit_code,
       0);
-  const ProgramResult result =
-      Gauntlet({"calibrate", "out/known_poses/trace.raw.csv", "--confidence", "99.99"});
+  const ProgramResult result = Gauntlet(
+      {"calibrate", "out/known_poses/trace.raw.csv", "--confidence", "99.99", "--verbose"});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_THAT(result.standard_output,
               AllOf(HasSubstr("two_point"), HasSubstr("99.99 % interval"), HasSubstr("index_mcp")));
@@ -265,7 +262,8 @@ TEST_F(CliTest, CalibrateFitsAndJudgesAPredictorThatAScenarioIncludes) {
   ASSERT_EQ(fitted.exit_code, 0) << fitted.standard_error;
   EXPECT_THAT(fitted.standard_output,
               AllOf(HasSubstr("deg RMS"), HasSubstr("index_mcp"), HasSubstr("left by other fits"),
-                    HasSubstr("held-out"), HasSubstr("held out the weights leave")));
+                    HasSubstr("held-out"), HasSubstr("The prediction leaves "),
+                    HasSubstr(" % on held-out"), HasSubstr("written to ahead.yaml")));
   std::ofstream(folder_.path() / "scenario.yaml")
       << "question: q\nglove: {motion: {kind: random, duration_s: 2}}\n"
          "controllers:\n  raw: {}\n  ahead: !include ahead.yaml\n";
@@ -298,7 +296,7 @@ TEST_F(CliTest, IdentifyFindsADelayThatWasAddedToTheLink) {
   EXPECT_NEAR(delay_ms("65", {}) - before, 40.0, 4.0);
   // From the targets on there is no glove, no wait for the next frame.
   EXPECT_LT(delay_ms("25", {"--from", "target"}), before);
-  EXPECT_THAT(ReadFile(folder_.path() / "chain.yaml"),
+  EXPECT_THAT(folder_.Read("chain.yaml"),
               AllOf(HasSubstr("horizon_ms: ["), HasSubstr("friction_deg: ["),
                     HasSubstr("part: \"little_pip\"")));
 }
@@ -322,7 +320,7 @@ TEST_F(CliTest, ReadyScenariosLookAsFarAheadAsIdentifyFindsTheHandToBeLate) {
   ASSERT_EQ(table.exit_code, 0) << table.standard_error;
   EXPECT_THAT(table.standard_output, AllOf(HasSubstr("hysteresis"), HasSubstr("index_mcp")));
   EXPECT_LE(WidestLine(table.standard_output), 80u);
-  const std::vector<double> identified = HorizonsIn(ReadFile(folder_.path() / "chain.yaml"));
+  const std::vector<double> identified = HorizonsIn(folder_.Read("chain.yaml"));
   ASSERT_EQ(identified.size(), 18u);
   for (const char* name : {"random_motion", "fast_bursts", "door_opening", "paper_claims"}) {
     EXPECT_THAT(HorizonsIn(ReadFile(kScenarios + name + ".yaml")),

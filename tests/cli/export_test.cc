@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "controller/controller.h"
@@ -15,6 +14,7 @@
 #include "sim/study/study.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
+#include "tests/support/working_folder.h"
 
 namespace gauntlet::test {
 namespace {
@@ -51,22 +51,19 @@ controllers:
 class ExportTest : public testing::Test {
  protected:
   ProgramResult Gauntlet(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), GAUNTLET_PROGRAM);
-    ProgramOptions options;
-    options.working_directory = folder_.path();
-    return RunProgram(arguments, options);
+    return folder_.Run(std::move(arguments));
   }
-  fs::path In(const std::string& name) const { return folder_.path() / name; }
+  fs::path In(const std::string& name) const { return folder_.In(name); }
   /// Runs it into the folder `out`, and builds the same study here.
   Study Run(const std::string& scenario) {
-    std::ofstream(In("scenario.yaml")) << scenario;
+    folder_.Write("scenario.yaml", scenario);
     const ProgramResult result = Gauntlet({"run", "scenario.yaml", "--out", "out"});
     EXPECT_EQ(result.exit_code, 0) << result.standard_error;
     return sim::PrepareStudy(sim::LoadScenario(In("scenario.yaml"), {}));
   }
   void ExpectSameCommands(const Study& study, const sim::NamedController& named);
 
-  TemporaryDirectory folder_;
+  WorkingFolder folder_{GAUNTLET_PROGRAM};
 };
 
 /// Counts that wander over the whole range, with a missing value now and then.

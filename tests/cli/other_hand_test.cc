@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "tests/support/program.h"
-#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
+#include "tests/support/working_folder.h"
 
 namespace gauntlet::test {
 namespace {
@@ -58,14 +58,9 @@ constexpr const char* kUse = R"(<script>
 class OtherHandTest : public testing::Test {
  protected:
   ProgramResult Gauntlet(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), GAUNTLET_PROGRAM);
-    ProgramOptions options;
-    options.working_directory = folder_.path();
-    return RunProgram(arguments, options);
+    return folder_.Run(std::move(arguments));
   }
-  std::string ReadFile(const std::string& name) const {
-    return test::ReadFile(folder_.path() / "out" / name);
-  }
+  std::string ReadFile(const std::string& name) const { return folder_.Read("out/" + name); }
   Json Scores() const { return Json::parse(ReadFile("scores.json")); }
   /// What the page of the run shows.
   Json PageData() const {
@@ -95,7 +90,7 @@ class OtherHandTest : public testing::Test {
     return Json::parse(result.standard_output.substr(begin + 12, end - begin - 12));
   }
 
-  TemporaryDirectory folder_;
+  WorkingFolder folder_{GAUNTLET_PROGRAM};
 };
 
 TEST_F(OtherHandTest, HasScoresPerJointMotorAndCable) {

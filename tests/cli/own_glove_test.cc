@@ -4,12 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -21,6 +20,7 @@
 #include "sim/settings/robot_file.h"
 #include "sim/settings/yaml_reader.h"
 #include "tests/support/program.h"
+#include "tests/support/working_folder.h"
 
 namespace gauntlet::test {
 namespace {
@@ -62,21 +62,13 @@ std::string Recorded(double seconds, std::uint64_t seed, const Bend& bend) {
 class OwnGlove : public testing::Test {
  protected:
   ProgramResult Run(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), GAUNTLET_PROGRAM);
-    ProgramOptions options;
-    options.working_directory = folder_.path();
-    options.timeout = std::chrono::minutes(10);
-    ProgramResult result = RunProgram(arguments, options);
+    ProgramResult result = folder_.Run(std::move(arguments));
     EXPECT_EQ(result.exit_code, 0) << result.standard_error;
     return result;
   }
-  fs::path In(const std::string& name) const { return folder_.path() / name; }
-  void Write(const std::string& name, const std::string& text) { std::ofstream(In(name)) << text; }
-  std::string Read(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(In(name)).rdbuf();
-    return text.str();
-  }
+  fs::path In(const std::string& name) const { return folder_.In(name); }
+  void Write(const std::string& name, const std::string& text) { folder_.Write(name, text); }
+  std::string Read(const std::string& name) const { return folder_.Read(name); }
   /// A score of each controller of a scenario.
   std::vector<double> Scores(const std::string& scenario,
                              const std::string& score = "tracking_rmse_deg") {
@@ -116,7 +108,7 @@ class OwnGlove : public testing::Test {
     Write("my.map.csv", map);
   }
 
-  TemporaryDirectory folder_;
+  WorkingFolder folder_{GAUNTLET_PROGRAM, std::chrono::minutes(10)};
   std::string last_error_;
 };
 

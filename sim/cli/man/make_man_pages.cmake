@@ -1,5 +1,5 @@
 # Writes gauntlet.1 and a page per command, gauntlet-run.1 .., from what --help says. Run at build time:
-#   cmake -D PROGRAM=<gauntlet> -D HELP2MAN=<help2man> -D SECTIONS=<sections.h2m> -D VERSION=0.2.0
+#   cmake -D PROGRAM=<gauntlet> -D HELP2MAN=<help2man> -D SECTIONS=<sections.h2m> -D VERSION=<version>
 #         -D OUTPUT_DIR=<folder> -P make_man_pages.cmake
 
 # make_page(<name of the page> <its one line> <command>..)
