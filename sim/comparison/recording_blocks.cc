@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <cstdint>
+#include <optional>
+#include <span>
 
 #include "sim/base/threads.h"
 #include "sim/score/jitter.h"
@@ -17,38 +19,33 @@ namespace {
 
 using Series = std::vector<double>;
 
-/// The ticks in which all channels count.
-CountedTicks CountedOf(const Study& study, const GloveSignal& glove) {
+/// The ticks that count, per measured joint.
+std::vector<CountedTicks> CountedOfJoints(const Study& study, const GloveSignal& glove) {
   const int ticks = static_cast<int>(glove.true_angle_rad.rows());
   const std::optional<CountedParts> counted = CountedPartsOf(study, glove.masked, ticks);
-  return counted ? counted->hand : CountedTicks{{0, ticks}};
-}
-
-/// Calls for each tick that counts, with its number among these.
-void ForEachTick(const CountedTicks& counted,
-                 const std::function<void(int tick, int number)>& do_) {
-  int number = 0;
-  for (const TickRange& range : counted) {
-    for (int tick = range.begin; tick < range.end; ++tick) do_(tick, number++);
-  }
+  return counted ? counted->joints
+                 : std::vector<CountedTicks>(study.measured_joints.size(), {{0, ticks}});
 }
 
 /// The part of each bin of time in a mean over joints of the RMS of a signal. Row 0 of the signal
 /// belongs to tick `first`; ticks without a row have no part.
-Series PartsOfRms(const Signal& signal, int first, const CountedTicks& counted, int bin_ticks) {
-  Series parts(static_cast<std::size_t>(CountOf(counted) / bin_ticks), 0.0);
+Series PartsOfRms(const Signal& signal, int first, const std::vector<CountedTicks>& counted,
+                  int ticks, int bin_ticks) {
+  Series parts(static_cast<std::size_t>(ticks / bin_ticks), 0.0);
   for (Eigen::Index joint = 0; joint < signal.cols(); ++joint) {
     const std::span<const double> values(signal.col(joint).data(),
                                          static_cast<std::size_t>(signal.rows()));
-    const double rms = RmsWithin(values, first, counted);
+    const CountedTicks& of_joint = counted[static_cast<std::size_t>(joint)];
+    const double rms = RmsWithin(values, first, of_joint);
     if (!(rms > 0.0)) continue;
-    const double scale = 1.0 / (2.0 * rms * bin_ticks);
-    ForEachTick(counted, [&](int tick, int number) {
-      const int row = tick - first;
-      const auto bin = static_cast<std::size_t>(number / bin_ticks);
-      if (row < 0 || row >= std::ssize(values) || bin >= parts.size()) return;
-      parts[bin] += scale * values[row] * values[row];
-    });
+    const double scale = 1.0 / (2.0 * rms * bin_ticks * static_cast<double>(signal.cols()));
+    for (const TickRange& range : of_joint) {
+      const int end = std::min(range.end, first + static_cast<int>(values.size()));
+      for (int tick = std::max(range.begin, first); tick < end; ++tick) {
+        const auto bin = static_cast<std::size_t>(tick / bin_ticks);
+        if (bin < parts.size()) parts[bin] += scale * values[tick - first] * values[tick - first];
+      }
+    }
   }
   return parts;
 }
@@ -70,36 +67,48 @@ void AddDifferences(const std::vector<Series>& parts_rad, std::string_view metri
 }
 
 /// Autocorrelation time of the differences [s].
-double CorrelationOf(const Study& study, const StudyResult& result, const CountedTicks& counted,
-                     double rate_hz) {
+double CorrelationOf(const Study& study, const StudyResult& result,
+                     const std::vector<CountedTicks>& counted, double rate_hz) {
   const int bin_ticks = static_cast<int>(std::lround(kCorrelationBin_s * rate_hz));
   const Columns reference(result.first_reference_rad, study.measured_joints);
+  const int ticks = static_cast<int>(reference->rows());
   std::vector<Series> of_error, of_jitter, differences;
   Fourier fourier;
   for (const Trace& trace : result.first_traces) {
     if (!trace.health.ok) continue;
     const Columns hand(trace.hand_angle_rad, study.measured_joints);
     const Signal error = *hand - *reference;
-    of_error.push_back(PartsOfRms(error, 0, counted, bin_ticks));
+    of_error.push_back(PartsOfRms(error, 0, counted, ticks, bin_ticks));
     const FilteredSignal high =
         Trembling(*hand, rate_hz, study.scenario.score.jitter_above_hz, fourier);
-    of_jitter.push_back(PartsOfRms(high.values, high.first_sample, counted, bin_ticks));
+    of_jitter.push_back(PartsOfRms(high.values, high.first_sample, counted, ticks, bin_ticks));
   }
   AddDifferences(of_error, "tracking_rmse_deg", differences);
   AddDifferences(of_jitter, "jitter_rms_deg", differences);
   return kCorrelationBin_s * AutocorrelationTime(differences);
 }
 
-/// Equal amounts of ticks that count.
-std::vector<TickRange> BlocksOf(const CountedTicks& counted, int count) {
-  const int all = CountOf(counted);
-  std::vector<TickRange> blocks(static_cast<std::size_t>(count));
-  ForEachTick(counted, [&](int tick, int number) {
-    const auto block = static_cast<std::size_t>(static_cast<std::int64_t>(number) * count / all);
-    TickRange& range = blocks[block];
-    if (range.end == 0) range.begin = tick;
-    range.end = tick + 1;
-  });
+/// Blocks side by side that hold equal amounts of ticks that count, summed over joints.
+std::vector<TickRange> BlocksOf(const std::vector<CountedTicks>& counted, int ticks, int count) {
+  std::vector<std::int64_t> joints(static_cast<std::size_t>(ticks), 0);  // that count, per tick
+  std::int64_t all = 0;
+  for (const CountedTicks& of_joint : counted) {
+    for (const TickRange& range : of_joint) {
+      for (int tick = range.begin; tick < range.end; ++tick) ++joints[tick];
+    }
+    all += CountOf(of_joint);
+  }
+  std::vector<TickRange> blocks;
+  std::int64_t before = 0;
+  int begin = 0;
+  for (int tick = 0; tick < ticks; ++tick) {
+    before += joints[tick];
+    const bool is_full = before * count >= all * (std::ssize(blocks) + 1);
+    if (!is_full || std::ssize(blocks) + 1 == count) continue;
+    blocks.push_back({begin, tick + 1});
+    begin = tick + 1;
+  }
+  blocks.push_back({begin, ticks});
   return blocks;
 }
 
@@ -126,11 +135,14 @@ RecordingBlocks DivideRecording(const Study& study, const StudyResult& result, i
   if (!divided.is_wanted) return divided;
   const GloveSignal& glove = *result.first_glove;
   const double rate_hz = glove.tick_rate_hz;
-  const CountedTicks counted = CountedOf(study, glove);
-  divided.duration_s = CountOf(counted) / rate_hz;
+  const int ticks = static_cast<int>(glove.true_angle_rad.rows());
+  const std::vector<CountedTicks> counted = CountedOfJoints(study, glove);
+  for (const CountedTicks& of_joint : counted) {
+    divided.duration_s += CountOf(of_joint) / (rate_hz * static_cast<double>(counted.size()));
+  }
   divided.plan = PlanBlocks(divided.duration_s, CorrelationOf(study, result, counted, rate_hz));
   if (divided.plan.count == 0) return divided;
-  const std::vector<TickRange> blocks = BlocksOf(counted, divided.plan.count);
+  const std::vector<TickRange> blocks = BlocksOf(counted, ticks, divided.plan.count);
   for (const TickRange& block : blocks) {
     divided.blocks.push_back({block.begin / rate_hz, block.end / rate_hz});
   }

@@ -19,7 +19,7 @@ struct RecordingBlock {
 /// block is left out of the scores alone.
 struct RecordingBlocks {
   bool is_wanted = false;   // one recording, and nothing is drawn at random
-  double duration_s = 0.0;  // of the time that counts
+  double duration_s = 0.0;  // of the time that counts, mean over joints
   BlockPlan plan;           // no blocks: the recording is too short
   std::vector<RecordingBlock> blocks;
   /// Controllers x metrics x blocks, see BlockValues(). Empty where a score has none: it is no main
