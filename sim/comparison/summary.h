@@ -37,18 +37,17 @@ struct ControllerSummary {
 };
 
 /// Means and judgements of a comparison. All pairs of controllers in all metrics are one family of
-/// questions, see Judge(): every pair has one interval and one judgement, whoever it is shown
-/// against, and what is called the best may be chosen from the same data. A controller of which a
-/// trial failed is in no pair.
+/// questions, see Judge(): every pair has one interval and one judgement, and the best may be
+/// chosen from the same data. A controller with a failed trial is in no pair.
 struct Summary {
   std::vector<ControllerSummary> controllers;
   std::vector<bool> dominated;          // another is better in jitter or delay, and equal or better
                                         // in the other
-  std::optional<std::size_t> baseline;  // index of the controller that others are held against
+  std::optional<std::size_t> baseline;  // index of the controller that others are compared with
   /// Fewer than two different runs allow no statement about chance: no interval, nothing is as good
   /// as the best, nothing is worse than the baseline.
   bool one_run = true;
-  int motions = 1;  // different ones of the wearer: with several, these are what repeats
+  int motions = 1;  // different ones of the wearer; several are the replicates
   int pairs = 0;    // that were judged
   Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
   std::vector<std::string> assumed;     // in column maps of recordings, a sentence each

@@ -8,7 +8,7 @@
 
 namespace gauntlet::sim {
 
-/// The digits of a hand, and how deep they are in each other: without contacts they pass through.
+/// The digits of a hand, and the depth of their interpenetration, which exists without contacts.
 ///
 /// A digit is all that a body carried by the body `palm` carries; its phalanges are the capsules
 /// that can touch. A model without at least two of them has no digits to speak of.
@@ -19,8 +19,8 @@ class Digits {
 
   bool exist() const { return !phalanges_.empty(); }
   /// The deepest that one digit is in another [m], from where bodies of the physics model are; 0 if
-  /// all are apart. Two capsules of radii r are r1 + r2 - d deep in each other, d the distance of
-  /// their axes.
+  /// all are apart. The depth of two capsules of radii r is r1 + r2 - d, d the distance of their
+  /// axes.
   double Overlap(const mjData_& physics_data) const noexcept;
 
  private:
