@@ -18,7 +18,7 @@ namespace gauntlet::controller {
 ///
 ///     counts -> [filter] -> linearisation -> [filter] -> [prediction]
 ///
-/// A channel that is switched off is held where it was. It has no clock: whoever steps it knows
+/// An inactive channel is held at its last angle. The estimator has no clock: its caller decides
 /// when filters step (see FilterAt).
 ///
 /// Shapes: samples x channels, one sample after the other; one unless more are named. Units: counts

@@ -84,7 +84,7 @@ struct ControllerConfig {
   std::vector<FilterConfig> filters;  // applied in this order; empty is `none`
   FilterOn filter_on = FilterOn::kCounts;
   FilterAt filter_at = FilterAt::kSample;
-  /// Undo the coupling of cables that cross several joints; off, one sees fingers drag each other.
+  /// Compensates the coupling of cables that cross several joints; off, fingers drag each other.
   bool coupling_compensation = true;
   LinearisationConfig linearisation;
   PredictionConfig prediction;

@@ -35,7 +35,7 @@ namespace gauntlet::controller {
 ///
 /// Source: PI loop with conditional integration in orcahand/orca_core PR #83; inverse of play: Tao,
 /// Kokotovic, Adaptive control of systems with backlash, Automatica 29, 323-335 (1993).
-/// With both gains 0 nothing is measured: friction alone is undone, on any hand.
+/// With both gains 0 nothing is measured: only friction is compensated, on any hand.
 ///
 /// Units: rad. Shapes: one value per joint. Errors: SettingError for gains on a hand that measures
 /// no joints, or a list of other than one value or one for each joint.

@@ -11,7 +11,7 @@
 namespace gauntlet::controller {
 namespace {
 
-/// A motor has turned back when it is this far behind its front: more than its sensor trembles.
+/// A motor has turned back when it is this far behind its front: more than its sensor jitters.
 constexpr double kTurnedBack_rad = 0.5 * kRadPerDeg;
 
 }  // namespace

@@ -20,7 +20,7 @@ struct CurveFit {
 
 /// A table from samples of known poses: one corner per different angle, at the mean of its counts.
 ///
-/// Counts that were rounded to steps of `resolution_counts` have means that may be off by half a
+/// Counts that were rounded to steps of `resolution_counts` have means with errors up to half a
 /// step, times exp(-2 pi^2 variance / step^2): the half widths have it on top.
 /// Source: Widrow, Kollar (2008), Quantization Noise.
 /// Shapes: one value per sample, in the order of time. Units: counts and deg.

@@ -270,7 +270,7 @@ void CheckWanted(const FittedToOthersPredictionConfig& wanted, Index channels, d
   MakePredictor(empty, static_cast<int>(channels), rate_hz);
 }
 
-/// A horizon that is said in ms is off by some digits.
+/// A horizon in ms has a rounding error.
 double WholeIfNearly(double steps) {
   constexpr double kTolerance = 1e-3;
   return std::abs(steps - std::round(steps)) < kTolerance ? std::round(steps) : steps;

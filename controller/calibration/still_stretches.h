@@ -17,7 +17,7 @@ struct StillStretch {
 ///
 /// The noise is judged from differences of samples at most 32 ms apart, which motion hardly
 /// touches, in the quietest quarter of the recording. Noise that is correlated over longer than
-/// that cannot be told from slow motion.
+/// that looks like slow motion.
 /// Shapes: `counts` is samples x channels, finite. Errors: none; no stretch is an empty list.
 std::vector<StillStretch> FindStillStretches(const Eigen::MatrixXd& counts, double rate_hz,
                                              double min_duration_s = 0.5);

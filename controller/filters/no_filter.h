@@ -8,7 +8,7 @@
 
 namespace gauntlet::controller {
 
-/// The raw signal: what every filter is held against.
+/// The raw signal, with which every filter is compared.
 struct NoFilterConfig {
   static constexpr std::string_view kKind = "none";
   static constexpr std::string_view kSummary = "passes every sample unchanged";

@@ -25,7 +25,7 @@ using PredictionSettings =
                  FittedPredictionConfig, FittedToOthersPredictionConfig,
                  AutoregressivePredictionConfig>;
 
-/// Looking ahead, to make up for the delay between the glove and the hand: the paper's second idea.
+/// Looking ahead, to compensate the delay between the glove and the hand: the paper's second idea.
 ///
 /// Along a line it pays while frequency x horizon stays below 0.1 to 0.2; above, it overshoots; and
 /// it raises noise. A predictor may stand behind filters or, better, alone: what filters take away

@@ -312,7 +312,7 @@ std::optional<FittedFamily> FitBasic(const FittedFamily& shifted, PartRows& rows
   for (const double share : {0.25, 0.5, 0.75}) starts.push_back(StartOfSplit(shifted, share));
   std::optional<FittedFamily> basic = FitFamily(rows, BasicFamily(), starts);
   if (!basic || !KnowsHysteresis(*basic)) {
-    // A command between two positions: gain and hysteresis cannot be told apart.
+    // A command between two positions: the log does not separate gain and hysteresis.
     const ChainFamily family = ShiftFamily().With(kLag).With(kInertia);
     for (VectorXd& start : starts) {
       start.segment(kPlay, 2) = VectorXd(start.tail(2));

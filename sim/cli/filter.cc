@@ -27,6 +27,7 @@
 #include "sim/cli/stream_table.h"
 #include "sim/recordings/file_format.h"
 #include "sim/recordings/source_bytes.h"
+#include "sim/recordings/text_forms.h"
 #include "sim/recordings/utf16.h"
 #include "sim/settings/yaml_reader.h"
 
@@ -58,8 +59,10 @@ struct FilterOptions {
   }
 
   static constexpr auto kNotes = R"(
-The table is found as gauntlet inspect finds it; lines above it are left out. A column of
-time (time, timestamp, t, with a unit as in time_ms; in s without) passes through, and k,
+The table is found as gauntlet inspect finds it; lines above it are left out. Labels of a
+serial plotter (flex1:512 flex2:300) and the alpha encoding of opengloves come out as a
+table. A column of time (time, timestamp, t, with a unit as in time_ms; in s without) passes
+through, and k,
 frame or sample if it is the first; all others are channels, unless --columns names some.
 Another name of a time, as recv_timestamp_ms, is taken if its first 21 values rise.
 The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that
@@ -154,7 +157,7 @@ StreamFilter ReadFilter(const FilterOptions& options) {
 }
 
 /// A line-by-line filter: reads one row, writes one row, flushes. The first rows of a stream wait
-/// until they have told the rate, if the filter needs it and nobody gave it.
+/// until they have told the rate, if the filter needs it and it is not given.
 class FilterStream {
  public:
   FilterStream(const StreamFilter& settings, StreamTable table)
@@ -303,7 +306,8 @@ TextLines::Source StandardInput() {
 void RunFilter(const FilterOptions& options) {
   EndAtSignals();  // it waits for its source, and has nothing to tidy up
   const StreamFilter settings = ReadFilter(options);
-  TextLines lines("standard input", StandardInput());
+  LiveTable table = PlainStream(StandardInput());
+  TextLines lines("standard input", std::move(table.source));
   const StreamHead head = ReadHead(lines, !options.map.empty());
   FilterStream stream(settings, StreamTable(head, options.map, options.columns));
   for (const TextLine& row : head.rows) stream.ReadRow(row.text, row.number);
@@ -311,6 +315,10 @@ void RunFilter(const FilterOptions& options) {
     if (IsRow(line)) stream.ReadRow(line, lines.number());
   }
   stream.Finish();
+  if (table.left_out && *table.left_out > 0) {
+    Say("gauntlet: standard input: {} line{} without all labels left out\n", *table.left_out,
+        *table.left_out == 1 ? "" : "s");
+  }
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// Whoever read standard output has gone, as `head` does: no error, but an end.
+/// The reader of standard output has gone, as `head` does: no error, but an end.
 struct ReaderGone {};
 
 /// First of all: where a standard stream is closed, a file that is opened later would become it and

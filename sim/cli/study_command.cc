@@ -26,6 +26,7 @@
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_files.h"
 #include "sim/scenario/scenario_reader.h"
+#include "sim/score/priority.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/trial_table/study_database.h"
 #include "sim/video/render_folder.h"
@@ -171,6 +172,16 @@ void SayWritten(const StudyCommand& options, const std::filesystem::path& folder
       options.comparison ? ", study.db" : "", options.video ? ", comparison.mp4" : "");
 }
 
+/// The option as a setting of the scenario. Errors: UserError.
+std::string PriorityOverride(const std::string& priority) {
+  try {
+    ParsePriority(priority);
+  } catch (const controller::SettingError& error) {
+    throw UserError({.place = "--priority " + priority, .problem = error.problem()});
+  }
+  return "priority=" + priority;
+}
+
 }  // namespace
 
 const NamedController& FindController(const Scenario& scenario, const std::string& name) {
@@ -210,7 +221,7 @@ void WarnIfUnchecked(const std::string& folder, bool checked) {
 
 void RunStudyCommand(const StudyCommand& asked) {
   StudyCommand options = asked;
-  if (!options.priority.empty()) options.overrides.push_back("priority=" + options.priority);
+  if (!options.priority.empty()) options.overrides.push_back(PriorityOverride(options.priority));
   if (IsRecordingFile(asked.scenario_file)) {
     const std::filesystem::path recording = asked.scenario_file;
     const std::string folder = asked.out.empty() ? "out/" + recording.stem().string() : asked.out;

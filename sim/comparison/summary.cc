@@ -51,7 +51,7 @@ void FindFailures(const StudyResult& result, std::size_t controller, ControllerS
   }
 }
 
-/// A score that can be held against others: of a controller all of whose trials went well.
+/// A score that can be compared: of a controller all of whose trials went well.
 bool CanBeRanked(const ControllerSummary& controller, std::size_t metric) {
   return controller.failed_trials == 0 && std::isfinite(controller.summary[metric].mean);
 }

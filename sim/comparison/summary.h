@@ -39,14 +39,13 @@ struct ControllerSummary {
 
 /// Means and judgements of a comparison. All pairs of controllers in the primary scores are one
 /// family of questions, see Judge(), and decide the verdict. Those in all other metrics are a
-/// second family, which explains it. Every pair has one interval and one judgement, whoever it is
-/// shown against, and what is called the best may be chosen from the same data. A controller of
-/// which a trial failed is in no pair.
+/// second family, which explains it. Every pair has one interval and one judgement, and the best may
+/// be chosen from the same data. A controller with a failed trial is in no pair.
 struct Summary {
   std::vector<ControllerSummary> controllers;
   std::vector<bool> dominated;          // another is better in jitter or delay, and equal or better
                                         // in the other
-  std::optional<std::size_t> baseline;  // index of the controller that others are held against
+  std::optional<std::size_t> baseline;  // index of the controller that others are compared with
   /// Fewer than two replicates allow no statement about chance: no interval, nothing is as good as
   /// the best, nothing is worse than the baseline.
   bool one_run = true;

@@ -22,7 +22,7 @@ struct GloveSignal {
   Signal true_angle_rad;  // ticks x channels
   Signal counts;          // samples x channels, whole numbers; NaN where a sample is missing
   std::vector<Segment> segments;               // that a person labelled, in ticks
-  std::vector<MaskedStretch> masked;           // of a recording: what nobody knows of, in ticks
+  std::vector<MaskedStretch> masked;           // of a recording: unknown motion, in ticks
   std::shared_ptr<const Recording> recording;  // see Motion
   double recording_start_s = 0.0;
   std::string reference_name;      // what the scores compare with, in words: "ground truth"

@@ -10,7 +10,7 @@ namespace gauntlet::sim {
 /// (Cable::spans), so that no step needs the engine to follow its way through space.
 ///
 /// Possible where between two guides there is at most one joint, a hinge, and pulleys are cylinders
-/// on the axis of the hinge that they belong to. What is found is held against the engine over the
+/// on the axis of the hinge that they belong to. The result is compared with the engine over the
 /// whole range of all joints. `joints` as for FindCables(), which comes before.
 ///
 /// Returns false if some cable is something else, and leaves no spans: the engine has to measure.

@@ -8,7 +8,7 @@
 
 namespace gauntlet::sim {
 
-/// The digits of a hand, and how deep they are in each other: without contacts they pass through.
+/// The digits of a hand, and the depth of their interpenetration, which exists without contacts.
 ///
 /// A digit is all that a body carried by the palm carries; its phalanges are the capsules that can
 /// touch. A model without at least two of them has no digits to speak of.

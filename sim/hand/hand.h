@@ -44,12 +44,12 @@ class Hand {
   double CableEnergy() const noexcept;
   /// Sum of the normal forces between hand and object [N]; 0 without one.
   double GripForce() const noexcept;
-  /// The deepest that two digits are in each other [m], looked at every 10 ms; 0 without digits.
+  /// The deepest interpenetration of two digits [m], every 10 ms; 0 without digits.
   double DigitOverlap() const noexcept;
   /// Position [m] and attitude (quaternion) of the object in the world, 7 values; without an object
   /// nothing is written.
   void ReadObjectPose(std::span<double> pose) const noexcept;
-  /// True per motor while the servo gives all the torque it has.
+  /// True per motor while the servo is at its torque limit.
   void ReadSaturation(std::span<std::uint8_t> saturated) const noexcept;
   const HandHealth& health() const noexcept;
 

@@ -220,7 +220,7 @@ std::vector<double> Reduction(const StudyResult& result, std::string_view metric
 }
 
 /// "jitter_rms_deg 0.235 -> 0.421": the main metrics in which the second controller is worse, or
-/// may be, as the mean is by what matters.
+/// may be, as the mean is by the smallest relevant difference.
 std::string CostsOf(const FinishedStudy& finished, const std::string& before,
                     const std::string& after) {
   const std::size_t first = ControllerIndex(finished.result, before);

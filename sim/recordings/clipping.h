@@ -11,7 +11,7 @@ struct RowRange {
   std::size_t end = 0;
 };
 
-/// Where a sensor stands at its stop: the wearer may go on, and nobody knows.
+/// Parts in which a sensor is clipped: further motion of the wearer is unknown.
 ///
 /// That is where the lowest or the highest value of all comes row after row, for 0.1 s or more and
 /// in more rows than any other value does: a device that is polled faster than it measures, or

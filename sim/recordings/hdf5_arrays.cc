@@ -41,7 +41,7 @@ bool ReadArray(const H5::DataSet& dataset, NamedArray& array) {
   return true;
 }
 
-/// Groups of groups of .. are read as deep as anybody nests them.
+/// Groups in groups are read up to this depth.
 void Collect(const H5::Group& group, const std::string& path, int depth,
              std::vector<NamedArray>& arrays) {
   constexpr int kDeepest = 8;

@@ -36,7 +36,7 @@ struct Recording {
 /// Glitches (see FindGlitches) are a problem like all that RecordingReader finds: strict reading
 /// stops at the first of the stretch. Otherwise they and angles far beyond the joint's range are
 /// NaN in `angle_rad` and kept in `wild`. A remark tells where a channel hardly
-/// ever changes: a slow device that was polled fast, a sensor at its stop.
+/// ever changes: a slow device that was polled fast, a clipped sensor.
 ///
 /// Errors: UserError in one line, also if the stretch has fewer than two rows, and where more than
 /// repair_budget_percent of the rows would need a repair: with what most likely is wrong then.

@@ -87,16 +87,21 @@ std::optional<std::vector<std::pair<std::string, std::string>>> LabelledCells(
 }
 
 std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
-  TextForm form;
-  std::size_t fitting = 0;
+  // The most frequent names: the first line of a serial port may lack its beginning.
+  std::map<Cells, std::size_t> fitting;
   for (const std::string& line : head) {
     const auto cells = LabelledCells(line);
     if (!cells || cells->empty()) continue;
-    ++fitting;
-    if (!form.names.empty()) continue;
-    for (const auto& [label, value] : *cells) form.names.push_back(label);
+    Cells names;
+    for (const auto& [label, value] : *cells) names.push_back(label);
+    ++fitting[names];
   }
-  if (fitting < 3 || 2 * fitting < head.size()) return std::nullopt;
+  if (fitting.empty()) return std::nullopt;
+  const auto most =
+      std::ranges::max_element(fitting, {}, [](const auto& form) { return form.second; });
+  if (most->second < 3 || 2 * most->second < head.size()) return std::nullopt;
+  TextForm form;
+  form.names = most->first;
   form.convert = [names = form.names](std::string_view line) -> std::optional<Cells> {
     const auto cells = LabelledCells(line);
     if (!cells || cells->size() != names.size()) return std::nullopt;
@@ -299,10 +304,12 @@ std::optional<TextForm> RosEchoForm(const std::vector<std::string>& head) {
 
 // --- Alpha encoding of opengloves ----------------------------------------------------------------
 
+using AlphaPairs = std::map<char, std::string>;
+
 /// `A123B456C789`: a letter and its number, each once, and letters of pressed buttons, which are
 /// left out. Source: opengloves, AlphaEncoding: A to E are the fingers, F and G the joystick.
-std::optional<std::map<char, std::string>> AlphaCells(std::string_view line) {
-  std::map<char, std::string> cells;
+std::optional<AlphaPairs> AlphaCells(std::string_view line) {
+  AlphaPairs cells;
   std::size_t i = 0;
   line = Trimmed(line);
   while (i < line.size()) {
@@ -406,13 +413,18 @@ class PlainText {
     while (given_ == text_.size()) {
       if (!NextRecord(lines_, record_)) return 0;
       const auto cells = form_.convert(record_);
-      text_ = cells ? CsvLine(*cells) : fmt::format("# {}\n", record_);
+      if (!cells) ++left_out_;
+      // Before the first row a comment would be a line of names or units.
+      const std::string comment = has_row_ ? fmt::format("# {}\n", record_) : "";
+      text_ = cells ? CsvLine(*cells) : comment;
+      has_row_ = has_row_ || cells;
       given_ = 0;
     }
     const std::size_t count = text_.copy(buffer, size, given_);
     given_ += count;
     return count;
   }
+  const std::size_t& left_out() const { return left_out_; }
 
  private:
   TextForm form_;
@@ -420,6 +432,8 @@ class PlainText {
   std::string record_;
   std::string text_;
   std::size_t given_ = 0;
+  std::size_t left_out_ = 0;
+  bool has_row_ = false;
 };
 
 std::vector<std::string> LinesOfHead(std::string_view head) {
@@ -436,6 +450,35 @@ std::vector<std::string> LinesOfHead(std::string_view head) {
 }
 
 }  // namespace
+
+LiveTable PlainStream(TextLines::Source source) {
+  constexpr std::size_t kBlock = 4096;
+  std::string head;
+  const auto read_lines = [&](std::ptrdiff_t count) {
+    for (std::size_t got = 1; got > 0 && std::ranges::count(head, '\n') < count;) {
+      const std::size_t size = head.size();
+      head.resize(size + kBlock);
+      got = source(head.data() + size, kBlock);
+      head.resize(size + got);
+    }
+    std::vector<std::string> lines = LinesOfHead(head.substr(0, head.rfind('\n') + 1));
+    if (std::ssize(lines) > count) lines.resize(static_cast<std::size_t>(count));
+    return lines;
+  };
+  std::vector<std::string> lines = read_lines(1);
+  std::optional<TextForm> form;
+  if (!lines.empty() &&
+      (LabelledCells(lines[0]) || AlphaCells(lines[0]).value_or(AlphaPairs()).size() > 1)) {
+    lines = read_lines(4);
+    form = LabelledForm(lines);
+    if (!form) form = AlphaForm(lines);
+  }
+  source = WithHead(std::move(head), std::move(source));
+  if (!form) return {std::move(source)};
+  const auto text = std::make_shared<PlainText>(std::move(*form), std::move(source));
+  return {[text](char* buffer, std::size_t size) { return text->Read(buffer, size); },
+          std::shared_ptr<const std::size_t>(text, &text->left_out())};
+}
 
 TextLines::Source PlainTable(TextLines::Source source, const ListNames& known) {
   constexpr std::size_t kHeadBytes = std::size_t{64} << 10;

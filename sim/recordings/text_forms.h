@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,5 +25,15 @@ using ListNames = std::map<std::string, std::vector<std::string>>;
 ///
 /// Rows that do not fit become comments. The separator is the comma then.
 TextLines::Source PlainTable(TextLines::Source source, const ListNames& known = {});
+
+/// A text that comes line by line.
+struct LiveTable {
+  TextLines::Source source;
+  std::shared_ptr<const std::size_t> left_out = {};  // lines that do not fit; none: not converted
+};
+
+/// The same for a live stream whose first line has labels or the alpha encoding: its first four
+/// lines decide. Any other stream is unchanged after its first line.
+LiveTable PlainStream(TextLines::Source source);
 
 }  // namespace gauntlet::sim

@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 std::string ResponseSvg(const Response& response, std::size_t metric, const std::string& setting);
 
 /// What each parameter of the hand changes of the difference between the two best controllers; the
-/// band is the smallest difference that matters around `nominal`, that of the own hand.
+/// band is the smallest difference that matters around `nominal`, that of the nominal hand.
 std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal);
 
 }  // namespace gauntlet::sim

@@ -47,7 +47,7 @@ ResultCell CellOf(const Summary& summary, const ControllerSummary& controller, s
     if (!text.empty()) cell.text += kBreak + text;
   };
   if (summary.one_run) return cell;
-  if (summary.controllers.size() == 1) {  // has nobody to differ from
+  if (summary.controllers.size() == 1) {  // no other to differ from
     if (std::isfinite(own.low)) add_line(fmt::format("±{}", Short(own.high - own.mean)));
     return cell;
   }

@@ -51,7 +51,7 @@ const std::vector<ScaledSettings>& AllScaledSettings() {
   return kAll;
 }
 
-/// A setting that is varied: what it is on the scenario's own hand, and by which factor.
+/// A setting that is varied: its value on the nominal hand, and by which factor.
 struct VariedSetting {
   double nominal = 0.0;
   std::size_t parameter = 0;
@@ -148,7 +148,7 @@ std::vector<std::size_t> BestFirst(const RobustPlan& plan, const HandResults& ha
   return order;
 }
 
-/// The verdict on the scenario's own hand, as a comparison gives it.
+/// The verdict on the nominal hand, as a comparison gives it.
 Summary SummariseNominal(const RobustPlan& plan, const HandResults& hand) {
   Study study;
   study.scenario = ParseScenario(plan.sweep.scenario);

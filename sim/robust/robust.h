@@ -10,7 +10,7 @@
 
 namespace gauntlet::sim {
 
-/// Something about wearer, glove, link and hand that nobody knows exactly: settings that grow and
+/// Something about wearer, glove, link and hand that is not known exactly: settings that grow and
 /// shrink by one factor.
 struct RobustParameter {
   std::string name;  // "friction"
@@ -29,7 +29,7 @@ struct RobustOptions {
 /// A sweep whose cells are hands. All have the same seeds and the same controllers, with every
 /// setting as the scenario resolves it:
 ///
-///     cell 0               the scenario's own hand
+///     cell 0               the nominal hand
 ///     cells 1 + 2p, 2 + 2p parameter p low, and high: its factor 1 -+ within, the others 1
 ///     then `hands` cells   every parameter's factor uniform in [1 - within, 1 + within], each for
 ///                          itself
@@ -55,7 +55,7 @@ RobustPlan MakeRobustPlan(const ScenarioSource& source, const RobustOptions& opt
 struct RobustController {
   std::string name;
   Share best;       // hands on which no mean is better
-  Share near_best;  // hands on which its mean is nearer to the best one than what matters
+  Share near_best;  // hands on which its mean is equivalent to the best one
 };
 
 /// Effect of one parameter on the difference between the two best controllers of the scenario's
@@ -64,7 +64,7 @@ struct TornadoBar {
   std::size_t parameter = 0;
   MeanInterval low;   // first - second, where the parameter is low; 95 %
   MeanInterval high;  // where it is high
-  /// high - low, seed by seed. kEqual: less than what matters; kUndecided; else it matters.
+  /// high - low, seed by seed. kEqual: below the smallest relevant one; kUndecided; else above.
   Comparison change;
   std::string problem;  // why one of the two cells has no scores
 };
@@ -77,16 +77,16 @@ struct RobustScore {
 };
 
 struct RobustResult {
-  Summary nominal;                  // the verdict of a comparison on the scenario's own hand
+  Summary nominal;                  // the verdict of a comparison on the nominal hand
   std::vector<RobustScore> scores;  // that have values there
   int not_built = 0;                // of the hands that were drawn
   int failed = 0;                   // controllers of these, of which a trial failed
   std::string first_problem;
 };
 
-/// From the cells in the database. All intervals of the tornado hold together with 95 %
+/// From the cells in the database. All intervals of the tornado are simultaneous, 95 %
 /// (Bonferroni); those of shares hold each by itself, for other draws of hands and the same seeds.
-/// Errors: RunError if cells are missing, or the scenario's own hand has no scores.
+/// Errors: RunError if cells are missing, or the nominal hand has no scores.
 RobustResult ConcludeRobust(const RobustPlan& plan, SweepDatabase& database);
 
 }  // namespace gauntlet::sim

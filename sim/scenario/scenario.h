@@ -88,7 +88,7 @@ LoopTiming TimingOf(const Scenario& scenario);
 /// count.
 const GloveConfig& GloveOf(const Scenario& scenario, int seed);
 
-/// Index of the controller that all others are held against; none if there is no such controller.
+/// Index of the controller that all others are compared with; none if there is no such controller.
 std::optional<std::size_t> BaselineOf(const Scenario& scenario);
 
 /// Errors: UserError for a name that the scenario does not have, or that is given twice.

@@ -16,7 +16,7 @@ enum class ErrorCause {
   kGlove,       // what its sensors get wrong of an angle
   kLink,        // command frames, and the delay of their way
   kSaturation,  // motors that have no more torque or speed
-  kFriction,    // of motors and cables, and play
+  kFriction,    // of motors and cables, and backlash
   kServo,       // its lag, its steps and its dead band
   kRest,        // of the hand: masses, cables that stretch, couplings; then there is no hand
   kController,  // what filter and prediction ask for beside the wearer

@@ -36,7 +36,7 @@ CountedTicks TremblingWithin(const CountedTicks& counted, double rate_hz, double
 }
 
 Eigen::Index TremblingTicks(double rate_hz, double above_hz) {
-  // And one period of the slowest trembling.
+  // And one period of the slowest jitter.
   return 2 * Reach(rate_hz, above_hz) + static_cast<Eigen::Index>(std::ceil(rate_hz / above_hz));
 }
 

@@ -70,9 +70,14 @@ Priority ParsePriority(const std::string& text) {
     } else if (part.find_first_of("<>") != std::string::npos) {
       priority.bounds.push_back(ParseConstraint(part, "priority"));
     } else {
-      throw SettingError("priority", Shown(text) +
-                                         " must be tracking, delay or jitter, and bounds "
-                                         "like jitter_rms_deg<=0.1 behind commas");
+      std::vector<std::string> words;
+      for (const PrimaryScore& known : PrimaryScores()) words.emplace_back(known.word);
+      const std::string nearest = NearestName(part, words);
+      throw SettingError("priority",
+                         Shown(text) +
+                             " must be tracking, delay or jitter, and bounds like "
+                             "jitter_rms_deg<=0.1 behind commas" +
+                             (nearest.empty() ? "" : " (did you mean " + nearest + "?)"));
     }
   }
   return priority;

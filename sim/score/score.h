@@ -55,7 +55,7 @@ struct ScoreInput {
   /// there is none.
   std::array<const Signal*, kCauseTrialCount> without = {};
   double earliest_delay_s = 0.0;                           // see DelaySamples()
-  double jitter_above_hz = ScoreConfig{}.jitter_above_hz;  // where trembling begins
+  double jitter_above_hz = ScoreConfig{}.jitter_above_hz;  // lower edge of jitter
   std::span<const double> stall_tension_n = {};            // per cable: of its motor at stall
 };
 
@@ -83,7 +83,7 @@ struct Metric {
   RelevantDifference relevant_difference = {};
 };
 
-/// From where on two values of the metric differ by what matters; NaN if one of them is.
+/// Smallest relevant difference of two values of the metric; NaN if one of them is.
 double RelevantDifferenceBetween(const Metric& metric, double first, double second);
 
 /// All metrics in the order of every table and file.

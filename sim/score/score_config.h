@@ -8,7 +8,7 @@ namespace gauntlet::sim {
 
 /// What a scenario chooses of its scores.
 struct ScoreConfig {
-  /// Where trembling begins: the lower edge of the high pass of jitter.h, which passes nothing
+  /// Lower edge of jitter: that of the high pass of jitter.h, which passes nothing
   /// below 0.8 and everything above 1.2 times this. Below 2 Hz all is human motion; above 100 Hz
   /// there is nothing to be seen any more, and ticks, of which there are 1000 in a second at least,
   /// would not hold it.

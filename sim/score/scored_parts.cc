@@ -18,7 +18,7 @@ std::span<const double> Column(const Signal& signal, int column, Eigen::Index ro
   return {signal.col(column).data(), static_cast<std::size_t>(rows)};
 }
 
-/// RMS per joint of the trembling that noise adds.
+/// RMS per joint of the jitter that noise adds.
 std::vector<double> NoiseJitter(const AllJoints& all, Fourier& fourier) {
   const ScoreInput& input = all.input;
   if (input.noise_free_hand_angle_rad == nullptr) return {};

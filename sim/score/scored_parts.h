@@ -64,12 +64,12 @@ struct ScoredJoint {
   Lazy<Smoothness> smoothness;
   Lazy<std::optional<ErrorByCauses>> error_parts;
 
-  double jitter_rad() const;        // RMS of the trembling, above jitter_above_hz
+  double jitter_rad() const;        // RMS of the jitter, above jitter_above_hz
   double noise_jitter_rad() const;  // kNoScore: not known
 
   /// RMS of the error while the wearer does this [rad].
   double ErrorDuring(Regime regime) const;
-  /// RMS of the trembling while the wearer does this [rad].
+  /// RMS of the jitter while the wearer does this [rad].
   double TremblingDuring(Regime regime) const;
   /// Part of the mean square error [rad^2], kNoScore if it is not known.
   double PartOfError(ErrorCause cause) const;

@@ -10,7 +10,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kLongest_s = 0.4;  // of smoothing: more delay than anybody wants
+constexpr double kLongest_s = 0.4;  // of smoothing: more delay than is useful
 
 SweepAxis Range(const char* key, double low, double high, SweepAxis::Spacing spacing,
                 bool whole = false) {

@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scenario/scenario_reader.h"
+#include "sim/score/priority.h"
 #include "sim/search/optimise.h"
 #include "sim/search/tune_bench.h"
 #include "sim/statistics/result_cells.h"
@@ -150,6 +151,42 @@ std::vector<std::size_t> BestFirst(const TunePlan& plan, const TuneResult& resul
   std::ranges::stable_sort(order, {}, [&](std::size_t i) {
     return MeasuredOf(AimOf(plan), result, result.tried[i]).objective;
   });
+  return order;
+}
+
+/// Settings equivalent to the best before the others: those whose jitter is the least or equivalent
+/// by its mean first, by their delay. The rule is that of a comparison.
+std::vector<std::size_t> EquivalentFirst(const TunePlan& plan, const TuneResult& result,
+                                         std::vector<std::size_t> order) {
+  if (std::ranges::count(PrimaryScores(), plan.minimise, &PrimaryScore::metric) == 0) return order;
+  if (order.empty()) return order;
+  const auto count = static_cast<double>(order.size());
+  const TunedSetting& best = result.tried[order.front()];
+  const auto others = std::stable_partition(order.begin(), order.end(), [&](std::size_t i) {
+    const TunedSetting& setting = result.tried[i];
+    return &setting == &best || ComparePaired(plan.minimise, setting.minimised, best.minimised,
+                                              setting.motions, 0.5 * count * (count - 1))
+                                        .judgement == Judgement::kEqual;
+  });
+  const auto sort_by = [&](std::size_t metric, auto begin, auto end) {
+    const std::size_t place = PlaceOfMetric(result, metric);
+    std::stable_sort(begin, end, [&result, place](std::size_t a, std::size_t b) {
+      const double first = result.tried[a].scores[place].mean;
+      const double second = result.tried[b].scores[place].mean;
+      return first < second || (std::isnan(second) && !std::isnan(first));
+    });
+  };
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  sort_by(jitter, order.begin(), others);
+  const auto jitter_of = [&](std::size_t i) {
+    return result.tried[i].scores[PlaceOfMetric(result, jitter)].mean;
+  };
+  const double least = jitter_of(order.front());
+  const auto more = std::find_if(order.begin(), others, [&](std::size_t i) {
+    return !(jitter_of(i) - least <=
+             RelevantDifferenceBetween(Metrics()[jitter], jitter_of(i), least));
+  });
+  sort_by(MetricIndex("delay_ms"), order.begin(), more);
   return order;
 }
 
@@ -327,7 +364,8 @@ TuneResult SearchSettings(const TunePlan& plan, int jobs,
       result)
       .Run();
   done = plan.evaluations;
-  const std::vector<std::size_t> order = BestFirst(plan, result);
+  std::vector<std::size_t> order = BestFirst(plan, result);
+  if (plan.prefers_low_jitter) order = EquivalentFirst(plan, result, std::move(order));
   FindFront(plan, result);
   ChooseByHeldOut(plan, verdict, order, jobs, within, result);
   if (!result.problem.empty()) return result;

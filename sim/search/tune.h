@@ -20,6 +20,8 @@ struct TunePlan {
   int held_out = 8;  // for the verdict: those behind
   int evaluations = 100;
   bool physics = true;
+  /// False: the least value is the answer, as where kinds of filters are compared.
+  bool prefers_low_jitter = true;
   /// Levels of jitter for the front. If there are any, half of the evaluations search around the
   /// best setting, and around the setting with the least delay at each of these levels.
   std::vector<double> front_jitter_deg = {};
@@ -76,9 +78,10 @@ TuneResult SearchSettings(const TunePlan& plan, int jobs,
                           const std::function<bool(double done, double all)>& progress);
 
 /// Searches with Minimise() on `seeds` seeds, each setting with all of them, and judges on others,
-/// which the search has not seen. The answer is the best setting that keeps all bounds by its mean
-/// on the first, and on the others does not break one by more than its 95 % interval: of the ten
-/// best the first that does. The same on any number of threads.
+/// which the search has not seen. The answer keeps all bounds by its mean on the first, and on the
+/// others does not break one by more than its 95 % interval: of the ten best settings the first
+/// that does. For a primary score, the best are those equivalent to the least value, in the order
+/// of jitter, then delay (`prefers_low_jitter`). The same on any number of threads.
 /// Errors: UserError, SettingError; RunError if no setting keeps the bounds.
 TuneResult Tune(const TunePlan& plan, int jobs,
                 const std::function<bool(double done, double all)>& progress);

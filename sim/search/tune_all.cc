@@ -20,6 +20,7 @@ constexpr std::array kFrontLevels = {0.7, 0.5, 0.35, 0.25};
 /// The plan for one kind, without what is free.
 TunePlan PlanOfKind(const TunePlan& plan, std::string_view kind) {
   TunePlan of_kind = plan;
+  of_kind.prefers_low_jitter = false;  // kinds are compared by their least values
   of_kind.scenario.overrides.push_back(
       fmt::format("controllers.{}.filter={{kind: {}}}", plan.controller, kind));
   return of_kind;

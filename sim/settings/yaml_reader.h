@@ -37,7 +37,7 @@ class YamlReader final : public controller::SettingsVisitor {
   void List(const controller::Setting& setting, const controller::SettingList& list) override;
   void Map(const controller::Setting& setting, const controller::SettingMap& map) override;
 
-  /// To be called after the visit: throws for the first key that nobody asked for, then for the
+  /// To be called after the visit: throws for the first key that was not read, then for the
   /// first that is required and missing: so one that is only misspelt is said to be so.
   void RejectUnknownKeys() const;
 

@@ -14,7 +14,7 @@ namespace gauntlet::sim {
 enum class Judgement {
   kNone,  // nothing to judge: no value, one run, a controller and itself
   kBetter,
-  kEqual,  // within what matters
+  kEqual,  // below the smallest relevant difference
   kUndecided,
   kWorse,
 };

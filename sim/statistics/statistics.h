@@ -16,7 +16,7 @@ struct MeanInterval {
   int count = 0;  // of the values, or pairs, that it is made of; of two groups both together
   double level = 0.95;
   /// Share of the variance of a single value that comes from the motion, see EstimateMean(). The
-  /// rest comes from noise. NaN: the two cannot be told apart.
+  /// rest comes from noise. NaN: the two are not separable.
   double motion_share = controller::kNaN;
 };
 
@@ -35,11 +35,11 @@ struct MeanEstimate {
 /// The mean of values of which those with the same number in `motions` share a motion of the wearer
 /// and differ by noise alone. Values that are not finite do not count.
 ///
-/// With values of one motion (or `motions` left out) the values are what repeats:
+/// With values of one motion (or `motions` left out) the values are the replicates:
 ///
 ///     error = s / sqrt(n), n - 1 degrees of freedom
 ///
-/// and the interval tells of noise alone. With several motions these are what repeats, and not the
+/// and the interval tells of noise alone. With several motions these are the replicates, not the
 /// seeds on each of them: the mean, too, is that of the G means of the motions, each with the same
 /// weight however many values it has,
 ///

@@ -56,7 +56,7 @@ void FindMeasuredParts(Study& study) {
                 Selected(study.hand->cable_names(), study.measured_cables));
 }
 
-/// Refuses a map by which a joint would stand at its stop all the time, whatever the wearer does.
+/// Refuses a map by which a joint would be at its limit all the time, whatever the wearer does.
 /// Errors: SettingError `NAME` of the joint.
 void CheckReach(const Study& study) {
   const controller::TendonTransmission& hand = study.hand->transmission();
@@ -114,7 +114,7 @@ void ChooseVideoChannel(Study& study, std::string& channel) {
 }
 
 /// How much of the time the wearer of the first glove asks a joint for what is beyond its range:
-/// there the hand stands at its stop whatever a controller does. Empty if it never matters.
+/// there the hand is at its limit with every controller. Empty if it never matters.
 std::string BeyondRangeRemark(const Study& study) {
   constexpr double kMatters_deg = 0.5;
   constexpr double kLeastShare = 0.005;

@@ -20,7 +20,7 @@ std::vector<double> StallTensions(const Study& study) {
   return tensions;
 }
 
-/// Per measured motor the share of the ticks that count in which it gives all that it has.
+/// Per measured motor the share of the ticks that count in which it is saturated.
 std::vector<double> SaturationShares(const Study& study, const FlagSignal& at_limit,
                                      const std::optional<CountedParts>& counted) {
   std::vector<double> shares;

@@ -23,7 +23,7 @@ std::vector<int> LooksOf(int seeds);
 ///
 ///     1 - 0.05 / (K (C + 1) (B + 1))
 ///
-/// which is Bonferroni's over all looks, all that the best could be held against, and all bounds:
+/// which is Bonferroni's over all looks, all that the best could be compared with, and all bounds:
 /// what is truly best is stopped in at most 5 % of sweeps, as far as differences are normal.
 /// Source: Dunn 1961, doi 10.1080/01621459.1961.10482090.
 ///

@@ -17,7 +17,7 @@ namespace gauntlet::sim {
 /// The last part of an axis' key that still tells the axes apart, and is not a score's.
 std::string ShortKey(const SweepPlan& plan, std::size_t axis);
 
-/// The best cells, or the nearest where none keeps the constraints, each held against the first.
+/// The best cells, or the nearest where none keeps the constraints, each compared with the first.
 ResultTable BestCells(const SweepPlan& plan, const SweepSummary& summary);
 
 /// The best cell by the score that decides; nothing is recommended where others are undecided

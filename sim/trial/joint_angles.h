@@ -14,7 +14,7 @@ namespace gauntlet::sim {
 /// Shapes: ticks x channels in, ticks x joints out. Units: rad.
 Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_angle_rad);
 
-/// What the hand's joints are held against: the joint map of the wearer's true angles, as trace.h5
+/// Reference of the hand's joints: the joint map of the wearer's true angles, as trace.h5
 /// holds it (see Stored). Shapes and units as above.
 Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true_angle_rad);
 

@@ -18,8 +18,8 @@ using FlagSignal = SignalOf<std::uint8_t>;
 
 /// What stands in trace.h5 for a value in memory. Signals are kept with 24 significant bits: 1e-7
 /// of an angle is far below what any joint can show, every count of an ADC is exact, and a long
-/// trace takes half the disk and half the time. They are rounded when they are recorded, so whoever
-/// computes a score again from the file has the very numbers that it was computed from.
+/// trace takes half the disk and half the time. They are rounded when they are recorded, so a
+/// score that is computed again from the file begins with the same numbers.
 template <class Scalar>
 using Stored = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>;
 
@@ -32,7 +32,7 @@ struct Trace {
   IntegerSignal command_counts;  // ticks x motors: the frame that the servos hold
   Signal spool_angle_rad;        // ticks x motors
   Signal spool_speed_rad_s;      // ticks x motors
-  FlagSignal motor_at_limit;     // ticks x motors: the servo gives all that it has
+  FlagSignal motor_at_limit;     // ticks x motors: actuator saturation
   Signal hand_angle_rad;         // ticks x joints
   Signal measured_angle_rad;     // ticks x joints: by their sensors; no columns without them
   Signal tension_n;              // ticks x cables

@@ -153,7 +153,7 @@ void WriteSegments(H5::Group& group, const GloveSignal& glove) {
   WriteStretches(group, "segments", "label", stretches);
 }
 
-/// What nobody knows of, in ticks.
+/// Unknown motion, in ticks.
 void WriteMasked(H5::Group& group, const GloveSignal& glove) {
   std::vector<Stretch> stretches;
   for (const MaskedStretch& masked : glove.masked) {

@@ -14,7 +14,7 @@ namespace gauntlet::sim {
 /// the attributes `unit`, `rate_hz` (of its rows: ticks, for `/glove/counts` samples) and `columns`
 /// (their names). `/glove/faults` and `/glove/segments` are tables: what was wrong with the glove
 /// in which samples, and which ticks of the motion the scenario labels; `/glove/masked`, where
-/// there is any, which ticks of a recording nobody knows of, and why. The file appears when
+/// there is any, which ticks of a recording are unknown, and why. The file appears when
 /// Commit() has been called. Errors: RunError with the path when the disk does not take it.
 class TraceWriter {
  public:

@@ -25,7 +25,7 @@ struct TraceFile {
   Signal reference_angle_rad;         // ticks x joints: what the wearer's angles ask of the hand
   Signal counts;                      // samples x channels
   std::vector<Segment> segments;      // that a person labelled, in ticks
-  std::vector<MaskedStretch> masked;  // of a recording: what nobody knows of, in ticks
+  std::vector<MaskedStretch> masked;  // of a recording: unknown motion, in ticks
   std::vector<Trace> traces;          // in the order of writing
 };
 
@@ -36,7 +36,7 @@ struct TraceReading {
   double processor_s = 0.0;  // that the helper may take; 0: enough for any file of its size
 };
 
-/// Reads a trace file of anybody: HDF5, which crashes or hangs over some damaged files, has it in a
+/// Reads a trace file of any source. HDF5 crashes or hangs over some damaged files, so it runs in a
 /// helper process with limits of time and memory.
 /// Errors: UserError if it is missing, damaged, or not a trace file of Gauntlet.
 TraceFile ReadTraceFile(const std::filesystem::path& file, const TraceReading& reading = {});

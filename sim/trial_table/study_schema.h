@@ -37,7 +37,7 @@ std::filesystem::path InRealFolder(const std::filesystem::path& file);
 bool HasTables(SQLite::Database& database);
 /// In one transaction. Errors: SQLite::Exception.
 void MakeTables(SQLite::Database& database);
-/// Errors: UserError if the file is of another version, or somebody or something changed its
+/// Errors: UserError if the file is of another version, or another program changed its
 /// tables; SQLite::Exception.
 void CheckTables(const std::filesystem::path& file, SQLite::Database& database);
 

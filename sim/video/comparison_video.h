@@ -42,7 +42,7 @@ struct VideoInput {
   std::vector<Segment> parts;         // of the motion that have a name, in ticks: chapters
   std::vector<int> measured_joints;   // whose scores count; empty: all
   std::vector<CountedTicks> counted;  // of each of these joints, which ticks do; none: all
-  double jitter_above_hz = 10.0;      // where trembling begins: score.jitter_above_hz
+  double jitter_above_hz = 10.0;      // lower edge of jitter: score.jitter_above_hz
   int joint = 0;                      // whose curves are drawn
   std::string joint_name;
   std::string camera;

@@ -11,7 +11,7 @@ namespace gauntlet::sim {
 /// What the colours of all panes of a video are measured by.
 struct ColourScale {
   double largest_tension_n = 0.0;  // in any pane; 0: no tension is known
-  /// Links that are off by as much have the full colour: one of the usual steps that all joints in
+  /// Links with this error have the full colour: one of the usual steps that all joints in
   /// all panes stay below for 98 % of the time.
   double full_error_deg = 1.0;
 };
@@ -23,7 +23,7 @@ const Color& ColourOfPane(const VideoInput& input, int pane);
 
 /// What the colours of a hand say at a sample: how its cables pull, and of each link how far its
 /// joints are from the wearer's. Links that no measured joint moves have the colour of what carries
-/// them; nothing is said where nobody knows what the wearer did.
+/// them. Where the wearer's motion is unknown there is no colour.
 class HandColours {
  public:
   /// `input` and `hand` must outlive it.

@@ -15,7 +15,7 @@ namespace {
 constexpr int kPosturesLookedAt = 25;  // evenly over the motion, of each hand
 constexpr double kMoves_m = 0.003;     // less is not seen
 constexpr double kMovesShare = 0.3;    // of what moves most: less is not what the picture is about
-constexpr double kFingertipRate_hz = 250.0;  // a trembling of 10 Hz is a wave of 25 points
+constexpr double kFingertipRate_hz = 250.0;  // jitter of 10 Hz is a wave of 25 points
 
 std::vector<double> Row(const Signal& signal, int sample) {
   std::vector<double> values(signal.cols());

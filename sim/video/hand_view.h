@@ -37,9 +37,9 @@ struct FingertipWay {
 /// What the camera shows of all hands in all panes, the same for each: the shapes that move in any
 /// of them, and the palm, as large as fits; the wearer's fingertip and that of each pane.
 ///
-/// Fingertips tremble `kTremblingGain` times as much as they do: 0.3 deg of a finger are 0.4 mm,
-/// which nobody sees. What is multiplied is the angles' part above `jitter_above_hz`, the same that
-/// the score jitter_rms_deg counts; near either end, where that has no value, nothing is.
+/// Jitter of fingertips is drawn `kTremblingGain` times as large: 0.3 deg of a finger are 0.4 mm,
+/// which is invisible. The factor applies to the angles' part above `jitter_above_hz`, as in the
+/// score jitter_rms_deg. Near either end, where the score has no value, it is 1.
 ///
 /// Const once made, so that many processes draw with one.
 class HandView {

@@ -28,7 +28,7 @@ struct RendererConfig {
   /// Round shapes are drawn with this many sides: 14 are enough for a finger some 20 px wide. The
   /// number of triangles is what costs time.
   int sides = 14;
-  /// Cables as bars of four sides, not as round ones: cannot be told apart up to 3 px of width, and
+  /// Cables as bars of four sides, not as round ones: look the same up to 3 px of width, and
   /// saves half of the time for a hand with 36 cables.
   bool plain_cables = false;
 };

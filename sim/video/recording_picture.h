@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// A stranger's recording at a glance: a row per sensor with the joint that it is taken for, its
+/// A third-party recording at a glance: a row per sensor with the joint that it is taken for, its
 /// curve, its range and what is wrong with it. Errors: UserError if there is no sensor in it.
 Image DrawRecording(const Inspection& inspection);
 

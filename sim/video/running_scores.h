@@ -15,8 +15,8 @@ namespace gauntlet::sim {
 ///     rmse   = mean over channels of sqrt(mean over samples of (hand - true)^2)
 ///     jitter = mean over channels of sqrt(mean over samples of (hand above the edge)^2)
 ///
-/// Samples that count, and channels that have any by then: as in the table, what nobody knows of a
-/// recording is left out.
+/// Samples that count, and channels that have any by then: as in the table, unknown parts of a
+/// recording are left out.
 ///
 /// The jitter's high pass is the score's own (sim/score/jitter.h): near either end (0.63 s for 10
 /// Hz) it has no value.

@@ -21,7 +21,7 @@ struct Motion {
   std::vector<Segment> segments;  // that a person labelled
   /// What a recorded glove said, where the recording is of a glove; else empty. NaN is missing.
   Signal measured_rad;
-  std::vector<MaskedStretch> masked;           // of a recording: what nobody knows of, in samples
+  std::vector<MaskedStretch> masked;           // of a recording: unknown motion, in samples
   std::shared_ptr<const Recording> recording;  // what it was made from, if it was
   double recording_start_s = 0.0;              // of the stretch that is played
   std::string reference_name = "ground truth";

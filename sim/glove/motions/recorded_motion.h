@@ -59,8 +59,8 @@ struct RecordedMotionConfig {
 ColumnMap ReadMapOf(const RecordedMotionConfig& config);
 
 /// For `measured`, angle_rad is the reference, always by interpolation, and measured_rad what the
-/// glove said. What nobody knows is `masked`: gaps and restarts, of a measured recording also where
-/// a sensor stands at its stop, and what the reference lacks.
+/// glove measured. Unknown motion is `masked`: gaps and restarts, of a measured recording also
+/// clipped parts, and parts without a reference.
 /// The columns in counts are those of the default sensor and converter unless given.
 /// Errors: UserError for a file that cannot be read or is too short.
 Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context);

@@ -21,7 +21,7 @@ struct PlayedStretch {
 /// restarts of its clock.
 void AddGapsAndRestarts(const Recording& recording, int channel, const PlayedStretch& stretch,
                         const std::vector<bool>& in_gap, std::vector<MaskedStretch>& masked);
-/// Likewise, where a sensor stood at its stop.
+/// Likewise, where a sensor was clipped.
 void AddClipped(const Recording& recording, int channel, const PlayedStretch& stretch,
                 std::vector<MaskedStretch>& masked);
 

@@ -9,7 +9,7 @@
 
 namespace gauntlet::sim {
 
-/// The trembling of a living hand, which is not noise of the glove: the glove measures it rightly.
+/// Tremor of the wearer's hand. It is no noise of the glove, which measures it correctly.
 /// Whether the robot hand should follow it is a choice; `belongs_to_truth` makes it.
 ///
 /// Narrow-band random oscillation: eight sines per channel of random phase and frequency within the
