@@ -39,8 +39,8 @@ struct ControllerSummary {
 
 /// Means and judgements of a comparison. All pairs of controllers in the primary scores are one
 /// family of questions, see Judge(), and decide the verdict. Those in all other metrics are a
-/// second family, which explains it. Every pair has one interval and one judgement, and the best may
-/// be chosen from the same data. A controller with a failed trial is in no pair.
+/// second family, which explains it. Every pair has one interval and one judgement, and the best
+/// may be chosen from the same data. A controller with a failed trial is in no pair.
 struct Summary {
   std::vector<ControllerSummary> controllers;
   std::vector<bool> dominated;          // another is better in jitter or delay, and equal or better
@@ -51,7 +51,7 @@ struct Summary {
   bool one_run = true;
   RecordingBlocks blocks;  // of one recording: these are the replicates. A score without values of
                            // blocks has no interval and no judgement
-  int motions = 1;         // different ones of the wearer: with several, these are what repeats
+  int motions = 1;         // different ones of the wearer; several are the replicates
   int pairs = 0;           // that were judged
   int primary_pairs = 0;   // of these in primary scores
   Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
