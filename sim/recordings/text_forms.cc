@@ -456,8 +456,8 @@ LiveTable PlainStream(TextLines::Source source) {
   constexpr std::size_t kLongestHead = std::size_t{1} << 20;  // longer lines are refused
   std::string head;
   const auto read_lines = [&](std::ptrdiff_t count) {
-    for (std::size_t got = 1; got > 0 && head.size() < kLongestHead &&
-                              std::ranges::count(head, '\n') < count;) {
+    for (std::size_t got = 1;
+         got > 0 && head.size() < kLongestHead && std::ranges::count(head, '\n') < count;) {
       const std::size_t size = head.size();
       head.resize(size + kBlock);
       got = source(head.data() + size, kBlock);
