@@ -51,7 +51,7 @@ std::string KeypointText(const Placement& placement, int rows) {
     std::vector<double> angles = hand.NeutralAngles();
     for (std::size_t j = 0; j < angles.size() && placement.bends; ++j) {
       if (hand.joints()[j].name.ends_with("_mcp")) angles[j] = 0.03 * row;
-      if (hand.joints()[j].name == "thumb_rotation") angles[j] = 0.7;  // apart from the fingers
+      if (hand.joints()[j].name == "thumb_abduction") angles[j] = 1.0;  // apart from the fingers
     }
     hand.SetAngles(angles);
     std::vector<Eigen::Vector3d> points = {Eigen::Vector3d::Zero()};
