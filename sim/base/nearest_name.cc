@@ -62,6 +62,7 @@ std::string NearestName(std::string_view name, const std::vector<std::string>& c
 }
 
 std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates) {
+  if (candidates.empty()) return "";
   if (const std::string nearest = NearestName(name, candidates); !nearest.empty()) {
     return fmt::format(" (did you mean {}?)", nearest);
   }

@@ -51,13 +51,14 @@ struct RetargetOptions {
   }
 
   static constexpr auto kNotes = R"(
-Angles of one hand are wrong on another: lengths and the thumb's axes differ. The fingertips of
-the hand follow those of the recording, scaled by the lengths of the digits. Contacts of thumb
-and finger stay contacts, and digits do not interpenetrate. All angles are within the ranges of
-the hand. Wrist and arm are copied by name.
+Angles of one hand are wrong on another: lengths and the thumb's axes differ.
+The fingertips of the hand follow those of the recording, scaled by the lengths
+of the digits. Contacts of thumb and finger stay contacts, and digits do not
+interpenetrate. All angles are within the ranges of the hand. Wrist and arm are
+copied by name.
 
-The fingers of a hand are found by the names of its joints (thumb_mcp, FFJ3, if_mcp). Its
-motors and cables do not matter here.
+The fingers of a hand are found by the names of its joints (thumb_mcp, FFJ3,
+if_mcp). Its motors and cables do not matter here.
 
 Example:
   gauntlet retarget scenarios/recordings/door_opening/angles_01.csv --from models/hand_arm.xml

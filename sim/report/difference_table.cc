@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
-#include <ranges>
+#include <span>
 #include <utility>
 
+#include "sim/score/metrics.h"
 #include "sim/score/priority.h"
 #include "sim/statistics/result_cells.h"
 
@@ -37,7 +38,8 @@ void AddSettings(const std::string& title, const std::vector<SettingDifference>&
                  std::size_t most, ResultText& text) {
   if (settings.empty()) return;
   AddLine(title, text);
-  for (const SettingDifference& setting : settings | std::views::take(most)) {
+  for (const SettingDifference& setting :
+       std::span(settings).first(std::min(most, settings.size()))) {
     AddLine(fmt::format("{}: {} -> {}", setting.key, ValueText(setting.a), ValueText(setting.b)),
             text);
   }
@@ -114,7 +116,7 @@ std::string AnswerOf(const StudyDifference& difference, const std::vector<ScoreD
   if (changed == 0) return text + ".";
   constexpr std::size_t kMost = 3;
   std::vector<std::string> sentences;
-  for (const ScoreDifference& score : largest | std::views::take(std::min(changed, kMost))) {
+  for (const ScoreDifference& score : std::span(largest).first(std::min(changed, kMost))) {
     sentences.push_back(ChangeSentence(score));
   }
   text +=

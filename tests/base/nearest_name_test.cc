@@ -18,5 +18,7 @@ TEST(NearestName, OfEquallyNearOnesLacksLettersOnly) {
   EXPECT_EQ(NearestName("lst", {"list", "last"}), "list");  // both do: the first
 }
 
+TEST(Suggestion, OfNothingIsNone) { EXPECT_EQ(Suggestion("my.yaml", {}), ""); }
+
 }  // namespace
 }  // namespace gauntlet::sim

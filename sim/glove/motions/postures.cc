@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::array<Posture, 11> kPostures = {{
     // thumb: rotation, abduction, MCP, IP; index, middle, ring, little: MCP, PIP; spread; wrist
-    // flexion, deviation; forearm rotation; elbow; shoulder
+    // flexion, deviation; forearm rotation; elbow; shoulder. In precision and tripod the pads are
+    // 4 to 13 mm apart, as on a thing of that size; a search kept all digits apart on the way.
     {"rest",
      "the hand hangs relaxed",
      {30, 20, 15, 10, 20, 25, 22, 28, 25, 30, 28, 32, 5, 10, 5, 0, 80, 20}},
@@ -28,10 +29,10 @@ constexpr std::array<Posture, 11> kPostures = {{
      {70, 40, 25, 40, 60, 75, 62, 78, 65, 80, 68, 80, 5, -20, 10, 0, 85, 25}},
     {"precision",
      "tips of thumb and index finger on a small thing",
-     {75, 35, 20, 30, 50, 45, 25, 30, 20, 25, 20, 25, 8, -15, 5, 20, 90, 25}},
+     {93, 42, 0, -15, 60, 16, 25, 30, 20, 25, 20, 25, 0, -15, 5, 20, 90, 25}},
     {"tripod",
      "thumb, index and middle finger around a pen",
-     {70, 35, 20, 30, 50, 45, 50, 47, 35, 55, 35, 55, 5, -20, 5, -15, 90, 20}},
+     {98, 45, 3, -15, 54, 18, 50, 39, 35, 55, 35, 55, 0, -20, 5, -15, 90, 20}},
     {"lateral",
      "thumb on the side of the index finger, as on a key",
      {20, 10, 20, 30, 55, 70, 60, 80, 60, 80, 60, 80, 2, -10, 5, 45, 90, 20}},
