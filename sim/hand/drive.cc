@@ -106,19 +106,6 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, const std::stri
   return cable;
 }
 
-/// Errors: UserError for a limit that the servo cannot have.
-void CheckCurrentLimit(const ServoNumbers& numbers, std::string_view servo_key) {
-  if (numbers.current_limit_ma <= numbers.stall_current_ma) return;
-  throw UserError(
-      {.key = fmt::format("{}.current_limit_ma", servo_key),
-       .problem =
-           numbers.stall_current_ma > 0.0
-               ? fmt::format("is {}, must be at most stall_current_ma, {}",
-                             numbers.current_limit_ma, numbers.stall_current_ma)
-               : fmt::format("is {}, but stall_current_ma of this servo is not known: give it",
-                             numbers.current_limit_ma)});
-}
-
 CableWear MakeWear(const WearConfig& config, std::size_t motor, const std::string& cable) {
   CableWear wear{.longer_m_per_s = 1e-3 * OfMotor(config.slack_mm_per_hour, motor) / 3600.0,
                  .longer_per_travel = 1e-6 * OfMotor(config.slack_mm_per_km, motor)};
@@ -127,14 +114,6 @@ CableWear MakeWear(const WearConfig& config, std::size_t motor, const std::strin
 }
 
 }  // namespace
-
-void CheckOneForEach(std::string_view key, const std::vector<double>& values, std::size_t motors) {
-  if (values.size() == 1 || values.size() == motors) return;
-  throw UserError({.key = std::string(key),
-                   .problem = fmt::format("has {} values, must have 1 for all motors or {}, one "
-                                          "for each",
-                                          values.size(), motors)});
-}
 
 double OfMotor(const std::vector<double>& values, std::size_t motor) noexcept {
   return values[values.size() == 1 ? 0 : motor];
@@ -173,7 +152,6 @@ std::vector<Drive> FindDrives(const mjModel& model, const HandConfig& config) {
     const auto [key, numbers] = config.ServoOf(stall_torque_nm);
     drive.servo_key = key;
     drive.numbers = numbers;
-    CheckCurrentLimit(numbers, key);
     drive.play_rad = (config.cable.backlash_deg + drive.numbers.play_deg) * kRadPerDeg;
     drive.servo = MakeServo(drive.numbers, stall_torque_nm, config.motor_limits);
     drive.spool = MakeSpool(drive.numbers, model, drive.spool_dof);
@@ -189,9 +167,6 @@ void FindCables(const mjModel& model, const HandConfig& config,
   const CablePaths paths(model, joints, followers);
   // The force of pretension stays what it is with another stiffness.
   const double pretension_m = 1e-3 * config.cable.pretension_mm / StiffnessFactor(config.cable);
-  CheckOneForEach("hand.cable.slack_mm", config.cable.slack_mm, drives.size());
-  CheckOneForEach("hand.wear.slack_mm_per_hour", config.wear.slack_mm_per_hour, drives.size());
-  CheckOneForEach("hand.wear.slack_mm_per_km", config.wear.slack_mm_per_km, drives.size());
   for (std::size_t motor = 0; motor < drives.size(); ++motor) {
     Drive& drive = drives[motor];
     // A joint with a motor of its own name is that motor's alone.

@@ -76,10 +76,7 @@ void FindCables(const mjModel_& model, const HandConfig& config,
                 const std::vector<HandJoint>& joints, const std::vector<Follower>& followers,
                 std::vector<Drive>& drives);
 
-/// Throws UserError if a setting of one value for all motors, or one for each, has neither.
-void CheckOneForEach(std::string_view key, const std::vector<double>& values, std::size_t motors);
-
-/// The value of one motor in such a list.
+/// The value of one motor in a list of one for all motors, or one for each.
 double OfMotor(const std::vector<double>& values, std::size_t motor) noexcept;
 
 /// How a cable's length grows with a joint's angle, here and now [m/rad].

@@ -146,9 +146,36 @@ void CheckSnap(const SnapConfig& snap, const std::vector<std::string>& cable_nam
                                           Suggestion(snap.cable, cable_names))});
 }
 
-/// Errors: UserError if there is neither one value for all motors nor one for each.
+/// Errors: UserError if a setting has neither one value for all motors nor one for each.
+void CheckLists(const HandConfig& config, std::size_t motors) {
+  const std::pair<const char*, const std::vector<double>&> lists[] = {
+      {"hand.motor_friction_scale", config.motor_friction_scale},
+      {"hand.cable.slack_mm", config.cable.slack_mm},
+      {"hand.wear.slack_mm_per_hour", config.wear.slack_mm_per_hour},
+      {"hand.wear.slack_mm_per_km", config.wear.slack_mm_per_km}};
+  for (const auto& [key, values] : lists) {
+    if (values.size() == 1 || values.size() == motors) continue;
+    throw UserError({.key = key,
+                     .problem = fmt::format("has {} values, must have 1 for all motors or {}, one "
+                                            "for each",
+                                            values.size(), motors)});
+  }
+}
+
+/// Errors: UserError for a limit that the servo cannot have.
+void CheckCurrentLimit(const ServoNumbers& numbers, std::string_view servo_key) {
+  if (numbers.current_limit_ma <= numbers.stall_current_ma) return;
+  throw UserError(
+      {.key = fmt::format("{}.current_limit_ma", servo_key),
+       .problem =
+           numbers.stall_current_ma > 0.0
+               ? fmt::format("is {}, must be at most stall_current_ma, {}",
+                             numbers.current_limit_ma, numbers.stall_current_ma)
+               : fmt::format("is {}, but stall_current_ma of this servo is not known: give it",
+                             numbers.current_limit_ma)});
+}
+
 void ScaleFriction(const std::vector<double>& scale, std::vector<Drive>& drives) {
-  CheckOneForEach("hand.motor_friction_scale", scale, drives.size());
   for (std::size_t motor = 0; motor < drives.size(); ++motor) {
     const double factor = OfMotor(scale, motor);
     Drive& drive = drives[motor];
@@ -236,10 +263,15 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   model_->opt.timestep = timing.step_s();
 
   if (config.contact != Contact::kNone) model_->opt.disableflags &= ~mjDSBL_CONTACT;
+  CheckCurrentLimit(config.servo.numbers(), "hand.servo");
+  CheckCurrentLimit(config.arm_servo.numbers(), "hand.arm_servo");
   InModelFile(path, [&] {
     if (config.contact == Contact::kObject) grasp_ = MakeObject(*model_, config.object);
     followers_ = FindFollowers(*model_);
     drives_ = FindDrives(*model_, config);
+  });
+  CheckLists(config, drives_.size());
+  InModelFile(path, [&] {
     const auto all = FindJoints(*model_, followers_, SpoolPositions(drives_));
     FindCables(*model_, config, all, followers_, drives_);
     engine_measures_cables_ = !FindCableSpans(*model_, all, followers_, drives_);

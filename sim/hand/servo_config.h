@@ -99,7 +99,7 @@ struct DynamixelServo : ServoNumbers {
 struct StiffDynamixelServo : DynamixelServo {
   static constexpr std::string_view kKind = "dynamixel_stiff";
   static constexpr std::string_view kSummary =
-      "the same with four times the gain (P 2400, D 4000): friction leaves less of an error";
+      "as dynamixel with four times the gain (P 2400, D 4000): friction leaves less of an error";
   StiffDynamixelServo();
 };
 
@@ -107,7 +107,7 @@ struct StiffDynamixelServo : DynamixelServo {
 struct LeapServo : DynamixelServo {
   static constexpr std::string_view kKind = "leap";
   static constexpr std::string_view kSummary =
-      "the same as the LEAP Hand's program sets it: P 600, D 200, current at most 350 mA";
+      "as dynamixel with the settings of the LEAP Hand: P 600, D 200, current at most 350 mA";
   LeapServo();
 };
 
@@ -115,7 +115,7 @@ struct LeapServo : DynamixelServo {
 struct OrcaServo : DynamixelServo {
   static constexpr std::string_view kKind = "orca";
   static constexpr std::string_view kSummary =
-      "the same as the ORCA hand's program sets it: P 400 of the factory, at most 300 mA";
+      "as dynamixel with the settings of the ORCA hand: P 400, current at most 300 mA";
   OrcaServo();
 };
 

@@ -47,6 +47,24 @@ TEST(HandSettings, ATravelThatTheSpoolCannotWindIsRefused) {
   EXPECT_THAT(message, HasSubstr("must wind"));
 }
 
+TEST(HandSettings, ACurrentLimitThatTheServoCannotHaveIsRefused) {
+  EXPECT_EQ(Refusal([](HandConfig& c) { c.servo.numbers().current_limit_ma = 1470; }), "");
+  EXPECT_EQ(Refusal([](HandConfig& c) { c.servo.numbers().current_limit_ma = 1471; }),
+            "hand.servo.current_limit_ma: is 1471, must be at most stall_current_ma, 1470");
+  EXPECT_THAT(Refusal([](HandConfig& c) { c.arm_servo.numbers().current_limit_ma = 100; }),
+              HasSubstr("hand.arm_servo.current_limit_ma: is 100, but stall_current_ma"));
+}
+
+TEST(HandSettings, ListsAreOfOneForAllMotorsOrOneForEach) {
+  EXPECT_EQ(Refusal([](HandConfig& c) { c.cable.slack_mm = std::vector<double>(18, 0.1); }), "");
+  EXPECT_EQ(Refusal([](HandConfig& c) {
+              c.cable.slack_mm = {0.1, 0.2};
+            }),
+            "hand.cable.slack_mm: has 2 values, must have 1 for all motors or 18, one for each");
+  EXPECT_THAT(Refusal([](HandConfig& c) { c.wear.slack_mm_per_km = {}; }),
+              HasSubstr("hand.wear.slack_mm_per_km: has 0 values"));
+}
+
 TEST(HandSettings, StepsAreShortenedUntilWholeOnesMakeUpATick) {
   HandConfig config;
   config.step_ms = 0.3;
