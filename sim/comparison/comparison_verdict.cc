@@ -337,7 +337,8 @@ void AddWarnings(const Summary& summary, const Choice& choice,
   if (!summary.blocks.empty()) {
     verdict.AddWarning("one_recording",
                        fmt::format("The confidence intervals are from {} of this recording: one "
-                                   "session of one person.",
+                                   "session of one person. They are too narrow if it has few fast "
+                                   "movements.",
                                    summary.blocks.Text()));
   } else if (!summary.one_run && summary.motions == 1) {
     verdict.AddWarning("one_motion", "One motion: the confidence intervals cover noise only.");

@@ -204,7 +204,8 @@ TEST_F(SummaryTest, BlocksOfARecordingAreTheReplicates) {
   const std::vector<std::string> doubts = VerdictOf(summary).Doubts();
   EXPECT_EQ(std::ranges::count(doubts,
                                "The confidence intervals are from 8 blocks of 5.0 s of this "
-                               "recording: one session of one person."),
+                               "recording: one session of one person. They are too narrow if "
+                               "it has few fast movements."),
             1);
 }
 
