@@ -13,7 +13,7 @@ struct RobotOrigin {
   std::string scenario;
   std::string controller;
   std::string model_hash;  // of the simulated hand
-  std::string file;        // name of the file that is written
+  std::string file = {};   // name of the file that is written
 };
 
 /// Everything that a Controller is made from, as one YAML file: a table of the glove's channels, of

@@ -194,7 +194,7 @@ TEST(Calibrate, NamesWhatARecordingLacks) {
   EXPECT_THAT(ErrorOf(broken), HasSubstr("middle_pip: is at 0 or at full scale"));
 
   EXPECT_THAT(ErrorOf(good, {.curve = CurveKind::kPolynomial, .degree = 9}),
-              HasSubstr("thumb_rotation: --degree is 9, must be from 1 to 5, below its 6 poses"));
+              HasSubstr("thumb_rotation: --degree is 9, must be from 1 to 6, below its 7 poses"));
 
   PoseRecording clipped = good;
   clipped.counts.col(4).setConstant(1023.0);
