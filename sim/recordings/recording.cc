@@ -240,23 +240,28 @@ void LeaveOutFrozen(Recording& recording) {
                   recording.name, stretches.size(), frozen_s));
 }
 
-/// One line for all channels that hardly ever change.
+/// One line for all channels that hardly ever change. At a limit of its range a joint may stay.
 void RemarkRepeats(Recording& recording) {
   std::string found;
   Eigen::Index longest = 0;
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
     if (!recording.has_channel[c]) continue;
     const auto angle = recording.angle_rad.col(c);
+    const Channel& channel = KnownChannels()[c];
+    const auto is_limit = [&](double angle_rad) {
+      const double angle_deg = angle_rad * kDegPerRad;
+      return angle_deg < channel.min_deg + 1e-6 || angle_deg > channel.max_deg - 1e-6;
+    };
     Eigen::Index repeats = 0, run = 0, longest_here = 0;
     for (Eigen::Index i = 1; i < angle.size(); ++i) {
-      run = angle[i] == angle[i - 1] ? run + 1 : 0;
+      run = angle[i] == angle[i - 1] && !is_limit(angle[i]) ? run + 1 : 0;
       if (run > 0) ++repeats;
       longest_here = std::max(longest_here, run);
     }
     TrimSignals();
     if (2 * repeats < angle.size()) continue;
     longest = std::max(longest, longest_here);
-    found += fmt::format("{}{} {:.3g} %", found.empty() ? "" : ", ", KnownChannels()[c].name,
+    found += fmt::format("{}{} {:.3g} %", found.empty() ? "" : ", ", channel.name,
                          100.0 * static_cast<double>(repeats) / static_cast<double>(angle.size()));
   }
   if (found.empty()) return;

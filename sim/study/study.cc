@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/fast_hash.h"
 #include "sim/base/nearest_name.h"
+#include "sim/glove/motions/postures.h"
 #include "sim/hand/camera_view.h"
 #include "sim/recordings/recording.h"
 #include "sim/score/delay.h"
@@ -29,6 +30,10 @@ std::vector<std::string> Selected(const Names& names, const std::vector<int>& in
   std::vector<std::string> selected;
   for (const int index : indices) selected.push_back(names[static_cast<std::size_t>(index)]);
   return selected;
+}
+
+bool Has(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
 }
 
 /// Fills in which parts of the hand count.
@@ -54,6 +59,27 @@ void FindMeasuredParts(Study& study) {
   study.rows =
       ScoreRows(study.measured_joint_names, Selected(hand.motor_names, study.measured_motors),
                 Selected(study.hand->cable_names(), study.measured_cables));
+}
+
+/// Joints that no channel moves and the scenario does not hold rest as a relaxed hand does: in the
+/// middle of their ranges, thumb and fingers would be in each other.
+void RestUnmeasuredJoints(const std::vector<std::string>& channels,
+                          const controller::TendonTransmission& hand,
+                          controller::JointMapConfig& joint_map) {
+  const std::vector<std::string> known = KnownChannelNames();
+  const std::vector<double> rest_rad = PostureAngles(PostureIndex("rest"));
+  for (std::size_t joint = 0; joint < hand.joint_names.size(); ++joint) {
+    const std::string& name = hand.joint_names[joint];
+    const auto place = std::ranges::find(known, name) - known.begin();
+    if (Has(channels, name) || place == std::ssize(known)) continue;
+    if (std::ranges::find(joint_map.joints, name, &controller::JointSource::joint) !=
+        joint_map.joints.end()) {
+      continue;
+    }
+    const double held_rad = std::clamp(rest_rad[static_cast<std::size_t>(place)],
+                                       hand.joint_min_rad[joint], hand.joint_max_rad[joint]);
+    joint_map.joints.push_back({.joint = name, .channels = {}, .offset_deg = held_rad * kDegPerRad});
+  }
 }
 
 /// Refuses a map by which a joint would be at its limit all the time, whatever the wearer does.
@@ -90,10 +116,6 @@ void Add(const Signal& signal, FastHash& hash) {
     hash.Add(std::span(signal.col(c).data(), static_cast<std::size_t>(signal.rows())));
     TrimSignals();
   }
-}
-
-bool Has(const std::vector<std::string>& names, const std::string& name) {
-  return std::ranges::find(names, name) != names.end();
 }
 
 /// The joint whose curves video and report begin with. A scenario for a full glove also serves a
@@ -306,6 +328,7 @@ Study PrepareStudy(Scenario scenario) {
   controller::WithinSetting(
       "score", [&] { scenario.score.Check(study.hand->timing().tick_rate_hz(), fewest_ticks); });
   controller::WithinSetting("joint_map", [&] {
+    RestUnmeasuredJoints(study.channel_names(), study.hand->transmission(), scenario.joint_map);
     study.scenario.joint_map = scenario.joint_map;
     FindMeasuredParts(study);
     CheckReach(study);
