@@ -61,13 +61,13 @@ void FindMeasuredParts(Study& study) {
                 Selected(study.hand->cable_names(), study.measured_cables));
 }
 
-/// Joints that no channel moves and the scenario does not hold rest as a relaxed hand does: in the
-/// middle of their ranges, thumb and fingers would be in each other.
-void RestUnmeasuredJoints(const std::vector<std::string>& channels,
+/// Joints that no channel moves and the scenario does not hold stand as those of an open hand: in
+/// the middle of their ranges, and with a relaxed thumb, digits would be in each other.
+void HoldUnmeasuredJoints(const std::vector<std::string>& channels,
                           const controller::TendonTransmission& hand,
                           controller::JointMapConfig& joint_map) {
   const std::vector<std::string> known = KnownChannelNames();
-  const std::vector<double> rest_rad = PostureAngles(PostureIndex("rest"));
+  const std::vector<double> open_rad = PostureAngles(PostureIndex("open"));
   for (std::size_t joint = 0; joint < hand.joint_names.size(); ++joint) {
     const std::string& name = hand.joint_names[joint];
     const auto place = std::ranges::find(known, name) - known.begin();
@@ -76,9 +76,10 @@ void RestUnmeasuredJoints(const std::vector<std::string>& channels,
         joint_map.joints.end()) {
       continue;
     }
-    const double held_rad = std::clamp(rest_rad[static_cast<std::size_t>(place)],
+    const double held_rad = std::clamp(open_rad[static_cast<std::size_t>(place)],
                                        hand.joint_min_rad[joint], hand.joint_max_rad[joint]);
-    joint_map.joints.push_back({.joint = name, .channels = {}, .offset_deg = held_rad * kDegPerRad});
+    const double held_deg = 1e-9 * std::round(1e9 * held_rad * kDegPerRad);
+    joint_map.joints.push_back({.joint = name, .channels = {}, .offset_deg = held_deg});
   }
 }
 
@@ -328,7 +329,7 @@ Study PrepareStudy(Scenario scenario) {
   controller::WithinSetting(
       "score", [&] { scenario.score.Check(study.hand->timing().tick_rate_hz(), fewest_ticks); });
   controller::WithinSetting("joint_map", [&] {
-    RestUnmeasuredJoints(study.channel_names(), study.hand->transmission(), scenario.joint_map);
+    HoldUnmeasuredJoints(study.channel_names(), study.hand->transmission(), scenario.joint_map);
     study.scenario.joint_map = scenario.joint_map;
     FindMeasuredParts(study);
     CheckReach(study);

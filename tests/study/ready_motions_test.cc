@@ -1,4 +1,5 @@
-// No ready scenario asks a hand for a posture in which one digit is in another.
+// No ready scenario asks a hand for a posture in which one digit is in another, nor does a glove
+// of few sensors.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -76,6 +77,23 @@ TEST_P(ReadyMotion, KeepsDigitsApart) {
 
 INSTANTIATE_TEST_SUITE_P(Of, ReadyMotion, testing::ValuesIn(ReadyScenarios()),
                          [](const auto& test) { return test.param.stem().string(); });
+
+TEST(Study, HoldsJointsWithoutASensorOpen) {
+  const Study study = PrepareStudy(LoadScenario(
+      fs::path(SourceDir()) / "scenarios/steps.yaml",
+      {"glove.channels=[index_mcp, index_pip]", "joint_map.thumb_ip={channels: [], offset_deg: 7}"}));
+  const controller::JointMap joint_map = study.joint_map();
+  const std::vector<std::string>& names = study.hand->joint_names();
+  const auto held_deg = [&](const std::string& name) {
+    const auto joint = static_cast<int>(std::ranges::find(names, name) - names.begin());
+    EXPECT_FALSE(joint_map.measured(joint));
+    return joint_map.offset_rad(joint) * kDegPerRad;
+  };
+  EXPECT_NEAR(held_deg("thumb_rotation"), 20.0, 1e-9);
+  EXPECT_NEAR(held_deg("thumb_ip"), 7.0, 1e-9);
+  EXPECT_NEAR(held_deg("middle_mcp"), -5.0, 1e-9);
+  EXPECT_NEAR(held_deg("elbow_flexion"), 80.0, 1e-9);
+}
 
 }  // namespace
 }  // namespace gauntlet::sim

@@ -17,7 +17,8 @@ namespace {
 constexpr std::array<Posture, 11> kPostures = {{
     // thumb: rotation, abduction, MCP, IP; index, middle, ring, little: MCP, PIP; spread; wrist
     // flexion, deviation; forearm rotation; elbow; shoulder. In precision and tripod the pads are
-    // 4 to 13 mm apart, as on a thing of that size; a search kept all digits apart on the way.
+    // 8 to 13 mm apart, as on a thing of that size; a search kept all digits apart on the way from
+    // open, with all variations of a grasp.
     {"rest",
      "the hand hangs relaxed",
      {30, 20, 15, 10, 20, 25, 22, 28, 25, 30, 28, 32, 5, 10, 5, 0, 80, 20}},
@@ -26,13 +27,13 @@ constexpr std::array<Posture, 11> kPostures = {{
      {20, 45, 0, 0, -5, 2, -5, 2, -5, 2, -5, 2, 18, -10, 0, 0, 80, 20}},
     {"power",
      "fingers and thumb around a bottle",
-     {69, 40, 25, 40, 60, 75, 62, 78, 65, 80, 68, 80, 4, -20, 10, 0, 85, 25}},
+     {64, 41, 25, 40, 60, 75, 62, 78, 65, 80, 68, 80, 1, -20, 10, 0, 85, 25}},
     {"precision",
      "tips of thumb and index finger on a small thing",
-     {93, 43, 0, -14, 60, 15, 25, 30, 20, 25, 20, 25, 0, -15, 5, 20, 90, 25}},
+     {104, 38, 0, -11, 56, 14, 25, 30, 20, 25, 20, 25, 0, -15, 5, 20, 90, 25}},
     {"tripod",
      "thumb, index and middle finger around a pen",
-     {106, 50, 3, -3, 68, 8, 45, 44, 35, 56, 35, 55, 0, -20, 5, -15, 90, 20}},
+     {106, 49, 0, -7, 70, 8, 46, 42, 35, 55, 35, 55, 0, -20, 5, -15, 90, 20}},
     {"lateral",
      "thumb on the side of the index finger, as on a key",
      {20, 10, 20, 30, 55, 70, 60, 80, 60, 80, 60, 80, 2, -10, 5, 45, 90, 20}},
