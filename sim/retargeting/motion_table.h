@@ -18,7 +18,7 @@ struct MotionTable {
   Eigen::MatrixXd values;            // rows x columns; NaN is missing
 };
 
-/// Reads the columns of which `is_wanted` is true. Times are from a column of time (TimeScaleS), or
+/// Reads the columns of which `is_wanted` is true. Times are from columns of time (TimeByName), or
 /// from `rate_hz` where that is above 0.
 /// Errors: UserError with file, row and column, if there are no names or no times, or if a time is
 /// missing or does not rise.

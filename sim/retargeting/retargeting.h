@@ -21,9 +21,9 @@ struct RetargetingConfig {
   double direction_length_m = 0.02;  // an angle of the last phalanx counts as so long an arc
   double clearance_m = 0.0005;       // least gap between digits
   double overlap_weight = 1e4;       // of missing clearance: 10 mm of reach cost 0.01 mm of overlap
-  double acceleration_weight = 1e-9;   // m^2 s^4/rad^2: fingertips follow up to 6 Hz
-  double damping_m2 = 1e-6;            // per rad^2, to the frame before: dex-retargeting's 4e-3
-  double most_speed_rad_s = 15.0;      // of any joint
+  double acceleration_weight = 1e-9;  // m^2 s^4/rad^2: fingertips follow up to 6 Hz
+  double damping_m2 = 1e-6;           // per rad^2, to the frame before: dex-retargeting's 4e-3
+  double most_speed_rad_s = 15.0;     // of any joint
 };
 
 /// Angles of a hand whose fingertips do what those of another hand did.

@@ -63,8 +63,9 @@ class ReadyMotion : public testing::TestWithParam<fs::path> {};
 TEST_P(ReadyMotion, KeepsDigitsApart) {
   const Study study = PrepareStudy(LoadScenario(GetParam(), {}));
   const std::string& own = study.scenario.hand.model_path;
-  HandKinematics hand(own.empty() ? fs::path(SourceDir()) / "models" / "hand_arm.xml" : fs::path(own),
-                      "hand.model_path", FingerOfJointName);
+  HandKinematics hand(
+      own.empty() ? fs::path(SourceDir()) / "models" / "hand_arm.xml" : fs::path(own),
+      "hand.model_path", FingerOfJointName);
   const int repetitions = static_cast<int>(study.repetitions.size());
   double most = 0.0;
   for (int i = 0; i < repetitions; ++i) {
@@ -79,9 +80,10 @@ INSTANTIATE_TEST_SUITE_P(Of, ReadyMotion, testing::ValuesIn(ReadyScenarios()),
                          [](const auto& test) { return test.param.stem().string(); });
 
 TEST(Study, HoldsJointsWithoutASensorOpen) {
-  const Study study = PrepareStudy(LoadScenario(
-      fs::path(SourceDir()) / "scenarios/steps.yaml",
-      {"glove.channels=[index_mcp, index_pip]", "joint_map.thumb_ip={channels: [], offset_deg: 7}"}));
+  const Study study =
+      PrepareStudy(LoadScenario(fs::path(SourceDir()) / "scenarios/steps.yaml",
+                                {"glove.channels=[index_mcp, index_pip]",
+                                 "joint_map.thumb_ip={channels: [], offset_deg: 7}"}));
   const controller::JointMap joint_map = study.joint_map();
   const std::vector<std::string>& names = study.hand->joint_names();
   const auto held_deg = [&](const std::string& name) {
