@@ -19,6 +19,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
+#include "sim/recordings/file_format.h"
 #include "sim/report/chain_page.h"
 #include "sim/settings/yaml_writer.h"
 #include "sim/trial/trace_reader.h"
@@ -135,7 +136,8 @@ ChainLog LogOfTrace(const fs::path& file, const IdentifyOptions& options) {
 
 ChainLog LoadLog(const IdentifyOptions& options) {
   const fs::path path = options.log;
-  const fs::path trace = fs::is_directory(path) ? path / "trace.h5" : path;
+  const bool is_output = fs::is_directory(path) && DataSetFiles(path).empty();
+  const fs::path trace = is_output ? path / "trace.h5" : path;
   if (trace.extension() == ".h5" && options.array.empty()) return LogOfTrace(trace, options);
   if (!options.controller.empty()) {
     throw UserError({.place = "--controller " + options.controller,

@@ -405,7 +405,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   Inspection inspection;
   inspection.file = file.string();
   inspection.format = FormatOfFile(file);
-  inspection.file_bytes = std::filesystem::file_size(file);
+  inspection.file_bytes = RecordingBytes(file);
   inspection.array = options.array;
   inspection.arrays = ArraysIn(file, options.array);
   const auto is_whole = std::make_shared<bool>(true);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <system_error>
 
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/source_bytes.h"
@@ -10,6 +11,7 @@
 namespace gauntlet::sim {
 namespace {
 
+namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
 constexpr std::size_t kHeadBytes = 4096;
@@ -18,7 +20,7 @@ struct Signature {
   std::string_view bytes;  // at the beginning of the file
   FileFormat format;
 };
-constexpr std::array<Signature, 10> kSignatures = {{
+constexpr std::array<Signature, 11> kSignatures = {{
     {"\x89HDF\r\n\x1a\n"sv, FileFormat::kHdf5},
     {"\x93NUMPY"sv, FileFormat::kNpy},
     {"\x1f\x8b"sv, FileFormat::kGzip},
@@ -26,6 +28,7 @@ constexpr std::array<Signature, 10> kSignatures = {{
     {"#ROSBAG"sv, FileFormat::kRosBag},
     {"\x89MCAP0\r\n"sv, FileFormat::kMcap},
     {"PAR1"sv, FileFormat::kParquet},
+    {"version https://git-lfs"sv, FileFormat::kLfsPointer},
     {"\x1a\x45\xdf\xa3"sv, FileFormat::kVideo},  // Matroska, WebM
     {"\xff\xfe"sv, FileFormat::kUtf16},
     {"\xfe\xff"sv, FileFormat::kUtf16},
@@ -39,7 +42,7 @@ struct FormatFacts {
 const FormatFacts& FactsOf(FileFormat format) {
   constexpr std::string_view kRos2 =
       "write the topic as CSV: ros2 topic echo --csv TOPIC > FILE.csv while ros2 bag play plays it";
-  static constexpr std::array<FormatFacts, 18> kFacts = {{
+  static constexpr std::array<FormatFacts, 19> kFacts = {{
       {FileFormat::kText, "text"},
       {FileFormat::kUtf16, "UTF-16 text"},
       {FileFormat::kEmpty, "empty"},
@@ -55,9 +58,8 @@ const FormatFacts& FactsOf(FileFormat format) {
       {FileFormat::kRosBag, "a ROS 1 bag",
        "write the topic as CSV: rostopic echo -b FILE -p TOPIC > FILE.csv"},
       {FileFormat::kMcap, "MCAP", kRos2},
-      {FileFormat::kParquet, "Parquet (as LeRobot has)",
-       "write it as CSV: python3 -c \"import pandas; "
-       "pandas.read_parquet('FILE').to_csv('FILE.csv')\""},
+      {FileFormat::kParquet, "Parquet"},
+      {FileFormat::kLfsPointer, "a pointer of Git LFS", "fetch the file itself: git lfs pull"},
       {FileFormat::kVideo, "a video",
        "find the joint angles in it with a hand tracker and write them as CSV"},
       {FileFormat::kUrdf, "a URDF, a model of a robot",
@@ -119,7 +121,27 @@ FileFormat FormatOfBytes(std::string_view head) {
   return IsJson(head) ? FileFormat::kJson : FileFormat::kText;
 }
 
+std::vector<fs::path> DataSetFiles(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& chunk : fs::directory_iterator(folder / "data", ignored)) {
+    for (const auto& file : fs::directory_iterator(chunk.path(), ignored)) {
+      if (file.path().extension() == ".parquet") files.push_back(file.path());
+    }
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::uintmax_t RecordingBytes(const fs::path& file) {
+  if (!fs::is_directory(file)) return fs::file_size(file);
+  std::uintmax_t bytes = 0;
+  for (const fs::path& part : DataSetFiles(file)) bytes += fs::file_size(part);
+  return bytes;
+}
+
 FileFormat FormatOfFile(const std::filesystem::path& file) {
+  if (!DataSetFiles(file).empty()) return FileFormat::kParquet;
   return FormatOfBytes(BytesOf(FileSource(file), kHeadBytes));
 }
 

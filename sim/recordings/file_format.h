@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace gauntlet::sim {
 
@@ -23,6 +25,7 @@ enum class FileFormat {
   kRosBag,
   kMcap,
   kParquet,
+  kLfsPointer,
   kVideo,
   kUrdf,
   kBinary,
@@ -30,7 +33,12 @@ enum class FileFormat {
 
 /// `head`: the first bytes of the file, some hundreds if it has as many.
 FileFormat FormatOfBytes(std::string_view head);
+/// A folder with DataSetFiles() is Parquet.
 FileFormat FormatOfFile(const std::filesystem::path& file);
+/// data/*/*.parquet in a folder, as a data set of LeRobot has them, in the order of their names.
+std::vector<std::filesystem::path> DataSetFiles(const std::filesystem::path& folder);
+/// Size of the file, or of those of a data set.
+std::uintmax_t RecordingBytes(const std::filesystem::path& file);
 
 /// As a person calls it.
 std::string_view NameOf(FileFormat format);

@@ -126,16 +126,17 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
   return rows.Take("");
 }
 
-ListNames ReadFeatureNames(std::string_view text) {
-  ListNames found;
+DatasetInfo ReadDatasetInfo(std::string_view text) {
+  DatasetInfo found;
   const Json whole = Json::parse(text, nullptr, false);
   if (!whole.is_object() || !whole.contains("features")) return found;
+  if (whole.contains("fps") && whole["fps"].is_number()) found.rate_hz = whole["fps"];
   for (const auto& [name, feature] : whole["features"].items()) {
     if (!feature.is_object() || !feature.contains("names")) continue;
     const Json* names = &feature["names"];
     if (names->is_object() && names->size() == 1) names = &names->front();
     if (!names->is_array() || !std::ranges::all_of(*names, &Json::is_string)) continue;
-    found[name] = names->get<std::vector<std::string>>();
+    found.names[name] = names->get<std::vector<std::string>>();
   }
   return found;
 }

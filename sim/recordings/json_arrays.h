@@ -20,9 +20,14 @@ namespace gauntlet::sim {
 /// without a place.
 std::vector<NamedArray> ReadJsonArrays(std::string_view text);
 
-/// Names of the numbers of each feature in LeRobot's info.json, such as
-/// `{"features": {"action": {"names": ["wrist"]}}}` or `{"names": {"motors": ["wrist"]}}`. Without
-/// any in other texts.
-ListNames ReadFeatureNames(std::string_view text);
+/// What LeRobot's info.json says of a data set.
+struct DatasetInfo {
+  ListNames names;       // of the numbers of each feature
+  double rate_hz = 0.0;  // frames per second; 0: not known
+};
+
+/// `{"fps": 30, "features": {"action": {"names": ["wrist"]}}}`, or `{"names": {"motors":
+/// ["wrist"]}}` in a feature. Empty for other texts.
+DatasetInfo ReadDatasetInfo(std::string_view text);
 
 }  // namespace gauntlet::sim

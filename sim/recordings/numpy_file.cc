@@ -13,16 +13,13 @@
 #include <optional>
 
 #include "sim/base/error.h"
+#include "sim/recordings/damaged_file.h"
 
 namespace gauntlet::sim {
 namespace {
 
 // More than an hour of any glove; a ZIP can say that it holds anything.
 constexpr std::size_t kMostBytes = std::size_t{1} << 28;
-
-[[noreturn]] void FailAsDamaged(const std::string& what) {
-  throw UserError(fmt::format("is damaged: {}", what));
-}
 
 /// A little-endian number.
 template <class Number>

@@ -240,8 +240,9 @@ void LeaveOutFrozen(Recording& recording) {
                   recording.name, stretches.size(), frozen_s));
 }
 
-/// One line for all channels that hardly ever change. At a limit of its range a joint may stay.
-void RemarkRepeats(Recording& recording) {
+/// One line for all channels that hardly ever change. Angles may stay at a limit of their
+/// joint; a sensor there is clipped.
+void RemarkRepeats(bool has_angles, Recording& recording) {
   std::string found;
   Eigen::Index longest = 0;
   for (Eigen::Index c = 0; c < recording.angle_rad.cols(); ++c) {
@@ -250,6 +251,7 @@ void RemarkRepeats(Recording& recording) {
     const Channel& channel = KnownChannels()[c];
     const auto is_limit = [&](double angle_rad) {
       const double angle_deg = angle_rad * kDegPerRad;
+      if (!has_angles) return false;
       return angle_deg < channel.min_deg + 1e-6 || angle_deg > channel.max_deg - 1e-6;
     };
     Eigen::Index repeats = 0, run = 0, longest_here = 0;
@@ -373,7 +375,7 @@ Recording LoadRecording(const std::filesystem::path& file, const RecordingFormat
   recording.remarks = reader.Remarks();
   if (GoesOn(format.handling)) LeaveOutFrozen(recording);
   if (format.keeps_to_range) RemarkRadians(recording);
-  RemarkRepeats(recording);
+  RemarkRepeats(format.map.empty(), recording);
   return recording;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -15,6 +17,7 @@
 #include "sim/recordings/json_arrays.h"
 #include "sim/recordings/library_arrays.h"
 #include "sim/recordings/numpy_file.h"
+#include "sim/recordings/parquet_file.h"
 #include "sim/recordings/source_bytes.h"
 #include "sim/recordings/text_forms.h"
 #include "sim/recordings/utf16.h"
@@ -30,7 +33,53 @@ std::string BytesOfOnly(const fs::path& file) {
   return BytesOf(source);
 }
 
-std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format) {
+/// The columns of all files, one below the other.
+std::vector<NamedArray> ReadParquets(const std::vector<std::string>& files) {
+  std::vector<NamedArray> all;
+  for (const std::string& bytes : files) {
+    std::vector<NamedArray> arrays = ReadParquet(bytes);
+    if (all.empty()) {
+      all = std::move(arrays);
+      continue;
+    }
+    for (NamedArray& whole : all) {
+      const auto part = std::ranges::find(arrays, whole.name, &NamedArray::name);
+      if (part == arrays.end() || part->columns != whole.columns) {
+        throw UserError(
+            fmt::format("has files without a column {} of {} values", whole.name, whole.columns));
+      }
+      whole.rows += part->rows;
+      whole.values.insert(whole.values.end(), part->values.begin(), part->values.end());
+    }
+  }
+  return all;
+}
+
+/// Names what the data set names. Its times are rounded to some microseconds; the number of the
+/// frame tells them exactly, unless they are measured.
+void UseInfo(const DatasetInfo& info, std::vector<NamedArray>& arrays) {
+  constexpr double kRounding_s = 1e-3;
+  for (NamedArray& array : arrays) {
+    const auto names = info.names.find(array.name);
+    if (array.columns < 2 || names == info.names.end()) continue;
+    if (names->second.size() != array.columns) continue;
+    for (const std::string& name : names->second) {
+      array.column_names.push_back(array.name + "." + name);
+    }
+  }
+  const auto time = std::ranges::find(arrays, "timestamp", &NamedArray::name);
+  const auto frame = std::ranges::find(arrays, "frame_index", &NamedArray::name);
+  if (info.rate_hz <= 0.0 || time == arrays.end() || frame == arrays.end()) return;
+  std::vector<double> exact_s = frame->values;
+  for (double& value : exact_s) value /= info.rate_hz;
+  if (std::ranges::equal(exact_s, time->values, [](double exact, double rounded) {
+        return std::abs(exact - rounded) < kRounding_s;
+      })) {
+    time->values = std::move(exact_s);
+  }
+}
+
+std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format, const DatasetInfo& info) {
   switch (format) {
     case FileFormat::kNpy:
       return {ReadNpy(BytesOfOnly(file), "value")};
@@ -40,6 +89,22 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format) {
       return ReadJsonArrays(BytesOfOnly(file));
     case FileFormat::kMat5:
       return ReadMatArrays(file);
+    case FileFormat::kParquet: {
+      std::vector<std::string> files;
+      const std::vector<fs::path> parts = DataSetFiles(file);
+      for (const fs::path& part : parts.empty() ? std::vector{file} : parts) {
+        files.push_back(BytesOf(FileSource(part)));
+        const FileFormat part_format = FormatOfBytes(files.back());
+        if (part_format == FileFormat::kParquet) continue;
+        throw UserError(fmt::format("has a file {}, which is {}{}{}", part.filename().string(),
+                                    NameOf(part_format), WayOut(part_format).empty() ? "" : "; ",
+                                    WayOut(part_format)));
+      }
+      OpenNoMoreFiles();
+      std::vector<NamedArray> arrays = ReadParquets(files);
+      UseInfo(info, arrays);
+      return arrays;
+    }
     default:
       return ReadHdf5Arrays(file);
   }
@@ -52,14 +117,15 @@ using WriteText = std::function<void(std::vector<NamedArray> arrays,
 /// Text from a helper, which makes it of a file with arrays.
 class HelperText {
  public:
-  HelperText(const fs::path& file, FileFormat format, const WriteText& write_text)
+  HelperText(const fs::path& file, FileFormat format, const DatasetInfo& info,
+             const WriteText& write_text)
       : place_(file.string()),
         helper_(
             [=](const HelperProcess::Send& send) {
-              write_text(WithFacts(ArraysOf(file, format)),
+              write_text(WithFacts(ArraysOf(file, format, info)),
                          [&](std::string_view text) { send(text); });
             },
-            LimitsFor(fs::file_size(file))) {}
+            LimitsFor(RecordingBytes(file))) {}
 
   std::size_t Read(char* buffer, std::size_t size) {
     try {
@@ -107,16 +173,16 @@ FileFormat ReadableFormat(const fs::path& file) {
   return format;
 }
 
-/// Names from LeRobot's meta/info.json beside the file or in a folder above it, if there is one.
-ListNames NamesBeside(const fs::path& file) {
+/// LeRobot's meta/info.json in the folder, beside the file or in a folder above it, if there is one.
+DatasetInfo InfoOf(const fs::path& file) {
   constexpr int kMostFolders = 4;
   constexpr std::size_t kMostInfoBytes = std::size_t{4} << 20;
-  fs::path folder = fs::absolute(file).parent_path();
+  fs::path folder = fs::is_directory(file) ? file : fs::absolute(file).parent_path();
   for (int i = 0; i < kMostFolders; ++i, folder = folder.parent_path()) {
     std::error_code ignored;
     const fs::path info = folder / "meta" / "info.json";
     if (fs::is_regular_file(info, ignored)) {
-      return ReadFeatureNames(BytesOf(FileSource(info), kMostInfoBytes));
+      return ReadDatasetInfo(BytesOf(FileSource(info), kMostInfoBytes));
     }
   }
   return {};
@@ -135,19 +201,19 @@ CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
     CsvReader::Source source = FileSource(file);
     if (!array.empty()) FailWithoutArrays(file, array);
     if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
-    return PlainTable(std::move(source), NamesBeside(file));
+    return PlainTable(std::move(source), InfoOf(file).names);
   }
   const auto write_table = [array](std::vector<NamedArray> arrays, const auto& write) {
     WriteTable(std::move(arrays), array, write);
   };
-  const auto text = std::make_shared<HelperText>(file, format, write_table);
+  const auto text = std::make_shared<HelperText>(file, format, InfoOf(file), write_table);
   return [text](char* buffer, std::size_t size) { return text->Read(buffer, size); };
 }
 
 std::vector<ListedArray> ArraysIn(const fs::path& file, const std::string& array) {
   const FileFormat format = ReadableFormat(file);
   if (!HasArrays(format)) return {};
-  HelperText helper(file, format, [&array](const auto& arrays, const auto& write) {
+  HelperText helper(file, format, {}, [&array](const auto& arrays, const auto& write) {
     for (const auto& [name, rows, columns, is_taken] : ListArrays(arrays, array)) {
       write(fmt::format("{} {} {} {}\n", rows, columns, is_taken ? 1 : 0, OneLine(name)));
     }

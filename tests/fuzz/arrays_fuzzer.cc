@@ -1,7 +1,9 @@
-// Recordings in the formats that Gauntlet reads by itself: NPY, NPZ and JSON. The first byte
+// Recordings in the formats that Gauntlet reads by itself: NPY, NPZ, JSON and Parquet. The first byte
 // chooses which; what is not JSON is a list of changes to a good file (see edited_copy.h). Whatever
 // the file is, the reader ends with a table of text or with a UserError of one line.
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <string_view>
 
@@ -9,8 +11,10 @@
 #include "sim/recordings/array_table.h"
 #include "sim/recordings/json_arrays.h"
 #include "sim/recordings/numpy_file.h"
+#include "sim/recordings/parquet_file.h"
 #include "sim/recordings/utf16.h"
 #include "tests/fuzz/edited_copy.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -41,6 +45,14 @@ std::string GoodNpz() {
          Little(entry.size(), 4) + Little(file.size(), 4) + Little(0, 2);
 }
 
+const std::string& GoodParquet() {
+  static const std::string kFile = [] {
+    std::ifstream file(SourceDir() + "/tests/recordings/parquet/snappy.parquet", std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  }();
+  return kFile;
+}
+
 void CheckTable(std::vector<NamedArray> arrays) {
   for (const NamedArray& array : arrays) {
     if (array.values.size() != array.rows * array.columns) std::abort();
@@ -57,7 +69,7 @@ void CheckTable(std::vector<NamedArray> arrays) {
 
 void Read(char format, const std::uint8_t* data, std::size_t size) {
   try {
-    switch (format % 4) {
+    switch (format % 5) {
       case 0:
         CheckTable({ReadNpy(EditedCopy(GoodNpy(), data, size), "a")});
         break;
@@ -66,6 +78,9 @@ void Read(char format, const std::uint8_t* data, std::size_t size) {
         break;
       case 2:
         CheckTable(ReadJsonArrays({reinterpret_cast<const char*>(data), size}));
+        break;
+      case 4:
+        CheckTable(ReadParquet(EditedCopy(GoodParquet(), data, size)));
         break;
       default: {
         const CsvReader::Source text =

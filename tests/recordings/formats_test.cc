@@ -166,13 +166,15 @@ TEST(Json, ThatIsBrokenNamesItsLine) {
   EXPECT_NE(ErrorOf([&] { ReadJsonArrays(deep); }), "");
 }
 
-TEST(ReadFeatureNames, TakesListsAndGroupsOfNames) {
-  EXPECT_EQ(ReadFeatureNames(R"({"fps": 30, "features": {"action": {"names": ["a", "b"]},
-                                "state": {"names": {"motors": ["c"]}}, "index": {"names": null},
-                                "image": {"names": [1]}, "mask": {"shape": [1]}}})"),
-            (ListNames{{"action", {"a", "b"}}, {"state", {"c"}}}));
+TEST(ReadDatasetInfo, TakesListsAndGroupsOfNames) {
+  const DatasetInfo info = ReadDatasetInfo(
+      R"({"fps": 30, "features": {"action": {"names": ["a", "b"]},
+          "state": {"names": {"motors": ["c"]}}, "index": {"names": null},
+          "image": {"names": [1]}, "mask": {"shape": [1]}}})");
+  EXPECT_EQ(info.names, (ListNames{{"action", {"a", "b"}}, {"state", {"c"}}}));
+  EXPECT_EQ(info.rate_hz, 30.0);
   for (const char* other : {"", "{", "[]", "{}", R"({"features": 1})", R"({"features": []})"}) {
-    EXPECT_TRUE(ReadFeatureNames(other).empty()) << other;
+    EXPECT_TRUE(ReadDatasetInfo(other).names.empty()) << other;
   }
 }
 

@@ -1,0 +1,256 @@
+// Parquet: files of another implementation (parquet/write.mjs), and pages of version 1 as pyarrow
+// writes them, made here byte by byte.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/recordings/parquet_file.h"
+#include "sim/recordings/source_bytes.h"
+#include "sim/recordings/table_source.h"
+#include "tests/support/program.h"
+#include "tests/support/source_dir.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using namespace std::string_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string Shipped(const std::string& name) {
+  std::ifstream file(SourceDir() + "/tests/recordings/parquet/" + name, std::ios::binary);
+  EXPECT_TRUE(file) << name;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(Parquet, OfAnotherImplementationIsReadInEveryCompression) {
+  for (const char* name : {"uncompressed.parquet", "snappy.parquet", "gzip.parquet"}) {
+    SCOPED_TRACE(name);
+    const std::vector<NamedArray> arrays = ReadParquet(Shipped(name));
+    std::vector<std::string> names;
+    for (const NamedArray& array : arrays) {
+      names.push_back(array.name);
+      ASSERT_EQ(array.rows, 60U);
+      ASSERT_EQ(array.values.size(), 60 * array.columns);
+    }
+    ASSERT_THAT(names, ElementsAre("action", "timestamp", "frame_index", "episode_index", "is_done",
+                                   "force"));
+    ASSERT_EQ(arrays[0].columns, 3U);
+    for (int k = 0; k < 60; ++k) {
+      const auto row = static_cast<std::size_t>(k);
+      EXPECT_EQ(arrays[0].values[3 * row], k);
+      EXPECT_EQ(arrays[0].values[3 * row + 1], 0.5 * k);
+      const double third = arrays[0].values[3 * row + 2];
+      EXPECT_TRUE(k == 7 ? std::isnan(third) : third == -k);
+      EXPECT_EQ(arrays[1].values[row], static_cast<float>(k % 30 / 30.0));
+      EXPECT_EQ(arrays[2].values[row], k % 30);
+      EXPECT_EQ(arrays[3].values[row], k < 30 ? 0 : 1);
+      EXPECT_EQ(arrays[4].values[row], k % 30 == 29);
+      const double force = arrays[5].values[row];
+      EXPECT_TRUE(k == 3 ? std::isnan(force) : force == 0.1 * k);
+    }
+  }
+}
+
+std::string ErrorOfFolder(const std::filesystem::path& folder) {
+  try {
+    BytesOf(TableSource(folder));
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Parquet, OfADataSetHasItsNamesAndExactTimes) {
+  test::TemporaryDirectory folder;
+  const std::filesystem::path chunk = folder.path() / "data" / "chunk-000";
+  std::filesystem::create_directories(chunk);
+  std::filesystem::create_directory(folder.path() / "meta");
+  std::ofstream(folder.path() / "meta" / "info.json")
+      << R"({"fps": 30, "features": {"action": {"names": ["wrist.pos", "tip.pos", "grip.pos"]}}})";
+  std::ofstream(chunk / "file-000.parquet", std::ios::binary) << Shipped("snappy.parquet");
+  std::ofstream(chunk / "file-001.parquet", std::ios::binary) << Shipped("gzip.parquet");
+  const std::string text = BytesOf(TableSource(folder.path()));
+  EXPECT_THAT(text, testing::StartsWith("action_wrist_pos,action_tip_pos,action_grip_pos,"));
+  EXPECT_EQ(std::ranges::count(text, '\n'), 121);
+  EXPECT_THAT(text, HasSubstr(fmt::format("\n31,15.5,-31,{},", 1.0 / 30)));
+  std::ofstream(chunk / "file-001.parquet") << "version https://git-lfs.github.com/spec/v1\n";
+  EXPECT_THAT(ErrorOfFolder(folder.path()),
+              HasSubstr("file-001.parquet, which is a pointer of Git LFS"));
+}
+
+// Thrift's compact protocol, as far as a file needs it. Fields are given with their distance.
+std::string Varint(std::uint64_t value) {
+  std::string bytes;
+  for (; value >= 0x80; value >>= 7) bytes += static_cast<char>(value | 0x80);
+  return bytes + static_cast<char>(value);
+}
+std::string Number(int distance, std::int64_t value) {
+  return static_cast<char>(distance << 4 | 5) + Varint(static_cast<std::uint64_t>(value) << 1);
+}
+std::string Text(int distance, const std::string& text) {
+  return static_cast<char>(distance << 4 | 8) + Varint(text.size()) + text;
+}
+std::string Group(int distance, const std::string& fields) {
+  return static_cast<char>(distance << 4 | 12) + fields + '\0';
+}
+std::string List(int distance, const std::vector<std::string>& structures) {
+  std::string bytes = {static_cast<char>(distance << 4 | 9),
+                       static_cast<char>(structures.size() << 4 | 12)};
+  for (const std::string& structure : structures) bytes += structure + '\0';
+  return bytes;
+}
+template <class Value>
+std::string Little(Value value) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  return bytes;
+}
+std::string WithLength(const std::string& bytes) {
+  return Little(static_cast<std::uint32_t>(bytes.size())) + bytes;
+}
+
+struct V1Column {
+  std::int64_t codec = 0;
+  std::int64_t encoding = 8;  // RLE_DICTIONARY
+  std::string levels;
+  std::string values;
+  std::string dictionary;  // of doubles
+  std::int64_t count = 0;  // levels in the page
+};
+
+/// A file with one column `f`, a list of doubles or, without `is_list`, a double.
+std::string V1File(const V1Column& column, std::int64_t rows, bool is_list) {
+  const auto packed = [&](const std::string& body) {
+    if (column.codec != 6) return body;
+    std::string bytes(ZSTD_compressBound(body.size()), '\0');
+    bytes.resize(ZSTD_compress(bytes.data(), bytes.size(), body.data(), body.size(), 3));
+    return bytes;
+  };
+  std::string file = "PAR1";
+  std::string pages;
+  if (!column.dictionary.empty()) {
+    const std::string body = packed(column.dictionary);
+    pages += Number(1, 2) + Number(1, std::ssize(column.dictionary)) + Number(1, std::ssize(body)) +
+             Group(4, Number(1, std::ssize(column.dictionary) / 8) + Number(1, 0)) + '\0' + body;
+  }
+  const std::int64_t data_at = std::ssize(file + pages);
+  const std::string whole = column.levels + column.values;
+  const std::string body = packed(whole);
+  pages +=
+      Number(1, 0) + Number(1, std::ssize(whole)) + Number(1, std::ssize(body)) +
+      Group(2, Number(1, column.count) + Number(1, column.encoding) + Number(1, 3) + Number(1, 3)) +
+      '\0' + body;
+  file += pages;
+  std::vector<std::string> schema = {Text(4, "root") + Number(1, 1)};
+  if (is_list) {
+    schema.push_back(Number(3, 1) + Text(1, "f") + Number(1, 1) + Number(1, 3));
+    schema.push_back(Number(3, 2) + Text(1, "list") + Number(1, 1));
+    schema.push_back(Number(1, 5) + Number(2, 1) + Text(1, "element"));
+  } else {
+    schema.push_back(Number(1, 5) + Number(2, 1) + Text(1, "f"));
+  }
+  std::string meta =
+      Number(1, 5) + Number(3, column.codec) + Number(1, column.count) + Number(4, data_at);
+  if (!column.dictionary.empty()) meta += Number(2, 4);
+  const std::string description = Number(1, 1) + List(1, schema) + Number(1, rows) +
+                                  List(1, {List(1, {Group(3, meta)})}) + '\0';
+  return file + description + Little(static_cast<std::uint32_t>(description.size())) + "PAR1";
+}
+
+/// Rows {1, 2}, null, {1, null}, {1, 2} by a dictionary of 1 and 2.
+V1Column Lists() {
+  // Repetition 0 1 0 0 1 0 1, definition 3 3 0 3 2 3 3: one packed group each.
+  return {.levels = WithLength(std::string{3, 0b01010010}) +
+                    WithLength(std::string{3, static_cast<char>(0b11001111),
+                                           static_cast<char>(0b00111110)}),
+          .values = std::string{1, 3, 0b00010010},
+          .dictionary = Little(1.0) + Little(2.0),
+          .count = 7};
+}
+
+TEST(Parquet, ListsOfVersionOneHaveNullsAndADictionary) {
+  for (const std::int64_t codec : {0, 6}) {
+    V1Column column = Lists();
+    column.codec = codec;
+    const std::vector<NamedArray> arrays = ReadParquet(V1File(column, 4, true));
+    ASSERT_EQ(arrays.size(), 1U);
+    EXPECT_EQ(arrays[0].name, "f");
+    EXPECT_EQ(arrays[0].columns, 2U);
+    EXPECT_THAT(arrays[0].values,
+                ElementsAre(1, 2, testing::IsNan(), testing::IsNan(), 1, testing::IsNan(), 1, 2));
+  }
+}
+
+TEST(Parquet, PlainValuesOfVersionOneHaveRunsOfLevels) {
+  // 300 values of which the last 100 are null: definition 1 x 200, 0 x 100.
+  std::string values;
+  for (int k = 0; k < 200; ++k) values += Little(0.25 * k);
+  const V1Column column = {.encoding = 0,
+                           .levels = WithLength(Varint(400) + '\1' + Varint(200) + '\0'),
+                           .values = values,
+                           .dictionary = "",
+                           .count = 300};
+  const std::vector<NamedArray> arrays = ReadParquet(V1File(column, 300, false));
+  ASSERT_EQ(arrays.size(), 1U);
+  EXPECT_EQ(arrays[0].values[199], 49.75);
+  EXPECT_TRUE(std::isnan(arrays[0].values[200]));
+}
+
+std::string ErrorIn(const std::string& bytes) {
+  try {
+    ReadParquet(bytes);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Parquet, ThatIsNotReadSaysWhy) {
+  V1Column column = Lists();
+  column.codec = 4;
+  EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("brotli"));
+  column = Lists();
+  column.encoding = 9;
+  EXPECT_THAT(ErrorIn(V1File(column, 4, true)),
+              HasSubstr("column f has the encoding BYTE_STREAM_SPLIT"));
+  EXPECT_THAT(ErrorIn(V1File(Lists(), 5, true)), HasSubstr("column f has not all rows"));
+  column = Lists();
+  column.dictionary = Little(1.0);
+  EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("not in its dictionary"));
+  // Repetition 0 0 0 0 1 0 1: the first lists have one value.
+  column = Lists();
+  column.levels.replace(5, 1, std::string{0b01010000});
+  EXPECT_THAT(ErrorIn(V1File(column, 5, true)), HasSubstr("row 1 of column f has 1 values"));
+  EXPECT_THAT(ErrorIn("PAR1PAR1"), HasSubstr("is damaged"));
+}
+
+// Every byte of a file, changed in several ways, and every length of it.
+TEST(Parquet, ThatIsDamagedIsReadOrRefused) {
+  for (const std::string& whole :
+       {V1File(Lists(), 4, true), Shipped("snappy.parquet"), Shipped("uncompressed.parquet")}) {
+    const std::size_t step = whole.size() < 1000 ? 1 : 7;
+    for (std::size_t i = 0; i < whole.size(); i += step) {
+      for (const int change : {1, 0x80, 0xff}) {
+        std::string damaged = whole;
+        damaged[i] = static_cast<char>(damaged[i] ^ change);
+        ErrorIn(damaged);
+      }
+      EXPECT_NE(ErrorIn(whole.substr(0, i)), "") << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
