@@ -33,6 +33,7 @@ GraspParts MakeObject(mjModel& model, const ObjectConfig& config) {
   grasp.object_body = FindInModel(model, mjOBJ_BODY, "object");
   grasp.palm_body = FindInModel(model, mjOBJ_BODY, "palm");
   grasp.skin_geom = FindInModel(model, mjOBJ_GEOM, "object_skin");
+  grasp.foot_geom = FindInModel(model, mjOBJ_GEOM, "object_foot");
   grasp.support_half_height_m = model.geom_size[3 * FindInModel(model, mjOBJ_GEOM, "support") + 2];
   grasp.support_mocap = model.body_mocapid[FindInModel(model, mjOBJ_BODY, "support")];
   grasp.qpos = model.jnt_qposadr[FindInModel(model, mjOBJ_JOINT, "object")];
@@ -72,16 +73,29 @@ void PlaceObject(const GraspParts& grasp, mjData& data) {
   support[2] -= grasp.half_height_m + grasp.support_half_height_m;
 }
 
-double GripForce(const mjModel& model, const GraspParts& grasp, const mjData& data) noexcept {
-  double sum = 0.0;
+ObjectForces ForcesOnObject(const mjModel& model, const GraspParts& grasp,
+                            const mjData& data) noexcept {
+  ObjectForces forces;
+  mjtNum carried[3] = {};
   for (int index = 0; index < data.ncon; ++index) {
     const mjContact& contact = data.contact[index];
-    if (contact.geom1 != grasp.skin_geom && contact.geom2 != grasp.skin_geom) continue;
-    mjtNum force[6];
+    const auto touches = [&contact](int geom) {
+      return contact.geom1 == geom || contact.geom2 == geom;
+    };
+    if (!touches(grasp.skin_geom) && !touches(grasp.foot_geom)) continue;
+    mjtNum force[6];  // of the first geom on the second, in the frame of the contact
     mj_contactForce(&model, &data, index, force);
-    sum += force[0];
+    if (!touches(grasp.skin_geom)) {
+      forces.support_n += force[0];
+      continue;
+    }
+    forces.grip_n += force[0];
+    mjtNum in_world[3];
+    mju_rotVecMatT(in_world, force, contact.frame);
+    mju_addToScl3(carried, in_world, contact.geom2 == grasp.skin_geom ? 1.0 : -1.0);
   }
-  return sum;
+  forces.carried_n = mju_norm3(carried);
+  return forces;
 }
 
 }  // namespace gauntlet::sim

@@ -10,6 +10,7 @@ struct GraspParts {
   int object_body = -1;
   int palm_body = -1;
   int skin_geom = -1;  // the surface that the hand touches
+  int foot_geom = -1;  // the one that the support touches
   int support_mocap = -1;
   int qpos = -1;  // of the object: position and quaternion
   double radius_m = 0.0;
@@ -27,7 +28,13 @@ GraspParts MakeObject(mjModel_& model, const ObjectConfig& config);
 /// support under it. Wants a posture with the thumb up.
 void PlaceObject(const GraspParts& grasp, mjData_& data);
 
-/// Sum of the normal forces between the object and the hand [N].
-double GripForce(const mjModel_& model, const GraspParts& grasp, const mjData_& data) noexcept;
+/// Forces on the object [N].
+struct ObjectForces {
+  double grip_n = 0.0;     // sum of the normal forces between it and the hand
+  double carried_n = 0.0;  // size of the sum of all forces of the hand on it
+  double support_n = 0.0;  // sum of the normal forces between it and the support
+};
+ObjectForces ForcesOnObject(const mjModel_& model, const GraspParts& grasp,
+                            const mjData_& data) noexcept;
 
 }  // namespace gauntlet::sim

@@ -16,6 +16,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/hand/camera_view.h"
 #include "sim/recordings/recording.h"
+#include "sim/retargeting/fingertip_motion.h"
 #include "sim/score/delay.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/prediction_fit.h"
@@ -300,6 +301,7 @@ Study PrepareStudy(Scenario scenario) {
     }
   });
   study.hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
+  study.fingertips = Fingertips::Of(*study.hand, FingerOfJointName);
   study.calibration = NominalCalibration(scenario.glove);
   const Eigen::Index fewest_ticks =
       std::ranges::min(study.repetitions, {}, &GloveFacts::ticks).ticks;
