@@ -11,9 +11,9 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Where the cylinder's axis passes the palm, from the wrist's deviation axis [m]: across the
-/// knuckles, where a hand takes a bottle. The gap leaves space for the palm's padding.
-constexpr double kAxisFromWristM = 0.075;
+/// Where the cylinder's near side passes the palm, from the wrist's deviation axis [m]: it lies
+/// along the base of the thumb. The gap leaves space for the palm's padding.
+constexpr double kSideFromWristM = 0.038;
 constexpr double kPalmThicknessM = 0.0105;
 constexpr double kGapM = 0.004;
 
@@ -60,7 +60,8 @@ GraspParts MakeObject(mjModel& model, const ObjectConfig& config) {
 }
 
 void PlaceObject(const GraspParts& grasp, mjData& data) {
-  const mjtNum in_palm[3] = {kAxisFromWristM, 0.0, -(kPalmThicknessM + kGapM + grasp.radius_m)};
+  const mjtNum in_palm[3] = {kSideFromWristM + grasp.radius_m, 0.0,
+                             -(kPalmThicknessM + kGapM + grasp.radius_m)};
   mjtNum* position = data.qpos + grasp.qpos;
   mju_rotVecMat(position, in_palm, data.xmat + 9 * grasp.palm_body);
   mju_addTo3(position, data.xpos + 3 * grasp.palm_body);
