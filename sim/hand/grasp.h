@@ -26,8 +26,9 @@ GraspParts MakeObject(mjModel_& model, const ObjectConfig& config);
 
 /// Upright in front of the palm of the posture in `data`, between thumb and fingers, with the
 /// support under it. Wants a posture with the thumb up and the fingers 30 deg above the horizontal:
-/// a hand holds a cylinder obliquely, from the base of the thumb to the knuckle of the index finger.
-/// Fingers that close on one across the palm tilt it by as much, as they pull it below the thumb.
+/// a hand holds a cylinder obliquely, from the base of the thumb to the knuckle of the index
+/// finger. Fingers that close on one across the palm tilt it by as much, as they pull it below the
+/// thumb.
 void PlaceObject(const GraspParts& grasp, mjData_& data);
 
 /// Forces on the object [N].
