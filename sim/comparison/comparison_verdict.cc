@@ -417,14 +417,19 @@ std::vector<std::string> RolesOf(const Summary& summary) {
 }
 
 std::vector<std::size_t> ShownMetrics(const Summary& summary) {
+  std::vector<std::size_t> shown = DetailedMetrics(summary);
+  std::erase_if(shown, [](std::size_t metric) { return !Metrics()[metric].main; });
+  return shown;
+}
+
+std::vector<std::size_t> DetailedMetrics(const Summary& summary) {
   std::vector<std::size_t> shown;
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
     const auto has_value = [m](const ControllerSummary& controller) {
       return std::isfinite(controller.summary[m].mean);
     };
-    if (Metrics()[m].main && std::ranges::any_of(summary.controllers, has_value)) {
-      shown.push_back(m);
-    }
+    const bool is_wanted = Metrics()[m].main || Metrics()[m].detailed;
+    if (is_wanted && std::ranges::any_of(summary.controllers, has_value)) shown.push_back(m);
   }
   return shown;
 }

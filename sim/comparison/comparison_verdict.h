@@ -31,5 +31,7 @@ std::vector<std::string> RolesOf(const Summary& summary);
 
 /// The main metrics that some controller has a value of.
 std::vector<std::size_t> ShownMetrics(const Summary& summary);
+/// These, and those of the detailed table alone.
+std::vector<std::size_t> DetailedMetrics(const Summary& summary);
 
 }  // namespace gauntlet::sim

@@ -116,7 +116,10 @@ std::vector<TickRange> BlocksOf(const std::vector<CountedTicks>& counted, int ti
 std::vector<std::size_t> ScoresOfBlocks() {
   std::vector<std::size_t> metrics;
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    if (Metrics()[m].main && !NeedsNoiseFreeTwin(m) && !NeedsCauseTrials(m)) metrics.push_back(m);
+    const Metric& metric = Metrics()[m];
+    if (metric.main && !metric.extreme && !metric.needs_twin && !metric.needs_causes) {
+      metrics.push_back(m);
+    }
   }
   return metrics;
 }

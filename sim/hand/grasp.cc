@@ -11,9 +11,9 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Where the cylinder's axis passes the palm, from the wrist's deviation axis [m]: across the
-/// knuckles, where a hand takes a bottle. The gap leaves space for the palm's padding.
-constexpr double kAxisFromWristM = 0.075;
+/// Where the cylinder's near side passes the palm, from the wrist's deviation axis [m]: it lies
+/// along the base of the thumb. The gap leaves space for the palm's padding.
+constexpr double kSideFromWristM = 0.038;
 constexpr double kPalmThicknessM = 0.0105;
 constexpr double kGapM = 0.004;
 
@@ -33,6 +33,7 @@ GraspParts MakeObject(mjModel& model, const ObjectConfig& config) {
   grasp.object_body = FindInModel(model, mjOBJ_BODY, "object");
   grasp.palm_body = FindInModel(model, mjOBJ_BODY, "palm");
   grasp.skin_geom = FindInModel(model, mjOBJ_GEOM, "object_skin");
+  grasp.foot_geom = FindInModel(model, mjOBJ_GEOM, "object_foot");
   grasp.support_half_height_m = model.geom_size[3 * FindInModel(model, mjOBJ_GEOM, "support") + 2];
   grasp.support_mocap = model.body_mocapid[FindInModel(model, mjOBJ_BODY, "support")];
   grasp.qpos = model.jnt_qposadr[FindInModel(model, mjOBJ_JOINT, "object")];
@@ -59,7 +60,8 @@ GraspParts MakeObject(mjModel& model, const ObjectConfig& config) {
 }
 
 void PlaceObject(const GraspParts& grasp, mjData& data) {
-  const mjtNum in_palm[3] = {kAxisFromWristM, 0.0, -(kPalmThicknessM + kGapM + grasp.radius_m)};
+  const mjtNum in_palm[3] = {kSideFromWristM + grasp.radius_m, 0.0,
+                             -(kPalmThicknessM + kGapM + grasp.radius_m)};
   mjtNum* position = data.qpos + grasp.qpos;
   mju_rotVecMat(position, in_palm, data.xmat + 9 * grasp.palm_body);
   mju_addTo3(position, data.xpos + 3 * grasp.palm_body);
@@ -72,16 +74,29 @@ void PlaceObject(const GraspParts& grasp, mjData& data) {
   support[2] -= grasp.half_height_m + grasp.support_half_height_m;
 }
 
-double GripForce(const mjModel& model, const GraspParts& grasp, const mjData& data) noexcept {
-  double sum = 0.0;
+ObjectForces ForcesOnObject(const mjModel& model, const GraspParts& grasp,
+                            const mjData& data) noexcept {
+  ObjectForces forces;
+  mjtNum carried[3] = {};
   for (int index = 0; index < data.ncon; ++index) {
     const mjContact& contact = data.contact[index];
-    if (contact.geom1 != grasp.skin_geom && contact.geom2 != grasp.skin_geom) continue;
-    mjtNum force[6];
+    const auto touches = [&contact](int geom) {
+      return contact.geom1 == geom || contact.geom2 == geom;
+    };
+    if (!touches(grasp.skin_geom) && !touches(grasp.foot_geom)) continue;
+    mjtNum force[6];  // of the first geom on the second, in the frame of the contact
     mj_contactForce(&model, &data, index, force);
-    sum += force[0];
+    if (!touches(grasp.skin_geom)) {
+      forces.support_n += force[0];
+      continue;
+    }
+    forces.grip_n += force[0];
+    mjtNum in_world[3];
+    mju_rotVecMatT(in_world, force, contact.frame);
+    mju_addToScl3(carried, in_world, contact.geom2 == grasp.skin_geom ? 1.0 : -1.0);
   }
-  return sum;
+  forces.carried_n = mju_norm3(carried);
+  return forces;
 }
 
 }  // namespace gauntlet::sim

@@ -399,15 +399,29 @@ double Hand::CableEnergy() const noexcept {
   return energy_j;
 }
 
-double Hand::GripForce() const noexcept {
+ObjectForces Hand::Forces() const noexcept {
   const GraspParts& grasp = hand_model().grasp_in_physics();
-  return grasp.exists() ? sim::GripForce(state_->physics, grasp, data()) : 0.0;
+  return grasp.exists() ? ForcesOnObject(state_->physics, grasp, data()) : ObjectForces{};
 }
 
 void Hand::ReadObjectPose(std::span<double> pose) const noexcept {
   const GraspParts& grasp = hand_model().grasp_in_physics();
   GAUNTLET_ASSERT(!grasp.exists() || pose.size() == 7);
   if (grasp.exists()) std::copy_n(data().qpos + grasp.qpos, 7, pose.begin());
+}
+
+void Hand::ReadObjectInPalm(std::span<double> pose) const noexcept {
+  const GraspParts& grasp = hand_model().grasp_in_physics();
+  GAUNTLET_ASSERT(!grasp.exists() || pose.size() == 7);
+  if (!grasp.exists()) return;
+  const mjtNum* palm = data().xquat + 4 * grasp.palm_body;
+  mjtNum to_palm[4], apart[3], place[3], attitude[4];
+  mju_negQuat(to_palm, palm);
+  mju_sub3(apart, data().xpos + 3 * grasp.object_body, data().xpos + 3 * grasp.palm_body);
+  mju_rotVecQuat(place, apart, to_palm);
+  mju_mulQuat(attitude, to_palm, data().xquat + 4 * grasp.object_body);
+  std::copy_n(place, 3, pose.begin());
+  std::copy_n(attitude, 4, pose.begin() + 3);
 }
 
 void Hand::ReadSaturation(std::span<std::uint8_t> saturated) const noexcept {

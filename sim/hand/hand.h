@@ -43,12 +43,16 @@ class Hand {
   /// What all cables can give back, when the last step began [J].
   double CableEnergy() const noexcept;
   /// Sum of the normal forces between hand and object [N]; 0 without one.
-  double GripForce() const noexcept;
+  double GripForce() const noexcept { return Forces().grip_n; }
+  /// Forces on the object; 0 without one.
+  ObjectForces Forces() const noexcept;
   /// The deepest interpenetration of two digits [m], every 10 ms; 0 without digits.
   double DigitOverlap() const noexcept;
   /// Position [m] and attitude (quaternion) of the object in the world, 7 values; without an object
   /// nothing is written.
   void ReadObjectPose(std::span<double> pose) const noexcept;
+  /// The same in the frame of the palm, when the last step began.
+  void ReadObjectInPalm(std::span<double> pose) const noexcept;
   /// True per motor while the servo is at its torque limit.
   void ReadSaturation(std::span<std::uint8_t> saturated) const noexcept;
   const HandHealth& health() const noexcept;

@@ -11,6 +11,7 @@
 
 #include "controller/assert.h"
 #include "sim/base/error.h"
+#include "sim/hand/hand_model.h"
 #include "sim/hand/model_files.h"
 #include "sim/hand/mujoco_messages.h"
 
@@ -50,7 +51,19 @@ HandKinematics::HandKinematics(const std::filesystem::path& model, const std::st
   TakeOverMujocoMessages();
   TryModel(model, key);
   model_.reset(LoadModel(model));
+  FindParts(finger_of);
+}
+
+HandKinematics::HandKinematics(const HandModel& hand, const FingerOfName& finger_of)
+    : file_("the model of the hand"),
+      model_(mj_copyModel(nullptr, &hand.model()), &mj_deleteModel),
+      data_(nullptr, &mj_deleteData) {
+  FindParts(finger_of);
+}
+
+void HandKinematics::FindParts(const FingerOfName& finger_of) {
   data_.reset(mj_makeData(model_.get()));
+  if (data_ == nullptr) throw RunError("not enough memory for the hand's model");
   followers_ = FindFollowers(*model_);
   FindDigits(finger_of);
   FindJoints();

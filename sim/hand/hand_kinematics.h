@@ -18,6 +18,8 @@
 
 namespace gauntlet::sim {
 
+class HandModel;
+
 /// Places of fingertips as a function of joint angles, for any hand that the engine loads: motors
 /// and cables are not needed. One per thread.
 ///
@@ -51,12 +53,14 @@ class HandKinematics {
   /// `key`: the option that names the file, for messages.
   HandKinematics(const std::filesystem::path& model, const std::string& key,
                  const FingerOfName& finger_of);
+  HandKinematics(const HandModel& hand, const FingerOfName& finger_of);
   ~HandKinematics();
   HandKinematics(const HandKinematics&) = delete;
   HandKinematics& operator=(const HandKinematics&) = delete;
 
   const std::string& file() const { return file_; }
   const std::array<Digit, kFingers>& digits() const { return digits_; }
+  int palm() const { return palm_; }  // body of the model
   /// Those that move a fingertip against the palm, in the model's order; followers are led.
   const std::vector<HandJoint>& joints() const { return joints_; }
   /// Names of all other joints, but those of spools and those that follow.
@@ -85,6 +89,7 @@ class HandKinematics {
   double Overlap() const;
 
  private:
+  void FindParts(const FingerOfName& finger_of);
   void FindDigits(const FingerOfName& finger_of);
   void FindTip(Digit& digit) const;
   void FindJoints();

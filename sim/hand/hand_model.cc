@@ -244,6 +244,7 @@ GraspParts NumberedAsIn(const PhysicsModel& physics, GraspParts grasp) {
   grasp.object_body = physics.BodyOf(grasp.object_body);
   grasp.palm_body = physics.BodyOf(grasp.palm_body);
   grasp.skin_geom = physics.GeomOf(grasp.skin_geom);
+  grasp.foot_geom = physics.GeomOf(grasp.foot_geom);
   grasp.qpos = physics.QposOf(grasp.qpos);
   return grasp;
 }

@@ -65,7 +65,7 @@ ResultCell CellOf(const Summary& summary, const ControllerSummary& controller, s
 
 ResultTable MeansTable(const Summary& summary) {
   ResultTable table{.columns = {{"name", "controller"}}};
-  const std::vector<std::size_t> shown = ShownMetrics(summary);
+  const std::vector<std::size_t> shown = DetailedMetrics(summary);
   for (const std::size_t metric : shown) table.columns.push_back(ColumnOf(metric));
   for (const ControllerSummary& controller : summary.controllers) {
     ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
@@ -219,7 +219,7 @@ std::string WhoseScatter(const Summary& summary) {
 
 std::string WhatMatters(const Summary& summary) {
   std::string text;
-  for (const std::size_t metric : ShownMetrics(summary)) {
+  for (const std::size_t metric : DetailedMetrics(summary)) {
     const RelevantDifference& least = Metrics()[metric].relevant_difference;
     if (!text.empty()) text += ", ";
     text += std::string(Metrics()[metric].name);

@@ -8,12 +8,6 @@
 #include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
-namespace {
-
-constexpr double kTouchN = 0.1;
-
-}  // namespace
-
 double GripForceRipple(std::span<const double> force_n, double rate_hz, double above_hz,
                        const CountedTicks& counted, Fourier& fourier) {
   GAUNTLET_ASSERT(AreWithin(counted, std::ssize(force_n)));

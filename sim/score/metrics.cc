@@ -8,6 +8,8 @@
 #include <string>
 
 #include "sim/score/delay.h"
+#include "sim/score/fingertip_error.h"
+#include "sim/score/grasp.h"
 #include "sim/score/grip.h"
 #include "sim/score/motors.h"
 #include "sim/score/no_score.h"
@@ -56,6 +58,8 @@ double OverlapShare(std::span<const double> overlap_m, const CountedTicks& count
   const int count = CountOf(counted);
   return count == 0 ? kNoScore : static_cast<double>(deep) / count;
 }
+
+double Millimetres(double metres) { return 1e3 * metres; }
 
 double Degrees2(double radians2) { return kDegPerRad * kDegPerRad * radians2; }
 
@@ -107,6 +111,21 @@ constexpr RelevantDifference kFeltForce = {
     .reason =
         "people tell forces apart from 7 % on (Pang, Tan, Durlach 1991); 0.01 N is the "
         "weight of 1 g"};
+
+constexpr RelevantDifference kMillimetre = {
+    .absolute = 1.0, .relative = 0.1, .reason = "a tenth, and not less than 1 mm: a convention"};
+constexpr RelevantDifference kTilt = {
+    .absolute = 2.0,
+    .relative = 0.1,
+    .reason =
+        "a tenth, and not less than 2 deg: a convention; benchmarks of grasps count 15 deg "
+        "as failed (DexGraspBench)"};
+constexpr RelevantDifference kForceRatio = {
+    .absolute = 0.1,
+    .relative = 0.07,
+    .reason =
+        "people tell forces apart from 7 % on (Pang, Tan, Durlach 1991); they hold 0.1 to "
+        "0.4 above slip"};
 
 constexpr MetricRow kRows[] = {
     {{.key = "tracking_rmse_deg",
@@ -354,6 +373,83 @@ constexpr MetricRow kRows[] = {
        return h.grip_force_n.empty() ? kNoScore
                                      : GripForceRipple(h.grip_force_n, h.rate_hz, h.jitter_above_hz,
                                                        h.counted, h.fourier);
+     }},
+    {{.key = "object_slip_mm",
+      .name = "object slip",
+      .unit = "mm",
+      .help = "largest shift of the held object in the palm",
+      .definition = "largest distance of the object's centre, in the frame of the palm, from where "
+                    "it was when the hand lifted it off its support, while the hand touches it",
+      .main = true,
+      .extreme = true,
+      .relevant_difference = kMillimetre},
+     [](const ScoredHand& h) {
+       return h.grasp.exist() ? Millimetres(ObjectSlip(h.grasp, h.counted)) : kNoScore;
+     }},
+    {{.key = "object_tilt_deg",
+      .name = "object tilt",
+      .unit = "deg",
+      .help = "largest tilt of the object",
+      .definition = "largest angle of the object's axis: against the vertical until the hand lifts "
+                    "it; then in the frame of the palm against where it was when lifted",
+      .main = true,
+      .extreme = true,
+      .relevant_difference = kTilt},
+     [](const ScoredHand& h) {
+       return h.grasp.exist() ? kDegPerRad * ObjectTilt(h.grasp, h.counted) : kNoScore;
+     }},
+    {{.key = "grip_force_ratio",
+      .name = "grip force ratio",
+      .help = "least grip force on the held object, over the least that holds it (slips at 1)",
+      .definition =
+          "min of mu sum(N) / |sum(f)|, means over 20 ms, while held: f forces of the hand "
+          "on the object, N their normal parts, mu hand.object.friction (Westling and "
+          "Johansson 1984)",
+      .lower_is_better = false,
+      .detailed = true,
+      .extreme = true,
+      .relevant_difference = kForceRatio},
+     [](const ScoredHand& h) {
+       return h.grasp.exist() ? GripForceRatio(h.grasp, h.counted) : kNoScore;
+     }},
+    {{.key = "lost_contact_share",
+      .name = "lost contact",
+      .unit = "share",
+      .help = "share of time in which the hand does not touch the lifted object",
+      .definition =
+          "share of samples with a grip force below 0.1 N, from lifting the object off its "
+          "support until it stands there again",
+      .detailed = true,
+      .relevant_difference = kShareOfTime},
+     [](const ScoredHand& h) {
+       return h.grasp.exist() ? LostContactShare(h.grasp, h.counted) : kNoScore;
+     }},
+    {{.key = "fingertip_error_mm",
+      .name = "fingertip error",
+      .unit = "mm RMS",
+      .help = "RMS distance between the fingertips of hand and wearer",
+      .definition =
+          "sqrt(mean(|p_hand - p_reference|^2)) over fingertips, every 10 ms: both by the "
+          "hand's kinematics from joint angles, in the frame of the palm",
+      .detailed = true,
+      .needs_fingertips = true,
+      .relevant_difference = kMillimetre},
+     [](const ScoredHand& h) {
+       return h.fingertips.exist() ? Millimetres(FingertipError(h.fingertips, h.counted))
+                                   : kNoScore;
+     }},
+    {{.key = "pinch_distance_error_mm",
+      .name = "pinch error",
+      .unit = "mm RMS",
+      .help = "RMS error of the distance of thumb and finger in a pinch",
+      .definition = "RMS of d_hand - d_reference, every 10 ms where d_reference is below 40 mm: d "
+                    "the distance of thumb tip and fingertip as for fingertip_error_mm",
+      .detailed = true,
+      .needs_fingertips = true,
+      .relevant_difference = kMillimetre},
+     [](const ScoredHand& h) {
+       return h.fingertips.exist() ? Millimetres(PinchDistanceError(h.fingertips, h.counted))
+                                   : kNoScore;
      }},
     {{.key = "digit_overlap_share",
       .help = "share of time with interpenetration of fingers",

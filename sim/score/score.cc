@@ -37,6 +37,15 @@ void CheckNoiseFree(const ScoreInput& input, const ScoreRows& table, const Fits&
   }
 }
 
+void CheckFingertips(const FingertipSignals& tips, Eigen::Index ticks) {
+  if (!tips.exist()) return;
+  const Eigen::Index step = tips.ticks_per_row;
+  Check(step > 0 && tips.reference_m != nullptr &&
+            tips.hand_m->cols() == tips.reference_m->cols() &&
+            tips.hand_m->rows() * step >= ticks && tips.reference_m->rows() * step >= ticks,
+        "the fingertips of hand and reference do not fit the hand's angles or each other");
+}
+
 void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   Check(input.reference_angle_rad != nullptr && input.hand_angle_rad != nullptr,
         "reference and hand angles are needed");
@@ -57,6 +66,10 @@ void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   Check(fits(input.tension_n, table.cables.size()),
         "the tensions have other cables than the rows, or are shorter than the hand's angles");
   Check(fits(input.grip_force_n, 1), "the grip force is no column as long as the hand's angles");
+  Check(
+      fits(input.object_force_n, 2) && fits(input.object_pose, 7) && fits(input.object_in_palm, 7),
+      "the object's signals have other columns, or are shorter than the hand's angles");
+  CheckFingertips(input.fingertips, rows);
   Check(fits(input.digit_overlap_m, 1),
         "the overlap of digits is no column as long as the hand's angles");
   Check(input.stall_tension_n.empty() || input.stall_tension_n.size() == table.cables.size(),
@@ -74,6 +87,21 @@ template <class Matrix>
 auto ColumnOrNothing(const Matrix* signal, std::size_t column, int rows) {
   using Span = decltype(Column(*signal, 0, 0));
   return signal == nullptr ? Span() : Column(*signal, static_cast<int>(column), rows);
+}
+
+/// Nothing unless all are recorded.
+GraspSignals GraspOf(const ScoreInput& input, int rows) {
+  if (input.grip_force_n == nullptr || input.object_force_n == nullptr ||
+      input.object_pose == nullptr || input.object_in_palm == nullptr) {
+    return {};
+  }
+  return {.rate_hz = input.rate_hz,
+          .grip_force_n = Column(*input.grip_force_n, 0, rows),
+          .carried_force_n = Column(*input.object_force_n, 0, rows),
+          .support_force_n = Column(*input.object_force_n, 1, rows),
+          .pose = input.object_pose,
+          .pose_in_palm = input.object_in_palm,
+          .friction = input.object_friction};
 }
 
 /// Empty if one of them is.
@@ -188,6 +216,8 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
   Score(ScoredHand{.rate_hz = input.rate_hz,
                    .jitter_above_hz = input.jitter_above_hz,
                    .grip_force_n = ColumnOrNothing(input.grip_force_n, 0, rows),
+                   .grasp = GraspOf(input, rows),
+                   .fingertips = input.fingertips,
                    .digit_overlap_m = ColumnOrNothing(input.digit_overlap_m, 0, rows),
                    .counted = all.CountedOfHand(),
                    .fourier = fourier},

@@ -11,6 +11,7 @@
 #include "sim/base/signal.h"
 #include "sim/score/counted_ticks.h"
 #include "sim/score/error_causes.h"
+#include "sim/score/fingertip_error.h"
 #include "sim/score/score_config.h"
 
 namespace gauntlet::sim {
@@ -43,7 +44,12 @@ struct ScoreInput {
   const Signal* motor_speed_rad_s = nullptr;      // ticks x motors
   const Signal* tension_n = nullptr;              // ticks x cables
   const Signal* grip_force_n = nullptr;           // ticks x 1: of the hand on an object
+  const Signal* object_force_n = nullptr;         // ticks x 2: carried by hand, by support
+  const Signal* object_pose = nullptr;            // ticks x 7, see GraspSignals
+  const Signal* object_in_palm = nullptr;         // ticks x 7
+  double object_friction = 0.0;                   // coefficient between hand and object
   const Signal* digit_overlap_m = nullptr;        // ticks x 1: of the digits that are deepest
+  FingertipSignals fingertips = {};               // nothing where they are not known
   std::span<const double> saturation_share = {};  // per motor
   std::span<const Segment> segments = {};         // win over the split by the wearer's speed
   const CountedParts* counted = nullptr;          // which ticks count; without it all do
@@ -76,10 +82,13 @@ struct Metric {
   std::string_view definition;  // formula and source, one line
   bool lower_is_better = true;
   ScoredPart part = ScoredPart::kJoint;
-  bool main = false;  // of the main question: a column of the table at the terminal
-  bool alike = true;  // false: a mean over parts would mix what is not alike, so there is none
-  bool needs_twin = false;    // no value without the noise-free signals
-  bool needs_causes = false;  // no value without the trials of ErrorCause
+  bool main = false;      // of the main question: a column of the table at the terminal
+  bool detailed = false;  // a column of the detailed table, beside the main ones
+  bool alike = true;      // false: a mean over parts would mix what is not alike, so there is none
+  bool needs_twin = false;        // no value without the noise-free signals
+  bool needs_causes = false;      // no value without the trials of ErrorCause
+  bool needs_fingertips = false;  // no value without the fingertips
+  bool extreme = false;           // one moment decides it: no mean over time
   RelevantDifference relevant_difference = {};
 };
 

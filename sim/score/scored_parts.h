@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "sim/score/error_causes.h"
+#include "sim/score/fingertip_error.h"
 #include "sim/score/fourier.h"
+#include "sim/score/grasp.h"
 #include "sim/score/low_pass.h"
 #include "sim/score/score.h"
 #include "sim/score/smoothness.h"
@@ -106,6 +108,8 @@ struct ScoredHand {
   double rate_hz;
   double jitter_above_hz;
   std::span<const double> grip_force_n;
+  GraspSignals grasp;
+  FingertipSignals fingertips;
   std::span<const double> digit_overlap_m;
   CountedTicks counted;
   Fourier& fourier;

@@ -17,6 +17,7 @@
 #include "sim/glove/motions/postures.h"
 #include "sim/hand/camera_view.h"
 #include "sim/recordings/recording.h"
+#include "sim/retargeting/fingertip_motion.h"
 #include "sim/score/delay.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/prediction_fit.h"
@@ -323,6 +324,7 @@ Study PrepareStudy(Scenario scenario) {
     }
   });
   study.hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
+  study.fingertips = Fingertips::Of(*study.hand, FingerOfJointName);
   study.calibration = NominalCalibration(scenario.glove);
   const Eigen::Index fewest_ticks =
       std::ranges::min(study.repetitions, {}, &GloveFacts::ticks).ticks;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/hand/fingertips.h"
 #include "sim/scenario/scenario.h"
 #include "sim/score/score.h"
 #include "sim/trial/trial.h"
@@ -27,6 +28,7 @@ GloveFacts FactsOf(const GloveSignal& glove);
 struct Study {
   Scenario scenario;
   std::shared_ptr<const HandModel> hand;
+  std::shared_ptr<const Fingertips> fingertips;  // null for a hand without a thumb and two fingers
   controller::GloveCalibration calibration;
   /// Indices of the parts of the hand that count: joints that some channel of the glove moves, and
   /// the motors and cables that turn with them. What only holds a posture says nothing of a filter.

@@ -1,6 +1,8 @@
 #include "sim/study/trial_score.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "sim/study/counted_parts.h"
@@ -107,9 +109,56 @@ std::vector<std::string_view> SignalsOf(ScoredPart part) {
     case ScoredPart::kCable:
       return {"tension_n"};
     case ScoredPart::kHand:
-      return {"grip_force_n", "digit_overlap_m"};
+      return {"grip_force_n", "object_pose", "object_in_palm", "object_force_n", "digit_overlap_m"};
   }
   return {};
+}
+
+/// Null if the signal is not recorded.
+const Signal* Recorded(const Signal& signal) { return signal.cols() > 0 ? &signal : nullptr; }
+
+/// Fingertips of a hand and of the wearer, as the kinematics of the hand give them.
+class MeasuredFingertips {
+ public:
+  MeasuredFingertips(const Study& study, const Signal& reference_rad, const Signal& hand_rad,
+                     double rate_hz)
+      : ticks_per_row_(std::max(1, static_cast<int>(std::lround(rate_hz / kFingertipRate_hz)))),
+        hand_m_(study.fingertips->Places(hand_rad, ticks_per_row_)),
+        reference_m_(study.fingertips->Places(reference_rad, ticks_per_row_)) {
+    const int tips = std::ssize(study.fingertips->names());
+    const auto is_measured = [&study](int tip) {
+      return std::ranges::any_of(study.measured_joints, [&](int joint) {
+        return study.fingertips->Moves(joint, static_cast<std::size_t>(tip));
+      });
+    };
+    for (int tip = 0; tip < tips; ++tip) {
+      if (is_measured(tip)) measured_.push_back(tip);
+      if (tip > 0 && (is_measured(0) || is_measured(tip))) pinches_.emplace_back(0, tip);
+    }
+  }
+
+  FingertipSignals Signals() const {
+    return {.hand_m = &hand_m_,
+            .reference_m = &reference_m_,
+            .ticks_per_row = ticks_per_row_,
+            .measured = measured_,
+            .pinches = pinches_};
+  }
+
+ private:
+  static constexpr double kFingertipRate_hz = 100.0;
+
+  int ticks_per_row_;
+  Signal hand_m_;
+  Signal reference_m_;
+  std::vector<int> measured_;
+  std::vector<std::pair<int, int>> pinches_;
+};
+
+bool NeedFingertips(std::span<const std::size_t> metrics) {
+  return metrics.empty() || std::ranges::any_of(metrics, [](std::size_t metric) {
+           return Metrics()[metric].needs_fingertips;
+         });
 }
 
 /// No score is -0.0, which SQLite keeps as 0.0.
@@ -159,8 +208,17 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   input.hand_angle_rad = &*hand;
   motors.PutInto(input);
   if (twin_hand) input.noise_free_hand_angle_rad = &**twin_hand;
-  if (trace.grip_force_n.cols() > 0) input.grip_force_n = &trace.grip_force_n;
-  if (trace.digit_overlap_m.cols() > 0) input.digit_overlap_m = &trace.digit_overlap_m;
+  input.grip_force_n = Recorded(trace.grip_force_n);
+  input.object_force_n = Recorded(trace.object_force_n);
+  input.object_pose = Recorded(trace.object_pose);
+  input.object_in_palm = Recorded(trace.object_in_palm);
+  input.object_friction = study.hand->config().object.friction;
+  input.digit_overlap_m = Recorded(trace.digit_overlap_m);
+  std::optional<MeasuredFingertips> fingertips;
+  if (study.fingertips && NeedFingertips(metrics)) {
+    fingertips.emplace(study, reference_rad, trace.hand_angle_rad, glove.tick_rate_hz);
+    input.fingertips = fingertips->Signals();
+  }
   input.segments = glove.segments;
   std::array<std::optional<Columns<Signal>>, kCauseTrialCount> measured_without;
   for (std::size_t i = 0; i < without.size(); ++i) {

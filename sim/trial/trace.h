@@ -39,6 +39,8 @@ struct Trace {
   Signal grip_force_n;           // ticks x 1; no columns without an object
   Signal digit_overlap_m;        // ticks x 1; no columns without digits
   Signal object_pose;            // ticks x 7: position [m] and quaternion; as above
+  Signal object_in_palm;         // the same in the frame of the palm
+  Signal object_force_n;         // ticks x 2: carried by the hand, by the support; as above
   std::vector<std::int64_t> untrusted_samples;  // per channel
   HandHealth health;  // not ok: the signals end at the moment of the problem
 };

@@ -275,6 +275,8 @@ Width WidthOf(const TraceFile& file, const Trace& trace, TraceColumns columns,
       return {1, true};
     case TraceColumns::kPose:
       return {7, true};
+    case TraceColumns::kForces:
+      return {2, true};
     case TraceColumns::kSensors:
       return {std::ssize(file.joint_names), true};
   }

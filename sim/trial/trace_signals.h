@@ -12,7 +12,17 @@
 namespace gauntlet::sim {
 
 /// What the columns of a signal are.
-enum class TraceColumns { kChannels, kJoints, kMotors, kCables, kGrip, kPose, kDigits, kSensors };
+enum class TraceColumns {
+  kChannels,
+  kJoints,
+  kMotors,
+  kCables,
+  kGrip,
+  kPose,
+  kForces,
+  kDigits,
+  kSensors
+};
 
 /// Names of the columns of all signals of one glove and hand.
 class TraceColumnNames {
@@ -24,6 +34,7 @@ class TraceColumnNames {
     if (hand.digits().exist()) names_[Place(TraceColumns::kDigits)] = {"deepest"};
     if (!hand.grasp().exists()) return;
     names_[Place(TraceColumns::kGrip)] = {"object"};
+    names_[Place(TraceColumns::kForces)] = {"hand", "support"};
     names_[Place(TraceColumns::kPose)] = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
   }
   /// Nothing for what the hand does not have: an object, digits, joint sensors.
@@ -31,7 +42,7 @@ class TraceColumnNames {
 
  private:
   static std::size_t Place(TraceColumns columns) { return static_cast<std::size_t>(columns); }
-  std::vector<std::string> names_[8];
+  std::vector<std::string> names_[9];
 };
 
 /// One signal of a trace: what it is, and how its values of this tick are read from the loop.
@@ -91,6 +102,14 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
          [](Loop loop, Row row) { row[0] = loop.hand().GripForce(); });
   number("object_pose", "m, quaternion", TraceColumns::kPose, trace.object_pose,
          [](Loop loop, Row row) { loop.hand().ReadObjectPose(row); });
+  number("object_in_palm", "m, quaternion", TraceColumns::kPose, trace.object_in_palm,
+         [](Loop loop, Row row) { loop.hand().ReadObjectInPalm(row); });
+  number("object_force_n", "N", TraceColumns::kForces, trace.object_force_n,
+         [](Loop loop, Row row) {
+           const ObjectForces forces = loop.hand().Forces();
+           row[0] = forces.carried_n;
+           row[1] = forces.support_n;
+         });
   number("digit_overlap_m", "m", TraceColumns::kDigits, trace.digit_overlap_m,
          [](Loop loop, Row row) { row[0] = loop.hand().DigitOverlap(); });
 }

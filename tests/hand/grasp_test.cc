@@ -13,12 +13,15 @@
 namespace gauntlet::sim::testing {
 namespace {
 
-/// Thumb up and opposed, fingers open: the posture in which an object is put before the hand.
+/// Thumb and fingers up, the thumb opposed, fingers open: the posture in which an object is put
+/// before the hand.
 std::vector<double> OpenHand() {
   std::vector<double> angle(GloveChannels().size(), 0.0);
-  angle[ChannelIndex("thumb_rotation")] = 90.0 * kRadPerDeg;
+  angle[ChannelIndex("thumb_rotation")] = 72.0 * kRadPerDeg;
   angle[ChannelIndex("thumb_abduction")] = 60.0 * kRadPerDeg;
-  angle[ChannelIndex("elbow_flexion")] = 90.0 * kRadPerDeg;
+  angle[ChannelIndex("wrist_deviation")] = -20.0 * kRadPerDeg;
+  angle[ChannelIndex("elbow_flexion")] = 28.0 * kRadPerDeg;
+  angle[ChannelIndex("shoulder_flexion")] = 75.0 * kRadPerDeg;
   return angle;
 }
 
@@ -104,7 +107,7 @@ TEST(Grasp, AHeldBottleDoesNotSink) {
     config.object.mass_kg = mass_kg;
     const Grasp grasp = CloseLiftHold(config, 0, 1, 200);
     EXPECT_GT(grasp.height_mm, 60.0) << mass_kg;
-    EXPECT_NEAR(grasp.sunk_mm, 0.0, 0.1) << mass_kg;
+    EXPECT_NEAR(grasp.sunk_mm, 0.0, 0.25) << mass_kg;
   }
 }
 
@@ -132,13 +135,62 @@ TEST(Grasp, TheObjectStandsOnItsSupport) {
   EXPECT_EQ(hand.GripForce(), 0.0);
 }
 
+TEST(Grasp, WhatStandsIsCarriedByTheSupportWhatIsHeldByTheHand) {
+  Hand hand(MakeModel(WithObject()));
+  const controller::TendonTransmission& map = hand.hand_model().transmission();
+  const double weight_n = 0.3 * 9.81;
+  hand.Reset(OpenHand());
+  StepTimes(hand, 500);
+  EXPECT_NEAR(hand.Forces().support_n, weight_n, 0.01 * weight_n);
+  EXPECT_EQ(hand.Forces().carried_n, 0.0);
+  std::vector<double> angle = ClosedHand();
+  hand.SetCommand(CountsFor(map, angle));
+  StepTimes(hand, 800);
+  angle[ChannelIndex("elbow_flexion")] += 20.0 * kRadPerDeg;
+  hand.SetCommand(CountsFor(map, angle));
+  StepTimes(hand, 1500);
+  EXPECT_EQ(hand.Forces().support_n, 0.0);
+  EXPECT_NEAR(hand.Forces().carried_n, weight_n, 0.02 * weight_n);
+  EXPECT_GT(hand.Forces().grip_n, weight_n);
+}
+
+TEST(Grasp, ThePoseInThePalmIsThatInTheWorld) {
+  Hand hand(MakeModel(WithObject()));
+  const GraspParts& grasp = hand.hand_model().grasp_in_physics();
+  const auto in_palm = [&] {
+    std::array<double, 7> pose;
+    hand.ReadObjectInPalm(pose);
+    return pose;
+  };
+  const auto in_world = [&](const std::array<double, 7>& pose) {
+    const double* palm = hand.data().xquat + 4 * grasp.palm_body;
+    std::array<double, 7> world;
+    mju_rotVecQuat(world.data(), pose.data(), palm);
+    mju_addTo3(world.data(), hand.data().xpos + 3 * grasp.palm_body);
+    mju_mulQuat(world.data() + 3, palm, pose.data() + 3);
+    return world;
+  };
+  std::vector<double> angle = OpenHand();
+  for (const double elbow_deg : {28.0, 10.0}) {
+    angle[ChannelIndex("elbow_flexion")] = elbow_deg * kRadPerDeg;
+    hand.Reset(angle);
+    const std::array<double, 7> pose = in_world(in_palm());
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(pose[i], hand.data().xpos[3 * grasp.object_body + i], 1e-12);
+    }
+    EXPECT_NEAR(std::abs(pose[3]), 1.0, 1e-12) << "upright";
+  }
+}
+
 TEST(Grasp, WithoutAnObjectThereIsNoGrip) {
   Hand hand(MakeModel());
   StepTimes(hand, 10);
   EXPECT_EQ(hand.GripForce(), 0.0);
   double pose[7] = {-1, -1, -1, -1, -1, -1, -1};
   hand.ReadObjectPose(pose);
+  hand.ReadObjectInPalm(pose);
   EXPECT_THAT(pose, ::testing::Each(-1.0));
+  EXPECT_EQ(hand.Forces().support_n, 0.0);
 }
 
 TEST(Grasp, ADrawnObjectIsWhereItWas) {
@@ -163,6 +215,7 @@ TEST(Grasp, FingersStopEachOtherOnlyWithContacts) {
     Hand hand(MakeModel(config));
     const controller::TendonTransmission& map = hand.hand_model().transmission();
     std::vector<double> angle = OpenHand();
+    angle[ChannelIndex("thumb_rotation")] = 90.0 * kRadPerDeg;
     hand.Reset(angle);
     angle[ChannelIndex("thumb_abduction")] = 45.0 * kRadPerDeg;
     angle[ChannelIndex("index_mcp")] = 60.0 * kRadPerDeg;

@@ -85,9 +85,11 @@ bool SurvivesRandomGrasp(std::uint64_t seed) {
   Hand hand(MakeModel(config));
   const controller::TendonTransmission& map = hand.hand_model().transmission();
   std::vector<double> open(map.joint_names.size());
-  open[ChannelIndex("thumb_rotation")] = 90.0 * kRadPerDeg;
+  open[ChannelIndex("thumb_rotation")] = 72.0 * kRadPerDeg;
   open[ChannelIndex("thumb_abduction")] = 60.0 * kRadPerDeg;
-  open[ChannelIndex("elbow_flexion")] = 90.0 * kRadPerDeg;
+  open[ChannelIndex("wrist_deviation")] = -20.0 * kRadPerDeg;
+  open[ChannelIndex("elbow_flexion")] = 28.0 * kRadPerDeg;
+  open[ChannelIndex("shoulder_flexion")] = 75.0 * kRadPerDeg;
   hand.Reset(open);
   const std::vector<double> first = RandomPosture(map, random);
   const std::vector<double> second = RandomPosture(map, random);

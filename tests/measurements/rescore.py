@@ -7,7 +7,8 @@
 Written from the definitions in docs/explanation/scores.md and `gauntlet list metrics`. Every value of
 scores.json, of each joint, motor and cable and of the summary, is held against what trace.h5 says of
 it, and the largest relative difference of each metric is printed. A score that exists on one side only
-differs by inf. What the motors of the project's hand pull and turn is read from docs/evidence/hand.md.
+differs by inf. What the motors of the project's hand pull and turn is read from docs/evidence/hand.md, its
+kinematics from models/.
 
 Needs numpy, scipy and h5py (python3-h5py and python3-scipy of Debian). Exit code: 0 all within the
 tolerance; 1 one is beyond, a metric is unknown to this script, or a library is missing; 2 the folder
@@ -18,6 +19,7 @@ import json
 import os
 import re
 import sys
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -423,6 +425,139 @@ def grip_ripple(force, edge_hz, rate_hz, counted):
     return rms(np.concatenate(ripple)) if ripple else NAN
 
 
+def largest(values):
+    return np.max(values) if len(values) else NAN
+
+
+def held_ranges(grip, support, rate_hz):
+    """While the support carries the object no more, from a tick on at which the hand touches it."""
+    return [(b, e) for b, e in stretches(support < 0.1) if e - b >= half_up(0.1 * rate_hz) and grip[b] >= 0.1]
+
+
+def axis_of(pose):
+    """The z axis of an attitude, per row of place and quaternion (w, x, y, z)."""
+    w, x, y, z = (pose[:, 3:] / np.linalg.norm(pose[:, 3:], axis=1, keepdims=True)).T
+    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
+
+
+def angles_to(axes, axis):
+    return np.degrees(np.arctan2(np.linalg.norm(np.cross(axes, axis), axis=1), axes @ axis))
+
+
+def grasp_scores(grip, forces, pose, in_palm, friction, rate_hz, counted):
+    """Object slip, tilt, grip force ratio and lost contact of the whole hand."""
+    if grip is None:
+        return dict.fromkeys(("object_slip_mm", "object_tilt_deg", "grip_force_ratio", "lost_contact_share"), NAN)
+    held = held_ranges(grip, forces[:, 1], rate_hz)
+    counts, window = ticks_of(counted, len(grip)), half_up(0.02 * rate_hz)
+    slips, tilts, ratios, lost = [], [], [], []
+    standing = counts.copy()
+    for begin, end in held:
+        standing[begin:end] = False
+        ticks = np.arange(begin, end)[counts[begin:end]]
+        lost.extend(grip[ticks] < 0.1)
+        touching = ticks[grip[ticks] >= 0.1]
+        slips.extend(1000 * np.linalg.norm(in_palm[touching, :3] - in_palm[begin, :3], axis=1))
+        tilts.extend(angles_to(axis_of(in_palm[touching]), axis_of(in_palm[begin : begin + 1])[0]))
+        for b, e in overlap([(begin, end)], counted):
+            for n in range(b, e - window + 1, window):
+                ratios.append(friction * grip[n : n + window].sum() / forces[n : n + window, 0].sum())
+    tilts.extend(angles_to(axis_of(pose[standing]), np.array([0.0, 0.0, 1.0])))
+    return {"object_slip_mm": largest(slips), "object_tilt_deg": largest(tilts),
+            "grip_force_ratio": np.min(ratios) if ratios else NAN,
+            "lost_contact_share": np.mean(lost) if lost else NAN}
+
+
+# Fingertips, by kinematics that are read from the model's files
+
+
+def turned(axis, angles):
+    """Rotation matrices by Rodrigues' formula, one per angle."""
+    x, y, z = axis / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    angles = np.asarray(angles)[:, None, None]
+    return np.eye(3) + np.sin(angles) * cross + (1 - np.cos(angles)) * (cross @ cross)
+
+
+class Fingertips:
+    """The project's hand: its tips in the frame of the palm, the outer ends of the axes of the last capsules."""
+
+    NAMES = ("thumb", "index", "middle", "ring", "little")
+
+    def __init__(self):
+        self.models = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "models")
+        palm = next(b for b in self.tree("parts/carpus.xml").iter("body") if b.get("name") == "palm")
+        self.chains = {name: self.chain(palm, name) for name in self.NAMES}
+        self.leaders = {joint.get("joint1"): (joint.get("joint2"), float(joint.get("polycoef").split()[1]))
+                        for joint in self.tree("parts/couplings.xml").iter("joint") if joint.get("joint1")}
+
+    def tree(self, name):
+        """A part, with those that it includes."""
+        root = ElementTree.parse(os.path.join(self.models, name)).getroot()
+        for parent in list(root.iter()):
+            for include in parent.findall("include"):
+                parent.extend(list(self.tree(include.get("file"))))
+        return root
+
+    def chain(self, palm, digit):
+        """Bodies from the palm to the last phalanx: place, attitude, axes and names of joints; then the tip."""
+        links, body = [], palm
+        while True:
+            inner = [b for b in body.findall("body") if b.get("name").startswith(digit) and
+                     not b.get("name").endswith("_spool")]
+            if not inner:
+                return links, self.tip(body)
+            body = inner[0]
+            frame = np.eye(3)
+            if body.get("xyaxes"):
+                x, y = np.array(body.get("xyaxes").split(), float).reshape(2, 3)
+                frame = np.stack([x, y, np.cross(x, y)], axis=1)
+            joints = [(j.get("name"), np.array(j.get("axis").split(), float)) for j in body.findall("joint")]
+            links.append((np.array(body.get("pos").split(), float), frame, joints))
+
+    @staticmethod
+    def tip(body):
+        capsules = [g for g in body.findall("geom") if g.get("class", "").endswith("_skin")]
+        ends = np.array(capsules[0].get("fromto").split(), float).reshape(2, 3)
+        return ends[np.argmax(np.linalg.norm(ends, axis=1))]
+
+    def places(self, angles, digit):
+        """Ticks x 3 [m]; angles: joint -> rad per tick."""
+        links, tip = self.chains[digit]
+        count = len(next(iter(angles.values())))
+        place, attitude = np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3))
+        for pos, frame, joints in links:
+            place = place + attitude @ pos
+            attitude = attitude @ frame
+            for joint, axis in joints:
+                leader, factor = self.leaders.get(joint, (joint, 1.0))
+                attitude = attitude @ turned(axis, factor * angles[leader])
+        return place + attitude @ tip
+
+    def moved_by(self, digit, measured_joints):
+        names = [joint for _, _, joints in self.chains[digit][0] for joint, _ in joints]
+        return any(self.leaders.get(joint, (joint,))[0] in measured_joints for joint in names)
+
+
+def fingertip_scores(tips, reference, hand, measured_joints, rate_hz, counted):
+    """Errors of fingertips and of pinches, every 10 ms."""
+    step = max(1, half_up(rate_hz / 100.0))
+    counts = ticks_of(counted, len(next(iter(hand.values()))))[::step]
+    count = len(counts)
+    at = [{name: tips.places({joint: x[::step][:count] for joint, x in angles.items()}, name)[counts]
+           for name in tips.NAMES} for angles in (hand, reference)]
+    measured = [name for name in tips.NAMES if tips.moved_by(name, measured_joints)]
+    errors = [np.linalg.norm(at[0][name] - at[1][name], axis=1) for name in measured]
+    pinches = []
+    for finger in tips.NAMES[1:]:
+        if "thumb" not in measured and finger not in measured:
+            continue
+        ours, theirs = (np.linalg.norm(places["thumb"] - places[finger], axis=1) for places in at)
+        pinches.extend((ours - theirs)[theirs < 0.04])
+    return {"fingertip_error_mm": 1000 * rms(np.concatenate(errors)) if errors else NAN,
+            "pinch_distance_error_mm": 1000 * rms(pinches)}
+
+
 # The error by its cause
 
 
@@ -549,7 +684,10 @@ class Context:
 
         self.rate_hz = float(trace["glove/reference_angle_rad"].attrs["rate_hz"])
         self.jitter_above_hz = setting("jitter_above_hz", 10.0)
+        friction = re.search(r"^  object:\n(?:    .*\n)*?    friction: (\S+)", text, re.MULTILINE)
+        self.friction = float(friction[1]) if friction else NAN
         self.card = ModelCard()
+        self.fingertips = Fingertips()
         self.recovery = half_up(setting("recovery_s", 1.0) * self.rate_hz)
         self.masked = []
         if "masked" in trace["glove"]:
@@ -625,7 +763,17 @@ def rescore(trace, controller, measured_joints, context):
                           context.counted(measured_joints, len(x))) for x in force.values()]
     deep = [within(x > 2e-3, 0, context.counted(measured_joints, len(x)))
             for x in columns_of(group, "digit_overlap_m").values()]
-    return rows, {"grip_force_ripple_n": ripple[0] if ripple else NAN,
+    count = len(next(iter(hand.values())))
+    counted = context.counted(measured_joints, count)
+
+    def whole(name):
+        return np.asarray(group[name][()], dtype=float) if name in group else None
+
+    grip = whole("grip_force_n")
+    return rows, {**grasp_scores(None if grip is None else grip[:, 0], whole("object_force_n"), whole("object_pose"),
+                                 whole("object_in_palm"), context.friction, context.rate_hz, counted),
+                  **fingertip_scores(context.fingertips, reference, hand, measured_joints, context.rate_hz, counted),
+                  "grip_force_ripple_n": ripple[0] if ripple else NAN,
                   "digit_overlap_share": np.mean(deep[0]) if deep and len(deep[0]) else NAN}
 
 

@@ -151,6 +151,11 @@ struct FullExample {
   Signal speed = Signal::Zero(kSamples, 2);
   Signal tension = Signal::Zero(kSamples, 3);
   Signal grip = Signal::Zero(kSamples, 1);
+  Signal object_force = Signal::Zero(kSamples, 2);
+  Signal object_pose = Signal::Zero(kSamples, 7);
+  Signal object_in_palm = Signal::Zero(kSamples, 7);
+  Signal hand_tips = Signal::Zero(kSamples / 10, 9);
+  Signal reference_tips = Signal::Zero(kSamples / 10, 9);
   Signal overlap = Signal::Zero(kSamples, 1);
   std::vector<double> saturation{0.25, 0.75};
   std::vector<double> stall_tension_n{12.0, 4.0, 10.0};
@@ -173,11 +178,17 @@ struct FullExample {
             noise_free_speed(n, c) + 0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 40.0 * n / 1000.0);
       }
       grip(n, 0) = 9.0 + std::sqrt(2.0) * std::sin(2.0 * kPi * 25.0 * n / 1000.0);
+      object_force(n, 0) = n < kSamples / 2 ? 0.0 : 3.0;
+      object_force(n, 1) = n < kSamples / 2 ? 3.0 : 0.0;
+      object_pose(n, 3) = object_in_palm(n, 3) = 1.0;
+      object_in_palm(n, 0) = n < kSamples - 100 ? 0.0 : 0.004;
       overlap(n, 0) = n < kSamples / 10 ? 2.1e-3 : n < kSamples / 2 ? 1.9e-3 : 0.0;
       tension(n, 0) = n < kSamples / 10 ? 0.0 : 3.0;
       tension(n, 1) = 1.0;
       tension(n, 2) = n == 77 ? 8.0 : 2.0;
     }
+    hand_tips.col(3).setConstant(0.022);  // the second 22 mm from the first in place of 20
+    reference_tips.col(3).setConstant(0.02);
   }
   /// Ten seconds of rest, then slow, then fast turns.
   static double At(int n, int channel) {
@@ -192,7 +203,16 @@ struct FullExample {
             .motor_speed_rad_s = &speed,
             .tension_n = &tension,
             .grip_force_n = &grip,
+            .object_force_n = &object_force,
+            .object_pose = &object_pose,
+            .object_in_palm = &object_in_palm,
+            .object_friction = 0.5,
             .digit_overlap_m = &overlap,
+            .fingertips = {.hand_m = &hand_tips,
+                           .reference_m = &reference_tips,
+                           .ticks_per_row = 10,
+                           .measured = {1},
+                           .pinches = {{0, 1}}},
             .saturation_share = saturation,
             .noise_free_hand_angle_rad = &noise_free_hand,
             .noise_free_motor_speed_rad_s = &noise_free_speed,
@@ -250,6 +270,13 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
   EXPECT_DOUBLE_EQ(scores.channels[kFullRows.motors[1]][IndexOf("saturation_share")], 0.75);
   EXPECT_DOUBLE_EQ(scores.summary[IndexOf("saturation_share")], 0.5);
   EXPECT_NEAR(scores.summary[IndexOf("grip_force_ripple_n")], 1.0, 1e-3);
+  EXPECT_NEAR(scores.summary[IndexOf("object_slip_mm")], 4.0, 1e-9);
+  EXPECT_NEAR(scores.summary[IndexOf("object_tilt_deg")], 0.0, 1e-9);
+  EXPECT_NEAR(scores.summary[IndexOf("grip_force_ratio")],
+              0.5 * (9.0 - std::sqrt(2.0) * 2.0 / kPi) / 3.0, 0.01);
+  EXPECT_EQ(scores.summary[IndexOf("lost_contact_share")], 0.0);
+  EXPECT_NEAR(scores.summary[IndexOf("fingertip_error_mm")], 2.0, 1e-9);
+  EXPECT_NEAR(scores.summary[IndexOf("pinch_distance_error_mm")], 2.0, 1e-9);
   EXPECT_DOUBLE_EQ(scores.summary[IndexOf("digit_overlap_share")], 0.1);
 }
 
@@ -364,6 +391,12 @@ TEST(Scores, RefuseSignalsThatDoNotFit) {
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input = example.Input();
   input.grip_force_n = &narrow;
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
+  input = example.Input();
+  input.object_in_palm = &narrow;
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
+  input = example.Input();
+  input.fingertips = {.hand_m = &example.hand, .reference_m = &narrow};
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
   input = example.Input();
   input.digit_overlap_m = &narrow;

@@ -44,14 +44,14 @@ constexpr std::array<Posture, 11> kPostures = {{
      "index finger straight, the others closed",
      {60, 30, 35, 45, 0, 5, 70, 85, 72, 88, 72, 85, 3, 0, 0, -20, 60, 40}},
     {"around_bottle",
-     "the open hand around a bottle that stands in front of the palm, the thumb up",
-     {90, 60, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 90, 0}},
+     "the open hand around a bottle that stands in front of the palm, fingers and thumb up",
+     {72, 60, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -20, 0, 28, 75}},
     {"grip_bottle",
      "fingers and thumb pressed on that bottle",
-     {70, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, 0, 0, 90, 0}},
+     {70, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, -20, 0, 28, 75}},
     {"lift_bottle",
      "the same, the elbow bent by 20 deg more",
-     {70, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, 0, 0, 110, 0}},
+     {70, 50, 37, 45, 54, 67, 73, 69, 77, 62, 77, 60, 0, 0, -20, 0, 48, 75}},
 }};
 
 constexpr auto kNames = [] {

@@ -9,8 +9,8 @@ function formatNumber(value) {
 
 // The unit is the end of a key; what is left of it names the score.
 const UNITS = [
-  ["_deg_s", "deg/s"], ["_deg2", "deg²"], ["_deg", "deg"], ["_ms", "ms"], ["_per_s", "per s"], ["_hz", "Hz"],
-  ["_n", "N"],
+  ["_deg_s", "deg/s"], ["_deg2", "deg²"], ["_deg", "deg"], ["_mm", "mm"], ["_ms", "ms"], ["_per_s", "per s"],
+  ["_hz", "Hz"], ["_n", "N"],
 ];
 const CAPITALS = ["rms", "rmse", "sparc", "ldlj"];
 
