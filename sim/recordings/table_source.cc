@@ -173,7 +173,8 @@ FileFormat ReadableFormat(const fs::path& file) {
   return format;
 }
 
-/// LeRobot's meta/info.json in the folder, beside the file or in a folder above it, if there is one.
+/// LeRobot's meta/info.json in the folder, beside the file or in a folder above it; empty if there
+/// is none.
 DatasetInfo InfoOf(const fs::path& file) {
   constexpr int kMostFolders = 4;
   constexpr std::size_t kMostInfoBytes = std::size_t{4} << 20;

@@ -1,4 +1,4 @@
-// Recordings in the formats that Gauntlet reads by itself: NPY, NPZ, JSON and Parquet. The first byte
+// Recordings in the formats that Gauntlet reads by itself: NPY, NPZ, JSON, Parquet. The first byte
 // chooses which; what is not JSON is a list of changes to a good file (see edited_copy.h). Whatever
 // the file is, the reader ends with a table of text or with a UserError of one line.
 #include <cstdlib>
