@@ -22,7 +22,9 @@ struct Follower {
   double Slope(double leader_rad) const noexcept;
 };
 
-/// Joints of the model that follow another by an equality constraint.
+/// Joints of the model that follow another by an equality constraint. The leader of each follows
+/// none: where a joint follows a follower, in proportion, the two linkages become one.
+/// Errors: UserError for a joint that follows two others, or itself by a loop of linkages.
 std::vector<Follower> FindFollowers(const mjModel_& model);
 
 }  // namespace gauntlet::sim

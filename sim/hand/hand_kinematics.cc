@@ -49,7 +49,9 @@ HandKinematics::HandKinematics(const std::filesystem::path& model, const std::st
     : file_(model.string()), model_(nullptr, &mj_deleteModel), data_(nullptr, &mj_deleteData) {
   TakeOverMujocoMessages();
   TryModel(model, key);
-  model_.reset(LoadModel(model));
+  ReadableMjcf readable;
+  model_.reset(LoadModel(model, readable));
+  notes_ = readable.notes;
   data_.reset(mj_makeData(model_.get()));
   followers_ = FindFollowers(*model_);
   FindDigits(finger_of);

@@ -56,6 +56,8 @@ class HandKinematics {
   HandKinematics& operator=(const HandKinematics&) = delete;
 
   const std::string& file() const { return file_; }
+  /// What was left out of the file, see ReadModelText().
+  const std::vector<std::string>& notes() const { return notes_; }
   const std::array<Digit, kFingers>& digits() const { return digits_; }
   /// Those that move a fingertip against the palm, in the model's order; followers are led.
   const std::vector<HandJoint>& joints() const { return joints_; }
@@ -96,6 +98,7 @@ class HandKinematics {
   [[noreturn]] void Fail(const std::string& problem) const;
 
   std::string file_;
+  std::vector<std::string> notes_;
   std::unique_ptr<mjModel_, void (*)(mjModel_*)> model_;
   std::unique_ptr<mjData_, void (*)(mjData_*)> data_;
   std::array<Digit, kFingers> digits_;

@@ -25,7 +25,10 @@ bool TendonsActByThemselves(const mjModel& model, const std::vector<Drive>& driv
     const bool cable = std::ranges::any_of(drives, [&](const Drive& drive) {
       return std::ranges::find(drive.cables, tendon, &Cable::tendon) != drive.cables.end();
     });
-    if (!cable || model.tendon_limited[tendon] || model.tendon_frictionloss[tendon] > 0.0) {
+    const bool spring =
+        model.tendon_stiffness[tendon] > 0.0 || model.tendon_damping[tendon] > 0.0;
+    if ((spring && !cable) || model.tendon_limited[tendon] ||
+        model.tendon_frictionloss[tendon] > 0.0) {
       return true;
     }
   }
@@ -58,6 +61,7 @@ void CheckSpools(const mjModel& model, const std::vector<Drive>& drives) {
         fmt::format("joint '{}' of the model {}", mj_id2name(&model, mjOBJ_JOINT, joint), problem));
   };
   for (const Drive& drive : drives) {
+    if (drive.spool_dof < 0) continue;
     const int joint = model.dof_jntid[drive.spool_dof];
     if (model.jnt_type[joint] != mjJNT_HINGE) refuse(joint, "must be a hinge: it is a spool");
   }
@@ -208,6 +212,7 @@ PhysicsModel::PhysicsModel(const mjModel& whole, const std::vector<Drive>& drive
     needed[whole.eq_obj1id[i]] = needed[whole.eq_obj2id[i]] = true;
   }
   for (const Drive& drive : drives) {
+    if (drive.spool_dof < 0) continue;
     const int spool = whole.dof_bodyid[drive.spool_dof];
     body[spool] = needed[spool] || whole.body_jntnum[spool] > 1;
   }
