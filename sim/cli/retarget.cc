@@ -73,7 +73,7 @@ std::filesystem::path RetargetedFile(const RetargetOptions& options) {
 }
 
 void PrintNotes(const HandKinematics& hand) {
-  for (const std::string& note : hand.notes()) Say("gauntlet: {}\n", note);
+  for (const std::string& note : hand.notes()) Say("gauntlet: warning: {}\n", note);
 }
 
 FingertipMotion MotionOfRecording(const RetargetOptions& options, const HandKinematics& hand) {

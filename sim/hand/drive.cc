@@ -172,33 +172,38 @@ bool HasPart(const mjModel& model, int type, const std::string& name) {
   return mj_name2id(&model, type, name.c_str()) >= 0;
 }
 
+double Larger(const mjtNum* range) { return std::max(std::abs(range[0]), std::abs(range[1])); }
+
 /// Largest torque or force of an actuator, as far as the model says it.
 double StallOf(const mjModel& model, int actuator) {
   const bool is_motor = model.actuator_gaintype[actuator] == mjGAIN_FIXED &&
                         model.actuator_biastype[actuator] == mjBIAS_NONE;
   double largest = 0.0;
   if (is_motor && model.actuator_ctrllimited[actuator]) {
-    largest = model.actuator_gainprm[mjNGAIN * actuator] * model.actuator_ctrlrange[2 * actuator + 1];
+    largest = std::abs(model.actuator_gainprm[mjNGAIN * actuator]) *
+              Larger(model.actuator_ctrlrange + 2 * actuator);
   }
   if (model.actuator_forcelimited[actuator]) {
-    const double force = model.actuator_forcerange[2 * actuator + 1];
+    const double force = Larger(model.actuator_forcerange + 2 * actuator);
     largest = largest > 0.0 ? std::min(largest, force) : force;
   }
-  return std::max(0.0, largest * std::abs(model.actuator_gear[6 * actuator]));
+  return largest * std::abs(model.actuator_gear[6 * actuator]);
 }
 
 /// The joints that a motor turns without cables.
 std::vector<ShaftJoint> ShaftJointsOf(const mjModel& model, const MotorInModel& motor) {
   std::vector<ShaftJoint> joints;
   const auto add = [&](int joint, double ratio) {
+    const std::string name = JointNameAt(model, model.jnt_qposadr[joint]);
     if (model.jnt_type[joint] != mjJNT_HINGE) {
-      const char* const name = mj_id2name(&model, mjOBJ_JOINT, joint);
       throw UserError(fmt::format("joint '{}' of the model must be a hinge: motor '{}' turns it",
-                                  name == nullptr ? "" : name, motor.name));
+                                  name, motor.name));
     }
     if (ratio == 0.0) return;
-    joints.push_back(
-        {.dof = model.jnt_dofadr[joint], .qpos = model.jnt_qposadr[joint], .ratio = ratio});
+    joints.push_back({.name = name,
+                      .dof = model.jnt_dofadr[joint],
+                      .qpos = model.jnt_qposadr[joint],
+                      .ratio = ratio});
   };
   if (motor.joint >= 0) add(motor.joint, 1.0);
   if (motor.tendon >= 0 && !motor.pulls_cable) {

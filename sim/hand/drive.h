@@ -53,6 +53,7 @@ struct Cable {
 
 /// A joint that a motor turns without cables.
 struct ShaftJoint {
+  std::string name;
   int dof = 0;
   int qpos = 0;
   double ratio = 1.0;          // d shaft / d joint

@@ -25,15 +25,15 @@ double Follower::Slope(double leader_rad) const noexcept {
   return sum;
 }
 
-namespace {
-
-std::string JointAt(const mjModel& model, int qpos) {
+std::string JointNameAt(const mjModel& model, int qpos) {
   for (int joint = 0; joint < model.njnt; ++joint) {
     const char* const name = mj_id2name(&model, mjOBJ_JOINT, joint);
     if (model.jnt_qposadr[joint] == qpos) return name == nullptr ? "" : name;
   }
   return "";
 }
+
+namespace {
 
 /// Makes the follower of a follower one of its leader.
 void Join(const mjModel& model, const Follower& inner, Follower& outer) {
@@ -43,8 +43,8 @@ void Join(const mjModel& model, const Follower& inner, Follower& outer) {
     throw UserError(fmt::format(
         "joint '{}' of the model follows '{}', which follows '{}': the first equality must be a "
         "constant ratio",
-        JointAt(model, outer.qpos), JointAt(model, inner.qpos),
-        JointAt(model, inner.leader_qpos)));
+        JointNameAt(model, outer.qpos), JointNameAt(model, inner.qpos),
+        JointNameAt(model, inner.leader_qpos)));
   }
   const double ratio = outer.coefficient[1];
   outer.coefficient[0] += ratio * (inner.coefficient[0] + inner.zero_rad - outer.leader_zero_rad);
@@ -60,14 +60,14 @@ void JoinChains(const mjModel& model, std::vector<Follower>& followers) {
     const std::vector<Follower> given = followers;
     if (std::ranges::count(given, follower.qpos, &Follower::qpos) > 1) {
       throw UserError(fmt::format("joint '{}' of the model follows two others by equalities",
-                                  JointAt(model, follower.qpos)));
+                                  JointNameAt(model, follower.qpos)));
     }
-    std::string way = JointAt(model, follower.qpos);
+    std::string way = JointNameAt(model, follower.qpos);
     for (std::size_t links = 0;; ++links) {
-      way += ", " + JointAt(model, follower.leader_qpos);
+      way += ", " + JointNameAt(model, follower.leader_qpos);
       if (follower.leader_qpos == follower.qpos || links > given.size()) {
         throw UserError(fmt::format("joint '{}' of the model drives itself by a loop of linkages: {}",
-                                    JointAt(model, follower.leader_qpos), way));
+                                    JointNameAt(model, follower.leader_qpos), way));
       }
       const auto inner = std::ranges::find(given, follower.leader_qpos, &Follower::qpos);
       if (inner == given.end()) break;

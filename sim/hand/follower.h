@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "sim/hand/engine_types.h"
@@ -21,6 +22,9 @@ struct Follower {
   double Angle(double leader_rad) const noexcept;
   double Slope(double leader_rad) const noexcept;
 };
+
+/// Name of the joint with this position in qpos; empty for one without a name.
+std::string JointNameAt(const mjModel_& model, int qpos);
 
 /// Joints of the model that follow another by an equality constraint. The leader of each follows
 /// none: where a joint follows a follower, in proportion, the two linkages become one.

@@ -284,6 +284,15 @@ GraspParts NumberedAsIn(const PhysicsModel& physics, GraspParts grasp) {
 
 }  // namespace
 
+std::vector<MotorInModel> ReadMotors(const std::filesystem::path& path) {
+  TakeOverMujocoMessages();
+  TryModel(path, "");
+  ReadableMjcf readable;
+  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(LoadModel(path, readable),
+                                                           &mj_deleteModel);
+  return InModelFile(path, [&] { return MotorsInModel(*model); });
+}
+
 HandModel::HandModel(const HandConfig& config)
     : HandModel(config, MakeLoopTiming({.longest_step_ms = config.step_ms})) {}
 
@@ -359,6 +368,8 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   for (int body = 0; body < model_->nbody; ++body) bodies[body] = physics_->BodyOf(body);
   digits_ = Digits(*model_, mj_name2id(model_.get(), mjOBJ_BODY, "palm"), bodies);
 }
+
+std::string HandModel::NameOfJointAt(int qpos) const { return JointNameAt(*model_, qpos); }
 
 std::vector<std::string> HandModel::CameraNames() const {
   std::vector<std::string> names;

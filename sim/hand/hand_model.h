@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,10 @@
 #include "sim/hand/physics_model.h"
 
 namespace gauntlet::sim {
+
+/// The motors of a model of other people, and what the file says of them.
+/// Errors: UserError, as of HandModel.
+std::vector<MotorInModel> ReadMotors(const std::filesystem::path& model);
 
 /// The hand and arm as one compiled, const model, shared by all threads of a comparison.
 ///
@@ -63,6 +68,9 @@ class HandModel {
 
   /// What was left out of the model's file, a sentence each; see ReadModelText().
   const std::vector<std::string>& notes() const { return notes_; }
+
+  /// Of the joint with this position in qpos of the whole model; empty for one without a name.
+  std::string NameOfJointAt(int qpos) const;
 
   /// For pictures of the hand, in the model's order.
   std::vector<std::string> CameraNames() const;
