@@ -19,9 +19,11 @@ namespace {
 // XL330-M288 at 5 V: ROBOTIS e-manual; rotor and dry friction: Rhoban/bam.
 constexpr double kStallTorqueNm = 0.52;
 constexpr double kRotorKgM2 = 0.002;
+/// A rotor below this has not the torque of its motor: some models have a number for the solver.
+constexpr double kLeastRotorPerTorque = 4e-4;  // kg m^2 per N m; that of the XL330 is 4e-3
 constexpr double kDryFrictionNm = 0.013;
-// Of the hand in models/hand_arm.xml, and a pretension that weak springs can hold.
-constexpr double kDrumRadiusMm = 8.0;
+// Stiffness of the finger cables in models/hand_arm.xml; a pretension that weak springs can hold.
+constexpr double kDrumRadiusMm = 10.0;
 constexpr double kCableStiffnessNM = 20000.0;
 constexpr double kPretensionMm = 0.05;
 
@@ -43,8 +45,8 @@ std::string NameByPlace(const std::string& joint) {
     return word == "thj" || word == "ffj" || word == "mfj" || word == "rfj" || word == "lfj";
   });
   if (!numbered) return joint;
-  const auto finger = std::ranges::find_if(
-      words, [](const std::string& word) { return !FingerOf(word).empty(); });
+  const auto finger =
+      std::ranges::find_if(words, [](const std::string& word) { return !FingerOf(word).empty(); });
   return finger == words.end() ? joint : std::string(FingerOf(*finger));
 }
 
@@ -77,24 +79,28 @@ void FitRange(const HandJoint& joint, JointStart& start) {
   start.why = "the channel's range is laid over the joint's";
 }
 
+bool HasRotor(const MotorInModel& motor, double stall_torque_nm) {
+  return motor.rotor_inertia_kg_m2 > kLeastRotorPerTorque * stall_torque_nm;
+}
+
 }  // namespace
 
 StarterHand MakeStarterHand(const std::filesystem::path& model) {
   StarterHand starter;
   HandConfig& config = starter.config;
-  config.model_path = std::filesystem::absolute(model).string();
+  config.model_path = model.string();
   std::vector<double> stall, rotor, friction;
-  bool lacks_stall = false, lacks_rotor = false, lacks_drum = false, own_rotor = false;
+  bool lacks_stall = false, lacks_rotor = false, lacks_drum = false;
   for (const MotorInModel& motor : ReadMotors(model)) {
     if (motor.has_spool) return {.config = config, .assumed = {}};
     lacks_drum = lacks_drum || motor.pulls_cable;
     lacks_stall = lacks_stall || !(motor.stall_torque_nm > 0.0);
-    lacks_rotor = lacks_rotor || !(motor.rotor_inertia_kg_m2 > 0.0);
-    own_rotor = own_rotor || motor.rotor_inertia_kg_m2 > 0.0;
     const double lever = motor.pulls_cable ? 1e-3 * kDrumRadiusMm : 1.0;
     stall.push_back(motor.stall_torque_nm > 0.0 ? lever * motor.stall_torque_nm : kStallTorqueNm);
-    const bool has_rotor = motor.rotor_inertia_kg_m2 > 0.0;
-    rotor.push_back(has_rotor ? motor.rotor_inertia_kg_m2 : kRotorKgM2);
+    const bool has_rotor = HasRotor(motor, stall.back());
+    lacks_rotor = lacks_rotor || !has_rotor;
+    rotor.push_back(has_rotor ? motor.rotor_inertia_kg_m2
+                              : kRotorKgM2 / kStallTorqueNm * stall.back());
     friction.push_back(has_rotor ? motor.dry_friction_nm
                                  : std::max(kDryFrictionNm, motor.dry_friction_nm));
   }
@@ -140,8 +146,7 @@ std::vector<JointStart> StarterJoints(const HandModel& hand) {
       FitRange(joint, starts[i]);
       continue;
     }
-    starts[i].offset_deg =
-        std::clamp(0.0, joint.min_rad * kDegPerRad, joint.max_rad * kDegPerRad);
+    starts[i].offset_deg = std::clamp(0.0, joint.min_rad * kDegPerRad, joint.max_rad * kDegPerRad);
     starts[i].why = "held: no channel of the glove found for its name";
   }
   return starts;
@@ -161,7 +166,9 @@ std::string StarterHandScenario(const HandModel& hand, const StarterHand& starte
       model, starter.assumed.empty() ? "" : " and the assumed numbers", model);
   const MotorConfig& motor = config.motor;
   if (!starter.assumed.empty()) {
-    text += "  motor:\n    # Assumed where the model has no number: XL330-M288 at 5 V.\n";
+    text +=
+        "  motor:\n    # Assumed where the model has no number (or too small a rotor): XL330-M288 "
+        "at 5 V.\n";
     const std::pair<const char*, const std::vector<double>&> lists[] = {
         {"stall_torque_nm", motor.stall_torque_nm},
         {"rotor_inertia_kg_m2", motor.rotor_inertia_kg_m2},
@@ -188,8 +195,8 @@ std::string StarterHandScenario(const HandModel& hand, const StarterHand& starte
                 ? fmt::format("  {}: {{channels: [], offset_deg: {:.4g}}}{}\n",
                               hand.joint_names()[i], start.offset_deg, why)
                 : fmt::format("  {}: {{channels: [{}], weights: [{:.3g}], offset_deg: {:.4g}}}{}\n",
-                              hand.joint_names()[i], start.channel, start.weight,
-                              start.offset_deg, why);
+                              hand.joint_names()[i], start.channel, start.weight, start.offset_deg,
+                              why);
   }
   text +=
       "controllers:\n"

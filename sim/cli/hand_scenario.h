@@ -14,7 +14,7 @@ struct StarterHand {
   HandConfig config;
   std::vector<std::string> assumed;  // keys whose values are not those of the file
 };
-/// Assumed are the numbers of an XL330-M288: stall torque, rotor, gear.
+/// Assumed are the numbers of an XL330-M288: stall torque, rotor in proportion to it, gear.
 StarterHand MakeStarterHand(const std::filesystem::path& model);
 
 /// Where a joint gets its angle from.

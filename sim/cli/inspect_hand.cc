@@ -69,12 +69,12 @@ void PrintMotors(const HandModel& hand, const std::filesystem::path& file) {
   for (std::size_t i = 0; i < hand.drives().size(); ++i) {
     const Drive& drive = hand.drives()[i];
     const bool has_stall = in_model[i].stall_torque_nm > 0.0;
-    const bool has_rotor = in_model[i].has_spool || in_model[i].rotor_inertia_kg_m2 > 0.0;
+    const double rotor_kg_m2 = in_model[i].has_spool
+                                   ? drive.spool.inertia_kg_m2 / drive.numbers.inertia_scale
+                                   : in_model[i].rotor_inertia_kg_m2;
     Print("{:<{}}  {:<7}  {:>9}  {:>11}  {}\n", drive.name, width, KindOf(drive),
           has_stall ? fmt::format("{:.3g}", drive.servo.stall_torque_nm) : "-",
-          has_rotor ? fmt::format("{:.2g}", drive.spool.inertia_kg_m2 / drive.numbers.inertia_scale)
-                    : "-",
-          TargetOf(drive));
+          rotor_kg_m2 > 0.0 ? fmt::format("{:.2g}", rotor_kg_m2) : "-", TargetOf(drive));
   }
 }
 
@@ -82,7 +82,8 @@ void PrintJoints(const HandModel& hand) {
   const std::size_t width = WidthOf(hand.joint_names());
   const std::vector<JointStart> starts = StarterJoints(hand);
   std::vector<std::string> motors;
-  for (std::size_t i = 0; i < starts.size(); ++i) motors.push_back(TurnedBy(hand.transmission(), i));
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    motors.push_back(TurnedBy(hand.transmission(), i));
   const std::size_t motor_width = std::max(std::size_t{9}, WidthOf(motors));
   Print("\n{:<{}}  range deg      {:<{}}  channel\n", "joint", width, "turned by", motor_width);
   for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -122,13 +123,14 @@ void InspectHand(const std::filesystem::path& file, const std::string& scenario,
     Print("\nMuJoCo has to follow its cables through space, which takes most of a step.\n");
   }
   const std::string missing =
-      fmt::format("{} {} needed: the model has no such number of some motors",
+      fmt::format("{} {} needed: the model does not give the number of each motor",
                   fmt::join(starter.assumed, ", "), starter.assumed.size() == 1 ? "is" : "are");
   if (scenario.empty()) {
     if (starter.assumed.empty()) {
-      Print("\nA scenario uses it with hand: {{model_path: {}}}. --write-scenario FILE.yaml writes "
-            "one.\n",
-            file.string());
+      Print(
+          "\nA scenario uses it with hand: {{model_path: {}}}. --write-scenario FILE.yaml writes "
+          "one.\n",
+          file.string());
     }
     FlushOutput();
     if (starter.assumed.empty()) return;

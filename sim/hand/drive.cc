@@ -10,6 +10,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/hand/cable_path.h"
+#include "sim/hand/stability.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -91,22 +92,19 @@ Spool MakeRotor(const HandConfig& config, const ServoNumbers& numbers, std::size
                 const MotorInModel& in_model) {
   return {.inertia_kg_m2 = RotorInertia(config, numbers, motor, in_model),
           .damping_nm_s_rad = 0.0,
-          .dry_friction_nm =
-              numbers.friction_scale *
-              OfMotorOr(config.motor.dry_friction_nm, motor, in_model.dry_friction_nm),
+          .dry_friction_nm = numbers.friction_scale * OfMotorOr(config.motor.dry_friction_nm, motor,
+                                                                in_model.dry_friction_nm),
           .load_friction = numbers.load_friction};
 }
 
 /// That of a motor on a spool of the model.
 Spool MakeSpool(const HandConfig& config, const ServoNumbers& numbers, std::size_t motor,
                 const mjModel& model, int dof) {
-  return {.inertia_kg_m2 =
-              numbers.inertia_scale *
-              OfMotorOr(config.motor.rotor_inertia_kg_m2, motor, model.dof_M0[dof]),
+  return {.inertia_kg_m2 = numbers.inertia_scale *
+                           OfMotorOr(config.motor.rotor_inertia_kg_m2, motor, model.dof_M0[dof]),
           .damping_nm_s_rad = model.dof_damping[dof],
-          .dry_friction_nm =
-              numbers.friction_scale *
-              OfMotorOr(config.motor.dry_friction_nm, motor, model.dof_frictionloss[dof]),
+          .dry_friction_nm = numbers.friction_scale * OfMotorOr(config.motor.dry_friction_nm, motor,
+                                                                model.dof_frictionloss[dof]),
           .load_friction = numbers.load_friction};
 }
 
@@ -131,8 +129,9 @@ Cord MakeCord(const mjModel& model, const CableConfig& config, int tendon, const
                                   name, damping));
     }
     if (model.tendon_stiffness[tendon] > 0.0 || config.stiffness_n_m == 0.0) {
-      return {.stiffness_n_m = Positive(model.tendon_stiffness[tendon], "stiffness of tendon", name),
-              .damping_n_s_m = damping};
+      return {
+          .stiffness_n_m = Positive(model.tendon_stiffness[tendon], "stiffness of tendon", name),
+          .damping_n_s_m = damping};
     }
   }
   if (config.stiffness_n_m == 0.0) {
@@ -232,11 +231,11 @@ double StallTorque(const HandConfig& config, std::size_t motor, const MotorInMod
   const double torque =
       OfMotorOr(config.motor.stall_torque_nm, motor, lever * in_model.stall_torque_nm);
   if (torque > 0.0) return torque;
-  throw UserError(
-      {.key = "hand.motor.stall_torque_nm",
-       .problem = fmt::format("is needed: the model has no stall torque of motor '{}' (ctrlrange of "
-                              "a <motor>, or forcerange)",
-                              in_model.name)});
+  throw UserError({.key = "hand.motor.stall_torque_nm",
+                   .problem = fmt::format(
+                       "is needed: the model has no stall torque of motor '{}' (ctrlrange of "
+                       "a <motor>, or forcerange)",
+                       in_model.name)});
 }
 
 /// Radius of the drum that the model does not have.
@@ -344,9 +343,8 @@ std::vector<Drive> FindDrives(mjModel& model, const HandConfig& config) {
     drive.numbers = numbers;
     drive.play_rad = (config.cable.backlash_deg + drive.numbers.play_deg) * kRadPerDeg;
     drive.servo = MakeServo(drive.numbers, stall_torque_nm, config.motor_limits);
-    drive.spool = motor.has_spool
-                      ? MakeSpool(config, drive.numbers, index, model, drive.spool_dof)
-                      : MakeRotor(config, drive.numbers, index, motor);
+    drive.spool = motor.has_spool ? MakeSpool(config, drive.numbers, index, model, drive.spool_dof)
+                                  : MakeRotor(config, drive.numbers, index, motor);
     constexpr double kDampingTimeS = 1e-3;
     drive.shaft.stiffness_nm_rad = stall_torque_nm / (config.motor.windup_deg * kRadPerDeg);
     drive.shaft.damping_nm_s_rad = kDampingTimeS * drive.shaft.stiffness_nm_rad;
@@ -354,7 +352,7 @@ std::vector<Drive> FindDrives(mjModel& model, const HandConfig& config) {
   }
   for (const Drive& drive : drives) {
     for (const ShaftJoint& joint : drive.shaft.joints) {
-      model.dof_armature[joint.dof] = 0.0;
+      AddArmature(model, joint.dof, -model.dof_armature[joint.dof]);
       if (drive.shaft.joints.size() == 1) model.dof_frictionloss[joint.dof] = 0.0;
     }
   }
@@ -370,8 +368,8 @@ void PlaceShafts(const mjModel& model, const std::vector<HandJoint>& joints,
     for (ShaftJoint& joint : drive.shaft.joints) {
       const int leading = LeadingOf(joint.qpos, followers).qpos;
       if (std::ranges::find(joints, leading, &HandJoint::qpos) == joints.end()) {
-        throw UserError(fmt::format("motor '{}' of the model turns a joint that cannot move",
-                                    drive.name));
+        throw UserError(
+            fmt::format("motor '{}' of the model turns a joint that cannot move", drive.name));
       }
       joint.reference_rad = qpos[joint.qpos];
     }

@@ -48,7 +48,8 @@ void Join(const mjModel& model, const Follower& inner, Follower& outer) {
   }
   const double ratio = outer.coefficient[1];
   outer.coefficient[0] += ratio * (inner.coefficient[0] + inner.zero_rad - outer.leader_zero_rad);
-  for (int power = 1; power < 5; ++power) outer.coefficient[power] = ratio * inner.coefficient[power];
+  for (int power = 1; power < 5; ++power)
+    outer.coefficient[power] = ratio * inner.coefficient[power];
   outer.leader_qpos = inner.leader_qpos;
   outer.leader_dof = inner.leader_dof;
   outer.leader_zero_rad = inner.leader_zero_rad;
@@ -66,8 +67,9 @@ void JoinChains(const mjModel& model, std::vector<Follower>& followers) {
     for (std::size_t links = 0;; ++links) {
       way += ", " + JointNameAt(model, follower.leader_qpos);
       if (follower.leader_qpos == follower.qpos || links > given.size()) {
-        throw UserError(fmt::format("joint '{}' of the model drives itself by a loop of linkages: {}",
-                                    JointNameAt(model, follower.leader_qpos), way));
+        throw UserError(
+            fmt::format("joint '{}' of the model drives itself by a loop of linkages: {}",
+                        JointNameAt(model, follower.leader_qpos), way));
       }
       const auto inner = std::ranges::find(given, follower.leader_qpos, &Follower::qpos);
       if (inner == given.end()) break;

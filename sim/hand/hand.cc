@@ -226,8 +226,8 @@ double Hand::State::TurnShaft(const Drive& drive, const SpoolState& spool) noexc
   const double twist_rad = spool.angle_rad - angle_rad;
   const double sense = std::copysign(1.0, twist_rad);
   const double shaft_nm = sense * CableTension(shaft.stiffness_nm_rad, shaft.damping_nm_s_rad,
-                                                std::abs(twist_rad) - 0.5 * drive.play_rad,
-                                                sense * (spool.speed_rad_s - speed_rad_s));
+                                               std::abs(twist_rad) - 0.5 * drive.play_rad,
+                                               sense * (spool.speed_rad_s - speed_rad_s));
   for (const ShaftJoint& joint : shaft.joints) {
     data->qfrc_applied[joint.dof] += joint.ratio * shaft_nm;
   }

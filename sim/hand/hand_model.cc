@@ -56,13 +56,16 @@ std::vector<HandJoint> MovedJoints(const std::vector<HandJoint>& all,
                                    const std::vector<Follower>& followers) {
   const auto moved = [&](const HandJoint& joint) {
     return std::ranges::any_of(drives, [&](const Drive& drive) {
-      return std::ranges::any_of(drive.cables, [&](const Cable& cable) {
-        return std::ranges::any_of(cable.crossings, [&](const Crossing& crossing) {
-          return LeadingOf(crossing.qpos, followers).qpos == joint.qpos;
-        });
-      }) || std::ranges::any_of(drive.shaft.joints, [&](const ShaftJoint& turned) {
-        return LeadingOf(turned.qpos, followers).qpos == joint.qpos;
-      });
+      return std::ranges::any_of(
+                 drive.cables,
+                 [&](const Cable& cable) {
+                   return std::ranges::any_of(cable.crossings, [&](const Crossing& crossing) {
+                     return LeadingOf(crossing.qpos, followers).qpos == joint.qpos;
+                   });
+                 }) ||
+             std::ranges::any_of(drive.shaft.joints, [&](const ShaftJoint& turned) {
+               return LeadingOf(turned.qpos, followers).qpos == joint.qpos;
+             });
     });
   };
   std::vector<HandJoint> joints;
@@ -310,8 +313,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   if (config.contact == Contact::kNone) {
     model_->opt.disableflags |= mjDSBL_CONTACT;
   } else if (readable.lacks_contact_shapes) {
-    throw UserError({.key = "hand.contact",
-                     .problem = "must be none: " + notes_.back()});
+    throw UserError({.key = "hand.contact", .problem = "must be none: " + notes_.back()});
   } else {
     model_->opt.disableflags &= ~mjDSBL_CONTACT;
   }
@@ -349,7 +351,9 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     CheckPretension(drives_[motor], config.cable);
     for (const Cable& cable : drives_[motor].cables) {
       cable_names_.push_back(cable.name);
-      // CableTension() takes over: a spring of the engine would push when slack.
+      // CableTension() takes over: a spring of the engine would push when slack. A tendon that a
+      // motor pulls keeps its own.
+      if (drives_[motor].pulled_tendon >= 0) continue;
       model_->tendon_stiffness[cable.tendon] = 0.0;
       model_->tendon_damping[cable.tendon] = 0.0;
     }

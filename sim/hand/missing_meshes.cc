@@ -98,11 +98,11 @@ class MissingMeshes {
     constexpr std::size_t kMostNames = 3;
     const std::vector<std::string> first(
         files_.begin(), std::next(files_.begin(), std::min(kMostNames, files_.size())));
-    notes_.push_back(fmt::format(
-        "{}: {} file{} missing ({}{}): {} geom{} left out{}", root_.file.string(), files_.size(),
-        files_.size() == 1 ? " is" : "s are", fmt::join(first, ", "),
-        files_.size() > kMostNames ? ", .." : "", geoms_, geoms_ == 1 ? "" : "s",
-        touching_ == 0 ? "" : fmt::format(", {} of which could touch", touching_)));
+    notes_.push_back(
+        fmt::format("{}: {} file{} missing ({}{}): {} geom{} left out{}", root_.file.string(),
+                    files_.size(), files_.size() == 1 ? " is" : "s are", fmt::join(first, ", "),
+                    files_.size() > kMostNames ? ", .." : "", geoms_, geoms_ == 1 ? "" : "s",
+                    touching_ == 0 ? "" : fmt::format(", {} of which could touch", touching_)));
     return touching_ > 0;
   }
 
@@ -133,11 +133,15 @@ class MissingMeshes {
     }
   }
 
-  void VisitBody(MjcfElement& body, const std::string& outer_class, bool world) {
+  /// `fixed`: what carries the body cannot move.
+  void VisitBody(MjcfElement& body, const std::string& outer_class, bool fixed) {
     const std::string* const child_class = body.Find("childclass");
     const std::string body_class = child_class == nullptr ? outer_class : *child_class;
+    const bool stays = fixed && std::ranges::none_of(body.children, [](const MjcfElement& child) {
+                         return child.name == "joint" || child.name == "freejoint";
+                       });
     const bool has_inertia =
-        world || (CompilerSetting(root_, "inertiafromgeom") != "true" &&
+        stays || (CompilerSetting(root_, "inertiafromgeom") != "true" &&
                   std::ranges::count(body.children, "inertial", &MjcfElement::name) > 0);
     std::erase_if(body.children, [&](const MjcfElement& geom) {
       if (geom.name != "geom") return false;
@@ -168,7 +172,7 @@ class MissingMeshes {
       return true;
     });
     for (MjcfElement& child : body.children) {
-      if (child.name == "body") VisitBody(child, body_class, false);
+      if (child.name == "body") VisitBody(child, body_class, stays);
     }
   }
 

@@ -93,7 +93,8 @@ void Append(const MjcfElement& element, const std::filesystem::path& file, int& 
 }  // namespace
 
 const std::string* MjcfElement::Find(std::string_view attribute) const {
-  const auto found = std::ranges::find(attributes, attribute, [](const auto& a) { return a.first; });
+  const auto found =
+      std::ranges::find(attributes, attribute, [](const auto& a) { return a.first; });
   return found == attributes.end() ? nullptr : &found->second;
 }
 
@@ -123,9 +124,10 @@ MjcfElement ReadMjcf(const std::filesystem::path& file) {
       XML_STATUS_OK) {
     throw UserError(
         {.place = fmt::format("{}:{}", file.string(), XML_GetCurrentLineNumber(parser.get())),
-         .problem = builder.has_doctype ? std::string("DOCTYPE is not allowed in a model")
-                                        : fmt::format("is no XML: {}", XML_ErrorString(XML_GetErrorCode(
-                                                                           parser.get())))});
+         .problem =
+             builder.has_doctype
+                 ? std::string("DOCTYPE is not allowed in a model")
+                 : fmt::format("is no XML: {}", XML_ErrorString(XML_GetErrorCode(parser.get())))});
   }
   return std::move(builder.root);
 }

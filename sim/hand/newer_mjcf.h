@@ -18,7 +18,7 @@ enum class NewerMjcf {
 /// An element, an attribute or a value that came to MJCF after MuJoCo 2.2.2.
 /// Source: change log of MuJoCo 2.2.2 to 3.7 (google-deepmind/mujoco, doc/changelog.rst).
 struct NewerMjcfRow {
-  std::string_view parent;     // element around it; empty: any
+  std::string_view parent;  // element around it; empty: any
   std::string_view element;
   std::string_view attribute;  // empty: the element itself
   std::string_view value;      // empty: any

@@ -19,16 +19,11 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Whether a tendon does more than a cable whose pull the hand computes.
-bool TendonsActByThemselves(const mjModel& model, const std::vector<Drive>& drives) {
+/// Whether a tendon does more than a cable, whose pull the hand computes.
+bool TendonsActByThemselves(const mjModel& model) {
   for (int tendon = 0; tendon < model.ntendon; ++tendon) {
-    const bool cable = std::ranges::any_of(drives, [&](const Drive& drive) {
-      return std::ranges::find(drive.cables, tendon, &Cable::tendon) != drive.cables.end();
-    });
-    const bool spring =
-        model.tendon_stiffness[tendon] > 0.0 || model.tendon_damping[tendon] > 0.0;
-    if ((spring && !cable) || model.tendon_limited[tendon] ||
-        model.tendon_frictionloss[tendon] > 0.0) {
+    if (model.tendon_stiffness[tendon] > 0.0 || model.tendon_damping[tendon] > 0.0 ||
+        model.tendon_limited[tendon] || model.tendon_frictionloss[tendon] > 0.0) {
       return true;
     }
   }
@@ -190,7 +185,7 @@ PhysicsModel::PhysicsModel(const mjModel& whole, const std::vector<Drive>& drive
   mjModel& model = *model_;
   model.ncam = model.nlight = model.nsensor = model.nsensordata = model.nkey = 0;
   model.nu = model.na = 0;  // the hand turns the spools itself
-  const bool tendons = engine_measures_cables || TendonsActByThemselves(whole, drives);
+  const bool tendons = engine_measures_cables || TendonsActByThemselves(whole);
   if (!tendons) model.ntendon = model.nwrap = model.nsite = 0;
   const std::vector<bool> acting =
       tendons ? std::vector<bool>(whole.ngeom, true) : ActingGeoms(whole);

@@ -49,8 +49,14 @@ void GiveLightJointsInertia(mjModel& model, const std::vector<Drive>& drives) {
   for (int dof = 0; dof < model.nv; ++dof) {
     const double least = joints[dof].Inertia(model.opt.timestep);
     const double inertia = 1.0 / model.dof_invweight0[dof];
-    if (inertia < least) model.dof_armature[dof] += least - inertia;
+    if (inertia < least) AddArmature(model, dof, least - inertia);
   }
+}
+
+void AddArmature(mjModel& model, int dof, double inertia_kg_m2) {
+  model.dof_armature[dof] += inertia_kg_m2;
+  // Of a body that turns about its center, the engine takes the inertia from here.
+  if (model.dof_simplenum[dof] > 0) model.dof_M0[dof] += inertia_kg_m2;
 }
 
 void CheckStability(const mjModel& model, const std::vector<Drive>& drives) {

@@ -132,7 +132,8 @@ TEST_F(NewerMjcfTest, WhatIsDroppedIsNamedAndChangesNeitherKinematicsNorInertia)
     DropNewerMjcf(root, notes);
     ASSERT_EQ(notes.size(), 1u) << NameOf(row);
     EXPECT_THAT(notes[0], HasSubstr("hand.xml:")) << NameOf(row);
-    EXPECT_THAT(notes[0], HasSubstr(std::string(row.attribute.empty() ? row.element : row.attribute)))
+    EXPECT_THAT(notes[0],
+                HasSubstr(std::string(row.attribute.empty() ? row.element : row.attribute)))
         << NameOf(row);
     const auto model = Compiled(root);
     ASSERT_NE(model, nullptr) << NameOf(row);
@@ -202,10 +203,11 @@ TEST_F(NewerMjcfTest, ShapesWithoutAFileAreLeftOutWhereNoMassComesFromThem) {
   ASSERT_EQ(seen.notes.size(), 1u);
   EXPECT_THAT(seen.notes[0], HasSubstr("none.stl"));
   EXPECT_FALSE(seen.lacks_contact_shapes);
-  EXPECT_TRUE(
-      ReadModelText(Write("b.xml", WithMesh(inertial, "<geom contype='1'/>"))).lacks_contact_shapes);
-  EXPECT_NO_THROW(ReadModelText(Write("c.xml", WithMesh("", "<geom density='0'/>"))));
-  EXPECT_THROW(ReadModelText(Write("d.xml", WithMesh("", "<geom/>"))), UserError);
+  EXPECT_TRUE(ReadModelText(Write("b.xml", WithMesh(inertial, "<geom contype='1'/>")))
+                  .lacks_contact_shapes);
+  EXPECT_NO_THROW(ReadModelText(Write("c.xml", WithMesh("<joint/>", "<geom density='0'/>"))));
+  EXPECT_NO_THROW(ReadModelText(Write("f.xml", WithMesh("", "<geom/>"))));  // it cannot move
+  EXPECT_THROW(ReadModelText(Write("d.xml", WithMesh("<joint/>", "<geom/>"))), UserError);
   EXPECT_THROW(ReadModelText(Write("e.xml", WithMesh(inertial, "<geom type='box'/>"))), UserError);
 }
 
