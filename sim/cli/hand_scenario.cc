@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
+#include <utility>
 
 #include "sim/base/channels.h"
 #include "sim/base/signal.h"
@@ -182,14 +182,16 @@ std::string StarterHandScenario(const HandModel& hand, const StarterHand& starte
     text += fmt::format("  cable: {{stiffness_n_m: {}, pretension_mm: {}}}  # assumed\n",
                         config.cable.stiffness_n_m, config.cable.pretension_mm);
   }
-  text += fmt::format(
-      "  servo: {{kind: {}, inertia_scale: {}, friction_scale: {}}}\n"
-      "joint_map:\n",
-      config.servo.kind(), config.servo.numbers().inertia_scale,
-      config.servo.numbers().friction_scale);
+  if (config.servo.numbers().inertia_scale == 1.0) {
+    text += fmt::format("  servo: {{kind: {}, inertia_scale: 1, friction_scale: 1}}\n",
+                        config.servo.kind());
+  }
   const std::vector<JointStart> starts = StarterJoints(hand);
+  bool has_map = false;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const JointStart& start = starts[i];
+    if (start.channel == hand.joint_names()[i] && start.weight == 1.0) continue;  // as without it
+    if (!std::exchange(has_map, true)) text += "joint_map:\n";
     const std::string why = start.why.empty() ? "" : "  # " + start.why;
     text += start.channel.empty()
                 ? fmt::format("  {}: {{channels: [], offset_deg: {:.4g}}}{}\n",

@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -91,6 +91,14 @@ void PrintJoints(const HandModel& hand) {
     Print("{:<{}}  {:>5.0f} .. {:<5.0f} {:<{}}  {}\n", joint.name, width,
           joint.min_rad * kDegPerRad, joint.max_rad * kDegPerRad, motors[i], motor_width,
           starts[i].channel.empty() ? "-" : starts[i].channel);
+  }
+  const bool needs_map =
+      !std::ranges::equal(starts, hand.joint_names(), {}, &JointStart::channel, std::identity{});
+  if (needs_map) {
+    Print(
+        "\nA joint whose name is no channel needs an entry in joint_map: --write-scenario writes "
+        "it "
+        "from this guess.\n");
   }
   if (hand.followers().empty()) return;
   Print("\nlinkages: ");

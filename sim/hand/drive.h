@@ -72,7 +72,7 @@ struct ShaftJoint {
 /// With one joint of ratio 1 this is direct drive. With several it moves their sum, and their own
 /// springs and loads decide on the shares. The stiffness stands for the gear's: an STS3215 with
 /// 1.5 kg on an arm of 10 cm is 1.8 to 2.6 deg off, its play of 1 deg included
-/// (TheRobotStudio/SO-ARM100, issue 134), which is 40 N m/rad or more. The damping of 1 ms times the
+/// (TheRobotStudio/SO-ARM100, issue 134), which is 40 N m/rad or more. Damping of 1 ms times the
 /// stiffness is an assumption.
 struct Shaft {
   double stiffness_nm_rad = 0.0;
@@ -138,7 +138,7 @@ void PlaceShafts(const mjModel_& model, const std::vector<HandJoint>& joints,
 const Drive* OwnDrive(const HandJoint& joint, const std::vector<Drive>& drives);
 
 /// Gives the drives without a shaft their cables: the tendon NAME_flexor and, if there is one,
-/// NAME_extensor, or the tendon that the motor pulls, with the joints that they pass. `joints` are all that may be among them.
+/// NAME_extensor, or the tendon that it pulls, with the joints on their way, a part of `joints`.
 /// Errors: UserError that names what the model lacks.
 void FindCables(const mjModel_& model, const HandConfig& config,
                 const std::vector<HandJoint>& joints, const std::vector<Follower>& followers,

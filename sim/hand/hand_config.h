@@ -54,7 +54,7 @@ struct WearConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// What a model may not say of its motors: for all of them, or for each. Empty: as the model has it.
+/// What a model may not say of its motors: for all of them, or for each. Empty: as in the model.
 struct MotorConfig {
   std::vector<double> stall_torque_nm;
   std::vector<double> rotor_inertia_kg_m2;  // behind its gear

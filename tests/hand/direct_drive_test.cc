@@ -243,7 +243,7 @@ TEST(Linkages, AChainOfThemIsOne) {
   mj_deleteModel(model);
 }
 
-// A tendon that a motor pulls, without spool and drum in the model: it needs a drum and a stiffness.
+// A tendon that a motor pulls, without a spool in the model: it needs a drum and a stiffness.
 TEST(PulledTendons, ArePulledWithAGivenDrum) {
   const std::string xml =
       "<mujoco><option gravity='0 0 0'/><worldbody><site name='a' pos='-0.05 0 -0.01'/><body "
