@@ -10,7 +10,9 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/signal.h"
+#include "sim/base/text.h"
 #include "sim/inspect/joint_names.h"
+#include "sim/inspect/starter_files.h"
 #include "sim/recordings/name_words.h"
 
 namespace gauntlet::sim {
@@ -163,7 +165,7 @@ std::string StarterHandScenario(const HandModel& hand, const StarterHand& starte
       "  motion: {{kind: random, duration_s: 10, bandwidth_hz: 0.7, range_percent: 60}}\n"
       "hand:\n"
       "  model_path: {}\n",
-      model, starter.assumed.empty() ? "" : " and the assumed numbers", model);
+      OneLine(model), starter.assumed.empty() ? "" : " and the assumed numbers", YamlText(model));
   const MotorConfig& motor = config.motor;
   if (!starter.assumed.empty()) {
     text +=
@@ -192,13 +194,14 @@ std::string StarterHandScenario(const HandModel& hand, const StarterHand& starte
     const JointStart& start = starts[i];
     if (start.channel == hand.joint_names()[i] && start.weight == 1.0) continue;  // as without it
     if (!std::exchange(has_map, true)) text += "joint_map:\n";
+    const std::string& joint = hand.joint_names()[i];
+    const std::string name = LooksLikeKey(joint) ? joint : YamlText(joint);
     const std::string why = start.why.empty() ? "" : "  # " + start.why;
     text += start.channel.empty()
-                ? fmt::format("  {}: {{channels: [], offset_deg: {:.4g}}}{}\n",
-                              hand.joint_names()[i], start.offset_deg, why)
+                ? fmt::format("  {}: {{channels: [], offset_deg: {:.4g}}}{}\n", name,
+                              start.offset_deg, why)
                 : fmt::format("  {}: {{channels: [{}], weights: [{:.3g}], offset_deg: {:.4g}}}{}\n",
-                              hand.joint_names()[i], start.channel, start.weight, start.offset_deg,
-                              why);
+                              name, start.channel, start.weight, start.offset_deg, why);
   }
   text +=
       "controllers:\n"

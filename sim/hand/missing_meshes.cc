@@ -10,6 +10,7 @@
 
 #include "controller/number.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -159,13 +160,14 @@ class MissingMeshes {
                          .problem = fmt::format(
                              "the file of mesh '{}' is missing, and the mass of body '{}' comes "
                              "from it: give the file, or the body an <inertial>",
-                             mesh, name == nullptr ? "" : *name)});
+                             Shown(mesh), name == nullptr ? "" : Shown(*name))});
       }
       if (type != "mesh") {
-        throw UserError({.place = geom.Place(),
-                         .problem = fmt::format("the file of mesh '{}' is missing, and the size of "
-                                                "this {} comes from it",
-                                                mesh, type.empty() ? "sphere" : type)});
+        throw UserError(
+            {.place = geom.Place(),
+             .problem = fmt::format("the file of mesh '{}' is missing, and the size of "
+                                    "this {} comes from it",
+                                    Shown(mesh), type.empty() ? "sphere" : Shown(type))});
       }
       ++geoms_;
       if (!IsZero(value("contype")) || !IsZero(value("conaffinity"))) ++touching_;

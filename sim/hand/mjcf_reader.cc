@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/hand/missing_meshes.h"
 #include "sim/hand/mjcf_element.h"
 #include "sim/hand/newer_mjcf.h"
@@ -32,7 +33,7 @@ void InsertIncludes(MjcfElement& element, const fs::path& folder, std::set<fs::p
     const fs::path file = folder / *name;
     if (!included.insert(file.lexically_normal()).second) {
       throw UserError({.place = child.Place(),
-                       .problem = fmt::format("'{}' is included a second time", *name)});
+                       .problem = fmt::format("'{}' is included a second time", Shown(*name))});
     }
     MjcfElement root = ReadMjcf(file);
     InsertIncludes(root, folder, included);
@@ -52,6 +53,9 @@ ReadableMjcf ReadModelText(const fs::path& model) {
     DropNewerMjcf(root, readable.notes);
     readable.lacks_contact_shapes = LeaveOutMissingMeshes(root, readable.notes);
   }
+  // Names of other people's files become lines of a terminal and comments of a scenario.
+  constexpr std::size_t kLongest = 500;
+  for (std::string& note : readable.notes) note = OneLine(note, kLongest);
   readable.text = MjcfText(root);
   return readable;
 }
