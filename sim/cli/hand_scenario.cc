@@ -4,11 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
 #include "sim/base/channels.h"
+#include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/inspect/joint_names.h"
@@ -83,6 +85,18 @@ void FitRange(const HandJoint& joint, JointStart& start) {
 
 bool HasRotor(const MotorInModel& motor, double stall_torque_nm) {
   return motor.rotor_inertia_kg_m2 > kLeastRotorPerTorque * stall_torque_nm;
+}
+
+/// Errors: UserError for a joint that joint_map cannot name.
+void CheckKey(const std::string& joint) {
+  const bool fits = std::ranges::all_of(joint, [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '+';
+  });
+  if (fits) return;
+  throw UserError(
+      fmt::format("joint '{}' of the model: a name in joint_map has letters, digits, _, "
+                  "- and + only; rename the joint",
+                  Shown(joint)));
 }
 
 }  // namespace
@@ -194,8 +208,8 @@ std::string StarterHandScenario(const HandModel& hand, const StarterHand& starte
     const JointStart& start = starts[i];
     if (start.channel == hand.joint_names()[i] && start.weight == 1.0) continue;  // as without it
     if (!std::exchange(has_map, true)) text += "joint_map:\n";
-    const std::string& joint = hand.joint_names()[i];
-    const std::string name = LooksLikeKey(joint) ? joint : YamlText(joint);
+    const std::string& name = hand.joint_names()[i];
+    CheckKey(name);
     const std::string why = start.why.empty() ? "" : "  # " + start.why;
     text += start.channel.empty()
                 ? fmt::format("  {}: {{channels: [], offset_deg: {:.4g}}}{}\n", name,

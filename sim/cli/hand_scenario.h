@@ -28,6 +28,7 @@ struct JointStart {
 std::vector<JointStart> StarterJoints(const HandModel& hand);
 
 /// A scenario that moves the hand at random. `model`: its path in the scenario.
+/// Errors: UserError for a joint that joint_map must name and cannot.
 std::string StarterHandScenario(const HandModel& hand, const StarterHand& starter,
                                 const std::string& model);
 

@@ -58,21 +58,20 @@ void Join(const mjModel& model, const Follower& inner, Follower& outer) {
 /// Errors: see FindFollowers().
 void JoinChains(const mjModel& model, std::vector<Follower>& followers) {
   for (Follower& follower : followers) {
-    const std::vector<Follower> given = followers;
-    if (std::ranges::count(given, follower.qpos, &Follower::qpos) > 1) {
+    if (std::ranges::count(followers, follower.qpos, &Follower::qpos) > 1) {
       throw UserError(fmt::format("joint '{}' of the model follows two others by equalities",
                                   JointNameAt(model, follower.qpos)));
     }
     std::string way = JointNameAt(model, follower.qpos);
     for (std::size_t links = 0;; ++links) {
       way += ", " + JointNameAt(model, follower.leader_qpos);
-      if (follower.leader_qpos == follower.qpos || links > given.size()) {
+      if (follower.leader_qpos == follower.qpos || links > followers.size()) {
         throw UserError(
             fmt::format("joint '{}' of the model drives itself by a loop of linkages: {}",
                         JointNameAt(model, follower.leader_qpos), way));
       }
-      const auto inner = std::ranges::find(given, follower.leader_qpos, &Follower::qpos);
-      if (inner == given.end()) break;
+      const auto inner = std::ranges::find(followers, follower.leader_qpos, &Follower::qpos);
+      if (inner == followers.end()) break;
       Join(model, *inner, follower);
     }
   }
