@@ -191,6 +191,19 @@ void CheckLists(const HandConfig& config, std::size_t motors) {
   }
 }
 
+/// Errors: UserError for slack of cables where there is none, which would change nothing.
+void CheckThereAreCables(const HandConfig& config, const std::vector<Drive>& drives) {
+  if (!std::ranges::all_of(drives, &Drive::has_shaft)) return;
+  const std::pair<const char*, const std::vector<double>&> lists[] = {
+      {"hand.cable.slack_mm", config.cable.slack_mm},
+      {"hand.wear.slack_mm_per_hour", config.wear.slack_mm_per_hour},
+      {"hand.wear.slack_mm_per_km", config.wear.slack_mm_per_km}};
+  for (const auto& [key, values] : lists) {
+    if (std::ranges::all_of(values, [](double value) { return value == 0.0; })) continue;
+    throw UserError({.key = key, .problem = "must be 0: the hand has no cables"});
+  }
+}
+
 /// Errors: UserError for a limit that the servo cannot have.
 void CheckCurrentLimit(const ServoNumbers& numbers, std::string_view servo_key) {
   if (numbers.current_limit_ma <= numbers.stall_current_ma) return;
@@ -325,6 +338,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   });
   if (model_->nu > 0) CheckLists(config, static_cast<std::size_t>(model_->nu));
   InModelFile(path, [&] { drives_ = FindDrives(*model_, config); });
+  CheckThereAreCables(config, drives_);
   InModelFile(path, [&] {
     const auto all = FindJoints(*model_, followers_, SpoolPositions(drives_));
     PlaceShafts(*model_, all, followers_, drives_);

@@ -182,6 +182,13 @@ TEST(DirectDrive, SettingsReplaceTheNumbersOfTheModel) {
               HasSubstr("hand.motor.stall_torque_nm: has 2 values"));
 }
 
+TEST(DirectDrive, SlackOfCablesIsRefused) {
+  HandConfig config = Spring();
+  config.wear.slack_mm_per_km = {2.0};
+  EXPECT_THAT(ProblemOf(Hinges(kDirect), config),
+              HasSubstr("hand.wear.slack_mm_per_km: must be 0: the hand has no cables"));
+}
+
 TEST(DirectDrive, WhatTheModelDoesNotSayIsAskedFor) {
   EXPECT_THAT(ProblemOf(Hinges("<position name='m' joint='near'/>")),
               HasSubstr("hand.motor.stall_torque_nm: is needed: the model has no stall torque of "
