@@ -46,7 +46,7 @@ struct InspectOptions {
         Option("--write-map", &map, {.value = "MAP.csv"},
                "write a column map, to be checked [beside the scenario]"),
         Option("--write-scenario", &scenario, {.value = "FILE.yaml", .offer = Offer::kFiles},
-               "write a scenario that plays the recording through a few filters"),
+               "write a scenario that plays the recording, or moves the hand, with a few filters"),
         Option("--plot", &plot, {.value = "FILE.png", .offer = Offer::kFiles}, "draw its sensors"),
         Option("--rate", &inspection.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rows per second of a file without a time [50]"),
@@ -76,7 +76,7 @@ and returns 2.
 Example:
   gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot my_glove.png
   gauntlet compare my_glove.yaml
-  gauntlet inspect my_hand.xml  # see docs/how-to/your-hand-model.md
+  gauntlet inspect my_hand.xml --write-scenario my_hand.yaml
 )";
 };
 
@@ -198,7 +198,7 @@ std::pair<std::size_t, std::size_t> ColumnRange(const std::string& text) {
 
 void RunInspect(const InspectOptions& options) {
   if (IsHandFile(options.file)) {
-    PrintHand(options.file);
+    InspectHand(options.file, options.scenario, options.force);
     return;
   }
   std::string map = options.map;

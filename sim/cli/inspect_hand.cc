@@ -4,14 +4,17 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "sim/base/channels.h"
+#include "sim/base/error.h"
+#include "sim/base/output_file.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/signal.h"
+#include "sim/cli/hand_scenario.h"
+#include "sim/cli/recording_scenario.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/hand/hand_model.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -27,10 +30,85 @@ std::string TurnedBy(const controller::TendonTransmission& hand, std::size_t joi
   return motors;
 }
 
+/// What a motor acts on: its cables, its joint, or "1 x rh_FFJ2 + 1 x rh_FFJ1".
+std::string TargetOf(const Drive& drive) {
+  std::vector<std::string> parts;
+  for (const Cable& cable : drive.cables) parts.push_back(cable.name);
+  if (!drive.has_shaft()) {
+    return fmt::format("{} (drum {:.3g} mm)", fmt::join(parts, ", "), 1e3 * drive.drum_radius_m);
+  }
+  for (const ShaftJoint& turned : drive.shaft.joints) {
+    parts.push_back(TransmissionOf(drive) == Transmission::kDirect
+                        ? turned.name
+                        : fmt::format("{:.3g} x {}", turned.ratio, turned.name));
+  }
+  return fmt::format("{}", fmt::join(parts, " + "));
+}
+
+std::string KindOf(const Drive& drive) {
+  switch (TransmissionOf(drive)) {
+    case Transmission::kDirect:
+      return "direct";
+    case Transmission::kLinkage:
+      return "linkage";
+    default:
+      return "cables";
+  }
+}
+
 std::size_t WidthOf(const std::vector<std::string>& names) {
   std::size_t width = 5;
   for (const std::string& name : names) width = std::max(width, name.size());
   return width;
+}
+
+void PrintMotors(const HandModel& hand, const std::filesystem::path& file) {
+  const std::size_t width = WidthOf(hand.motor_names());
+  Print("{:<{}}  kind     stall N m  rotor kg m2  moves\n", "motor", width);
+  const std::vector<MotorInModel> in_model = ReadMotors(file);
+  for (std::size_t i = 0; i < hand.drives().size(); ++i) {
+    const Drive& drive = hand.drives()[i];
+    const bool has_stall = in_model[i].stall_torque_nm > 0.0;
+    const double rotor_kg_m2 = in_model[i].has_spool
+                                   ? drive.spool.inertia_kg_m2 / drive.numbers.inertia_scale
+                                   : in_model[i].rotor_inertia_kg_m2;
+    Print("{:<{}}  {:<7}  {:>9}  {:>11}  {}\n", drive.name, width, KindOf(drive),
+          has_stall ? fmt::format("{:.3g}", drive.servo.stall_torque_nm) : "-",
+          rotor_kg_m2 > 0.0 ? fmt::format("{:.2g}", rotor_kg_m2) : "-", TargetOf(drive));
+  }
+}
+
+void PrintJoints(const HandModel& hand) {
+  const std::size_t width = WidthOf(hand.joint_names());
+  const std::vector<JointStart> starts = StarterJoints(hand);
+  std::vector<std::string> motors;
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    motors.push_back(TurnedBy(hand.transmission(), i));
+  const std::size_t motor_width = std::max(std::size_t{9}, WidthOf(motors));
+  Print("\n{:<{}}  range deg      {:<{}}  channel\n", "joint", width, "turned by", motor_width);
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const HandJoint& joint = hand.joints()[i];
+    Print("{:<{}}  {:>5.0f} .. {:<5.0f} {:<{}}  {}\n", joint.name, width,
+          joint.min_rad * kDegPerRad, joint.max_rad * kDegPerRad, motors[i], motor_width,
+          starts[i].channel.empty() ? "-" : starts[i].channel);
+  }
+  const bool needs_map =
+      !std::ranges::equal(starts, hand.joint_names(), {}, &JointStart::channel, std::identity{});
+  if (needs_map) {
+    Print(
+        "\nA joint whose name is no channel needs an entry in joint_map: --write-scenario writes "
+        "it "
+        "from this guess.\n");
+  }
+  if (hand.followers().empty()) return;
+  Print("\nlinkages: ");
+  std::string text;
+  for (const Follower& follower : hand.followers()) {
+    text += fmt::format("{}{} = {:.3g} x {}", text.empty() ? "" : ", ",
+                        hand.NameOfJointAt(follower.qpos), follower.Slope(follower.leader_zero_rad),
+                        hand.NameOfJointAt(follower.leader_qpos));
+  }
+  Print("{}\n", text);
 }
 
 }  // namespace
@@ -40,42 +118,38 @@ bool IsHandFile(const std::filesystem::path& file) {
   return ending == ".xml" || ending == ".mjcf";
 }
 
-void PrintHand(const std::filesystem::path& file) {
-  HandConfig config;
-  config.model_path = std::filesystem::absolute(file).string();
-  const HandModel hand(config);
-  const controller::TendonTransmission& transmission = hand.transmission();
+void InspectHand(const std::filesystem::path& file, const std::string& scenario, bool force) {
+  const StarterHand starter = MakeStarterHand(file);
+  const HandModel hand(starter.config);
+  for (const std::string& note : hand.notes()) Say("gauntlet: warning: {}\n", note);
   Print("{}: a hand of {} motors, {} cables and {} joints; MuJoCo {}\n\n", file.string(),
         hand.motor_names().size(), hand.cable_names().size(), hand.joint_names().size(),
         HandModel::EngineVersion());
-  const std::size_t motor_width = WidthOf(hand.motor_names());
-  Print("{:<{}}  drum mm  stall N m  cables\n", "motor", motor_width);
-  for (const Drive& drive : hand.drives()) {
-    std::vector<std::string> cables;
-    for (const Cable& cable : drive.cables) cables.push_back(cable.name);
-    Print("{:<{}}  {:>7.3g}  {:>9.3g}  {}\n", drive.name, motor_width, 1e3 * drive.drum_radius_m,
-          drive.servo.stall_torque_nm, fmt::join(cables, ", "));
-  }
-  const std::size_t joint_width = WidthOf(hand.joint_names());
-  Print("\n{:<{}}  range deg      turned by\n", "joint", joint_width);
-  std::vector<std::string> without_channel;
-  const std::vector<std::string> channels = KnownChannelNames();
-  for (std::size_t i = 0; i < hand.joints().size(); ++i) {
-    const HandJoint& joint = hand.joints()[i];
-    Print("{:<{}}  {:>5.0f} .. {:<5.0f} {}\n", joint.name, joint_width, joint.min_rad * kDegPerRad,
-          joint.max_rad * kDegPerRad, TurnedBy(transmission, i));
-    if (std::ranges::find(channels, joint.name) == channels.end()) {
-      without_channel.push_back(joint.name);
-    }
-  }
+  PrintMotors(hand, file);
+  PrintJoints(hand);
   if (hand.engine_measures_cables()) {
     Print("\nMuJoCo has to follow its cables through space, which takes most of a step.\n");
   }
-  if (!without_channel.empty()) {
-    Print("\nNo channel of a glove is called like {}: a scenario's joint_map moves them.\n",
-          fmt::join(without_channel, ", "));
+  const std::string missing =
+      fmt::format("{} {} needed: the model does not give the number of each motor",
+                  fmt::join(starter.assumed, ", "), starter.assumed.size() == 1 ? "is" : "are");
+  if (scenario.empty()) {
+    if (starter.assumed.empty()) {
+      Print(
+          "\nA scenario uses it with hand: {{model_path: {}}}. --write-scenario FILE.yaml writes "
+          "one.\n",
+          file.string());
+    }
+    FlushOutput();
+    if (starter.assumed.empty()) return;
+    throw UserError({.place = file.string(),
+                     .problem = missing + "; --write-scenario FILE.yaml writes assumed ones"});
   }
-  Print("\nA scenario takes it by hand: {{model_path: {}}}\n", file.string());
+  RefuseInput(scenario);
+  if (!starter.assumed.empty()) Print("\nAssumed in the scenario: {}\n", missing);
+  FlushOutput();
+  WriteStarter(scenario, StarterHandScenario(hand, starter, SeenFrom(scenario, file)), force);
+  Print("\nNext: gauntlet compare {}\n", ShellPath(scenario));
 }
 
 }  // namespace gauntlet::sim

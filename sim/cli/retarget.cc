@@ -72,9 +72,14 @@ std::filesystem::path RetargetedFile(const RetargetOptions& options) {
   return std::filesystem::path("out") / (stem + ".retargeted.csv");
 }
 
+void PrintNotes(const HandKinematics& hand) {
+  for (const std::string& note : hand.notes()) Say("gauntlet: warning: {}\n", note);
+}
+
 FingertipMotion MotionOfRecording(const RetargetOptions& options, const HandKinematics& hand) {
   if (options.from == kKeypoints) return FingertipsOfKeypoints(options.recording, options.format);
   HandKinematics from(options.from, "--from", FingerOfJointName);
+  PrintNotes(from);
   FingertipFormat format = options.format;
   format.copied = hand.other_joint_names();
   return FingertipsOfAngles(options.recording, from, format);
@@ -85,6 +90,7 @@ void RunRetarget(const RetargetOptions& options) {
   const std::filesystem::path model = options.hand.empty() ? DataFolder("models") / "hand_arm.xml"
                                                            : std::filesystem::path(options.hand);
   HandKinematics hand(model, "--hand", FingerOfJointName);
+  PrintNotes(hand);
   const FingertipMotion motion = MotionOfRecording(options, hand);
   RefuseInput(target);
   const RetargetedMotion retargeted = Retarget(motion, hand);

@@ -230,7 +230,9 @@ std::string ResolvedScenario(const FinishedStudy& finished) {
                         .model_hash = finished.study.hand->Hash(),
                         .mathematics = HashOfMathematics(),
                         .files = FilesOf(scenario)};
-  return ScenarioToYaml(scenario, finished.folder);
+  std::string notes;
+  for (const std::string& note : finished.study.hand->notes()) notes += "# " + note + "\n";
+  return notes + ScenarioToYaml(scenario, finished.folder);
 }
 
 void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,

@@ -1,5 +1,6 @@
 #include "sim/hand/assembly_error.h"
 
+#include <algorithm>
 #include <string_view>
 
 #include "sim/base/normal_pair.h"
@@ -29,6 +30,13 @@ std::vector<double> AssembleWithErrors(const AssemblyErrorConfig& config, bool i
     Drive& drive = drives[motor];
     drive.drum_radius_m *=
         1.0 + 0.01 * config.drum_radius_percent * ErrorOf(config.seed, "assembly drum", motor);
+    for (const ShaftJoint& turned : drive.shaft.joints) {
+      const Leading leading = LeadingOf(turned.qpos, followers);
+      const auto joint = std::ranges::find(joints, leading.qpos, &HandJoint::qpos);
+      if (joint == joints.end()) continue;
+      drive.shaft.zero_error_rad +=
+          turned.ratio * leading.slope * center_rad[joint - joints.begin()];
+    }
     for (Cable& cable : drive.cables) {
       for (Crossing& crossing : cable.crossings) {
         if (!interference && !crossing.own) continue;
@@ -36,7 +44,7 @@ std::vector<double> AssembleWithErrors(const AssemblyErrorConfig& config, bool i
         crossing.arm_error_m = 0.01 * config.moment_arm_percent * crossing.moment_arm_m *
                                ErrorOf(config.seed, "assembly arm", place);
         crossing.moment_arm_m += crossing.arm_error_m;
-        const Leading leading = LeadingOf(crossing, followers);
+        const Leading leading = LeadingOf(crossing.qpos, followers);
         for (std::size_t joint = 0; joint < joints.size(); ++joint) {
           if (joints[joint].qpos != leading.qpos) continue;
           cable.natural_length_m += crossing.moment_arm_m * leading.slope * center_rad[joint];

@@ -1,6 +1,13 @@
 #include "sim/hand/follower.h"
 
+#include <fmt/core.h>
 #include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+
+#include "sim/base/error.h"
 
 namespace gauntlet::sim {
 
@@ -17,6 +24,60 @@ double Follower::Slope(double leader_rad) const noexcept {
   for (int power = 4; power >= 1; --power) sum = sum * x + power * coefficient[power];
   return sum;
 }
+
+std::string JointNameAt(const mjModel& model, int qpos) {
+  for (int joint = 0; joint < model.njnt; ++joint) {
+    const char* const name = mj_id2name(&model, mjOBJ_JOINT, joint);
+    if (model.jnt_qposadr[joint] == qpos) return name == nullptr ? "" : name;
+  }
+  return "";
+}
+
+namespace {
+
+/// Makes the follower of a follower one of its leader.
+void Join(const mjModel& model, const Follower& inner, Follower& outer) {
+  // The inner angle less its zero is a polynomial of what leads it.
+  if (std::any_of(outer.coefficient + 2, std::end(outer.coefficient),
+                  [](double c) { return c != 0.0; })) {
+    throw UserError(fmt::format(
+        "joint '{}' of the model follows '{}', which follows '{}': the first equality must be a "
+        "constant ratio",
+        JointNameAt(model, outer.qpos), JointNameAt(model, inner.qpos),
+        JointNameAt(model, inner.leader_qpos)));
+  }
+  const double ratio = outer.coefficient[1];
+  outer.coefficient[0] += ratio * (inner.coefficient[0] + inner.zero_rad - outer.leader_zero_rad);
+  for (int power = 1; power < 5; ++power)
+    outer.coefficient[power] = ratio * inner.coefficient[power];
+  outer.leader_qpos = inner.leader_qpos;
+  outer.leader_dof = inner.leader_dof;
+  outer.leader_zero_rad = inner.leader_zero_rad;
+}
+
+/// Errors: see FindFollowers().
+void JoinChains(const mjModel& model, std::vector<Follower>& followers) {
+  for (Follower& follower : followers) {
+    if (std::ranges::count(followers, follower.qpos, &Follower::qpos) > 1) {
+      throw UserError(fmt::format("joint '{}' of the model follows two others by equalities",
+                                  JointNameAt(model, follower.qpos)));
+    }
+    std::string way = JointNameAt(model, follower.qpos);
+    for (std::size_t links = 0;; ++links) {
+      way += ", " + JointNameAt(model, follower.leader_qpos);
+      if (follower.leader_qpos == follower.qpos || links > followers.size()) {
+        throw UserError(
+            fmt::format("joint '{}' of the model drives itself by a loop of linkages: {}",
+                        JointNameAt(model, follower.leader_qpos), way));
+      }
+      const auto inner = std::ranges::find(followers, follower.leader_qpos, &Follower::qpos);
+      if (inner == followers.end()) break;
+      Join(model, *inner, follower);
+    }
+  }
+}
+
+}  // namespace
 
 std::vector<Follower> FindFollowers(const mjModel& model) {
   std::vector<Follower> followers;
@@ -35,6 +96,7 @@ std::vector<Follower> FindFollowers(const mjModel& model) {
     }
     followers.push_back(follower);
   }
+  JoinChains(model, followers);
   return followers;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "sim/hand/engine_types.h"
@@ -22,7 +23,12 @@ struct Follower {
   double Slope(double leader_rad) const noexcept;
 };
 
-/// Joints of the model that follow another by an equality constraint.
+/// Name of the joint with this position in qpos; empty for one without a name.
+std::string JointNameAt(const mjModel_& model, int qpos);
+
+/// Joints of the model that follow another by an equality constraint. The leader of each follows
+/// none: where a joint follows a follower, in proportion, the two linkages become one.
+/// Errors: UserError for a joint that follows two others, or itself by a loop of linkages.
 std::vector<Follower> FindFollowers(const mjModel_& model);
 
 }  // namespace gauntlet::sim

@@ -42,7 +42,7 @@ struct Hand::State {
   void ReadInputs() noexcept;
   void Advance();
   void LookAtDigits() noexcept;
-  void PullCables() noexcept;
+  void LoadMotors() noexcept;
   void TurnSpools() noexcept;
   void WearCables(double time_s) noexcept;
   CableWay Way(const Cable& cable, std::vector<double>& arm_m) const noexcept;
@@ -50,6 +50,7 @@ struct Hand::State {
   DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
                       std::span<const CableState> states, std::span<const CableWay> ways,
                       double& angle_rad) const noexcept;
+  double TurnShaft(const Drive& drive, const SpoolState& spool) noexcept;
   double PullCables(const Drive& drive, const SpoolState& spool, std::span<CableState> states,
                     double& drum_angle_rad) noexcept;
   void Pull(const Cable& cable, double stretch_m, double wound_rate_m_s,
@@ -70,7 +71,7 @@ struct Hand::State {
   std::vector<SpoolState> spools;         // per motor
   std::vector<double> drum_rad;           // per motor; the spool's angle but for play
   std::vector<double> torque_nm;          // per motor, of the servo
-  std::vector<double> load_nm;            // per motor, what its cables turn the spool back with
+  std::vector<double> load_nm;            // per motor, what turns its spool back
   std::vector<CableState> cables;         // in the order of HandModel::cable_names()
   std::vector<CablePlace> places;         // of one cable: its drum and what it passes
   std::vector<double> arms[kMostCables];  // per cable of one motor: moment arms of what it passes
@@ -198,15 +199,39 @@ DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
   return {angle_rad, (angle_rad - before) / physics.opt.timestep, angle_rad == balance};
 }
 
-void Hand::State::PullCables() noexcept {
+void Hand::State::LoadMotors() noexcept {
   mju_zero(data->qfrc_applied, physics.nv);
   std::span<CableState> left = cables;
   for (std::size_t motor = 0; motor < spools.size(); ++motor) {
     const Drive& drive = hand->drives()[motor];
+    if (drive.has_shaft()) {
+      load_nm[motor] = TurnShaft(drive, spools[motor]);
+      continue;
+    }
     load_nm[motor] =
         PullCables(drive, spools[motor], left.first(drive.cables.size()), drum_rad[motor]);
     left = left.subspan(drive.cables.size());
   }
+}
+
+/// A motor without cables: turns its joints; gives the torque with which they turn it back.
+double Hand::State::TurnShaft(const Drive& drive, const SpoolState& spool) noexcept {
+  const Shaft& shaft = drive.shaft;
+  double angle_rad = -shaft.zero_error_rad;
+  double speed_rad_s = 0.0;
+  for (const ShaftJoint& joint : shaft.joints) {
+    angle_rad += joint.ratio * (data->qpos[joint.qpos] - joint.reference_rad);
+    speed_rad_s += joint.ratio * data->qvel[joint.dof];
+  }
+  const double twist_rad = spool.angle_rad - angle_rad;
+  const double sense = std::copysign(1.0, twist_rad);
+  const double shaft_nm = sense * CableTension(shaft.stiffness_nm_rad, shaft.damping_nm_s_rad,
+                                               std::abs(twist_rad) - 0.5 * drive.play_rad,
+                                               sense * (spool.speed_rad_s - speed_rad_s));
+  for (const ShaftJoint& joint : shaft.joints) {
+    data->qfrc_applied[joint.dof] += joint.ratio * shaft_nm;
+  }
+  return shaft_nm;
 }
 
 /// All cables of one motor: what they do to the joints that they pass; gives the torque with which
@@ -279,7 +304,7 @@ void Hand::State::Advance() {
     const double time_s = data->time;
     mj_step1(&physics, data.get());
     WearCables(time_s);
-    PullCables();
+    LoadMotors();
     TurnSpools();
     mj_step2(&physics, data.get());
     ReadWarnings(time_s);
@@ -327,7 +352,7 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
   state.commanded = false;
   state.health = {};
   TakeMujocoWarning();
-  state.PullCables();
+  state.LoadMotors();
   state.ticks_to_digit_look = 0;
   state.LookAtDigits();
 }

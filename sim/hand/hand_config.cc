@@ -11,6 +11,10 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
   visitor.Flag({"stretch", "cables stretch; off: 8 times as stiff"}, stretch);
   visitor.Number({"stiffness_scale", "factor on the stiffness of the model's cables", 1e-6, 10},
                  stiffness_scale);
+  visitor.Number(
+      {"stiffness_n_m", "stiffness of the cables whose tendon has none in the model; 0: not known",
+       0, 1e7},
+      stiffness_n_m);
   visitor.Number({"pretension_mm",
                   "stretch of both cables of a motor at rest, with the model's stiffness: the "
                   "force stays when stiffness_scale or stretch changes it",
@@ -21,8 +25,11 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
       slack_mm);
   visitor.Number({"capstan_friction", "coefficient of friction where cables bend; 0: none", 0, 0.5},
                  capstan_friction);
-  visitor.Number({"backlash_deg", "backlash of the drum on the motor's shaft, end to end", 0, 30},
-                 backlash_deg);
+  visitor.Number(
+      {"backlash_deg",
+       "backlash of the drum, or of a joint without cables, on the motor's shaft, end to end", 0,
+       30},
+      backlash_deg);
   visitor.Flag(
       {"interference", "cables that cross a joint on their way move it and are moved by it"},
       interference);
@@ -65,6 +72,33 @@ void WearConfig::Visit(SettingsVisitor& visitor) {
   controller::VisitGroup(visitor, {"snap", "a cable that snaps"}, snap);
 }
 
+void MotorConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Numbers(
+      {"stall_torque_nm",
+       "stall torque at the spool or joint: one for all motors, or one for each; empty: "
+       "as the model has it",
+       1e-6, 1000},
+      stall_torque_nm);
+  visitor.Numbers(
+      {"rotor_inertia_kg_m2",
+       "inertia of the rotor behind its gear, likewise; empty: armature of the spool or "
+       "joint",
+       1e-9, 10},
+      rotor_inertia_kg_m2);
+  visitor.Numbers(
+      {"dry_friction_nm",
+       "dry friction of the gear, likewise; empty: frictionloss of the spool or joint", 0, 100},
+      dry_friction_nm);
+  visitor.Numbers(
+      {"drum_radius_mm",
+       "radius of the drum of a motor that pulls a tendon without a drum, likewise", 0.1, 1000},
+      drum_radius_mm);
+  visitor.Number(
+      {"windup_deg", "angle by which the gear of a motor without cables twists at its stall torque",
+       0.05, 20},
+      windup_deg);
+}
+
 void ObjectConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number({"mass_kg", "mass of the cylinder to grasp", 0.01, 5}, mass_kg);
   visitor.Number({"diameter_mm", "its diameter", 20, 60}, diameter_mm);
@@ -94,6 +128,8 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
                    "for all motors, or one for each",
                    0, 100},
                   motor_friction_scale);
+  controller::VisitGroup(visitor, {"motor", "numbers of motors that replace those of the model"},
+                         motor);
   visitor.Flag({"motor_limits",
                 "motors have the torque and the speed of their kind; off: any, with the gain of "
                 "torque_scale 1 or more"},

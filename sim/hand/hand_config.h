@@ -15,6 +15,7 @@ namespace gauntlet::sim {
 struct CableConfig {
   bool stretch = true;           // off: 8 times as stiff, about what the time step can bear
   double stiffness_scale = 1.0;  // on the stiffness of the model
+  double stiffness_n_m = 0.0;    // of cables to which the model gives none
   double pretension_mm = 0.4;    // both cables are this much too short, if as stiff as the model's
   std::vector<double> slack_mm = {0.0};  // and this much too long: for all motors, or for each
   double capstan_friction = 0.04;        // coefficient of friction on pulleys and guides; 0 is off
@@ -53,6 +54,17 @@ struct WearConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
+/// What a model may not say of its motors: for all of them, or for each. Empty: as in the model.
+struct MotorConfig {
+  std::vector<double> stall_torque_nm;
+  std::vector<double> rotor_inertia_kg_m2;  // behind its gear
+  std::vector<double> dry_friction_nm;      // of its gear
+  std::vector<double> drum_radius_mm;       // of a motor that pulls a tendon without a drum
+  double windup_deg = 1.0;  // of a motor without cables, at its stall torque; see Shaft
+
+  void Visit(controller::SettingsVisitor& visitor);
+};
+
 /// What touches what. Contacts cost time, so they are off where they are not needed.
 enum class Contact {
   kNone,    // bodies pass through each other
@@ -78,6 +90,7 @@ struct HandConfig {
   /// On all friction of a motor: dry_friction and load_friction of its spool, capstan_friction of
   /// its cables. One for all motors, or one for each in the model's order.
   std::vector<double> motor_friction_scale = {1.0};
+  MotorConfig motor;
   bool motor_limits = true;  // off: motors have any torque and speed, to see what the limits do
   CableConfig cable;
   AssemblyErrorConfig assembly_error;

@@ -50,7 +50,9 @@ HandKinematics::HandKinematics(const std::filesystem::path& model, const std::st
     : file_(model.string()), model_(nullptr, &mj_deleteModel), data_(nullptr, &mj_deleteData) {
   TakeOverMujocoMessages();
   TryModel(model, key);
-  model_.reset(LoadModel(model));
+  ReadableMjcf readable;
+  model_.reset(LoadModel(model, readable));
+  notes_ = readable.notes;
   FindParts(finger_of);
 }
 

@@ -59,6 +59,8 @@ class HandKinematics {
   HandKinematics& operator=(const HandKinematics&) = delete;
 
   const std::string& file() const { return file_; }
+  /// What was left out of the file, see ReadModelText().
+  const std::vector<std::string>& notes() const { return notes_; }
   const std::array<Digit, kFingers>& digits() const { return digits_; }
   int palm() const { return palm_; }  // body of the model
   /// Those that move a fingertip against the palm, in the model's order; followers are led.
@@ -101,6 +103,7 @@ class HandKinematics {
   [[noreturn]] void Fail(const std::string& problem) const;
 
   std::string file_;
+  std::vector<std::string> notes_;
   std::unique_ptr<mjModel_, void (*)(mjModel_*)> model_;
   std::unique_ptr<mjData_, void (*)(mjData_*)> data_;
   std::array<Digit, kFingers> digits_;

@@ -36,33 +36,42 @@ auto InModelFile(const std::filesystem::path& path, const Action& action) {
   try {
     return action();
   } catch (const UserError& error) {
+    if (!error.key().empty()) throw;  // a setting is wrong, not the model
     throw UserError({.place = path.string(), .problem = error.what()});
   }
 }
 
 std::vector<int> SpoolPositions(const std::vector<Drive>& drives) {
   std::vector<int> qpos;
-  for (const Drive& drive : drives) qpos.push_back(drive.spool_qpos);
+  for (const Drive& drive : drives) {
+    if (drive.spool_qpos >= 0) qpos.push_back(drive.spool_qpos);
+  }
   return qpos;
 }
 
-/// Those that some cable moves; first those with a motor of their own name.
+/// Those that some motor moves; first those with a motor of their own.
 /// Errors: UserError for one without a name or a range.
 std::vector<HandJoint> MovedJoints(const std::vector<HandJoint>& all,
                                    const std::vector<Drive>& drives,
                                    const std::vector<Follower>& followers) {
   const auto moved = [&](const HandJoint& joint) {
     return std::ranges::any_of(drives, [&](const Drive& drive) {
-      return std::ranges::any_of(drive.cables, [&](const Cable& cable) {
-        return std::ranges::any_of(cable.crossings, [&](const Crossing& crossing) {
-          return LeadingOf(crossing, followers).qpos == joint.qpos;
-        });
-      });
+      return std::ranges::any_of(
+                 drive.cables,
+                 [&](const Cable& cable) {
+                   return std::ranges::any_of(cable.crossings, [&](const Crossing& crossing) {
+                     return LeadingOf(crossing.qpos, followers).qpos == joint.qpos;
+                   });
+                 }) ||
+             std::ranges::any_of(drive.shaft.joints, [&](const ShaftJoint& turned) {
+               return LeadingOf(turned.qpos, followers).qpos == joint.qpos;
+             });
     });
   };
   std::vector<HandJoint> joints;
   for (const Drive& drive : drives) {
-    const auto own = std::ranges::find(all, drive.name, &HandJoint::name);
+    const auto own = std::ranges::find_if(
+        all, [&](const HandJoint& joint) { return OwnDrive(joint, drives) == &drive; });
     if (own != all.end()) joints.push_back(*own);
   }
   for (const HandJoint& joint : all) {
@@ -70,7 +79,7 @@ std::vector<HandJoint> MovedJoints(const std::vector<HandJoint>& all,
     if (moved(joint)) joints.push_back(joint);
   }
   for (const HandJoint& joint : joints) {
-    if (joint.name.empty()) throw UserError("a joint of the model that a cable moves has no name");
+    if (joint.name.empty()) throw UserError("a joint of the model that a motor moves has no name");
     if (!joint.limited) {
       throw UserError(fmt::format("joint '{}' of the model has no range", joint.name));
     }
@@ -84,10 +93,21 @@ void AddCoupling(const Cable& cable, double share, double radius_m, bool interfe
                  std::span<double> row) {
   for (const Crossing& crossing : cable.crossings) {
     if (!interference && !crossing.own) continue;
-    const Leading leading = LeadingOf(crossing, followers);
+    const Leading leading = LeadingOf(crossing.qpos, followers);
     for (std::size_t joint = 0; joint < joints.size(); ++joint) {
       if (joints[joint].qpos != leading.qpos) continue;
       row[joint] -= share * cable.sense * crossing.moment_arm_m * leading.slope / radius_m;
+    }
+  }
+}
+
+/// Adds d spool / d joint of a motor without cables.
+void AddCoupling(const Shaft& shaft, const std::vector<HandJoint>& joints,
+                 const std::vector<Follower>& followers, std::span<double> row) {
+  for (const ShaftJoint& turned : shaft.joints) {
+    const Leading leading = LeadingOf(turned.qpos, followers);
+    for (std::size_t joint = 0; joint < joints.size(); ++joint) {
+      if (joints[joint].qpos == leading.qpos) row[joint] += turned.ratio * leading.slope;
     }
   }
 }
@@ -153,12 +173,34 @@ void CheckLists(const HandConfig& config, std::size_t motors) {
       {"hand.cable.slack_mm", config.cable.slack_mm},
       {"hand.wear.slack_mm_per_hour", config.wear.slack_mm_per_hour},
       {"hand.wear.slack_mm_per_km", config.wear.slack_mm_per_km}};
-  for (const auto& [key, values] : lists) {
-    if (values.size() == 1 || values.size() == motors) continue;
+  const std::pair<const char*, const std::vector<double>&> of_motors[] = {
+      {"hand.motor.stall_torque_nm", config.motor.stall_torque_nm},
+      {"hand.motor.rotor_inertia_kg_m2", config.motor.rotor_inertia_kg_m2},
+      {"hand.motor.dry_friction_nm", config.motor.dry_friction_nm},
+      {"hand.motor.drum_radius_mm", config.motor.drum_radius_mm}};
+  const auto check = [motors](const char* key, const std::vector<double>& values) {
+    if (values.size() == 1 || values.size() == motors) return;
     throw UserError({.key = key,
                      .problem = fmt::format("has {} values, must have 1 for all motors or {}, one "
                                             "for each",
                                             values.size(), motors)});
+  };
+  for (const auto& [key, values] : lists) check(key, values);
+  for (const auto& [key, values] : of_motors) {
+    if (!values.empty()) check(key, values);
+  }
+}
+
+/// Errors: UserError for slack of cables where there is none, which would change nothing.
+void CheckThereAreCables(const HandConfig& config, const std::vector<Drive>& drives) {
+  if (!std::ranges::all_of(drives, &Drive::has_shaft)) return;
+  const std::pair<const char*, const std::vector<double>&> lists[] = {
+      {"hand.cable.slack_mm", config.cable.slack_mm},
+      {"hand.wear.slack_mm_per_hour", config.wear.slack_mm_per_hour},
+      {"hand.wear.slack_mm_per_km", config.wear.slack_mm_per_km}};
+  for (const auto& [key, values] : lists) {
+    if (std::ranges::all_of(values, [](double value) { return value == 0.0; })) continue;
+    throw UserError({.key = key, .problem = "must be 0: the hand has no cables"});
   }
 }
 
@@ -188,9 +230,9 @@ void ScaleFriction(const std::vector<double>& scale, std::vector<Drive>& drives)
 void AddJoints(const std::vector<HandJoint>& joints, const std::vector<Drive>& drives,
                TendonTransmission& transmission) {
   for (const HandJoint& joint : joints) {
-    const bool has_motor = std::ranges::find(drives, joint.name, &Drive::name) != drives.end();
+    const Drive* const own = OwnDrive(joint, drives);
     transmission.joint_names.push_back(joint.name);
-    transmission.motor_of_joint.push_back(has_motor ? joint.name : "");
+    transmission.motor_of_joint.push_back(own == nullptr ? "" : own->name);
     transmission.reference_angle_rad.push_back(joint.reference_rad());
     transmission.joint_min_rad.push_back(joint.min_rad);
     transmission.joint_max_rad.push_back(joint.max_rad);
@@ -219,14 +261,22 @@ TendonTransmission MakeTransmission(const HandConfig& config, const std::vector<
       AddCoupling(cable, 1.0 / static_cast<double>(drive.cables.size()), drive.drum_radius_m,
                   config.cable.interference, joints, followers, row);
     }
+    AddCoupling(drive.shaft, joints, followers, row);
     const bool moves = std::ranges::any_of(row, [](double turn) { return std::abs(turn) > 1e-3; });
     const auto own = std::ranges::find(joints, drive.name, &HandJoint::name);
     if (!moves || (own != joints.end() && !(std::abs(row[own - joints.begin()]) > 1e-3))) {
       throw UserError(
-          fmt::format("the cables of '{}' in the model do not move its joint", drive.name));
+          fmt::format("the motor '{}' of the model does not move its joint", drive.name));
     }
   }
   return transmission;
+}
+
+/// What the engine computes from the model at its zero posture, after a change of inertia.
+void UpdateConstants(mjModel& model) {
+  const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&model), &mj_deleteData);
+  if (data == nullptr) throw RunError("not enough memory for the hand's model");
+  mj_setConst(&model, data.get());
 }
 
 void NumberAsIn(const PhysicsModel& physics, Cable& cable) {
@@ -251,6 +301,15 @@ GraspParts NumberedAsIn(const PhysicsModel& physics, GraspParts grasp) {
 
 }  // namespace
 
+std::vector<MotorInModel> ReadMotors(const std::filesystem::path& path) {
+  TakeOverMujocoMessages();
+  TryModel(path, "");
+  ReadableMjcf readable;
+  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(LoadModel(path, readable),
+                                                           &mj_deleteModel);
+  return InModelFile(path, [&] { return MotorsInModel(*model); });
+}
+
 HandModel::HandModel(const HandConfig& config)
     : HandModel(config, MakeLoopTiming({.longest_step_ms = config.step_ms})) {}
 
@@ -260,20 +319,30 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   controller::CheckSettings(config);
   const std::filesystem::path path = ModelPath(config);
   if (!config.model_path.empty()) TryModel(path, "hand.model_path");
-  model_.reset(LoadModel(path));
+  ReadableMjcf readable;
+  model_.reset(LoadModel(path, readable));
+  notes_ = readable.notes;
   model_->opt.timestep = timing.step_s();
 
-  if (config.contact != Contact::kNone) model_->opt.disableflags &= ~mjDSBL_CONTACT;
+  if (config.contact == Contact::kNone) {
+    model_->opt.disableflags |= mjDSBL_CONTACT;
+  } else if (readable.lacks_contact_shapes) {
+    throw UserError({.key = "hand.contact", .problem = "must be none: " + notes_.back()});
+  } else {
+    model_->opt.disableflags &= ~mjDSBL_CONTACT;
+  }
   CheckCurrentLimit(config.servo.numbers(), "hand.servo");
   CheckCurrentLimit(config.arm_servo.numbers(), "hand.arm_servo");
   InModelFile(path, [&] {
     if (config.contact == Contact::kObject) grasp_ = MakeObject(*model_, config.object);
     followers_ = FindFollowers(*model_);
-    drives_ = FindDrives(*model_, config);
   });
-  CheckLists(config, drives_.size());
+  if (model_->nu > 0) CheckLists(config, static_cast<std::size_t>(model_->nu));
+  InModelFile(path, [&] { drives_ = FindDrives(*model_, config); });
+  CheckThereAreCables(config, drives_);
   InModelFile(path, [&] {
     const auto all = FindJoints(*model_, followers_, SpoolPositions(drives_));
+    PlaceShafts(*model_, all, followers_, drives_);
     FindCables(*model_, config, all, followers_, drives_);
     engine_measures_cables_ = !FindCableSpans(*model_, all, followers_, drives_);
     joints_ = MovedJoints(all, drives_, followers_);
@@ -289,6 +358,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
                                          followers_, drives_);
   as_built_ = MakeTransmission(config, joints_, followers_, drives_);
   ScaleFriction(config.motor_friction_scale, drives_);
+  if (std::ranges::any_of(drives_, &Drive::has_shaft)) UpdateConstants(*model_);
   CheckStability(*model_, drives_);
   GiveLightJointsInertia(*model_, drives_);
   for (std::size_t motor = 0; motor < drives_.size(); ++motor) {
@@ -296,7 +366,9 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     CheckPretension(drives_[motor], config.cable);
     for (const Cable& cable : drives_[motor].cables) {
       cable_names_.push_back(cable.name);
-      // CableTension() takes over: a spring of the engine would push when slack.
+      // CableTension() takes over: a spring of the engine would push when slack. A tendon that a
+      // motor pulls keeps its own.
+      if (drives_[motor].pulled_tendon >= 0) continue;
       model_->tendon_stiffness[cable.tendon] = 0.0;
       model_->tendon_damping[cable.tendon] = 0.0;
     }
@@ -305,12 +377,18 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   InModelFile(path, [&] { physics_.emplace(*model_, drives_, engine_measures_cables_); });
   for (Drive& drive : drives_) {
     for (Cable& cable : drive.cables) NumberAsIn(*physics_, cable);
+    for (ShaftJoint& joint : drive.shaft.joints) {
+      joint.dof = physics_->DofOf(joint.dof);
+      joint.qpos = physics_->QposOf(joint.qpos);
+    }
   }
   if (grasp_.exists()) grasp_in_physics_ = NumberedAsIn(*physics_, grasp_);
   std::vector<int> bodies(model_->nbody);
   for (int body = 0; body < model_->nbody; ++body) bodies[body] = physics_->BodyOf(body);
   digits_ = Digits(*model_, mj_name2id(model_.get(), mjOBJ_BODY, "palm"), bodies);
 }
+
+std::string HandModel::NameOfJointAt(int qpos) const { return JointNameAt(*model_, qpos); }
 
 std::vector<std::string> HandModel::CameraNames() const {
   std::vector<std::string> names;
@@ -353,6 +431,11 @@ std::string HandModel::Hash() const {
       const double of_cable[] = {cable.cord.stiffness_n_m, cable.cord.damping_n_s_m,
                                  cable.cord.friction_coefficient, cable.natural_length_m};
       hash.Add(std::span<const double>(of_cable));
+    }
+    for (const ShaftJoint& joint : drive.shaft.joints) {
+      const double of_shaft[] = {joint.ratio, drive.shaft.stiffness_nm_rad,
+                                 drive.shaft.damping_nm_s_rad, drive.shaft.zero_error_rad};
+      hash.Add(std::span<const double>(of_shaft));
     }
   }
   return hash.Text();

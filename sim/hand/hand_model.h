@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,13 +16,18 @@
 
 namespace gauntlet::sim {
 
+/// The motors of a model of other people, and what the file says of them.
+/// Errors: UserError, as of HandModel.
+std::vector<MotorInModel> ReadMotors(const std::filesystem::path& model);
+
 /// The hand and arm as one compiled, const model, shared by all threads of a comparison.
 ///
 /// The model declares all that there is: a motor is an actuator NAME on the spool joint NAME_spool
-/// with the drum NAME_drum, the cable NAME_flexor and, unless springs pull back, NAME_extensor. A
-/// joint is every other hinge that a cable moves and that does not follow another by a linkage;
-/// joints with a motor of their own name come first, in the order of motors, then the others in the
-/// model's order.
+/// with the drum NAME_drum, the cable NAME_flexor and, unless springs pull back, NAME_extensor; or
+/// an actuator on a joint, or on a tendon of joints, that it turns without cables; or on a spatial
+/// tendon that it pulls. A joint is every other hinge that a motor moves and that does not follow
+/// another by a linkage; joints with a motor of their own come first, in the order of motors, then
+/// the others in the model's order.
 /// Errors: UserError for settings that the model cannot take.
 class HandModel {
  public:
@@ -60,6 +66,12 @@ class HandModel {
   const GraspParts& grasp_in_physics() const { return grasp_in_physics_; }
   const Digits& digits() const { return digits_; }
 
+  /// What was left out of the model's file, a sentence each; see ReadModelText().
+  const std::vector<std::string>& notes() const { return notes_; }
+
+  /// Of the joint with this position in qpos of the whole model; empty for one without a name.
+  std::string NameOfJointAt(int qpos) const;
+
   /// For pictures of the hand, in the model's order.
   std::vector<std::string> CameraNames() const;
 
@@ -71,6 +83,7 @@ class HandModel {
  private:
   HandConfig config_;
   LoopTiming timing_;
+  std::vector<std::string> notes_;
   std::unique_ptr<mjModel_, void (*)(mjModel_*)> model_;
   std::optional<PhysicsModel> physics_;
   bool engine_measures_cables_ = false;

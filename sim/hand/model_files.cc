@@ -3,12 +3,15 @@
 #include <mujoco/mujoco.h>
 
 #include <cstddef>
+#include <cstring>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <new>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sim/base/data_folder.h"
@@ -65,11 +68,23 @@ void TakeModelFiles(const fs::path& model) {
   Take(model, model.parent_path(), taken);
 }
 
-mjModel* LoadModel(const fs::path& path) {
+mjModel* LoadModel(const fs::path& path, ReadableMjcf& readable) {
+  readable = ReadModelText(path);
+  // The engine finds the text by the file's name, and its meshes beside the file.
+  const std::unique_ptr<mjVFS, void (*)(mjVFS*)> files(new mjVFS, [](mjVFS* given) {
+    mj_deleteVFS(given);
+    delete given;
+  });
+  mj_defaultVFS(files.get());
+  const std::string text = std::exchange(readable.text, {});
+  if (mj_makeEmptyFileVFS(files.get(), path.c_str(), static_cast<int>(text.size())) != 0) {
+    throw UserError({.place = path.string(), .problem = "has a name that the engine cannot take"});
+  }
+  std::memcpy(files->filedata[0], text.data(), text.size());
   char message[1000] = "";
   mjModel* model = nullptr;
   try {
-    model = mj_loadXML(path.c_str(), nullptr, message, sizeof message);
+    model = mj_loadXML(path.c_str(), files.get(), message, sizeof message);
   } catch (const RunError& error) {
     throw UserError({.place = path.string(), .problem = error.what()});
   }
@@ -92,7 +107,8 @@ void TryModel(const fs::path& path, const std::string& key) {
   const auto load = [&path, &root](const HelperProcess::Send&) {
     if (!root.empty()) ReadOnlyBelow({root, DataFolder("models")});
     try {
-      mj_deleteModel(LoadModel(path));
+      ReadableMjcf readable;
+      mj_deleteModel(LoadModel(path, readable));
     } catch (const std::bad_alloc&) {
       throw UserError({.place = path.string(), .problem = "takes more than 2 GB of memory"});
     }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sim/hand/engine_types.h"
+#include "sim/hand/mjcf_reader.h"
 
 namespace gauntlet::sim {
 
@@ -12,8 +13,9 @@ namespace gauntlet::sim {
 /// texturedir and assetdir. Errors: as of InputFile().
 void TakeModelFiles(const std::filesystem::path& model);
 
-/// The compiled model of an MJCF file; the caller deletes it. Errors: UserError with the file.
-mjModel_* LoadModel(const std::filesystem::path& path);
+/// The compiled model of an MJCF file as ReadModelText() gives it; the caller deletes it.
+/// `readable` gets all but the text. Errors: UserError with the file.
+mjModel_* LoadModel(const std::filesystem::path& path, ReadableMjcf& readable);
 
 /// Loads a model of other people in a helper process with limits: the engine trusts a model file,
 /// so that some files use all memory, or name a pipe as a mesh. `key`: the setting or option of the

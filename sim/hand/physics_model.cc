@@ -19,13 +19,11 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Whether a tendon does more than a cable whose pull the hand computes.
-bool TendonsActByThemselves(const mjModel& model, const std::vector<Drive>& drives) {
+/// Whether a tendon does more than a cable, whose pull the hand computes.
+bool TendonsActByThemselves(const mjModel& model) {
   for (int tendon = 0; tendon < model.ntendon; ++tendon) {
-    const bool cable = std::ranges::any_of(drives, [&](const Drive& drive) {
-      return std::ranges::find(drive.cables, tendon, &Cable::tendon) != drive.cables.end();
-    });
-    if (!cable || model.tendon_limited[tendon] || model.tendon_frictionloss[tendon] > 0.0) {
+    if (model.tendon_stiffness[tendon] > 0.0 || model.tendon_damping[tendon] > 0.0 ||
+        model.tendon_limited[tendon] || model.tendon_frictionloss[tendon] > 0.0) {
       return true;
     }
   }
@@ -58,6 +56,7 @@ void CheckSpools(const mjModel& model, const std::vector<Drive>& drives) {
         fmt::format("joint '{}' of the model {}", mj_id2name(&model, mjOBJ_JOINT, joint), problem));
   };
   for (const Drive& drive : drives) {
+    if (drive.spool_dof < 0) continue;
     const int joint = model.dof_jntid[drive.spool_dof];
     if (model.jnt_type[joint] != mjJNT_HINGE) refuse(joint, "must be a hinge: it is a spool");
   }
@@ -186,7 +185,7 @@ PhysicsModel::PhysicsModel(const mjModel& whole, const std::vector<Drive>& drive
   mjModel& model = *model_;
   model.ncam = model.nlight = model.nsensor = model.nsensordata = model.nkey = 0;
   model.nu = model.na = 0;  // the hand turns the spools itself
-  const bool tendons = engine_measures_cables || TendonsActByThemselves(whole, drives);
+  const bool tendons = engine_measures_cables || TendonsActByThemselves(whole);
   if (!tendons) model.ntendon = model.nwrap = model.nsite = 0;
   const std::vector<bool> acting =
       tendons ? std::vector<bool>(whole.ngeom, true) : ActingGeoms(whole);
@@ -208,6 +207,7 @@ PhysicsModel::PhysicsModel(const mjModel& whole, const std::vector<Drive>& drive
     needed[whole.eq_obj1id[i]] = needed[whole.eq_obj2id[i]] = true;
   }
   for (const Drive& drive : drives) {
+    if (drive.spool_dof < 0) continue;
     const int spool = whole.dof_bodyid[drive.spool_dof];
     body[spool] = needed[spool] || whole.body_jntnum[spool] > 1;
   }

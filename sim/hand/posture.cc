@@ -16,7 +16,8 @@ void SetPosture(const HandModel& model, std::span<const double> joint_angle_rad,
     data.qpos[model.joints()[i].qpos] = joint_angle_rad[i];
   }
   for (std::size_t motor = 0; motor < model.drives().size(); ++motor) {
-    data.qpos[model.drives()[motor].spool_qpos] = spool_angle_rad[motor];
+    const int spool = model.drives()[motor].spool_qpos;
+    if (spool >= 0) data.qpos[spool] = spool_angle_rad[motor];
   }
   for (const Follower& follower : model.followers()) {
     data.qpos[follower.qpos] = follower.Angle(data.qpos[follower.leader_qpos]);

@@ -20,6 +20,10 @@ struct Oscillator {
     stiffness += cord.EndFactor() * cord.stiffness_n_m * arm2_m2;
     damping += cord.EndFactor() * cord.damping_n_s_m * arm2_m2;
   }
+  void Add(const Shaft& shaft, double ratio2) {
+    stiffness += shaft.stiffness_nm_rad * ratio2;
+    damping += shaft.damping_nm_s_rad * ratio2;
+  }
   /// 2 c h + k h^2, of which the inertia must be more than a quarter.
   double Inertia(double step_s) const { return (2.0 * damping + stiffness * step_s) * step_s; }
 };
@@ -36,12 +40,23 @@ void GiveLightJointsInertia(mjModel& model, const std::vector<Drive>& drives) {
         joints[crossing.dof].Add(cable.cord, std::abs(crossing.moment_arm_m) * arms_m);
       }
     }
+    double ratios = 0.0;
+    for (const ShaftJoint& joint : drive.shaft.joints) ratios += std::abs(joint.ratio);
+    for (const ShaftJoint& joint : drive.shaft.joints) {
+      joints[joint.dof].Add(drive.shaft, std::abs(joint.ratio) * ratios);
+    }
   }
   for (int dof = 0; dof < model.nv; ++dof) {
     const double least = joints[dof].Inertia(model.opt.timestep);
     const double inertia = 1.0 / model.dof_invweight0[dof];
-    if (inertia < least) model.dof_armature[dof] += least - inertia;
+    if (inertia < least) AddArmature(model, dof, least - inertia);
   }
+}
+
+void AddArmature(mjModel& model, int dof, double inertia_kg_m2) {
+  model.dof_armature[dof] += inertia_kg_m2;
+  // Of a body that turns about its center, the engine takes the inertia from here.
+  if (model.dof_simplenum[dof] > 0) model.dof_M0[dof] += inertia_kg_m2;
 }
 
 void CheckStability(const mjModel& model, const std::vector<Drive>& drives) {
@@ -55,8 +70,14 @@ void CheckStability(const mjModel& model, const std::vector<Drive>& drives) {
     for (const Cable& cable : drive.cables) {
       spool.Add(cable.cord, drive.drum_radius_m * drive.drum_radius_m);
     }
+    if (drive.has_shaft()) spool.Add(drive.shaft, 1.0);
     const double of_both = spool.Inertia(step_s);
     if (of_both < 4.0 * drive.spool.inertia_kg_m2) continue;
+    if (of_servo < 0.5 * of_both && drive.has_shaft()) {
+      throw UserError(
+          fmt::format("hand.motor.windup_deg: the gear of {} is too stiff for hand.step_ms {}",
+                      drive.name, 1e3 * step_s));
+    }
     if (of_servo < 0.5 * of_both) {
       throw UserError(
           fmt::format("hand.cable.stiffness_scale: the cables on the spool of {} are too stiff for "

@@ -20,6 +20,9 @@ namespace gauntlet::sim {
 /// are lighter than a step of 1 ms can bear.
 void GiveLightJointsInertia(mjModel_& model, const std::vector<Drive>& drives);
 
+/// Adds to the inertia of a rotor on a joint, also where the engine has its inertia as a constant.
+void AddArmature(mjModel_& model, int dof, double inertia_kg_m2);
+
 /// Refuses servos that the time step cannot bear on their spools, by the same law.
 /// Errors: UserError with the keys to change.
 void CheckStability(const mjModel_& model, const std::vector<Drive>& drives);

@@ -151,16 +151,6 @@ FilterSettings SettingsInCounts(const Inspection& inspection, double glove_hz) {
           .beta = std::min(kMostBeta, 0.03 * median.per_count)};
 }
 
-/// Text in double quotes for YAML.
-std::string YamlText(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char letter : text) {
-    if (letter == '"' || letter == '\\') quoted.push_back('\\');
-    quoted.push_back(letter);
-  }
-  return quoted + "\"";
-}
-
 /// Rate of the scenario's glove: that of the recording, within the limits of a glove.
 double GloveRateHz(const Inspection& inspection) {
   return std::clamp(inspection.time.rate_hz, 10.0, 1000.0);
@@ -235,6 +225,15 @@ std::string HeadOfMap(const Inspection& inspection) {
 }
 
 }  // namespace
+
+std::string YamlText(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    if (letter == '"' || letter == '\\') quoted.push_back('\\');
+    quoted.push_back(letter);
+  }
+  return quoted + "\"";
+}
 
 std::string StarterMap(const Inspection& inspection) {
   std::string map = HeadOfMap(inspection);

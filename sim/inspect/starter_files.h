@@ -10,6 +10,9 @@ namespace gauntlet::sim {
 /// is unknown are rows to fill in, with the channel `ignore`.
 std::string StarterMap(const Inspection& inspection);
 
+/// Text in double quotes for YAML.
+std::string YamlText(const std::string& text);
+
 /// A scenario that plays the recording through several filters. `map` and `recording` are their
 /// paths in the scenario.
 std::string StarterScenario(const Inspection& inspection, const std::string& recording,

@@ -325,6 +325,7 @@ Study PrepareStudy(Scenario scenario) {
   });
   study.hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
   study.fingertips = Fingertips::Of(*study.hand, FingerOfJointName);
+  study.remarks.insert(study.remarks.end(), study.hand->notes().begin(), study.hand->notes().end());
   study.calibration = NominalCalibration(scenario.glove);
   const Eigen::Index fewest_ticks =
       std::ranges::min(study.repetitions, {}, &GloveFacts::ticks).ticks;
