@@ -23,6 +23,10 @@ std::vector<std::string> Notes(const FinishedStudy& finished);
 /// Below the sentences of the verdict: the table of the primary scores with marks against the
 /// baseline, causes of the error, warnings.
 ResultText AnswerText(const FinishedStudy& finished);
+/// The primary scores of ShownControllers(), the baseline last.
+ResultText ShownText(const FinishedStudy& finished);
+/// Causes of the error and warnings of the verdict.
+ResultText AnswerNotes(const FinishedStudy& finished);
 
 /// The answer for a person: verdict; table of the primary scores with marks against the baseline;
 /// causes of the error; warnings. `verbose` adds the main metrics with the difference to the best

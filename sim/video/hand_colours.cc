@@ -54,8 +54,8 @@ double FullError_deg(const VideoInput& input) {
 
 }  // namespace
 
-const Color& ColourOfPane(const VideoInput& input, int pane) {
-  return input.overlay && pane == 1 ? palette::kSecondHand : palette::kHand;
+Color ColourOfPane(const VideoInput& input, int pane) {
+  return ColourOfSeries(input.panes[pane].series);
 }
 
 ColourScale ColourScaleOf(const VideoInput& input) {
