@@ -97,6 +97,12 @@ std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t pa
                      html, EscapeHtml(caption));
 }
 
+/// The name of the log's file; of a trace, that of its folder.
+std::string NameOf(const ChainLog& log) {
+  const std::filesystem::path file = std::filesystem::absolute(log.name).lexically_normal();
+  return (file.filename() == "trace.h5" ? file.parent_path().filename() : file.stem()).string();
+}
+
 std::string ChainVerdict(const std::vector<ChainFit>& fits, const std::string& unit) {
   int limited = 0;
   double low_ms = kEndless;
@@ -120,8 +126,9 @@ std::string ChainVerdict(const std::vector<ChainFit>& fits, const std::string& u
   if (limited > 0)
     text += fmt::format(" The speed of {} of {} parts is limited.", limited, fits.size());
   if (std::isfinite(most_deg)) {
-    text += fmt::format(" The model leaves {:.2f} to {:.2f} {} RMS in held-out parts of the log.",
-                        least_deg, most_deg, unit);
+    text +=
+        fmt::format(" Residual of the model in held-out parts of the log: {:.2f} to {:.2f} {} RMS.",
+                    least_deg, most_deg, unit);
   }
   return text;
 }
@@ -137,7 +144,7 @@ std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits) {
       static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
   return PlainPage(
       {.kind = "Gauntlet identify",
-       .title = std::filesystem::path(log.name).stem().string(),
+       .title = NameOf(log),
        .question = "How large is the delay of each joint behind its command, and why?",
        .verdict = ChainVerdict(fits, log.unit_known ? "deg" : "units"),
        .facts = facts,

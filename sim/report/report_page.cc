@@ -69,7 +69,7 @@ std::string StretchesText(const VideoBeside& video) {
   for (const auto& [video_s, from_s, to_s, speed] : video.stretches) {
     text += fmt::format("{}[{},{},{},{}]", text.empty() ? "" : ",", video_s, from_s, to_s, speed);
   }
-  return "[" + text + "]";
+  return fmt::format("[{}]", text);
 }
 
 std::string VideoSection(const VideoBeside& video) {

@@ -369,7 +369,6 @@ ResultText AnswerNotes(const FinishedStudy& finished) {
 ResultText AnswerText(const FinishedStudy& finished) {
   ResultText text = {AnswerTable(finished.summary)};
   AddLine(AnswerLegend(finished.summary), text);
-  std::ranges::move(AnswerNotes(finished), std::back_inserter(text));
   return text;
 }
 
@@ -401,6 +400,7 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   if (summary.one_run) AddLine(ReasonForNoChance(result, summary.blocks), text);
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
   std::ranges::move(AnswerText(finished), std::back_inserter(text));
+  std::ranges::move(AnswerNotes(finished), std::back_inserter(text));
   if (!verbose) return text;
   text.emplace_back(MeansTable(summary));
   if (summary.pairs > 0) AddLine(Legend(summary), text);

@@ -21,7 +21,7 @@ std::string WhatVaries(const StudyResult& result);
 std::vector<std::string> Notes(const FinishedStudy& finished);
 
 /// Below the sentences of the verdict: the table of the primary scores with marks against the
-/// baseline, causes of the error, warnings.
+/// baseline.
 ResultText AnswerText(const FinishedStudy& finished);
 /// The primary scores of ShownControllers(), the baseline last.
 ResultText ShownText(const FinishedStudy& finished);

@@ -60,11 +60,11 @@ std::pair<Extent, Extent> RangesOf(const Chart& chart) {
     y.Take(0.0);
     for (const double height : bars.heights) y.Take(height);
   }
-  constexpr double kMargin = 0.05;
+  constexpr double kFreeShare = 0.05;
   if (chart.bars.empty()) {
-    y.Widen(kMargin);
+    y.Widen(kFreeShare);
   } else {
-    y.high += kMargin * (y.high - y.low);
+    y.high += kFreeShare * (y.high - y.low);
   }
   return {x, y};
 }

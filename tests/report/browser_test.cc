@@ -412,6 +412,32 @@ TEST_F(BrowserTest, SaysWhereTooLittleCountsForFrequencies) {
   EXPECT_TRUE(std::isnan(Numbers(seen["gain"]).front()[1]));
 }
 
+// What a browser without scripts shows.
+TEST(ReportPage, HasVerdictScoresTradeOffAndVideoWithoutScripts) {
+  const test::MadeUpStudy made = test::MakeUpStudy({});
+  std::string page = AssemblePage({.title = "made_up",
+                                   .question = "Is the page whole?",
+                                   .facts = "facts",
+                                   .verdict = "Use filter_1.",
+                                   .numbers = HtmlOf(ShownText(made)),
+                                   .answer = HtmlOf(AnswerText(made)),
+                                   .front = ControllersFront(made.summary),
+                                   .data = "{}",
+                                   .resolved_scenario = "",
+                                   .video = {.exists = true}});
+  for (std::size_t begin; (begin = page.find("<script")) != std::string::npos;) {
+    page.erase(begin, page.find("</script>", begin) + 9 - begin);
+  }
+  EXPECT_THAT(page, testing::HasSubstr(">Use filter_1.</p>"));
+  const std::string table = page.substr(page.find("<noscript>"));
+  for (const char* name : {"raw", "filter_1", "filter_2"}) {
+    EXPECT_THAT(table.substr(0, table.find("</noscript>")),
+                testing::HasSubstr(std::string("<th scope=\"row\">") + name));
+  }
+  EXPECT_THAT(page, testing::HasSubstr("class=\"wide\""));
+  EXPECT_THAT(page, testing::HasSubstr("<video controls"));
+}
+
 TEST_F(BrowserTest, KeepsTheBestOfSixInSight) {
   for (const int width_px : {500, 768, 1920}) {
     const auto seen = Use(Page(test::MakeUpStudy({.controllers = 6})), width_px);
