@@ -10,10 +10,11 @@
 namespace gauntlet::sim {
 namespace {
 
-using namespace palette;
+using palette::kSeries;
 
-constexpr std::array kRoles = {kGround, kPanel, kInk,    kMuted, kAccent,
-                               kGood,   kWarn,  kWearer, kGlove, kCommand};
+constexpr std::array kRoles = {palette::kGround, palette::kPanel,  palette::kInk,  palette::kMuted,
+                               palette::kAccent, palette::kGood,   palette::kWarn, palette::kWearer,
+                               palette::kGlove,  palette::kCommand};
 
 /// Linear light of a part of a colour.
 double Linear(double part) {

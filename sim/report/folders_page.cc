@@ -45,6 +45,7 @@ ResultTable SettingsTable(const std::vector<StudyFolder>& folders,
     for (const SettingDifference& setting : difference.settings) of_first[setting.key] = setting.a;
   }
   ResultTable table = EmptyTable("setting", folders);
+  for (ResultColumn& column : table.columns) column.is_words = true;
   for (const auto& [key, first] : of_first) {
     ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell::Text(key)});
     for (const StudyDifference& difference : differences) {
@@ -133,7 +134,7 @@ std::string FoldersPage(const std::vector<StudyFolder>& folders) {
         HtmlOf(ScoresTable(folders, differences, score.metric)));
   }
   std::string verdict =
-      fmt::format("{} differ in the settings of {}.", Counted(settings.rows.size(), "setting"),
+      fmt::format("{} differ between {}.", Counted(settings.rows.size(), "setting"),
                   Counted(folders.size(), "folder"));
   if (settings.rows.size() == 1) verdict.replace(verdict.find("differ"), 6, "differs");
   for (std::size_t i = 1; i < folders.size(); ++i) {

@@ -117,13 +117,15 @@ std::string AssemblePage(const PageParts& parts) {
 }
 
 std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) {
+  ResultText notes;
+  AddAnswerNotes(finished, notes);
   return AssemblePage(
       {.title = finished.study.scenario.name,
        .question = finished.study.scenario.question,
        .facts = Facts(finished),
        .verdict = fmt::format("{}", fmt::join(VerdictOf(finished.summary).Answer(), " ")),
        .numbers = HtmlOf(ShownText(finished)),
-       .doubts = HtmlOf(AnswerNotes(finished)),
+       .doubts = HtmlOf(notes),
        .answer = HtmlOf(AnswerText(finished)),
        .front = ControllersFront(finished.summary),
        .recording = RecordingSection(finished),

@@ -357,13 +357,11 @@ std::string Measured(const Study& study) {
   return fmt::format("{} of {} joints", study.measured_joint_names.size(), study.joint_count);
 }
 
-ResultText AnswerNotes(const FinishedStudy& finished) {
+void AddAnswerNotes(const FinishedStudy& finished, ResultText& text) {
   const Summary& summary = finished.summary;
-  ResultText text;
   AddLine(CauseLine(summary), text);
   for (const std::string& missing : MissingSeeds(finished.result, summary)) AddLine(missing, text);
   for (const std::string& doubt : VerdictOf(summary).Doubts()) AddLine("Warning: " + doubt, text);
-  return text;
 }
 
 ResultText AnswerText(const FinishedStudy& finished) {
@@ -375,7 +373,7 @@ ResultText AnswerText(const FinishedStudy& finished) {
 ResultText ShownText(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
   std::vector<std::size_t> shown = ShownControllers(summary);
-  if (summary.baseline) std::ranges::rotate(shown, shown.begin() + 1);
+  if (summary.baseline) std::rotate(shown.begin(), shown.begin() + 1, shown.end());
   std::vector<std::size_t> metrics = ShownMetrics(summary);
   std::erase_if(metrics, [](std::size_t metric) { return !IsPrimary(metric); });
   ResultText text = {TableOf(summary, shown, metrics)};
@@ -400,7 +398,7 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   if (summary.one_run) AddLine(ReasonForNoChance(result, summary.blocks), text);
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
   std::ranges::move(AnswerText(finished), std::back_inserter(text));
-  std::ranges::move(AnswerNotes(finished), std::back_inserter(text));
+  AddAnswerNotes(finished, text);
   if (!verbose) return text;
   text.emplace_back(MeansTable(summary));
   if (summary.pairs > 0) AddLine(Legend(summary), text);

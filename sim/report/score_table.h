@@ -25,8 +25,8 @@ std::vector<std::string> Notes(const FinishedStudy& finished);
 ResultText AnswerText(const FinishedStudy& finished);
 /// The primary scores of ShownControllers(), the baseline last.
 ResultText ShownText(const FinishedStudy& finished);
-/// Causes of the error and warnings of the verdict.
-ResultText AnswerNotes(const FinishedStudy& finished);
+/// Adds causes of the error and warnings of the verdict.
+void AddAnswerNotes(const FinishedStudy& finished, ResultText& text);
 
 /// The answer for a person: verdict; table of the primary scores with marks against the baseline;
 /// causes of the error; warnings. `verbose` adds the main metrics with the difference to the best

@@ -54,8 +54,6 @@ void ColourCable(mjvGeom& geom, float share) {
 }
 
 void ColourLink(mjvGeom& geom, float share, const Color& full) {
-  constexpr float kMost = 0.75f;  // so that its shape is still seen
-  share *= kMost;
   const double parts[] = {full.red, full.green, full.blue};
   for (int i = 0; i < 3; ++i) {
     geom.rgba[i] = std::lerp(geom.rgba[i], static_cast<float>(parts[i]), share);

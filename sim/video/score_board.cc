@@ -91,7 +91,8 @@ std::string AnswerOf(const json& scores) {
   std::string text;
   for (const json& reason :
        scores.value("verdict", json::object()).value("reasons", json::array())) {
-    text += (text.empty() ? "" : " ") + reason.at("text").get<std::string>();
+    if (!text.empty()) text += ' ';
+    text += reason.at("text").get<std::string>();
   }
   return text;
 }

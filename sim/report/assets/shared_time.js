@@ -23,22 +23,21 @@ class SharedVideo {
   constructor(video, stretches, time) {
     Object.assign(this, {video, stretches, time});
     this.led = false;  // by the hand, which plays
+    this.wanted_s = null;  // of a seek by the page
     this.onPause = null;  // by a person
     time.listen("video", (time_s, settled) => {
       if (settled && time_s !== null) this.seek(time_s);
     });
     const follow = () => {
-      if (!this.led) {
-        const moment = this.motionAt(video.currentTime);
-        if (moment !== null) time.set(moment, "video");
-      }
+      if (!this.led && !video.paused) this.tell();
       this.nextFrame(follow);
     };
     this.nextFrame(follow);
     video.addEventListener("seeked", () => {
-      if (video.paused && !this.led && this.motionAt(video.currentTime) !== null) {
-        time.set(this.motionAt(video.currentTime), "video");
-      }
+      // A person moved it. What the page asked for may come out a little later in a video that was just stopped.
+      if (this.wanted_s === null && video.paused && !this.led) this.tell();
+      else if (this.wanted_s !== null && Math.abs(video.currentTime - this.wanted_s) > 0.02) video.currentTime = this.wanted_s;
+      this.wanted_s = null;
     });
     video.addEventListener("pause", () => {
       if (this.led && !video.ended) this.onPause?.();
@@ -57,9 +56,16 @@ class SharedVideo {
     return moment <= at[2] ? moment : null;
   }
 
+  tell() {
+    const moment = this.motionAt(this.video.currentTime);
+    if (moment !== null) this.time.set(moment, "video");
+  }
+
   seek(time_s) {
     const [begin, from, , speed] = this.stretches[0];
-    this.video.currentTime = begin + (time_s - from) / speed;
+    const video_s = begin + (time_s - from) / speed;
+    if (this.video.readyState > 0) this.wanted_s = video_s;
+    this.video.currentTime = video_s;
   }
 
   // The hand plays: the video runs with it.
