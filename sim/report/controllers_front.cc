@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kPointRadius = 6.0;   // radius
 constexpr double kNameLetters = 13.0;  // of the names
-constexpr double kWordWidth = 560.0;   // least width of a figure that says who is dominated
+// Least width of a figure that names the band and says who is dominated.
+constexpr double kWordWidth = 560.0;
 /// Best delay of the controller of a prosthesis. Source: Farrell and Weir 2007.
 constexpr Extent kBestDelay_ms = {100.0, 125.0};
 
@@ -114,8 +115,10 @@ std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, dou
   const auto [left, top, right, bottom] = panel.area();
   const double band = panel.X(kBestDelay_ms.low);
   figure.Box({band, top}, {panel.X(kBestDelay_ms.high), bottom}, {"band"});
-  figure.Text({band + 7.0, bottom - 23.0}, Anchor::kStart, "100 to", {"band-name"});
-  figure.Text({band + 7.0, bottom - 7.0}, Anchor::kStart, "125 ms", {"band-name"});
+  if (width_px >= kWordWidth) {
+    figure.Text({band + 7.0, bottom - 23.0}, Anchor::kStart, "100 to", {"band-name"});
+    figure.Text({band + 7.0, bottom - 7.0}, Anchor::kStart, "125 ms", {"band-name"});
+  }
   panel.AddAxes(figure);
   std::vector<FigurePoint> places, front;
   for (const FrontPoint& point : points) {
