@@ -14,6 +14,7 @@ Command MakeRobustCommand();
 Command MakeRenderCommand();
 Command MakeExportCommand();
 Command MakeDiffCommand();
+Command MakeReportCommand();
 Command MakeInspectCommand();
 Command MakeFilterCommand();
 Command MakeCalibrateCommand();

@@ -20,6 +20,7 @@
 #include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/comparison/decisive_second.h"
 #include "sim/comparison/study_files.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
@@ -29,7 +30,9 @@
 #include "sim/score/priority.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/trial_table/study_database.h"
+#include "sim/video/comparison_video.h"
 #include "sim/video/render_folder.h"
+#include "sim/video/score_board.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -165,6 +168,20 @@ void DrawVideo(const StudyCommand& options, const std::filesystem::path& folder)
   RenderFolder(video, [&progress](int done, int total) { return progress.Update(done, total); });
 }
 
+/// What a video of the finished study shows, drawn now or later by `gauntlet render`.
+VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
+  VideoBeside video{.exists = is_drawn};
+  std::optional<Excerpt> again;
+  if (const auto second = DecisiveSecondOf(finished)) again = SlowMotionOf(*second);
+  for (const VideoStretch& stretch : StretchesOf(
+           !finished.study.scenario.question.empty(), finished.result.first_glove->tick_rate_hz,
+           finished.result.first_reference_rad.rows(), finished.study.scenario.video.frames_per_s,
+           again)) {
+    video.stretches.push_back({stretch.video_s, stretch.from_s, stretch.to_s, stretch.speed});
+  }
+  return video;
+}
+
 void SayWritten(const StudyCommand& options, const std::filesystem::path& folder) {
   Say("wrote {}: report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml, "
       "manifest.json{}{}{}\n",
@@ -240,7 +257,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   SetSignalFolder(out);
   finished.study = Prepare(source, std::move(scenario));
   WarnOf(finished.study);
-  if (options.video) CheckVideo(finished.study.scenario.controllers.size(), VideoOf(out));
+  if (options.video) CheckVideoTarget(VideoOf(out));
   OutputFolder folder(out);
   finished.folder = folder.path();
   OutputFiles files({.folder = folder.path(),
@@ -250,10 +267,8 @@ void RunStudyCommand(const StudyCommand& asked) {
   const std::optional<std::string> not_kept = Compute(options, finished);
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, finished, options.csv);
-    WriteOutputFile(
-        place / "report.html",
-        ReportPage(finished, {.exists = options.video,
-                              .motion_starts_s = MotionStarts_s(finished.study.scenario)}));
+    WriteOutputFile(place / "report.html",
+                    ReportPage(finished, VideoOfPage(finished, options.video)));
   });
   files.Commit();
   folder.Keep();

@@ -398,6 +398,23 @@ std::vector<std::size_t> OrderOfVerdict(const Summary& summary) {
   return order;
 }
 
+std::vector<std::size_t> ShownControllers(const Summary& summary) {
+  constexpr std::size_t kMost = 3;
+  const Choice choice(summary);
+  Places shown;
+  const auto add = [&shown](std::size_t c) {
+    if (shown.size() < kMost && std::ranges::count(shown, c) == 0) shown.push_back(c);
+  };
+  if (summary.baseline) add(*summary.baseline);
+  if (const auto recommended = choice.recommended()) {
+    add(*recommended);
+    for (const auto& [metric, c] : choice.alternatives()) add(c);
+  } else {
+    for (const std::size_t c : OrderOfVerdict(summary)) add(c);
+  }
+  return shown;
+}
+
 std::vector<std::string> RolesOf(const Summary& summary) {
   const Choice choice(summary);
   std::vector<std::string> roles(summary.controllers.size());

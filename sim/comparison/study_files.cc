@@ -12,6 +12,7 @@
 #include "sim/base/mathematics.h"
 #include "sim/base/output_file.h"
 #include "sim/comparison/comparison_verdict.h"
+#include "sim/comparison/decisive_second.h"
 #include "sim/scenario/scenario_files.h"
 #include "sim/statistics/result_cells.h"
 #include "sim/study/counted_parts.h"
@@ -103,13 +104,14 @@ Json BlocksJson(const RecordingBlocks& blocks) {
   return json;
 }
 
-Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
+Json ControllerJson(const FinishedStudy& finished, std::size_t index, const std::string& role) {
   const StudyResult& result = finished.result;
   const ControllerSummary& controller = finished.summary.controllers[index];
   const bool comparison = finished.comparison;
   const std::string replicates = ReplicatesOf(finished.summary);
   Json json;
   json["name"] = controller.name;
+  json["role"] = role;
   json["health"] = controller.problem.empty() ? "ok" : controller.problem;
   json["failed_trials"] = controller.failed_trials;
   json["summary"] = comparison ? EstimatesJson(controller.summary, replicates)
@@ -179,6 +181,18 @@ std::string ScoresJson(const FinishedStudy& finished) {
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
   json["verdict"] = JsonOf(VerdictOf(summary));
+  const auto names_of = [&](const std::vector<std::size_t>& places) {
+    Json names = Json::array();
+    for (const std::size_t c : places) names.push_back(summary.controllers[c].name);
+    return names;
+  };
+  json["order"] = names_of(OrderOfVerdict(summary));
+  json["shown"] = names_of(ShownControllers(summary));
+  json["decisive_second"] = nullptr;
+  if (const auto second = DecisiveSecondOf(finished)) {
+    json["decisive_second"] = {
+        {"from_s", second->from_s}, {"to_s", second->to_s}, {"moment_s", second->moment_s}};
+  }
   json["measured_joints"] = finished.study.measured_joint_names;
   const std::vector<double> counted_shares = CountedShares(finished.study);
   if (std::ranges::any_of(counted_shares, [](double share) { return share < 1.0; })) {
@@ -195,8 +209,9 @@ std::string ScoresJson(const FinishedStudy& finished) {
     }
     json["smoothing"].push_back(row);
   }
+  const std::vector<std::string> roles = RolesOf(summary);
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    json["controllers"].push_back(ControllerJson(finished, c));
+    json["controllers"].push_back(ControllerJson(finished, c, roles[c]));
   }
   return json.dump(2) + "\n";
 }

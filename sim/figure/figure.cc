@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
+
+#include "sim/figure/palette.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -36,13 +37,9 @@ Ink InkOfPoint(std::size_t point, std::string css, std::string attributes) {
 }
 
 Ink InkOfSeries(std::size_t series, std::string css, std::string said) {
-  constexpr std::size_t kNamed = 8;  // colours of page.css
-  const std::string colour =
-      series < kNamed ? fmt::format("var(--c{})", series)
-                      : fmt::format("hsl({:g} 55% 52%)", std::fmod(137.5 * series, 360.0));
   return {.css = std::move(css),
           .said = std::move(said),
-          .attributes = fmt::format(" style=\"--series: {}\"", colour)};
+          .attributes = fmt::format(" style=\"--series: {}\"", CssOfSeries(series))};
 }
 
 FigureBox Figure::Inside(const FigureLayout& layout) const {

@@ -53,7 +53,7 @@ struct Ink {
 
 /// Ink with the number of a point as `data-point`, which scripts look for.
 Ink InkOfPoint(std::size_t point, std::string css, std::string attributes = {});
-/// Ink with the colour of a series of the page, as the CSS variable `--series`.
+/// Ink with the colour of a series of the palette, as the CSS variable `--series`.
 Ink InkOfSeries(std::size_t series, std::string css, std::string said = {});
 
 struct FigureShape {

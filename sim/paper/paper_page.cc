@@ -13,6 +13,7 @@
 #include "paper_html.h"
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/study_files.h"
+#include "sim/figure/palette.h"
 #include "sim/glove/noise/galton_board.h"
 #include "sim/report/assets.h"
 #include "sim/results/html_text.h"
@@ -257,7 +258,7 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
   values["title"] = "The paper, measured";
   values["kind"] = "Gauntlet";
   values["sources"] = "";
-  values["style"] = std::string(assets::kStyle) + std::string(kPaperStyle);
+  values["style"] = PaletteCss() + std::string(assets::kStyle) + std::string(kPaperStyle);
   values["claim_table"] = Table(ClaimTable(experiment));
   values["scores"] = Table(ScoresTable(experiment.finished.summary));
   values["filters"] = Table(FilterTable(experiment.filters));

@@ -9,11 +9,11 @@ namespace gauntlet::sim::assets {
 // Pages with {{places}} to fill. All begin with head.html, which has `title`, `kind`, `style`, and
 // `sources` of scripts and media as a content security policy names them.
 extern const std::string_view kPageHtml;
-extern const std::string_view kStyle;  // page.css
+extern const std::string_view kStyle;  // page.css, to stand behind PaletteCss()
 inline constexpr const char* kScriptSources = "script-src 'unsafe-inline'; ";
 extern const std::string_view kScript;       // all *.js of the folder, in the order of CMake's list
 extern const std::string_view kCellsHtml;    // the page of a sweep, of tuning and of robust
-extern const std::string_view kChainHtml;    // the page of identify
+extern const std::string_view kPlainHtml;    // a page without scripts
 extern const std::string_view kCellsStyle;   // cells.css, to stand behind kStyle
 extern const std::string_view kCellsScript;  // what it needs of *.js
 extern const std::string_view kPlotStyle;    // dygraph.min.css

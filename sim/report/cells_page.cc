@@ -9,6 +9,7 @@
 
 #include "sim/base/chart_scale.h"
 #include "sim/base/json_number.h"
+#include "sim/figure/palette.h"
 #include "sim/report/assets.h"
 #include "sim/report/front_chart.h"
 #include "sim/results/html_text.h"
@@ -179,22 +180,23 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
     data.push_back(PointJson(gathered, gathered.kept()[i].point, points[i]));
   }
   const CellPoint first = points.empty() ? CellPoint{} : gathered.kept().front().point;
-  return FillTemplate(assets::kCellsHtml,
-                      {{"kind", texts.kind},
-                       {"title", EscapeHtml(texts.title)},
-                       {"question", EscapeHtml(texts.question)},
-                       {"facts", EscapeHtml(FactsOf(gathered, texts))},
-                       {"verdict", EscapeHtml(texts.verdict)},
-                       {"table", HtmlOf(ResultText(texts.text.begin() + 2, texts.text.end()))},
-                       {"sections", Sections(gathered, texts, axes, points)},
-                       {"name", EscapeHtml(first.name)},
-                       {"yaml", EscapeHtml(first.yaml)},
-                       {"command", EscapeHtml(first.command)},
-                       {"command_folder", texts.command_folder},
-                       {"data", JsonForScript(data)},
-                       {"sources", assets::kScriptSources},
-                       {"style", std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
-                       {"script", std::string(assets::kCellsScript)}});
+  return FillTemplate(
+      assets::kCellsHtml,
+      {{"kind", texts.kind},
+       {"title", EscapeHtml(texts.title)},
+       {"question", EscapeHtml(texts.question)},
+       {"facts", EscapeHtml(FactsOf(gathered, texts))},
+       {"verdict", EscapeHtml(texts.verdict)},
+       {"table", HtmlOf(ResultText(texts.text.begin() + 2, texts.text.end()))},
+       {"sections", Sections(gathered, texts, axes, points)},
+       {"name", EscapeHtml(first.name)},
+       {"yaml", EscapeHtml(first.yaml)},
+       {"command", EscapeHtml(first.command)},
+       {"command_folder", texts.command_folder},
+       {"data", JsonForScript(data)},
+       {"sources", assets::kScriptSources},
+       {"style", PaletteCss() + std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
+       {"script", std::string(assets::kCellsScript)}});
 }
 
 std::string BoundsText(const std::vector<Constraint>& constraints) {

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "sim/calibrate/chain_tables.h"
-#include "sim/report/assets.h"
 #include "sim/report/cells_page.h"
+#include "sim/report/plain_page.h"
 #include "sim/report/svg_chart.h"
 #include "sim/results/html_text.h"
 
@@ -64,6 +65,7 @@ std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t pa
                .bars = {},
                .curves = {PartCurve("command", command_deg, start, samples, log.rate_hz),
                           PartCurve("measured", angle_deg, start, samples, log.rate_hz)}};
+  curves.curves.front().is_command = true;
   std::string html;
   std::string caption = has_model ? "" : fit.problem.empty() ? fit.split_problem : fit.problem;
   if (has_model) {
@@ -76,7 +78,7 @@ std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t pa
     }
     // The model begins at rest, the hand in the middle of something.
     const auto settling = static_cast<std::size_t>(log.rate_hz);
-    const Chart difference{.title = log.parts[part] + ", what the model leaves",
+    const Chart difference{.title = log.parts[part] + ", residual of the model",
                            .x_label = "time [s]",
                            .y_label = y_label,
                            .bars = {},
@@ -93,6 +95,12 @@ std::string PartFigures(const ChainLog& log, const ChainFit& fit, std::size_t pa
   }
   return fmt::format("<figure><div class=\"pair\">{}</div><figcaption>{}</figcaption></figure>\n",
                      html, EscapeHtml(caption));
+}
+
+/// The name of the log's file; of a trace, that of its folder.
+std::string NameOf(const ChainLog& log) {
+  const std::filesystem::path file = std::filesystem::absolute(log.name).lexically_normal();
+  return (file.filename() == "trace.h5" ? file.parent_path().filename() : file.stem()).string();
 }
 
 std::string ChainVerdict(const std::vector<ChainFit>& fits, const std::string& unit) {
@@ -113,13 +121,14 @@ std::string ChainVerdict(const std::vector<ChainFit>& fits, const std::string& u
     most_deg = std::max(most_deg, fit.held_out_rms_deg);
   }
   std::string text = std::isfinite(low_ms)
-                         ? fmt::format("{:.0f} to {:.0f} ms late.", low_ms, high_ms)
+                         ? fmt::format("Delay {:.0f} to {:.0f} ms.", low_ms, high_ms)
                          : "The delay depends on the size of the motion.";
   if (limited > 0)
     text += fmt::format(" The speed of {} of {} parts is limited.", limited, fits.size());
   if (std::isfinite(most_deg)) {
-    text += fmt::format(" The model leaves {:.2f} to {:.2f} {} RMS in held-out parts of the log.",
-                        least_deg, most_deg, unit);
+    text +=
+        fmt::format(" Residual of the model in held-out parts of the log: {:.2f} to {:.2f} {} RMS.",
+                    least_deg, most_deg, unit);
   }
   return text;
 }
@@ -133,21 +142,19 @@ std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits) {
   const std::string facts = fmt::format(
       "{} part{} · {:.1f} s at {:.6g} Hz", log.parts.size(), log.parts.size() == 1 ? "" : "s",
       static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
-  return FillTemplate(
-      assets::kChainHtml,
-      {{"title", EscapeHtml(log.name)},
-       {"kind", "Gauntlet identify"},
-       {"sources", ""},
-       {"style", std::string(assets::kStyle) + std::string(assets::kCellsStyle)},
-       {"verdict", EscapeHtml(ChainVerdict(fits, log.unit_known ? "deg" : "units"))},
-       {"facts", EscapeHtml(facts)},
-       {"table", HtmlOf(ChainText(log, fits))},
-       {"figures",
-        PageSection(
-            "parts", "Measured beside simulated",
-            "Both follow the same command. A difference is motion that the fitted model does "
-            "not contain, such as a contact or a motor at its torque limit.",
-            figures)}});
+  return PlainPage(
+      {.kind = "Gauntlet identify",
+       .title = NameOf(log),
+       .question = "How large is the delay of each joint behind its command, and why?",
+       .verdict = ChainVerdict(fits, log.unit_known ? "deg" : "units"),
+       .facts = facts,
+       .heading = "Result",
+       .table = HtmlOf(ChainText(log, fits)),
+       .sections = PageSection(
+           "parts", "Measured beside simulated",
+           "Both follow the same command. A difference is motion that the fitted model does not "
+           "contain, such as a contact or a motor at its torque limit.",
+           figures)});
 }
 
 }  // namespace gauntlet::sim

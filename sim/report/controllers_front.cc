@@ -4,23 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <tuple>
 
+#include "sim/comparison/comparison_verdict.h"
+#include "sim/figure/palette.h"
 #include "sim/figure/panel.h"
 #include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kFrontHeight = 380.0;
 constexpr double kPointRadius = 6.0;   // radius
 constexpr double kNameLetters = 13.0;  // of the names
-constexpr double kWordWidth = 560.0;   // least width of a figure that says who is dominated
+// Least width of a figure that names the band and says who is dominated.
+constexpr double kWordWidth = 560.0;
 /// Best delay of the controller of a prosthesis. Source: Farrell and Weir 2007.
 constexpr Extent kBestDelay_ms = {100.0, 125.0};
 
 struct FrontPoint {
-  std::size_t controller;
+  std::size_t series;
   std::string name;
   double delay_ms;
   double jitter_deg;
@@ -29,12 +33,14 @@ struct FrontPoint {
 
 std::vector<FrontPoint> PointsOf(const Summary& summary) {
   const std::size_t delay = MetricIndex("delay_ms"), jitter = MetricIndex("jitter_rms_deg");
+  const auto series = SeriesOf(OrderOfVerdict(summary), summary.baseline);
   std::vector<FrontPoint> points;
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     const auto& [name, scores] =
         std::tie(summary.controllers[c].name, summary.controllers[c].summary);
     if (!std::isfinite(scores[delay].mean) || !std::isfinite(scores[jitter].mean)) continue;
-    points.push_back({c, name, scores[delay].mean, scores[jitter].mean, summary.dominated[c] != 0});
+    points.push_back(
+        {series[c], name, scores[delay].mean, scores[jitter].mean, summary.dominated[c] != 0});
   }
   return points;
 }
@@ -57,7 +63,11 @@ void AddNames(Figure& figure, const FigureBox& area, const std::vector<FrontPoin
   for (const auto& [x, y] : places) {
     taken.push_back({x - kReach, y - kReach, x + kReach, y + kReach});
   }
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  std::vector<std::size_t> longest_first(points.size());  // it has the fewest free places
+  std::iota(longest_first.begin(), longest_first.end(), std::size_t{0});
+  std::ranges::stable_sort(longest_first, std::ranges::greater(),
+                           [&](std::size_t i) { return points[i].name.size(); });
+  for (const std::size_t i : longest_first) {
     const bool says = points[i].dominated && figure.width_px >= kWordWidth;
     const std::string name = points[i].name + (says ? " (dominated)" : "");
     const double width = TextWidth(name, kNameLetters);
@@ -92,8 +102,9 @@ std::string SaidOf(const std::vector<FrontPoint>& points) {
   return said;
 }
 
-std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, double width_px) {
-  Figure figure{width_px, kFrontHeight, kind, SaidOf(points)};
+std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, double width_px,
+                    double height_px) {
+  Figure figure{width_px, height_px, kind, SaidOf(points)};
   Extent delay = {0.0, 145.0}, jitter = {0.0, 1e-3};  // at least
   for (const FrontPoint& point : points) {
     delay.Take(1.1 * point.delay_ms);
@@ -104,8 +115,10 @@ std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, dou
   const auto [left, top, right, bottom] = panel.area();
   const double band = panel.X(kBestDelay_ms.low);
   figure.Box({band, top}, {panel.X(kBestDelay_ms.high), bottom}, {"band"});
-  figure.Text({band + 7.0, top + 17.0}, Anchor::kStart, "100 to", {"band-name"});
-  figure.Text({band + 7.0, top + 33.0}, Anchor::kStart, "125 ms", {"band-name"});
+  if (width_px >= kWordWidth) {
+    figure.Text({band + 7.0, bottom - 23.0}, Anchor::kStart, "100 to", {"band-name"});
+    figure.Text({band + 7.0, bottom - 7.0}, Anchor::kStart, "125 ms", {"band-name"});
+  }
   panel.AddAxes(figure);
   std::vector<FigurePoint> places, front;
   for (const FrontPoint& point : points) {
@@ -116,7 +129,7 @@ std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, dou
   figure.Path(front, {"front-line"});
   for (std::size_t i = 0; i < points.size(); ++i) {
     const char* css = points[i].dominated ? "point dominated" : "point";
-    figure.Dot(places[i], kPointRadius, InkOfSeries(points[i].controller, css));
+    figure.Dot(places[i], kPointRadius, InkOfSeries(points[i].series, css));
   }
   AddNames(figure, panel.area(), points, places);
   return SvgOf(figure);
@@ -129,8 +142,7 @@ std::string ControllersFront(const Summary& summary) {
   if (points.empty()) {
     return "<p class=\"note\">The wearer did not move, so there is no delay to draw.</p>\n";
   }
-  return FrontOf(points, "wide", 1040.0) + FrontOf(points, "middle", 640.0) +
-         FrontOf(points, "narrow", 360.0);
+  return FrontOf(points, "wide", 640.0, 320.0) + FrontOf(points, "narrow", 360.0, 215.0);
 }
 
 }  // namespace gauntlet::sim

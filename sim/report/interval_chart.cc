@@ -33,14 +33,14 @@ void AddResponse(Figure& figure, const Panel& panel, const Response& response, s
     lower.push_back(panel.At(x, mean.low));
   }
   band.insert(band.end(), lower.rbegin(), lower.rend());
-  if (!band.empty()) figure.Area(band, InkOfSeries(controller, "interval"));
-  figure.Path(curve, InkOfSeries(controller, "curve"));
+  if (!band.empty()) figure.Area(band, InkOfSeries(controller + 1, "interval"));
+  figure.Path(curve, InkOfSeries(controller + 1, "curve"));
   auto dot = curve.begin();
   for (std::size_t v = 0; v < response.values.size(); ++v) {
     const MeanInterval& mean = response.scores[v][controller][metric];
     if (!std::isfinite(mean.mean)) continue;
     figure.Dot(*dot++, 3.5,
-               InkOfSeries(controller, "",
+               InkOfSeries(controller + 1, "",
                            fmt::format("{}, {} {}: {}", response.controllers[controller], setting,
                                        response.texts[v], IntervalText(mean))));
   }
@@ -96,7 +96,7 @@ std::string ResponseSvg(const Response& response, std::size_t metric, const std:
     const double x = area.left + kLegendColumn * static_cast<double>(c % 2);
     const std::size_t line = c / 2;
     const double y = 10.0 + kLegendLine * static_cast<double>(line);
-    figure.Dot({x + 5.0, y}, 4.5, InkOfSeries(c, ""));
+    figure.Dot({x + 5.0, y}, 4.5, InkOfSeries(c + 1, ""));
     figure.Text({x + 16.0, y + kFigureLayout.baseline}, Anchor::kStart,
                 FittedText(response.controllers[c], kLegendColumn - 24.0), {"name"});
   }

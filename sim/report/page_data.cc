@@ -6,7 +6,9 @@
 
 #include "sim/base/json_number.h"
 #include "sim/comparison/comparison_verdict.h"
+#include "sim/comparison/decisive_second.h"
 #include "sim/comparison/study_files.h"
+#include "sim/figure/palette.h"
 #include "sim/report/curve_codec.h"
 #include "sim/report/error_split_table.h"
 #include "sim/report/replay_data.h"
@@ -62,10 +64,12 @@ std::int64_t UntrustedSamples(const StudyResult& result, std::size_t controller)
   return count;
 }
 
-Json ControllerJson(const StudyResult& result, const Summary& summary, std::size_t index) {
+Json ControllerJson(const StudyResult& result, const Summary& summary, std::size_t index,
+                    std::size_t series) {
   const ControllerSummary& controller = summary.controllers[index];
   Json json;
   json["name"] = controller.name;
+  json["colour"] = CssOfSeries(series);
   json["baseline"] = summary.baseline == index;
   json["dominated"] = static_cast<bool>(summary.dominated[index]);
   json["failed_trials"] = controller.failed_trials;
@@ -207,10 +211,12 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   json["metrics"] = MetricsJson();
   json["notes"] = Notes(finished);
   json["failures"] = Failures(summary, result.seeds.size());
+  const std::vector<std::size_t> order = OrderOfVerdict(summary);
+  const std::vector<std::size_t> series = SeriesOf(order, summary.baseline);
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    json["controllers"].push_back(ControllerJson(result, summary, c));
+    json["controllers"].push_back(ControllerJson(result, summary, c, series[c]));
   }
-  json["order"] = OrderOfVerdict(summary);
+  json["order"] = order;
   json["by_seed"] = ScoresBySeed(result, summary);
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
@@ -223,6 +229,11 @@ nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& 
   if (!first_seed.controllers.empty()) json["curves"] = CurvesJson(first_seed);
   json["uncounted_s"] = UncountedJson(finished, first_seed);
   json["replay"] = ReplayData(finished);
+  json["shown"] = ShownControllers(summary);
+  json["decisive_second"] = nullptr;
+  if (const auto second = DecisiveSecondOf(finished)) {
+    json["decisive_second"] = {second->from_s, second->to_s, second->moment_s};
+  }
   return json;
 }
 

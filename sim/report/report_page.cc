@@ -5,6 +5,7 @@
 
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/study_files.h"
+#include "sim/figure/palette.h"
 #include "sim/report/assets.h"
 #include "sim/report/controllers_front.h"
 #include "sim/report/page_data.h"
@@ -62,6 +63,34 @@ FirstSeed MeasureFirstSeed(const FinishedStudy& finished) {
   return first;
 }
 
+/// [[video_s, from_s, to_s, speed], ..]
+std::string StretchesText(const VideoBeside& video) {
+  std::string text;
+  for (const auto& [video_s, from_s, to_s, speed] : video.stretches) {
+    text += fmt::format("{}[{},{},{},{}]", text.empty() ? "" : ",", video_s, from_s, to_s, speed);
+  }
+  return fmt::format("[{}]", text);
+}
+
+std::string VideoSection(const VideoBeside& video) {
+  const std::string inside =
+      video.exists
+          ? "<p class=\"note\">The baseline and the controllers of the verdict, then the second in "
+            "which they differ most in slow motion.</p>\n<div id=\"video-place\"><video controls "
+            "muted playsinline preload=\"metadata\" src=\"comparison.mp4\" aria-label=\"The hands "
+            "of "
+            "several controllers side by side\"></video></div>"
+          : "<p class=\"note\">None was drawn with these scores. <code>gauntlet render</code> "
+            "draws "
+            "comparison.mp4 beside this page.</p>\n<div id=\"video-place\" class=\"needs-script\">"
+            "<p class=\"controls\"><button type=\"button\" id=\"video-show\">Show "
+            "comparison.mp4</button></p></div>";
+  return fmt::format(
+      "<section id=\"video\" aria-labelledby=\"video-title\" data-stretches=\"{}\">\n<h2 "
+      "id=\"video-title\">Video</h2>\n{}\n</section>\n",
+      StretchesText(video), inside);
+}
+
 }  // namespace
 
 std::string AssemblePage(const PageParts& parts) {
@@ -71,27 +100,32 @@ std::string AssemblePage(const PageParts& parts) {
        {"question", EscapeHtml(parts.question)},
        {"facts", EscapeHtml(parts.facts)},
        {"verdict", EscapeHtml(parts.verdict)},
+       {"numbers", parts.numbers},
+       {"doubts", parts.doubts},
        {"answer", parts.answer},
        {"settings", EscapeHtml(parts.resolved_scenario)},
-       {"video", parts.video.exists ? "drawn" : "none"},
-       {"motion_starts_s", fmt::format("{:g}", parts.video.motion_starts_s)},
+       {"video", VideoSection(parts.video)},
        {"front", parts.front},
        {"recording", parts.recording},
        {"data", parts.data},
        {"kind", "Gauntlet report"},
        {"sources", std::string(assets::kScriptSources) + "media-src 'self' file:; "},
-       {"style", std::string(assets::kPlotStyle) + std::string(assets::kStyle)},
+       {"style", std::string(assets::kPlotStyle) + PaletteCss() + std::string(assets::kStyle)},
        {"plot_library", std::string(assets::kPlotLibrary)},
        {"replay_library", std::string(assets::kReplayLibrary)},
        {"script", std::string(assets::kScript)}});
 }
 
 std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) {
+  ResultText notes;
+  AddAnswerNotes(finished, notes);
   return AssemblePage(
       {.title = finished.study.scenario.name,
        .question = finished.study.scenario.question,
        .facts = Facts(finished),
        .verdict = fmt::format("{}", fmt::join(VerdictOf(finished.summary).Answer(), " ")),
+       .numbers = HtmlOf(ShownText(finished)),
+       .doubts = HtmlOf(notes),
        .answer = HtmlOf(AnswerText(finished)),
        .front = ControllersFront(finished.summary),
        .recording = RecordingSection(finished),

@@ -91,29 +91,38 @@ char MarkOf(const Summary& summary, std::size_t controller, std::size_t metric) 
   }
 }
 
-/// The primary scores, and the main metrics of motors and objects, of all controllers in the order
-/// of the verdict.
-ResultTable AnswerTable(const Summary& summary) {
+/// Some scores of some controllers, with their roles in the verdict.
+ResultTable TableOf(const Summary& summary, const std::vector<std::size_t>& controllers,
+                    const std::vector<std::size_t>& metrics) {
   ResultTable table{.columns = {{"name", "controller"}}};
-  std::vector<std::size_t> shown;
-  for (const std::size_t metric : ShownMetrics(summary)) {
-    const bool is_primary = std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
-    if (is_primary || Metrics()[metric].part != ScoredPart::kJoint) shown.push_back(metric);
-  }
-  for (const std::size_t metric : shown) table.columns.push_back(ColumnOf(metric));
+  for (const std::size_t metric : metrics) table.columns.push_back(ColumnOf(metric));
   const std::vector<std::string> roles = RolesOf(summary);
   const bool has_roles = std::ranges::any_of(roles, [](const auto& role) { return !role.empty(); });
   if (has_roles) table.columns.push_back(ForPeople("verdict").Words());
-  for (const std::size_t c : OrderOfVerdict(summary)) {
+  for (const std::size_t c : controllers) {
     const ControllerSummary& controller = summary.controllers[c];
     ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
-    for (const std::size_t metric : shown) {
+    for (const std::size_t metric : metrics) {
       row.emplace_back(controller.summary[metric].mean);
       row.back().mark = MarkOf(summary, c, metric);
     }
     if (has_roles) row.push_back(ResultCell::Text(roles[c]));
   }
   return table;
+}
+
+bool IsPrimary(std::size_t metric) {
+  return std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
+}
+
+/// The primary scores, and the main metrics of motors and objects, of all controllers in the order
+/// of the verdict.
+ResultTable AnswerTable(const Summary& summary) {
+  std::vector<std::size_t> metrics = ShownMetrics(summary);
+  std::erase_if(metrics, [](std::size_t metric) {
+    return !IsPrimary(metric) && Metrics()[metric].part == ScoredPart::kJoint;
+  });
+  return TableOf(summary, OrderOfVerdict(summary), metrics);
 }
 
 std::string AnswerLegend(const Summary& summary) {
@@ -348,13 +357,27 @@ std::string Measured(const Study& study) {
   return fmt::format("{} of {} joints", study.measured_joint_names.size(), study.joint_count);
 }
 
-ResultText AnswerText(const FinishedStudy& finished) {
+void AddAnswerNotes(const FinishedStudy& finished, ResultText& text) {
   const Summary& summary = finished.summary;
-  ResultText text = {AnswerTable(summary)};
-  AddLine(AnswerLegend(summary), text);
   AddLine(CauseLine(summary), text);
   for (const std::string& missing : MissingSeeds(finished.result, summary)) AddLine(missing, text);
   for (const std::string& doubt : VerdictOf(summary).Doubts()) AddLine("Warning: " + doubt, text);
+}
+
+ResultText AnswerText(const FinishedStudy& finished) {
+  ResultText text = {AnswerTable(finished.summary)};
+  AddLine(AnswerLegend(finished.summary), text);
+  return text;
+}
+
+ResultText ShownText(const FinishedStudy& finished) {
+  const Summary& summary = finished.summary;
+  std::vector<std::size_t> shown = ShownControllers(summary);
+  if (summary.baseline) std::rotate(shown.begin(), shown.begin() + 1, shown.end());
+  std::vector<std::size_t> metrics = ShownMetrics(summary);
+  std::erase_if(metrics, [](std::size_t metric) { return !IsPrimary(metric); });
+  ResultText text = {TableOf(summary, shown, metrics)};
+  AddLine(AnswerLegend(summary), text);
   return text;
 }
 
@@ -375,6 +398,7 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   if (summary.one_run) AddLine(ReasonForNoChance(result, summary.blocks), text);
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
   std::ranges::move(AnswerText(finished), std::back_inserter(text));
+  AddAnswerNotes(finished, text);
   if (!verbose) return text;
   text.emplace_back(MeansTable(summary));
   if (summary.pairs > 0) AddLine(Legend(summary), text);

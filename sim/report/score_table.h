@@ -21,8 +21,12 @@ std::string WhatVaries(const StudyResult& result);
 std::vector<std::string> Notes(const FinishedStudy& finished);
 
 /// Below the sentences of the verdict: the table of the primary scores with marks against the
-/// baseline, causes of the error, warnings.
+/// baseline.
 ResultText AnswerText(const FinishedStudy& finished);
+/// The primary scores of ShownControllers(), the baseline last.
+ResultText ShownText(const FinishedStudy& finished);
+/// Adds causes of the error and warnings of the verdict.
+void AddAnswerNotes(const FinishedStudy& finished, ResultText& text);
 
 /// The answer for a person: verdict; table of the primary scores with marks against the baseline;
 /// causes of the error; warnings. `verbose` adds the main metrics with the difference to the best

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sim/figure/palette.h"
 #include "sim/figure/panel.h"
 #include "sim/report/curve_codec.h"
 
@@ -23,13 +24,26 @@ constexpr double kLegendSpace = 18.0;  // between two entries
 constexpr const char* kChartStyle = R"(<style>
 .ground{fill:#fff}text{fill:#5b6675}.grid{stroke:#dfe3e9}.axis{stroke:#a3acb8}
 .line{fill:none;stroke-linejoin:round}
-.s0{stroke:#a3acb8}.s1{stroke:#cc4455}.s2{stroke:#2b6fd1}.s3{stroke:#12866f}.bar{fill:#9db8dd}
+.bar{fill:#9db8dd}
 .ink,.name,.title{fill:#1b2330}
 @media (prefers-color-scheme:dark){.ground{fill:#12161c}text{fill:#98a3b2}.grid{stroke:#2b333f}
-.axis,.s0{stroke:#5d6978}.s1{stroke:#f07a88}.s2{stroke:#6fa5f2}.s3{stroke:#4cc2a8}.bar{fill:#3d5a86}
+.axis{stroke:#5d6978}.bar{fill:#3d5a86}
 .ink,.name,.title{fill:#e6eaf0}}
 text{font:13px system-ui,"DejaVu Sans",sans-serif}.title{font-size:14px;font-weight:600}
-</style>)";
+)";
+
+/// Without CSS variables, which some programs that show SVG do not know.
+std::string StyleOfCurves() {
+  std::string light, dark;
+  const auto add = [&](const std::string& css, const Shade& shade) {
+    light += fmt::format(".line.{}{{stroke:#{:06x}}}", css, shade.light);
+    dark += fmt::format(".line.{}{{stroke:#{:06x}}}", css, shade.dark);
+  };
+  add("command", palette::kCommand);
+  add("s0", palette::kGlove);
+  for (std::size_t i = 1; i < kChartColours; ++i) add(fmt::format("s{}", i), palette::kSeries[i]);
+  return light + "@media (prefers-color-scheme:dark){" + dark + "}</style>";
+}
 
 /// Ranges of both axes over all bars and curves.
 std::pair<Extent, Extent> RangesOf(const Chart& chart) {
@@ -46,11 +60,11 @@ std::pair<Extent, Extent> RangesOf(const Chart& chart) {
     y.Take(0.0);
     for (const double height : bars.heights) y.Take(height);
   }
-  constexpr double kMargin = 0.05;
+  constexpr double kFreeShare = 0.05;
   if (chart.bars.empty()) {
-    y.Widen(kMargin);
+    y.Widen(kFreeShare);
   } else {
-    y.high += kMargin * (y.high - y.low);
+    y.high += kFreeShare * (y.high - y.low);
   }
   return {x, y};
 }
@@ -97,7 +111,8 @@ std::string SvgChart(const Chart& chart) {
     });
   }
   for (std::size_t i = 0; i < chart.curves.size(); ++i) {
-    const Ink ink = {.css = fmt::format("line s{}", i % kChartColours),
+    const Ink ink = {.css = chart.curves[i].is_command ? "line command"
+                                                       : fmt::format("line s{}", i % kChartColours),
                      .attributes = fmt::format(" stroke-width=\"{:g}\"", chart.curves[i].width_px)};
     figure.Path(PointsOf(chart.curves[i], panel, chart.width_px), ink);
     legend_x = AddLegend(figure, legend_x, chart.curves[i].name, [&](const FigureBox& place) {
@@ -105,7 +120,7 @@ std::string SvgChart(const Chart& chart) {
       figure.Line({place.left, middle}, {place.right, middle}, ink);
     });
   }
-  return SvgOf(figure, kChartStyle);
+  return SvgOf(figure, kChartStyle + StyleOfCurves());
 }
 
 }  // namespace gauntlet::sim

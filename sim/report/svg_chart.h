@@ -5,13 +5,15 @@
 
 namespace gauntlet::sim {
 
-/// A curve of equidistant values. One without values only uses up a colour.
+/// A curve of equidistant values. Colours: the glove's first, then those of controllers. A curve
+/// without values only uses up a colour.
 struct ChartCurve {
   std::string name;
   double first_x = 0.0;
   double step_x = 1.0;
   std::vector<double> values;
-  double width_px = 1.4;  // a wide one is still seen behind another that covers it
+  double width_px = 1.4;    // a wide one is still seen behind another that covers it
+  bool is_command = false;  // has the colour of commands
 };
 
 /// Bars side by side: bar i is centred at first_x + i step_x.

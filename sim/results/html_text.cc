@@ -119,7 +119,7 @@ std::string HtmlOf(const ResultTable& table) {
     rows += "</tr>\n";
   }
   return fmt::format(
-      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table\"><table "
+      "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Table\"><table "
       "class=\"result\">\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
       head, rows);
 }

@@ -42,13 +42,13 @@ double DrawLines(Painter& painter, const std::string& text, Point at, double wid
 Color ColorOf(ScoreBoardCell::Tone tone) {
   switch (tone) {
     case ScoreBoardCell::Tone::kAsGoodAsBest:
-      return palette::kGood;
+      return palette::kBetter;
     case ScoreBoardCell::Tone::kWorseThanBaseline:
       return palette::kWarning;
     case ScoreBoardCell::Tone::kPlain:
       break;
   }
-  return palette::kInk;
+  return palette::kInkOnLight;
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ void DrawTitleCard(Painter& painter, const Rect& frame, double unit, const std::
                    const std::string& question) {
   painter.Fill(frame, palette::kPage);
   const double margin = kCardMargin * unit, width = frame.width - 2.0 * margin;
-  const TextStyle name = {.size_px = 22.0 * unit, .color = palette::kMutedInk};
+  const TextStyle name = {.size_px = 22.0 * unit, .color = palette::kMutedOnLight};
   const TextStyle asked = {.size_px = 38.0 * unit, .bold = true};
   const double lines = static_cast<double>(Lines(painter, question, width, asked).size());
   const double top = 0.5 * (frame.height - 1.35 * lines * asked.size_px) + asked.size_px;
@@ -69,27 +69,34 @@ void DrawScoreBoard(Painter& painter, const Rect& frame, double unit, const std:
                     const ScoreBoard& verdict) {
   painter.Fill(frame, palette::kPage);
   const double margin = kCardMargin * unit, width = frame.width - 2.0 * margin;
-  const TextStyle heading = {.size_px = 22.0 * unit, .color = palette::kMutedInk};
-  const TextStyle column = {.size_px = 14.0 * unit, .color = palette::kMutedInk};
+  const TextStyle heading = {.size_px = 22.0 * unit, .color = palette::kMutedOnLight};
+  const TextStyle column = {.size_px = 14.0 * unit, .color = palette::kMutedOnLight};
   const TextStyle name = {.size_px = 22.0 * unit, .bold = true};
-  painter.Text(painter.Elide(title, width, heading), {margin, 84.0 * unit}, heading);
+  painter.Text(painter.Elide(title, width, heading), {margin, 64.0 * unit}, heading);
+  double y = 64.0 * unit;
+  if (!verdict.answer.empty()) {
+    y = DrawLines(painter, verdict.answer, {margin, 104.0 * unit}, width,
+                  {.size_px = 22.0 * unit, .bold = true});
+  }
 
   const double first = margin + kNameWidth * unit;
   const double column_width =
       (width - kNameWidth * unit) / static_cast<double>(verdict.columns.size());
-  const double top = 140.0 * unit, bottom = frame.height - 92.0 * unit;
+  const double top = y + 56.0 * unit, bottom = frame.height - 92.0 * unit;
   const double row_height =
       std::min(kMaxRowHeight * unit, (bottom - top) / static_cast<double>(verdict.rows.size()));
   for (std::size_t i = 0; i < verdict.columns.size(); ++i) {
     painter.Text(verdict.columns[i],
                  {first + static_cast<double>(i) * column_width, top - 14.0 * unit}, column);
   }
-  double y = top;
+  y = top;
   for (const ScoreBoardRow& row : verdict.rows) {
     painter.Line({margin, y}, {margin + width, y}, palette::kCardEdge, unit);
     const double baseline = y + 0.5 * row_height + 2.0 * unit;
-    painter.Text(painter.Elide(row.controller, (kNameWidth - 16.0) * unit, name),
-                 {margin, baseline}, name);
+    painter.Dot({margin + 7.0 * unit, baseline - 7.0 * unit}, 7.0 * unit,
+                ColourOfSeries(row.series));
+    painter.Text(painter.Elide(row.controller, (kNameWidth - 38.0) * unit, name),
+                 {margin + 22.0 * unit, baseline}, name);
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
       const ScoreBoardCell& cell = row.cells[i];
       const Color color = ColorOf(cell.tone);

@@ -14,13 +14,13 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kCardRadius = 10.0;
-constexpr double kFingertipWay_s = 1.0;
-constexpr int kFadingParts = 8;
+constexpr double kInsetShare = 0.36;  // of the shorter side of a view
+constexpr double kInsetGap = 10.0;
+constexpr double kShownJitter_s = 0.25;         // before now, beside a fingertip
 constexpr double kSmallestTrembling_deg = 0.1;  // that its plot shows
 constexpr double kTitleShare = 0.8;             // of the header's width
-constexpr double kNameShare = 0.1;              // the same, of a name in the legend
+constexpr double kNameShare = 0.25;             // the same, of a name in the legend
 constexpr double kSecondOpacity = 0.55;         // of an overlay
-constexpr double kRankingStarts_s = 1.0;  // before, the first samples decide, and marks would jump
 
 std::span<const double> Column(const Signal& signal, int channel) {
   return {signal.col(channel).data(), static_cast<std::size_t>(signal.rows())};
@@ -46,8 +46,7 @@ std::string JointTitle(const std::string& name) {
 [[noreturn]] void Fail(const std::string& what) { throw RunError("video: " + what); }
 
 void CheckSignals(const VideoInput& input) {
-  if (input.true_angle_rad == nullptr || input.raw_angle_rad == nullptr)
-    Fail("signals are missing");
+  if (input.true_angle_rad == nullptr) Fail("signals are missing");
   if (input.overlay && input.panes.size() != 2) Fail("an overlay is of two hands");
   const auto samples = input.true_angle_rad->rows(), joints = input.true_angle_rad->cols();
   if (samples == 0) Fail("there is no motion to show");
@@ -55,15 +54,12 @@ void CheckSignals(const VideoInput& input) {
   if (input.joint < 0 || input.joint >= joints) {
     Fail(fmt::format("joint {} is not in 0 .. {}", input.joint, joints - 1));
   }
-  if (input.raw_angle_rad->cols() != joints) Fail("raw and true angles differ in joints");
   for (const VideoPane& pane : input.panes) {
-    for (const Signal* signal :
-         {pane.hand_angle_rad, pane.spool_angle_rad, pane.command_angle_rad}) {
+    for (const Signal* signal : {pane.hand_angle_rad, pane.spool_angle_rad}) {
       if (signal == nullptr) Fail(pane.title + ": signals are missing");
       if (signal->rows() == 0) Fail(pane.title + ": the trial has no samples");
     }
-    if (pane.hand_angle_rad->cols() != joints || pane.command_angle_rad->cols() != joints ||
-        pane.hand_angle_rad->rows() > samples ||
+    if (pane.hand_angle_rad->cols() != joints || pane.hand_angle_rad->rows() > samples ||
         pane.spool_angle_rad->rows() < pane.hand_angle_rad->rows()) {
       Fail(pane.title + ": signals differ in shape");
     }
@@ -106,13 +102,11 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
         input_.true_angle_rad->col(input_.joint).head(pane.hand_angle_rad->rows()));
     trembling_.push_back(TremblingOf(pane));
   }
-  const AngleScale angles = ScaleOfAngles(), errors = ScaleOfErrors();
-  const AngleScale trembling = ScaleOfTrembling();
+  const AngleScale errors = ScaleOfErrors(), trembling = ScaleOfTrembling();
   for (const PaneLayout& pane : layout_.panes) {
-    const bool all = pane.angle.height > 0.0;
+    const bool all = pane.trembling.height > 0.0;
     error_plots_.emplace_back(pane.error, layout_.unit, errors, clock_, /*times=*/!all);
     if (!all) continue;
-    angle_plots_.emplace_back(pane.angle, layout_.unit, angles, clock_, /*times=*/false);
     trembling_plots_.emplace_back(pane.trembling, layout_.unit, trembling, clock_);
   }
   DrawBackground();
@@ -130,24 +124,17 @@ int ComparisonPicture::view_height_px() const {
   return static_cast<int>(layout_.panes.front().view.height);
 }
 
+int ComparisonPicture::inset_px() const {
+  if (!IsSlowMotion(input_.excerpt) || input_.overlay) return 0;
+  return static_cast<int>(kInsetShare * std::min(view_width_px(), view_height_px()));
+}
+
 int ComparisonPicture::SampleCount(int pane) const {
   return input_.panes[pane].hand_angle_rad->rows();
 }
 
 int ComparisonPicture::SampleOf(int pane, int frame) const {
   return std::min(clock_.Sample(frame), SampleCount(pane) - 1);
-}
-
-AngleScale ComparisonPicture::ScaleOfAngles() const {
-  std::vector<std::span<const double>> whole = {Column(*input_.true_angle_rad, input_.joint)};
-  std::vector<std::span<const double>> noisy = {Column(*input_.raw_angle_rad, input_.joint)};
-  for (const VideoPane& pane : input_.panes) {
-    whole.push_back(Column(*pane.hand_angle_rad, input_.joint));
-    noisy.push_back(Column(*pane.command_angle_rad, input_.joint));
-  }
-  const AngleScale scale = ChooseAngleScale(whole, noisy);
-  TrimSignals();
-  return scale;
 }
 
 AngleScale ComparisonPicture::ScaleOfErrors() const {
@@ -187,8 +174,7 @@ void ComparisonPicture::DrawBackground() {
   const double unit = layout_.unit;
   painter.Fill(FrameOf(input_), palette::kPage);
   DrawHeader(painter);
-  const TextStyle title = {.size_px = 15.0 * unit, .bold = true};
-  const TextStyle caption = {.size_px = 11.0 * unit, .color = palette::kMutedInk};
+  const TextStyle title = {.size_px = 18.0 * unit, .bold = true};
   for (std::size_t i = 0; i < layout_.panes.size(); ++i) {
     const PaneLayout& pane = layout_.panes[i];
     painter.Clip(pane.card, kCardRadius * unit);
@@ -200,20 +186,23 @@ void ComparisonPicture::DrawBackground() {
     const std::string name = input_.overlay
                                  ? input_.panes[0].title + ", behind it " + input_.panes[1].title
                                  : input_.panes[i].title;
-    painter.Text(painter.Elide(name, pane.title.width, title),
-                 {pane.title.x, pane.title.y + 26.0 * unit}, title);
-    const std::string joint = JointTitle(input_.joint_name);
-    const auto draw_scale = [&](const std::vector<CurvePlot>& plots, const Rect& area,
-                                const std::string& what) {
-      if (plots.empty()) return;
-      plots[i].DrawScale(painter);
-      painter.Text(painter.Elide(joint + what, area.width, caption), {area.x, area.y - 8.0 * unit},
-                   caption);
-    };
-    draw_scale(angle_plots_, pane.angle, "");
-    draw_scale(error_plots_, pane.error, ", error");
-    draw_scale(trembling_plots_, pane.trembling,
-               fmt::format(", jitter (above {:g} Hz)", input_.jitter_above_hz));
+    double left = pane.title.x;
+    if (!input_.overlay) {
+      painter.Dot({left + 6.0 * unit, pane.title.y + 19.0 * unit}, 6.0 * unit,
+                  ColourOfPane(input_, static_cast<int>(i)));
+      left += 20.0 * unit;
+    }
+    const double right = pane.title.right();
+    const std::string role = input_.overlay ? "" : input_.panes[i].role;
+    const TextStyle small = {
+        .size_px = 14.0 * unit, .color = palette::kMutedOnLight, .align = Align::kRight};
+    const double name_width = painter.TextWidth(name, title);
+    const bool role_fits = left + name_width + painter.TextWidth(role, small) + 12.0 * unit < right;
+    if (role_fits) painter.Text(role, {right, pane.title.y + 25.0 * unit}, small);
+    painter.Text(painter.Elide(name, right - left, title), {left, pane.title.y + 25.0 * unit},
+                 title);
+    error_plots_[i].DrawScale(painter);
+    if (!trembling_plots_.empty()) trembling_plots_[i].DrawScale(painter);
   }
 }
 
@@ -221,42 +210,32 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
   const double unit = layout_.unit;
   const Rect& header = layout_.header;
   const TextStyle title = {.size_px = 19.0 * unit, .bold = true};
-  const TextStyle subtitle = {.size_px = 12.5 * unit, .color = palette::kMutedInk};
-  const std::string curves = fmt::format(
-      "Numbers: mean over {} joints, up to now.  Lines: fingertip path, its jitter x {:g}.",
-      measured_joints_.size(), HandView::kTremblingGain);
+  const TextStyle subtitle = {.size_px = 14.0 * unit, .color = palette::kMutedOnLight};
+  const std::string curves = fmt::format("Numbers: mean over {} joints up to now. Curves: {}.",
+                                         measured_joints_.size(), JointTitle(input_.joint_name));
   painter.Text(painter.Elide(input_.title, kTitleShare * header.width, title),
-               {header.x, header.y + 28.0 * unit}, title);
-  const double legend = DrawLegend(painter, header.right(), header.y + 48.0 * unit);
-  const double width = std::min(0.62 * header.width, legend - 12.0 * unit - header.x);
-  painter.Text(painter.Elide(curves, width, subtitle), {header.x, header.y + 48.0 * unit},
-               subtitle);
+               {header.x, header.y + 27.0 * unit}, title);
+  const double legend = DrawLegend(painter, header.right(), header.y + 50.0 * unit);
+  painter.Text(painter.Elide(curves, legend - 12.0 * unit - header.x, subtitle),
+               {header.x, header.y + 50.0 * unit}, subtitle);
 }
 
 double ComparisonPicture::DrawLegend(Painter& painter, double right, double baseline) const {
-  const Signal& command_rad = *input_.panes.front().command_angle_rad;
-  // Commands do not decide the angle of a joint that springs move.
-  const bool angles = !angle_plots_.empty();
-  const bool decided =
-      angles && (command_rad.rows() == 0 || !std::isnan(command_rad(0, input_.joint)));
   struct Entry {
     std::string name;
     Color color;
     bool shown = true;
     bool from_white = false;
   };
-  const auto hand = [&](int pane) {
-    return input_.overlay ? input_.panes[pane].title : std::string("hand");
-  };
-  const std::string off = fmt::format("joint error 0 to {:g}°", colour_scale_.full_error_deg);
-  const Entry entries[] = {{input_.overlay ? hand(1) : "", palette::kSecondHand, input_.overlay},
-                           {hand(0), palette::kHand},
-                           {"command", palette::kCommand, decided && !input_.overlay},
-                           {"glove, raw", palette::kRaw, angles},
-                           {"wearer, true", palette::kTrue},
-                           {off, palette::kHand, true, true}};
+  const Entry entries[] = {
+      {fmt::format("joint error 0 to {:g}°", colour_scale_.full_error_deg), palette::kMutedOnLight,
+       true, true},
+      {"wearer", palette::kWearer.OnLight()},
+      {input_.panes.back().title, ColourOfPane(input_, static_cast<int>(input_.panes.size()) - 1),
+       input_.overlay},
+      {input_.panes.front().title, ColourOfPane(input_, 0), input_.overlay}};
   const double unit = layout_.unit;
-  const TextStyle style = {.size_px = 12.5 * unit};
+  const TextStyle style = {.size_px = 14.0 * unit};
   for (const Entry& entry : entries) {  // from the right
     if (!entry.shown) continue;
     const std::string name = painter.Elide(entry.name, kNameShare * layout_.header.width, style);
@@ -289,7 +268,7 @@ void ComparisonPicture::DrawClock(Painter& painter, int frame) const {
   DrawPart(painter, frame, {right - painter.TextWidth(time, style) - 14.0 * unit, baseline});
   Rect done = layout_.progress;
   done.width *= static_cast<double>(frame + 1) / frame_count();
-  painter.Fill(done, palette::kHand);
+  painter.Fill(done, palette::kMutedOnLight);
 }
 
 void ComparisonPicture::DrawPart(Painter& painter, int frame, Point right_end) const {
@@ -299,7 +278,7 @@ void ComparisonPicture::DrawPart(Painter& painter, int frame, Point right_end) c
   });
   if (part == input_.parts.end()) return;
   const TextStyle style = {
-      .size_px = 15.0 * layout_.unit, .color = palette::kMutedInk, .align = Align::kRight};
+      .size_px = 15.0 * layout_.unit, .color = palette::kMutedOnLight, .align = Align::kRight};
   const double left = layout_.header.x + (kTitleShare + 0.01) * layout_.header.width;
   painter.Text(painter.Elide(part->label, right_end.x - left, style), right_end, style);
 }
@@ -326,84 +305,63 @@ void ComparisonPicture::DrawScore(Painter& painter, Rect rect, int pane, int fra
                                   std::vector<double> RunningScores::*score) const {
   const double unit = layout_.unit;
   const double value = (scores_[pane].*score)[frame];
-  double largest = 0.0, lowest = INFINITY;
-  for (const RunningScores& other : scores_) {
-    largest = std::fmax(largest, (other.*score).back());
-    lowest = std::fmin(lowest, (other.*score)[frame]);
-  }
+  double largest = 0.0;
+  for (const RunningScores& other : scores_) largest = std::fmax(largest, (other.*score).back());
   // As many digits as tell the panes apart, the same from the first frame to the last.
   const int decimals = largest < 1.0 ? 3 : 2;
-  const auto shown = [&](double number) {
-    return std::isfinite(number) ? fmt::format("{:.{}f}°", number, decimals) : "–";
-  };
-  const bool best = scores_.size() > 1 && clock_.Time_s(frame) >= kRankingStarts_s &&
-                    shown(value) == shown(lowest);
-  const Color& accent = best ? palette::kGood : palette::kMutedInk;
-
-  if (best) label += ", lowest";
-  const TextStyle caption = {.size_px = 11.0 * unit, .color = accent};
-  Point at = {rect.x, rect.y + 17.0 * unit};
+  const std::string shown = std::isfinite(value) ? fmt::format("{:.{}f}°", value, decimals) : "–";
+  const TextStyle number = {
+      .size_px = 18.0 * unit, .bold = true, .align = Align::kRight, .tabular = true};
+  const TextStyle caption = {.size_px = 14.0 * unit, .color = palette::kMutedOnLight};
+  Point at = {rect.x, rect.y + 21.0 * unit};
   if (input_.overlay) {
-    painter.Dot({at.x + 4.0 * unit, at.y - 4.0 * unit}, 4.0 * unit, ColourOfPane(input_, pane));
+    painter.Dot({at.x + 4.0 * unit, at.y - 5.0 * unit}, 4.0 * unit, ColourOfPane(input_, pane));
     at.x += 12.0 * unit;
-    label = painter.Elide(input_.panes[pane].title + ": " + label, rect.right() - at.x, caption);
+    label = input_.panes[pane].title + ": " + label;
   }
-  painter.Text(label, at, caption);
-  painter.Text(shown(value), {rect.x, rect.y + 39.0 * unit},
-               {.size_px = 19.0 * unit, .bold = true, .tabular = true});
-  const Rect bar = {rect.x, rect.y + 46.0 * unit, rect.width, 3.0 * unit};
-  painter.Fill(bar, palette::kGrid, bar.height / 2.0);
-  if (!std::isfinite(value) || largest <= 0.0) return;
-  const double share = std::clamp(value / largest, 0.0, 1.0);
-  painter.Fill({bar.x, bar.y, std::max(share * bar.width, bar.height), bar.height},
-               best ? palette::kGood : palette::kBar, bar.height / 2.0);
+  const double right = rect.right() - painter.TextWidth(shown, number) - 6.0 * unit;
+  painter.Text(painter.Elide(label, right - at.x, caption), at, caption);
+  painter.Text(shown, {rect.right(), at.y}, number);
 }
 
-void ComparisonPicture::DrawFingertip(Painter& painter, const Rect& view, int pane, int frame,
-                                      const FingertipWay& way, const Color& color) const {
-  if (way.points.empty()) return;
-  const double newest_s = SampleOf(pane, frame) / input_.rate_hz;
-  const auto point_at = [&](double time_s) {
-    return std::clamp<int>(static_cast<int>(time_s * way.rate_hz), 0, std::ssize(way.points) - 1);
-  };
-  const int newest = point_at(newest_s);
-  for (int part = 0; part < kFadingParts; ++part) {  // the oldest first
-    const auto start_of = [&](int which) {
-      return point_at(newest_s - kFingertipWay_s * (kFadingParts - which) / kFadingParts);
-    };
-    std::vector<Point> points;
-    for (int i = start_of(part); i <= start_of(part + 1); ++i) {
-      points.push_back({view.x + way.points[i].x, view.y + way.points[i].y});
-    }
-    Color fading = color;
-    fading.alpha = (part + 1.0) / kFadingParts;
-    painter.Polyline(points, fading, 1.6 * layout_.unit);
+void ComparisonPicture::DrawInset(Painter& painter, int pane, int frame,
+                                  const DrawnHands& hands) const {
+  const FingertipPath& path = hands.view.fingertip(pane);
+  if (hands.insets[pane].pixels.empty() || path.places.empty()) return;
+  const double unit = layout_.unit, side = inset_px(), gap = kInsetGap * unit;
+  const Rect& view = PlaceOf(pane).view;
+  const Rect place = {std::round(view.right() - gap - side), std::round(view.y + gap), side, side};
+  const double radius = 0.5 * side;
+  painter.Clip(place, radius);
+  painter.Fill(place, palette::kCard);
+  painter.Picture(hands.insets[pane], static_cast<int>(place.x), static_cast<int>(place.y));
+  // Each place of the tip, seen from where it were without jitter.
+  const CameraWindow window = hands.view.InsetAround({0.0, 0.0});
+  const double now_s = SampleOf(pane, frame) / input_.rate_hz;
+  std::vector<Point> points;
+  for (int i = path.IndexAt(now_s - kShownJitter_s); i <= path.IndexAt(now_s); ++i) {
+    const auto& [tip, smooth] = path.places[i];
+    const Point at = PixelOf(window, {tip.x - smooth.x, tip.y - smooth.y}, inset_px(), inset_px());
+    points.push_back({place.x + at.x, place.y + at.y});
   }
-  const Point& head = way.points[newest];
-  if (std::isfinite(head.x)) {
-    painter.Dot({view.x + head.x, view.y + head.y}, 4.0 * layout_.unit, color);
-  }
+  painter.Polyline(points, palette::kCard, 5.0 * unit);
+  painter.Polyline(points, ColourOfPane(input_, pane), 2.5 * unit);
+  painter.Dot(points.back(), 4.0 * unit, ColourOfPane(input_, pane));
+  painter.Unclip();
+  painter.Outline(place, ColourOfPane(input_, pane), 2.0 * unit, radius);
+  painter.Text(fmt::format("fingertip x {:g}", HandView::kMagnification),
+               {place.x + radius, place.bottom() + 18.0 * unit},
+               {.size_px = 14.0 * unit, .align = Align::kCenter});
 }
 
 void ComparisonPicture::DrawCurves(Painter& painter, int place, int frame) const {
-  std::vector<Curve> angles = {
-      {Column(*input_.raw_angle_rad, input_.joint), palette::kRaw, 1.0, false}};
-  if (!input_.overlay) {
-    angles.push_back({Column(*input_.panes[place].command_angle_rad, input_.joint),
-                      palette::kCommand, 1.3, false});
-  }
-  angles.push_back({Column(*input_.true_angle_rad, input_.joint), palette::kTrue, 1.5, true});
   std::vector<Curve> errors, trembling;
   for (int pane = input_.overlay ? 1 : place; pane >= place; --pane) {  // the first one on top
-    const Signal& hand_rad = *input_.panes[pane].hand_angle_rad;
-    angles.push_back({Column(hand_rad, input_.joint), ColourOfPane(input_, pane), 2.0, true});
     errors.push_back({Column(errors_[pane], 0), ColourOfPane(input_, pane), 2.0, true, true});
-    trembling.push_back({Column(trembling_[pane], 0), ColourOfPane(input_, pane), 1.0});
+    trembling.push_back({Column(trembling_[pane], 0), ColourOfPane(input_, pane), 1.3});
   }
   error_plots_[place].Draw(painter, frame, errors);
-  if (angle_plots_.empty()) return;
-  angle_plots_[place].Draw(painter, frame, angles);
-  trembling_plots_[place].Draw(painter, frame, trembling);
+  if (!trembling_plots_.empty()) trembling_plots_[place].Draw(painter, frame, trembling);
 }
 
 void ComparisonPicture::DrawView(Painter& painter, int pane, const DrawnHands& hands) const {
@@ -427,13 +385,7 @@ void ComparisonPicture::DrawOverlay(Painter& painter, const DrawnHands& hands) c
 void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame,
                                  const DrawnHands& hands) const {
   const PaneLayout& place = PlaceOf(pane);
-  painter.Clip(place.view);
-  if (pane == 0 || !input_.overlay) {
-    DrawFingertip(painter, place.view, pane, frame, hands.view.wearers_fingertip(), palette::kTrue);
-  }
-  DrawFingertip(painter, place.view, pane, frame, hands.view.fingertip(pane),
-                ColourOfPane(input_, pane));
-  painter.Unclip();
+  if (inset_px() > 0) DrawInset(painter, pane, frame, hands);
   if (HasStopped(pane, frame)) DrawStop(painter, pane);
 
   const auto part_of = [&](const Rect& rect) {
@@ -441,9 +393,9 @@ void ComparisonPicture::DrawPane(Painter& painter, int pane, int frame,
     const double gap = 16.0 * layout_.unit, width = 0.5 * (rect.width - gap);
     return Rect{rect.x + pane * (width + gap), rect.y, width, rect.height};
   };
-  DrawScore(painter, part_of(place.tracking), pane, frame, "RMSE so far",
+  DrawScore(painter, part_of(place.tracking), pane, frame, "tracking error, RMS",
             &RunningScores::tracking_rmse_deg);
-  DrawScore(painter, part_of(place.jitter), pane, frame, "Jitter so far",
+  DrawScore(painter, part_of(place.jitter), pane, frame, "jitter, RMS",
             &RunningScores::jitter_rms_deg);
 }
 

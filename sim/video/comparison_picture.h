@@ -15,9 +15,10 @@
 
 namespace gauntlet::sim {
 
-/// What was drawn of a frame: the hands of all panes, the wearer's, and where fingertips go.
+/// Drawings of a frame: the hands of all panes, their fingertips in slow motion, the wearer's.
 struct DrawnHands {
   std::span<const Image> panes;
+  std::span<const Image> insets;
   Ghost& wearer;
   Ghost& second;  // of an overlay: the second hand
   const HandView& view;
@@ -36,6 +37,8 @@ class ComparisonPicture {
   /// Of the pictures of hands that Draw() expects.
   int view_width_px() const;
   int view_height_px() const;
+  /// Side of the pictures of fingertips; 0: there are none.
+  int inset_px() const;
   const ColourScale& colour_scale() const { return colour_scale_; }
   const RunningScores& scores(int pane) const { return scores_[pane]; }
   /// The sample that a pane shows: its last one where a trial was stopped before.
@@ -54,7 +57,6 @@ class ComparisonPicture {
   Columns<Signal> Measured(const Signal& all_joints) const;
   int SampleCount(int pane) const;
   bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }
-  AngleScale ScaleOfAngles() const;
   AngleScale ScaleOfErrors() const;
   AngleScale ScaleOfTrembling() const;
   Signal TremblingOf(const VideoPane& pane) const;
@@ -68,8 +70,7 @@ class ComparisonPicture {
   void DrawView(Painter& painter, int pane, const DrawnHands& hands) const;
   void DrawOverlay(Painter& painter, const DrawnHands& hands) const;
   void DrawPane(Painter& painter, int pane, int frame, const DrawnHands& hands) const;
-  void DrawFingertip(Painter& painter, const Rect& view, int pane, int frame,
-                     const FingertipWay& way, const Color& color) const;
+  void DrawInset(Painter& painter, int pane, int frame, const DrawnHands& hands) const;
   void DrawCurves(Painter& painter, int place, int frame) const;
   void DrawStop(Painter& painter, int pane) const;
   void DrawScore(Painter& painter, Rect rect, int pane, int frame, std::string label,
@@ -85,8 +86,7 @@ class ComparisonPicture {
   std::vector<Signal> trembling_;  // likewise: of the hand, not a number near the ends
   // Per place of the layout.
   std::vector<CurvePlot> error_plots_;
-  std::vector<CurvePlot> angle_plots_;      // none where there is no room
-  std::vector<CurvePlot> trembling_plots_;  // likewise
+  std::vector<CurvePlot> trembling_plots_;  // none where there is no room
   Image background_;
 };
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,11 +22,12 @@ namespace gauntlet::sim {
 /// One pane: a controller's hand and its numbers.
 struct VideoPane {
   std::string title;
-  const Signal* hand_angle_rad = nullptr;     // ticks x joints
-  const Signal* spool_angle_rad = nullptr;    // ticks x motors
-  const Signal* command_angle_rad = nullptr;  // ticks x joints: the frame, as a joint angle
-  const Signal* object_pose = nullptr;        // ticks x 7: of the object, if there is one
+  std::string role = {};  // of the controller in the verdict: recommended, baseline; may be empty
+  const Signal* hand_angle_rad = nullptr;   // ticks x joints
+  const Signal* spool_angle_rad = nullptr;  // ticks x motors
+  const Signal* object_pose = nullptr;      // ticks x 7: of the object, if there is one
   const Signal* tension_n = nullptr;  // ticks x cables: colours them; none: as the model has them
+  std::size_t series = 1;             // number of its colour in palette::kSeries
 };
 
 /// How long the question stands before the motion, and the verdict after it.
@@ -36,7 +40,6 @@ struct VideoInput {
   ScoreBoard verdict;                      // after it; no rows: none
   double rate_hz = 1000.0;                 // of ticks
   const Signal* true_angle_rad = nullptr;  // ticks x joints: what the wearer asks of the hand
-  const Signal* raw_angle_rad = nullptr;   // ticks x joints: linearised glove, unfiltered
   std::vector<VideoPane> panes;
   bool overlay = false;  // two panes as one picture, the second hand translucent behind the first
   std::vector<Segment> parts;         // of the motion that have a name, in ticks: chapters
@@ -50,13 +53,28 @@ struct VideoInput {
   int height_px = 720;
   int frames_per_s = 30;
   Excerpt excerpt;
+  std::optional<Excerpt> again;  // a part of the motion that is shown once more behind it, slowly
   Look look = kGoodLook;
   int rate_factor = VideoFormat{}.rate_factor;
   int jobs = 2;
 };
 
+/// A part of a video that shows motion: from `video_s` on the motion from `from_s` to `to_s`.
+struct VideoStretch {
+  double video_s = 0.0;
+  double from_s = 0.0;
+  double to_s = 0.0;
+  double speed = 1.0;
+};
+/// Of a video of a whole motion of `samples`.
+std::vector<VideoStretch> StretchesOf(bool has_title, double rate_hz, std::int64_t samples,
+                                      int frames_per_s, const std::optional<Excerpt>& again);
+
 /// The joints whose scores count.
 std::vector<int> MeasuredJointsOf(const VideoInput& input);
+
+/// Pictures slower than the motion have a magnified fingertip.
+constexpr bool IsSlowMotion(const Excerpt& excerpt) { return excerpt.speed < 1.0; }
 
 /// Draws off-screen and encodes frame by frame, so memory does not grow with the length. Each
 /// library works in processes of its own (ordered_frames.h): no other thread may run meanwhile.

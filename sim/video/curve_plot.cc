@@ -17,9 +17,10 @@ constexpr double kNoisyShare = 0.005;  // of the noisiest values that may lie ou
 constexpr double kRangeMargin = 0.06;  // of the range, free above and below
 constexpr double kFillOpacity = 0.3;
 constexpr double kTargetTicks = 3.5;
-constexpr double kMinTimeTick_px = 52.0;
+constexpr double kMinAngleTick_px = 15.0;
+constexpr double kMinTimeTick_px = 70.0;
 constexpr int kMaxTimeTicks = 8;
-constexpr double kLabelSize = 10.5;
+constexpr double kLabelSize = 14.0;
 
 /// The smallest of the usual steps that is at least `step`.
 double UsualStep(double step, std::span<const double> steps) {
@@ -83,13 +84,16 @@ double CurvePlot::HeightOf(double angle_deg) const {
 
 void CurvePlot::DrawScale(Painter& painter) const {
   const TextStyle label = {.size_px = kLabelSize * unit_,
-                           .color = palette::kMutedInk,
+                           .color = palette::kMutedOnLight,
                            .align = Align::kRight,
                            .tabular = true};
-  const auto first = static_cast<int>(std::ceil(scale_.low_deg / scale_.tick_deg));
-  const auto last = static_cast<int>(std::floor(scale_.high_deg / scale_.tick_deg));
+  const double tick_px = area_.height * scale_.tick_deg / (scale_.high_deg - scale_.low_deg);
+  const double step_deg =
+      scale_.tick_deg * std::max(1.0, std::ceil(kMinAngleTick_px * unit_ / tick_px));
+  const auto first = static_cast<int>(std::ceil(scale_.low_deg / step_deg));
+  const auto last = static_cast<int>(std::floor(scale_.high_deg / step_deg));
   for (int tick = first; tick <= last; ++tick) {
-    const double angle_deg = tick * scale_.tick_deg;
+    const double angle_deg = tick * step_deg;
     const double y = std::floor(HeightOf(angle_deg)) + 0.5;
     painter.Line({area_.x, y}, {area_.right(), y}, palette::kGrid, 1.0);
     const std::string sign = angle_deg < 0.0 ? "−" : "";
@@ -105,7 +109,7 @@ void CurvePlot::DrawTimes(Painter& painter, double scrolled_px) const {
   const double step_s =
       UsualStep(std::max(kMinTimeTick_px * unit_, area_.width / kMaxTimeTicks) / px_per_s, kSteps);
   const TextStyle label = {.size_px = kLabelSize * unit_,
-                           .color = palette::kMutedInk,
+                           .color = palette::kMutedOnLight,
                            .align = Align::kCenter,
                            .tabular = true};
   for (int tick = static_cast<int>(std::ceil(before_px / (px_per_s * step_s)));; ++tick) {
@@ -115,7 +119,7 @@ void CurvePlot::DrawTimes(Painter& painter, double scrolled_px) const {
     if (!times_) continue;
     const std::string text = fmt::format("{:g} s", tick * step_s);
     if (x + 0.5 * painter.TextWidth(text, label) > area_.right() + 8.0 * unit_) continue;
-    painter.Text(text, {x, area_.bottom() + 14.0 * unit_}, label);
+    painter.Text(text, {x, area_.bottom() + 17.0 * unit_}, label);
   }
 }
 

@@ -21,15 +21,33 @@ namespace {
 Scenario CheckedScenario(const std::filesystem::path& resolved, const RenderOptions& options) {
   Scenario scenario = LoadScenario(resolved, options.overrides);
   CheckControllerNames(options.controllers, scenario);
-  CheckPaneCount(options.controllers.empty() ? scenario.controllers.size()
-                                             : options.controllers.size());
+  if (!options.controllers.empty()) CheckPaneCount(static_cast<int>(options.controllers.size()));
   return scenario;
+}
+
+/// An empty plan where there is no file.
+VideoPlan PlanOf(const std::filesystem::path& scores) {
+  return std::filesystem::exists(scores) ? ReadVideoPlan(scores) : VideoPlan();
+}
+
+/// Those that are asked for, else those that the verdict is about, else the first three.
+std::vector<std::string> NamesOf(const RenderOptions& options, const VideoPlan& plan,
+                                 const Scenario& scenario) {
+  if (!options.controllers.empty()) return options.controllers;
+  if (!plan.shown.empty()) return plan.shown;
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> names;
+  for (const NamedController& controller : scenario.controllers) {
+    if (names.size() < kMost) names.push_back(controller.name);
+  }
+  return names;
 }
 
 }  // namespace
 
 FolderVideo::FolderVideo(const RenderOptions& options, const std::function<bool()>& keep_going)
     : manifest_(options.folder),
+      plan_(PlanOf(manifest_.Checked("scores.json"))),
       resolved_(manifest_.Checked("scenario.resolved.yaml")),
       scenario_(CheckedScenario(resolved_, options)),
       hand_(scenario_.hand, TimingOf(scenario_)) {
@@ -38,19 +56,19 @@ FolderVideo::FolderVideo(const RenderOptions& options, const std::function<bool(
   } catch (const controller::SettingError& error) {
     throw AtPlace(resolved_.string(), error);
   }
+  names_ = NamesOf(options, plan_, scenario_);
   trace_ = manifest_.Checked("trace.h5");
-  file_ = ReadTraceFile(trace_, {.only = options.controllers, .keep_going = keep_going});
+  file_ = ReadTraceFile(trace_, {.only = names_, .keep_going = keep_going});
   if (file_.traces.empty()) {
     throw UserError({.place = trace_.string(), .problem = "holds no controller"});
   }
   CheckTraceIsOfHand();
+  OrderTraces();
   input_.overlay = options.overlay;
   if (options.overlay) {
     if (file_.traces.size() != 2) {
       throw UserError({.place = trace_.string(), .problem = "holds only one of the two hands"});
     }
-    const bool in_order = file_.traces[0].controller_name == options.controllers[0];
-    if (!in_order) std::swap(file_.traces[0], file_.traces[1]);
   }
   input_.rate_hz = file_.tick_rate_hz;
   input_.camera = scenario_.video.camera;
@@ -85,6 +103,19 @@ void FolderVideo::CheckTraceIsOfHand() const {
   }
 }
 
+VideoPlan::Named FolderVideo::PlanOfController(const std::string& name) const {
+  const auto found = std::ranges::find(plan_.controllers, name, &VideoPlan::Named::name);
+  if (found != plan_.controllers.end()) return *found;
+  const auto place = std::ranges::find(names_, name) - names_.begin();
+  return {.name = name, .role = "", .series = static_cast<std::size_t>(place) + 1};
+}
+
+void FolderVideo::OrderTraces() {
+  std::ranges::sort(file_.traces, {}, [this](const Trace& trace) {
+    return std::ranges::find(names_, trace.controller_name) - names_.begin();
+  });
+}
+
 void FolderVideo::AddWords() {
   input_.title = scenario_.name;
   if (!input_.excerpt.is_all()) return;
@@ -92,25 +123,27 @@ void FolderVideo::AddWords() {
   std::vector<std::string> names;
   for (const Trace& trace : file_.traces) names.push_back(trace.controller_name);
   const std::filesystem::path scores = manifest_.Checked("scores.json");
-  if (std::filesystem::exists(scores)) input_.verdict = ReadScoreBoard(scores, names);
+  if (!std::filesystem::exists(scores)) return;
+  input_.verdict = ReadScoreBoard(scores, names);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    input_.verdict.rows[i].series = PlanOfController(names[i]).series;
+  }
+  input_.again = plan_.again;
 }
 
 void FolderVideo::AddPanes() {
   const controller::JointMap joint_map(scenario_.joint_map, file_.channel_names,
                                        hand_.transmission());
-  for (const Trace& trace : file_.traces) {
-    ways_.push_back(WayOf(trace, joint_map, hand_.transmission()));
-  }
   input_.true_angle_rad = &file_.reference_angle_rad;
-  input_.raw_angle_rad = &ways_.front().raw;
-  for (std::size_t i = 0; i < file_.traces.size(); ++i) {
-    const Trace& trace = file_.traces[i];
-    input_.panes.push_back({.title = trace.controller_name,
+  for (const Trace& trace : file_.traces) {
+    const VideoPlan::Named named = PlanOfController(trace.controller_name);
+    input_.panes.push_back({.title = named.name,
+                            .role = named.role,
                             .hand_angle_rad = &trace.hand_angle_rad,
                             .spool_angle_rad = &trace.spool_angle_rad,
-                            .command_angle_rad = &ways_[i].command,
                             .object_pose = &trace.object_pose,
-                            .tension_n = &trace.tension_n});
+                            .tension_n = &trace.tension_n,
+                            .series = named.series});
   }
   for (int joint = 0; joint < joint_map.joint_count(); ++joint) {
     if (joint_map.measured(joint)) input_.measured_joints.push_back(joint);

@@ -7,10 +7,10 @@
 #include "sim/base/manifest.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
-#include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_reader.h"
 #include "sim/video/comparison_video.h"
 #include "sim/video/render_folder.h"
+#include "sim/video/score_board.h"
 
 namespace gauntlet::sim {
 
@@ -32,16 +32,19 @@ class FolderVideo {
   /// A folder can hold the trace of one scenario and the text of another.
   void CheckTraceIsOfHand() const;
   void AddWords();
+  VideoPlan::Named PlanOfController(const std::string& name) const;
+  void OrderTraces();
   void AddPanes();
   void AddCurves();
 
   Manifest manifest_;
+  VideoPlan plan_;
+  std::vector<std::string> names_;  // of the panes, in their order
   std::filesystem::path resolved_;
   std::filesystem::path trace_;
   Scenario scenario_;
   HandModel hand_;
   TraceFile file_;
-  std::vector<WayOfAngles> ways_;  // per controller of the file
   VideoInput input_;
 };
 

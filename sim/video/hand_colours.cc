@@ -19,6 +19,13 @@ int BodyOf(const HandModel& hand, int joint) {
   return hand.model().jnt_bodyid[hand.joints()[joint].joint];
 }
 
+/// So that the shape of a link is still seen.
+Color Pale(const Color& color) {
+  constexpr double kWhite = 0.2;
+  const auto part = [](double value) { return std::lerp(value, 1.0, kWhite); };
+  return {part(color.red), part(color.green), part(color.blue)};
+}
+
 double LargestTension_n(const VideoInput& input) {
   double largest_n = 0.0;
   for (const VideoPane& pane : input.panes) {
@@ -54,8 +61,8 @@ double FullError_deg(const VideoInput& input) {
 
 }  // namespace
 
-const Color& ColourOfPane(const VideoInput& input, int pane) {
-  return input.overlay && pane == 1 ? palette::kSecondHand : palette::kHand;
+Color ColourOfPane(const VideoInput& input, int pane) {
+  return ColourOfSeries(input.panes[pane].series);
 }
 
 ColourScale ColourScaleOf(const VideoInput& input) {
@@ -77,8 +84,9 @@ HandColours::HandColours(const VideoInput& input, const HandModel& hand, const C
 SceneColours HandColours::Of(int pane, int sample) {
   ShareOfPull(input_.panes[pane], sample);
   ShareOfError(input_.panes[pane], sample);
-  return {
-      .cable_share = cable_share_, .link_share = link_share_, .link = ColourOfPane(input_, pane)};
+  return {.cable_share = cable_share_,
+          .link_share = link_share_,
+          .link = Pale(ColourOfPane(input_, pane))};
 }
 
 void HandColours::ShareOfPull(const VideoPane& pane, int sample) {

@@ -18,8 +18,8 @@ struct ColourScale {
 
 ColourScale ColourScaleOf(const VideoInput& input);
 
-/// Of all that belongs to a pane's hand: the second one of an overlay has its own.
-const Color& ColourOfPane(const VideoInput& input, int pane);
+/// Of all that belongs to a pane's hand.
+Color ColourOfPane(const VideoInput& input, int pane);
 
 /// What the colours of a hand say at a sample: how its cables pull, and of each link how far its
 /// joints are from the wearer's. Links that no measured joint moves have the colour of what carries

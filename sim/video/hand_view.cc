@@ -16,6 +16,7 @@ constexpr int kPosturesLookedAt = 25;  // evenly over the motion, of each hand
 constexpr double kMoves_m = 0.003;     // less is not seen
 constexpr double kMovesShare = 0.3;    // of what moves most: less is not what the picture is about
 constexpr double kFingertipRate_hz = 250.0;  // jitter of 10 Hz is a wave of 25 points
+constexpr double kShownPath_s = 0.5;         // before the first frame
 
 std::vector<double> Row(const Signal& signal, int sample) {
   std::vector<double> values(signal.cols());
@@ -52,8 +53,10 @@ int OutermostGeom(const mjModel& model, int body) {
   return outermost;
 }
 
-/// Widens `window` to a shape: a round one by its axis and radius, another by its bounding sphere.
-void Include(const mjModel& model, const mjData& data, int camera, int geom, CameraWindow& window) {
+/// Widens `window` to a shape, seen from `origin`: a round one by its axis and radius, another by
+/// its bounding sphere.
+void Include(const mjModel& model, const mjData& data, int camera, int geom, Point origin,
+             CameraWindow& window) {
   const bool round =
       model.geom_type[geom] == mjGEOM_CAPSULE || model.geom_type[geom] == mjGEOM_CYLINDER;
   const double radius_m = round ? model.geom_size[3 * geom] : model.geom_rbound[geom];
@@ -66,12 +69,14 @@ void Include(const mjModel& model, const mjData& data, int camera, int geom, Cam
     const auto seen = SeenFrom(data, camera, end_m);
     if (!seen) continue;
     const double radius = radius_m / seen->depth_m;
-    window.Include({seen->tangents.x - radius, seen->tangents.y - radius});
-    window.Include({seen->tangents.x + radius, seen->tangents.y + radius});
+    const Point middle = {seen->tangents.x - origin.x, seen->tangents.y - origin.y};
+    window.Include({middle.x - radius, middle.y - radius});
+    window.Include({middle.x + radius, middle.y + radius});
   }
 }
 
-/// Calls `visit` with each posture that the camera's window has to show set in `data`.
+/// Calls `visit` with each posture that the camera's window has to show set in `data`, the wearer's
+/// before those of the panes at the same time.
 template <class Visit>
 void ForPosturesOfAll(const VideoInput& input, const HandModel& hand, mjData& data, Visit&& visit) {
   for (int i = 0; i < kPosturesLookedAt; ++i) {
@@ -79,10 +84,10 @@ void ForPosturesOfAll(const VideoInput& input, const HandModel& hand, mjData& da
       return static_cast<int>((signal.rows() - 1) * i / (kPosturesLookedAt - 1));
     };
     SetWearer(input, hand, sample_of(*input.true_angle_rad), data);
-    visit();
+    visit(true);
     for (const VideoPane& pane : input.panes) {
       SetPane(pane, hand, sample_of(*pane.hand_angle_rad), data);
-      visit();
+      visit(false);
     }
   }
 }
@@ -107,7 +112,7 @@ std::vector<int> ShapesThatMatter(const VideoInput& input, const HandModel& hand
   const mjModel& model = hand.model();
   std::vector<CameraWindow> reach;  // of each shape's middle
   std::vector<double> depth_m(model.ngeom, 0.0);
-  ForPosturesOfAll(input, hand, data, [&] {
+  ForPosturesOfAll(input, hand, data, [&](bool) {
     const bool first = reach.empty();
     reach.resize(model.ngeom);
     for (int geom = 0; geom < model.ngeom; ++geom) {
@@ -156,59 +161,54 @@ void KeepFramed(const HandModel& hand, Framed framed, int joint, std::vector<int
   if (!kept.empty()) shapes = kept;
 }
 
-/// Pixels of the tip of the finger of `joint`, for some samples of joint angles.
+/// The tip of the finger of `joint` as the camera sees it, for some samples of joint angles.
 class FingertipTracker {
  public:
-  FingertipTracker(const HandModel& hand, int joint, int camera, const CameraWindow& window,
-                   int width_px, int height_px, mjData& data)
+  FingertipTracker(const HandModel& hand, int joint, int camera, mjData& data)
       : hand_(hand),
         geom_(OutermostGeom(
             hand.model(),
             EndOfChain(hand.model(), hand.model().jnt_bodyid[hand.joints()[joint].joint]))),
         camera_(camera),
-        window_(window),
-        width_px_(width_px),
-        height_px_(height_px),
         spools_(hand.motor_names().size()),
         data_(data) {}
 
   bool exists() const { return geom_ >= 0; }
 
+  /// In tangents.
   Point At(const std::vector<double>& joint_angle_rad) {
     SetPosture(hand_, joint_angle_rad, spools_, data_);
     const auto seen = SeenFrom(data_, camera_, PositionOf(data_, geom_));
-    if (!seen) return {kNaN, kNaN};
-    return PixelOf(window_, seen->tangents, width_px_, height_px_);
+    return seen ? seen->tangents : Point{kNaN, kNaN};
   }
 
  private:
   const HandModel& hand_;
   int geom_;
   int camera_;
-  const CameraWindow& window_;
-  int width_px_;
-  int height_px_;
   std::vector<double> spools_;
   mjData& data_;
 };
 
-/// `trembling` may have no rows.
-FingertipWay WayOfFingertip(FingertipTracker& tip, const Signal& angle_rad,
-                            const FilteredSignal& trembling, double gain, double rate_hz) {
+/// From `from` to `to`, in samples.
+FingertipPath PathOf(FingertipTracker& tip, const Signal& angle_rad,
+                     const FilteredSignal& jitter_rad, double rate_hz, int from, int to) {
   const int step = std::max(1, static_cast<int>(std::round(rate_hz / kFingertipRate_hz)));
-  FingertipWay way = {.rate_hz = rate_hz / step, .points = {}};
-  for (int sample = 0; sample < angle_rad.rows(); sample += step) {
+  FingertipPath path = {.first_s = from / rate_hz, .rate_hz = rate_hz / step, .places = {}};
+  for (int sample = from; sample < std::min<int>(to, angle_rad.rows()); sample += step) {
     std::vector<double> angles = Row(angle_rad, sample);
-    const Eigen::Index row = sample - trembling.first_sample;
-    if (row >= 0 && row < trembling.values.rows()) {
+    FingertipPath::Place& place = path.places.emplace_back();
+    place.tip = place.smooth = tip.At(angles);
+    const Eigen::Index row = sample - jitter_rad.first_sample;
+    if (row >= 0 && row < jitter_rad.values.rows()) {
       for (std::size_t i = 0; i < angles.size(); ++i) {
-        angles[i] += (gain - 1.0) * trembling.values(row, static_cast<Eigen::Index>(i));
+        angles[i] -= jitter_rad.values(row, static_cast<Eigen::Index>(i));
       }
+      place.smooth = tip.At(angles);
     }
-    way.points.push_back(tip.At(angles));
     TrimSignals();
   }
-  return way;
+  return path;
 }
 
 }  // namespace
@@ -231,26 +231,37 @@ void SetPane(const VideoPane& pane, const HandModel& hand, int sample, mjData& d
   SetPosture(hand, Row(*pane.hand_angle_rad, sample), Row(*pane.spool_angle_rad, sample), data);
 }
 
-HandView::HandView(const VideoInput& input, const HandModel& hand, int width_px, int height_px)
+int FingertipPath::IndexAt(double time_s) const {
+  const auto index = static_cast<int>(std::lround((time_s - first_s) * rate_hz));
+  return std::clamp(index, 0, static_cast<int>(std::ssize(places)) - 1);
+}
+
+HandView::HandView(const VideoInput& input, const HandModel& hand, int width_px, int height_px,
+                   int inset_px)
     : width_px_(width_px),
       height_px_(height_px),
+      inset_px_(inset_px),
       view_(CameraViewOf(input.camera)),
-      camera_(FindCamera(hand.model(), view_.camera, width_px < height_px)) {
+      camera_(FindCamera(hand.model(), view_.camera, width_px < height_px)),
+      palm_(mj_name2id(&hand.model(), mjOBJ_BODY, "palm")) {
   fingertips_.resize(input.panes.size());
   const DataOfModel data = MakeData(hand);
   if (!camera_) return;
   bodies_ = BodiesBefore(hand, *camera_);
   window_ = FrameWhatMoves(input, hand, *data);
-  if (!window_) return;
-  FingertipTracker tip(hand, input.joint, *camera_, *window_, width_px, height_px, *data);
-  if (!tip.exists()) return;
-  wearers_fingertip_ = WayOfFingertip(tip, *input.true_angle_rad, {}, 1.0, input.rate_hz);
+  FingertipTracker tip(hand, input.joint, *camera_, *data);
+  if (!window_ || !tip.exists() || inset_px == 0) return;
+  const FrameClock clock(input.rate_hz, input.frames_per_s, input.true_angle_rad->rows(),
+                         input.excerpt);
+  const int before = static_cast<int>(std::lround(kShownPath_s * input.rate_hz));
+  const int from = std::max(0, static_cast<int>(clock.first) - before);
   Fourier fourier;
   for (std::size_t i = 0; i < input.panes.size(); ++i) {
     const Signal& angle_rad = *input.panes[i].hand_angle_rad;
-    const FilteredSignal trembling =
+    const FilteredSignal jitter_rad =
         Trembling(angle_rad, input.rate_hz, input.jitter_above_hz, fourier);
-    fingertips_[i] = WayOfFingertip(tip, angle_rad, trembling, kTremblingGain, input.rate_hz);
+    fingertips_[i] =
+        PathOf(tip, angle_rad, jitter_rad, input.rate_hz, from, static_cast<int>(clock.end));
   }
 }
 
@@ -266,6 +277,33 @@ RendererConfig HandView::RendererOf(const VideoInput& input) const {
           .plain_cables = input.look.plain_cables};
 }
 
+RendererConfig HandView::InsetRendererOf(const VideoInput& input) const {
+  RendererConfig config = RendererOf(input);
+  config.sides *= 2;  // for what is some 100 px wide
+  // A square picture of a camera that was chosen for a tall one.
+  if (camera_ && width_px_ < height_px_) config.camera_id = camera_;
+  config.width_px = config.height_px = inset_px_;
+  return config;
+}
+
+Point HandView::PalmIn(const mjData& data) const {
+  if (palm_ < 0) return {};
+  const auto seen = SeenFrom(data, *camera_, std::span<const mjtNum, 3>(data.xpos + 3 * palm_, 3));
+  return seen ? seen->tangents : Point{};
+}
+
+std::optional<CameraWindow> HandView::WindowAt(const mjData& wearer) const {
+  if (!window_) return std::nullopt;
+  const Point palm = PalmIn(wearer);
+  return CameraWindow{window_->left + palm.x, window_->right + palm.x, window_->bottom + palm.y,
+                      window_->top + palm.y};
+}
+
+CameraWindow HandView::InsetAround(Point tangents) const {
+  const double half = 0.5 * inset_px_ * window_->height() / (height_px_ * kMagnification);
+  return {tangents.x - half, tangents.x + half, tangents.y - half, tangents.y + half};
+}
+
 std::optional<CameraWindow> HandView::FrameWhatMoves(const VideoInput& input, const HandModel& hand,
                                                      mjData& data) const {
   std::vector<int> shapes = ShapesThatMatter(input, hand, *camera_, bodies_, data);
@@ -273,8 +311,10 @@ std::optional<CameraWindow> HandView::FrameWhatMoves(const VideoInput& input, co
   if (shapes.empty()) return std::nullopt;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   CameraWindow shown = {kInfinity, -kInfinity, kInfinity, -kInfinity};
-  ForPosturesOfAll(input, hand, data, [&] {
-    for (const int geom : shapes) Include(hand.model(), data, *camera_, geom, shown);
+  Point palm;
+  ForPosturesOfAll(input, hand, data, [&](bool of_wearer) {
+    if (of_wearer) palm = PalmIn(data);
+    for (const int geom : shapes) Include(hand.model(), data, *camera_, geom, palm, shown);
   });
   return WindowAround(shown, width_px_, height_px_);
 }

@@ -29,6 +29,7 @@ mjvCamera FixedCamera(int id) {
 bool IsTall(const RendererConfig& config) { return config.width_px < config.height_px; }
 
 mjvCamera CameraOf(const mjModel& model, const RendererConfig& config) {
+  if (config.camera_id) return FixedCamera(*config.camera_id);
   if (const auto id = FindCamera(model, config.camera, IsTall(config))) return FixedCamera(*id);
   mjvCamera camera;
   mjv_defaultFreeCamera(&model, &camera);
@@ -223,6 +224,10 @@ OsmesaRenderer::~OsmesaRenderer() = default;
 
 void OsmesaRenderer::Draw(mjData& data, Image& picture, const SceneColours& colours) {
   context_->Draw(data, nullptr, colours, picture);
+}
+
+void OsmesaRenderer::SetWindow(const std::optional<CameraWindow>& window) {
+  context_->config.window = window;
 }
 
 void OsmesaRenderer::DrawBodies(mjData& data, const std::vector<bool>& chosen, Image& picture) {

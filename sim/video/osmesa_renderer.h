@@ -17,6 +17,8 @@ struct RendererConfig {
   int width_px = 640;
   int height_px = 480;
   std::string camera{};  // by name; empty: a free camera that sees the whole model
+  std::optional<int>
+      camera_id{};  // instead of the one that the name and the size of the picture choose
   /// The part of what the camera sees that fills the picture; none: what the model says.
   std::optional<CameraWindow> window{};
   /// A pixel is the mean of n x n drawn ones. On a software rasteriser twice the resolution in both
@@ -49,6 +51,8 @@ class OsmesaRenderer {
   OsmesaRenderer(const OsmesaRenderer&) = delete;
   OsmesaRenderer& operator=(const OsmesaRenderer&) = delete;
 
+  /// What the next pictures show, as RendererConfig::window.
+  void SetWindow(const std::optional<CameraWindow>& window);
   /// The posture in `data`, whose kinematics are computed, as a picture of the configured size.
   void Draw(mjData& data, Image& picture, const SceneColours& colours = {});
   /// The same of some bodies only, chosen by their numbers, and without cables.

@@ -32,7 +32,7 @@ enum class Align { kLeft, kCenter, kRight };
 
 struct TextStyle {
   double size_px = 14.0;
-  Color color = palette::kInk;
+  Color color = palette::kInkOnLight;
   bool bold = false;
   Align align = Align::kLeft;
   /// All digits take the same width, so that a running number stands still.

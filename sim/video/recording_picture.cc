@@ -74,7 +74,7 @@ void DrawCurve(Painter& painter, const Rect& area, const Row& row,
                       area.bottom() - kPad - (area.height - 2.0 * kPad) * share});
   }
   painter.Clip(area);
-  painter.Polyline(points, palette::kHand, 1.3);
+  painter.Polyline(points, palette::kHand.OnLight(), 1.3);
   painter.Unclip();
 }
 
@@ -111,7 +111,7 @@ Image DrawRecording(const Inspection& inspection) {
   painter.Fill(card, palette::kCard, 10.0);
   painter.Outline(card, palette::kCardEdge, 1.0, 10.0);
   const TextStyle title = {.size_px = 26.0, .bold = true};
-  const TextStyle muted = {.size_px = 15.0, .color = palette::kMutedInk};
+  const TextStyle muted = {.size_px = 15.0, .color = palette::kMutedOnLight};
   const double width = card.width;
   const std::string file = OneLine(std::filesystem::path(inspection.file).filename().string());
   painter.Text(painter.Elide(file, width, title), {kMargin, 50.0}, title);
@@ -120,7 +120,7 @@ Image DrawRecording(const Inspection& inspection) {
   const double end_s = std::min(inspection.picture_time_s.back(), kLongest_s);
   const Rect plot = {kMargin + kNameWidth, kHead, width - kNameWidth - kFactWidth, table_height};
   const TextStyle tick = {
-      .size_px = 13.0, .color = palette::kMutedInk, .align = Align::kCenter, .tabular = true};
+      .size_px = 13.0, .color = palette::kMutedOnLight, .align = Align::kCenter, .tabular = true};
   const Extent times = {.low = 0.0, .high = end_s};
   for (const double time_s : Ticks(times, TickStep(times, 8))) {
     const double x = plot.x + plot.width * time_s / end_s;
@@ -128,7 +128,7 @@ Image DrawRecording(const Inspection& inspection) {
     painter.Text(fmt::format("{:g} s", time_s), {x, card.bottom() + 24.0}, tick);
   }
   const TextStyle joint = {.size_px = 15.0, .bold = true};
-  const TextStyle small = {.size_px = 13.0, .color = palette::kMutedInk};
+  const TextStyle small = {.size_px = 13.0, .color = palette::kMutedOnLight};
   const TextStyle number = {.size_px = 13.0, .tabular = true};
   const TextStyle warning = {.size_px = 13.0, .color = palette::kWarning};
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -1,22 +1,10 @@
 #include "sim/video/render_folder.h"
 
 #include "sim/base/error.h"
-#include "sim/scenario/scenario.h"
 #include "sim/video/comparison_video.h"
 #include "sim/video/folder_video.h"
-#include "sim/video/video_layout.h"
 
 namespace gauntlet::sim {
-namespace {
-
-void CheckTarget(const std::filesystem::path& target) {
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(target, ignored)) return;
-  throw UserError({.place = target.string(), .problem = "is a folder, must be a file"});
-}
-
-}  // namespace
-
 std::filesystem::path VideoOf(const std::filesystem::path& folder) {
   return folder / "comparison.mp4";
 }
@@ -25,13 +13,10 @@ std::filesystem::path PictureOf(const std::filesystem::path& folder) {
   return folder / "comparison.png";
 }
 
-double MotionStarts_s(const Scenario& scenario) {
-  return scenario.question.empty() ? 0.0 : kTitle_s;
-}
-
-void CheckVideo(int controllers, const std::filesystem::path& target) {
-  CheckPaneCount(controllers);
-  CheckTarget(target);
+void CheckVideoTarget(const std::filesystem::path& target) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(target, ignored)) return;
+  throw UserError({.place = target.string(), .problem = "is a folder, must be a file"});
 }
 
 std::filesystem::path RenderFolder(const RenderOptions& options,
@@ -40,7 +25,7 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
   if (target.empty()) {
     target = options.frame_s ? PictureOf(options.folder) : VideoOf(options.folder);
   }
-  CheckTarget(target);
+  CheckVideoTarget(target);
   const FolderVideo video(options, [&] { return !keep_going || keep_going(0, 1); });
   if (options.frame_s) {
     WriteComparisonPng(video.input(), video.hand(), *options.frame_s, target);

@@ -15,7 +15,7 @@ namespace gauntlet::sim {
 
 struct RenderOptions {
   std::filesystem::path folder;            // of a finished run or comparison
-  std::vector<std::string> controllers{};  // empty: all
+  std::vector<std::string> controllers{};  // panes in this order; empty: those of the verdict
   bool overlay = false;  // two controllers in one picture, in the order of `controllers`
   std::vector<std::string> overrides{};  // of the scenario, as video.camera=arm
   Excerpt excerpt{};
@@ -30,13 +30,9 @@ struct RenderOptions {
 std::filesystem::path VideoOf(const std::filesystem::path& folder);
 std::filesystem::path PictureOf(const std::filesystem::path& folder);
 
-/// When the motion begins in the video of a whole scenario: after its question.
-double MotionStarts_s(const Scenario& scenario);
-
-/// What can be known of a video before the motion that it shows: more controllers than it has room
-/// for, or a folder in its place. Sizes and camera are checked with the scenario. Errors:
-/// UserError.
-void CheckVideo(int controllers, const std::filesystem::path& target);
+/// What can be known of a video before the motion that it shows: a folder in its place. Sizes and
+/// camera are checked with the scenario. Errors: UserError.
+void CheckVideoTarget(const std::filesystem::path& target);
 
 /// Draws the comparison video or one frame of it from `trace.h5` and `scenario.resolved.yaml`,
 /// checked by the manifest. Returns the file.

@@ -25,7 +25,7 @@ struct SceneColours {
   std::span<const float> cable_share{};
   /// Per body of the model, how far from the model's colour (0) to `link` (1).
   std::span<const float> link_share{};
-  Color link = palette::kHand;
+  Color link = palette::kHand.OnLight();
 };
 
 void ColourScene(mjvScene& scene, const mjModel& model, const SceneColours& colours);

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string_view>
 
 #include "sim/base/error.h"
+#include "sim/figure/palette.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -84,15 +86,73 @@ std::string RemarkOf(const json& scores, bool one_run) {
       replicates.are_blocks ? "blocks of the recording" : "seeds", baseline);
 }
 
+/// The sentences of the verdict, without its warnings.
+std::string AnswerOf(const json& scores) {
+  std::string text;
+  for (const json& reason :
+       scores.value("verdict", json::object()).value("reasons", json::array())) {
+    if (!text.empty()) text += ' ';
+    text += reason.at("text").get<std::string>();
+  }
+  return text;
+}
+
+json JsonIn(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return json::parse(stream);
+}
+
+[[noreturn]] void FailOf(const std::filesystem::path& file) {
+  throw UserError({.place = file.string(), .problem = "is no scores.json of Gauntlet"});
+}
+
 }  // namespace
+
+Excerpt SlowMotionOf(const DecisiveSecond& second) {
+  constexpr double kSpeed = 0.25;
+  return {.from_s = second.from_s, .to_s = second.to_s, .speed = kSpeed};
+}
+
+VideoPlan ReadVideoPlan(const std::filesystem::path& file) {
+  try {
+    const json scores = JsonIn(file);
+    VideoPlan plan;
+    std::vector<std::string> names;
+    for (const json& controller : scores.at("controllers")) names.push_back(controller.at("name"));
+    const json baseline = scores.value("baseline", json());
+    // Older versions wrote no order.
+    for (const std::string& name : scores.value("order", names)) {
+      const auto of = std::ranges::find_if(scores.at("controllers"),
+                                           [&](const json& one) { return one.at("name") == name; });
+      if (of == scores.at("controllers").end()) FailOf(file);
+      plan.controllers.push_back({.name = name, .role = of->value("role", ""), .series = 0});
+    }
+    std::vector<std::size_t> places(plan.controllers.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    const auto first = std::ranges::find_if(
+        plan.controllers, [&](const auto& controller) { return baseline == controller.name; });
+    const std::vector<std::size_t> series =
+        SeriesOf(places, static_cast<std::size_t>(first - plan.controllers.begin()));
+    for (const std::size_t i : places) plan.controllers[i].series = series[i];
+    plan.shown = scores.value("shown", std::vector<std::string>());
+    const json second = scores.value("decisive_second", json());
+    if (second.is_object()) {
+      plan.again = SlowMotionOf(
+          {.from_s = second.at("from_s").get<double>(), .to_s = second.at("to_s").get<double>()});
+    }
+    return plan;
+  } catch (const json::exception&) {
+    FailOf(file);
+  }
+}
 
 ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
                           const std::vector<std::string>& controllers) {
   try {
-    std::ifstream stream(file);
-    const json scores = json::parse(stream);
+    const json scores = JsonIn(file);
     const bool one_run = ReplicatesIn(scores).count < 2;
-    ScoreBoard verdict = {.columns = {}, .rows = {}, .remark = RemarkOf(scores, one_run)};
+    ScoreBoard verdict = {
+        .answer = AnswerOf(scores), .columns = {}, .rows = {}, .remark = RemarkOf(scores, one_run)};
     for (const Column& column : kColumns) verdict.columns.emplace_back(column.title);
     for (const std::string& name : controllers) {
       const json& all = scores.at("controllers");
@@ -106,7 +166,7 @@ ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
     }
     return verdict;
   } catch (const json::exception&) {
-    throw UserError({.place = file.string(), .problem = "is no scores.json of Gauntlet"});
+    FailOf(file);
   }
 }
 

@@ -17,16 +17,11 @@ constexpr double kGap = 14.0;
 constexpr double kHeaderHeight = 60.0;
 constexpr double kProgressHeight = 4.0;
 constexpr double kPadding = 14.0;
-constexpr double kTitleHeight = 40.0;
-constexpr double kScoreHeight = 54.0;
-constexpr double kScoreGap = 16.0;
-constexpr double kAngleLabelWidth = 28.0;
-constexpr double kTimeLabelHeight = 18.0;
-constexpr double kPlotCaptionHeight = 22.0;
-constexpr double kPlotShare = 0.5;  // of what hand and curves have together
-constexpr double kMaxPlotHeight = 280.0;
-constexpr double kAngleShare = 0.24;  // of all plots, without their labels
-constexpr double kTremblingShare = 0.3;
+constexpr double kTitleHeight = 38.0;
+constexpr double kScoreHeight = 34.0;
+constexpr double kAngleLabelWidth = 40.0;
+constexpr double kTimeLabelHeight = 20.0;
+constexpr double kPlotShare = 0.29;  // of a card: numbers and curves below a hand
 constexpr double kViewShare = 0.45;  // of a pane's width, where the hand stands beside
 
 Rect Rounded(const Rect& rect) {
@@ -34,25 +29,25 @@ Rect Rounded(const Rect& rect) {
   return {x, y, std::round(rect.right()) - x, std::round(rect.bottom()) - y};
 }
 
-/// The plots' areas between two heights: captions above each, labels on the left and below. Either
-/// all of them, or only the error.
-void PlacePlots(double left, double right, double top, double bottom, bool all, double unit,
-                PaneLayout& pane) {
-  const double x = left + kAngleLabelWidth * unit, caption = kPlotCaptionHeight * unit;
-  const double height = bottom - kTimeLabelHeight * unit - top - (all ? 3.0 : 1.0) * caption;
-  double y = top;
-  const auto place = [&](double share) {
-    const Rect plot = Rounded({x, y + caption, right - x, share * height});
-    y = plot.bottom();
-    return plot;
+/// Each number above its curve, between two heights: labels on the left and below. Either both of
+/// them, or only the error with both numbers above it.
+void PlaceCurves(const Rect& area, bool all, double unit, PaneLayout& pane) {
+  const double score = kScoreHeight * unit, x = area.x + kAngleLabelWidth * unit;
+  const double plots = area.height - kTimeLabelHeight * unit - 2.0 * score;
+  double y = area.y;
+  const auto place = [&](double left, double height) {
+    const Rect rect = Rounded({left, y, area.right() - left, height});
+    y = rect.bottom();
+    return rect;
   };
-  if (!all) {
-    pane.error = place(1.0);
-    return;
+  pane.tracking = place(area.x, score);
+  if (all) pane.error = place(x, 0.55 * plots);
+  pane.jitter = place(area.x, score);
+  if (all) {
+    pane.trembling = place(x, 0.45 * plots);
+  } else {
+    pane.error = place(x, plots);
   }
-  pane.angle = place(kAngleShare);
-  pane.error = place(1.0 - kAngleShare - kTremblingShare);
-  pane.trembling = place(kTremblingShare);
 }
 
 Rect TitleOf(const Rect& card, double unit) {
@@ -60,33 +55,29 @@ Rect TitleOf(const Rect& card, double unit) {
   return Rounded({card.x + padding, card.y, card.width - 2.0 * padding, kTitleHeight * unit});
 }
 
-/// From the top: title, hand, the two numbers side by side, angle, error.
+/// From the top: title, hand, error, jitter.
 PaneLayout LayOutTallPane(const Rect& card, double unit) {
-  const double padding = kPadding * unit, gap = kScoreGap * unit;
-  const double left = card.x + padding, right = card.right() - padding;
+  const double padding = kPadding * unit;
   PaneLayout pane = {.card = card, .title = TitleOf(card, unit)};
-  const double below = card.height - (kTitleHeight + kScoreHeight) * unit;
-  const double plot_height = std::min(kPlotShare * below, kMaxPlotHeight * unit);
-  pane.view = Rounded({card.x, pane.title.bottom(), card.width, below - plot_height});
-  const double width = (right - left - gap) / 2.0, height = kScoreHeight * unit;
-  pane.tracking = Rounded({left, pane.view.bottom(), width, height});
-  pane.jitter = Rounded({right - width, pane.view.bottom(), width, height});
-  PlacePlots(left, right, pane.jitter.bottom(), card.bottom() - padding, true, unit, pane);
+  const double below = std::max(kPlotShare * card.height, 186.0 * unit);
+  pane.view = Rounded(
+      {card.x, pane.title.bottom(), card.width, card.bottom() - below - pane.title.bottom()});
+  PlaceCurves({card.x + padding, pane.view.bottom(), card.width - 2.0 * padding,
+               card.bottom() - pane.view.bottom() - 0.25 * padding},
+              true, unit, pane);
   return pane;
 }
 
-/// Below the title the hand on the left; on the right the two numbers and the error, or all plots.
+/// Below the title the hand on the left; on the right numbers and curves.
 PaneLayout LayOutBesideHand(const Rect& card, bool all_plots, double unit) {
   const double padding = kPadding * unit;
   PaneLayout pane = {.card = card, .title = TitleOf(card, unit)};
   pane.view = Rounded(
       {card.x, pane.title.bottom(), kViewShare * card.width, card.bottom() - pane.title.bottom()});
-  const double left = pane.view.right() + padding, right = card.right() - padding;
-  const double height = kScoreHeight * unit;
-  pane.tracking = Rounded({left, pane.title.bottom(), right - left, height});
-  pane.jitter = Rounded({left, pane.tracking.bottom(), right - left, height});
-  PlacePlots(left - 0.5 * padding, right, pane.jitter.bottom(), card.bottom() - 0.5 * padding,
-             all_plots, unit, pane);
+  const double left = pane.view.right() + padding;
+  PlaceCurves({left, pane.title.bottom(), card.right() - padding - left,
+               card.bottom() - pane.title.bottom() - 0.5 * padding},
+              all_plots, unit, pane);
   return pane;
 }
 

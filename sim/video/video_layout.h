@@ -19,9 +19,8 @@ struct PaneLayout {
   Rect tracking{};  // the running numbers
   Rect jitter{};
   // The plots' areas, without their labels.
-  Rect angle{};  // no height where only the error has room
   Rect error{};
-  Rect trembling{};  // as the angle
+  Rect trembling{};  // no height where only the error has room
 };
 
 struct VideoLayout {
@@ -31,12 +30,12 @@ struct VideoLayout {
   std::vector<PaneLayout> panes;
 };
 
-/// Panes in one row, the hand above its numbers and curves; from five on in two rows, the hand
+/// Panes in one row, the hand above each number with its curve; from five on in two rows, the hand
 /// beside them, because curves would become too low. All panes have the same size. Errors:
 /// UserError for a size or a number of panes that cannot be laid out.
 VideoLayout LayOutVideo(int width_px, int height_px, int pane_count);
 
-/// For two hands in one picture: one pane, these beside their numbers and both curves. Errors: as
+/// For two hands in one picture: one pane, these beside their numbers and curves. Errors: as
 /// above.
 VideoLayout LayOutOverlay(int width_px, int height_px);
 

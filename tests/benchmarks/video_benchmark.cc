@@ -145,10 +145,12 @@ void CompareWithBareLoop(const FolderVideo& video) {
   const VideoInput& input = video.input();
   const ComparisonPicture picture(input);
   const HandView view(input, video.hand(), picture.view_width_px(), picture.view_height_px());
-  const RendererConfig config = view.RendererOf(input);
+  const DataOfModel data = MakeData(video.hand());
+  SetWearer(input, video.hand(), 0, *data);
+  RendererConfig config = view.RendererOf(input);
+  config.window = view.WindowAt(*data);
   OsmesaRenderer renderer(video.hand().model(), config);
   BareLoop bare(video.hand().model(), config);
-  const DataOfModel data = MakeData(video.hand());
   Image drawn;
   double ours_s = 0.0, bare_s = 0.0;
   int count = 0;

@@ -95,6 +95,13 @@ TEST(ComparisonVerdict, RecommendsTheBestTrackerAndNamesThePriceOfLessJitter) {
   EXPECT_THAT(RolesOf(summary), ElementsAre("baseline", "", "least jitter", "recommended"));
 }
 
+TEST(ComparisonVerdict, ShowsTheBaselineTheRecommendedAndTheFirstAlternative) {
+  EXPECT_THAT(ShownControllers(Of(kDoor)), ElementsAre(0, 3, 2));
+  Summary one_run = Of(kDoor);
+  one_run.one_run = true;
+  EXPECT_THAT(ShownControllers(one_run), ElementsAre(0, 3, 2));  // the next by tracking error
+}
+
 TEST(ComparisonVerdict, FollowsThePriorityOfTheUser) {
   Summary summary = Of(kDoor);
   summary.priority = ParsePriority("jitter");

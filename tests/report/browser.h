@@ -100,6 +100,7 @@ inline nlohmann::json UsePage(const std::string& page, const std::string& script
        "--disable-background-networking", "--disable-dev-shm-usage", "--mute-audio",
        "--user-data-dir=" + (folder.path() / "profile").string(),
        "--window-size=" + std::to_string(width_px) + ",900", "--virtual-time-budget=1000000",
+       "--force-prefers-reduced-motion",  // nothing plays by itself, in virtual time without end
        "--dump-dom", "file://" + (folder.path() / "report.html").string()});
   EXPECT_EQ(result.exit_code, 0) << result.standard_error;
   const std::string mark = "data-seen=\"";

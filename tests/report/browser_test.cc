@@ -152,8 +152,13 @@ constexpr const char* kUse = R"(<script>
     });
     const video = document.querySelector("#video video");
     Object.defineProperty(video, "currentTime", {value: 1.75, writable: true});
-    video.dispatchEvent(new Event("timeupdate"));
+    video.dispatchEvent(new Event("seeked"));
     seen.at_video = get("curves-readout").rows[0].cells[0].textContent;
+    video.currentTime = 4.0;  // in its slow motion
+    video.dispatchEvent(new Event("seeked"));
+    seen.at_slow_motion = get("curves-readout").rows[0].cells[0].textContent;
+    press("ArrowRight");
+    seen.video_follows = video.currentTime;
     document.querySelector("#heat-map tbody tr:nth-child(2) button").click();
     seen.channel_of_heat_map = get("curves-channel").value;
     const metric = get("heat-metric");
@@ -186,14 +191,15 @@ class BrowserTest : public testing::Test {
 
   static std::string Page(const test::MadeUpStudy& made) {
     const auto data = PageData(made, made.first_seed());
-    return AssemblePage({.title = made.study.scenario.name,
-                         .question = made.study.scenario.question,
-                         .facts = "facts",
-                         .verdict = "verdict",
-                         .front = ControllersFront(made.summary),
-                         .data = JsonForScript(data),
-                         .resolved_scenario = "made_with:\n  gauntlet_version: \"1\"\n",
-                         .video = {.exists = true, .motion_starts_s = 1.5}});
+    return AssemblePage(
+        {.title = made.study.scenario.name,
+         .question = made.study.scenario.question,
+         .facts = "facts",
+         .verdict = "verdict",
+         .front = ControllersFront(made.summary),
+         .data = JsonForScript(data),
+         .resolved_scenario = "made_with:\n  gauntlet_version: \"1\"\n",
+         .video = {.exists = true, .stretches = {{1.5, 0.0, 1.5, 1.0}, {3.0, 0.2, 0.7, 0.25}}}});
   }
 
   static void ExpectItIsSaved(const nlohmann::json& saved) {
@@ -225,6 +231,9 @@ class BrowserTest : public testing::Test {
     EXPECT_EQ(seen["error_of_wearer"], nlohmann::json::array({"0.00"}));
     EXPECT_EQ(seen["error_axis"], "angle less the wearer's, deg");
     EXPECT_THAT(seen["at_video"].get<std::string>(), testing::StartsWith("at 0.25"));
+    EXPECT_THAT(seen["at_slow_motion"].get<std::string>(), testing::StartsWith("at 0.45"));
+    EXPECT_GT(seen["video_follows"], 1.95);  // a step further, where the motion is at real speed
+    EXPECT_LT(seen["video_follows"], 3.0);
     EXPECT_EQ(seen["drag_zooms"], true);
     EXPECT_EQ(seen["double_click_shows_all"], true);
     EXPECT_THAT(seen["address"].get<std::string>(), testing::StartsWith("#channel=channel_0"));
@@ -401,6 +410,32 @@ TEST_F(BrowserTest, SaysWhereTooLittleCountsForFrequencies) {
   EXPECT_EQ(seen["said"]["gain"], "Not known: fewer than 2 windows of 2.05 s in what counts.");
   EXPECT_EQ(seen["said"]["phase"], seen["said"]["gain"]);
   EXPECT_TRUE(std::isnan(Numbers(seen["gain"]).front()[1]));
+}
+
+// What a browser without scripts shows.
+TEST(ReportPage, HasVerdictScoresTradeOffAndVideoWithoutScripts) {
+  const test::MadeUpStudy made = test::MakeUpStudy({});
+  std::string page = AssemblePage({.title = "made_up",
+                                   .question = "Is the page whole?",
+                                   .facts = "facts",
+                                   .verdict = "Use filter_1.",
+                                   .numbers = HtmlOf(ShownText(made)),
+                                   .answer = HtmlOf(AnswerText(made)),
+                                   .front = ControllersFront(made.summary),
+                                   .data = "{}",
+                                   .resolved_scenario = "",
+                                   .video = {.exists = true}});
+  for (std::size_t begin; (begin = page.find("<script")) != std::string::npos;) {
+    page.erase(begin, page.find("</script>", begin) + 9 - begin);
+  }
+  EXPECT_THAT(page, testing::HasSubstr(">Use filter_1.</p>"));
+  const std::string table = page.substr(page.find("<noscript>"));
+  for (const char* name : {"raw", "filter_1", "filter_2"}) {
+    EXPECT_THAT(table.substr(0, table.find("</noscript>")),
+                testing::HasSubstr(std::string("<th scope=\"row\">") + name));
+  }
+  EXPECT_THAT(page, testing::HasSubstr("class=\"wide\""));
+  EXPECT_THAT(page, testing::HasSubstr("<video controls"));
 }
 
 TEST_F(BrowserTest, KeepsTheBestOfSixInSight) {

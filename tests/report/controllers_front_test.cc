@@ -43,7 +43,7 @@ std::vector<std::pair<double, double>> PlacesOf(const std::string& svg, const st
 
 TEST(ControllersFront, HasAPointForEachControllerInEachWidth) {
   const std::string html = ControllersFront(SummaryOf({{100.0, 0.3}, {150.0, 0.1}, {kNaN, 0.2}}));
-  for (const char* width : {"wide", "middle", "narrow"}) {
+  for (const char* width : {"wide", "narrow"}) {
     const auto points =
         PlacesOf(FigureOf(html, width), "<circle [^>]*cx=\"([^\"]*)\" cy=\"([^\"]*)\"");
     ASSERT_EQ(points.size(), 2u) << width;

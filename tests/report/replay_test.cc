@@ -7,6 +7,7 @@
 
 #include <memory>
 
+#include "sim/comparison/decisive_second.h"
 #include "sim/hand/posture.h"
 #include "sim/report/report_page.h"
 #include "sim/study/study_run.h"
@@ -35,6 +36,13 @@ constexpr const char* kUse = R"(<script>
       places: hand.bodies.map((body) => body.matrixWorld.toArray().slice(12, 15)),
     });
     const picture = () => { view.drawNow(); return view.canvas.toDataURL(); };
+    seen.first_time = view.time;
+    seen.decisive_second = view.data.decisive_second;
+    view.play(true);
+    view.goOn(1000);
+    for (let i = 0; i < 40; ++i) view.goOn(1000 + 100 * i);
+    seen.loops = view.time >= view.loop[0] && view.time <= view.loop[1];
+    view.play(false);
     set("replay-hand", "0");
     set("replay-other", "1");
     for (const time of [0, 0.21, 0.399]) {
@@ -160,6 +168,11 @@ TEST_F(ReplayTest, StandsWhereThePhysicsEnginePutsTheTrace) {
     EXPECT_EQ(seen[what], true) << what;
   }
   EXPECT_NEAR(seen["slow_motion"], 0.25 * 0.04, 1e-9);
+  const auto second = DecisiveSecondOf(*finished_);
+  ASSERT_TRUE(second);
+  EXPECT_NEAR(seen["first_time"], second->moment_s, 1e-9);
+  EXPECT_NEAR(seen["decisive_second"][1], second->to_s, 1e-9);
+  EXPECT_EQ(seen["loops"], true);
   EXPECT_LE(seen["wide"], 0);
 }
 

@@ -157,7 +157,8 @@ TEST(ComparisonVideo, AStoppedTrialStandsStillToTheEnd) {
   const TemporaryFolder folder;
   SmallComparison comparison;
   const Signal stopped = comparison.input.panes[1].hand_angle_rad->topRows(100);
-  comparison.input.panes[1] = {"stopped", &stopped, &stopped, &stopped};
+  comparison.input.panes[1] = {
+      .title = "stopped", .hand_angle_rad = &stopped, .spool_angle_rad = &stopped};
   WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
   EXPECT_EQ(ReadVideo(folder.path() / "a.mp4").frames, 15);
 
@@ -176,6 +177,21 @@ TEST(ComparisonVideo, QuestionAndVerdictStandBeforeAndAfterTheMotion) {
       .remark = "One run."};
   WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
   EXPECT_EQ(ReadVideo(folder.path() / "a.mp4").frames, 45 + 15 + 75);
+}
+
+// The part that is shown again takes four times its time at a quarter of the speed.
+TEST(ComparisonVideo, ThePartThatDecidesIsShownAgainSlowly) {
+  const TemporaryFolder folder;
+  SmallComparison comparison;
+  comparison.input.question = "Which one follows?";
+  comparison.input.again = Excerpt{.from_s = 0.2, .to_s = 0.4, .speed = 0.25};
+  WriteComparisonVideo(comparison.input, TheHand(), folder.path() / "a.mp4");
+  EXPECT_EQ(ReadVideo(folder.path() / "a.mp4").frames, 45 + 15 + 24);
+  const auto stretches = StretchesOf(true, 1000.0, 500, 30, comparison.input.again);
+  ASSERT_EQ(stretches.size(), 2u);
+  EXPECT_DOUBLE_EQ(stretches[0].video_s, 1.5);
+  EXPECT_DOUBLE_EQ(stretches[1].video_s, 2.0);
+  EXPECT_DOUBLE_EQ(stretches[1].to_s, 0.4);
 }
 
 /// As ` title begin end` in frames of 30 a second.
@@ -285,9 +301,11 @@ TEST(ComparisonVideo, AnOverlayShowsTheSecondHandWhereItIsElsewhere) {
   };
   const Image both = frame("both.png");
   std::swap(comparison.input.panes[0], comparison.input.panes[1]);
+  std::swap(comparison.input.panes[0].series, comparison.input.panes[1].series);
   const Image swapped = frame("swapped.png");
   EXPECT_NE(both.pixels, swapped.pixels);
   comparison.input.panes[1] = comparison.input.panes[0];
+  comparison.input.panes[1].series = 2;
   const Image same = frame("same.png");
   EXPECT_GT(SecondHandsPixels(both), 50);
   EXPECT_GT(SecondHandsPixels(both), 4 * SecondHandsPixels(same));

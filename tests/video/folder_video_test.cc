@@ -4,15 +4,23 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
 
+#include "sim/base/quantile.h"
 #include "sim/comparison/study_files.h"
 #include "sim/comparison/summary.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 #include "sim/video/comparison_picture.h"
+#include "sim/video/hand_view.h"
+#include "sim/video/osmesa_renderer.h"
+#include "tests/support/source_dir.h"
 #include "tests/video/test_files.h"
 
 namespace gauntlet::sim {
@@ -63,6 +71,137 @@ TEST(FolderVideo, NumbersEndAtThoseOfTheTableWhereTheRecordingHasAGap) {
   EXPECT_GT(std::abs(ComparisonPicture(whole).scores(0).tracking_rmse_deg.back() -
                      table[MetricIndex("tracking_rmse_deg")]),
             0.1);
+}
+
+/// One run of the door with its baseline, its tuned Kalman filter and its prediction.
+class DoorVideo {
+ public:
+  DoorVideo() {
+    FinishedStudy finished;
+    finished.folder = folder_.path();
+    Scenario scenario = LoadScenario(SourceDir() + "/scenarios/door_opening.yaml", {});
+    KeepControllers({"raw", "tuned_kalman", "prediction"}, scenario);
+    finished.study = PrepareStudy(std::move(scenario));
+    finished.result = RunStudy(finished.study, {.keep_first_traces = true});
+    finished.summary = Summarise(finished.study, finished.result);
+    WriteStudyFiles(folder_.path(), finished, false);
+    video_.emplace(RenderOptions{.folder = folder_.path(),
+                                 .controllers = {"raw", "tuned_kalman", "prediction"}});
+  }
+  const FolderVideo& video() const { return *video_; }
+  VideoInput again() const {
+    VideoInput input = video_->input();
+    input.excerpt = input.again.value();
+    return input;
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::optional<FolderVideo> video_;
+};
+
+const DoorVideo& Door() {
+  static const DoorVideo door;
+  return door;
+}
+
+/// Rows of a picture between the highest and the lowest pixel of the hand.
+int HeightIn(const Image& picture) {
+  int top = picture.height_px, bottom = -1;
+  for (int y = 0; y < picture.height_px; ++y) {
+    const std::uint32_t* row = picture.Row(y);
+    const bool any = std::any_of(row, row + picture.width_px,
+                                 [](std::uint32_t pixel) { return pixel >> 24 > 127; });
+    if (any) top = std::min(top, y), bottom = y;
+  }
+  return bottom - top + 1;
+}
+
+// Palm and fingers, without the arm.
+TEST(DoorVideo, EachHandFillsMostOfItsPicture) {
+  const VideoInput& input = Door().video().input();
+  const HandModel& hand = Door().video().hand();
+  const ComparisonPicture picture(input);
+  const HandView view(input, hand, picture.view_width_px(), picture.view_height_px());
+  OsmesaRenderer renderer(hand.model(), view.RendererOf(input));
+  const DataOfModel data = MakeData(hand);
+  Image drawn;
+  for (const VideoPane& pane : input.panes) {
+    std::vector<double> heights;
+    for (int frame = 0; frame < picture.frame_count(); frame += 5) {
+      const int sample = picture.clock().Sample(frame);
+      SetWearer(input, hand, sample, *data);
+      renderer.SetWindow(view.WindowAt(*data));
+      SetPane(pane, hand, sample, *data);
+      renderer.DrawBodies(*data, view.bodies(), drawn);
+      heights.push_back(HeightIn(drawn));
+    }
+    EXPECT_GE(Quantile(heights, 0.5), 0.6 * picture.view_height_px()) << pane.title;
+  }
+}
+
+/// Of a fingertip above 10 Hz in slow motion, in pixels of its magnified picture: the largest
+/// extent along any direction.
+double JitterOf(const VideoInput& input, const HandView& view, int pane) {
+  const FingertipPath& path = view.fingertip(pane);
+  const int begin = path.IndexAt(input.excerpt.from_s), end = path.IndexAt(input.excerpt.to_s);
+  double largest_px = 0.0;
+  for (double angle = 0.0; angle < std::numbers::pi; angle += 0.1) {
+    double low = INFINITY, high = -INFINITY;
+    for (int i = begin; i < end; ++i) {
+      const auto& [tip, smooth] = path.places[i];
+      const Point at = PixelOf(view.InsetAround({0.0, 0.0}), {tip.x - smooth.x, tip.y - smooth.y},
+                               view.inset_px(), view.inset_px());
+      const double along = std::cos(angle) * at.x + std::sin(angle) * at.y;
+      low = std::min(low, along), high = std::max(high, along);
+    }
+    largest_px = std::max(largest_px, high - low);
+  }
+  return largest_px;
+}
+
+TEST(DoorVideo, SlowMotionShowsWhatATunedFilterTakesAway) {
+  const VideoInput input = Door().again();
+  const ComparisonPicture picture(input);
+  const HandView view(input, Door().video().hand(), picture.view_width_px(),
+                      picture.view_height_px(), picture.inset_px());
+  const double raw_px = JitterOf(input, view, 0), tuned_px = JitterOf(input, view, 1);
+  EXPECT_GE(raw_px, 1.7 * tuned_px);
+  EXPECT_GE(raw_px - tuned_px, 8.0);
+  RecordProperty("raw_px", fmt::to_string(raw_px));
+  RecordProperty("tuned_px", fmt::to_string(tuned_px));
+}
+
+// At the moment of the largest difference.
+TEST(DoorVideo, SlowMotionShowsThatAPredictionIsLessBehindTheWearer) {
+  const VideoInput input = Door().again();
+  const HandModel& hand = Door().video().hand();
+  const ComparisonPicture picture(input);
+  const int width = picture.view_width_px(), height = picture.view_height_px();
+  const HandView view(input, hand, width, height);
+  const DataOfModel data = MakeData(hand);
+  const int tip = mj_name2id(&hand.model(), mjOBJ_BODY, "index_distal");
+  const int camera = *FindCamera(hand.model(), input.camera, width < height);
+  double largest_px = 0.0;
+  for (int frame = 0; frame < picture.frame_count(); ++frame) {
+    const int sample = picture.clock().Sample(frame);
+    SetWearer(input, hand, sample, *data);
+    const CameraWindow window = view.WindowAt(*data).value();
+    const auto place = [&] {
+      const auto seen =
+          SeenFrom(*data, camera, std::span<const mjtNum, 3>(data->xipos + 3 * tip, 3));
+      return PixelOf(window, seen.value().tangents, width, height);
+    };
+    const Point wearer = place();
+    double behind_px[3];
+    for (int pane = 0; pane < 3; ++pane) {
+      SetPane(input.panes[pane], hand, sample, *data);
+      behind_px[pane] = std::hypot(place().x - wearer.x, place().y - wearer.y);
+    }
+    largest_px = std::max(largest_px, behind_px[0] - behind_px[2]);
+  }
+  EXPECT_GE(largest_px, 20.0);
+  RecordProperty("largest_px", fmt::to_string(largest_px));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <optional>
 
 #include "tests/video/small_comparison.h"
 
@@ -20,19 +21,20 @@ double Distance(const Point& a, const Point& b) { return std::hypot(a.x - b.x, a
 TEST(HandView, FingersThatMoveFillThePicture) {
   const SmallComparison comparison;
   const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px);
-  ASSERT_TRUE(view.window());
   const DataOfModel data = MakeData(TheHand());
   const mjModel& model = TheHand().model();
   const int camera = *FindCamera(model, comparison.input.camera, true);
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
   for (int sample = 0; sample < SmallComparison::kSamples; sample += 50) {
     SetWearer(comparison.input, TheHand(), sample, *data);
+    const auto window = view.WindowAt(*data);
+    ASSERT_TRUE(window);
     for (const char* body : {"index_distal", "little_distal", "palm"}) {
       const int id = mj_name2id(&model, mjOBJ_BODY, body);
       ASSERT_GE(id, 0) << body;
       const auto seen =
           SeenFrom(*data, camera, std::span<const mjtNum, 3>(data->xipos + 3 * id, 3));
-      const Point pixel = PixelOf(*view.window(), seen->tangents, kWidth_px, kHeight_px);
+      const Point pixel = PixelOf(*window, seen->tangents, kWidth_px, kHeight_px);
       left = std::min(left, pixel.x), right = std::max(right, pixel.x);
       top = std::min(top, pixel.y), bottom = std::max(bottom, pixel.y);
     }
@@ -45,13 +47,19 @@ TEST(HandView, FingersThatMoveFillThePicture) {
   EXPECT_GT(std::max((right - left) / kWidth_px, (bottom - top) / kHeight_px), 0.5);
 }
 
+/// The window at the first sample.
+std::optional<CameraWindow> FirstWindow(const VideoInput& input) {
+  const DataOfModel data = MakeData(TheHand());
+  SetWearer(input, TheHand(), 0, *data);
+  return HandView(input, TheHand(), kWidth_px, kHeight_px).WindowAt(*data);
+}
+
 // Four fingers bend at their first joint: all with the palm, without it, and the index alone.
 TEST(HandView, FramesTheFingersOrTheOneOfTheChannel) {
   SmallComparison comparison;
   const auto size_of = [&](const char* camera) {
     comparison.input.camera = camera;
-    const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px);
-    return view.window().value().height();
+    return FirstWindow(comparison.input).value().height();
   };
   const double hand = size_of("hand"), fingers = size_of("fingers"), finger = size_of("close_up");
   EXPECT_LT(fingers, 0.95 * hand);
@@ -68,9 +76,9 @@ TEST(HandView, WhereTheChannelIsOfNoFingerACloseUpShowsWhatMoves) {
   for (VideoPane& pane : comparison.input.panes) pane.hand_angle_rad = &bent;
   comparison.input.joint = static_cast<int>(wrist);
   comparison.input.camera = "hand";
-  const auto hand = HandView(comparison.input, TheHand(), kWidth_px, kHeight_px).window();
+  const auto hand = FirstWindow(comparison.input);
   comparison.input.camera = "close_up";
-  const auto close_up = HandView(comparison.input, TheHand(), kWidth_px, kHeight_px).window();
+  const auto close_up = FirstWindow(comparison.input);
   ASSERT_TRUE(hand && close_up);
   EXPECT_EQ(close_up->height(), hand->height());
 }
@@ -80,54 +88,74 @@ TEST(HandView, NothingIsFramedWhereNothingMoves) {
   const Signal still = Signal::Zero(SmallComparison::kSamples, std::ssize(kChannels));
   comparison.input.true_angle_rad = &still;
   for (VideoPane& pane : comparison.input.panes) pane.hand_angle_rad = &still;
-  const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px);
-  EXPECT_FALSE(view.window());
-  EXPECT_TRUE(view.fingertip(0).points.empty());
+  EXPECT_FALSE(FirstWindow(comparison.input));
+  const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px, 100);
+  EXPECT_TRUE(view.fingertip(0).places.empty());
   comparison.input.camera.clear();
-  EXPECT_FALSE(HandView(comparison.input, TheHand(), kWidth_px, kHeight_px).window());
+  EXPECT_FALSE(FirstWindow(comparison.input));
 }
 
-TEST(HandView, FingertipsOfHandsThatFollowAreTheWearers) {
-  const SmallComparison comparison;
+// The wrist turns and the fingers stand: the palm stays where it is in the picture.
+TEST(HandView, FollowsThePalm) {
+  SmallComparison comparison;
+  Signal bent = *comparison.input.true_angle_rad;
+  const auto wrist = std::ranges::find(kChannels, "wrist_flexion") - kChannels.begin();
+  for (int i = 0; i < SmallComparison::kSamples; ++i) bent(i, wrist) = 0.001 * i;
+  comparison.input.true_angle_rad = &bent;
+  for (VideoPane& pane : comparison.input.panes) pane.hand_angle_rad = &bent;
   const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px);
-  const FingertipWay& wearer = view.wearers_fingertip();
-  EXPECT_EQ(wearer.rate_hz, 250.0);
-  ASSERT_EQ(wearer.points.size(), 125u);
-  for (std::size_t i = 0; i < wearer.points.size(); ++i) {
-    EXPECT_LT(Distance(view.fingertip(0).points[i], wearer.points[i]), 1e-6);
-  }
-  EXPECT_GT(Distance(view.fingertip(1).points[62], wearer.points[62]), 5.0);  // bends by half
+  const DataOfModel data = MakeData(TheHand());
+  const int palm = mj_name2id(&TheHand().model(), mjOBJ_BODY, "palm");
+  const int camera = *FindCamera(TheHand().model(), comparison.input.camera, true);
+  const auto palm_at = [&](int sample) {
+    SetWearer(comparison.input, TheHand(), sample, *data);
+    const auto seen = SeenFrom(*data, camera, std::span<const mjtNum, 3>(data->xpos + 3 * palm, 3));
+    return PixelOf(*view.WindowAt(*data), seen->tangents, kWidth_px, kHeight_px);
+  };
+  const Point first = palm_at(0);
+  EXPECT_LT(Distance(palm_at(499), first), 1e-6);
 }
 
-// 0.02 deg at 20 Hz on the way of half a turn in 4 s: far from the ends the fingertip is as far off
-// as with ten times that.
-TEST(HandView, TremblingIsDrawnTenTimesAsLarge) {
-  constexpr int kSamples = 4000;
-  constexpr double kAmplitude_rad = 0.02 * std::numbers::pi / 180.0;
+// 0.005 rad at 20 Hz during a slow bend: far from the ends, the fingertip moves in its picture by
+// the length of the finger times that angle and the magnification.
+TEST(HandView, WhatMovesAtAMagnifiedFingertipIsItsJitter) {
+  constexpr int kSamples = 4000, kInset_px = 100;
+  constexpr double kAmplitude_rad = 0.005;
   SmallComparison comparison;
   Signal smooth = Signal::Zero(kSamples, std::ssize(kChannels));
   Signal spools = smooth;
   for (int i = 0; i < kSamples; ++i) {
     smooth(i, 4) = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * i / kSamples);
   }
-  Signal trembling = smooth, tenfold = smooth;
+  Signal trembling = smooth;
   for (int i = 0; i < kSamples; ++i) {
-    const double wave = std::sin(2.0 * std::numbers::pi * 20.0 * i / 1000.0);
-    trembling(i, 4) += kAmplitude_rad * wave;
-    tenfold(i, 4) += HandView::kTremblingGain * kAmplitude_rad * wave;
+    trembling(i, 4) += kAmplitude_rad * std::sin(2.0 * std::numbers::pi * 20.0 * i / 1000.0);
   }
-  comparison.input.true_angle_rad = &tenfold;  // the wearer's is drawn as it is
-  comparison.input.raw_angle_rad = &tenfold;
-  comparison.input.panes = {{"a", &trembling, &spools, &trembling},
-                            {"b", &smooth, &spools, &smooth}};
-  const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px);
-  double largest_px = 0.0;
-  for (int i = 200; i < 800; ++i) {
-    const Point& wearer = view.wearers_fingertip().points[i];
-    EXPECT_LT(Distance(view.fingertip(0).points[i], wearer), 0.02) << i;
-    largest_px = std::max(largest_px, Distance(view.fingertip(1).points[i], wearer));
-  }
-  EXPECT_GT(largest_px, 0.3);
+  comparison.input.true_angle_rad = &smooth;
+  comparison.input.panes = {comparison.PaneOf("a", trembling, 1),
+                            comparison.PaneOf("b", smooth, 2)};
+  for (VideoPane& pane : comparison.input.panes) pane.spool_angle_rad = &spools;
+  comparison.input.excerpt = {.from_s = 1.5, .to_s = 2.5, .speed = 0.25};
+  const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px, kInset_px);
+  const auto reach_px = [&](int pane) {
+    const FingertipPath& path = view.fingertip(pane);
+    EXPECT_EQ(path.rate_hz, 250.0);
+    double low = 1e9, high = -1e9;
+    for (int i = path.IndexAt(1.5); i <= path.IndexAt(2.4); ++i) {
+      const auto& [tip, without] = path.places[i];
+      const Point at = PixelOf(view.InsetAround({0.0, 0.0}), {tip.x - without.x, tip.y - without.y},
+                               kInset_px, kInset_px);
+      const double along =
+          Distance(at, {0.5 * kInset_px, 0.5 * kInset_px}) * (at.y > 0.5 * kInset_px ? 1.0 : -1.0);
+      low = std::min(low, along), high = std::max(high, along);
+    }
+    return high - low;
+  };
+  EXPECT_LT(reach_px(1), 0.01);
+  // A finger of some 0.09 m; the window of 360 px shows some 0.25 m of it.
+  const double expected_px = 2.0 * kAmplitude_rad * 0.09 / 0.25 * kHeight_px * 5.0;
+  EXPECT_GT(reach_px(0), 0.4 * expected_px);
+  EXPECT_LT(reach_px(0), 2.0 * expected_px);
 }
 
 }  // namespace

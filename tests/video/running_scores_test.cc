@@ -14,7 +14,7 @@ constexpr double kRate_hz = 1000.0;
 constexpr double kJitterAbove_hz = 15.0;
 
 /// A slow motion; the hand adds an offset and a trembling of 20 Hz, other sizes on each channel.
-Signal Motion(int samples, double offset_rad, double trembling_rad) {
+Signal MovedJoints(int samples, double offset_rad, double trembling_rad) {
   Signal signal(samples, 3);
   for (int channel = 0; channel < 3; ++channel) {
     for (int i = 0; i < samples; ++i) {
@@ -36,7 +36,7 @@ double SummaryOf(const ScoreInput& input, std::string_view key) {
 }
 
 TEST(RunningScores, EndAtTheScoresOfTheTable) {
-  const Signal truth = Motion(5017, 0.0, 0.0), hand = Motion(5017, 0.02, 0.005);
+  const Signal truth = MovedJoints(5017, 0.0, 0.0), hand = MovedJoints(5017, 0.02, 0.005);
   const RunningScores scores = ComputeRunningScores(truth, hand, kRate_hz, kJitterAbove_hz,
                                                     FrameClock(kRate_hz, 30, truth.rows()));
   ScoreInput input;
@@ -49,8 +49,8 @@ TEST(RunningScores, EndAtTheScoresOfTheTable) {
 }
 
 TEST(RunningScores, EndAtTheScoresOfTheTableWhereARecordingHasGaps) {
-  const Signal truth = Motion(9017, 0.0, 0.0);
-  Signal hand = Motion(9017, 0.02, 0.005);
+  const Signal truth = MovedJoints(9017, 0.0, 0.0);
+  Signal hand = MovedJoints(9017, 0.02, 0.005);
   hand.col(0).segment(3000, 500).array() += 1.0;  // what nobody knows of, of one channel
   hand.col(2).array() += 1.0;                     // and all of another
   CountedParts counted;
@@ -73,7 +73,7 @@ TEST(RunningScores, EndAtTheScoresOfTheTableWhereARecordingHasGaps) {
 }
 
 TEST(RunningScores, GrowWhereTheHandGoesAstray) {
-  const Signal truth = Motion(4000, 0.0, 0.0);
+  const Signal truth = MovedJoints(4000, 0.0, 0.0);
   Signal hand = truth;
   hand.bottomRows(2000).array() += 0.1;  // from 2 s on
   const FrameClock clock(kRate_hz, 10, truth.rows());
@@ -85,7 +85,7 @@ TEST(RunningScores, GrowWhereTheHandGoesAstray) {
 }
 
 TEST(RunningScores, HaveNoJitterBeforeTheFilterHasOne) {
-  const Signal truth = Motion(4000, 0.0, 0.0), hand = Motion(4000, 0.0, 0.01);
+  const Signal truth = MovedJoints(4000, 0.0, 0.0), hand = MovedJoints(4000, 0.0, 0.01);
   const RunningScores scores = ComputeRunningScores(truth, hand, kRate_hz, kJitterAbove_hz,
                                                     FrameClock(kRate_hz, 10, truth.rows()));
   EXPECT_TRUE(std::isnan(scores.jitter_rms_deg[0]));
@@ -94,7 +94,7 @@ TEST(RunningScores, HaveNoJitterBeforeTheFilterHasOne) {
 }
 
 TEST(RunningScores, StandStillAfterATrialWasStopped) {
-  const Signal truth = Motion(4000, 0.0, 0.0);
+  const Signal truth = MovedJoints(4000, 0.0, 0.0);
   const Signal hand = truth.topRows(1500).array() + 0.1;
   const RunningScores scores = ComputeRunningScores(truth, hand, kRate_hz, kJitterAbove_hz,
                                                     FrameClock(kRate_hz, 30, truth.rows()));

@@ -32,14 +32,17 @@ class SmallComparison {
     spool_ = Signal::Zero(kSamples, channels);
     input.title = "A test";
     input.true_angle_rad = &true_angle_rad_;
-    input.raw_angle_rad = &true_angle_rad_;
     input.joint = 4;
     input.joint_name = "index_mcp";
     input.camera = "hand";
     input.width_px = 480;
     input.height_px = 270;
-    input.panes = {{"all", &true_angle_rad_, &spool_, &true_angle_rad_},
-                   {"half", &half_, &spool_, &half_}};
+    input.panes = {PaneOf("all", true_angle_rad_, 1), PaneOf("half", half_, 2)};
+  }
+
+  VideoPane PaneOf(const char* title, const Signal& hand_rad, std::size_t series) const {
+    return {
+        .title = title, .hand_angle_rad = &hand_rad, .spool_angle_rad = &spool_, .series = series};
   }
 
   SmallComparison(const SmallComparison&) = delete;  // the input points into it

@@ -8,8 +8,9 @@ const SIGNALS = [
 ];
 
 class CurvesView {
-  constructor(data, onChannel) {
+  constructor(data, time, onChannel) {
     this.data = data;
+    this.time = time;
     this.onChannel = onChannel;
     this.store = new CurveStore(data);
     this.place = byId("curves-plot");
@@ -19,9 +20,8 @@ class CurvesView {
     this.view = byId("curves-view");
     this.window = [0, this.store.duration_s];
     this.cursor = null;
-    this.onTime = null;  // of a click: a video jumps there
-    this.onCursor = null;  // of every other moment, null where there is none: the hand follows
-    this.onView = null;  // of another channel, view or moment: the address tells it
+    this.onView = null;  // of another channel or view: for the address
+    time.listen("curves", (time_s) => this.showTime(time_s));
     data.channels.forEach((name) => this.select.append(element("option", {value: name}, name)));
     this.select.value = data.first_channel;
     if (this.select.selectedIndex < 0) this.select.selectedIndex = 0;
@@ -61,13 +61,14 @@ class CurvesView {
 
   moveCursor(by_s) {
     const from = this.cursor ?? (this.window[0] + this.window[1]) / 2;
-    this.showTime(Math.min(this.window[1], Math.max(this.window[0], from + by_s)));
-    this.onView?.(this.cursor);
+    const to = Math.min(this.window[1], Math.max(this.window[0], from + by_s));
+    this.showTime(to);
+    this.time.set(to, "curves", true);
   }
 
   // The cursor at a time; what is shown follows it.
   showTime(time) {
-    if (time < 0 || time > this.store.duration_s) return;
+    if (time === null || time < 0 || time > this.store.duration_s) return;
     const width = this.window[1] - this.window[0];
     if (time < this.window[0] || time > this.window[1]) this.look(time - width / 10, time + 0.9 * width);
     let row = this.rows.findIndex((r) => r[0] >= time);
@@ -109,7 +110,8 @@ class CurvesView {
     if (this.shown.raw) {
       lines.push({label: "glove", values: this.shownValues(channel.raw, channel.true), colour: "var(--glove)", width: 1});
     }
-    channel.controllers.forEach((c, i) => {
+    [...this.data.order].reverse().forEach((i) => {  // the best on top
+      const c = channel.controllers[i];
       if (!this.controllers[i]) return;
       for (const signal of [...SIGNALS].reverse()) {
         if (!this.shown[signal.key]) continue;
@@ -118,7 +120,7 @@ class CurvesView {
       }
     });
     if (this.shown.true) {
-      lines.push({label: "wearer", values: this.shownValues(channel.true, channel.true), colour: "var(--ink)", width: 1.5});
+      lines.push({label: "wearer", values: this.shownValues(channel.true, channel.true), colour: "var(--wearer)", width: 1.5});
     }
     return lines;
   }
@@ -136,7 +138,7 @@ class CurvesView {
     for (const handle of this.place.querySelectorAll("img")) handle.alt = "";  // of the range selector
     this.onChannel(this.select.value, this.select.selectedIndex);
     this.readAt(this.cursor);
-    this.onView?.(null);
+    this.onView?.();
   }
 
   makeRows() {
@@ -186,11 +188,11 @@ class CurvesView {
       rangeSelectorForegroundStrokeColor: colour("var(--muted)"),
       rangeSelectorAlpha: 0.5,
       interactionModel: Dygraph.defaultInteractionModel,  // the range selector has one that cannot zoom
-      clickCallback: (_, time) => {
-        this.onTime?.(time);
-        this.onView?.(time);
+      clickCallback: (_, time) => this.time.set(time, "curves", true),
+      highlightCallback: (_, time) => {
+        this.readAt(time);
+        this.time.set(time, "curves");
       },
-      highlightCallback: (_, time) => this.readAt(time),
       unhighlightCallback: () => this.readAt(null),
       underlayCallback: (canvas, area, plot) => this.shade(canvas, area, plot),
       drawCallback: (plot, first) => this.onDraw(plot, first),
@@ -281,12 +283,13 @@ class CurvesView {
         this.lineSample(colour, {width}), label)), this.cells[key]));
     const reference = this.data.reference.startsWith("recording smoothed") ? "smoothed recording"
       : this.data.reference === "ground truth" ? "wearer (true)" : this.data.reference;
-    single("true", reference, "var(--ink)", 1.5);
+    single("true", reference, "var(--wearer)", 1.5);
     single("raw", "glove (raw)", "var(--glove)", 1);
-    this.data.controllers.forEach((controller, i) => {
+    this.data.order.forEach((i) => {
+      const controller = this.data.controllers[i];
       const cells = {};
       for (const signal of SIGNALS) cells[signal.key] = element("td");
-      this.cells.controllers.push(cells);
+      this.cells.controllers[i] = cells;
       body.append(element("tr", {}, element("th", {scope: "row"},
         this.choice(true, (on) => { this.controllers[i] = on; },
           this.lineSample(colourName(i), SIGNALS[0]),
@@ -302,7 +305,6 @@ class CurvesView {
   // Values at a time, of all curves, drawn or not.
   readAt(time_s) {
     this.cursor = time_s;
-    this.onCursor?.(time_s);
     const none = time_s === null || time_s === undefined;
     this.time_place.textContent = none ? "deg" : `at ${time_s.toFixed(3)} s, deg`;
     const channel = this.store.channel(this.select.selectedIndex);

@@ -12,29 +12,30 @@ function showProblems(data) {
   list.hidden = list.children.length === 0;
 }
 
-// Runs together with the curves, if there are any: it moves their cursor, and a click there moves it.
-function videoElement(curves) {
-  const video = element("video", {controls: true, preload: "metadata", playsinline: true,
-    src: "comparison.mp4", "aria-label": "The hands of all controllers side by side"});
-  const starts_s = Number(byId("video").dataset.motionStarts);
-  video.addEventListener("timeupdate", () => curves?.showTime(video.currentTime - starts_s));
-  if (curves) curves.onTime = (time_s) => { video.currentTime = time_s + starts_s; };
-  return video;
+function startVideo(clock, replay) {
+  const section = byId("video");
+  const start = (video) => {
+    const shared = new SharedVideo(video, JSON.parse(section.dataset.stretches), clock);
+    shared.onPause = () => replay?.play(false);
+    if (replay) replay.video = shared;
+  };
+  const drawn = section.querySelector("video");
+  if (drawn) start(drawn);
+  // Not asked for until a person does: a file that is not there would be an error.
+  byId("video-show")?.addEventListener("click", () => {
+    const video = element("video", {controls: true, muted: true, playsinline: true, preload: "metadata",
+      src: "comparison.mp4", "aria-label": "The hands of several controllers side by side"});
+    byId("video-place").replaceChildren(video);
+    start(video);
+  });
 }
 
-function startVideo(curves) {
-  const place = byId("video-place");
-  if (byId("video").dataset.video === "drawn") {
-    place.append(element("p", {class: "note"},
-      "All controllers side by side, in comparison.mp4 beside this page. It moves the cursor of the " +
-      "curves; a click into them moves it."), videoElement(curves));
-    return;
+// Dots in the colours of the controllers, before their names in the table of the verdict.
+function markNames(data) {
+  for (const head of byId("numbers").querySelectorAll("tbody th")) {
+    const c = data.controllers.findIndex(({name}) => name === head.textContent);
+    if (c >= 0) head.replaceChildren(...controllerLabel(data, c));
   }
-  // Not asked for until a person does: a file that is not there would be an error.
-  place.append(element("p", {class: "note"}, "None was drawn with these scores. ",
-    element("code", {}, "gauntlet render"), " draws comparison.mp4 beside this page."),
-    element("p", {class: "controls"}, element("button", {type: "button",
-      onclick: () => place.replaceChildren(videoElement(curves))}, "Show comparison.mp4")));
 }
 
 // The versions stand at the end of the settings, below `made_with`.
@@ -84,7 +85,7 @@ function hidePart(id) {
 }
 
 // The view is in the address, to be sent or kept: #channel=index_mcp&view=error&t=2.600.
-function followAddress(curves) {
+function followAddress(curves, clock) {
   const apply = () => {
     const asked = new URLSearchParams(location.hash.slice(1));
     const has = (select, value) => [...select.options].some((option) => option.value === value);
@@ -93,25 +94,24 @@ function followAddress(curves) {
     else if (!asked.has("view") && !asked.has("t")) return;  // a part of the page
     curves.show();
     const time = Number.parseFloat(asked.get("t"));
-    if (Number.isFinite(time)) {
-      curves.showTime(time);
-      curves.onTime?.(time);
-    }
-    byId("curves").scrollIntoView();
+    if (Number.isFinite(time)) clock.set(time, "address", true);
+    if (asked.has("channel")) byId("curves").scrollIntoView();
   };
   apply();
   window.addEventListener("hashchange", apply);
-  curves.onView = (time) => {
+  const tell = (time) => {
     const view = new URLSearchParams({channel: curves.select.value, view: curves.view.value});
     if (time !== null) view.set("t", time.toFixed(3));
     history.replaceState(null, "", `#${view}`);
   };
+  curves.onView = () => tell(null);
+  clock.listen("address", (time, settled) => { if (settled) tell(time); });
 }
 
-function startCurves(data) {
+function startCurves(data, clock) {
   byId("curves-note").textContent = curvesNote(data);
   let spectra = null;
-  const curves = new CurvesView(data, (name, channel) => {
+  const curves = new CurvesView(data, clock, (name, channel) => {
     markChannel(name);
     spectra?.show(channel);
   });
@@ -128,7 +128,9 @@ function startCurves(data) {
 
 function start() {
   const data = JSON.parse(byId("data").textContent);
+  colours = data.controllers.map(({colour}) => colour);
   showProblems(data);
+  const clock = new SharedTime();
   let curves = null;
   const drawHeatMap = startHeatMap(data, (name) => {
     if (!curves) return;
@@ -151,19 +153,20 @@ function start() {
   if (data.latency) {
     byId("latency-table").parentElement.after(saveButtons(data, "latency", null, () => latencyRows(data)));
   }
+  markNames(data);
   startFrontChart(data);
   let drawSeeds = () => {};
   if (data.seeds.length > 1) drawSeeds = startSeeds(data);
   else hidePart("seeds");
   if (data.curves) {
-    curves = startCurves(data);
+    curves = startCurves(data, clock);
   } else {
     hidePart("curves");
     hidePart("spectra");
   }
-  const replay = startReplay(data, curves);
-  startVideo(curves);
-  if (curves) followAddress(curves);
+  const replay = startReplay(data, curves, clock);
+  startVideo(clock, replay);
+  if (curves) followAddress(curves, clock);
   startSettings();
   followScreen(() => {
     if (data.error_split) drawErrorBars(data);

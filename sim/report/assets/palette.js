@@ -1,8 +1,7 @@
-// One colour per controller everywhere on the page. Eight are chosen by hand for both grounds;
-// beyond, hues far from each other.
-function colourName(controller) {
-  return controller < 8 ? `var(--c${controller})` : `hsl(${(controller * 137.5) % 360} 55% 52%)`;
-}
+// One colour per controller everywhere, as sim/figure/palette.h gives it: the baseline's, then in the order of the verdict.
+let colours = [];
+
+function colourName(controller) { return colours[controller]; }
 
 // Canvas does not know variables.
 function resolvedColour(name) {

@@ -1,11 +1,13 @@
 // The hand itself, moving: what a controller's hand did, with the wearer's as a ghost behind it.
 
 class ReplayView {
-  constructor(data, curves) {
+  constructor(data, store, clock) {
     this.data = data;
     this.replay = data.replay;
-    this.curves = curves;
-    this.store = curves.store;
+    this.clock = clock;
+    this.store = store;
+    this.video = null;
+    this.loop = data.decisive_second;  // until a person chooses another time
     this.decoded = new Map();
     this.channels = this.replay.joints.map((name) => data.channels.indexOf(name));  // -1: not measured
     this.time = 0;
@@ -19,11 +21,22 @@ class ReplayView {
     this.ghost = new ReplayHand(this.replay);
     this.picture.add(this.hand, {opaque: true});
     this.picture.add(this.other, look(0));
-    this.picture.add(this.ghost, {...look(0), colour: resolvedColour("var(--accent)")});
+    this.picture.add(this.ghost, {...look(0), colour: resolvedColour("var(--wearer)")});
     this.chooseControllers();
     this.placeCamera();
     this.listen();
     this.show(0);
+    if (this.loop) this.showDecisiveSecond();
+  }
+
+  // Over and over while it is in sight; at rest for those who want no motion.
+  showDecisiveSecond() {
+    this.moveTo(this.loop[2]);
+    if (window.matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+    new IntersectionObserver(([{isIntersecting}], observer) => {
+      if (!this.loop) observer.disconnect();
+      else if (isIntersecting !== this.playing) this.play(isIntersecting);
+    }).observe(this.canvas);
   }
 
   makePicture() {
@@ -41,11 +54,12 @@ class ReplayView {
 
   chooseControllers() {
     const names = this.data.controllers.map(({name}) => name);
-    const best = this.data.order?.[0] ?? 0;
     for (const id of ["replay-hand", "replay-other"]) {
-      byId(id).append(...names.map((name, i) => element("option", {value: i}, name)));
+      byId(id).append(...this.data.order.map((c) => element("option", {value: c}, names[c])));
     }
-    byId("replay-hand").value = best;
+    const baseline = this.data.controllers.findIndex((controller) => controller.baseline);
+    byId("replay-hand").value = this.data.order[0];
+    if (baseline >= 0 && baseline !== this.data.order[0]) byId("replay-other").value = baseline;
     this.range = byId("replay-time");
     this.range.max = this.store.duration_s;
   }
@@ -102,7 +116,7 @@ class ReplayView {
     }
     const other = this.shown().other;
     if (other >= 0) this.other.recolour?.(resolvedColour(colourName(other)));
-    this.ghost.recolour?.(resolvedColour("var(--accent)"));
+    this.ghost.recolour?.(resolvedColour("var(--wearer)"));
     this.range.value = this.time;
     byId("replay-clock").textContent = `${this.time.toFixed(2)} s`;
     this.draw();
@@ -133,30 +147,32 @@ class ReplayView {
     const passed_s = Math.min(0.1, (now_ms - (this.last_ms ?? now_ms)) / 1e3) * Number(byId("replay-speed").value);
     this.last_ms = now_ms;
     const time = this.time + passed_s;
-    this.moveTo(time > this.store.duration_s ? 0 : time);
+    const [from, to] = this.loop ?? [0, this.store.duration_s];
+    this.moveTo(time > to ? from : time);
+    this.video?.lead(this.time, Number(byId("replay-speed").value));
   }
 
-  // Moves the hand and the cursor of the curves.
-  moveTo(time_s) {
-    this.moving = true;
-    this.curves.showTime(time_s);
-    this.moving = false;
+  moveTo(time_s, settled = false) {
     this.show(time_s);
+    this.clock.set(this.time, "replay", settled);
   }
 
-  // The cursor of the curves moved: by the mouse, the keyboard or the video.
+  // Another part of the page set the time.
   follow(time_s) {
-    if (this.moving || time_s === null || time_s === undefined) return;
+    if (time_s === null) return;
+    this.leaveLoop();
     if (this.playing) this.play(false);
     this.show(time_s);
   }
+
+  leaveLoop() { this.loop = null; }
 
   play(on) {
     this.playing = on;
     this.last_ms = null;
     byId("replay-play").textContent = on ? "Pause" : "Play";
     if (on) this.draw();
-    else this.curves.onTime?.(this.time);  // a video jumps there
+    else this.video?.leave();
   }
 
   // --- camera -----------------------------------------------------------------------------------
@@ -172,13 +188,14 @@ class ReplayView {
     this.camera = new THREE.PerspectiveCamera(camera?.height_deg ?? 40, 1, 0.005, 20);
     const reach = new THREE.Box3();
     const moving = new Set(this.replay.hinges.map(({body}) => body));
+    const palm = this.palmAmong(moving);
     for (let i = 0; i < 9; ++i) {
       for (const controller of [null, this.shown().hand]) {
         this.hand.pose(this.anglesAt(controller, this.store.duration_s * i / 8));
         const view = this.fromCarrier(this.hand);
         for (const {body, frame} of this.replay.shapes) {
           const root = [...moving].some((m) => this.hand.hangsOn(body, m));
-          if (!root || body === this.carrier || !this.hand.hangsOn(body, this.carrier)) continue;
+          if (!root || body === this.carrier || !this.hand.hangsOn(body, palm)) continue;
           reach.expandByPoint(new THREE.Vector3().fromArray(frame)
             .applyMatrix4(this.hand.bodies[body].matrixWorld).applyMatrix4(view));
         }
@@ -202,6 +219,16 @@ class ReplayView {
     this.controls.saveState();
   }
 
+  // The body that carries most of those that move by themselves: fingers.
+  palmAmong(moving) {
+    const carried = new Map();
+    for (const body of moving) {
+      const {parent} = this.replay.bodies[body];
+      carried.set(parent, (carried.get(parent) ?? 0) + 1);
+    }
+    return [...carried].reduce((most, one) => (one[1] > most[1] ? one : most), [this.carrier, 0])[0];
+  }
+
   turn(aside_rad, up_rad) {
     const arm = this.camera.position.clone().sub(this.controls.target);
     arm.applyAxisAngle(this.camera.up, aside_rad);
@@ -218,13 +245,18 @@ class ReplayView {
     for (const id of ["replay-hand", "replay-other", "replay-ghost"]) {
       byId(id).addEventListener("change", () => this.show(this.time));
     }
-    byId("replay-play").addEventListener("click", () => this.play(!this.playing));
+    byId("replay-play").addEventListener("click", () => {
+      if (this.playing) this.leaveLoop();
+      this.play(!this.playing);
+      if (!this.playing) this.clock.set(this.time, "replay", true);
+    });
     byId("replay-view").addEventListener("click", () => this.controls.reset());
     this.range.addEventListener("input", () => {
+      this.leaveLoop();
       if (this.playing) this.play(false);
       this.moveTo(Number(this.range.value));
     });
-    this.range.addEventListener("change", () => this.curves.onTime?.(this.time));
+    this.range.addEventListener("change", () => this.clock.set(this.time, "replay", true));
     this.controls.addEventListener("change", () => this.draw());
     this.canvas.addEventListener("pointerdown", () => { this.controls.enableZoom = true; });
     this.canvas.addEventListener("pointerleave", () => { this.controls.enableZoom = false; });
@@ -234,17 +266,17 @@ class ReplayView {
       this.turn(...turns[event.key]);
       event.preventDefault();
     });
-    this.curves.onCursor = (time_s) => this.follow(time_s);
+    this.clock.listen("replay", (time_s) => this.follow(time_s));
   }
 }
 
 // Nothing where no hand was simulated.
-function startReplay(data, curves) {
+function startReplay(data, curves, clock) {
   if (!data.replay || !curves) {
-    hidePart("replay");
+    byId("replay").hidden = true;
     return null;
   }
-  const view = new ReplayView(data, curves);
+  const view = new ReplayView(data, curves.store, clock);
   byId("replay").view = view;  // for the console
   return view;
 }
