@@ -30,7 +30,7 @@ constexpr std::array<Posture, 11> kPostures = {{
      {64, 41, 25, 40, 60, 75, 62, 78, 65, 80, 68, 80, 1, -20, 10, 0, 85, 25}},
     {"precision",
      "tips of thumb and index finger on a small thing",
-     {104, 38, 0, -11, 56, 14, 25, 30, 20, 25, 20, 25, 0, -15, 5, 20, 90, 25}},
+     {104, 38, 0, -11, 55, 14, 25, 30, 20, 25, 20, 25, 0, -15, 5, 20, 90, 25}},
     {"tripod",
      "thumb, index and middle finger around a pen",
      {106, 49, 0, -7, 70, 8, 46, 42, 35, 55, 35, 55, 0, -20, 5, -15, 90, 20}},
