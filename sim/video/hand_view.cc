@@ -105,8 +105,15 @@ std::vector<bool> BodiesBefore(const HandModel& hand, int camera) {
   return before;
 }
 
-/// Shapes whose middle moves in the picture, and those of the palm that fingers hang on. None if
-/// nothing moves.
+/// The first body beyond the palm on the way from it to a body; -1 where that is not beyond it.
+int FingerOf(const mjModel& model, int body) {
+  const int palm = mj_name2id(&model, mjOBJ_BODY, "palm");
+  while (body > 0 && model.body_parentid[body] != palm) body = model.body_parentid[body];
+  return body > 0 ? body : -1;
+}
+
+/// Shapes whose middle moves in the picture, however little those of fingers do, and those of the
+/// palm. None if nothing moves.
 std::vector<int> ShapesThatMatter(const VideoInput& input, const HandModel& hand, int camera,
                                   const std::vector<bool>& bodies, mjData& data) {
   const mjModel& model = hand.model();
@@ -135,16 +142,11 @@ std::vector<int> ShapesThatMatter(const VideoInput& input, const HandModel& hand
   std::vector<int> shapes;
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const bool of_palm = model.geom_bodyid[geom] == palm && bodies[palm];
-    if (of_palm || moved_m[geom] >= kMovesShare * most_m) shapes.push_back(geom);
+    const bool of_finger = FingerOf(model, model.geom_bodyid[geom]) >= 0;
+    const double least_m = of_finger ? kMoves_m : kMovesShare * most_m;
+    if (of_palm || moved_m[geom] >= least_m) shapes.push_back(geom);
   }
   return shapes;
-}
-
-/// The first body beyond the palm on the way from it to a body; -1 where that is not beyond it.
-int FingerOf(const mjModel& model, int body) {
-  const int palm = mj_name2id(&model, mjOBJ_BODY, "palm");
-  while (body > 0 && model.body_parentid[body] != palm) body = model.body_parentid[body];
-  return body > 0 ? body : -1;
 }
 
 /// Of the shapes only those of all fingers, or of the one that a joint is in; all where that leaves
