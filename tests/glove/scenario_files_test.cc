@@ -8,21 +8,12 @@
 #include "sim/glove/glove.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
-#include "tests/support/source_dir.h"
+#include "tests/support/ready_scenarios.h"
 
 namespace gauntlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<fs::path> ScenarioFiles() {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(fs::path(SourceDir()) / "scenarios")) {
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  }
-  std::ranges::sort(files);
-  return files;
-}
 
 class EveryScenario : public ::testing::TestWithParam<fs::path> {};
 
@@ -37,7 +28,7 @@ TEST_P(EveryScenario, GivesAGloveSignalThatIsWhole) {
   EXPECT_LT(missing, 0.2 * static_cast<double>(glove.counts.size()));
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, EveryScenario, ::testing::ValuesIn(ScenarioFiles()),
+INSTANTIATE_TEST_SUITE_P(Scenarios, EveryScenario, ::testing::ValuesIn(ReadyScenarios()),
                          [](const auto& file) { return file.param.stem().string(); });
 
 }  // namespace

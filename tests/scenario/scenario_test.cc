@@ -11,21 +11,13 @@
 #include "sim/base/error.h"
 #include "sim/scenario/scenario_reader.h"
 #include "tests/support/program.h"
+#include "tests/support/ready_scenarios.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<fs::path> ShippedScenarios() {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(fs::path(SourceDir()) / "scenarios")) {
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 class ShippedScenario : public testing::TestWithParam<fs::path> {};
 
@@ -43,7 +35,7 @@ TEST_P(ShippedScenario, LoadsAndRoundTrips) {
   fs::remove(copy);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShippedScenario, testing::ValuesIn(ShippedScenarios()),
+INSTANTIATE_TEST_SUITE_P(All, ShippedScenario, testing::ValuesIn(ReadyScenarios()),
                          [](const auto& test) { return test.param.stem().string(); });
 
 TEST(Scenario, OverridesReachControllersByName) {

@@ -13,21 +13,13 @@
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/study.h"
 #include "sim/trial/joint_angles.h"
+#include "tests/support/ready_scenarios.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<fs::path> ReadyScenarios() {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(fs::path(SourceDir()) / "scenarios")) {
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  }
-  std::ranges::sort(files);
-  return files;
-}
 
 /// Share of the reference in which two digits interpenetrate by more than 1 mm, looked at every
 /// 10 ms.
