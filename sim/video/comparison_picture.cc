@@ -16,11 +16,11 @@ namespace {
 constexpr double kCardRadius = 10.0;
 constexpr double kInsetShare = 0.36;  // of the shorter side of a view
 constexpr double kInsetGap = 10.0;
-constexpr double kShownJitter_s = 0.25;         // before now, beside a fingertip
-constexpr double kSmallestTrembling_deg = 0.1;  // that its plot shows
-constexpr double kTitleShare = 0.8;             // of the header's width
-constexpr double kNameShare = 0.25;             // the same, of a name in the legend
-constexpr double kSecondOpacity = 0.55;         // of an overlay
+constexpr double kShownJitter_s = 0.25;      // before now, beside a fingertip
+constexpr double kSmallestJitter_deg = 0.1;  // that its plot shows
+constexpr double kTitleShare = 0.8;          // of the header's width
+constexpr double kNameShare = 0.25;          // the same, of a name in the legend
+constexpr double kSecondOpacity = 0.55;      // of an overlay
 
 std::span<const double> Column(const Signal& signal, int channel) {
   return {signal.col(channel).data(), static_cast<std::size_t>(signal.rows())};
@@ -100,14 +100,14 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
     errors_.emplace_back(
         pane.hand_angle_rad->col(input_.joint) -
         input_.true_angle_rad->col(input_.joint).head(pane.hand_angle_rad->rows()));
-    trembling_.push_back(TremblingOf(pane));
+    jitter_curves_.push_back(JitterOf(pane));
   }
-  const AngleScale errors = ScaleOfErrors(), trembling = ScaleOfTrembling();
+  const AngleScale errors = ScaleOfErrors(), jitter = ScaleOfJitter();
   for (const PaneLayout& pane : layout_.panes) {
-    const bool all = pane.trembling.height > 0.0;
+    const bool all = pane.jitter_curve.height > 0.0;
     error_plots_.emplace_back(pane.error, layout_.unit, errors, clock_, /*times=*/!all);
     if (!all) continue;
-    trembling_plots_.emplace_back(pane.trembling, layout_.unit, trembling, clock_);
+    jitter_plots_.emplace_back(pane.jitter_curve, layout_.unit, jitter, clock_);
   }
   DrawBackground();
 }
@@ -146,24 +146,24 @@ AngleScale ComparisonPicture::ScaleOfErrors() const {
   return scale;
 }
 
-AngleScale ComparisonPicture::ScaleOfTrembling() const {
+AngleScale ComparisonPicture::ScaleOfJitter() const {
   const std::vector<double> none(1, 0.0);
   const std::vector<std::span<const double>> whole = {none};
   std::vector<std::span<const double>> noisy;
-  for (const Signal& trembling_rad : trembling_) noisy.push_back(Column(trembling_rad, 0));
-  const AngleScale scale = ChooseAngleScale(whole, noisy, kSmallestTrembling_deg);
+  for (const Signal& jitter_rad : jitter_curves_) noisy.push_back(Column(jitter_rad, 0));
+  const AngleScale scale = ChooseAngleScale(whole, noisy, kSmallestJitter_deg);
   TrimSignals();
   return scale;
 }
 
-Signal ComparisonPicture::TremblingOf(const VideoPane& pane) const {
+Signal ComparisonPicture::JitterOf(const VideoPane& pane) const {
   const Signal angle_rad = pane.hand_angle_rad->col(input_.joint);
   Fourier fourier;
-  const FilteredSignal trembling =
+  const FilteredSignal jitter =
       Trembling(angle_rad, input_.rate_hz, input_.jitter_above_hz, fourier);
   Signal whole = Signal::Constant(angle_rad.rows(), 1, kNaN);
-  if (trembling.values.rows() > 0) {
-    whole.middleRows(trembling.first_sample, trembling.values.rows()) = trembling.values;
+  if (jitter.values.rows() > 0) {
+    whole.middleRows(jitter.first_sample, jitter.values.rows()) = jitter.values;
   }
   return whole;
 }
@@ -202,7 +202,7 @@ void ComparisonPicture::DrawBackground() {
     painter.Text(painter.Elide(name, right - left, title), {left, pane.title.y + 25.0 * unit},
                  title);
     error_plots_[i].DrawScale(painter);
-    if (!trembling_plots_.empty()) trembling_plots_[i].DrawScale(painter);
+    if (!jitter_plots_.empty()) jitter_plots_[i].DrawScale(painter);
   }
 }
 
@@ -355,13 +355,13 @@ void ComparisonPicture::DrawInset(Painter& painter, int pane, int frame,
 }
 
 void ComparisonPicture::DrawCurves(Painter& painter, int place, int frame) const {
-  std::vector<Curve> errors, trembling;
+  std::vector<Curve> errors, jitter;
   for (int pane = input_.overlay ? 1 : place; pane >= place; --pane) {  // the first one on top
     errors.push_back({Column(errors_[pane], 0), ColourOfPane(input_, pane), 2.0, true, true});
-    trembling.push_back({Column(trembling_[pane], 0), ColourOfPane(input_, pane), 1.3});
+    jitter.push_back({Column(jitter_curves_[pane], 0), ColourOfPane(input_, pane), 1.3});
   }
   error_plots_[place].Draw(painter, frame, errors);
-  if (!trembling_plots_.empty()) trembling_plots_[place].Draw(painter, frame, trembling);
+  if (!jitter_plots_.empty()) jitter_plots_[place].Draw(painter, frame, jitter);
 }
 
 void ComparisonPicture::DrawView(Painter& painter, int pane, const DrawnHands& hands) const {

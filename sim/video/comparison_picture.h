@@ -58,8 +58,8 @@ class ComparisonPicture {
   int SampleCount(int pane) const;
   bool HasStopped(int pane, int frame) const { return clock_.Sample(frame) >= SampleCount(pane); }
   AngleScale ScaleOfErrors() const;
-  AngleScale ScaleOfTrembling() const;
-  Signal TremblingOf(const VideoPane& pane) const;
+  AngleScale ScaleOfJitter() const;
+  Signal JitterOf(const VideoPane& pane) const;
   void DrawBackground();
   void DrawHeader(Painter& painter) const;
   /// Returns where it begins.
@@ -82,11 +82,11 @@ class ComparisonPicture {
   std::vector<int> measured_joints_;
   ColourScale colour_scale_;
   std::vector<RunningScores> scores_;
-  std::vector<Signal> errors_;     // per pane: of the joint that is drawn, hand less wearer [rad]
-  std::vector<Signal> trembling_;  // likewise: of the hand, not a number near the ends
+  std::vector<Signal> errors_;  // per pane: of the joint that is drawn, hand less wearer [rad]
+  std::vector<Signal> jitter_curves_;  // likewise: of the hand, not a number near the ends
   // Per place of the layout.
   std::vector<CurvePlot> error_plots_;
-  std::vector<CurvePlot> trembling_plots_;  // none where there is no room
+  std::vector<CurvePlot> jitter_plots_;  // none where there is no room
   Image background_;
 };
 

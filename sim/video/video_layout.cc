@@ -44,7 +44,7 @@ void PlaceCurves(const Rect& area, bool all, double unit, PaneLayout& pane) {
   if (all) pane.error = place(x, 0.55 * plots);
   pane.jitter = place(area.x, score);
   if (all) {
-    pane.trembling = place(x, 0.45 * plots);
+    pane.jitter_curve = place(x, 0.45 * plots);
   } else {
     pane.error = place(x, plots);
   }

@@ -20,7 +20,7 @@ struct PaneLayout {
   Rect jitter{};
   // The plots' areas, without their labels.
   Rect error{};
-  Rect trembling{};  // no height where only the error has room
+  Rect jitter_curve{};  // no height where only the error has room
 };
 
 struct VideoLayout {

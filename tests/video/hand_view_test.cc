@@ -127,13 +127,12 @@ TEST(HandView, WhatMovesAtAMagnifiedFingertipIsItsJitter) {
   for (int i = 0; i < kSamples; ++i) {
     smooth(i, 4) = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * i / kSamples);
   }
-  Signal trembling = smooth;
+  Signal shaking = smooth;
   for (int i = 0; i < kSamples; ++i) {
-    trembling(i, 4) += kAmplitude_rad * std::sin(2.0 * std::numbers::pi * 20.0 * i / 1000.0);
+    shaking(i, 4) += kAmplitude_rad * std::sin(2.0 * std::numbers::pi * 20.0 * i / 1000.0);
   }
   comparison.input.true_angle_rad = &smooth;
-  comparison.input.panes = {comparison.PaneOf("a", trembling, 1),
-                            comparison.PaneOf("b", smooth, 2)};
+  comparison.input.panes = {comparison.PaneOf("a", shaking, 1), comparison.PaneOf("b", smooth, 2)};
   for (VideoPane& pane : comparison.input.panes) pane.spool_angle_rad = &spools;
   comparison.input.excerpt = {.from_s = 1.5, .to_s = 2.5, .speed = 0.25};
   const HandView view(comparison.input, TheHand(), kWidth_px, kHeight_px, kInset_px);

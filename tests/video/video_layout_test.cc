@@ -34,11 +34,11 @@ TEST_P(EveryVideoLayout, PartsAreLargeEnoughAndDoNotOverlap) {
     EXPECT_TRUE(Apart(pane.card, layout.header));
     EXPECT_TRUE(Apart(pane.card, layout.progress));
     std::vector<Rect> parts = {pane.title, pane.view, pane.tracking, pane.jitter, pane.error};
-    if (pane.trembling.height > 0.0) parts.push_back(pane.trembling);
+    if (pane.jitter_curve.height > 0.0) parts.push_back(pane.jitter_curve);
     if (pane_count <= 3) {
       EXPECT_GE(pane.view.height, 0.55 * pane.card.height);
     }
-    EXPECT_EQ(pane.trembling.height > 0.0, pane_count <= 4);
+    EXPECT_EQ(pane.jitter_curve.height > 0.0, pane_count <= 4);
     for (const Rect& part : parts) {
       EXPECT_TRUE(Inside(part, pane.card));
       EXPECT_EQ(part.x, std::round(part.x));
@@ -62,7 +62,7 @@ TEST(VideoLayout, AnOverlayHasItsHandsBesideNumbersAndAllCurves) {
     ASSERT_EQ(layout.panes.size(), 1u);
     const PaneLayout& pane = layout.panes[0];
     const Rect parts[] = {pane.title,  pane.view,  pane.tracking,
-                          pane.jitter, pane.error, pane.trembling};
+                          pane.jitter, pane.error, pane.jitter_curve};
     for (const Rect& part : parts) {
       EXPECT_TRUE(Inside(part, pane.card));
       EXPECT_GE(part.height, 12.0 * layout.unit);
