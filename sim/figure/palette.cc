@@ -59,6 +59,11 @@ Color ColourOfSeries(std::size_t series) {
   return {part(0.0), part(8.0), part(4.0)};
 }
 
+std::optional<std::uint8_t> TerminalColourOfSeries(std::size_t series) {
+  if (series >= palette::kTerminalSeries.size()) return std::nullopt;
+  return palette::kTerminalSeries[series];
+}
+
 std::string PaletteCss() {
   std::string light, dark;
   const auto add = [&](const Shade& shade) {

@@ -36,13 +36,13 @@ ResultTable ErrorSplitTable(const Summary& summary) {
     std::ranges::replace(heading, ' ', kBreak);
     table.columns.push_back(ForPeople(heading));
   }
-  for (const ControllerSummary& controller : summary.controllers) {
-    const std::vector<double> parts = ErrorByCause(controller);
+  for (const auto& [c, name] : ControllerRows(summary)) {
+    const std::vector<double> parts = ErrorByCause(summary.controllers[c]);
     const double whole = std::accumulate(
         parts.begin(), parts.end(), 0.0,
         [](double sum, double part) { return std::isfinite(part) ? sum + part : sum; });
     if (!(whole > 0.0)) continue;
-    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell::Text(controller.name)});
+    ResultRow& row = table.rows.emplace_back(ResultRow{name});
     for (const double part : parts) row.push_back(ResultCell::Text(Percent(part / whole)));
   }
   return table;

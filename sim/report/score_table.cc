@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim/comparison/comparison_verdict.h"
+#include "sim/report/controller_rows.h"
 #include "sim/report/error_split_table.h"
 #include "sim/report/prediction_text.h"
 #include "sim/statistics/result_cells.h"
@@ -67,9 +68,11 @@ ResultTable MeansTable(const Summary& summary) {
   ResultTable table{.columns = {{"name", "controller"}}};
   const std::vector<std::size_t> shown = DetailedMetrics(summary);
   for (const std::size_t metric : shown) table.columns.push_back(ColumnOf(metric));
-  for (const ControllerSummary& controller : summary.controllers) {
-    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
-    for (const std::size_t metric : shown) row.push_back(CellOf(summary, controller, metric));
+  for (const auto& [c, name] : ControllerRows(summary)) {
+    ResultRow& row = table.rows.emplace_back(ResultRow{name});
+    for (const std::size_t metric : shown) {
+      row.push_back(CellOf(summary, summary.controllers[c], metric));
+    }
   }
   return table;
 }
@@ -91,19 +94,22 @@ char MarkOf(const Summary& summary, std::size_t controller, std::size_t metric) 
   }
 }
 
+bool IsPrimary(std::size_t metric) {
+  return std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
+}
+
 /// Some scores of some controllers, with their roles in the verdict.
-ResultTable TableOf(const Summary& summary, const std::vector<std::size_t>& controllers,
+ResultTable TableOf(const Summary& summary, const std::vector<ControllerRow>& controllers,
                     const std::vector<std::size_t>& metrics) {
   ResultTable table{.columns = {{"name", "controller"}}};
   for (const std::size_t metric : metrics) table.columns.push_back(ColumnOf(metric));
   const std::vector<std::string> roles = RolesOf(summary);
   const bool has_roles = std::ranges::any_of(roles, [](const auto& role) { return !role.empty(); });
   if (has_roles) table.columns.push_back(ForPeople("verdict").Words());
-  for (const std::size_t c : controllers) {
-    const ControllerSummary& controller = summary.controllers[c];
-    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
+  for (const auto& [c, name] : controllers) {
+    ResultRow& row = table.rows.emplace_back(ResultRow{name});
     for (const std::size_t metric : metrics) {
-      row.emplace_back(controller.summary[metric].mean);
+      row.emplace_back(summary.controllers[c].summary[metric].mean);
       row.back().mark = MarkOf(summary, c, metric);
     }
     if (has_roles) row.push_back(ResultCell::Text(roles[c]));
@@ -111,18 +117,13 @@ ResultTable TableOf(const Summary& summary, const std::vector<std::size_t>& cont
   return table;
 }
 
-bool IsPrimary(std::size_t metric) {
-  return std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
-}
-
-/// The primary scores, and the main metrics of motors and objects, of all controllers in the order
-/// of the verdict.
+/// The primary scores, and the main metrics of motors and objects.
 ResultTable AnswerTable(const Summary& summary) {
   std::vector<std::size_t> metrics = ShownMetrics(summary);
   std::erase_if(metrics, [](std::size_t metric) {
     return !IsPrimary(metric) && Metrics()[metric].part == ScoredPart::kJoint;
   });
-  return TableOf(summary, OrderOfVerdict(summary), metrics);
+  return TableOf(summary, ControllerRows(summary), metrics);
 }
 
 std::string AnswerLegend(const Summary& summary) {
@@ -372,11 +373,16 @@ ResultText AnswerText(const FinishedStudy& finished) {
 
 ResultText ShownText(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
-  std::vector<std::size_t> shown = ShownControllers(summary);
-  if (summary.baseline) std::rotate(shown.begin(), shown.begin() + 1, shown.end());
+  const std::vector<std::size_t> shown = ShownControllers(summary);
+  std::vector<ControllerRow> rows = ControllerRows(summary);
+  std::erase_if(rows, [&](const ControllerRow& row) {
+    return std::ranges::count(shown, row.controller) == 0;
+  });
+  std::ranges::stable_partition(
+      rows, [&](const ControllerRow& row) { return row.controller != summary.baseline; });
   std::vector<std::size_t> metrics = ShownMetrics(summary);
   std::erase_if(metrics, [](std::size_t metric) { return !IsPrimary(metric); });
-  ResultText text = {TableOf(summary, shown, metrics)};
+  ResultText text = {TableOf(summary, rows, metrics)};
   AddLine(AnswerLegend(summary), text);
   return text;
 }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -54,6 +55,7 @@ struct ResultCell {
   std::vector<ResultValue> values = {};  // one per part of the column
   std::string text = {};                 // for people
   char mark = ' ';  // behind a number, colour of a word: * good, ! look at it, ~ undecided
+  std::optional<std::uint8_t> terminal_colour = {};  // of a name; of the terminal's 256 (xterm)
 
   ResultCell() = default;
   ResultCell(std::vector<ResultValue> parts, std::string shown, char its_mark = ' ')

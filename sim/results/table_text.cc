@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <span>
 
 #include "controller/assert.h"
@@ -13,9 +15,24 @@ namespace {
 
 constexpr std::size_t kGap = 2;  // in front of a column
 
+std::string Coloured(const std::string& text, std::uint8_t colour) {
+  return fmt::format("\033[38;5;{}m{}\033[0m", colour, text);
+}
+
 struct Line {
   std::string text;
   char mark = ' ';
+};
+
+/// The name of a row.
+struct Name {
+  std::string text;
+  std::optional<std::uint8_t> colour;
+
+  std::string Filled(std::size_t width, bool coloured) const {
+    const std::string shown = colour && coloured ? Coloured(text, *colour) : text;
+    return shown + std::string(width > Width(text) ? width - Width(text) : 0, ' ');
+  }
 };
 
 /// A column as lines of text.
@@ -32,7 +49,7 @@ struct Column {
 /// The names of rows, in one column on the left.
 struct Names {
   std::string corner;
-  std::vector<std::string> rows;
+  std::vector<Name> rows;
   std::size_t width = 0;  // but for names that have a line of their own
 };
 
@@ -81,12 +98,13 @@ Names NamesOf(const ResultTable& table, std::span<const std::size_t> places, std
     };
     names.corner += filled(table.columns[c].heading);
     for (std::size_t r = 0; r < table.rows.size(); ++r) {
-      names.rows[r] += filled(table.rows[r][c].text);
+      names.rows[r].text += filled(table.rows[r][c].text);
+      names.rows[r].colour = table.rows[r][c].terminal_colour;
     }
   }
   names.width = Width(names.corner);
-  for (const std::string& name : names.rows) {
-    if (Width(name) <= longest) names.width = std::max(names.width, Width(name));
+  for (const Name& name : names.rows) {
+    if (Width(name.text) <= longest) names.width = std::max(names.width, Width(name.text));
   }
   return names;
 }
@@ -123,13 +141,13 @@ void AppendPiece(const Names& names, std::span<const Column> columns, bool colou
                  std::string& out) {
   AppendHead(names, columns, out);
   for (std::size_t row = 0; row < names.rows.size(); ++row) {
-    const std::string& name = names.rows[row];
-    const bool own_line = Width(name) > names.width;
-    if (own_line) AppendLine(out, name);
+    const Name& name = names.rows[row];
+    const bool own_line = Width(name.text) > names.width;
+    if (own_line) AppendLine(out, name.Filled(0, colour));
     std::size_t lines = 1;
     for (const Column& column : columns) lines = std::max(lines, column.rows[row].size());
     for (std::size_t line = 0; line < lines; ++line) {
-      std::string text = Padded(line == 0 && !own_line ? name : "", names.width, false);
+      std::string text = (line == 0 && !own_line ? name : Name{}).Filled(names.width, colour);
       for (const Column& column : columns) {
         const auto& cells = column.rows[row];
         text += std::string(kGap, ' ') +

@@ -71,6 +71,25 @@ TEST(Palette, ContrastIsThatOfWcag) {
   EXPECT_EQ(ContrastOf(0x123456, 0x123456), 1.0);
 }
 
+/// 0xRRGGBB of one of the 256 colours of xterm, of the cube or the greys.
+unsigned TerminalRgb(unsigned number) {
+  constexpr std::array<unsigned, 6> kLevels = {0, 95, 135, 175, 215, 255};
+  if (number >= 232) return (8 + 10 * (number - 232)) * 0x010101;
+  const unsigned place = number - 16;
+  return kLevels[place / 36] << 16 | kLevels[place / 6 % 6] << 8 | kLevels[place % 6];
+}
+
+TEST(Palette, ATerminalOfAnyGroundShowsItsColours) {
+  for (const unsigned a : kTerminalSeries) {
+    EXPECT_GE(ContrastOf(TerminalRgb(a), 0xffffff), 3.0) << a;
+    EXPECT_GE(ContrastOf(TerminalRgb(a), 0x000000), 3.0) << a;
+    for (const unsigned b : kTerminalSeries) {
+      if (a == b) continue;
+      EXPECT_GE(LeastDifference(TerminalRgb(a), TerminalRgb(b)), 9.0) << a << " " << b;
+    }
+  }
+}
+
 TEST(Palette, EverythingIsSeenOnBothGrounds) {
   for (const Shade& ground : {kGround, kPanel}) {
     const auto expect = [&](const Shade& shade, double least) {

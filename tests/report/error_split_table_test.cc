@@ -28,6 +28,7 @@ ControllerSummary Controller(const std::string& name, const std::vector<double>&
   controller.name = name;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   controller.summary.assign(Metrics().size(), {nan, nan, nan});
+  controller.rank.assign(Metrics().size(), 0);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     controller.summary[TrackingErrorParts()[i].metric].mean = parts[i];
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <regex>
 #include <sstream>
 
 #include "sim/comparison/comparison_verdict.h"
@@ -135,8 +136,13 @@ TEST(ScoreTable, GivesALongNameALineOfItsOwn) {
 
 TEST(ScoreTable, HasColoursOnlyWhereAsked) {
   const test::MadeUpStudy made = test::MakeUpStudy({});
-  EXPECT_THAT(TextOf(ScoreText(made, true), {.colour = true}), HasSubstr("\033["));
-  EXPECT_THAT(TextOf(ScoreText(made, true), {.colour = false}), Not(HasSubstr("\033")));
+  const std::string coloured = TextOf(ScoreText(made, true), {.colour = true});
+  std::string plain = TextOf(ScoreText(made, true), {.colour = false});
+  EXPECT_THAT(plain, Not(HasSubstr("\033")));
+  // The baseline has the first colour of the palette, the best of the others the next.
+  EXPECT_THAT(coloured, HasSubstr("\033[38;5;241mraw\033[0m "));
+  EXPECT_THAT(coloured, HasSubstr("\033[38;5;25mfilter_"));
+  EXPECT_EQ(std::regex_replace(coloured, std::regex("\033\\[[0-9;]*m"), ""), plain);
 }
 
 TEST(ScoreTable, TellsWhoseTheScatterIs) {
