@@ -16,6 +16,7 @@
 #include "sim/figure/palette.h"
 #include "sim/glove/noise/galton_board.h"
 #include "sim/report/assets.h"
+#include "sim/report/score_table.h"
 #include "sim/results/html_text.h"
 #include "sim/results/table_text.h"
 
@@ -65,8 +66,8 @@ std::string DifferenceText(const MeanInterval& difference) {
 
 ResultTable ClaimTable(const PaperExperiment& experiment) {
   ResultTable table{.columns = {WordColumn("Claim"), WordColumn("Measured by"), ForPeople("Before"),
-                                ForPeople("After"), ForPeople("Difference, interval"),
-                                WordColumn("Matters from"), WordColumn("Answer")}};
+                                ForPeople("After"), ForPeople("Difference (95 % CI)"),
+                                WordColumn("Smallest relevant difference"), WordColumn("Answer")}};
   for (const Claim& claim : experiment.claims) {
     const auto& [difference, relevant_difference, judgement] = claim.comparison;
     const std::string costs = claim.costs.empty() ? "" : ". It costs: " + claim.costs;
@@ -79,29 +80,6 @@ ResultTable ClaimTable(const PaperExperiment& experiment) {
                     judgement == Judgement::kBetter  ? '*'
                     : judgement == Judgement::kWorse ? '!'
                                                      : '~')});
-  }
-  return table;
-}
-
-ResultTable ScoresTable(const Summary& summary) {
-  const std::vector<std::size_t> shown = ShownMetrics(summary);
-  ResultTable table{.columns = {WordColumn("Controller")}};
-  for (const std::size_t metric : shown) {
-    table.columns.push_back(ForPeople(std::string(Metrics()[metric].key)));
-  }
-  for (const ControllerSummary& controller : summary.controllers) {
-    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell(controller.name)});
-    for (const std::size_t metric : shown) {
-      const Comparison& to_best = controller.to_best[metric];
-      std::string text = Short(controller.summary[metric].mean);
-      if (to_best.judgement != Judgement::kNone) {
-        text += fmt::format("; {}: {}", DifferenceText(to_best.difference),
-                            JudgementText(to_best.judgement));
-      } else if (controller.as_good_as_best[metric]) {
-        text += "; best";
-      }
-      row.push_back(ResultCell::Text(text));
-    }
   }
   return table;
 }
@@ -260,7 +238,7 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
   values["sources"] = "";
   values["style"] = PaletteCss() + std::string(assets::kStyle) + std::string(kPaperStyle);
   values["claim_table"] = Table(ClaimTable(experiment));
-  values["scores"] = Table(ScoresTable(experiment.finished.summary));
+  values["scores"] = HtmlOf(AnswerText(experiment.finished));
   values["filters"] = Table(FilterTable(experiment.filters));
   values["figures"] = FigureHtml(figures);
   return FillTemplate(kPaperHtml, values);
@@ -273,7 +251,7 @@ std::string PaperTable(const PaperExperiment& experiment) {
     out += fmt::format("{:<19}  {}\n", AnswerText(judgement), claim.claim);
     out += fmt::format("{:21}{} -> {}  {}\n", "", Short(claim.before), Short(claim.after),
                        claim.measured);
-    out += fmt::format("{:21}difference {}, matters from {}\n", "", DifferenceText(difference),
+    out += fmt::format("{:21}difference {}, smallest relevant {}\n", "", DifferenceText(difference),
                        Short(relevant_difference));
     if (!claim.costs.empty()) out += fmt::format("{:21}costs {}\n", "", claim.costs);
   }

@@ -75,7 +75,7 @@ function definitionRow(data, metric, id) {
       cell.append(`${sign}${formatNumber(difference.mean)} to ${other}`);
       if (!data.comparison || !difference.verdict) continue;
       cell.append(element("br"), comparisonText(difference), element("br"),
-        `matters from ${formatNumber(difference.relevant_difference)}`);
+        `smallest relevant difference: ${formatNumber(difference.relevant_difference)}`);
     }
     const effect = controller.effect_size[metric];
     if (data.comparison && effect !== null && effect !== undefined) {
