@@ -186,12 +186,9 @@ bool Withhold(double range, const std::string& name, const std::string& need,
 }
 
 /// Dead time and lag share the delay; if one of them is open, so is the other.
-void WithholdShares(const std::vector<FittedFamily>& fits, double range_ms, ChainFit& fit) {
+void WithholdShares(const ChainEstimate& sum_ms, double range_ms, ChainFit& fit) {
   const double widest_ms =
       std::max(fit.dead_time_ms.high - fit.dead_time_ms.low, fit.lag_ms.high - fit.lag_ms.low);
-  const ChainEstimate sum_ms = EstimateOf(fits, 0.0, [](const ChainModel& m) {
-    return 1e3 * (m.dead_time_s + m.lag_s + m.extra_lag_s);
-  });
   const bool sum_known = sum_ms.high - sum_ms.low < range_ms;
   if (!(widest_ms >= range_ms)) return;
   fit.dead_time_ms = fit.lag_ms = {};
@@ -204,23 +201,15 @@ void WithholdShares(const std::vector<FittedFamily>& fits, double range_ms, Chai
 /// Withholds values that the log does not determine.
 void WithholdUnknown(const PartRows& rows, const std::vector<FittedFamily>& fits, ChainFit& fit) {
   const FittedFamily& selected = fits.front();
-  const double travel_deg = 2.0 * selected.half_travel_deg * fit.model.gain;
-  const double delay_ms = 1e3 * (fit.model.dead_time_s + fit.model.lag_s + fit.model.extra_lag_s);
-  WithholdShares(fits, std::max(delay_ms, 1e3 / rows.rate_hz), fit);
-  const std::string larger = "larger motion";
-  Withhold(travel_deg, "the offset is", larger, fit.offset_deg, fit);
-  Withhold(fit.gain.value, "the gain is", larger, fit.gain, fit);
-  const double hysteresis_range_deg = selected.family.Has(kPlay) ? 0.5 * travel_deg : 0.0;
-  Withhold(hysteresis_range_deg, "the hysteresis is", "slow motion that turns at many positions",
-           fit.hysteresis_deg, fit);
-  if (std::isnan(fit.natural_frequency_hz.value)) {
-    fit.remarks.emplace_back(
-        "natural frequency and damping are not identifiable from this log (needs a second-order "
-        "lag, faster motion or more rows per second)");
-  } else if (Withhold(fit.natural_frequency_hz.value, "the natural frequency is",
-                      "faster motion or more rows per second", fit.natural_frequency_hz, fit)) {
-    fit.damping_ratio = {};
-  }
+  WithholdUnknown({.travel_deg = 2.0 * selected.half_travel_deg * fit.model.gain,
+                   .rate_hz = rows.rate_hz,
+                   .delay_ms = EstimateOf(fits, 0.0,
+                                          [](const ChainModel& m) {
+                                            return 1e3 * (m.dead_time_s + m.lag_s + m.extra_lag_s);
+                                          }),
+                   .has_play = selected.family.Has(kPlay),
+                   .has_frames = fit.frames.has_value()},
+                  fit);
 }
 
 /// A speed limit makes the delay depend on the size of the motion. The delay is withheld if the
@@ -246,17 +235,6 @@ void CheckDelay(const PartRows& rows, const FittedFamily& selected, ChainFit& fi
       "speed limit",
       fit.delay_ms.value, delay_ms));
   fit.delay_ms = {};
-}
-
-/// Remarks that follow from the rate of the rows and from the residual.
-void RemarkOnRows(const PartRows& rows, ChainFit& fit) {
-  constexpr double kFewRows_hz = 100.0;
-  if (!fit.frames && rows.rate_hz < kFewRows_hz) {
-    fit.remarks.push_back(fmt::format(
-        "at {:.3g} Hz the log does not tell whether commands are held from row to row; if they "
-        "are, the dead time is up to {:.0f} ms shorter (see --held)",
-        rows.rate_hz, 500.0 / rows.rate_hz));
-  }
 }
 
 /// Standard deviation of white noise and encoder quantisation, from third differences. Motion
@@ -453,6 +431,7 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
   }
   fit.shifted_rms_deg = Rms(shifted->solution.residual);
   fit.delay_ms = EstimateOf(*shifted, 0.0, [](const ChainModel& m) { return 1e3 * m.dead_time_s; });
+  if (detail == ChainDetail::kDelay) return fit;
   rows.frames = fit.frames;
   const std::vector<FittedFamily> fits = FitSplit(rows, *shifted, parts, detail);
   if (fits.empty()) {
@@ -465,8 +444,31 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
   if (detail == ChainDetail::kBasic) return fit;
   CheckDelay(rows, fits.front(), fit);
   WithholdUnknown(rows, fits, fit);
-  RemarkOnRows(rows, fit);
   return fit;
+}
+
+void WithholdUnknown(const KnownOfLog& known, ChainFit& fit) {
+  WithholdShares(known.delay_ms, std::max(known.delay_ms.value, 1e3 / known.rate_hz), fit);
+  const std::string larger = "larger motion";
+  Withhold(known.travel_deg, "the offset is", larger, fit.offset_deg, fit);
+  Withhold(fit.gain.value, "the gain is", larger, fit.gain, fit);
+  Withhold(known.has_play ? 0.5 * known.travel_deg : 0.0, "the hysteresis is",
+           "slow motion that turns at many positions", fit.hysteresis_deg, fit);
+  if (std::isnan(fit.natural_frequency_hz.value)) {
+    fit.remarks.emplace_back(
+        "natural frequency and damping are not identifiable from this log (needs a second-order "
+        "lag, faster motion or more rows per second)");
+  } else if (Withhold(fit.natural_frequency_hz.value, "the natural frequency is",
+                      "faster motion or more rows per second", fit.natural_frequency_hz, fit)) {
+    fit.damping_ratio = {};
+  }
+  constexpr double kFewRows_hz = 100.0;
+  if (!known.has_frames && known.rate_hz < kFewRows_hz) {
+    fit.remarks.push_back(fmt::format(
+        "at {:.3g} Hz the log does not tell whether commands are held from row to row; if they "
+        "are, the dead time is up to {:.0f} ms shorter (see --held)",
+        known.rate_hz, 500.0 / known.rate_hz));
+  }
 }
 
 void AddMotor(std::span<const double> command_deg, std::span<const double> motor_deg,

@@ -48,8 +48,9 @@ struct ChainFit {
   double shifted_rms_deg = kNaN;   // RMS with the delay alone
 };
 
-/// kBasic: lost motion is the only addition to the basic chain, and no value is withheld.
-enum class ChainDetail { kBasic, kAll };
+/// kDelay: the delay alone. kBasic: lost motion is the only addition to the basic chain, and no
+/// value is withheld.
+enum class ChainDetail { kDelay, kBasic, kAll };
 
 /// Length of the shortest log that can be fitted.
 inline constexpr double kShortestChainLog_s = 5.0;
@@ -84,6 +85,18 @@ inline constexpr double kShortestChainLog_s = 5.0;
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
                   double rate_hz, int parts = 1, const std::optional<FrameClock>& frames = {},
                   ChainDetail detail = ChainDetail::kAll);
+
+/// What a log determines of a chain, beside the estimates themselves.
+struct KnownOfLog {
+  double travel_deg;       // of the angle, by the command's travel and the gain
+  double rate_hz;          // of the rows
+  ChainEstimate delay_ms;  // dead time and lag together
+  bool has_play;           // the model contains hysteresis
+  bool has_frames;         // the times of the command's steps are known
+};
+
+/// Withholds values whose interval is as wide as their range (NaN), with remarks.
+void WithholdUnknown(const KnownOfLog& known, ChainFit& fit);
 
 /// Adds the values that the motor's angle determines to a part's fit. Scale, offset and sign of
 /// that angle do not matter.

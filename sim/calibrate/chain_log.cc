@@ -78,22 +78,21 @@ void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& ser
   }
 }
 
-/// The valid values of all columns: commands, angles, motors.
+/// The valid values of all columns of one episode: commands, angles, motors.
 struct ChainRows {
-  std::vector<PartColumn> columns;
+  double episode = 0.0;
   std::vector<Series> series;
+  std::vector<double> steps_s;  // from row to row
   double count = 0.0;
   double first_s = 0.0;
-  double last_s = -std::numeric_limits<double>::infinity();
-  double period_s = 0.0;  // usual one
+  double last_s = 0.0;
   std::size_t values_missing = 0;
 };
 
 /// Number of the episode of each row: that of its column, or counted by times that begin anew.
 class Episodes {
  public:
-  Episodes(const ChainColumns& columns, std::optional<int> wanted)
-      : columns_(columns), wanted_(wanted) {}
+  explicit Episodes(const ChainColumns& columns) : columns_(columns) {}
 
   /// True if the row begins another episode than the row before.
   bool Begins(std::span<const double> values, double time_s) {
@@ -112,31 +111,39 @@ class Episodes {
     return begins;
   }
 
-  bool IsWanted() const { return !wanted_ || number_ == *wanted_; }
+  double number() const { return number_; }
 
-  /// Errors: UserError for several episodes of which none is chosen, or a number that does not
-  /// exist.
-  void Check(const CsvReader& csv) const {
-    const bool exists = !wanted_ || std::ranges::find(numbers_, *wanted_) != numbers_.end();
-    if (exists && (wanted_ || numbers_.size() <= 1)) return;
+  /// Errors: UserError for a number that does not exist.
+  void Check(const CsvReader& csv, std::optional<int> wanted) const {
+    if (!wanted || std::ranges::find(numbers_, *wanted) != numbers_.end()) return;
     const auto [least, most] = std::ranges::minmax(numbers_);
     csv.FailInRow(1, (columns_.episode ? *columns_.episode : columns_.time.front().column) + 1,
-                  fmt::format("the log has {} episode{} ({:g} to {:g}): choose one with --episode",
-                              numbers_.size(), numbers_.size() == 1 ? "" : "s", least, most));
+                  numbers_.size() == 1
+                      ? fmt::format("the log has one episode, {:g}: --episode {} does not exist",
+                                    least, *wanted)
+                      : fmt::format("the log has {} episodes ({:g} to {:g}): --episode {} does not "
+                                    "exist",
+                                    numbers_.size(), least, most, *wanted));
   }
 
  private:
   const ChainColumns& columns_;
-  std::optional<int> wanted_;
   double number_ = 0.0;
   double first_s_ = kNaN;
   double last_s_ = kNaN;
   std::vector<double> numbers_;
 };
 
-void TakeRow(const std::vector<double>& values, double time_s, ChainRows& rows) {
-  for (std::size_t i = 0; i < rows.columns.size(); ++i) {
-    const double value = values[rows.columns[i].column];
+void TakeRow(const std::vector<PartColumn>& columns, const std::vector<double>& values,
+             double time_s, ChainRows& rows) {
+  if (rows.count++ == 0.0) {
+    rows.first_s = time_s;
+  } else {
+    rows.steps_s.push_back(time_s - rows.last_s);
+  }
+  rows.last_s = time_s;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const double value = values[columns[i].column];
     if (std::isnan(value)) {
       ++rows.values_missing;
       continue;
@@ -146,77 +153,70 @@ void TakeRow(const std::vector<double>& values, double time_s, ChainRows& rows) 
   }
 }
 
-/// Reads only the columns of `columns`. Result: distances of the rows of one episode. Errors:
-/// UserError for times that do not rise, and for several episodes.
-std::vector<double> ReadSeries(const ChainColumns& columns, std::optional<int> episode,
-                               CsvReader& csv, ChainRows& rows) {
+void CheckEpisode(double number, std::size_t column, const CsvReader& csv) {
+  constexpr double kMost = 1e9;
+  if (number >= 0.0 && number <= kMost && number == std::floor(number)) return;
+  csv.Fail(column + 1,
+           fmt::format("the episode is {}, must be a whole number of 0 to {:g}", number, kMost));
+}
+
+/// Reads only the columns of `columns` and of the parts. Errors: UserError for times that do not
+/// rise.
+std::vector<ChainRows> ReadRows(const ChainColumns& columns, const std::vector<PartColumn>& parts,
+                                std::optional<int> wanted, CsvReader& csv) {
   std::vector<bool> used(csv.column_count(), false);
   for (const TimeMapping& time : columns.time) {
     used[time.column] = true;
     if (time.is_text) csv.ReadAsTime(time.column);
   }
   if (columns.episode) used[*columns.episode] = true;
-  for (const PartColumn& column : rows.columns) used[column.column] = true;
+  for (const PartColumn& column : parts) used[column.column] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) csv.Ignore(i);
   }
   const std::size_t time_column = columns.time.front().column;
-  std::vector<double> steps_s;
+  std::vector<ChainRows> all;
   std::vector<double> values(csv.column_count());
-  Episodes episodes(columns, episode);
+  Episodes episodes(columns);
+  double last_s = 0.0;
   while (csv.NextRow(values)) {
     double time_s = 0.0;
     for (const TimeMapping& time : columns.time) time_s += values[time.column] * time.scale_s;
     if (std::isnan(time_s)) csv.Fail(time_column + 1, "the time is missing");
+    if (columns.episode) CheckEpisode(values[*columns.episode], *columns.episode, csv);
     const bool begins = episodes.Begins(values, time_s);
-    if (!begins && time_s <= rows.last_s) {
+    if (!begins && time_s <= last_s) {
       csv.Fail(time_column + 1,
                fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
-                           rows.last_s));
+                           last_s));
     }
-    if (episodes.IsWanted()) {
-      if (rows.count++ == 0.0) rows.first_s = time_s;
-      if (!begins) steps_s.push_back(time_s - rows.last_s);
-      TakeRow(values, time_s, rows);
+    last_s = time_s;
+    if (wanted && episodes.number() != *wanted) continue;
+    if (begins) {
+      ChainRows& rows = all.emplace_back();
+      rows.episode = episodes.number();
+      rows.series.resize(parts.size());
     }
-    rows.last_s = time_s;
+    TakeRow(parts, values, time_s, all.back());
   }
-  episodes.Check(csv);
-  return steps_s;
-}
-
-/// Errors: UserError for fewer than two rows, a column without values, or a long gap.
-ChainRows ReadChainRows(const ChainColumns& columns, std::optional<int> episode, CsvReader& csv) {
-  ChainRows rows;
-  rows.columns = columns.commands;
-  rows.columns.insert(rows.columns.end(), columns.angles.begin(), columns.angles.end());
-  rows.columns.insert(rows.columns.end(), columns.motors.begin(), columns.motors.end());
-  rows.series.resize(rows.columns.size());
-  const std::vector<double> steps_s = ReadSeries(columns, episode, csv, rows);
-  if (steps_s.empty()) csv.Fail(1, "the log has fewer than two rows");
-  rows.period_s = controller::MedianOf(steps_s);
-  rows.last_s = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < rows.columns.size(); ++i) {
-    const PartColumn& column = rows.columns[i];
-    if (rows.series[i].value.empty()) {
-      csv.FailInRow(1, column.column + 1, fmt::format("{} has no values", csv.Quoted(column.part)));
-    }
-    rows.last_s = std::max(rows.last_s, rows.series[i].time_s.back());
-    RejectGap(csv, column, rows.series[i], std::max(0.1, 10.0 * rows.period_s));
-  }
-  return rows;
+  episodes.Check(csv, wanted);
+  if (all.empty()) csv.Fail(1, "the log has fewer than two rows");
+  return all;
 }
 
 /// Scale of the columns whose names have no unit. Named angles beyond a turn of 6.28 are degrees.
 /// Otherwise the unit is unknown, and `note` says so.
-double ScaleWithoutUnit(const ChainColumns& columns, const ChainRows& rows,
-                        const std::string& wanted, ChainLog& log) {
+double ScaleWithoutUnit(const ChainColumns& columns, const std::vector<PartColumn>& parts,
+                        const std::vector<ChainRows>& episodes, const std::string& wanted,
+                        ChainLog& log) {
   double most = 0.0;
   bool any = false;
   for (std::size_t i = 0; i < 2 * columns.commands.size(); ++i) {
-    if (rows.columns[i].scale) continue;
+    if (parts[i].scale) continue;
     any = true;
-    for (const double value : rows.series[i].value) most = std::max(most, std::abs(value));
+    for (const ChainRows& rows : episodes) {
+      for (const double value : rows.series[i].value) most = std::max(most, std::abs(value));
+    }
   }
   if (!any) return 1.0;
   if (wanted == "rad") return kDegPerRad;
@@ -237,23 +237,24 @@ double ScaleWithoutUnit(const ChainColumns& columns, const ChainRows& rows,
   return 1.0;
 }
 
-}  // namespace
-
-ChainLog LoadChainLog(const std::filesystem::path& file, const ChainLogOptions& options) {
-  FoundTable table =
-      FindTable(file.string(), TableSource(file, options.array), ProblemHandling::kAllowMissing);
-  CsvReader& csv = table.reader;
-  const ChainColumns columns = FindChainColumns(table, options.map);
-  ChainLog log;
-  log.name = OneLine(file.string());
-  for (const PartColumn& command : columns.commands) log.parts.push_back(command.part);
-  log.from_wearer = columns.is_trace;
-  log.columns_ignored = columns.ignored;
-  ChainRows rows = ReadChainRows(columns, options.episode, csv);
-  const double scale = ScaleWithoutUnit(columns, rows, options.unit, log);
+/// The episode at an even rate. `log` has what all episodes share.
+/// Errors: UserError for fewer than two rows, a column without values, a long gap or uneven rows.
+ChainLog LogOf(const ChainColumns& columns, const std::vector<PartColumn>& parts, double scale,
+               const CsvReader& csv, ChainRows rows, ChainLog log) {
+  if (rows.steps_s.empty()) csv.FailInRow(1, 1, "the log has fewer than two rows");
+  const double period_s = controller::MedianOf(rows.steps_s);
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (rows.series[i].value.empty()) {
+      csv.FailInRow(1, parts[i].column + 1,
+                    fmt::format("{} has no values", csv.Quoted(parts[i].part)));
+    }
+    last_s = std::max(last_s, rows.series[i].time_s.back());
+    RejectGap(csv, parts[i], rows.series[i], std::max(0.1, 10.0 * period_s));
+  }
   log.values_missing = rows.values_missing;
-  log.rate_hz = 1.0 / rows.period_s;
-  const double periods = (rows.last_s - rows.first_s) / rows.period_s;
+  log.rate_hz = 1.0 / period_s;
+  const double periods = (last_s - rows.first_s) / period_s;
   // Rows in bunches would make up to a million samples of each row.
   constexpr double kMostSamplesPerRow = 20.0;
   if (!(periods <= kMostSamplesPerRow * rows.count)) {
@@ -261,26 +262,59 @@ ChainLog LoadChainLog(const std::filesystem::path& file, const ChainLogOptions& 
         1, columns.time.front().column + 1,
         fmt::format("most rows come {:.3g} s after the one before, but all {} take {:.6g} "
                     "s, must come at an about even rate",
-                    rows.period_s, rows.count, rows.last_s - rows.first_s));
+                    period_s, rows.count, last_s - rows.first_s));
   }
   const Eigen::Index samples = std::llround(periods) + 1;
-  const Eigen::Index parts = std::ssize(log.parts);
-  log.command_deg = Signal(samples, parts);
-  log.angle_deg = Signal(samples, parts);
-  if (!columns.motors.empty()) log.motor_deg = Signal::Constant(samples, parts, kNaN);
+  const Eigen::Index count = std::ssize(log.parts);
+  log.command_deg = Signal(samples, count);
+  log.angle_deg = Signal(samples, count);
+  if (!columns.motors.empty()) log.motor_deg = Signal::Constant(samples, count, kNaN);
   Signal* const signals[] = {&log.command_deg, &log.angle_deg, &log.motor_deg};
-  for (std::size_t i = 0; i < rows.series.size(); ++i) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
     for (double& value : rows.series[i].value) {
-      value = rows.columns[i].scale.value_or(scale) * value + rows.columns[i].offset_deg;
+      value = parts[i].scale.value_or(scale) * value + parts[i].offset_deg;
     }
-    const Eigen::Index part =
-        std::ranges::find(log.parts, rows.columns[i].part) - log.parts.begin();
+    const Eigen::Index part = std::ranges::find(log.parts, parts[i].part) - log.parts.begin();
     Signal& signal = *signals[std::min<std::size_t>(i / log.parts.size(), 2)];
     const bool is_command = i < log.parts.size();
     (is_command ? InterpolateCommand : InterpolateLine)(rows.series[i], rows.first_s, log.rate_hz,
                                                         signal.col(part));
   }
   return log;
+}
+
+}  // namespace
+
+ChainEpisodes LoadChainEpisodes(const std::filesystem::path& file, const ChainLogOptions& options) {
+  FoundTable table =
+      FindTable(file.string(), TableSource(file, options.array), ProblemHandling::kAllowMissing);
+  CsvReader& csv = table.reader;
+  const ChainColumns columns = FindChainColumns(table, options.map);
+  ChainLog shared;
+  shared.name = OneLine(file.string());
+  for (const PartColumn& command : columns.commands) shared.parts.push_back(command.part);
+  shared.from_wearer = columns.is_trace;
+  shared.columns_ignored = columns.ignored;
+  std::vector<PartColumn> parts = columns.commands;
+  parts.insert(parts.end(), columns.angles.begin(), columns.angles.end());
+  parts.insert(parts.end(), columns.motors.begin(), columns.motors.end());
+  std::vector<ChainRows> episodes = ReadRows(columns, parts, options.episode, csv);
+  const double scale = ScaleWithoutUnit(columns, parts, episodes, options.unit, shared);
+  ChainEpisodes result;
+  const bool one = episodes.size() == 1;
+  std::optional<UserError> first_error;
+  for (ChainRows& rows : episodes) {
+    const double number = rows.episode;
+    try {
+      result.logs.push_back(LogOf(columns, parts, scale, csv, std::move(rows), shared));
+      if (!one || options.episode) result.logs.back().episode = static_cast<int>(number);
+    } catch (const UserError& error) {
+      result.left_out.push_back(fmt::format("episode {:g}: {}", number, error.problem()));
+      if (!first_error) first_error = error;
+    }
+  }
+  if (result.logs.empty()) throw UserError(*first_error);
+  return result;
 }
 
 std::string RemarksOf(const ChainLog& log, const ChainFit& fit) {

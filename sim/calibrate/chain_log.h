@@ -15,7 +15,8 @@ namespace gauntlet::sim {
 ///
 /// Shapes: samples x parts, at a constant rate, finite.
 struct ChainLog {
-  std::string name;  // of the file, for messages
+  std::string name;            // of the file, for messages
+  std::optional<int> episode;  // of a file with several
   std::vector<std::string> parts;
   double rate_hz = 1000.0;
   Signal command_deg;
@@ -33,7 +34,13 @@ struct ChainLogOptions {
   std::string array = {};           // of a file with several, see ListArrays()
   std::string map = {};             // column map with command, angle, motor; empty: by names
   std::string unit = {};            // of columns whose names have none: deg or rad
-  std::optional<int> episode = {};  // of a log with several
+  std::optional<int> episode = {};  // the only one to read, of a log with several
+};
+
+/// The episodes of a file; a file without episodes has one.
+struct ChainEpisodes {
+  std::vector<ChainLog> logs;         // at least one
+  std::vector<std::string> left_out;  // "episode 7: ..", where one cannot be read and others can
 };
 
 /// Reads a table of any format of TableSource with a header and a time (see TimeByName).
@@ -41,11 +48,12 @@ struct ChainLogOptions {
 /// `NAME_motor_deg` (or `_rad`) with the angle of its motor: see FindChainColumns(). The CSV of a
 /// trace is also accepted: `true_angle_rad.NAME` and `hand_angle_rad.NAME`. Other columns are
 /// ignored. Times may be uneven: values are interpolated linearly at the median rate, commands in
-/// steps (see FindFrameClock() and StepsOf()) by the nearest row.
-/// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows, and
-/// for a log of several episodes (a column `episode_index`, or times that begin anew) of which none
-/// is chosen.
-ChainLog LoadChainLog(const std::filesystem::path& file, const ChainLogOptions& options = {});
+/// steps (see FindFrameClock() and StepsOf()) by the nearest row. An episode begins where a column
+/// `episode_index` changes, or where times begin anew.
+/// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows in all
+/// episodes, and for a chosen episode that does not exist.
+ChainEpisodes LoadChainEpisodes(const std::filesystem::path& file,
+                                const ChainLogOptions& options = {});
 
 /// Clock of the command frames for each part: the common clock of all commands, or the part's own
 /// if there is no common one. None if no clock is found.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -123,7 +125,17 @@ const std::string& ProblemOf(const ChainFit& fit) {
 
 }  // namespace
 
-ResultTable ChainTable(const ChainLog& log, const std::vector<ChainFit>& fits) {
+std::string ExtentText(const ChainResult& result) {
+  const std::string extent =
+      fmt::format("{:.1f} s at {:.6g} Hz", result.duration_s(), result.log().rate_hz);
+  if (result.episodes.size() == 1) return extent;
+  return fmt::format("{} episodes, {}: {} fitted, {} held out", result.episodes.size(), extent,
+                     result.fitted, result.judged);
+}
+
+ResultTable ChainTable(const ChainResult& result) {
+  const ChainLog& log = result.log();
+  const std::vector<ChainFit>& fits = result.fits;
   ResultTable table{.columns = {{"part", "part"}, {"problem"}}};
   const auto in_unit = [&](const std::string& text) { return InUnitOf(log, text); };
   for (const Quantity& quantity : kQuantities) {
@@ -160,11 +172,11 @@ ResultTable ChainTable(const ChainLog& log, const std::vector<ChainFit>& fits) {
   return table;
 }
 
-ResultText ChainText(const ChainLog& log, const std::vector<ChainFit>& fits) {
-  ResultText text = {
-      fmt::format("{:.1f} s at {:.6g} Hz; in brackets: 95 % confidence interval",
-                  static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz),
-      ChainTable(log, fits)};
+ResultText ChainText(const ChainResult& result) {
+  const ChainLog& log = result.log();
+  const std::vector<ChainFit>& fits = result.fits;
+  ResultText text = {ExtentText(result) + "; in brackets: 95 % confidence interval",
+                     ChainTable(result)};
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const std::string& problem = ProblemOf(fits[i]);
     if (!problem.empty()) AddLine(fmt::format("{}: {}", log.parts[i], problem), text);
@@ -181,8 +193,10 @@ ResultText ChainText(const ChainLog& log, const std::vector<ChainFit>& fits) {
   return text;
 }
 
-Verdict VerdictOf(const ChainLog& log, const std::vector<ChainFit>& fits,
-                  const IdentifiedChain& chain, const std::string& file) {
+Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
+                  const std::string& file) {
+  const ChainLog& log = result.log();
+  const std::vector<ChainFit>& fits = result.fits;
   Verdict verdict;
   std::vector<double> delays_ms;
   std::vector<std::string> without_delay;  // the model of the others is known
@@ -228,25 +242,36 @@ Verdict VerdictOf(const ChainLog& log, const std::vector<ChainFit>& fits,
   return verdict;
 }
 
-ResultText ChainAnswer(const ChainLog& log, const std::vector<ChainFit>& fits,
-                       const IdentifiedChain& chain, const std::string& file, bool verbose) {
-  ResultText text = {fmt::format("{}: {:.1f} s at {:.6g} Hz, {} part{}", log.name,
-                                 static_cast<double>(log.command_deg.rows()) / log.rate_hz,
-                                 log.rate_hz, fits.size(), fits.size() == 1 ? "" : "s")};
-  AddVerdict(VerdictOf(log, fits, chain, file), text);
-  text.emplace_back(DelayTable(log, fits, chain));
-  if (verbose) std::ranges::move(ChainText(log, fits), std::back_inserter(text));
+ResultText ChainAnswer(const ChainResult& result, const IdentifiedChain& chain,
+                       const std::string& file, bool verbose) {
+  const std::size_t parts = result.fits.size();
+  ResultText text = {fmt::format("{}: {}, {} part{}", result.log().name, ExtentText(result), parts,
+                                 parts == 1 ? "" : "s")};
+  AddVerdict(VerdictOf(result, chain, file), text);
+  text.emplace_back(DelayTable(result.log(), result.fits, chain));
+  std::ranges::move(HeldOutText(result), std::back_inserter(text));
+  if (verbose) std::ranges::move(ChainText(result), std::back_inserter(text));
   return text;
 }
 
-std::string ChainJson(const ChainLog& log, const std::vector<ChainFit>& fits,
-                      const Verdict& verdict) {
-  const nlohmann::ordered_json json = {{"log", log.name},
-                                       {"samples", log.command_deg.rows()},
-                                       {"rate_hz", log.rate_hz},
-                                       {"angle_unit", log.unit_known ? "deg" : "unknown"},
-                                       {"verdict", JsonOf(verdict)},
-                                       {"parts", JsonOf(ChainTable(log, fits))}};
+std::string ChainJson(const ChainResult& result, const Verdict& verdict) {
+  const ChainLog& log = result.log();
+  nlohmann::ordered_json json = {{"log", log.name},
+                                 {"samples", log.command_deg.rows()},
+                                 {"rate_hz", log.rate_hz},
+                                 {"angle_unit", log.unit_known ? "deg" : "unknown"},
+                                 {"verdict", JsonOf(verdict)},
+                                 {"parts", JsonOf(ChainTable(result))}};
+  if (result.episodes.size() > 1) {
+    json["samples"] = 0;
+    for (const ChainLog& episode : result.episodes) {
+      json["samples"] = json["samples"].get<std::int64_t>() + episode.command_deg.rows();
+    }
+    json["episodes"] = {{"fitted", result.fitted},
+                        {"held_out", result.judged},
+                        {"left_out", result.left_out},
+                        {"parts", JsonOf(HeldOutTable(result))}};
+  }
   return json.dump(2) + "\n";
 }
 

@@ -3,26 +3,26 @@
 #include <string>
 #include <vector>
 
-#include "sim/calibrate/chain_fit.h"
-#include "sim/calibrate/chain_log.h"
+#include "sim/calibrate/chain_episodes.h"
 #include "sim/calibrate/identified_chain.h"
 #include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 
+/// "12.4 s at 30 Hz", or "50 episodes, 612 s at 30 Hz: 25 fitted, 25 held out".
+std::string ExtentText(const ChainResult& result);
+
 /// Values of a hand with their intervals, a row per part.
-ResultTable ChainTable(const ChainLog& log, const std::vector<ChainFit>& fits);
+ResultTable ChainTable(const ChainResult& result);
 /// The same for a person, with the reason of each value that is withheld.
-ResultText ChainText(const ChainLog& log, const std::vector<ChainFit>& fits);
+ResultText ChainText(const ChainResult& result);
 
 /// The horizon to set, the values that are withheld, and warnings. `file` contains the chain; the
 /// recommendation is empty if the log determines no delay.
-Verdict VerdictOf(const ChainLog& log, const std::vector<ChainFit>& fits,
-                  const IdentifiedChain& chain, const std::string& file);
-/// The verdict and a table of the delays; `verbose` adds ChainText().
-ResultText ChainAnswer(const ChainLog& log, const std::vector<ChainFit>& fits,
-                       const IdentifiedChain& chain, const std::string& file, bool verbose);
-std::string ChainJson(const ChainLog& log, const std::vector<ChainFit>& fits,
-                      const Verdict& verdict);
+Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain, const std::string& file);
+/// The verdict, a table of the delays and HeldOutText(); `verbose` adds ChainText().
+ResultText ChainAnswer(const ChainResult& result, const IdentifiedChain& chain,
+                       const std::string& file, bool verbose);
+std::string ChainJson(const ChainResult& result, const Verdict& verdict);
 
 }  // namespace gauntlet::sim

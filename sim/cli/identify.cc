@@ -6,11 +6,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/text.h"
-#include "sim/calibrate/chain_log.h"
+#include "sim/calibrate/chain_episodes.h"
 #include "sim/calibrate/chain_tables.h"
 #include "sim/calibrate/identified_chain.h"
 #include "sim/calibrate/identified_servo.h"
@@ -66,7 +67,8 @@ struct IdentifyOptions {
                "n-th row only]"),
         Option("--unit", &unit, {.value = "UNIT", .choices = {"deg", "rad"}},
                "unit of the angles, if the names of the columns have none"),
-        Option("--episode", &episode, {.value = "N"}, "episode to take of a log that has several"),
+        Option("--episode", &episode, {.value = "N"},
+               "take one episode of a log that has several [all]"),
         ForceOption(force),
         Option("--json", &json, {}, "print JSON instead of the table"),
         VerboseOption(verbose, "also print all values, confidence intervals and reasons"),
@@ -134,16 +136,18 @@ ChainLog LogOfTrace(const fs::path& file, const IdentifyOptions& options) {
   return log;
 }
 
-ChainLog LoadLog(const IdentifyOptions& options) {
+ChainEpisodes LoadLogs(const IdentifyOptions& options) {
   const fs::path path = options.log;
   const bool is_output = fs::is_directory(path) && DataSetFiles(path).empty();
   const fs::path trace = is_output ? path / "trace.h5" : path;
-  if (trace.extension() == ".h5" && options.array.empty()) return LogOfTrace(trace, options);
+  if (trace.extension() == ".h5" && options.array.empty()) {
+    return {.logs = {LogOfTrace(trace, options)}, .left_out = {}};
+  }
   if (!options.controller.empty()) {
     throw UserError({.place = "--controller " + options.controller,
                      .problem = "is for an output folder or its trace.h5, a CSV has but one"});
   }
-  return LoadChainLog(
+  return LoadChainEpisodes(
       path, {.array = options.array,
              .map = options.map,
              .unit = options.unit,
@@ -173,10 +177,10 @@ fs::path BesideTarget(fs::path target, const std::string& ending) {
   return target += ending;
 }
 
-std::vector<ChainFit> FitWithProgress(const ChainLog& log) {
+ChainResult FitWithProgress(ChainEpisodes episodes) {
   Progress bar("gauntlet identify");
-  bar.Update(0, std::ssize(log.parts));
-  return FitChains(log, [&](int done, int parts) { bar.Update(done, parts); });
+  bar.Update(0, 1);
+  return IdentifyChain(std::move(episodes), [&](int done, int all) { bar.Update(done, all); });
 }
 
 std::string ServoWithProgress(const ChainLog& log) {
@@ -190,15 +194,17 @@ void RunIdentify(const IdentifyOptions& options) {
   const fs::path target = TargetOf(options);
   const fs::path hand = BesideTarget(target, ".hand.yaml");
   const fs::path page = BesideTarget(target, ".html");
-  ChainLog log = LoadLog(options);
+  ChainEpisodes episodes = LoadLogs(options);
   OutputFiles files({.folder = target.parent_path(),
                      .command = "identify",
                      .manifest = BesideTarget(target, ".manifest.json").filename(),
                      .results = {target.filename(), hand.filename(), page.filename()},
                      .editable = {target.filename(), hand.filename()},
                      .force = options.force});
-  log.held = options.held;
-  const std::vector<ChainFit> fits = FitWithProgress(log);
+  for (ChainLog& episode : episodes.logs) episode.held = options.held;
+  const ChainResult result = FitWithProgress(std::move(episodes));
+  const std::vector<ChainFit>& fits = result.fits;
+  const ChainLog& log = result.log();
   IdentifiedChain chain = MakeIdentifiedChain(log, fits);
   // The servo is fitted to what most parts do.
   const auto limited = std::ranges::count_if(
@@ -217,12 +223,12 @@ void RunIdentify(const IdentifyOptions& options) {
   files.Write([&](const fs::path& place) {
     WriteOutputFile(place / target.filename(), WithChecksum(chain_text));
     if (!servo.empty()) WriteOutputFile(place / hand.filename(), WithChecksum(servo));
-    WriteOutputFile(place / page.filename(), ChainPage(log, fits));
+    WriteOutputFile(place / page.filename(), ChainPage(result));
   });
   files.Commit();
   const std::string name = target.string();
-  PrintText(options.json ? ChainJson(log, fits, VerdictOf(log, fits, chain, name))
-                         : TextOf(ChainAnswer(log, fits, chain, name, options.verbose),
+  PrintText(options.json ? ChainJson(result, VerdictOf(result, chain, name))
+                         : TextOf(ChainAnswer(result, chain, name, options.verbose),
                                   StyleOf(options.terminal)));
   FlushOutput();
   if (!log.columns_ignored.empty()) {

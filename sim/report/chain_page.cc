@@ -135,26 +135,37 @@ std::string ChainVerdict(const std::vector<ChainFit>& fits, const std::string& u
 
 }  // namespace
 
-std::string ChainPage(const ChainLog& log, const std::vector<ChainFit>& fits) {
+std::string ChainPage(const ChainResult& result) {
+  const ChainLog& log = result.log();
+  const std::vector<ChainFit>& fits = result.fits;
   std::string figures;
   for (std::size_t part = 0; part < fits.size(); ++part)
     figures += PartFigures(log, fits[part], part);
-  const std::string facts = fmt::format(
-      "{} part{} · {:.1f} s at {:.6g} Hz", log.parts.size(), log.parts.size() == 1 ? "" : "s",
-      static_cast<double>(log.command_deg.rows()) / log.rate_hz, log.rate_hz);
-  return PlainPage(
-      {.kind = "Gauntlet identify",
-       .title = NameOf(log),
-       .question = "How large is the delay of each joint behind its command, and why?",
-       .verdict = ChainVerdict(fits, log.unit_known ? "deg" : "units"),
-       .facts = facts,
-       .heading = "Result",
-       .table = HtmlOf(ChainText(log, fits)),
-       .sections = PageSection(
-           "parts", "Measured beside simulated",
-           "Both follow the same command. A difference is motion that the fitted model does not "
-           "contain, such as a contact or a motor at its torque limit.",
-           figures)});
+  std::string sections;
+  if (const ResultText held_out = HeldOutText(result); !held_out.empty()) {
+    sections += PageSection("held-out", "Held-out episodes",
+                            "The chain of the fitted episodes, in episodes that no fit contains.",
+                            HtmlOf(held_out));
+  }
+  sections += PageSection(
+      "parts", "Measured beside simulated",
+      log.episode && result.episodes.size() > 1
+          ? fmt::format("Episode {}. Both follow the same command. A difference is motion that the "
+                        "fitted model does not contain, such as a contact or a motor at its torque "
+                        "limit.",
+                        *log.episode)
+          : "Both follow the same command. A difference is motion that the fitted model does not "
+            "contain, such as a contact or a motor at its torque limit.",
+      figures);
+  return PlainPage({.kind = "Gauntlet identify",
+                    .title = NameOf(log),
+                    .question = "How large is the delay of each joint behind its command, and why?",
+                    .verdict = ChainVerdict(fits, log.unit_known ? "deg" : "units"),
+                    .facts = fmt::format("{} part{} · {}", log.parts.size(),
+                                         log.parts.size() == 1 ? "" : "s", ExtentText(result)),
+                    .heading = "Result",
+                    .table = HtmlOf(ChainText(result)),
+                    .sections = sections});
 }
 
 }  // namespace gauntlet::sim

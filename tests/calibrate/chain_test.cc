@@ -425,12 +425,18 @@ TEST(FitChain, GivesTheDelayAloneWhereOneSineDoesNotTellThePartsApart) {
       << fit.dead_time_ms.low << " " << fit.dead_time_ms.high;
 }
 
+ChainLog LoadOnly(const std::filesystem::path& file, const ChainLogOptions& options = {}) {
+  ChainEpisodes episodes = LoadChainEpisodes(file, options);
+  EXPECT_EQ(episodes.logs.size(), 1U);
+  return episodes.logs.front();
+}
+
 class ChainLogTest : public testing::Test {
  protected:
   ChainLog Load(const std::string& csv) {
     const auto file = folder_.path() / "log.csv";
     std::ofstream(file) << csv;
-    return LoadChainLog(file);
+    return LoadOnly(file);
   }
   std::string Refusal(const std::string& csv) {
     try {
@@ -534,7 +540,7 @@ TEST_F(ChainLogTest, SaysThatAUnitIsUnknownUnlessNamesOrValuesTellIt) {
   EXPECT_THAT(log.unit_note, HasSubstr("unknown"));
   EXPECT_FALSE(Load("t_s,target_angle,actual_angle\n0,1,2\n0.01,1,2\n").unit_known);
   std::ofstream(folder_.path() / "log.csv") << "t_s,target_pos,actual_pos\n0,1,2\n0.01,1,2\n";
-  EXPECT_NEAR(LoadChainLog(folder_.path() / "log.csv", {.array = {}, .unit = "rad", .episode = {}})
+  EXPECT_NEAR(LoadOnly(folder_.path() / "log.csv", {.array = {}, .unit = "rad", .episode = {}})
                   .angle_deg(0, 0),
               2.0 * kDegPerRad, 1e-9);
 }
@@ -544,7 +550,7 @@ TEST_F(ChainLogTest, TakesRolesUnitsAndTimeFromAColumnMap) {
     std::ofstream(folder_.path() / "map.csv") << map;
     std::ofstream(folder_.path() / "log.csv")
         << "bench 3\nc1,x,y,z\n0,1000,0.5,7\n10,1100,0.6,8\n20,1200,0.7,9\n";
-    return LoadChainLog(folder_.path() / "log.csv", {.map = (folder_.path() / "map.csv").string()});
+    return LoadOnly(folder_.path() / "log.csv", {.map = (folder_.path() / "map.csv").string()});
   };
   const std::string head = "column,channel,unit,offset,raw_low,raw_high,deg_low,deg_high,joint\n";
   const std::string rows = head +
@@ -581,15 +587,48 @@ TEST_F(ChainLogTest, ReadsClocksAndNamesAboveUnits) {
   EXPECT_TRUE(log.unit_known);
 }
 
-TEST_F(ChainLogTest, AsksForOneOfSeveralEpisodes) {
+TEST_F(ChainLogTest, HasTheEpisodesOfItsFile) {
+  const auto load = [this](const std::string& csv, const ChainLogOptions& options = {}) {
+    std::ofstream(folder_.path() / "log.csv") << csv;
+    return LoadChainEpisodes(folder_.path() / "log.csv", options);
+  };
   const std::string anew = "t_s,a_command_deg,a_deg\n0,1,2\n0.01,3,4\n0,5,6\n0.01,7,8\n";
-  EXPECT_EQ(Refusal(anew),
-            "log.csv:1:1: the log has 2 episodes (0 to 1): choose one with --episode");
-  EXPECT_EQ(LoadChainLog(folder_.path() / "log.csv", {.array = {}, .unit = {}, .episode = 1})
-                .angle_deg(0, 0),
-            6.0);
-  EXPECT_THAT(Refusal("episode_index,t_s,a_command_deg,a_deg\n3,0,1,2\n3,1,1,2\n4,2,1,2\n"),
-              HasSubstr("log.csv:1:1: the log has 2 episodes (3 to 4)"));
+  const ChainEpisodes both = load(anew);
+  ASSERT_EQ(both.logs.size(), 2U);
+  EXPECT_EQ(both.logs[1].angle_deg(0, 0), 6.0);
+  EXPECT_EQ(both.logs[1].episode, 1);
+  const ChainEpisodes second = load(anew, {.array = {}, .unit = {}, .episode = 1});
+  ASSERT_EQ(second.logs.size(), 1U);
+  EXPECT_EQ(second.logs[0].angle_deg(1, 0), 8.0);
+  // One row is no episode, and does not take the others with it.
+  const ChainEpisodes cut =
+      load("episode_index,t_s,a_command_deg,a_deg\n3,0,1,2\n3,1,1,2\n4,2,1,2\n");
+  ASSERT_EQ(cut.logs.size(), 1U);
+  EXPECT_THAT(cut.left_out, testing::ElementsAre("episode 4: the log has fewer than two rows"));
+  // The unit is that of all episodes, not of the one with the small angles.
+  const ChainEpisodes unit =
+      load("t_s,target_angle,actual_angle\n0,1,2\n0.01,3,4\n0,50,60\n0.01,7,8\n");
+  EXPECT_TRUE(unit.logs[0].unit_known);
+  EXPECT_EQ(unit.logs[0].angle_deg(0, 0), 2.0);
+}
+
+TEST_F(ChainLogTest, RefusesAnEpisodeThatIsNone) {
+  const auto refusal = [this](const std::string& csv, int episode) {
+    std::ofstream(folder_.path() / "log.csv") << csv;
+    try {
+      LoadChainEpisodes(folder_.path() / "log.csv", {.array = {}, .unit = {}, .episode = episode});
+    } catch (const UserError& error) {
+      return std::string(error.what()).substr(folder_.path().string().size() + 1);
+    }
+    return std::string("none");
+  };
+  const std::string head = "episode_index,t_s,a_command_deg,a_deg\n";
+  EXPECT_EQ(refusal(head + "3,0,1,2\n3,1,1,2\n4,2,1,2\n4,3,1,2\n", 5),
+            "log.csv:1:1: the log has 2 episodes (3 to 4): --episode 5 does not exist");
+  EXPECT_EQ(refusal(head + "3,0,1,2\n3,1,1,2\n", 0),
+            "log.csv:1:1: the log has one episode, 3: --episode 0 does not exist");
+  EXPECT_EQ(refusal(head + "0.5,0,1,2\n", 0),
+            "log.csv:2:1: the episode is 0.5, must be a whole number of 0 to 1e+09");
 }
 
 TEST_F(ChainLogTest, RefusesWhatIsNoLogInOneLine) {

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/calibrate/chain_log.h"
+#include "sim/calibrate/chain_episodes.h"
 #include "sim/recordings/file_format.h"
 
 namespace gauntlet::sim {
@@ -22,11 +22,14 @@ void Read(std::string_view text) {
       "/dev/shm/gauntlet_fuzz_identify_" + std::to_string(getpid()) + ".csv";
   std::ofstream(file, std::ios::binary) << text;
   try {
-    const ChainLog log = LoadChainLog(file);
-    if (!log.command_deg.allFinite() || !log.angle_deg.allFinite()) std::abort();
-    if (!(log.rate_hz > 0.0) || !std::isfinite(log.rate_hz)) std::abort();
-    if (log.command_deg.cols() != std::ssize(log.parts)) std::abort();
-    if (FitChains(log).size() != log.parts.size()) std::abort();
+    ChainEpisodes episodes = LoadChainEpisodes(file);
+    for (const ChainLog& log : episodes.logs) {
+      if (!log.command_deg.allFinite() || !log.angle_deg.allFinite()) std::abort();
+      if (!(log.rate_hz > 0.0) || !std::isfinite(log.rate_hz)) std::abort();
+      if (log.command_deg.cols() != std::ssize(log.parts)) std::abort();
+    }
+    const ChainResult result = IdentifyChain(std::move(episodes));
+    if (result.fits.size() != result.log().parts.size()) std::abort();
   } catch (const UserError& error) {
     if (std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();
   }
