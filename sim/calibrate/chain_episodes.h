@@ -33,11 +33,11 @@ struct ChainResult {
 };
 
 /// One episode: FitChains(). Of several, fits the basic chain (see FitChain()) to every second one,
-/// from the first on, and judges it on the others. A value is the mean over episodes, with the 95 % interval of Student's t; its
-/// spread over episodes covers what differs between motions. An episode counts for a part that
-/// moves in it by at least a fifth of its largest travel. Values whose interval is as wide as their
-/// range are withheld as in a log of one episode. With fewer than four episodes all are fitted and
-/// none is held out.
+/// from the first on, and judges it on the others. A value is the mean over episodes, with the 95 %
+/// interval of Student's t, which covers what differs between motions. An episode counts for a part
+/// that moves in it by at least a fifth of its largest travel. Values whose interval is as wide as
+/// their range are withheld as in a log of one episode. With fewer than four episodes all are
+/// fitted and none is held out.
 ///
 /// Two episodes repeat each other if the commands of a part differ by less than 2 % of its travel
 /// (RMS) over the shorter of both. The spread of their angles is the RMS difference over the root
