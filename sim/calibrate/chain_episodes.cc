@@ -31,19 +31,6 @@ double TravelOf(const ChainLog& log, std::size_t part) {
   return most - least;
 }
 
-ChainEstimate MeanOf(const std::vector<double>& values) {
-  if (values.empty()) return {};
-  const auto count = static_cast<double>(values.size());
-  double mean = 0.0;
-  for (const double value : values) mean += value / count;
-  if (values.size() < 2) return {mean, kNaN, kNaN};
-  double squares = 0.0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  const double half_width =
-      StudentHalfWidth(0.95, count - 1.0) * std::sqrt(squares / (count - 1.0) / count);
-  return {mean, mean - half_width, mean + half_width};
-}
-
 /// Sum of squares, and how many there are.
 struct Squares {
   double sum = 0.0;
@@ -116,7 +103,7 @@ ChainFit Combined(const std::vector<PartInEpisode>& episodes, double travel_deg,
       return;
     }
     combined.*value =
-        MeanOf(ValuesOf(episodes, [&](const ChainFit& fit) { return (fit.*value).value; }));
+        MeanOfEpisodes(ValuesOf(episodes, [&](const ChainFit& fit) { return (fit.*value).value; }));
   };
   mean(&ChainFit::delay_ms);
   for (const auto value : {&ChainFit::dead_time_ms, &ChainFit::lag_ms, &ChainFit::gain,
@@ -135,15 +122,15 @@ ChainFit Combined(const std::vector<PartInEpisode>& episodes, double travel_deg,
                     .play_deg = 0.5 * combined.hysteresis_deg.value,
                     .offset_deg = combined.offset_deg.value};
   combined.model_text = fmt::format("play, 2nd order: mean of {} episodes", episodes.size());
-  WithholdUnknown({.travel_deg = travel_deg * combined.gain.value,
-                   .rate_hz = rate_hz,
-                   .delay_ms = MeanOf(ValuesOf(episodes,
-                                               [](const ChainFit& fit) {
-                                                 return fit.dead_time_ms.value + fit.lag_ms.value;
-                                               })),
-                   .has_play = combined.hysteresis_deg.value > 0.0,
-                   .has_frames = episodes.front().fit.frames.has_value()},
-                  combined);
+  WithholdUnknown(
+      {.travel_deg = travel_deg * combined.gain.value,
+       .rate_hz = rate_hz,
+       .delay_ms = MeanOfEpisodes(
+           ValuesOf(episodes,
+                    [](const ChainFit& fit) { return fit.dead_time_ms.value + fit.lag_ms.value; })),
+       .has_play = combined.hysteresis_deg.value > 0.0,
+       .has_frames = episodes.front().fit.frames.has_value()},
+      combined);
   return combined;
 }
 
@@ -202,6 +189,19 @@ std::string ErrorText(const ChainResult& result) {
 }
 
 }  // namespace
+
+ChainEstimate MeanOfEpisodes(const std::vector<double>& values) {
+  if (values.empty()) return {};
+  const auto count = static_cast<double>(values.size());
+  double mean = 0.0;
+  for (const double value : values) mean += value / count;
+  if (values.size() < 2) return {mean, kNaN, kNaN};
+  double squares = 0.0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  const double half_width =
+      StudentHalfWidth(0.95, count - 1.0) * std::sqrt(squares / (count - 1.0) / count);
+  return {mean, mean - half_width, mean + half_width};
+}
 
 double ChainResult::duration_s() const {
   double sum_s = 0.0;
@@ -268,7 +268,7 @@ ChainResult IdentifyChain(ChainEpisodes episodes, const ChainProgress& progress)
     fit = Combined(fitted[p], travel_deg[p], logs.front().rate_hz);
     fit.frames = FramesOf(logs[result.shown])[p];
     judged.held_out_delay_ms =
-        MeanOf(ValuesOf(held_out[p], [](const ChainFit& f) { return f.delay_ms.value; }));
+        MeanOfEpisodes(ValuesOf(held_out[p], [](const ChainFit& f) { return f.delay_ms.value; }));
     judged.repeat_rms_deg = RepeatSpread(logs, p, travel_deg[p]);
     if (!fit.split_problem.empty()) continue;
     Squares in_fitted, in_held_out;

@@ -8,6 +8,9 @@
 
 namespace gauntlet::sim {
 
+/// The mean over episodes, with the 95 % interval of Student's t; none of one value.
+ChainEstimate MeanOfEpisodes(const std::vector<double>& values);
+
 /// How well the chain of some episodes holds for others, of one part.
 struct HeldOutPart {
   std::size_t fitted = 0;           // episodes that count

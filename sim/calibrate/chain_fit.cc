@@ -319,9 +319,9 @@ struct ThinRows {
     const auto share = 1.0 / static_cast<double>(stride);
     rows.rate_hz *= share;
     if (!rows.frames) return;
-    rows.frames = FrameClock{.period_rows = share * rows.frames->period_rows,
-                             .first_row = share * rows.frames->first_row,
-                             .open_rows = share * rows.frames->open_rows};
+    rows.frames = CommandClock{.period_rows = share * rows.frames->period_rows,
+                               .first_row = share * rows.frames->first_row,
+                               .open_rows = share * rows.frames->open_rows};
   }
   ThinRows(const ThinRows&) = delete;
 
@@ -413,11 +413,11 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
 }  // namespace
 
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz, int parts, const std::optional<FrameClock>& frames,
+                  double rate_hz, int parts, const std::optional<CommandClock>& frames,
                   ChainDetail detail) {
   GAUNTLET_ASSERT(rate_hz > 0.0 && parts > 0 && angle_deg.size() == command_deg.size());
   ChainFit fit;
-  fit.frames = frames ? frames : FindFrameClock(ChangesOf(command_deg));
+  fit.frames = frames ? frames : FindCommandClock(ChangesOf(command_deg));
   if (!fit.frames) fit.frames = StepsOf(ChangesOf(command_deg));
   double delay_s = 0.0;
   fit.problem = ProblemOf(command_deg, angle_deg, rate_hz, delay_s);

@@ -42,7 +42,7 @@ struct ChainFit {
   std::string model_text;              // what the model contains, in words
   std::vector<std::string> remarks;  // sentences: what limits the values, what is withheld and why
   ChainModel model;
-  std::optional<FrameClock> frames;  // steps of the model's command; none: it has no steps
+  std::optional<CommandClock> frames;  // steps of the model's command; none: it has no steps
   double residual_rms_deg = kNaN;
   double held_out_rms_deg = kNaN;  // of blocks of the log that the fit did not contain
   double shifted_rms_deg = kNaN;   // RMS with the delay alone
@@ -76,14 +76,14 @@ inline constexpr double kShortestChainLog_s = 5.0;
 /// J. Human Resources 50, 317-372 (2015).
 ///
 /// The command steps when its `frames` are sent, or by the clock that its own rows show (see
-/// FindFrameClock()); without a clock see RefineCommand(). The uncertainty of the sending times
+/// FindCommandClock()); without a clock see RefineCommand(). The uncertainty of the sending times
 /// widens the interval of the dead time. The delay is always that of the straight line through the
 /// rows.
 ///
 /// Shapes: command and angle of equal length, finite. Units: degrees (or any unit that both share).
 /// Errors: a log that is too short or without motion gives a ChainFit with a `problem`.
 ChainFit FitChain(std::span<const double> command_deg, std::span<const double> angle_deg,
-                  double rate_hz, int parts = 1, const std::optional<FrameClock>& frames = {},
+                  double rate_hz, int parts = 1, const std::optional<CommandClock>& frames = {},
                   ChainDetail detail = ChainDetail::kAll);
 
 /// What a log determines of a chain, beside the estimates themselves.

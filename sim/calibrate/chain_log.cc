@@ -48,7 +48,7 @@ void InterpolateLine(const Series& series, double start_s, double rate_hz,
 void InterpolateCommand(const Series& series, double start_s, double rate_hz,
                         Eigen::Ref<Eigen::VectorXd> result) {
   const std::vector<double> changes = ChangesOf(series.value);
-  if (!FindFrameClock(changes) && !StepsOf(changes)) {
+  if (!FindCommandClock(changes) && !StepsOf(changes)) {
     InterpolateLine(series, start_s, rate_hz, result);
     return;
   }
@@ -354,23 +354,23 @@ std::string WhatFramesAre(const ChainLog& log, const std::vector<ChainFit>& fits
                          : "between the rows of the log, where a clock that fits all steps says");
 }
 
-std::vector<std::optional<FrameClock>> FramesOf(const ChainLog& log) {
+std::vector<std::optional<CommandClock>> FramesOf(const ChainLog& log) {
   const auto parts = static_cast<std::size_t>(log.command_deg.cols());
-  if (const auto of_all = FindFrameClock(ChangesOf(log.command_deg))) return {parts, of_all};
-  std::vector<std::optional<FrameClock>> frames;
+  if (const auto of_all = FindCommandClock(ChangesOf(log.command_deg))) return {parts, of_all};
+  std::vector<std::optional<CommandClock>> frames;
   for (Eigen::Index part = 0; part < log.command_deg.cols(); ++part) {
     const std::span column(log.command_deg.col(part).data(),
                            static_cast<std::size_t>(log.command_deg.rows()));
-    frames.push_back(FindFrameClock(ChangesOf(column)));
+    frames.push_back(FindCommandClock(ChangesOf(column)));
     if (!frames.back()) frames.back() = StepsOf(ChangesOf(column));
-    if (!frames.back() && log.held) frames.back() = FrameClock();
+    if (!frames.back() && log.held) frames.back() = CommandClock();
   }
   return frames;
 }
 
 std::vector<ChainFit> FitChains(const ChainLog& log, const ChainProgress& progress,
                                 ChainDetail detail) {
-  const std::vector<std::optional<FrameClock>> frames = FramesOf(log);
+  const std::vector<std::optional<CommandClock>> frames = FramesOf(log);
   const auto column = [](const Signal& signal, Eigen::Index part) {
     return std::span<const double>(signal.col(part).data(),
                                    static_cast<std::size_t>(signal.rows()));

@@ -48,8 +48,8 @@ struct ChainEpisodes {
 /// `NAME_motor_deg` (or `_rad`) with the angle of its motor: see FindChainColumns(). The CSV of a
 /// trace is also accepted: `true_angle_rad.NAME` and `hand_angle_rad.NAME`. Other columns are
 /// ignored. Times may be uneven: values are interpolated linearly at the median rate, commands in
-/// steps (see FindFrameClock() and StepsOf()) by the nearest row. An episode begins where a column
-/// `episode_index` changes, or where times begin anew.
+/// steps (see FindCommandClock() and StepsOf()) by the nearest row. An episode begins where a
+/// column `episode_index` changes, or where times begin anew.
 /// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows in all
 /// episodes, and for a chosen episode that does not exist.
 ChainEpisodes LoadChainEpisodes(const std::filesystem::path& file,
@@ -57,7 +57,7 @@ ChainEpisodes LoadChainEpisodes(const std::filesystem::path& file,
 
 /// Clock of the command frames for each part: the common clock of all commands, or the part's own
 /// if there is no common one. None if no clock is found.
-std::vector<std::optional<FrameClock>> FramesOf(const ChainLog& log);
+std::vector<std::optional<CommandClock>> FramesOf(const ChainLog& log);
 
 /// The remarks on a part in one text, in the unit of the log; empty if there are none.
 std::string RemarksOf(const ChainLog& log, const ChainFit& fit);

@@ -56,7 +56,7 @@ std::vector<double> SmoothValues(std::span<const double> rows, Index steps) {
 
 /// Mean of the command over each fine step. The command steps to row k when its frame is sent.
 std::vector<double> HeldValues(std::span<const double> rows, Index steps,
-                               const FrameClock& frames) {
+                               const CommandClock& frames) {
   const Index last = std::ssize(rows) - 1;
   std::vector<double> values(static_cast<std::size_t>(last * steps + 1), rows[last]);
   for (Index k = 0; k < last; ++k) std::fill_n(values.begin() + k * steps, steps, rows[k]);
@@ -201,7 +201,7 @@ class ChainState {
 }  // namespace
 
 FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
-                          const std::optional<FrameClock>& frames) {
+                          const std::optional<CommandClock>& frames) {
   GAUNTLET_ASSERT(rate_hz > 0.0 && !command_deg.empty());
   constexpr double kFineRate_hz = 500.0;
   FineCommand fine{.values_deg = {}, .smooth = !frames && IsSmooth(command_deg)};

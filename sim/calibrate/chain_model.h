@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/calibrate/frame_clock.h"
+#include "sim/calibrate/command_clock.h"
 
 namespace gauntlet::sim {
 
@@ -67,7 +67,7 @@ struct FineCommand {
 /// error than straight lines. This holds for motions of a person and for sines, but not for
 /// commands in steps or with much noise.
 FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
-                          const std::optional<FrameClock>& frames = {});
+                          const std::optional<CommandClock>& frames = {});
 
 /// The angle of the model for a command, one value per row. Exact for straight lines between the
 /// values, except where play ends within a step, friction rubs on the moving mass, or the speed is

@@ -59,7 +59,7 @@ ChainModel ModelOfChain(const ChainFamily& family, const VectorXd& parameters,
 
 ChainProblem::ChainProblem(std::span<const double> command_deg, std::span<const double> angle_deg,
                            double rate_hz, ChainFamily family,
-                           const std::optional<FrameClock>& frames, double beginning_s)
+                           const std::optional<CommandClock>& frames, double beginning_s)
     : command_(RefineCommand(command_deg, rate_hz, frames)),
       first_(std::lround(beginning_s * rate_hz)),
       angle_deg_(

@@ -57,7 +57,7 @@ ChainModel ModelOfChain(const ChainFamily& family, const Eigen::VectorXd& parame
 class ChainProblem : public LeastSquaresProblem {
  public:
   ChainProblem(std::span<const double> command_deg, std::span<const double> angle_deg,
-               double rate_hz, ChainFamily family, const std::optional<FrameClock>& frames,
+               double rate_hz, ChainFamily family, const std::optional<CommandClock>& frames,
                double beginning_s);
 
   const ChainFamily& family() const { return family_; }

@@ -15,7 +15,7 @@ struct PartRows {
   std::span<const double> command_deg;
   std::span<const double> angle_deg;
   double rate_hz = 0.0;
-  std::optional<FrameClock> frames;
+  std::optional<CommandClock> frames;
   double beginning_s = 0.0;  // not compared, because the state of the chain is unknown there
 };
 

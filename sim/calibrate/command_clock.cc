@@ -151,7 +151,8 @@ double ShareWithoutFrame(const Arc& arc, double period_rows, double first_row, d
 }
 
 /// None if chance or a slow motion may explain the clock.
-std::optional<CommandClock> SurprisingClock(const std::vector<Change>& changes, double period_rows) {
+std::optional<CommandClock> SurprisingClock(const std::vector<Change>& changes,
+                                            double period_rows) {
   std::optional<CommandClock> clock = BestClock(changes, period_rows);
   if (!clock || MayBeRounded(changes, clock->period_rows)) return std::nullopt;
   const double share = ShareWithoutFrame(ArcOf(changes, clock->period_rows), clock->period_rows,
@@ -184,7 +185,8 @@ bool MayBear(std::span<const Change> changes, double period_rows) {
 
 /// The longest period that explains all changes. A period that explains a part of them is refined
 /// with as many changes more on each side: more changes determine the period better.
-std::optional<CommandClock> LongestPeriod(const std::vector<Change>& changes, const Search& search) {
+std::optional<CommandClock> LongestPeriod(const std::vector<Change>& changes,
+                                          const Search& search) {
   const std::span part(changes.begin() + static_cast<std::ptrdiff_t>(search.begin),
                        changes.begin() + static_cast<std::ptrdiff_t>(search.end));
   double period = search.high_rows;

@@ -22,11 +22,11 @@ constexpr double kMostAngle_rad = 10.0;  // beyond the range of any joint
 struct MovedJoint {
   Eigen::Index part;
   std::size_t joint;
-  std::optional<FrameClock> frames;  // of its command
+  std::optional<CommandClock> frames;  // of its command
 };
 
 std::vector<MovedJoint> MovedJoints(const ChainLog& log, const HandModel& model) {
-  const std::vector<std::optional<FrameClock>> frames = FramesOf(log);
+  const std::vector<std::optional<CommandClock>> frames = FramesOf(log);
   std::vector<MovedJoint> moved;
   for (std::size_t part = 0; part < log.parts.size(); ++part) {
     const auto drive = std::ranges::find(model.drives(), log.parts[part], &Drive::name);

@@ -19,6 +19,7 @@ Command MakeInspectCommand();
 Command MakeFilterCommand();
 Command MakeCalibrateCommand();
 Command MakeIdentifyCommand();
+Command MakeValidateCommand();
 Command MakeRetargetCommand();
 Command MakeReproduceCommand();
 Command MakeListCommand();

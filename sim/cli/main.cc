@@ -45,7 +45,7 @@ std::vector<sim::Command> Commands() {
       sim::MakeExportCommand(),   sim::MakeDiffCommand(),      sim::MakeInspectCommand(),
       sim::MakeFilterCommand(),   sim::MakeCalibrateCommand(), sim::MakeIdentifyCommand(),
       sim::MakeRetargetCommand(), sim::MakeReproduceCommand(), sim::MakeListCommand(),
-      sim::MakeReportCommand(),   sim::MakeDoctorCommand()};
+      sim::MakeReportCommand(),   sim::MakeDoctorCommand(),    sim::MakeValidateCommand()};
   for (sim::Command& command : commands) {
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},

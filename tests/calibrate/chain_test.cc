@@ -103,7 +103,7 @@ TEST(RefineCommand, LeavesRowsAsTheyAreWhereTheyStepOrAreMostlyNoiseOrCloseToget
 }
 
 TEST(RefineCommand, HoldsEachRowUntilTheNextIfEachIsAFrame) {
-  const FineCommand fine = RefineCommand({{1.0, 5.0, 2.0}}, 250.0, FrameClock());
+  const FineCommand fine = RefineCommand({{1.0, 5.0, 2.0}}, 250.0, CommandClock());
   EXPECT_THAT(fine.values_deg, testing::ElementsAre(1.0, 1.0, 5.0, 5.0, 2.0));
   EXPECT_EQ(fine.rate_hz, 500.0);
   // Half of a step is done when its row comes, and all of it a fine step later.
@@ -114,7 +114,7 @@ TEST(RefineCommand, HoldsEachRowUntilTheNextIfEachIsAFrame) {
 
 TEST(RefineCommand, PutsAStepBetweenRowsWhereItsFrameWasSent) {
   // Frames at rows -0.3, 1.4, 3.1: steps are seen at rows 2 and 4.
-  const FrameClock frames{.period_rows = 1.7, .first_row = 1.4};
+  const CommandClock frames{.period_rows = 1.7, .first_row = 1.4};
   const FineCommand fine = RefineCommand({{1.0, 1.0, 5.0, 5.0, 2.0}}, 100.0, frames);
   ASSERT_EQ(fine.steps_per_row, 5);
   const std::vector<double> expected = {1, 1, 1, 1, 1,   1, 1, 5, 5, 5, 5,
@@ -244,10 +244,10 @@ TEST(FitChain, FindsTheDeadTimeBehindFramesThatAreLoggedWhereTheyAreSentOrBeside
   struct Case {
     double rate_hz;
     double held_s;
-    std::optional<FrameClock> said;
+    std::optional<CommandClock> said;
   };
   for (const auto& [rate_hz, held_s, said] :
-       {Case{500.0, 0.02, {}}, Case{100.0, 0.02, {}}, Case{50.0, 0.02, FrameClock()},
+       {Case{500.0, 0.02, {}}, Case{100.0, 0.02, {}}, Case{50.0, 0.02, CommandClock()},
         Case{500.0, 0.0217, {}}, Case{100.0, 0.0217, {}}, Case{50.0, 0.0217, {}}}) {
     const SimulatedLog log =
         SimulateLog(chain, {.rate_hz = rate_hz, .held_s = held_s, .noise_deg = 0.02}, 5);
@@ -268,8 +268,8 @@ TEST(FitChain, FindsTheDeadTimeBehindFramesThatAreLoggedWhereTheyAreSentOrBeside
 
 TEST(FitChain, WidensTheIntervalOfDeadTimeByWhatIsOpenOfWhenFramesWereSent) {
   const SimulatedLog log = SimulateLog({}, {.rate_hz = 100.0, .held_s = 0.02}, 5);
-  const FrameClock frames{.period_rows = 2.0};
-  FrameClock open = frames;
+  const CommandClock frames{.period_rows = 2.0};
+  CommandClock open = frames;
   open.open_rows = 0.25;
   const ChainFit sure = FitChain(log.command_deg, log.angle_deg, 100.0, 1, frames);
   const ChainFit unsure = FitChain(log.command_deg, log.angle_deg, 100.0, 1, open);

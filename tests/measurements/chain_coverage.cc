@@ -100,8 +100,8 @@ void Measure(const std::string& name, const ChainRecording& recording) {
   Quantity quantities[] = {Quantity("dead time"), Quantity("lag"),  Quantity("natural frequency"),
                            Quantity("damping"),   Quantity("gain"), Quantity("hysteresis")};
   constexpr int kParts = 20;  // of a hand
-  std::optional<FrameClock> frames;
-  if (recording.held_s * recording.rate_hz == 1.0) frames = FrameClock();  // rows do not tell
+  std::optional<CommandClock> frames;
+  if (recording.held_s * recording.rate_hz == 1.0) frames = CommandClock();  // rows do not tell
   int lost = 0;
   int lost_of_parts = 0;
   for (int i = 0; i < logs; ++i) {

@@ -1,5 +1,5 @@
 // When frames were sent, from rows that see each of them up to a row late.
-#include "sim/calibrate/frame_clock.h"
+#include "sim/calibrate/command_clock.h"
 
 #include <gtest/gtest.h>
 
@@ -56,12 +56,12 @@ Framed MakeFrames(const Frames& frames, const std::function<double(double)>& mot
   return result;
 }
 
-std::optional<FrameClock> ClockOf(const std::vector<double>& command_deg) {
-  return FindFrameClock(ChangesOf(command_deg));
+std::optional<CommandClock> ClockOf(const std::vector<double>& command_deg) {
+  return FindCommandClock(ChangesOf(command_deg));
 }
 
 /// How far from where they were sent the clock says that frames were sent, at most.
-double WorstError(const FrameClock& clock, const Framed& framed) {
+double WorstError(const CommandClock& clock, const Framed& framed) {
   double worst = 0.0;
   std::size_t last = 0;
   for (int k = 1; k < std::ssize(framed.command_deg); ++k) {
@@ -72,7 +72,7 @@ double WorstError(const FrameClock& clock, const Framed& framed) {
   return worst;
 }
 
-TEST(FrameClock, SaysWhenFramesWereSentThatRowsBesideThemSawLate) {
+TEST(CommandClock, SaysWhenFramesWereSentThatRowsBesideThemSawLate) {
   for (const double period_rows : {1.0851, 1.3103, 1.7, 2.17, 2.5, 3.3017, 10.85, 21.7}) {
     for (const double first_row : {0.0001, 0.3, 0.77}) {
       const Framed framed = MakeFrames({.period_rows = period_rows, .first_row = first_row});
@@ -87,7 +87,7 @@ TEST(FrameClock, SaysWhenFramesWereSentThatRowsBesideThemSawLate) {
   EXPECT_LT(ClockOf(MakeFrames({.period_rows = 2.17}).command_deg)->open_rows, 0.01);
 }
 
-TEST(FrameClock, TakesFramesOfAWholeNumberOfRowsToBeSentWithThem) {
+TEST(CommandClock, TakesFramesOfAWholeNumberOfRowsToBeSentWithThem) {
   for (const double period_rows : {2.0, 4.0, 10.0}) {
     const Frames frames{.period_rows = period_rows, .first_row = 1.0};
     const Framed framed = MakeFrames(frames);
@@ -102,7 +102,7 @@ TEST(FrameClock, TakesFramesOfAWholeNumberOfRowsToBeSentWithThem) {
   EXPECT_EQ(ClockOf(rounded)->period_rows, 4.0);
 }
 
-TEST(FrameClock, GoesOnWhereFramesBringNoChange) {
+TEST(CommandClock, GoesOnWhereFramesBringNoChange) {
   const auto resting = [](double t) { return Motion(std::min(t, 9.0) + std::max(t - 14.0, 0.0)); };
   for (const double period_rows : {1.085, 2.17, 10.85}) {
     const Frames frames{.period_rows = period_rows, .step_deg = 0.088, .rows = 12000};
@@ -114,7 +114,7 @@ TEST(FrameClock, GoesOnWhereFramesBringNoChange) {
   }
 }
 
-TEST(FrameClock, BearsFramesThatAreALittleBesideIt) {
+TEST(CommandClock, BearsFramesThatAreALittleBesideIt) {
   const Framed framed = MakeFrames({.period_rows = 2.17, .spread_rows = 0.2});
   const auto clock = ClockOf(framed.command_deg);
   ASSERT_TRUE(clock);
@@ -129,7 +129,7 @@ TEST(FrameClock, BearsFramesThatAreALittleBesideIt) {
   }
 }
 
-TEST(FrameClock, IsTheSameForAllCommandsOfAFrame) {
+TEST(CommandClock, IsTheSameForAllCommandsOfAFrame) {
   // Each moves for a third of the time, too slowly for its own clock to be seen.
   const Frames frames{.period_rows = 2.17, .step_deg = 0.3, .rows = 3000};
   Signal commands(frames.rows, 3);
@@ -139,12 +139,12 @@ TEST(FrameClock, IsTheSameForAllCommandsOfAFrame) {
     EXPECT_FALSE(ClockOf(framed.command_deg));
     for (int k = 0; k < frames.rows; ++k) commands(k, part) = framed.command_deg[k];
   }
-  const auto clock = FindFrameClock(ChangesOf(commands));
+  const auto clock = FindCommandClock(ChangesOf(commands));
   ASSERT_TRUE(clock);
   EXPECT_NEAR(clock->period_rows, 2.17, 1e-3);
 }
 
-TEST(FrameClock, IsNotSeenInFramesThatAreNoLongerThanARowOrFew) {
+TEST(CommandClock, IsNotSeenInFramesThatAreNoLongerThanARowOrFew) {
   for (const double period_rows : {0.31, 0.9, 1.0, 1.01}) {
     for (const double step_deg : {0.0, 0.088, 1.0}) {
       const Frames frames{.period_rows = period_rows, .step_deg = step_deg};
@@ -159,7 +159,7 @@ TEST(FrameClock, IsNotSeenInFramesThatAreNoLongerThanARowOrFew) {
   EXPECT_FALSE(ClockOf({}));
 }
 
-TEST(FrameClock, IsNotSeenWhereEachRowChangesHoweverFewTheyAre) {
+TEST(CommandClock, IsNotSeenWhereEachRowChangesHoweverFewTheyAre) {
   for (int rows = 0; rows < 400; ++rows) {
     std::vector<double> command;
     for (int k = 0; k < rows; ++k) command.push_back(std::sin(0.01 * k));
@@ -167,7 +167,7 @@ TEST(FrameClock, IsNotSeenWhereEachRowChangesHoweverFewTheyAre) {
   }
 }
 
-TEST(FrameClock, IsNotSeenInASmoothCommandHoweverItIsRounded) {
+TEST(CommandClock, IsNotSeenInASmoothCommandHoweverItIsRounded) {
   for (const double rate_hz : {50.0, 100.0, 500.0, 1000.0}) {
     for (const double step_deg : {0.0, 1e-3, 0.01, 0.088, 0.5, 1.0, 4.0}) {
       for (const double speed : {0.2, 1.0}) {
@@ -181,7 +181,7 @@ TEST(FrameClock, IsNotSeenInASmoothCommandHoweverItIsRounded) {
   }
 }
 
-TEST(FrameClock, IsNotSeenInOneSineNorInNoiseNorInASteadyPaceThatIsRounded) {
+TEST(CommandClock, IsNotSeenInOneSineNorInNoiseNorInASteadyPaceThatIsRounded) {
   for (const double step_deg : {0.0, 0.01, 0.1, 0.3, 1.0}) {
     std::vector<double> sine, noise, pace;
     controller::TestNoise random(4);

@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 /// Clock of the command frames in rows of a log (counted from 0): frame n is sent at first_row + n
 /// period_rows. A row contains the command of the last frame that was sent before it or together
 /// with it. By default each row is a frame.
-struct FrameClock {
+struct CommandClock {
   double period_rows = 1.0;
   double first_row = 0.0;
   double open_rows = 0.0;  // possible error of all times
@@ -44,12 +44,12 @@ std::vector<double> ChangesOf(const Signal& command_deg);
 /// explain the clock: with few changes, with changes of equal size, and for a command that moves
 /// slowly wherever a row repeats a value.
 /// Source: line between upper and lower bounds: O'Rourke, CACM 24, 574-578 (1981).
-std::optional<FrameClock> FindFrameClock(std::span<const double> changes);
+std::optional<CommandClock> FindCommandClock(std::span<const double> changes);
 
 /// Steps of a command that is constant in most rows, such as a test of steps. Each step happened
 /// between its row and the row before. If the steps have an even distance that is no whole number
 /// of rows, all rows together tell when; otherwise the time is known within half a row. None for
 /// other commands.
-std::optional<FrameClock> StepsOf(std::span<const double> changes);
+std::optional<CommandClock> StepsOf(std::span<const double> changes);
 
 }  // namespace gauntlet::sim
