@@ -20,9 +20,10 @@ constexpr std::string_view kWearer = "true_angle_rad.";  // in the CSV of a trac
 constexpr std::string_view kHand = "hand_angle_rad.";
 
 constexpr std::string_view kCommandWords =
-    "command commanded cmd target goal desired des setpoint action demand";
+    "command commanded cmd target goal desired des setpoint action actions demand";
 constexpr std::string_view kAngleWords =
-    "actual act measured meas feedback fb present observation observed obs state encoder response";
+    "actual act measured meas feedback fb present observation observed obs state states encoder "
+    "response";
 constexpr std::string_view kPositionWords = "position pos angle";
 constexpr std::string_view kOtherWords =
     "velocity vel speed current torque effort force load voltage pwm temperature temp acceleration "

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/threads.h"
 #include "sim/calibrate/identified_servo.h"
 #include "sim/calibrate/simulated_answer.h"
 
@@ -18,8 +21,9 @@ namespace {
 
 constexpr const char* kOnlyJoint = "joint";  // of models/one_joint.xml
 constexpr double kNotCompared_s = 0.5;       // where the state of the hand is unknown
+constexpr double kMostTravel_deg = 300.0;    // of models/one_joint.xml
 constexpr double kRests_deg_s = 5.0;
-constexpr std::size_t kMostEpisodes = 12;  // held-out ones that are simulated
+constexpr std::size_t kMostEpisodes = 6;  // held-out ones that are simulated
 
 Eigen::Index RowsIn(const ChainLog& log, double duration_s) {
   return static_cast<Eigen::Index>(std::llround(duration_s * log.rate_hz));
@@ -176,7 +180,19 @@ void Finish(const Sums& sums, ValidatedPart& part) {
   }
 }
 
-bool IsKnownPart(const ChainFit& fit) { return fit.problem.empty() && fit.split_problem.empty(); }
+/// Why the part cannot be simulated; empty if it can.
+std::string ProblemOfPart(const ChainResult& identified, std::size_t part) {
+  const ChainFit& fit = identified.fits[part];
+  if (!fit.problem.empty()) return fit.problem;
+  if (!fit.split_problem.empty()) return fit.split_problem;
+  double most_deg = 0.0;
+  for (const ChainLog& log : identified.episodes) {
+    const auto command = log.command_deg.col(static_cast<Eigen::Index>(part));
+    most_deg = std::max(most_deg, fit.model.gain * (command.maxCoeff() - command.minCoeff()));
+  }
+  if (most_deg <= kMostTravel_deg) return "";
+  return fmt::format("its motion spans more than {:g} deg; is the unit right?", kMostTravel_deg);
+}
 
 /// The servo that answers as the fitted episode in which the parts move most.
 std::optional<HandConfig> ServoFor(const Group& group, const ChainResult& identified,
@@ -249,14 +265,14 @@ void ValidateGroup(const Group& group, const HandConfig& usual, bool centred,
   }
 }
 
-/// The parts of the log that are joints of the hand, or each by itself.
-std::vector<Group> GroupsOf(const ChainResult& identified, const std::filesystem::path& hand,
-                            const HandConfig& config) {
+/// The parts that can be simulated, as joints of the hand, or each by itself. The others get their
+/// problem.
+std::vector<Group> GroupsOf(const std::filesystem::path& hand, const HandConfig& config,
+                            std::vector<ValidatedPart>& parts) {
   std::vector<Group> groups;
-  const std::vector<std::string>& parts = identified.log().parts;
   if (hand.empty()) {
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      if (IsKnownPart(identified.fits[p])) groups.push_back({.parts = {p}, .joints = {kOnlyJoint}});
+      if (parts[p].problem.empty()) groups.push_back({.parts = {p}, .joints = {kOnlyJoint}});
     }
     return groups;
   }
@@ -264,17 +280,18 @@ std::vector<Group> GroupsOf(const ChainResult& identified, const std::filesystem
   Group group;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const bool has_motor = std::ranges::any_of(model.drives(), [&](const Drive& drive) {
-      return drive.name == parts[p] && drive.servo_key == "hand.servo";
+      return drive.name == parts[p].part && drive.servo_key == "hand.servo";
     });
-    if (!has_motor || !IsKnownPart(identified.fits[p])) continue;
+    if (!has_motor) parts[p].problem = "the hand has no such joint";
+    if (!parts[p].problem.empty()) continue;
     group.parts.push_back(p);
-    group.joints.push_back(parts[p]);
+    group.joints.push_back(parts[p].part);
   }
   if (group.parts.empty()) {
     throw UserError({.place = "--hand " + hand.string(),
                      .problem = fmt::format("has no joint with a finger servo and the name of a "
                                             "part of the log ({})",
-                                            parts.front())});
+                                            parts.front().part)});
   }
   groups.push_back(std::move(group));
   return groups;
@@ -301,20 +318,21 @@ Validation Validate(ChainEpisodes episodes, const std::filesystem::path& hand,
   const bool centred = hand.empty();
   config.model_path = (centred ? DataFolder("models") / "one_joint.xml" : hand).string();
   for (std::size_t p = 0; p < validation.identified.fits.size(); ++p) {
-    const ChainFit& fit = validation.identified.fits[p];
     ValidatedPart& part = validation.parts.emplace_back();
     part.part = validation.identified.log().parts[p];
     part.repeat_rms_deg = validation.identified.held_out[p].repeat_rms_deg;
-    part.problem = !fit.problem.empty()         ? fit.problem
-                   : !fit.split_problem.empty() ? fit.split_problem
-                                                : "the hand has no such joint";
+    part.problem = ProblemOfPart(validation.identified, p);
   }
-  const std::vector<Group> groups = GroupsOf(validation.identified, hand, config);
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    if (progress) progress(static_cast<int>(g), static_cast<int>(groups.size()));
-    for (const std::size_t p : groups[g].parts) validation.parts[p].problem.clear();
+  const std::vector<Group> groups = GroupsOf(hand, config, validation.parts);
+  std::mutex mutex;
+  int done = 0;
+  const auto validate_group = [&](std::size_t g) {
     ValidateGroup(groups[g], config, centred, validation);
-  }
+    const std::lock_guard lock(mutex);
+    if (progress) progress(++done, static_cast<int>(groups.size()));
+  };
+  ForEachOnThreads(std::max(1U, std::thread::hardware_concurrency()), groups.size(),
+                   validate_group);
   return validation;
 }
 

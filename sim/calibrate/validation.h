@@ -48,7 +48,7 @@ struct Validation {
 /// ones. The chain is identified first (see IdentifyChain()); a log of one episode is cut into four
 /// for this. Gain and offset are taken from the chain, since they are a controller's calibration.
 /// The servo (see TryServos()) is that of the fitted episode with the most motion; the angles that
-/// are compared are of episodes that no fit contains, behind their first 0.5 s.
+/// are compared are of up to six episodes that no fit contains, behind their first 0.5 s.
 ///
 /// Without `hand` each part turns a joint of its own directly (models/one_joint.xml), with its own
 /// servo. With a hand, its joints with the names of parts answer together, by one servo.

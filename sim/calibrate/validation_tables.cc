@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -31,6 +32,10 @@ std::string Doubt(const ValidatedPart& part) {
     reasons.push_back(
         fmt::format("its error is {:.0f} % of the motion", 100.0 * part.share_of_motion()));
   }
+  if (part.rms_deg > part.shifted_rms_deg) {
+    reasons.push_back(fmt::format("its error is {:.2f} deg RMS, and {:.2f} by the delay alone",
+                                  part.rms_deg, part.shifted_rms_deg));
+  }
   if (HasOtherDelay(part) && IsDecided(part.delay_difference_ms)) {
     reasons.push_back(fmt::format("its delay is {:.0f} ms, measured {:.0f}",
                                   part.simulated_delay_ms, part.measured_delay_ms));
@@ -52,11 +57,11 @@ std::string Doubt(const ValidatedPart& part) {
 Verdict VerdictOf(const Validation& validation) {
   Verdict verdict;
   std::vector<std::string> holds, failed, undecided;
+  std::map<std::string, std::vector<std::string>> not_simulated;  // by problem
   double least = 1e9, most = 0.0, most_ms = 0.0;
   for (const ValidatedPart& part : validation.parts) {
     if (!part.problem.empty()) {
-      verdict.AddWarning("not_simulated",
-                         fmt::format("{} not simulated: {}.", part.part, part.problem));
+      not_simulated[part.problem].push_back(part.part);
       continue;
     }
     if (const std::string doubt = Doubt(part); !doubt.empty()) {
@@ -91,6 +96,10 @@ Verdict VerdictOf(const Validation& validation) {
                        fmt::format("Undecided for {}: the delay differs by more than {:g} ms, but "
                                    "no more than between episodes.",
                                    Listed(std::move(undecided)), kMostDelay_ms));
+  }
+  for (auto& [problem, parts] : not_simulated) {
+    verdict.AddWarning("not_simulated",
+                       fmt::format("Not simulated: {} ({}).", Listed(std::move(parts)), problem));
   }
   verdict.AddWarning("unit", validation.identified.log().unit_note);
   return verdict;

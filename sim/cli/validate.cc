@@ -50,10 +50,12 @@ gets the commands of the others, and its angles are compared with the measured
 ones: delay, error, error as a share of the motion, and the speeds at which the
 error arises. A log without episodes is cut into four stretches.
 
-Where the error is above 15 % of the motion, the delay is wrong by more than
-10 ms, or the error is above 1.5 times the spread of repeated motions, the
-simulated servo is no model of that part, and the verdict says so. Contacts,
-loads and limits of the real motor's current are such cases.
+The simulated servo is no model of a part, and the verdict says so, if
+- the error is above 15 % of the motion,
+- the error is above that of the command, shifted by the measured delay,
+- the delay differs by more than 10 ms, and by more than between episodes,
+- or the error is above 1.5 times the spread of repeated motions.
+Contacts, loads and limits of the real motor's current are such cases.
 
 Example:
   gauntlet validate log.csv --unit deg

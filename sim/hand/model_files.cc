@@ -103,6 +103,7 @@ void TryModel(const fs::path& path, const std::string& key) {
   } catch (const UserError& error) {
     throw UserError({.key = key, .problem = error.what()});
   }
+  if (!DataName(fs::absolute(path).lexically_normal()).empty()) return;
   const fs::path root = InputRoot();
   const auto load = [&path, &root](const HelperProcess::Send&) {
     if (!root.empty()) ReadOnlyBelow({root, DataFolder("models")});

@@ -18,8 +18,9 @@ void TakeModelFiles(const std::filesystem::path& model);
 mjModel_* LoadModel(const std::filesystem::path& path, ReadableMjcf& readable);
 
 /// Loads a model of other people in a helper process with limits: the engine trusts a model file,
-/// so that some files use all memory, or name a pipe as a mesh. `key`: the setting or option of the
-/// file. Errors: UserError.
+/// so that some files use all memory, or name a pipe as a mesh. Gauntlet's own are not tried. A
+/// helper must not start while other threads work. `key`: the setting or option of the file.
+/// Errors: UserError.
 void TryModel(const std::filesystem::path& path, const std::string& key);
 
 }  // namespace gauntlet::sim

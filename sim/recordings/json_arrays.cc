@@ -134,7 +134,9 @@ DatasetInfo ReadDatasetInfo(std::string_view text) {
   for (const auto& [name, feature] : whole["features"].items()) {
     if (!feature.is_object() || !feature.contains("names")) continue;
     const Json* names = &feature["names"];
-    if (names->is_object() && names->size() == 1) names = &names->front();
+    while (names->is_structured() && names->size() == 1 && names->front().is_structured()) {
+      names = &names->front();  // {"motors": [..]} or [[..]]
+    }
     if (!names->is_array() || !std::ranges::all_of(*names, &Json::is_string)) continue;
     found.names[name] = names->get<std::vector<std::string>>();
   }

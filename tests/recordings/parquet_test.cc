@@ -85,6 +85,12 @@ TEST(Parquet, OfADataSetHasItsNamesAndExactTimes) {
   EXPECT_THAT(text, testing::StartsWith("action_wrist_pos,action_tip_pos,action_grip_pos,"));
   EXPECT_EQ(std::ranges::count(text, '\n'), 121);
   EXPECT_THAT(text, HasSubstr(fmt::format("\n31,15.5,-31,{},", 1.0 / 30)));
+  // Other writers put the names into another list or object.
+  for (const char* names : {R"([["a", "b", "c"]])", R"({"motors": ["a", "b", "c"]})"}) {
+    std::ofstream(folder.path() / "meta" / "info.json")
+        << fmt::format(R"({{"features": {{"action": {{"names": {}}}}}}})", names);
+    EXPECT_THAT(BytesOf(TableSource(folder.path())), testing::StartsWith("action_a,action_b,"));
+  }
   std::ofstream(chunk / "file-001.parquet") << "version https://git-lfs.github.com/spec/v1\n";
   EXPECT_THAT(ErrorOfFolder(folder.path()),
               HasSubstr("file-001.parquet, which is a pointer of Git LFS"));
