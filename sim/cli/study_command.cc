@@ -185,8 +185,8 @@ VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
 void SayWritten(const StudyCommand& options, const std::filesystem::path& folder) {
   Say("wrote {}: report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml, "
       "manifest.json{}{}{}\n",
-      folder.string(), options.csv ? ", trace.<controller>.csv" : "",
-      options.comparison ? ", study.db" : "", options.video ? ", comparison.mp4" : "");
+      folder.string(), options.csv ? ", trace.<controller>.csv" : "", options.comparison ? ", study.db" : "",
+      options.video ? ", comparison.mp4" : "");
 }
 
 /// The option as a setting of the scenario. Errors: UserError.
@@ -242,7 +242,11 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (IsRecordingFile(asked.scenario_file)) {
     const std::filesystem::path recording = asked.scenario_file;
     const std::string folder = asked.out.empty() ? "out/" + recording.stem().string() : asked.out;
-    options.scenario_file = ScenarioOfRecording(recording, asked.map, folder);
+    options.scenario_file = ScenarioOfRecording(recording, asked.map, asked.array, folder);
+  } else if (!asked.array.empty()) {
+    throw UserError({.place = asked.array,
+                     .problem = "is an array or a topic of a recording, not of a scenario; there "
+                                "--set glove.motion.array=NAME chooses it"});
   } else if (!asked.map.empty()) {
     throw UserError({.place = "--map " + asked.map,
                      .problem = "needs a recording, not a scenario, which names its own map"});
