@@ -25,6 +25,7 @@ struct StudyCommand {
   bool video = false;
   bool json = false;
   bool csv = false;
+  bool mcap = false;
   std::string priority;  // empty: the scenario's
   bool verbose = false;
   std::string causes = "first";
@@ -49,6 +50,7 @@ struct StudyCommand {
         VerboseOption(verbose),
         Option("--json", &json, {}, "print scores.json instead of the answer"),
         Option("--csv", &csv, {}, "also write the trace as CSV, one file per controller"),
+        Option("--mcap", &mcap, {}, "also write trace.mcap, for Foxglove, PlotJuggler and rerun"),
         Option("--causes", &causes,
                {.value = "SEEDS", .choices = {"none", "first", "all"}, .shows_default = true},
                "compute the causes of the error for these seeds, with five more trials for each "

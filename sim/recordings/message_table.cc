@@ -38,7 +38,8 @@ ListedTopic Listed(const Topic& topic) {
   ListedTopic listed = {.name = topic.name, .type = topic.type, .messages = topic.messages};
   listed.problem = ProblemOf(topic);
   listed.has_signals = HasSignals(topic);
-  const double duration_s = static_cast<double>(topic.last_ns - topic.first_ns) / kNsPerS;
+  const double duration_s =
+      (static_cast<double>(topic.last_ns) - static_cast<double>(topic.first_ns)) / kNsPerS;
   if (topic.messages > 1 && duration_s > 0.0) {
     listed.rate_hz = static_cast<double>(topic.messages - 1) / duration_s;
   }
@@ -141,11 +142,14 @@ class RowWriter {
     text_.push_back('\n');
     constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
     if (text_.size() > kBlockBytes) Flush();
-    step_ns_ = ns - last_ns_;
+    before_ns_ = last_ns_;
     last_ns_ = ns;
   }
   void CutRow() {
-    Time(last_ns_ + step_ns_);
+    // A step behind the last row, as far as a time can be.
+    const double next = 2.0 * static_cast<double>(last_ns_) - static_cast<double>(before_ns_);
+    constexpr double kMost = 9e18;
+    Time(static_cast<std::int64_t>(std::clamp(next, -kMost, kMost)));
     text_.push_back('\n');
   }
   void Flush() {
@@ -167,7 +171,7 @@ class RowWriter {
   const std::function<void(std::string_view)>& write_;
   fmt::memory_buffer text_;
   std::int64_t last_ns_ = 0;
-  std::int64_t step_ns_ = 0;
+  std::int64_t before_ns_ = 0;
 };
 
 }  // namespace
