@@ -1,6 +1,7 @@
 // Recordings in the formats that Gauntlet reads by itself: NPY, NPZ, JSON, Parquet, MCAP. The first
 // byte chooses which; what is not JSON is a list of changes to a good file (see edited_copy.h), or
-// the definition of a message of ROS 2, a zero and the message. Whatever the file is, the reader ends with a table of text or with a UserError of one line.
+// the definition of a message of ROS 2, a zero and the message. Whatever the file is, the reader
+// ends with a table of text or with a UserError of one line.
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
