@@ -193,6 +193,11 @@ bool HasArrays(FileFormat format) {
 /// Errors: UserError if it is a format that is not read.
 FileFormat ReadableFormat(const fs::path& file) {
   const FileFormat format = FormatOfFile(file);
+  if (fs::is_directory(file) && WayOut(format).empty() && !HasTopics(format) &&
+      format != FileFormat::kParquet) {
+    throw UserError({.place = DataSetFiles(file).front().string(),
+                     .problem = fmt::format("is {}, must be MCAP or a ROS 2 bag", NameOf(format))});
+  }
   if (const std::string_view way_out = WayOut(format); !way_out.empty()) {
     throw UserError(
         {.place = file.string(),
