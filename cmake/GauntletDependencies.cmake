@@ -21,6 +21,7 @@ pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
 pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo)
 pkg_check_modules(expat REQUIRED IMPORTED_TARGET expat)
 pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)
+pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 find_package(Snappy REQUIRED CONFIG)
 pkg_check_modules(xxhash REQUIRED libxxhash>=0.8)  # its header alone

@@ -76,7 +76,7 @@ struct CalibrateOptions {
         Option("--map", &format.map, {.value = "FILE.csv", .offer = Offer::kFiles},
                "column map, or the name of a preset: which columns are sensors of which channels, "
                "and the time; what it says of scales does not matter, of bits it does"),
-        ArrayOption(format.array),
+        ArrayOptions(format.array),
         Option("--still", &still, {.value = "a:b"},
                "from a to b seconds after the first row the hand is still; may be repeated "
                "[stretches are found in which no sensor moves]"),

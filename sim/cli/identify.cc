@@ -58,7 +58,7 @@ struct IdentifyOptions {
                "compensate), or from the controller's targets"),
         Option("--controller", &controller, {.value = "NAME", .offer = Offer::kControllers},
                "of an output folder [the scenario's first]"),
-        ArrayOption(array),
+        ArrayOptions(array),
         Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
                "column map: columns with the channels command, angle and motor, their joint in the "
                "key joint [by names]"),

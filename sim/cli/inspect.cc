@@ -50,7 +50,7 @@ struct InspectOptions {
         Option("--plot", &plot, {.value = "FILE.png", .offer = Offer::kFiles}, "draw its sensors"),
         Option("--rate", &inspection.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rows per second of a file without a time [50]"),
-        ArrayOption(inspection.array),
+        ArrayOptions(inspection.array),
         Option("--preset", &inspection.joints.preset, {.value = "NAME"},
                "the glove whose sensors the columns are, in its order, as cyberglove22, or a "
                "column map with numbers [by names]"),
@@ -106,6 +106,20 @@ void PrintArrays(const Inspection& inspection) {
   Print("{}\n", Wrapped(fmt::format("not {}; --array NAME takes them", TextOf(left_out)), kWidth));
 }
 
+/// The topics of a file of messages, and whose times are used.
+void PrintTopics(const Inspection& inspection) {
+  const auto taken = std::ranges::find_if(inspection.topics, &ListedTopic::is_taken);
+  if (taken == inspection.topics.end()) return;
+  Print("topic   {}{}\n", OneLine(taken->name, 70),
+        inspection.array.empty() ? ", the only one with signals" : "");
+  Print("stamps  {}\n", taken->has_stamps
+                            ? "times in the headers of the messages"
+                            : "times of the recorder; not every message has one of its own");
+  if (taken->is_cut) Print("cut     the file has no end; its whole messages are read\n");
+  if (inspection.topics.size() < 2) return;
+  Print("\n{}", TextOf(TopicsTable(inspection.topics), StyleOf({})));
+}
+
 /// Gaps, restarts and repeats of the time.
 void PrintDefects(const TimeStatistics& time) {
   if (time.gaps > 0) Print("gaps    {}, the longest {:.4g} s\n", time.gaps, time.longest_gap_s);
@@ -134,6 +148,7 @@ void PrintDetails(const Inspection& inspection) {
         SeparatorText(layout.separator), layout.decimal_comma ? ", decimal comma" : "",
         HeaderText(layout));
   PrintArrays(inspection);
+  PrintTopics(inspection);
   PrintTime(inspection);
   if (inspection.unit != RawUnit::kUnknown) {
     const std::string bits =
@@ -146,6 +161,10 @@ void PrintDetails(const Inspection& inspection) {
 }
 
 void PrintInspection(const Inspection& inspection, bool is_verbose) {
+  if (inspection.layout.columns == 0) {  // which topic is the table has to be chosen first
+    Print("{}", TextOf(TopicsTable(inspection.topics), StyleOf({})));
+    return;
+  }
   Print("{}\n", SummaryOf(inspection));
   Print("file    {}\n", OneLine(inspection.file, 70));
   Print("size    {} rows of {} columns, {:.5g} s{}\n", inspection.rows, inspection.layout.columns,
@@ -160,6 +179,7 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
   }
   if (!is_verbose) {
     PrintArrays(inspection);
+    PrintTopics(inspection);
     PrintDefects(inspection.time);
   } else {
     PrintDetails(inspection);

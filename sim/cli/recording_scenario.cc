@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <string_view>
+#include <system_error>
 
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/inspect/starter_files.h"
+#include "sim/recordings/file_format.h"
 #include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
@@ -17,10 +19,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The option that chooses the same array or topic again, with a blank before it.
+std::string PartOption(const Inspection& inspection) {
+  if (inspection.array.empty()) return "";
+  return (inspection.topics.empty() ? " --array " : " --topic ") + ShellWord(inspection.array);
+}
+
 }  // namespace
 
 bool IsRecordingFile(const fs::path& file) {
   const std::string ending = BareName(file.extension().string());
+  std::error_code missing;
+  if (fs::is_directory(file, missing) && !DataSetFiles(file).empty()) return true;
   return IsWordOf("csv tsv txt dat json jsonl npy npz mat h5 hdf5 xlsx gz bag db3 mcap parquet mp4",
                   ending);
 }
@@ -39,8 +49,7 @@ void WriteStarter(const std::string& target, const std::string& text, bool force
 void CheckQuestion(const Inspection& inspection, const std::string& map) {
   if (inspection.question.empty()) return;
   const bool has_rows = !inspection.Sensors().empty();
-  const std::string array =
-      inspection.array.empty() ? "" : " --array " + ShellWord(inspection.array);
+  const std::string array = PartOption(inspection);
   const std::string way =
       inspection.is_command_log
           ? fmt::format("; next: gauntlet identify {}{}", ShellPath(inspection.file), array)
@@ -51,8 +60,9 @@ void CheckQuestion(const Inspection& inspection, const std::string& map) {
 }
 
 std::string ScenarioOfRecording(const fs::path& recording, const std::string& map,
-                                const fs::path& folder) {
+                                const std::string& array, const fs::path& folder) {
   InspectionOptions options;
+  options.array = array;
   options.joints.map = map;
   const Inspection inspection = Inspect(recording, options);
   const fs::path scenario = folder / recording.stem().concat(".yaml");
@@ -60,14 +70,15 @@ std::string ScenarioOfRecording(const fs::path& recording, const std::string& ma
   const bool is_assumed = std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
     return inspection.columns[c].basis == JointBasis::kAssumed;
   });
+  if (inspection.layout.columns == 0) CheckQuestion(inspection, map);  // about the topic
   if (map.empty() && (is_assumed || !inspection.question.empty())) {
     throw UserError(
         {.place = recording.string(),
          .problem = fmt::format(
-             "{}; gauntlet inspect {} --write-map MAP.csv, check MAP.csv, then --map MAP.csv",
+             "{}; gauntlet inspect {}{} --write-map MAP.csv, check MAP.csv, then --map MAP.csv",
              inspection.question.empty() ? "its joints are assumed by their order"
                                          : inspection.question,
-             ShellPath(recording))});
+             ShellPath(recording), PartOption(inspection))});
   }
   CheckQuestion(inspection, map);
   if (map.empty()) WriteStarter(starter.string(), StarterMap(inspection), false);

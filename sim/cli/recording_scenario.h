@@ -21,9 +21,10 @@ void WriteStarter(const std::string& target, const std::string& text, bool force
 void CheckQuestion(const Inspection& inspection, const std::string& map);
 
 /// Writes the starter scenario of a recording into the folder, as `gauntlet inspect
-/// --write-scenario` does, and returns its name. `map` is a filled-in column map; empty: none.
-/// Errors: UserError for an open question, and without a map for assumed joints.
+/// --write-scenario` does, and returns its name. `map` is a filled-in column map, `array` an array
+/// or a topic; empty: none. Errors: UserError for an open question, and without a map for assumed
+/// joints.
 std::string ScenarioOfRecording(const std::filesystem::path& recording, const std::string& map,
-                                const std::filesystem::path& folder);
+                                const std::string& array, const std::filesystem::path& folder);
 
 }  // namespace gauntlet::sim

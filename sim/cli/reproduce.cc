@@ -55,7 +55,7 @@ void Reproduce(const ReproduceOptions& options) {
   const std::vector<PaperFigure> figures = PaperFigures(experiment);
   OutputFiles files({.folder = folder.path(), .command = "reproduce"});
   files.Write([&](const std::filesystem::path& place) {
-    WriteStudyFiles(place, experiment.finished, false);
+    WriteStudyFiles(place, experiment.finished);
     for (const PaperFigure& figure : figures) {
       for (const PaperChart& chart : figure.charts) {
         WriteOutputFile(place / chart.file, chart.svg);

@@ -44,6 +44,7 @@ struct RetargetOptions {
         OutOption(out, "file to write [out/<recording>.retargeted.csv]", "FILE.csv"),
         Option("--rate", &format.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rows per second of a recording without times"),
+        ArrayOptions(format.array),
         Option("--touch-mm", &format.touch_mm, {.range = {1.0, 50.0}, .shows_default = true},
                "distance of two fingertips in contact, where neither radii nor capsules tell it"),
         Option("--json", &json, {}, "print JSON instead of the table"),

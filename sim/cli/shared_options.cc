@@ -91,10 +91,12 @@ Option ForceOption(bool& force) {
                 "also replace files that were edited since they were written");
 }
 
-Option ArrayOption(std::string& array) {
-  return Option("--array", &array, {.value = "NAME"},
-                "of a file with several arrays the one to take, or a group of them [those of the "
-                "number of rows that holds the most values]");
+Options ArrayOptions(std::string& array) {
+  return {Option("--array", &array, {.value = "NAME"},
+                 "of a file with several arrays the one to take, or a group of them [those of the "
+                 "number of rows that holds the most values]"),
+          Option("--topic", &array, {.value = "NAME", .excludes = {"--array"}},
+                 "of MCAP or a ROS 2 bag the topic to take [the only one with signals]")};
 }
 
 }  // namespace gauntlet::sim

@@ -28,7 +28,7 @@ int JobsOrCores(int jobs);
 Option OutOption(std::string& out, const std::string& help, const std::string& value = "DIR");
 /// Of a command that writes files that people edit.
 Option ForceOption(bool& force);
-/// Of a command that reads a recording.
-Option ArrayOption(std::string& array);
+/// Of a command that reads a recording: its part to read, an array or a topic.
+Options ArrayOptions(std::string& array);
 
 }  // namespace gauntlet::sim

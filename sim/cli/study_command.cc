@@ -184,9 +184,10 @@ VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
 
 void SayWritten(const StudyCommand& options, const std::filesystem::path& folder) {
   Say("wrote {}: report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml, "
-      "manifest.json{}{}{}\n",
+      "manifest.json{}{}{}{}\n",
       folder.string(), options.csv ? ", trace.<controller>.csv" : "",
-      options.comparison ? ", study.db" : "", options.video ? ", comparison.mp4" : "");
+      options.mcap ? ", trace.mcap" : "", options.comparison ? ", study.db" : "",
+      options.video ? ", comparison.mp4" : "");
 }
 
 /// The option as a setting of the scenario. Errors: UserError.
@@ -242,7 +243,11 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (IsRecordingFile(asked.scenario_file)) {
     const std::filesystem::path recording = asked.scenario_file;
     const std::string folder = asked.out.empty() ? "out/" + recording.stem().string() : asked.out;
-    options.scenario_file = ScenarioOfRecording(recording, asked.map, folder);
+    options.scenario_file = ScenarioOfRecording(recording, asked.map, asked.array, folder);
+  } else if (!asked.array.empty()) {
+    throw UserError({.place = "--topic " + Shown(asked.array),
+                     .problem = "needs a recording, not a scenario, which has it as "
+                                "glove.motion.array"});
   } else if (!asked.map.empty()) {
     throw UserError({.place = "--map " + asked.map,
                      .problem = "needs a recording, not a scenario, which names its own map"});
@@ -266,7 +271,7 @@ void RunStudyCommand(const StudyCommand& asked) {
                                  "scenario.resolved.yaml"}});
   const std::optional<std::string> not_kept = Compute(options, finished);
   files.Write([&](const std::filesystem::path& place) {
-    WriteStudyFiles(place, finished, options.csv);
+    WriteStudyFiles(place, finished, {.csv = options.csv, .mcap = options.mcap});
     WriteOutputFile(place / "report.html",
                     ReportPage(finished, VideoOfPage(finished, options.video)));
   });

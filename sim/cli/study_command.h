@@ -14,8 +14,9 @@ namespace gauntlet::sim {
 /// What `run` and `compare` share: options, and the way from a scenario to an output folder.
 struct StudyCommand {
   std::string scenario_file;
-  std::string map;  // column map of a recording in place of a scenario
-  std::string out;  // empty: out/<scenario>
+  std::string map;    // column map of a recording in place of a scenario
+  std::string array;  // and its array or topic
+  std::string out;    // empty: out/<scenario>
   std::vector<std::string> overrides;
   std::vector<std::string> controllers;  // empty: all of the scenario
   int seeds = 1;                         // 0: of a comparison, 8 or one for each repetition
@@ -24,6 +25,7 @@ struct StudyCommand {
   bool video = false;
   bool json = false;
   bool csv = false;
+  bool mcap = false;
   std::string priority;  // empty: the scenario's
   bool verbose = false;
   std::string causes = "first";
@@ -35,6 +37,7 @@ struct StudyCommand {
         Option("--map", &map, {.value = "MAP.csv", .offer = Offer::kFiles},
                "column map of a recording in place of a scenario, whose scenario is then written "
                "as gauntlet inspect writes it"),
+        ArrayOptions(array),
         OutOption(out, "output folder [out/<scenario>]"),
         SetOption(overrides,
                   "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated"),
@@ -47,6 +50,7 @@ struct StudyCommand {
         VerboseOption(verbose),
         Option("--json", &json, {}, "print scores.json instead of the answer"),
         Option("--csv", &csv, {}, "also write the trace as CSV, one file per controller"),
+        Option("--mcap", &mcap, {}, "also write trace.mcap, for Foxglove, PlotJuggler and rerun"),
         Option("--causes", &causes,
                {.value = "SEEDS", .choices = {"none", "first", "all"}, .shows_default = true},
                "compute the causes of the error for these seeds, with five more trials for each "

@@ -18,6 +18,7 @@
 #include "sim/study/counted_parts.h"
 #include "sim/trial/trace_csv.h"
 #include "sim/trial/trace_file.h"
+#include "sim/trial/trace_mcap.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -251,7 +252,7 @@ std::string ResolvedScenario(const FinishedStudy& finished) {
 }
 
 void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
-                     bool trace_csv) {
+                     const TraceFormats& formats) {
   const Study& study = finished.study;
   const StudyResult& result = finished.result;
   if (!result.first_traces.empty()) {
@@ -261,12 +262,16 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
       const Trace& trace = result.first_traces[c];
       trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr,
                      result.first_without[c]);
-      if (trace_csv) {
+      if (formats.csv) {
         WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
                       *result.first_glove, *study.hand, trace);
       }
     }
     trace_file.Commit();
+    if (formats.mcap) {
+      WriteTraceMcap(folder / "trace.mcap", *result.first_glove, result.first_reference_rad,
+                     *study.hand, result.first_traces);
+    }
   }
   WriteOutputFile(folder / "scenario.resolved.yaml", ResolvedScenario(finished));
   WriteOutputFile(folder / "scores.csv", ScoresCsv(result));

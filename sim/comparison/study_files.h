@@ -25,10 +25,15 @@ std::string ScoresCsv(const StudyResult& result);
 /// names. Errors: RunError for one that cannot be read.
 std::string ResolvedScenario(const FinishedStudy& finished);
 
+/// What is written beside trace.h5.
+struct TraceFormats {
+  bool csv = false;   // a file per controller
+  bool mcap = false;  // trace.mcap
+};
+
 /// Writes scores.json, scores.csv, scenario.resolved.yaml and trace.h5 (of the first seed) into
-/// `folder`, which should be that of OutputFiles: so they appear together. `trace_csv`: also a CSV
-/// per controller beside trace.h5. Errors: RunError.
+/// `folder`, which should be that of OutputFiles: so they appear together. Errors: RunError.
 void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
-                     bool trace_csv);
+                     const TraceFormats& formats = {});
 
 }  // namespace gauntlet::sim

@@ -408,6 +408,12 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   inspection.file_bytes = RecordingBytes(file);
   inspection.array = options.array;
   inspection.arrays = ArraysIn(file, options.array);
+  inspection.topics = TopicsIn(file, options.array);
+  if (!inspection.topics.empty() &&
+      std::ranges::none_of(inspection.topics, &ListedTopic::is_taken)) {
+    inspection.question = QuestionOf(inspection.topics);
+    return inspection;
+  }
   const auto is_whole = std::make_shared<bool>(true);
   auto [layout, reader] =
       FindTable(file.string(), BeginningOf(TableSource(file, options.array), is_whole),

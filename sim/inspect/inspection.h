@@ -11,6 +11,7 @@
 #include "sim/inspect/joint_choice.h"
 #include "sim/recordings/array_table.h"
 #include "sim/recordings/file_format.h"
+#include "sim/recordings/message_table.h"
 #include "sim/recordings/quantities.h"
 #include "sim/recordings/table_layout.h"
 #include "sim/recordings/table_statistics.h"
@@ -41,8 +42,10 @@ struct InspectedColumn {
 struct Inspection {
   std::string file;
   FileFormat format = FileFormat::kText;
-  std::string array;                // name of the chosen array
+  std::string array;                // name of the chosen array or topic
   std::vector<ListedArray> arrays;  // of a file with arrays
+  std::vector<ListedTopic> topics;  // of a file of messages; if none is taken, nothing follows
+                                    // but the question
   std::uintmax_t file_bytes = 0;
   bool is_whole = true;  // false: only the beginning of a large file was read
   TableLayout layout;
@@ -73,7 +76,7 @@ struct Inspection {
 
 struct InspectionOptions {
   double rate_hz = 0.0;  // of a file without time, if known; 0: unknown
-  std::string array;     // of a file with arrays, see ListArrays(); empty: by size
+  std::string array;     // of a file with arrays, see ListArrays(), or a topic; empty: by size
   JointOptions joints = {};
   // First and last column of the sensors, from 1; empty: found.
   std::optional<std::pair<std::size_t, std::size_t>> columns = std::nullopt;

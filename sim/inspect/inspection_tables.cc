@@ -136,6 +136,37 @@ ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose) {
   return table;
 }
 
+ResultTable TopicsTable(const std::vector<ListedTopic>& topics) {
+  ResultTable table{.columns = {{"name", "topic"},
+                                ResultColumn("type", "type of messages").Words(),
+                                {"messages", "messages"},
+                                {"rate_hz", "rate [Hz]"},
+                                ForPeople("use").Words(),
+                                OnlyInJson("problem"),
+                                OnlyInJson("is_taken"),
+                                OnlyInJson("has_stamps"),
+                                OnlyInJson("is_cut")},
+                    .rows = {}};
+  for (const ListedTopic& topic : topics) {
+    const auto if_taken = [&](bool value) {
+      return topic.is_taken ? ResultCell(value) : ResultCell();
+    };
+    const std::string use = !topic.problem.empty() ? "not read"
+                            : topic.is_taken       ? "this table"
+                            : topic.has_signals    ? ""
+                                                   : "no signals";
+    table.rows.push_back(
+        {ResultCell({OneLine(topic.name)}, OneLine(topic.name, 40)),
+         ResultCell({OneLine(topic.type)}, OneLine(topic.type, 40)),
+         ResultCell({static_cast<std::int64_t>(topic.messages)}, fmt::to_string(topic.messages)),
+         topic.rate_hz > 0.0 ? ResultCell({topic.rate_hz}, fmt::format("{:.4g}", topic.rate_hz))
+                             : ResultCell(),
+         ResultCell::Text(use), topic.problem.empty() ? ResultCell() : ResultCell(topic.problem),
+         ResultCell(topic.is_taken), if_taken(topic.has_stamps), if_taken(topic.is_cut)});
+  }
+  return table;
+}
+
 std::string InspectionJson(const Inspection& inspection) {
   const TableLayout& layout = inspection.layout;
   ResultTable arrays{.columns = {OnlyInJson("name"), OnlyInJson("rows"), OnlyInJson("columns"),
@@ -148,6 +179,7 @@ std::string InspectionJson(const Inspection& inspection) {
   const nlohmann::ordered_json json = {{"file", OneLine(inspection.file)},
                                        {"format", NameOf(inspection.format)},
                                        {"arrays", JsonOf(arrays)},
+                                       {"topics", JsonOf(TopicsTable(inspection.topics))},
                                        {"separator", SeparatorText(layout.separator)},
                                        {"decimal_comma", layout.decimal_comma},
                                        {"skipped_lines", layout.skipped_lines},

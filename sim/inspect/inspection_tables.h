@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "sim/inspect/inspection.h"
 #include "sim/results/result_table.h"
@@ -10,6 +11,8 @@ namespace gauntlet::sim {
 /// A row per column of the file: its quantity or joint, and statistics of its values. People see
 /// the reasons if `is_verbose`.
 ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose);
+/// A row per topic of a file of messages.
+ResultTable TopicsTable(const std::vector<ListedTopic>& topics);
 /// The answer in one line: "5 sensors, 60 Hz, counts: 2 dead (index_pip, little_pip)".
 std::string SummaryOf(const Inspection& inspection);
 /// Evidence for the joints: "by name", "by order, assumed", ..

@@ -1,10 +1,18 @@
 #include "sim/recordings/file_format.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <string>
 #include <system_error>
+#include <utility>
 
+#include "controller/number.h"
+#include "sim/base/csv_line.h"
+#include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/source_bytes.h"
 
@@ -20,10 +28,11 @@ struct Signature {
   std::string_view bytes;  // at the beginning of the file
   FileFormat format;
 };
-constexpr std::array<Signature, 11> kSignatures = {{
+constexpr std::array<Signature, 12> kSignatures = {{
     {"\x89HDF\r\n\x1a\n"sv, FileFormat::kHdf5},
     {"\x93NUMPY"sv, FileFormat::kNpy},
     {"\x1f\x8b"sv, FileFormat::kGzip},
+    {"\x28\xb5\x2f\xfd"sv, FileFormat::kZstd},
     {"SQLite format 3\0"sv, FileFormat::kSqlite},
     {"#ROSBAG"sv, FileFormat::kRosBag},
     {"\x89MCAP0\r\n"sv, FileFormat::kMcap},
@@ -40,9 +49,7 @@ struct FormatFacts {
   std::string_view way_out = "";
 };
 const FormatFacts& FactsOf(FileFormat format) {
-  constexpr std::string_view kRos2 =
-      "write the topic as CSV: ros2 topic echo --csv TOPIC > FILE.csv while ros2 bag play plays it";
-  static constexpr std::array<FormatFacts, 19> kFacts = {{
+  static constexpr std::array<FormatFacts, 20> kFacts = {{
       {FileFormat::kText, "text"},
       {FileFormat::kUtf16, "UTF-16 text"},
       {FileFormat::kEmpty, "empty"},
@@ -54,10 +61,10 @@ const FormatFacts& FactsOf(FileFormat format) {
       {FileFormat::kXlsx, "XLSX", "save the sheet as CSV"},
       {FileFormat::kZip, "ZIP", "unpack it and give the file that is in it"},
       {FileFormat::kGzip, "gzip", "unpack it: gunzip --keep FILE"},
-      {FileFormat::kSqlite, "SQLite (as a ROS 2 bag is)", kRos2},
-      {FileFormat::kRosBag, "a ROS 1 bag",
-       "write the topic as CSV: rostopic echo -b FILE -p TOPIC > FILE.csv"},
-      {FileFormat::kMcap, "MCAP", kRos2},
+      {FileFormat::kZstd, "zstd", "unpack it: zstd -d FILE"},
+      {FileFormat::kSqlite, "a ROS 2 bag"},
+      {FileFormat::kRosBag, "a ROS 1 bag", "convert it to MCAP: mcap convert FILE FILE.mcap"},
+      {FileFormat::kMcap, "MCAP"},
       {FileFormat::kParquet, "Parquet"},
       {FileFormat::kLfsPointer, "a pointer of Git LFS", "fetch the file itself: git lfs pull"},
       {FileFormat::kVideo, "a video",
@@ -90,6 +97,63 @@ bool IsJson(std::string_view head) {
   if (second == std::string_view::npos) return false;
   const char next = head[second];  // `[Header]` of a sensor's software is text
   return next == '{' || next == '[' || next == '-' || (next >= '0' && next <= '9');
+}
+
+/// Files that the metadata.yaml of a bag lists under relative_file_paths. rosbag2 writes one in a
+/// line.
+std::vector<fs::path> ListedFiles(const fs::path& folder) {
+  constexpr std::size_t kMostBytes = std::size_t{16} << 20;
+  std::vector<fs::path> files;
+  std::error_code missing;
+  if (!fs::is_regular_file(folder / "metadata.yaml", missing)) return files;
+  const std::string text = BytesOf(FileSource(folder / "metadata.yaml"), kMostBytes);
+  bool is_list = false;
+  for (const std::string_view line : SplitLines(text)) {
+    const std::string_view trimmed = Trimmed(line);
+    const bool is_item = trimmed.starts_with("- ");
+    if (is_list && is_item) {
+      const fs::path listed(Unquoted(Trimmed(trimmed.substr(2))));
+      // The first versions list them as seen from the folder above.
+      const bool is_below = fs::exists(folder / listed, missing);
+      files.push_back(folder / (is_below ? listed : listed.filename()));
+      if (fs::is_regular_file(files.back(), missing)) continue;
+      throw UserError(
+          {.place = (folder / "metadata.yaml").string(),
+           .problem = fmt::format("lists {}, which is not there", OneLine(listed.string(), 80))});
+    }
+    is_list = trimmed == "relative_file_paths:" || (is_list && is_item);
+  }
+  return files;
+}
+
+/// A stem without the number at its end, and this number: `bag_` and 12 of `bag_12`.
+std::pair<std::string, std::int64_t> PartsOfStem(const fs::path& file) {
+  std::string stem = file.stem().string();
+  const std::size_t digits = stem.find_last_not_of("0123456789") + 1;
+  const auto number =
+      controller::ParseWholeNumber(stem.substr(digits), 0, std::int64_t{1} << 50).value_or(0);
+  stem.resize(digits);
+  return {stem, number};
+}
+
+/// Errors: UserError if the folder has parts of several bags.
+std::vector<fs::path> BagFiles(const fs::path& folder) {
+  std::vector<fs::path> files = ListedFiles(folder);
+  std::error_code ignored;
+  // A result of Gauntlet has one MCAP file for each controller.
+  if (!files.empty() || fs::exists(folder / "manifest.json", ignored)) return files;
+  for (const auto& file : fs::directory_iterator(folder, ignored)) {
+    const fs::path kind = file.path().extension();
+    if (kind == ".db3" || kind == ".mcap") files.push_back(file.path());
+  }
+  std::ranges::sort(files, {}, PartsOfStem);
+  if (!files.empty() && PartsOfStem(files.front()).first != PartsOfStem(files.back()).first) {
+    throw UserError({.place = folder.string(),
+                     .problem = fmt::format("has several recordings, {} and {}; give one of them",
+                                            OneLine(files.front().filename().string(), 60),
+                                            OneLine(files.back().filename().string(), 60))});
+  }
+  return files;
 }
 
 }  // namespace
@@ -130,7 +194,11 @@ std::vector<fs::path> DataSetFiles(const fs::path& folder) {
     }
   }
   std::ranges::sort(files);
-  return files;
+  return files.empty() ? BagFiles(folder) : files;
+}
+
+bool HasTopics(FileFormat format) {
+  return format == FileFormat::kMcap || format == FileFormat::kSqlite;
 }
 
 std::uintmax_t RecordingBytes(const fs::path& file) {
@@ -141,8 +209,10 @@ std::uintmax_t RecordingBytes(const fs::path& file) {
 }
 
 FileFormat FormatOfFile(const std::filesystem::path& file) {
-  if (!DataSetFiles(file).empty()) return FileFormat::kParquet;
-  return FormatOfBytes(BytesOf(FileSource(file), kHeadBytes));
+  const std::vector<fs::path> parts = DataSetFiles(file);
+  if (parts.empty()) return FormatOfBytes(BytesOf(FileSource(file), kHeadBytes));
+  if (parts.front().extension() == ".parquet") return FileFormat::kParquet;
+  return FormatOfBytes(BytesOf(FileSource(parts.front()), kHeadBytes));
 }
 
 std::string_view NameOf(FileFormat format) { return FactsOf(format).name; }

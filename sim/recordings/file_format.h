@@ -21,8 +21,9 @@ enum class FileFormat {
   kXlsx,
   kZip,
   kGzip,
-  kSqlite,  // ROS 2 bags
-  kRosBag,
+  kZstd,
+  kSqlite,  // bags of ROS 2
+  kRosBag,  // of ROS 1
   kMcap,
   kParquet,
   kLfsPointer,
@@ -33,10 +34,15 @@ enum class FileFormat {
 
 /// `head`: the first bytes of the file, some hundreds if it has as many.
 FileFormat FormatOfBytes(std::string_view head);
-/// A folder with DataSetFiles() is Parquet.
+/// A folder has the format of its DataSetFiles().
 FileFormat FormatOfFile(const std::filesystem::path& file);
-/// data/*/*.parquet in a folder, as a data set of LeRobot has them, in the order of their names.
+/// data/*/*.parquet in a folder, as a data set of LeRobot has them, in the order of their names. Or
+/// the files of a bag of ROS 2: those that its metadata.yaml lists, in that order; without it, .db3
+/// and .mcap files in the order of their numbers.
+/// Errors: UserError for a listed file that is missing, and for files of several bags.
 std::vector<std::filesystem::path> DataSetFiles(const std::filesystem::path& folder);
+/// Files of messages in topics: MCAP and bags of ROS 2.
+bool HasTopics(FileFormat format);
 /// Size of the file, or of those of a data set.
 std::uintmax_t RecordingBytes(const std::filesystem::path& file);
 

@@ -16,8 +16,12 @@
 #include "sim/recordings/file_format.h"
 #include "sim/recordings/json_arrays.h"
 #include "sim/recordings/library_arrays.h"
+#include "sim/recordings/mcap_file.h"
+#include "sim/recordings/message_file.h"
+#include "sim/recordings/message_table.h"
 #include "sim/recordings/numpy_file.h"
 #include "sim/recordings/parquet_file.h"
+#include "sim/recordings/rosbag_file.h"
 #include "sim/recordings/source_bytes.h"
 #include "sim/recordings/text_forms.h"
 #include "sim/recordings/utf16.h"
@@ -26,6 +30,8 @@ namespace gauntlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kFormatBytes = 4096;  // enough to know the format
 
 std::string BytesOfOnly(const fs::path& file) {
   const CsvReader::Source source = FileSource(file);
@@ -79,6 +85,11 @@ void UseInfo(const DatasetInfo& info, std::vector<NamedArray>& arrays) {
   }
 }
 
+[[noreturn]] void FailInPart(const fs::path& part, FileFormat format) {
+  throw UserError(fmt::format("has a file {}, which is {}{}{}", part.filename().string(),
+                              NameOf(format), WayOut(format).empty() ? "" : "; ", WayOut(format)));
+}
+
 std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format, const DatasetInfo& info) {
   switch (format) {
     case FileFormat::kNpy:
@@ -96,9 +107,7 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format, const 
         files.push_back(BytesOf(FileSource(part)));
         const FileFormat part_format = FormatOfBytes(files.back());
         if (part_format == FileFormat::kParquet) continue;
-        throw UserError(fmt::format("has a file {}, which is {}{}{}", part.filename().string(),
-                                    NameOf(part_format), WayOut(part_format).empty() ? "" : "; ",
-                                    WayOut(part_format)));
+        FailInPart(part, part_format);
       }
       OpenNoMoreFiles();
       std::vector<NamedArray> arrays = ReadParquets(files);
@@ -110,22 +119,41 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format, const 
   }
 }
 
-/// What a helper does with the arrays of a file: it writes a text in parts.
-using WriteText = std::function<void(std::vector<NamedArray> arrays,
-                                     const std::function<void(std::string_view)>& write)>;
+/// The messages in a file or in the files of a bag.
+std::unique_ptr<MessageFile> MessagesOf(const fs::path& file) {
+  std::vector<std::unique_ptr<MessageFile>> opened;
+  const std::vector<fs::path> parts = DataSetFiles(file);
+  for (const fs::path& part : parts.empty() ? std::vector{file} : parts) {
+    const FileFormat format = FormatOfBytes(BytesOf(FileSource(part), kFormatBytes));
+    if (!HasTopics(format)) FailInPart(part, format);
+    opened.push_back(format == FileFormat::kMcap ? OpenMcap(part) : OpenRosbag(part));
+  }
+  OpenNoMoreFiles();
+  if (opened.size() == 1) return std::move(opened.front());
+  return JoinMessageFiles(std::move(opened));
+}
 
-/// Text from a helper, which makes it of a file with arrays.
+using Write = std::function<void(std::string_view)>;
+/// What a helper does with a file: it writes a text in parts.
+using WriteText = std::function<void(const Write& write)>;
+/// The same with the arrays of a file.
+using WriteArrays = std::function<void(std::vector<NamedArray> arrays, const Write& write)>;
+
+/// Text from a helper, which makes it of a file.
 class HelperText {
  public:
-  HelperText(const fs::path& file, FileFormat format, const DatasetInfo& info,
-             const WriteText& write_text)
+  HelperText(const fs::path& file, const WriteText& write_text)
       : place_(file.string()),
         helper_(
             [=](const HelperProcess::Send& send) {
-              write_text(WithFacts(ArraysOf(file, format, info)),
-                         [&](std::string_view text) { send(text); });
+              write_text([&](std::string_view text) { send(text); });
             },
             LimitsFor(RecordingBytes(file))) {}
+  HelperText(const fs::path& file, FileFormat format, const DatasetInfo& info,
+             const WriteArrays& write_arrays)
+      : HelperText(file, [=](const Write& write) {
+          write_arrays(WithFacts(ArraysOf(file, format, info)), write);
+        }) {}
 
   std::size_t Read(char* buffer, std::size_t size) {
     try {
@@ -159,12 +187,17 @@ class HelperText {
 
 bool HasArrays(FileFormat format) {
   return format != FileFormat::kText && format != FileFormat::kUtf16 &&
-         format != FileFormat::kEmpty;
+         format != FileFormat::kEmpty && !HasTopics(format);
 }
 
 /// Errors: UserError if it is a format that is not read.
 FileFormat ReadableFormat(const fs::path& file) {
   const FileFormat format = FormatOfFile(file);
+  if (fs::is_directory(file) && WayOut(format).empty() && !HasTopics(format) &&
+      format != FileFormat::kParquet) {
+    throw UserError({.place = DataSetFiles(file).front().string(),
+                     .problem = fmt::format("is {}, must be MCAP or a ROS 2 bag", NameOf(format))});
+  }
   if (const std::string_view way_out = WayOut(format); !way_out.empty()) {
     throw UserError(
         {.place = file.string(),
@@ -189,6 +222,10 @@ DatasetInfo InfoOf(const fs::path& file) {
   return {};
 }
 
+CsvReader::Source SourceOf(const std::shared_ptr<HelperText>& text) {
+  return [text](char* buffer, std::size_t size) { return text->Read(buffer, size); };
+}
+
 [[noreturn]] void FailWithoutArrays(const fs::path& file, const std::string& array) {
   throw UserError({.place = file.string(),
                    .problem = fmt::format("is text, which has no array {}", Shown(array))});
@@ -198,6 +235,10 @@ DatasetInfo InfoOf(const fs::path& file) {
 
 CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
   const FileFormat format = ReadableFormat(file);
+  if (HasTopics(format)) {
+    return SourceOf(std::make_shared<HelperText>(
+        file, [=](const Write& write) { WriteTopicTable(*MessagesOf(file), array, write); }));
+  }
   if (!HasArrays(format)) {
     CsvReader::Source source = FileSource(file);
     if (!array.empty()) FailWithoutArrays(file, array);
@@ -207,8 +248,27 @@ CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
   const auto write_table = [array](std::vector<NamedArray> arrays, const auto& write) {
     WriteTable(std::move(arrays), array, write);
   };
-  const auto text = std::make_shared<HelperText>(file, format, InfoOf(file), write_table);
-  return [text](char* buffer, std::size_t size) { return text->Read(buffer, size); };
+  return SourceOf(std::make_shared<HelperText>(file, format, InfoOf(file), write_table));
+}
+
+std::vector<ListedTopic> TopicsIn(const fs::path& file, const std::string& topic) {
+  if (!HasTopics(ReadableFormat(file))) return {};
+  const auto write_topics = [=](const Write& write) {
+    for (const ListedTopic& one : ListTopics(*MessagesOf(file), topic)) {
+      write(fmt::format("{} {} {:d} {:d} {:d} {:d}\n{}\n{}\n{}\n", one.messages, one.rate_hz,
+                        one.has_signals, one.is_taken, one.has_stamps, one.is_cut,
+                        OneLine(one.name), OneLine(one.type), OneLine(one.problem)));
+    }
+  };
+  std::vector<ListedTopic> listed;
+  std::istringstream lines(BytesOf(SourceOf(std::make_shared<HelperText>(file, write_topics))));
+  for (ListedTopic one; lines >> one.messages >> one.rate_hz >> one.has_signals >> one.is_taken >>
+                        one.has_stamps >> one.is_cut;) {
+    lines.get();  // the end of the line
+    for (std::string* text : {&one.name, &one.type, &one.problem}) std::getline(lines, *text);
+    listed.push_back(one);
+  }
+  return listed;
 }
 
 std::vector<ListedArray> ArraysIn(const fs::path& file, const std::string& array) {

@@ -98,24 +98,6 @@ ThriftValue StructFrom(ByteReader& bytes, int nested) {
 
 }  // namespace
 
-std::string_view ByteReader::Take(std::size_t size) {
-  if (size > rest_.size()) FailAsDamaged("it ends too early");
-  const std::string_view taken = rest_.substr(0, size);
-  rest_.remove_prefix(size);
-  return taken;
-}
-
-std::uint64_t ByteReader::Varint() {
-  constexpr int kBits = 64;
-  std::uint64_t value = 0;
-  for (int shift = 0; shift < kBits; shift += 7) {
-    const auto byte = Little<std::uint8_t>();
-    value |= static_cast<std::uint64_t>(byte & 0x7f) << shift;
-    if (byte < 0x80) return value;
-  }
-  FailAsDamaged("a number in it has too many digits");
-}
-
 bool ThriftValue::Has(std::int64_t field) const {
   return std::ranges::find(fields, field, &std::pair<std::int64_t, ThriftValue>::first) !=
          fields.end();

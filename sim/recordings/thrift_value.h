@@ -1,32 +1,13 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "sim/recordings/byte_reader.h"
+
 namespace gauntlet::sim {
-
-/// Bytes of a file, taken from the front. Errors: UserError without a place where they end.
-class ByteReader {
- public:
-  explicit ByteReader(std::string_view bytes) : rest_(bytes) {}
-
-  std::string_view Take(std::size_t size);
-  std::uint64_t Varint();  // little-endian groups of seven bits
-  template <class Number>
-  Number Little() {
-    Number number;
-    std::memcpy(&number, Take(sizeof number).data(), sizeof number);
-    return number;
-  }
-  std::string_view rest() const { return rest_; }
-
- private:
-  std::string_view rest_;
-};
 
 /// A value of Thrift's compact protocol. A number has only `number`, a text only `bytes`, a list
 /// only `items`, a structure only `fields`; double numbers and maps are passed over.

@@ -90,10 +90,11 @@ FingertipMotion FingertipsOfAngles(const std::filesystem::path& recording, HandK
   const auto is_other = [&format](const std::string& name) {
     return std::ranges::count(format.copied, name) > 0;
   };
-  const MotionTable table = LoadMotionTable(recording, format.rate_hz, [&](std::string_view name) {
-    const std::string joint = ColumnOf(name).joint;
-    return PlaceOf(hand.joints(), joint).has_value() || is_other(joint);
-  });
+  const MotionTable table =
+      LoadMotionTable(recording, format.array, format.rate_hz, [&](std::string_view name) {
+        const std::string joint = ColumnOf(name).joint;
+        return PlaceOf(hand.joints(), joint).has_value() || is_other(joint);
+      });
   std::vector<AngleColumn> columns;
   for (const std::string& name : table.columns) columns.push_back(ColumnOf(name));
   FingertipMotion motion;

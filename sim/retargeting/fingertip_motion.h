@@ -39,6 +39,7 @@ struct FingertipMotion {
 /// How a recording of fingertips is read.
 struct FingertipFormat {
   double rate_hz = 0.0;    // of a file without times; 0: it has them
+  std::string array = {};  // of a file with several, or a topic; empty: by size
   double touch_mm = 15.0;  // distance of two tips whose pads touch, where no shape tells it
   std::vector<std::string> copied = {};  // joints of the other hand whose angles are copied
 };

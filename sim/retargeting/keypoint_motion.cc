@@ -116,13 +116,14 @@ void CheckSize(const MotionTable& table, double hand_m) {
 FingertipMotion FingertipsOfKeypoints(const std::filesystem::path& recording,
                                       const FingertipFormat& format) {
   const std::vector<std::string> known = AllKeypoints();
-  const MotionTable table = LoadMotionTable(recording, format.rate_hz, [&](std::string_view name) {
-    const std::string column = KeypointColumnOf(name).name;
-    const std::size_t end = std::min(column.rfind('_'), column.size());
-    const std::string part = column.substr(end);
-    return std::ranges::count(known, column.substr(0, end)) > 0 &&
-           (part == "_x" || part == "_y" || part == "_z" || part == "_radius");
-  });
+  const MotionTable table =
+      LoadMotionTable(recording, format.array, format.rate_hz, [&](std::string_view name) {
+        const std::string column = KeypointColumnOf(name).name;
+        const std::size_t end = std::min(column.rfind('_'), column.size());
+        const std::string part = column.substr(end);
+        return std::ranges::count(known, column.substr(0, end)) > 0 &&
+               (part == "_x" || part == "_y" || part == "_z" || part == "_radius");
+      });
   const Keypoints points(table);
   points.Require("wrist");
   bool has_radii = true;

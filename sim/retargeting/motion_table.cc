@@ -14,9 +14,11 @@
 
 namespace gauntlet::sim {
 
-MotionTable LoadMotionTable(const std::filesystem::path& file, double rate_hz,
+MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string& array,
+                            double rate_hz,
                             const std::function<bool(std::string_view column)>& is_wanted) {
-  FoundTable found = FindTable(file.string(), TableSource(file), ProblemHandling::kAllowMissing);
+  FoundTable found =
+      FindTable(file.string(), TableSource(file, array), ProblemHandling::kAllowMissing);
   CsvReader& csv = found.reader;
   const std::vector<std::string>& names = found.layout.names;
   if (!found.layout.has_header) {

@@ -19,10 +19,11 @@ struct MotionTable {
 };
 
 /// Reads the columns of which `is_wanted` is true. Times are from columns of time (TimeByName), or
-/// from `rate_hz` where that is above 0.
+/// from `rate_hz` where that is above 0. `array`: see TableSource().
 /// Errors: UserError with file, row and column, if there are no names or no times, or if a time is
 /// missing or does not rise.
-MotionTable LoadMotionTable(const std::filesystem::path& file, double rate_hz,
+MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string& array,
+                            double rate_hz,
                             const std::function<bool(std::string_view column)>& is_wanted);
 
 }  // namespace gauntlet::sim

@@ -106,10 +106,10 @@ void Run(int repetitions) {
     trial_s.push_back(Seconds([&] {
       FinishedStudy timed{.study = study, .result = RunStudy(study, {}), .summary = {}};
       timed.summary = Summarise(study, timed.result);
-      WriteStudyFiles(folder, timed, false);
+      WriteStudyFiles(folder, timed);
     }));
     glove_s.push_back(Seconds([&] { SynthesiseGlove(study.scenario.glove, 1); }));
-    files_s.push_back(Seconds([&] { WriteStudyFiles(folder, finished, false); }));
+    files_s.push_back(Seconds([&] { WriteStudyFiles(folder, finished); }));
     bare_s.push_back(Seconds([&] { BareLoop(study, *result.first_glove, forces, steps); }));
   }
   std::filesystem::remove_all(folder);

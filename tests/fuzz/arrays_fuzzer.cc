@@ -1,6 +1,8 @@
-// Recordings in the formats that Gauntlet reads by itself: NPY, NPZ, JSON, Parquet. The first byte
-// chooses which; what is not JSON is a list of changes to a good file (see edited_copy.h). Whatever
-// the file is, the reader ends with a table of text or with a UserError of one line.
+// Recordings in the formats that Gauntlet reads by itself: NPY, NPZ, JSON, Parquet, MCAP. The first
+// byte chooses which; what is not JSON is a list of changes to a good file (see edited_copy.h), or
+// the definition of a message of ROS 2, a zero and the message. Whatever the file is, the reader
+// ends with a table of text or with a UserError of one line.
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -10,6 +12,9 @@
 #include "sim/base/error.h"
 #include "sim/recordings/array_table.h"
 #include "sim/recordings/json_arrays.h"
+#include "sim/recordings/mcap_file.h"
+#include "sim/recordings/message_rows.h"
+#include "sim/recordings/message_table.h"
 #include "sim/recordings/numpy_file.h"
 #include "sim/recordings/parquet_file.h"
 #include "sim/recordings/utf16.h"
@@ -45,12 +50,43 @@ std::string GoodNpz() {
          Little(entry.size(), 4) + Little(file.size(), 4) + Little(0, 2);
 }
 
+std::string ShippedFile(const std::string& name) {
+  std::ifstream file(SourceDir() + "/tests/recordings/" + name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 const std::string& GoodParquet() {
-  static const std::string kFile = [] {
-    std::ifstream file(SourceDir() + "/tests/recordings/parquet/snappy.parquet", std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  }();
+  static const std::string kFile = ShippedFile("parquet/snappy.parquet");
   return kFile;
+}
+
+const std::string& GoodMcap(bool is_plain) {
+  static const std::string kPlain = ShippedFile("mcap/plain.mcap");
+  static const std::string kCompressed = ShippedFile("mcap/no_index.mcap");
+  return is_plain ? kPlain : kCompressed;
+}
+
+/// A table, or a UserError.
+void ReadTopic(const std::string& bytes) {
+  std::size_t lines = 0;
+  WriteTopicTable(*ReadMcap(bytes), "/joint_states", [&lines](std::string_view text) {
+    for (const char letter : text) lines += letter == '\n' ? 1 : 0;
+  });
+  if (lines < 2) std::abort();  // names and a row
+}
+
+void ReadMessage(std::string_view bytes) {
+  const std::size_t end = std::min(bytes.find('\0'), bytes.size());
+  Topic topic;
+  topic.type = "p/T";
+  topic.encoding = "cdr";
+  topic.schema_encoding = "ros2msg";
+  topic.schema = bytes.substr(0, end);
+  MessageRows rows(topic);
+  for (int i = 0; i < 2; ++i) {
+    rows.Read(bytes.substr(std::min(end + 1, bytes.size())));
+    if (rows.row().size() != rows.columns().size()) std::abort();
+  }
 }
 
 void CheckTable(std::vector<NamedArray> arrays) {
@@ -69,6 +105,12 @@ void CheckTable(std::vector<NamedArray> arrays) {
 
 void Read(char format, const std::uint8_t* data, std::size_t size) {
   try {
+    // The numbers of the first formats stay those of the inputs that are kept.
+    constexpr std::uint8_t kFirstOfMessages = 250;
+    if (const auto kind = static_cast<std::uint8_t>(format); kind >= kFirstOfMessages) {
+      if (kind % 3 == 0) return ReadMessage({reinterpret_cast<const char*>(data), size});
+      return ReadTopic(EditedCopy(GoodMcap(kind % 3 == 1), data, size));
+    }
     switch (format % 5) {
       case 0:
         CheckTable({ReadNpy(EditedCopy(GoodNpy(), data, size), "a")});

@@ -46,7 +46,7 @@ std::map<std::string, std::string> FilesOf(const Scenario& scenario) {
   finished.result = RunStudy(finished.study, {.seeds = 2, .jobs = 2, .progress = {}});
   finished.summary = Summarise(finished.study, finished.result);
   const test::TemporaryDirectory folder;
-  WriteStudyFiles(folder.path(), finished, true);
+  WriteStudyFiles(folder.path(), finished, {.csv = true});
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
     std::ifstream file(entry.path(), std::ios::binary);

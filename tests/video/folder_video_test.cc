@@ -50,7 +50,7 @@ FinishedStudy RunWithGap(const std::filesystem::path& folder) {
                "controllers:\n  raw: {filter: none}\n"}));
   finished.result = RunStudy(finished.study, {.keep_first_traces = true});
   finished.summary = Summarise(finished.study, finished.result);
-  WriteStudyFiles(folder, finished, false);
+  WriteStudyFiles(folder, finished);
   return finished;
 }
 
@@ -84,7 +84,7 @@ class DoorVideo {
     finished.study = PrepareStudy(std::move(scenario));
     finished.result = RunStudy(finished.study, {.keep_first_traces = true});
     finished.summary = Summarise(finished.study, finished.result);
-    WriteStudyFiles(folder_.path(), finished, false);
+    WriteStudyFiles(folder_.path(), finished);
     video_.emplace(RenderOptions{.folder = folder_.path(),
                                  .controllers = {"raw", "tuned_kalman", "prediction"}});
   }

@@ -1,0 +1,412 @@
+// MCAP and bags of ROS 2: files of another implementation (mcap/write.mjs), bags made by SQLite,
+// and our own writer.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "controller/number.h"
+#include "sim/base/csv_line.h"
+#include "sim/base/error.h"
+#include "sim/recordings/file_format.h"
+#include "sim/recordings/mcap_file.h"
+#include "sim/recordings/mcap_writer.h"
+#include "sim/recordings/message_rows.h"
+#include "sim/recordings/message_table.h"
+#include "sim/recordings/rosbag_file.h"
+#include "sim/recordings/source_bytes.h"
+#include "sim/recordings/table_source.h"
+#include "tests/support/program.h"
+#include "tests/support/source_dir.h"
+
+namespace gauntlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::string_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+fs::path ShippedMcap(const std::string& name) {
+  return fs::path(SourceDir()) / "tests" / "recordings" / "mcap" / name;
+}
+
+std::string BytesOfMcap(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << path;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Columns of a table by name; NaN for what is missing.
+using Columns = std::map<std::string, std::vector<double>>;
+
+Columns ColumnsOf(const std::string& text) {
+  const std::vector<std::string_view> lines = SplitLines(text);
+  std::vector<std::string_view> names = SplitCells(lines.at(0), ',');
+  Columns columns;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string_view> cells = SplitCells(lines[i], ',');
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      columns[std::string(names.at(c))].push_back(
+          controller::ParseNumberOfProgram(cells[c]).value_or(1e99));
+    }
+  }
+  return columns;
+}
+
+Columns TableOfTopic(const fs::path& file, const std::string& topic) {
+  return ColumnsOf(BytesOf(TableSource(file, topic)));
+}
+
+std::string ErrorOfTopic(const fs::path& file, const std::string& topic = {}) {
+  try {
+    BytesOf(TableSource(file, topic));
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// The values of write.mjs.
+void ExpectJointStates(const Columns& columns, int messages) {
+  ASSERT_EQ(columns.size(), 7U);
+  for (int k = 0; k < messages; ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    EXPECT_EQ(columns.at("time_s").at(row), 1.7e9 + k / 100.0) << k;
+    EXPECT_EQ(columns.at("index_mcp_rad").at(row), 0.01 * k) << k;
+    EXPECT_EQ(columns.at("middle_mcp_rad").at(row), 0.5) << k;
+    const double ring = columns.at("ring_mcp_rad").at(row);
+    EXPECT_TRUE(k == 7 ? std::isnan(ring) : ring == 1.0 - 0.01 * k) << k;
+    for (const char* joint : {"velocity_index_mcp", "velocity_ring_mcp"}) {
+      const double velocity = columns.at(joint).at(row);
+      const bool is_missing = k % 2 == 0 || (k == 7 && joint == "velocity_ring_mcp"s);
+      EXPECT_TRUE(is_missing ? std::isnan(velocity) : velocity == -k) << joint << " " << k;
+    }
+  }
+  EXPECT_EQ(columns.at("time_s").size(), static_cast<std::size_t>(messages));
+}
+
+TEST(Mcap, OfAnotherImplementationIsReadInEveryForm) {
+  for (const char* name : {"zstd.mcap", "lz4.mcap", "plain.mcap", "no_index.mcap"}) {
+    SCOPED_TRACE(name);
+    const fs::path file = ShippedMcap(name);
+    ExpectJointStates(TableOfTopic(file, "/joint_states"), 60);
+    const Columns commands = TableOfTopic(file, "commands");
+    EXPECT_EQ(commands.size(), 8U);  // without the layout, the constant and the text
+    const Columns fingers = TableOfTopic(file, "/fingers");
+    for (int k = 0; k < 60; ++k) {
+      const auto row = static_cast<std::size_t>(k);
+      // These have no time of their own: the recorder's is 4 and 5 ms behind.
+      EXPECT_NEAR(commands.at("time_s").at(row), 1.7e9 + k / 100.0 + 0.004, 3e-7);
+      EXPECT_EQ(commands.at("data_1").at(row), k);
+      EXPECT_EQ(commands.at("data_2").at(row), -k / 2.0);
+      EXPECT_EQ(commands.at("mode").at(row), k % 200);
+      EXPECT_EQ(commands.at("gains_2").at(row), k);
+      EXPECT_EQ(commands.at("is_on").at(row), k % 2 == 0 ? 1 : 0);
+      EXPECT_NEAR(fingers.at("time_s").at(row), 1.7e9 + k / 100.0 + 0.005, 3e-7);
+      EXPECT_EQ(fingers.at("position_thumb").at(row), k);
+      EXPECT_EQ(fingers.at("position_index").at(row), k / 4.0);
+      EXPECT_EQ(fingers.at("is_good").at(row), k == 4 ? 0 : 1);
+      const double x = fingers.at("palm_x").at(row);
+      EXPECT_TRUE(k == 5 ? std::isnan(x) : x == 2 * k);
+      EXPECT_EQ(fingers.at("palm_q_2").at(row), 1);
+    }
+  }
+}
+
+TEST(Mcap, HasTopicsToChooseFrom) {
+  for (const char* name : {"zstd.mcap", "no_index.mcap"}) {
+    const fs::path file = ShippedMcap(name);
+    const std::vector<ListedTopic> topics = TopicsIn(file, "/joint_states");
+    ASSERT_EQ(topics.size(), 4U);
+    EXPECT_EQ(topics[0].name, "/joint_states");
+    EXPECT_EQ(topics[0].type, "sensor_msgs/msg/JointState");
+    EXPECT_EQ(topics[0].messages, 60U);
+    EXPECT_NEAR(topics[0].rate_hz, 100.0, 0.01);
+    EXPECT_TRUE(topics[0].is_taken && topics[0].has_stamps && !topics[0].is_cut);
+    EXPECT_FALSE(topics[1].is_taken);
+    EXPECT_FALSE(TopicsIn(file, "/commands")[1].has_stamps);
+    EXPECT_EQ(topics[3].messages, 6U);
+    EXPECT_THAT(topics[3].problem, HasSubstr("encoded as protobuf, not as cdr or json"));
+    EXPECT_THAT(ErrorOfTopic(file),
+                HasSubstr("has several topics: /joint_states, /commands, /fingers; --topic NAME "
+                          "takes one"));
+    EXPECT_THAT(ErrorOfTopic(file, "/joint_state"), HasSubstr("did you mean /joint_states?"));
+    EXPECT_THAT(
+        ErrorOfTopic(file, "/camera"),
+        HasSubstr(
+            "topic /camera is not read: its messages are encoded as protobuf, not as cdr or json"));
+  }
+}
+
+class BagTest : public testing::Test {
+ protected:
+  fs::path Write(const std::string& name, const std::string& bytes) {
+    std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
+    return folder_.path() / name;
+  }
+  test::TemporaryDirectory folder_;
+};
+
+// A recorder that was killed leaves a file without its end.
+TEST_F(BagTest, ThatIsCutHasItsWholeMessages) {
+  const std::string whole = BytesOfMcap(ShippedMcap("plain.mcap"));
+  const fs::path half = Write("half.mcap", whole.substr(0, whole.size() / 2));
+  const std::vector<ListedTopic> topics = TopicsIn(half, "/joint_states");
+  const auto messages = static_cast<int>(topics[0].messages);
+  EXPECT_GT(messages, 20);
+  EXPECT_LT(messages, 40);
+  EXPECT_TRUE(topics[0].is_cut);
+  Columns columns = TableOfTopic(half, "/joint_states");
+  columns["time_s"].pop_back();  // the row that is cut has only a time
+  ExpectJointStates(columns, messages);
+}
+
+// Every byte of a file, changed in several ways, and every length of it.
+TEST(Mcap, ThatIsDamagedIsReadOrRefused) {
+  const auto read = [](const std::string& bytes) {
+    std::string text;
+    try {
+      const std::unique_ptr<MessageFile> messages = ReadMcap(bytes);
+      WriteTopicTable(*messages, "/joint_states",
+                      [&](std::string_view part) { text.append(part); });
+    } catch (const UserError& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      return ""s;
+    }
+    return text;
+  };
+  for (const char* name : {"zstd.mcap", "lz4.mcap", "plain.mcap"}) {
+    SCOPED_TRACE(name);
+    const std::string whole = BytesOfMcap(ShippedMcap(name));
+    const std::string table = read(whole);
+    ASSERT_THAT(table, HasSubstr("index_mcp_rad"));
+    int changed = 0;
+    for (std::size_t i = 0; i < whole.size(); i += 43) {
+      std::string damaged = whole;
+      damaged[i] = static_cast<char>(damaged[i] ^ (i % 2 == 0 ? 0x80 : 1));
+      const std::string found = read(damaged);
+      // Chunks, the data and the summary have checksums, so no value is wrong.
+      if (!found.empty() && found != table) ++changed;
+      const std::string cut = read(whole.substr(0, i));
+      if (!cut.empty()) {
+        // Perhaps with fewer columns: those of the messages that are whole.
+        const std::size_t rows = cut.rfind('\n', cut.size() - 2) + 1;
+        const bool is_whole = cut == table;
+        EXPECT_TRUE(is_whole || std::ranges::count(cut.substr(rows), ',') == 0) << i;
+      }
+    }
+    EXPECT_EQ(changed, 0);
+  }
+}
+
+/// Two JointState messages, a second apart, of our writer of CDR.
+std::string JointStateMessage(std::int64_t stamp_ns, const std::vector<std::string>& names,
+                              const std::vector<double>& positions) {
+  CdrWriter message;
+  message.Time(stamp_ns);
+  message.Text("");
+  message.Texts(names);
+  message.Numbers(positions);
+  message.Numbers({});
+  message.Numbers({});
+  return std::string(message.message());
+}
+
+// A bag as rosbag2 writes it in SQLite.
+void MakeBag(const fs::path& file, const std::string& type,
+             const std::vector<std::pair<std::int64_t, std::string>>& messages,
+             const std::string& definition = {}) {
+  fs::remove(file);
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  const auto run = [&](const std::string& text) {
+    EXPECT_EQ(sqlite3_exec(database, text.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(database);
+  };
+  run("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
+      "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);"
+      "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER "
+      "NOT NULL, data BLOB NOT NULL);"
+      "CREATE INDEX timestamp_idx ON messages (timestamp ASC);"
+      "INSERT INTO topics VALUES(1, '/joints', '" +
+      type +
+      "', 'cdr', '');"
+      "INSERT INTO topics VALUES(2, '/rosout', 'rcl_interfaces/msg/Log', 'cdr', '');");
+  if (!definition.empty()) {
+    run("CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, "
+        "encoding TEXT NOT NULL, encoded_message_definition TEXT NOT NULL, type_description_hash "
+        "TEXT NOT NULL);"
+        "INSERT INTO message_definitions VALUES(1, '" +
+        type + "', 'ros2msg', '" + definition + "', '');");
+  }
+  for (const auto& [ns, data] : messages) {
+    std::string hex;
+    for (const char byte : data) hex += fmt::format("{:02x}", static_cast<unsigned char>(byte));
+    run(fmt::format("INSERT INTO messages(topic_id, timestamp, data) VALUES(1, {}, x'{}')", ns,
+                    hex));
+  }
+  sqlite3_close(database);
+}
+
+TEST_F(BagTest, OfSqliteIsReadByTheTypesThatGauntletKnows) {
+  const fs::path file = folder_.path() / "a b%.db3";
+  MakeBag(file, "sensor_msgs/msg/JointState",
+          {{3000000000, JointStateMessage(2500000000, {"a", "b"}, {5, 6})},
+           {1000000000, JointStateMessage(500000000, {"b", "a"}, {2, 1})},
+           {2000000000, JointStateMessage(1500000000, {"a", "b"}, {3, 4})}});
+  EXPECT_EQ(BytesOf(TableSource(file)),
+            "time_s,b_rad,a_rad\n0.500000000,2,1\n1.500000000,4,3\n2.500000000,6,5\n");
+  const std::vector<ListedTopic> topics = TopicsIn(file);
+  ASSERT_EQ(topics.size(), 2U);
+  EXPECT_NEAR(topics[0].rate_hz, 1.0, 1e-9);
+  EXPECT_THAT(topics[1].problem, HasSubstr("no definition of rcl_interfaces/msg/Log"));
+  std::ofstream(file.string() + "-wal") << "x";
+  EXPECT_THAT(ErrorOfTopic(file), HasSubstr("that are not in it yet"));
+}
+
+TEST_F(BagTest, OfSqliteIsReadByTheDefinitionsInIt) {
+  const fs::path file = folder_.path() / "own.db3";
+  CdrWriter first, second;
+  first.Numbers(std::vector<double>{1, 2});
+  second.Numbers(std::vector<double>{3, 4});
+  const std::vector<std::pair<std::int64_t, std::string>> messages = {
+      {1000000000, std::string(first.message())}, {1010000000, std::string(second.message())}};
+  MakeBag(file, "my_msgs/msg/Flex", messages, "float64[] flex\n");
+  EXPECT_EQ(BytesOf(TableSource(file)), "time_s,flex_1,flex_2\n1.000000000,1,2\n1.010000000,3,4\n");
+  MakeBag(file, "my_msgs/msg/Flex", messages);
+  EXPECT_THAT(ErrorOfTopic(file), HasSubstr("no definition of my_msgs/msg/Flex as ros2msg"));
+  // Of another type than it says: one byte too few, or too many.
+  MakeBag(file, "sensor_msgs/msg/JointState", messages);
+  EXPECT_THAT(ErrorOfTopic(file), HasSubstr("message 1 of /joints: is damaged: a message "));
+  MakeBag(file, "std_msgs/msg/Float32", messages);
+  EXPECT_THAT(ErrorOfTopic(file), HasSubstr("a message is longer than its type"));
+}
+
+TEST_F(BagTest, IsAFolderOfParts) {
+  const auto message = [](int k) {
+    const std::int64_t ns = (100 + k) * std::int64_t{10000000};
+    return std::pair(ns, JointStateMessage(ns, {"a"}, {1.0 * k}));
+  };
+  // By number, not by letters.
+  MakeBag(folder_.path() / "bag_2.db3", "sensor_msgs/msg/JointState", {message(0), message(1)});
+  MakeBag(folder_.path() / "bag_10.db3", "sensor_msgs/msg/JointState", {message(2)});
+  EXPECT_EQ(FormatOfFile(folder_.path()), FileFormat::kSqlite);
+  const std::string table = "time_s,a_rad\n1.000000000,0\n1.010000000,1\n1.020000000,2\n";
+  EXPECT_EQ(BytesOf(TableSource(folder_.path())), table);
+  EXPECT_EQ(TopicsIn(folder_.path())[0].messages, 3U);
+  // Rows are sorted by time whatever the order of the files is.
+  Write("metadata.yaml",
+        "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - bag_10.db3\n    "
+        "- \"bag_2.db3\"\n  duration:\n    nanoseconds: 1\n");
+  EXPECT_EQ(BytesOf(TableSource(folder_.path())), table);
+  Write("metadata.yaml", "relative_file_paths:\n  - bag_10.db3\n  - bag_3.db3\n");
+  EXPECT_THAT(ErrorOfTopic(folder_.path()), HasSubstr("bag_3.db3"));
+  Write("metadata.yaml", "relative_file_paths:\n  - bag_3.db3\n");
+  Write("bag_3.db3", "");  // of a recorder that was killed at once
+  EXPECT_THAT(ErrorOfTopic(folder_.path()), HasSubstr("bag_3.db3: is empty, must be MCAP or"));
+  fs::remove(folder_.path() / "bag_3.db3");
+  fs::remove(folder_.path() / "metadata.yaml");
+  Write("other_1.mcap", "");
+  EXPECT_THAT(ErrorOfTopic(folder_.path()), HasSubstr("has several recordings"));
+}
+
+std::vector<double> RowOf(const std::string& definition, const std::string& message) {
+  MessageRows rows({.name = "/t",
+                    .type = "p/msg/T",
+                    .encoding = "cdr",
+                    .schema_encoding = "ros2msg",
+                    .schema = definition});
+  rows.Read(message);
+  return rows.row();
+}
+
+// Bytes by the rules of CDR, in both orders.
+TEST(MessageRows, ReadsCdrOfBothByteOrders) {
+  const std::string definition = "uint8 a\nint16 b\nfloat64 c\nbool[3] d\nuint32[] e\nint64 f\n";
+  const std::string little = "\0\1\0\0"s + "\x05\0\xfe\xff\0\0\0\0"s + "\0\0\0\0\0\0\xf8\x3f"s +
+                             "\1\0\1\0"s + "\2\0\0\0\1\0\0\0\2\0\0\0"s +
+                             "\xff\xff\xff\xff\xff\xff\xff\xff"s;
+  const std::string big = "\0\0\0\0"s + "\x05\0\xff\xfe\0\0\0\0"s + "\x3f\xf8\0\0\0\0\0\0"s +
+                          "\1\0\1\0"s + "\0\0\0\2\0\0\0\1\0\0\0\2"s +
+                          "\xff\xff\xff\xff\xff\xff\xff\xff"s;
+  for (const std::string& message : {little, big}) {
+    // In the order of the definition, lists behind single numbers.
+    EXPECT_THAT(RowOf(definition, message), ElementsAre(5, -2, 1.5, -1, 1, 0, 1, 1, 2));
+  }
+}
+
+TEST(MessageRows, RefusesWhatItDoesNotRead) {
+  const auto error = [](const std::string& definition, const std::string& message) {
+    try {
+      RowOf(definition, message);
+    } catch (const UserError& problem) {
+      return std::string(problem.what());
+    }
+    return ""s;
+  };
+  EXPECT_THAT(error("uint8 a\n", "\0\7\0\0\1"s), HasSubstr("CDR variant 00 07"));
+  EXPECT_THAT(error("wstring a\n", ""), HasSubstr("wide strings in the type p/T"));
+  EXPECT_THAT(error("q/Part a\n", ""), HasSubstr("definition of the type q/Part"));
+  EXPECT_THAT(error("T again\n", ""), HasSubstr("nested too deeply"));
+  EXPECT_THAT(error("float64[] a\n", "\0\1\0\0\xff\xff\xff\x7f"s),
+              HasSubstr("longer than the message"));
+  // Two names for three values, after messages with one for each.
+  Topic topic;
+  topic.type = "sensor_msgs/msg/JointState";
+  topic.encoding = "cdr";
+  MessageRows rows(topic);
+  rows.Read(JointStateMessage(1, {"a", "b"}, {1, 2}));
+  EXPECT_THROW(rows.Read(JointStateMessage(1, {"a", "b"}, {1, 2, 3})), UserError);
+  EXPECT_THROW(rows.Read(JointStateMessage(1, {"a", "a"}, {1, 2})), UserError);
+}
+
+TEST(McapWriter, IsReadBackWithAndWithoutItsIndex) {
+  std::string bytes;
+  McapWriter writer([&](std::string_view part) { bytes.append(part); });
+  const std::uint16_t joints = writer.AddTopic("/joints", "sensor_msgs/msg/JointState",
+                                               KnownMessage("sensor_msgs/JointState"));
+  const std::uint16_t other = writer.AddTopic("/other", "sensor_msgs/msg/JointState",
+                                              KnownMessage("sensor_msgs/JointState"));
+  constexpr int kMessages = 16000;  // of several chunks
+  for (int k = 0; k < kMessages; ++k) {
+    const std::int64_t ns = std::int64_t{k + 1} * 1000000;
+    writer.AddMessage(joints, ns, JointStateMessage(ns, {"a", "b"}, {0.1 * k, -k / 3.0}));
+    if (k == 1 || k == 12000) writer.AddMessage(other, ns, JointStateMessage(ns, {"c"}, {1.0 * k}));
+  }
+  writer.Finish();
+  test::TemporaryDirectory folder;
+  const fs::path file = folder.path() / "a.mcap";
+  // Without its end it has no index.
+  for (const std::size_t cut : {0, 1}) {
+    std::ofstream(file, std::ios::binary) << bytes.substr(0, bytes.size() - cut);
+    const std::unique_ptr<MessageFile> messages = OpenMcap(file);
+    EXPECT_EQ(messages->topics()[0].messages, static_cast<std::uint64_t>(kMessages));
+    EXPECT_EQ(messages->topics()[0].first_ns, 1000000);
+    EXPECT_EQ(messages->topics()[0].last_ns, kMessages * std::int64_t{1000000});
+    const Columns columns = TableOfTopic(file, "/joints");
+    for (int k = 0; k < kMessages; ++k) {
+      const auto row = static_cast<std::size_t>(k);
+      ASSERT_EQ(columns.at("time_s").at(row), (k + 1) / 1000.0);
+      ASSERT_EQ(columns.at("a_rad").at(row), 0.1 * k);
+      ASSERT_EQ(columns.at("b_rad").at(row), -k / 3.0);
+    }
+    EXPECT_THAT(TableOfTopic(file, "/other").at("c_rad"), ElementsAre(1, 12000));
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
