@@ -38,7 +38,11 @@ DelayDraw::DelayDraw(const DelayConfig& config, RandomStream random)
 }
 
 double DelayDraw::Next() noexcept {
-  return std::visit([this](const auto& config) { return Of(config); }, settings_);
+  static_assert(std::variant_size_v<DelaySettings> == 4);  // std::visit may throw
+  if (const auto* gamma = std::get_if<GammaDelay>(&settings_)) return Of(*gamma);
+  if (const auto* quantiles = std::get_if<LogNormalDelay>(&settings_)) return Of(*quantiles);
+  if (const auto* histogram = std::get_if<HistogramDelay>(&settings_)) return Of(*histogram);
+  return Of(*std::get_if<ConstantDelay>(&settings_));
 }
 
 double DelayDraw::Of(const GammaDelay& config) noexcept {

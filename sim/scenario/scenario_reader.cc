@@ -82,7 +82,8 @@ void CheckPresets(const YamlNode& root, const YamlSource& source) {
     for (const auto& entry : node.entries()) {
       const std::string& key = entry.first.text();
       if (key == "preset" || key == "receiver" || key == "watchdog") continue;
-      if (source.OverrideOf(std::string(link) + "." + key) != nullptr) continue;
+      const bool is_of_file = entry.first.place().is_known();
+      if (!is_of_file || source.OverrideOf(std::string(link) + "." + key) != nullptr) continue;
       throw UserError({.place = source.PlaceOf(ChildOf(node, "preset"), preset),
                        .key = preset,
                        .problem = "has no effect on " + key +
