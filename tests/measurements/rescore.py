@@ -783,7 +783,7 @@ def rescore(trace, controller, measured_joints, context):
             motor_scores(counts, speed[name], at_limit[name], quiet, context,
                          context.counted(context.channels_of(name, measured_joints), len(counts))))
         if "sample_age_s" in group:
-            servo = "arm_servo" if name.startswith(("wrist", "forearm", "elbow")) else "servo"
+            servo = "arm_servo" if name.startswith(("elbow", "shoulder")) else "servo"
             rows[name]["command_jump_deg"] = command_jump(
                 counts, context.deg_per_count[servo],
                 context.counted(context.channels_of(name, measured_joints), len(counts)))
