@@ -59,8 +59,8 @@ struct TraceSignal {
 
 /// Shows every signal of a trace once: `visit(TraceSignal, matrix)`. The one list that the
 /// recorder, the writers and the reader of trace files share: a signal is a field of Trace and a
-/// row here. Those of an object, of digits, of joint sensors or of links have no columns, and no place in a
-/// file, unless there are any.
+/// row here. Those of an object, of digits, of joint sensors or of links have no columns, and no
+/// place in a file, unless there are any.
 template <class TraceType, class Visit>
 void ForEachSignal(TraceType& trace, Visit&& visit) {
   using Loop = const HandLoop&;
