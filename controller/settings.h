@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -67,6 +68,9 @@ class SettingsVisitor {
                      const std::function<void(SettingsVisitor&)>& visit) = 0;
   virtual void List(const Setting& setting, const SettingList& list) = 0;
   virtual void Map(const Setting& setting, const SettingMap& map) = 0;
+
+  /// True if a setting that may be absent is to be shown. A reader also shows what its file has.
+  virtual bool ShowsOptional(const Setting& /*setting*/, bool given) { return given; }
 };
 
 /// A value that a config struct does not allow. `key` is the path of keys, joined by dots.
@@ -116,6 +120,23 @@ void VisitEnum(SettingsVisitor& visitor, const Setting& setting,
 template <class Config>
 void VisitGroup(SettingsVisitor& visitor, const Setting& setting, Config& config) {
   visitor.Group(setting, [&config](SettingsVisitor& inner) { config.Visit(inner); });
+}
+
+/// A setting that is absent unless a file has it; then writers leave it out, too. `show` shows the
+/// value.
+template <class Value, class Show>
+void VisitOptional(SettingsVisitor& visitor, const Setting& setting, std::optional<Value>& value,
+                   const Show& show) {
+  if (!visitor.ShowsOptional(setting, value.has_value())) return;
+  if (!value) value.emplace();
+  show(*value);
+}
+/// The same for a config struct nested under a key.
+template <class Config>
+void VisitOptionalGroup(SettingsVisitor& visitor, const Setting& setting,
+                        std::optional<Config>& config) {
+  VisitOptional(visitor, setting, config,
+                [&](Config& given) { VisitGroup(visitor, setting, given); });
 }
 
 /// A std::vector of config structs under a key.

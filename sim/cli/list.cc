@@ -16,6 +16,8 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
+#include "sim/link/link_config.h"
+#include "sim/link/presets.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
@@ -75,6 +77,32 @@ std::vector<Entry> EntriesOf(const Kinds& kinds) {
     std::erase_if(rows, [](const SettingRow& row) { return row.key == "kind"; });
     entries.push_back({std::string(kind.name), std::string(kind.summary), std::move(rows)});
   }
+  return entries;
+}
+
+/// Presets of a link, then the kinds of its parts.
+std::vector<Entry> LinkEntries() {
+  std::vector<Entry> entries;
+  for (const LinkPreset& preset : LinkPresets()) {
+    Entry& entry = entries.emplace_back();
+    entry.name = fmt::format("preset: {}", preset.name);
+    entry.summary = preset.summary;
+    if (!preset.source.empty()) {
+      entry.facts["source"] = preset.source;
+      entry.details.push_back(fmt::format("source: {}", preset.source));
+    }
+  }
+  const auto add = [&entries](const std::string& part, std::vector<Entry> kinds) {
+    for (Entry& kind : kinds) {
+      kind.name = fmt::format("{}: {}", part, kind.name);
+      entries.push_back(std::move(kind));
+    }
+  };
+  add("delay", EntriesOf(controller::AllKinds<DelayConfig>()));
+  add("loss", EntriesOf(controller::AllKinds<LossConfig>()));
+  add("receiver", EntriesOf(controller::AllKinds<ReceiverConfig>()));
+  add("receiver.gap", EntriesOf(controller::AllKinds<GapConfig>()));
+  add("watchdog", EntriesOf(controller::AllKinds<WatchdogConfig>()));
   return entries;
 }
 
@@ -181,6 +209,7 @@ const std::vector<Topic>& Topics() {
        [] { return EntriesOf(controller::PredictionKinds()); }},
       {"motions", "what the wearer can do", [] { return EntriesOf(MotionKinds()); }},
       {"faults", "what can go wrong in the glove", [] { return EntriesOf(FaultKinds()); }},
+      {"links", "what can happen between glove, computer and hand", LinkEntries},
       {"servos", "what can turn the hand's spools", [] { return EntriesOf(ServoKinds()); }},
       {"metrics", "what is measured", MetricEntries},
       {"channels", "joints of wearer and hand, and how cables couple them", Channels},

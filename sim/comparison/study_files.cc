@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -25,29 +26,52 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// An object with a value per metric: {"delay_ms": .., ..}.
-Json ByMetric(const auto& value_of) {
-  Json json = Json::object();
+/// Places in Metrics(). Those of links only where there are any.
+std::vector<std::size_t> WrittenMetrics(const StudyResult& result) {
+  const auto has_value = [&](std::size_t metric) {
+    return std::ranges::any_of(result.seeds, [metric](const SeedOutcome& seed) {
+      return std::ranges::any_of(seed.controllers, [metric](const TrialOutcome& trial) {
+        return std::isfinite(trial.scores.summary[metric]);
+      });
+    });
+  };
+  std::vector<std::size_t> written;
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    json[std::string(Metrics()[m].key)] = value_of(m);
+    if (!Metrics()[m].needs_link || has_value(m)) written.push_back(m);
   }
-  return json;
+  return written;
 }
 
-Json MetricValues(const std::vector<double>& values) {
-  return ByMetric([&](std::size_t m) { return NumberOrNull(values[m]); });
-}
+/// Objects with a value per metric: {"delay_ms": .., ..}.
+class JsonByMetric {
+ public:
+  explicit JsonByMetric(const StudyResult& result) : written_(WrittenMetrics(result)) {}
 
-Json ComparisonsJson(const std::vector<Comparison>& comparisons, const std::string& replicates) {
-  return ByMetric([&](std::size_t m) { return JsonOf(comparisons[m], replicates); });
-}
+  Json Of(const auto& value_of) const {
+    Json json = Json::object();
+    for (const std::size_t m : written_) json[std::string(Metrics()[m].key)] = value_of(m);
+    return json;
+  }
+  Json Of(const std::vector<double>& values) const {
+    return Of([&](std::size_t m) { return NumberOrNull(values[m]); });
+  }
+  Json Of(const std::vector<Comparison>& comparisons, const std::string& replicates) const {
+    return Of([&](std::size_t m) { return JsonOf(comparisons[m], replicates); });
+  }
+  /// The scores that a row has: those of its joint, motor or cable.
+  Json OfRow(const ScoreRows& rows, std::size_t row, const std::vector<double>& values) const;
+  Json Of(const std::vector<MeanInterval>& estimates, const std::string& replicates) const;
 
-/// The scores that a row has: those of its joint, motor or cable.
-Json RowValues(const ScoreRows& rows, std::size_t row, const std::vector<double>& values) {
+ private:
+  std::vector<std::size_t> written_;
+};
+
+Json JsonByMetric::OfRow(const ScoreRows& rows, std::size_t row,
+                         const std::vector<double>& values) const {
   const std::vector<std::size_t> none;
   const std::array rows_of_part = {&rows.joints, &rows.motors, &rows.cables, &none};
   Json json = Json::object();
-  for (std::size_t m = 0; m < values.size(); ++m) {
+  for (const std::size_t m : written_) {
     const auto& scored = *rows_of_part[static_cast<std::size_t>(Metrics()[m].part)];
     if (std::ranges::find(scored, row) == scored.end()) continue;
     json[std::string(Metrics()[m].key)] = NumberOrNull(values[m]);
@@ -70,8 +94,9 @@ Json EstimateJson(const MeanInterval& estimate, const std::string& replicates = 
   return json;
 }
 
-Json EstimatesJson(const std::vector<MeanInterval>& estimates, const std::string& replicates) {
-  return ByMetric([&](std::size_t m) {
+Json JsonByMetric::Of(const std::vector<MeanInterval>& estimates,
+                      const std::string& replicates) const {
+  return Of([&](std::size_t m) {
     Json json = EstimateJson(estimates[m], replicates);
     json["motion_share"] = NumberOrNull(estimates[m].motion_share);
     return json;
@@ -110,17 +135,18 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index, const std:
   const ControllerSummary& controller = finished.summary.controllers[index];
   const bool comparison = finished.comparison;
   const std::string replicates = ReplicatesOf(finished.summary);
+  const JsonByMetric by_metric(result);
   Json json;
   json["name"] = controller.name;
   json["role"] = role;
   json["health"] = controller.problem.empty() ? "ok" : controller.problem;
   json["failed_trials"] = controller.failed_trials;
-  json["summary"] = comparison ? EstimatesJson(controller.summary, replicates)
-                               : MetricValues(result.seeds[0].controllers[index].scores.summary);
-  if (comparison) json["difference_to_best"] = ComparisonsJson(controller.to_best, replicates);
+  json["summary"] = comparison ? by_metric.Of(controller.summary, replicates)
+                               : by_metric.Of(result.seeds[0].controllers[index].scores.summary);
+  if (comparison) json["difference_to_best"] = by_metric.Of(controller.to_best, replicates);
   if (comparison && !controller.to_baseline.empty()) {
-    json["difference_to_baseline"] = ComparisonsJson(controller.to_baseline, replicates);
-    json["effect_size"] = MetricValues(controller.effect_size);
+    json["difference_to_baseline"] = by_metric.Of(controller.to_baseline, replicates);
+    json["effect_size"] = by_metric.Of(controller.effect_size);
   }
   const auto ceiling =
       std::ranges::find(finished.ceilings, controller.name, &PredictionCeiling::controller);
@@ -128,10 +154,10 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index, const std:
   json["worse_than_baseline"] =
       KeysWhere([&](std::size_t m) { return controller.IsWorseThanBaseline(m); });
   json["as_good_as_best"] = KeysWhere([&](std::size_t m) { return controller.as_good_as_best[m]; });
-  json["rank"] = ByMetric([&](std::size_t m) { return controller.rank[m]; });
+  json["rank"] = by_metric.Of([&](std::size_t m) { return controller.rank[m]; });
   for (std::size_t row = 0; row < result.row_names.size(); ++row) {
     json["channels"][result.row_names[row]] =
-        RowValues(finished.study.rows, row, controller.rows[row]);
+        by_metric.OfRow(finished.study.rows, row, controller.rows[row]);
   }
   if (!finished.summary.blocks.empty()) {
     const auto& values = finished.summary.blocks.values[index];
@@ -219,14 +245,16 @@ std::string ScoresJson(const FinishedStudy& finished) {
 
 std::string ScoresCsv(const StudyResult& result) {
   std::vector<std::string> head = {"seed", "controller", "channel"};
-  for (const Metric& metric : Metrics()) head.emplace_back(metric.key);
+  const std::vector<std::size_t> written = WrittenMetrics(result);
+  for (const std::size_t m : written) head.emplace_back(Metrics()[m].key);
   std::string csv = CsvLine(head);
   for (const SeedOutcome& seed : result.seeds) {
     for (std::size_t c = 0; c < seed.controllers.size(); ++c) {
       const auto add = [&](const std::string& channel, const std::vector<double>& values) {
         std::vector<std::string> row = {fmt::to_string(seed.seed), result.controller_names[c],
                                         channel};
-        std::ranges::transform(values, std::back_inserter(row), NumberOrNothing);
+        std::ranges::transform(written, std::back_inserter(row),
+                               [&](std::size_t m) { return NumberOrNothing(values[m]); });
         csv += CsvLine(row);
       };
       const Scores& scores = seed.controllers[c].scores;

@@ -79,6 +79,7 @@ struct Hand::State {
   int ticks_to_digit_look = 0;
   double digit_overlap_m = 0.0;  // when last looked
   bool commanded = false;        // since the Reset()
+  bool powered = true;
   HandHealth health;
 };
 
@@ -263,8 +264,9 @@ void Hand::State::TurnSpools() noexcept {
     const Drive& drive = hand->drives()[motor];
     SpoolState& spool = spools[motor];
     const ServoTorque torque =
-        ComputeServoTorque(drive.servo, target_rad[motor],
-                           spool.angle_rad + sensor_error_rad[motor], spool.speed_rad_s);
+        powered ? ComputeServoTorque(drive.servo, target_rad[motor],
+                                     spool.angle_rad + sensor_error_rad[motor], spool.speed_rad_s)
+                : ServoTorque{};
     saturated[motor] = torque.saturated;
     torque_nm[motor] = torque.torque_nm;
     TurnSpool(drive.spool, torque.torque_nm, load_nm[motor], physics.opt.timestep, spool);
@@ -350,6 +352,7 @@ void Hand::Reset(std::span<const double> joint_angle_rad) {
     state.drum_rad[motor] = spool[motor];
   }
   state.commanded = false;
+  state.powered = true;
   state.health = {};
   TakeMujocoWarning();
   state.LoadMotors();
@@ -366,6 +369,8 @@ void Hand::SetCommand(std::span<const std::int32_t> motor_counts) noexcept {
   }
   state_->commanded = true;
 }
+
+void Hand::SetPower(bool on) noexcept { state_->powered = on; }
 
 std::span<const std::int32_t> Hand::command() const noexcept { return state_->counts; }
 

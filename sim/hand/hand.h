@@ -27,6 +27,9 @@ class Hand {
   void Reset(std::span<const double> joint_angle_rad);
   /// The command frame that the servos hold from now on [counts, per motor].
   void SetCommand(std::span<const std::int32_t> motor_counts) noexcept;
+  /// Whether the motors have torque; they do after Reset(). Without it spools turn freely, but for
+  /// the gear's friction.
+  void SetPower(bool on) noexcept;
   /// The frame that the servos hold; after Reset() the one that keeps the posture.
   std::span<const std::int32_t> command() const noexcept;
   /// One tick of the model's timing. Reads every warning counter. Once health is bad it does

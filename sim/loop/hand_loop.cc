@@ -1,44 +1,128 @@
 #include "sim/loop/hand_loop.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+#include <variant>
 
 #include "controller/number.h"
 
 namespace gauntlet::sim {
-namespace {}  // namespace
+namespace {
+
+/// Of motor counts that a receiver may have extrapolated.
+std::int32_t WholeCounts(double counts) {
+  constexpr double kBeyondAnyMotor = 1e9;
+  return static_cast<std::int32_t>(
+      std::lround(std::clamp(counts, -kBeyondAnyMotor, kBeyondAnyMotor)));
+}
+
+std::size_t WaitingFrames(const LinkConfig& config) {
+  const auto* queue = std::get_if<QueueReceiver>(&config.receiver.settings);
+  return queue == nullptr ? 1 : static_cast<std::size_t>(queue->longest_frames);
+}
+
+}  // namespace
+
+HandLoop::Link::Link(const LinkConfig& config, const LinkEnds& ends, const HandModel& hand,
+                     std::uint64_t seed)
+    : way(config.transport, ends, hand.timing().controller, seed),
+      receiver(config.receiver, ends.values, ends.period_ticks, hand.timing().controller),
+      watchdog(config.watchdog, hand.transmission(), hand.timing().controller) {}
+
+void HandLoop::Link::Receive(std::int64_t tick) noexcept {
+  way.Deliver(tick, [&](const LinkFrame& frame) { receiver.Take(tick, frame); });
+}
 
 HandLoop::HandLoop(const controller::ControllerConfig& config,
                    const controller::GloveCalibration& glove,
                    const controller::JointMapConfig& joint_map,
-                   std::shared_ptr<const HandModel> hand)
+                   std::shared_ptr<const HandModel> hand, const LoopLinks& links)
     : controller_(config, glove, hand->transmission(), hand->timing().controller, joint_map),
-      link_(hand->timing().event_delay_ticks,
-            hand->timing().controller.TicksOf(hand->timing().controller.event_period_ms),
-            controller_.motor_count()),
+      hand_link_(LinkToHand(links, *hand)),
       hand_(std::move(hand)),
       sensors_(hand_.hand_model().config().joint_sensors, hand_.hand_model().timing().controller,
                controller_.joint_count()),
       joint_angle_rad_(static_cast<std::size_t>(controller_.joint_count())),
-      measured_angle_rad_(sensors_.exist() ? joint_angle_rad_.size() : 0, controller::kNaN) {}
+      measured_angle_rad_(sensors_.exist() ? joint_angle_rad_.size() : 0, controller::kNaN),
+      sample_counts_(static_cast<std::size_t>(controller_.channel_count())),
+      sent_counts_(static_cast<std::size_t>(controller_.motor_count())),
+      wanted_counts_(sent_counts_.size()),
+      spool_counts_(sent_counts_.size()) {
+  if (!links.config.glove) return;
+  const LinkConfig& link = *links.config.glove;
+  const int ticks_per_sample = hand_.hand_model().timing().controller.ticks_per_sample;
+  glove_link_.emplace(link,
+                      LinkEnds{.name = "glove",
+                               .values = controller_.channel_count(),
+                               .period_ticks = static_cast<double>(ticks_per_sample),
+                               .fixed_delay_ticks = 0,
+                               .waiting_frames = WaitingFrames(link)},
+                      hand_.hand_model(), links.seed);
+}
+
+HandLoop::Link HandLoop::LinkToHand(const LoopLinks& links, const HandModel& hand) {
+  links.config.Check();
+  const LinkConfig link = links.config.hand.value_or(LinkConfig{});
+  const controller::Timing& timing = hand.timing().controller;
+  return {link,
+          {.name = "hand",
+           .values = static_cast<int>(hand.transmission().motor_names.size()),
+           .period_ticks = timing.TicksOf(timing.event_period_ms),
+           .fixed_delay_ticks = hand.timing().event_delay_ticks,
+           .waiting_frames = WaitingFrames(link)},
+          hand,
+          links.seed};
+}
 
 void HandLoop::Reset(std::span<const double> joint_angle_rad) {
-  link_.Reset();
   hand_.Reset(joint_angle_rad);
+  const auto reset = [&](Link& link) {
+    link.way.Reset();
+    link.receiver.Reset();
+    link.watchdog.Reset(hand_.command());
+  };
+  if (glove_link_) reset(*glove_link_);
+  reset(hand_link_);
   controller_.Reset(hand_.command());
   sensors_.Reset();
   std::ranges::fill(measured_angle_rad_, controller::kNaN);
-  tick_ = 0;
+  std::ranges::copy(hand_.command(), wanted_counts_.begin());
+  tick_ = sample_tick_ = held_tick_ = 0;
+  has_command_ = false;
+  has_power_ = true;
 }
 
 void HandLoop::Step(const controller::GloveSample& sample) noexcept {
+  if (glove_link_) {
+    std::ranges::fill(sample_counts_, controller::kNaN);
+    std::copy_n(sample.counts.begin(), std::min(sample.counts.size(), sample_counts_.size()),
+                sample_counts_.begin());
+    glove_link_->way.Send(tick_, tick_, sample_counts_);
+    return StepBehindLink();
+  }
+  sample_tick_ = tick_;
   ReadSensors();
   Advance(controller_.Step(sample));
 }
 
 void HandLoop::Step() noexcept {
+  if (glove_link_) return StepBehindLink();
   ReadSensors();
   Advance(controller_.Step());
+}
+
+void HandLoop::StepBehindLink() noexcept {
+  ReadSensors();
+  glove_link_->Receive(tick_);
+  auto found = Receiver::Found::kNothing;
+  if (tick_ % hand_.hand_model().timing().controller.ticks_per_sample == 0) {
+    found = glove_link_->receiver.Step(tick_);
+  }
+  glove_link_->watchdog.Watch(found == Receiver::Found::kNew);
+  if (found == Receiver::Found::kNothing) return Advance(controller_.Step());
+  sample_tick_ = glove_link_->receiver.origin_tick();
+  Advance(controller_.Step({.counts = glove_link_->receiver.values()}));
 }
 
 void HandLoop::ReadSensors() noexcept {
@@ -51,10 +135,63 @@ void HandLoop::ReadSensors() noexcept {
 }
 
 void HandLoop::Advance(const controller::Command& command) noexcept {
-  if (command.event) link_.Send(tick_, command.motor_counts);
-  if (const auto frame = link_.Arriving(tick_); !frame.empty()) hand_.SetCommand(frame);
+  if (command.event) SendCommand(command.motor_counts);
+  ReceiveCommand();
   hand_.Step();
   ++tick_;
+}
+
+/// Unless the computer's watchdog has something else to send, or nothing.
+void HandLoop::SendCommand(std::span<const std::int32_t> motor_counts) noexcept {
+  if (glove_link_ && glove_link_->watchdog.exists()) {
+    motor_counts = glove_link_->watchdog.Command(motor_counts);
+    if (glove_link_->watchdog.tier() == Watchdog::Tier::kOff) return;
+  }
+  std::ranges::copy(motor_counts, sent_counts_.begin());
+  hand_link_.way.Send(tick_, sample_tick_, sent_counts_);
+}
+
+void HandLoop::ReceiveCommand() noexcept {
+  hand_link_.Receive(tick_);
+  const Receiver::Found found = hand_link_.receiver.Step(tick_);
+  const bool is_new = found == Receiver::Found::kNew;
+  if (is_new || found == Receiver::Found::kPredicted) {
+    std::ranges::transform(hand_link_.receiver.values(), wanted_counts_.begin(), WholeCounts);
+    if (!hand_link_.watchdog.exists()) hand_.SetCommand(wanted_counts_);
+  }
+  if (is_new) {
+    held_tick_ = hand_link_.receiver.origin_tick();
+    has_command_ = true;
+  }
+  if (hand_link_.watchdog.exists()) {
+    hand_link_.watchdog.Watch(is_new);
+    if (has_command_) ObeyWatchdog();
+  }
+}
+
+void HandLoop::ObeyWatchdog() noexcept {
+  const bool is_on = hand_link_.watchdog.tier() != Watchdog::Tier::kOff;
+  if (is_on && !has_power_) {
+    hand_.ReadSpoolAngles(spool_counts_);
+    for (std::size_t motor = 0; motor < spool_counts_.size(); ++motor) {
+      spool_counts_[motor] =
+          hand_.hand_model().transmission().ToCounts(motor, spool_counts_[motor]);
+    }
+    hand_link_.watchdog.MoveTo(spool_counts_);
+  }
+  if (is_on != has_power_) hand_.SetPower(is_on);
+  has_power_ = is_on;
+  const std::span<const std::int32_t> command = hand_link_.watchdog.Command(wanted_counts_);
+  if (is_on) hand_.SetCommand(command);
+}
+
+double HandLoop::sample_age_s() const noexcept {
+  return static_cast<double>(tick_ - 1 - held_tick_) / hand_.hand_model().timing().tick_rate_hz();
+}
+
+Watchdog::Tier HandLoop::watchdog_tier() const noexcept {
+  const Watchdog::Tier tier = hand_link_.watchdog.tier();
+  return glove_link_ ? std::max(tier, glove_link_->watchdog.tier()) : tier;
 }
 
 }  // namespace gauntlet::sim

@@ -2,26 +2,40 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "controller/controller.h"
 #include "sim/hand/hand.h"
 #include "sim/hand/joint_sensors.h"
-#include "sim/loop/event_link.h"
+#include "sim/link/link_config.h"
+#include "sim/link/receiver.h"
+#include "sim/link/transport.h"
+#include "sim/link/watchdog.h"
 
 namespace gauntlet::sim {
 
-/// Controller, link and hand as one: glove samples in, a moving hand out. The same loop runs in
+/// The links of a loop, and the seed of their random numbers.
+struct LoopLinks {
+  LinksConfig config = {};
+  std::uint64_t seed = 0;
+};
+
+/// Controller, links and hand as one: glove samples in, a moving hand out. The same loop runs in
 /// trials and live; who calls Step() owns the time.
 ///
-///     sample -> controller -> (event) -> link -> (delay) -> servos, cables, joints
-///                   ^---------- (delay) <- joint sensors, if there are any <----|
+///     sample -> [link] -> controller -> (event) -> link -> (delay) -> servos, cables, joints
+///                             ^---------- (delay) <- joint sensors, if there are any <----|
+///
+/// With a link from the glove, the controller gets at each of the glove's samples what the receiver
+/// has then: so filters keep their rate.
 class HandLoop {
  public:
-  /// The clocks are those of `hand`. Errors: SettingError of the controller.
+  /// The clocks are those of `hand`. Errors: SettingError of the controller, or `link. ..`.
   HandLoop(const controller::ControllerConfig& config, const controller::GloveCalibration& glove,
-           const controller::JointMapConfig& joint_map, std::shared_ptr<const HandModel> hand);
+           const controller::JointMapConfig& joint_map, std::shared_ptr<const HandModel> hand,
+           const LoopLinks& links = {});
 
   /// Controller as new and told where the motors are, nothing on its way, the hand at rest in this
   /// posture [rad, per joint].
@@ -38,17 +52,48 @@ class HandLoop {
   /// empty without them. Shape: one per joint. Units: rad.
   std::span<const double> measured_angle_rad() const noexcept { return measured_angle_rad_; }
 
+  /// Time since the capture of the glove sample behind the command that the servos hold, after the
+  /// last Step() [s]; before the first command since Reset().
+  double sample_age_s() const noexcept;
+  /// The higher tier of the two watchdogs.
+  Watchdog::Tier watchdog_tier() const noexcept;
+
  private:
+  /// One way: what happens to its frames, and what is done with them.
+  struct Link {
+    Link(const LinkConfig& config, const LinkEnds& ends, const HandModel& hand, std::uint64_t seed);
+
+    void Receive(std::int64_t tick) noexcept;
+
+    Transport way;
+    Receiver receiver;
+    Watchdog watchdog;
+  };
+
+  static Link LinkToHand(const LoopLinks& links, const HandModel& hand);
+  void StepBehindLink() noexcept;
+  void SendCommand(std::span<const std::int32_t> motor_counts) noexcept;
+  void ReceiveCommand() noexcept;
+  void ObeyWatchdog() noexcept;
   void ReadSensors() noexcept;
   void Advance(const controller::Command& command) noexcept;
 
   controller::Controller controller_;
-  EventLink link_;
+  std::optional<Link> glove_link_;
+  Link hand_link_;
   Hand hand_;
   JointSensors sensors_;
   std::vector<double> joint_angle_rad_;
   std::vector<double> measured_angle_rad_;
+  std::vector<double> sample_counts_;        // of the glove, per channel
+  std::vector<double> sent_counts_;          // per motor
+  std::vector<std::int32_t> wanted_counts_;  // per motor, of the last frame that was received
+  std::vector<double> spool_counts_;         // per motor, where it is
   std::int64_t tick_ = 0;
+  std::int64_t sample_tick_ = 0;  // capture of the sample that the controller has
+  std::int64_t held_tick_ = 0;    // of the one behind the command that the servos hold
+  bool has_command_ = false;
+  bool has_power_ = true;
 };
 
 }  // namespace gauntlet::sim

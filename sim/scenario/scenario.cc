@@ -56,6 +56,11 @@ void NamedController::Visit(SettingsVisitor& visitor) {
                 "file that gauntlet identify wrote: gives horizon_ms to a prediction that is given "
                 "none, or auto"},
                chain);
+  controller::VisitOptionalGroup(
+      visitor,
+      {"receiver",
+       "what the computer does with the glove's samples, in place of link.glove.receiver"},
+      receiver);
   config.Visit(visitor);
 }
 
@@ -73,6 +78,8 @@ void Scenario::Visit(SettingsVisitor& visitor) {
                "glove.motion.file, each with a list of values"},
               SettingMap{.size = [] { return 0; }, .name = {}, .add = {}, .visit = {}});
   VisitGroup(visitor, {"event", "when command frames leave and arrive"}, event);
+  controller::VisitOptionalGroup(
+      visitor, {"link", "what happens on the way from the glove and to the hand"}, link);
   VisitGroup(visitor, {"hand", "motors, cables and joints"}, hand);
   joint_map.Visit(visitor, {"joint_map",
                             "joints of the hand that do not follow the channel of their own name"});
@@ -125,6 +132,17 @@ LoopTiming TimingOf(const Scenario& scenario) {
                          .event_period_ms = scenario.event.period_ms,
                          .event_delay_ms = scenario.event.delay_ms,
                          .longest_step_ms = scenario.hand.step_ms});
+}
+
+LinksConfig LinksOf(const Scenario& scenario, const NamedController& named) {
+  LinksConfig links = LinksOf(scenario.event, scenario.link.value_or(LinksConfig{}));
+  if (!named.receiver) return links;
+  if (!links.glove) {
+    throw controller::SettingError("controllers." + named.name + ".receiver",
+                                   "needs a link from the glove, link.glove");
+  }
+  links.glove->receiver = *named.receiver;
+  return links;
 }
 
 std::optional<std::size_t> BaselineOf(const Scenario& scenario) {

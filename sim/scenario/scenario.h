@@ -9,6 +9,7 @@
 #include "sim/base/timing.h"
 #include "sim/glove/glove_config.h"
 #include "sim/hand/hand_config.h"
+#include "sim/link/link_config.h"
 #include "sim/loop/event_config.h"
 #include "sim/scenario/repetitions.h"
 #include "sim/score/score_config.h"
@@ -21,6 +22,8 @@ struct NamedController {
   std::string calibration = {};
   /// File of `gauntlet identify`, likewise.
   std::string chain = {};
+  /// What the computer does with the glove's samples, in place of `link.glove.receiver`.
+  std::optional<ReceiverConfig> receiver = {};
   controller::ControllerConfig config;
 
   void Visit(controller::SettingsVisitor& visitor);
@@ -68,6 +71,7 @@ struct Scenario {
   GloveConfig glove;  // of the first repetition
   Repetitions repetitions;
   EventConfig event;
+  std::optional<LinksConfig> link;
   HandConfig hand;
   ScoreConfig score;
   VideoConfig video;
@@ -82,6 +86,9 @@ struct Scenario {
 
 /// The clocks of the scenario's trials.
 LoopTiming TimingOf(const Scenario& scenario);
+
+/// The links of a controller's trials. Errors: SettingError, also for a receiver without a link.
+LinksConfig LinksOf(const Scenario& scenario, const NamedController& named);
 
 /// The glove of a seed: the scenario's own, or that of the repetition which the seed takes.
 /// Repetitions take turns from the scenario's seed on: number (seed - scenario.seed) mod their

@@ -73,6 +73,25 @@ void CheckVideoSize(const YamlNode& root, const YamlSource& source, const VideoC
   }
 }
 
+/// Keys of a file replace values of a preset, so a preset from --set would change nothing there.
+void CheckPresets(const YamlNode& root, const YamlSource& source) {
+  for (const char* const link : {"link.glove", "link.hand"}) {
+    const std::string preset = std::string(link) + ".preset";
+    const YamlNode& node = NodeAt(root, link);
+    if (source.OverrideOf(preset) == nullptr || !node.IsMap()) continue;
+    for (const auto& entry : node.entries()) {
+      const std::string& key = entry.first.text();
+      if (key == "preset" || key == "receiver" || key == "watchdog") continue;
+      const bool is_of_file = entry.first.place().is_known();
+      if (!is_of_file || source.OverrideOf(std::string(link) + "." + key) != nullptr) continue;
+      throw UserError({.place = source.PlaceOf(ChildOf(node, "preset"), preset),
+                       .key = preset,
+                       .problem = "has no effect on " + key +
+                                  ", which the file sets; set that, too, or leave it out there"});
+    }
+  }
+}
+
 using RepeatedSettings = std::vector<RepeatedSetting>;
 using Overrides = std::vector<std::string>;
 
@@ -168,6 +187,7 @@ Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>&
   CheckBaseline(root, source, scenario);
   CheckPriority(root, source, scenario);
   CheckVideoSize(root, source, scenario.video);
+  CheckPresets(root, source);
   scenario.repetitions = AllRepetitions(text, overrides, lists, source, scenario);
   scenario.glove = GloveOf(scenario, scenario.seed);
   return scenario;

@@ -59,6 +59,15 @@ double OverlapShare(std::span<const double> overlap_m, const CountedTicks& count
   return count == 0 ? kNoScore : static_cast<double>(deep) / count;
 }
 
+/// At a quantile [ms].
+double AgeMs(const ScoredHand& hand, double share) {
+  return hand.link.exist() ? 1e3 * SampleAge(hand.link, share, hand.counted) : kNoScore;
+}
+
+double ShareOfTier(const ScoredHand& hand, int tier) {
+  return hand.link.exist() ? TierShare(hand.link, tier, hand.counted) : kNoScore;
+}
+
 double Millimetres(double metres) { return 1e3 * metres; }
 
 double Degrees2(double radians2) { return kDegPerRad * kDegPerRad * radians2; }
@@ -459,6 +468,80 @@ constexpr MetricRow kRows[] = {
       .relevant_difference = kShareOfTime},
      [](const ScoredHand& h) {
        return h.digit_overlap_m.empty() ? kNoScore : OverlapShare(h.digit_overlap_m, h.counted);
+     }},
+    {{.key = "sample_age_p50_ms",
+      .name = "sample age p50",
+      .unit = "ms",
+      .help = "median age of the glove sample behind the command that the servos hold",
+      .definition = "quantile 0.5 over time of now - capture of that sample; with a link alone",
+      .needs_link = true,
+      .relevant_difference = kNoticedDelay},
+     [](const ScoredHand& h) { return AgeMs(h, 0.5); }},
+    {{.key = "sample_age_p99_ms",
+      .name = "sample age p99",
+      .unit = "ms",
+      .help = "age of that sample which is exceeded in 1 % of the time",
+      .definition = "quantile 0.99 of the same",
+      .needs_link = true,
+      .relevant_difference = kNoticedDelay},
+     [](const ScoredHand& h) { return AgeMs(h, 0.99); }},
+    {{.key = "sample_age_max_ms",
+      .name = "largest sample age",
+      .unit = "ms",
+      .help = "largest age of that sample",
+      .definition = "largest value of the same",
+      .needs_link = true,
+      .extreme = true,
+      .relevant_difference = kNoticedDelay},
+     [](const ScoredHand& h) { return AgeMs(h, 1.0); }},
+    {{.key = "frozen_share",
+      .name = "frozen",
+      .unit = "share",
+      .help = "share of time in which the command is not renewed by a newer glove sample",
+      .definition = "share of samples at which the command is from the same glove sample as one "
+                    "period of command frames before",
+      .needs_link = true,
+      .relevant_difference = kShareOfTime},
+     [](const ScoredHand& h) {
+       return h.link.exist() ? FrozenShare(h.link, h.rate_hz, h.counted) : kNoScore;
+     }},
+    {{.key = "watchdog_hold_share",
+      .name = "watchdog: hold",
+      .unit = "share",
+      .help = "share of time in which a watchdog holds the command",
+      .definition = "share of samples whose higher tier of the two watchdogs is hold",
+      .needs_link = true,
+      .relevant_difference = kShareOfTime},
+     [](const ScoredHand& h) { return ShareOfTier(h, 1); }},
+    {{.key = "watchdog_relax_share",
+      .name = "watchdog: relax",
+      .unit = "share",
+      .help = "share of time in which a watchdog relaxes the hand",
+      .definition = "the same for relax",
+      .needs_link = true,
+      .relevant_difference = kShareOfTime},
+     [](const ScoredHand& h) { return ShareOfTier(h, 2); }},
+    {{.key = "watchdog_off_share",
+      .name = "watchdog: off",
+      .unit = "share",
+      .help = "share of time in which a watchdog has the motors off, or sends no commands",
+      .definition = "the same for off",
+      .needs_link = true,
+      .relevant_difference = kShareOfTime},
+     [](const ScoredHand& h) { return ShareOfTier(h, 3); }},
+    {{.key = "command_jump_deg",
+      .name = "command jump",
+      .unit = "deg",
+      .help = "largest jump of the motor command, as an angle of the spool",
+      .definition = "max |command(n) - command(n - 1)| over the counts per degree, per motor; with "
+                    "a link alone",
+      .needs_link = true,
+      .extreme = true,
+      .relevant_difference = kFeltPeak},
+     [](const ScoredMotor& m) {
+       return m.command_counts.empty() || !m.deg_per_count
+                  ? kNoScore
+                  : *m.deg_per_count * LargestJump(m.command_counts, m.counted);
      }},
     {{.key = "error_noise_deg2",
       .help = "mean square error caused by noise and faults of the glove",

@@ -72,6 +72,11 @@ void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   CheckFingertips(input.fingertips, rows);
   Check(fits(input.digit_overlap_m, 1),
         "the overlap of digits is no column as long as the hand's angles");
+  Check(fits(input.sample_age_s, 1) && fits(input.watchdog_tier, 1) &&
+            (input.sample_age_s == nullptr) == (input.watchdog_tier == nullptr),
+        "age of the samples and watchdog tier are two columns as long as the hand's angles");
+  Check(input.deg_per_count.empty() || input.deg_per_count.size() == table.motors.size(),
+        "an angle per count is needed per motor");
   Check(input.stall_tension_n.empty() || input.stall_tension_n.size() == table.cables.size(),
         "a stall tension is needed per cable");
   Check(input.jitter_above_hz > 0.0, "jitter begins above 0 Hz");
@@ -196,11 +201,13 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                        .speed_rad_s = ColumnOrNothing(input.motor_speed_rad_s, motor, rows),
                        .noise_rad_s = {},
                        .saturation_share = {},
+                       .deg_per_count = {},
                        .counted = all.CountedOf(&CountedParts::motors, static_cast<int>(motor)),
                        .fourier = fourier};
     scored.noise_rad_s = Difference(
         scored.speed_rad_s, ColumnOrNothing(input.noise_free_motor_speed_rad_s, motor, rows));
     if (!input.saturation_share.empty()) scored.saturation_share = input.saturation_share[motor];
+    if (!input.deg_per_count.empty()) scored.deg_per_count = input.deg_per_count[motor];
     Score(scored, wanted, scores.channels[table.motors[motor]]);
     TrimSignals();
   }
@@ -219,6 +226,9 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                    .grasp = GraspOf(input, rows),
                    .fingertips = input.fingertips,
                    .digit_overlap_m = ColumnOrNothing(input.digit_overlap_m, 0, rows),
+                   .link = {.sample_age_s = ColumnOrNothing(input.sample_age_s, 0, rows),
+                            .watchdog_tier = ColumnOrNothing(input.watchdog_tier, 0, rows),
+                            .ticks_per_command = input.ticks_per_command},
                    .counted = all.CountedOfHand(),
                    .fourier = fourier},
         wanted, scores.summary);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -49,6 +50,10 @@ struct ScoreInput {
   const Signal* object_in_palm = nullptr;         // ticks x 7
   double object_friction = 0.0;                   // coefficient between hand and object
   const Signal* digit_overlap_m = nullptr;        // ticks x 1: of the digits that are deepest
+  const Signal* sample_age_s = nullptr;           // ticks x 1, see LinkSignals; null without links
+  const SignalOf<std::uint8_t>* watchdog_tier = nullptr;  // ticks x 1
+  double ticks_per_command = 20.0;                        // frames of the controller
+  std::span<const double> deg_per_count = {};     // per motor: of its spool; empty without links
   FingertipSignals fingertips = {};               // nothing where they are not known
   std::span<const double> saturation_share = {};  // per motor
   std::span<const Segment> segments = {};         // win over the split by the wearer's speed
@@ -88,6 +93,7 @@ struct Metric {
   bool needs_twin = false;        // no value without the noise-free signals
   bool needs_causes = false;      // no value without the trials of ErrorCause
   bool needs_fingertips = false;  // no value without the fingertips
+  bool needs_link = false;        // no value without a link that is set
   bool extreme = false;           // one moment decides it: no mean over time
   RelevantDifference relevant_difference = {};
 };

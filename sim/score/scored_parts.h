@@ -10,6 +10,7 @@
 #include "sim/score/fingertip_error.h"
 #include "sim/score/fourier.h"
 #include "sim/score/grasp.h"
+#include "sim/score/link_scores.h"
 #include "sim/score/low_pass.h"
 #include "sim/score/score.h"
 #include "sim/score/smoothness.h"
@@ -92,6 +93,7 @@ struct ScoredMotor {
   std::span<const double> speed_rad_s;
   std::vector<double> noise_rad_s;  // speed less that with a noise-free glove
   std::optional<double> saturation_share;
+  std::optional<double> deg_per_count;  // of its spool; none without links
   CountedTicks counted;
   Fourier& fourier;
 };
@@ -111,6 +113,7 @@ struct ScoredHand {
   GraspSignals grasp;
   FingertipSignals fingertips;
   std::span<const double> digit_overlap_m;
+  LinkSignals link;
   CountedTicks counted;
   Fourier& fourier;
 };

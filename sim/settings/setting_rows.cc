@@ -61,6 +61,7 @@ class RowCollector final : public controller::SettingsVisitor {
     Add(setting, map.size() == 0 ? "none" : fmt::format("{} given", map.size()),
         map.visit ? "named groups" : "named lists");
   }
+  bool ShowsOptional(const Setting& /*setting*/, bool /*given*/) override { return true; }
 
   std::vector<SettingRow> rows;
 

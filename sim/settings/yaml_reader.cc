@@ -226,6 +226,10 @@ void YamlReader::Map(const Setting& setting, const controller::SettingMap& map) 
   }
 }
 
+bool YamlReader::ShowsOptional(const Setting& setting, bool given) {
+  return Find(setting).IsDefined() || given;
+}
+
 void YamlReader::RejectUnknownKeys() const {
   for (const auto& entry : node_.entries()) {
     const std::string& key = entry.first.text();

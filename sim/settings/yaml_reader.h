@@ -36,6 +36,7 @@ class YamlReader final : public controller::SettingsVisitor {
              const std::function<void(controller::SettingsVisitor&)>& visit) override;
   void List(const controller::Setting& setting, const controller::SettingList& list) override;
   void Map(const controller::Setting& setting, const controller::SettingMap& map) override;
+  bool ShowsOptional(const controller::Setting& setting, bool given) override;
 
   /// To be called after the visit: throws for the first key that was not read, then for the
   /// first that is required and missing: so one that is only misspelt is said to be so.

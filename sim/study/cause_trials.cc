@@ -96,6 +96,7 @@ CauseAngles CauseTrials::Run(const NamedController& named, int seed, const Glove
     }
   }
   const bool keeps_events = setup.controller.filter_at == controller::FilterAt::kEvent;
+  setup.links = {};
   for (const ErrorCause cause :
        {ErrorCause::kLink, ErrorCause::kSaturation, ErrorCause::kFriction, ErrorCause::kServo}) {
     setup.hand = HandWithout(cause, keeps_events);

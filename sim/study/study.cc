@@ -287,7 +287,9 @@ TrialSetup SetupOf(const Study& study, const NamedController& named, int seed) {
           .controller = ControllerOfSeed(study, named.config, seed),
           .calibration = study.calibration,
           .joint_map = study.scenario.joint_map,
-          .hand = study.hand};
+          .hand = study.hand,
+          .links = {.config = LinksOf(study.scenario, named),
+                    .seed = static_cast<std::uint64_t>(seed)}};
 }
 
 void CheckController(const Study& study, const NamedController& named) {
@@ -295,6 +297,7 @@ void CheckController(const Study& study, const NamedController& named) {
     return controller::Controller(RobotOf(
         study.scenario, *study.hand, ControllerOfSeed(study, named.config, study.scenario.seed)));
   });
+  LinksOf(study.scenario, named).Check();
 }
 
 void ChooseVideoCamera(const HandModel& hand, std::string& camera) {

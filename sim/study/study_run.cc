@@ -58,6 +58,18 @@ void FindDurations(const Study& study, StudyResult& result) {
   result.longest_s = static_cast<double>(longest->ticks) / rate_hz;
 }
 
+/// Filters alone would be scored as if there were no links. Errors: SettingError.
+void RefuseLinks(const Scenario& scenario) {
+  for (const NamedController& named : scenario.controllers) {
+    if (!LinksOf(scenario, named).exist()) continue;
+    const char* const key = scenario.link              ? "link"
+                            : scenario.event.jitter_ms ? "event.jitter_ms"
+                                                       : "event.loss_percent";
+    throw controller::SettingError(
+        key, "is simulated only with a hand; leave out --filter-only (physics: false)");
+  }
+}
+
 /// Runs the trials of a study on the threads that call Work().
 class StudyRun {
  public:
@@ -321,6 +333,7 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   StudyOptions options = asked;
   const Repeats repeats(study, asked.seeds);
   if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
+  if (!options.physics) RefuseLinks(study.scenario);
   CheckRoom(study, options);
   StudyRun run(study, options);
   RunOnThreads(

@@ -59,6 +59,13 @@ struct MeasuredMotors {
         speed(trace.spool_speed_rad_s, study.measured_motors),
         tension(trace.tension_n, study.measured_cables) {
     if (tension.get() != nullptr) stall_tension_n = StallTensions(study);
+    if (trace.sample_age_s.cols() > 0) {
+      for (const int motor : study.measured_motors) {
+        const auto place = static_cast<std::size_t>(motor);
+        deg_per_count.push_back(
+            std::abs(kDegPerRad / study.hand->transmission().counts_per_rad[place]));
+      }
+    }
     if (trace.motor_at_limit.cols() > 0) {
       saturation_share = SaturationShares(study, trace.motor_at_limit, counted);
     }
@@ -71,6 +78,7 @@ struct MeasuredMotors {
     input.motor_speed_rad_s = speed.get();
     input.tension_n = tension.get();
     input.saturation_share = saturation_share;
+    input.deg_per_count = deg_per_count;
     input.stall_tension_n = stall_tension_n;
     if (twin_speed) input.noise_free_motor_speed_rad_s = &**twin_speed;
   }
@@ -80,6 +88,7 @@ struct MeasuredMotors {
   RecordedColumns<Signal> tension;
   std::vector<double> stall_tension_n;
   std::vector<double> saturation_share;
+  std::vector<double> deg_per_count;  // empty without links
   std::optional<Columns<Signal>> twin_speed;
 };
 
@@ -105,17 +114,22 @@ std::vector<std::string_view> SignalsOf(ScoredPart part) {
     case ScoredPart::kJoint:
       return {"hand_angle_rad"};
     case ScoredPart::kMotor:
-      return {"command_counts", "spool_speed_rad_s", "motor_at_limit"};
+      return {"command_counts", "spool_speed_rad_s", "motor_at_limit", "sample_age_s",
+              "watchdog_tier"};
     case ScoredPart::kCable:
       return {"tension_n"};
     case ScoredPart::kHand:
-      return {"grip_force_n", "object_pose", "object_in_palm", "object_force_n", "digit_overlap_m"};
+      return {"grip_force_n",    "object_pose",  "object_in_palm", "object_force_n",
+              "digit_overlap_m", "sample_age_s", "watchdog_tier"};
   }
   return {};
 }
 
 /// Null if the signal is not recorded.
-const Signal* Recorded(const Signal& signal) { return signal.cols() > 0 ? &signal : nullptr; }
+template <class Scalar>
+const SignalOf<Scalar>* Recorded(const SignalOf<Scalar>& signal) {
+  return signal.cols() > 0 ? &signal : nullptr;
+}
 
 /// Fingertips of a hand and of the wearer, as the kinematics of the hand give them.
 class MeasuredFingertips {
@@ -214,6 +228,10 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   input.object_in_palm = Recorded(trace.object_in_palm);
   input.object_friction = study.hand->config().object.friction;
   input.digit_overlap_m = Recorded(trace.digit_overlap_m);
+  input.sample_age_s = Recorded(trace.sample_age_s);
+  input.watchdog_tier = Recorded(trace.watchdog_tier);
+  const controller::Timing& timing = study.hand->timing().controller;
+  input.ticks_per_command = timing.TicksOf(timing.event_period_ms);
   std::optional<MeasuredFingertips> fingertips;
   if (study.fingertips && NeedFingertips(metrics)) {
     fingertips.emplace(study, reference_rad, trace.hand_angle_rad, glove.tick_rate_hz);

@@ -41,6 +41,9 @@ struct Trace {
   Signal object_pose;            // ticks x 7: position [m] and quaternion; as above
   Signal object_in_palm;         // the same in the frame of the palm
   Signal object_force_n;         // ticks x 2: carried by the hand, by the support; as above
+  Signal sample_age_s;           // ticks x 1: of the glove sample behind the command; no columns
+                                 // without links
+  FlagSignal watchdog_tier;      // ticks x 1: 0 follow, 1 hold, 2 relax, 3 off; as above
   std::vector<std::int64_t> untrusted_samples;  // per channel
   HandHealth health;  // not ok: the signals end at the moment of the problem
 };

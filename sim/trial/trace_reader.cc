@@ -272,6 +272,7 @@ Width WidthOf(const TraceFile& file, const Trace& trace, TraceColumns columns,
       return {trace.tension_n.cols(), false};
     case TraceColumns::kGrip:
     case TraceColumns::kDigits:
+    case TraceColumns::kLinks:
       return {1, true};
     case TraceColumns::kPose:
       return {7, true};

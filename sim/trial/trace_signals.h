@@ -21,28 +21,31 @@ enum class TraceColumns {
   kPose,
   kForces,
   kDigits,
-  kSensors
+  kSensors,
+  kLinks
 };
 
 /// Names of the columns of all signals of one glove and hand.
 class TraceColumnNames {
  public:
-  TraceColumnNames(std::vector<std::string> channels, const HandModel& hand)
+  TraceColumnNames(std::vector<std::string> channels, const HandModel& hand, bool has_links = true)
       : names_{std::move(channels), hand.joint_names(), hand.motor_names(), hand.cable_names()} {
     if (hand.transmission().joint_sensors)
       names_[Place(TraceColumns::kSensors)] = hand.joint_names();
     if (hand.digits().exist()) names_[Place(TraceColumns::kDigits)] = {"deepest"};
+    if (has_links) names_[Place(TraceColumns::kLinks)] = {"link"};
     if (!hand.grasp().exists()) return;
     names_[Place(TraceColumns::kGrip)] = {"object"};
     names_[Place(TraceColumns::kForces)] = {"hand", "support"};
     names_[Place(TraceColumns::kPose)] = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
   }
-  /// Nothing for what the hand does not have: an object, digits, joint sensors.
+  /// Nothing for what the hand does not have: an object, digits, joint sensors; and for
+  /// links that there are not.
   const std::vector<std::string>& Of(TraceColumns columns) const { return names_[Place(columns)]; }
 
  private:
   static std::size_t Place(TraceColumns columns) { return static_cast<std::size_t>(columns); }
-  std::vector<std::string> names_[9];
+  std::vector<std::string> names_[10];
 };
 
 /// One signal of a trace: what it is, and how its values of this tick are read from the loop.
@@ -56,8 +59,8 @@ struct TraceSignal {
 
 /// Shows every signal of a trace once: `visit(TraceSignal, matrix)`. The one list that the
 /// recorder, the writers and the reader of trace files share: a signal is a field of Trace and a
-/// row here. Those of an object, of digits or of joint sensors have no columns, and no place in a
-/// file, unless there are any.
+/// row here. Those of an object, of digits, of joint sensors or of links have no columns, and no
+/// place in a file, unless there are any.
 template <class TraceType, class Visit>
 void ForEachSignal(TraceType& trace, Visit&& visit) {
   using Loop = const HandLoop&;
@@ -112,6 +115,14 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
          });
   number("digit_overlap_m", "m", TraceColumns::kDigits, trace.digit_overlap_m,
          [](Loop loop, Row row) { row[0] = loop.hand().DigitOverlap(); });
+  number("sample_age_s", "s", TraceColumns::kLinks, trace.sample_age_s,
+         [](Loop loop, Row row) { row[0] = loop.sample_age_s(); });
+  visit(TraceSignal<std::uint8_t>{"watchdog_tier", "0 follow, 1 hold, 2 relax, 3 off",
+                                  TraceColumns::kLinks,
+                                  [](Loop loop, std::span<std::uint8_t> row) {
+                                    row[0] = static_cast<std::uint8_t>(loop.watchdog_tier());
+                                  }},
+        trace.watchdog_tier);
 }
 
 }  // namespace gauntlet::sim

@@ -25,7 +25,7 @@ void StepLoop(const GloveSignal& glove, Eigen::Index tick, std::vector<double>& 
 Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOptions& options) {
   GAUNTLET_ASSERT(glove.true_angle_rad.rows() > 0);
   GAUNTLET_ASSERT(glove.counts.cols() == std::ssize(glove.channel_names));
-  HandLoop loop(setup.controller, setup.calibration, setup.joint_map, setup.hand);
+  HandLoop loop(setup.controller, setup.calibration, setup.joint_map, setup.hand, setup.links);
   const controller::JointMap joint_map(setup.joint_map, glove.channel_names,
                                        setup.hand->transmission());
   const Signal start = JointAngles(joint_map, glove.true_angle_rad.topRows(1)).transpose();
@@ -34,8 +34,9 @@ Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOpt
   Trace trace;
   trace.controller_name = setup.controller_name;
   const Eigen::Index ticks = glove.true_angle_rad.rows();
-  TraceRecorder recorder(trace, ticks, TraceColumnNames(glove.channel_names, *setup.hand),
-                         options.signals);
+  TraceRecorder recorder(
+      trace, ticks, TraceColumnNames(glove.channel_names, *setup.hand, setup.links.config.exist()),
+      options.signals);
   std::vector<double> counts(glove.channel_names.size());
   for (Eigen::Index tick = 0; tick < ticks; ++tick) {
     ThrowIfStopped();

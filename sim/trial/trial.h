@@ -19,6 +19,7 @@ struct TrialSetup {
   controller::GloveCalibration calibration;
   controller::JointMapConfig joint_map;
   std::shared_ptr<const HandModel> hand;
+  LoopLinks links = {};
 };
 
 struct TrialOptions {

@@ -660,6 +660,28 @@ def motor_scores(counts, speed, at_limit, quiet_speed, context, counted):
     }
 
 
+def command_jump(counts, deg_per_count, counted):
+    """Largest change of the command from one tick to the next, as an angle of the spool."""
+    jumps = [np.max(np.abs(np.diff(counts[b:e]))) for b, e in counted if e - b > 1]
+    return deg_per_count * max(jumps) if jumps else NAN
+
+
+def link_scores(age_s, tier, rate_hz, period, counted):
+    """What the links do to the commands; nothing without them."""
+    if age_s is None:
+        return {}
+    ages = np.sort(within(age_s, 0, counted))
+    capture = np.round(np.arange(len(age_s)) - age_s * rate_hz)
+    same = [capture[b + period:e] == capture[b:e - period] for b, e in counted if e - b > period]
+    tiers = within(tier, 0, counted)
+    scores = {f"sample_age_{name}_ms": 1000 * ages[int(share * (len(ages) - 1))]
+              for name, share in (("p50", 0.5), ("p99", 0.99), ("max", 1.0))}
+    scores["frozen_share"] = np.mean(np.concatenate(same)) if same else NAN
+    for number, name in enumerate(("hold", "relax", "off"), 1):
+        scores[f"watchdog_{name}_share"] = np.mean(tiers == number)
+    return scores
+
+
 def cable_scores(tension, stall_n, counted):
     tension = within(tension, 0, counted)
     if len(tension) == 0:
@@ -698,6 +720,12 @@ class Context:
 
 
         self.text = text
+        self.period = int(np.ceil(float(re.search(r"^event:\n  period_ms: (\S+)", text, re.MULTILINE)[1])
+                                  / 1000 * self.rate_hz - 1e-9))
+        self.deg_per_count = {
+            servo: float(re.search(rf"^  {servo}:\n(?:    .*\n)*?    travel_deg: (\S+)", text, re.MULTILINE)[1])
+            / (2 ** int(re.search(rf"^  {servo}:\n(?:    .*\n)*?    resolution_bits: (\S+)", text, re.MULTILINE)[1]) - 1)
+            for servo in ("servo", "arm_servo")}
         self.link_s = half_up(float(re.search(r"^event:\n(?:  .*\n)*?  delay_ms: (\S+)", text, re.MULTILINE)[1])
                               / 1000 * self.rate_hz) / self.rate_hz
 
@@ -754,6 +782,11 @@ def rescore(trace, controller, measured_joints, context):
         rows.setdefault(name, {}).update(
             motor_scores(counts, speed[name], at_limit[name], quiet, context,
                          context.counted(context.channels_of(name, measured_joints), len(counts))))
+        if "sample_age_s" in group:
+            servo = "arm_servo" if name.startswith(("elbow", "shoulder")) else "servo"
+            rows[name]["command_jump_deg"] = command_jump(
+                counts, context.deg_per_count[servo],
+                context.counted(context.channels_of(name, measured_joints), len(counts)))
     for name, tension in columns_of(group, "tension_n").items():
         motor = re.sub("_(flexor|extensor)$", "", name)
         counted = context.counted(context.channels_of(motor, measured_joints), len(tension))
@@ -773,6 +806,8 @@ def rescore(trace, controller, measured_joints, context):
     return rows, {**grasp_scores(None if grip is None else grip[:, 0], whole("object_force_n"), whole("object_pose"),
                                  whole("object_in_palm"), context.friction, context.rate_hz, counted),
                   **fingertip_scores(context.fingertips, reference, hand, measured_joints, context.rate_hz, counted),
+                  **link_scores(*(None if x is None else x[:, 0] for x in map(whole, ("sample_age_s", "watchdog_tier"))),
+                                context.rate_hz, context.period, counted),
                   "grip_force_ripple_n": ripple[0] if ripple else NAN,
                   "digit_overlap_share": np.mean(deep[0]) if deep and len(deep[0]) else NAN}
 

@@ -157,6 +157,9 @@ struct FullExample {
   Signal hand_tips = Signal::Zero(kSamples / 10, 9);
   Signal reference_tips = Signal::Zero(kSamples / 10, 9);
   Signal overlap = Signal::Zero(kSamples, 1);
+  Signal sample_age = Signal::Zero(kSamples, 1);
+  SignalOf<std::uint8_t> tier = SignalOf<std::uint8_t>::Zero(kSamples, 1);
+  std::vector<double> deg_per_count{0.1, 0.2};
   std::vector<double> saturation{0.25, 0.75};
   std::vector<double> stall_tension_n{12.0, 4.0, 10.0};
   Signal noise_free_hand = Signal::Zero(kSamples, 2);
@@ -185,6 +188,9 @@ struct FullExample {
       overlap(n, 0) = n < kSamples / 10 ? 2.1e-3 : n < kSamples / 2 ? 1.9e-3 : 0.0;
       tension(n, 0) = n < kSamples / 10 ? 0.0 : 3.0;
       tension(n, 1) = 1.0;
+      sample_age(n, 0) = 1e-3 * (25 + n % 20);
+      if (n >= 1000 && n < 1100) sample_age(n, 0) = 1e-3 * (25 + n - 1000);  // frames are lost
+      tier(n, 0) = n < 300 ? 1 : n < 500 ? 2 : n < 600 ? 3 : 0;
       tension(n, 2) = n == 77 ? 8.0 : 2.0;
     }
     hand_tips.col(3).setConstant(0.022);  // the second 22 mm from the first in place of 20
@@ -208,6 +214,10 @@ struct FullExample {
             .object_in_palm = &object_in_palm,
             .object_friction = 0.5,
             .digit_overlap_m = &overlap,
+            .sample_age_s = &sample_age,
+            .watchdog_tier = &tier,
+            .ticks_per_command = 20.0,
+            .deg_per_count = deg_per_count,
             .fingertips = {.hand_m = &hand_tips,
                            .reference_m = &reference_tips,
                            .ticks_per_row = 10,
@@ -221,6 +231,24 @@ struct FullExample {
             .stall_tension_n = stall_tension_n};
   }
 };
+
+TEST(Scores, OfALinkAreThoseOfItsSignals) {
+  FullExample example;
+  example.command.setZero();
+  example.command(500, 1) = 40;
+  const Scores scores = ComputeScores(example.Input(), kFullRows);
+  const auto value = [&](const char* key) { return scores.summary[MetricIndex(key)]; };
+  EXPECT_NEAR(value("sample_age_p50_ms"), 34.0, 1.0);
+  EXPECT_NEAR(value("sample_age_p99_ms"), 44.0, 1.0);
+  EXPECT_DOUBLE_EQ(value("sample_age_max_ms"), 124.0);
+  constexpr double kTicks = FullExample::kSamples;
+  // Four of the five frames of the gap.
+  EXPECT_NEAR(value("frozen_share"), 80.0 / (kTicks - 20.0), 1e-12);
+  EXPECT_NEAR(value("watchdog_hold_share"), 300.0 / kTicks, 1e-12);
+  EXPECT_NEAR(value("watchdog_relax_share"), 200.0 / kTicks, 1e-12);
+  EXPECT_NEAR(value("watchdog_off_share"), 100.0 / kTicks, 1e-12);
+  EXPECT_DOUBLE_EQ(scores.channels[2][MetricIndex("command_jump_deg")], 40.0 * 0.2);
+}
 
 TEST(Scores, AllExistWhereAllSignalsDo) {
   const FullExample example;

@@ -66,7 +66,7 @@ TEST(KeptScores, HaveTheValuesThatTheyHaveAmongAll) {
         finite += std::isfinite(some.channels[row][m]) ? 1 : 0;
       }
     }
-    EXPECT_TRUE(finite > 0 || signals.back() == "digit_overlap_m");
+    EXPECT_TRUE(finite > 0 || std::ranges::count(signals, "digit_overlap_m") == 1);  // the hand
   }
 }
 

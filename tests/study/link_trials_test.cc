@@ -1,0 +1,177 @@
+// Links in whole trials: what they change, and what not.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/scenario/scenario_reader.h"
+#include "sim/study/study_run.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Overrides = std::vector<std::string>;
+
+class LinkTrials : public testing::Test {
+ protected:
+  StudyResult Run(const Overrides& overrides, const StudyOptions& options = {}) const {
+    const auto file = folder_.path() / "scenario.yaml";
+    std::ofstream(file) << "question: q\n"
+                           "glove: {channels: [index_mcp, index_pip, wrist_flexion],\n"
+                           "        motion: {kind: random, duration_s: 3, range_percent: 60}}\n"
+                           "controllers: {raw: {filter: none}}\n";
+    return RunStudy(PrepareStudy(LoadScenario(file, overrides)), options);
+  }
+  static double Score(const StudyResult& result, const char* key) {
+    return result.seeds[0].controllers[0].scores.summary[MetricIndex(key)];
+  }
+  /// The whole motion of the hand.
+  Signal HandOf(const Overrides& overrides) const {
+    return Run(overrides).first_traces[0].hand_angle_rad;
+  }
+
+ private:
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(LinkTrials, ALinkThatDoesNothingChangesNoBit) {
+  const Signal without = HandOf({});
+  EXPECT_EQ(HandOf({"link.glove.preset=none"}), without);
+  EXPECT_EQ(HandOf({"link.hand.preset=none"}), without);
+  EXPECT_EQ(HandOf({"link.glove.receiver={kind: buffer, delay_ms: 0}",
+                    "link.hand.receiver={kind: buffer, delay_ms: 0}"}),
+            without);
+  EXPECT_EQ(HandOf({"link.glove.receiver=queue", "link.hand.receiver=queue"}), without);
+  EXPECT_EQ(HandOf({"link.glove.receiver={kind: newest, gap: predict}",
+                    "link.hand.receiver={kind: newest, gap: predict}", "link.glove.watchdog=tiers",
+                    "link.hand.watchdog=tiers"}),
+            without);
+  EXPECT_EQ(HandOf({"event.jitter_ms=0", "event.loss_percent=0"}), without);
+}
+
+TEST_F(LinkTrials, ADelayOfTheLinkIsOneOfTheEvent) {
+  EXPECT_EQ(HandOf({"event.delay_ms=5", "link.hand.delay={kind: constant, delay_ms: 20}"}),
+            HandOf({}));
+}
+
+TEST_F(LinkTrials, ShortFormsOfTheEventAreThoseOfTheLinkToTheHand) {
+  EXPECT_EQ(HandOf({"event.jitter_ms=12", "event.loss_percent=20"}),
+            HandOf({"link.hand.delay={kind: gamma, mean_ms: 12, deviation_ms: 12}",
+                    "link.hand.loss={kind: independent, percent: 20}"}));
+  EXPECT_NE(HandOf({"event.jitter_ms=12"}), HandOf({}));
+  EXPECT_NE(HandOf({"event.loss_percent=20"}), HandOf({}));
+}
+
+TEST_F(LinkTrials, ScoresOfLinksExistWithALinkAlone) {
+  const StudyResult without = Run({});
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (!Metrics()[m].needs_link) continue;
+    EXPECT_TRUE(std::isnan(without.seeds[0].controllers[0].scores.summary[m])) << Metrics()[m].key;
+  }
+  EXPECT_EQ(without.first_traces[0].sample_age_s.cols(), 0);
+  // A frame is 25 ms old when it arrives, and held for 20 ms. At first none has come.
+  const StudyResult with = Run({"link.hand.preset=none"});
+  EXPECT_NEAR(Score(with, "sample_age_p50_ms"), 34.5, 1.0);
+  EXPECT_NEAR(Score(with, "sample_age_max_ms"), 44.0, 1e-3);
+  EXPECT_NEAR(Score(with, "frozen_share"), 25.0 / (3000.0 - 20.0), 1e-9);
+  EXPECT_EQ(Score(with, "watchdog_hold_share"), 0.0);
+}
+
+TEST_F(LinkTrials, FrozenShareIsThatOfTheLostFrames) {
+  EXPECT_NEAR(
+      Score(Run({"link.hand.loss={kind: independent, percent: 30}", "glove.motion.duration_s=20"}),
+            "frozen_share"),
+      0.3, 4.0 * std::sqrt(0.3 * 0.7 / 1000.0));
+}
+
+TEST_F(LinkTrials, WatchdogIsInItsTiersForTheirTimes) {
+  // One batch a second: 50 ms as usual, then hold until 200 ms, relax until 600 ms, off.
+  const std::string tiers =
+      "{kind: tiers, hold_after_ms: 50, relax_after_ms: 200, off_after_ms: 600, good_frames: 1}";
+  const StudyResult hand =
+      Run({"link.hand.batch_ms=1000", "link.hand.watchdog=" + tiers, "glove.motion.duration_s=9"});
+  EXPECT_NEAR(Score(hand, "watchdog_hold_share"), 0.15, 0.02);
+  EXPECT_NEAR(Score(hand, "watchdog_relax_share"), 0.4, 0.05);
+  EXPECT_NEAR(Score(hand, "watchdog_off_share"), 0.4, 0.05);
+  EXPECT_TRUE(hand.seeds[0].controllers[0].health.ok);
+  const StudyResult glove = Run(
+      {"link.glove.batch_ms=1000", "link.glove.watchdog=" + tiers, "glove.motion.duration_s=9"});
+  EXPECT_NEAR(Score(glove, "watchdog_hold_share"), 0.15, 0.02);
+  EXPECT_NEAR(Score(glove, "watchdog_off_share"), 0.4, 0.05);
+}
+
+TEST_F(LinkTrials, TheCommandNeverJumpsFurtherThanTheWatchdogReturns) {
+  const Overrides gaps = {
+      "link.glove.loss={kind: gilbert_elliott, begin_percent: 0.3, "
+      "mean_frames: 400}",
+      "glove.motion.duration_s=6"};
+  Overrides watched = gaps;
+  // Every gap that is seen at all begins with hold: no frame is older than 2 ms otherwise.
+  watched.push_back("link.hand.watchdog={kind: tiers, hold_after_ms: 21, return_deg_s: 200}");
+  watched.push_back(
+      "link.glove.watchdog={kind: tiers, hold_after_ms: 2, relax_after_ms: 100, off_after_ms: 150, "
+      "return_deg_s: 200, relax_deg_s: 200}");
+  const double jump = Score(Run(watched), "command_jump_deg");
+  EXPECT_GT(Score(Run(gaps), "command_jump_deg"), 2.0 * jump);
+  // Of one frame and a count of the coarsest servo, or that of the motion itself.
+  const double of_motion =
+      Score(Run({"link.glove.preset=none", "glove.motion.duration_s=6"}), "command_jump_deg");
+  EXPECT_LE(jump, std::max(of_motion, 200.0 * 0.02 + 0.3));
+}
+
+TEST_F(LinkTrials, SeedsDifferInTheLinkAlone) {
+  const Overrides still = {
+      "glove.motion={kind: hold, duration_s: 1}",   "glove.noise.kind=none",
+      "glove.sensor.gain_deviation_percent=0",      "glove.sensor.offset_deviation_percent=0",
+      "glove.sensor.curvature_deviation_percent=0", "glove.sensor.cross_talk_percent=0"};
+  EXPECT_TRUE(Run(still, {.seeds = 2}).seeds_alike);
+  Overrides linked = still;
+  linked.push_back("event.jitter_ms=30");
+  const StudyResult result = Run(linked, {.seeds = 2});
+  EXPECT_FALSE(result.seeds_alike);
+  ASSERT_EQ(result.seeds.size(), 2u);
+  const auto age = [&](std::size_t seed) {
+    return result.seeds[seed].controllers[0].scores.summary[MetricIndex("sample_age_max_ms")];
+  };
+  EXPECT_NE(age(0), age(1));
+}
+
+TEST_F(LinkTrials, AreTheSameOnAnyNumberOfThreads) {
+  const Overrides wifi = {"link.glove.preset=wifi", "link.hand.preset=wifi",
+                          "link.glove.receiver=adaptive_buffer"};
+  const StudyResult one = Run(wifi, {.seeds = 4, .jobs = 1});
+  const StudyResult many = Run(wifi, {.seeds = 4, .jobs = 3});
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_THAT(one.seeds[i].controllers[0].scores.summary,
+                testing::Pointwise(testing::NanSensitiveDoubleEq(),
+                                   many.seeds[i].controllers[0].scores.summary));
+  }
+}
+
+TEST_F(LinkTrials, WithoutTheLinkNothingOfItIsACause) {
+  const Overrides late = {"link.glove.delay={kind: constant, delay_ms: 200}"};
+  const StudyResult result = Run(late, {.causes = CauseSeeds::kFirst});
+  const double whole = std::pow(Score(result, "tracking_rmse_deg"), 2);
+  EXPECT_GT(Score(result, "error_link_deg2"), 0.7 * whole);
+}
+
+TEST_F(LinkTrials, FiltersAloneHaveNoLink) {
+  for (const auto& [set, key] : {std::pair{"link.glove.preset=wifi", "link: "},
+                                 std::pair{"event.jitter_ms=3", "event.jitter_ms: "}}) {
+    try {
+      Run({set}, {.keep_first_traces = false, .physics = false});
+      FAIL() << set;
+    } catch (const controller::SettingError& error) {
+      EXPECT_THAT(error.what(), testing::StartsWith(key));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
