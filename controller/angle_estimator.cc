@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "controller/assert.h"
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/kalman_noise.h"
 #include "controller/prediction/predictor.h"
 

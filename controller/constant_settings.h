@@ -4,12 +4,13 @@
 #include <string_view>
 
 #include "controller/controller_config.h"
+#include "controller/export.h"
 
 namespace gauntlet::controller {
 
 /// One setting as a constant of a program: its key and its value. A list or a map has its length as
 /// value, and its items behind it.
-struct ConstantSetting {
+struct GAUNTLET_API ConstantSetting {
   std::string_view key;
   double number = 0.0;
   std::string_view text = {};
@@ -25,7 +26,7 @@ struct ConstantSetting {
 ///
 /// Errors: SettingError if the settings are those of another version of this library, whose keys
 /// differ; then export them again. Controller's constructor checks the values.
-RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings);
+GAUNTLET_API RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings);
 
 /// The same from the text of `gauntlet export --text`, for programs that read it from anywhere and
 /// have no more than this library. One setting a line; `#` begins a comment:
@@ -40,6 +41,6 @@ RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings);
 ///
 /// Errors: SettingError for a line that is none of these, with its number, and those of
 /// RobotFromConstants().
-RobotConfig RobotFromText(std::string_view text);
+GAUNTLET_API RobotConfig RobotFromText(std::string_view text);
 
 }  // namespace gauntlet::controller

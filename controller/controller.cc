@@ -1,5 +1,6 @@
 #include "controller/controller.h"
 
+#include <memory>
 #include <utility>
 
 #include "controller/controller_state.h"
@@ -15,12 +16,13 @@ Controller::Controller(const ControllerConfig& config, const GloveCalibration& g
                              .joint_map = joint_map,
                              .timing = timing}) {}
 Controller::Controller(const RobotConfig& robot)
-    : Controller(std::make_shared<const RobotConfig>(robot), robot.controller) {}
-Controller::Controller(std::shared_ptr<const RobotConfig> robot, const ControllerConfig& config)
-    : robot_(std::move(robot)), state_(std::make_unique<State>(*robot_, config)) {}
-Controller::~Controller() = default;
-Controller::Controller(Controller&&) noexcept = default;
-Controller& Controller::operator=(Controller&&) noexcept = default;
+    : state_(new State(std::make_shared<const RobotConfig>(robot), robot.controller)) {}
+Controller::~Controller() { delete state_; }
+Controller::Controller(Controller&& from) noexcept : state_(std::exchange(from.state_, nullptr)) {}
+Controller& Controller::operator=(Controller&& from) noexcept {
+  if (&from != this) delete std::exchange(state_, std::exchange(from.state_, nullptr));
+  return *this;
+}
 
 Command Controller::Step(const GloveSample& sample) noexcept {
   if (!state_) return {};
@@ -44,15 +46,16 @@ void Controller::Reset(std::span<const std::int32_t> motor_counts) noexcept {
 }
 
 Controller Controller::Prepare(const ControllerConfig& config) const {
-  if (!robot_) throw SettingError("controller", "was moved from, must be one that can step");
-  return {robot_, config};
+  if (!state_) throw SettingError("controller", "was moved from, must be one that can step");
+  return Controller(new State(state_->robot, config));
 }
 
 bool Controller::Swap(Controller& next) noexcept {
-  const bool prepared = state_ && next.state_ && next.robot_ == robot_ && &next != this;
+  const bool prepared =
+      state_ && next.state_ && next.state_->robot == state_->robot && &next != this;
   if (!prepared) return false;
   next.state_->TakeOver(*state_);
-  state_.swap(next.state_);
+  std::swap(state_, next.state_);
   return true;
 }
 

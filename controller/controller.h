@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "controller/controller_config.h"
-#include "controller/sample_guard.h"
+#include "controller/export.h"
+#include "controller/sample_guard_config.h"
 
 namespace gauntlet::controller {
 
@@ -14,7 +14,7 @@ namespace gauntlet::controller {
 /// exists, also after Swap() and Load(). The next Step() or Reset() may change its values.
 ///
 /// Shapes: one value per motor. Units: motor counts, always within the motor's range.
-struct Command {
+struct GAUNTLET_API Command {
   std::span<const std::int32_t> motor_counts;  // of the last command frame
   bool event = false;  // a frame is due: `motor_counts` are new and are to be sent now
 };
@@ -42,7 +42,7 @@ struct Command {
 /// meanwhile. A moved-from controller has no channels and returns empty commands.
 ///
 /// Errors: the constructor throws SettingError, which names the key and the allowed range.
-class Controller {
+class GAUNTLET_API Controller {
  public:
   /// `config` sets filters and maps; `glove` and `hand` describe the connected devices.
   Controller(const ControllerConfig& config, const GloveCalibration& glove,
@@ -112,10 +112,9 @@ class Controller {
 
  private:
   struct State;
-  Controller(std::shared_ptr<const RobotConfig> robot, const ControllerConfig& config);
+  explicit Controller(State* state) noexcept : state_(state) {}
 
-  std::shared_ptr<const RobotConfig> robot_;  // what it is connected to: never changes
-  std::unique_ptr<State> state_;
+  State* state_;  // owned; null when moved from
 };
 
 }  // namespace gauntlet::controller

@@ -50,34 +50,40 @@ void CheckPlanned(const ControllerConfig& config) {
 
 }  // namespace
 
-Controller::State::State(const RobotConfig& robot, const ControllerConfig& config)
-    : filter_at(Checked(robot, config).filter_at),
-      joint_map(WithinSetting(
-          "joint_map",
-          [&] { return JointMap(robot.joint_map, robot.glove.channel_names, robot.hand); })),
-      guard(config.untrusted, robot.glove.low_counts, robot.glove.full_scale_counts,
-            robot.timing.sample_rate_hz(), robot.glove.frame_number_bits),
-      tendon_map(robot.hand, config.coupling_compensation),
+Controller::State::State(const RobotConfig& connected_to, const ControllerConfig& config)
+    : filter_at(Checked(connected_to, config).filter_at),
+      joint_map(WithinSetting("joint_map",
+                              [&] {
+                                return JointMap(connected_to.joint_map,
+                                                connected_to.glove.channel_names,
+                                                connected_to.hand);
+                              })),
+      guard(config.untrusted, connected_to.glove.low_counts, connected_to.glove.full_scale_counts,
+            connected_to.timing.sample_rate_hz(), connected_to.glove.frame_number_bits),
+      tendon_map(connected_to.hand, config.coupling_compensation),
       model_predictive(WithinSetting("model_predictive",
                                      [&] {
-                                       return ModelPredictive(config.model_predictive, robot.hand,
-                                                              robot.timing.event_rate_hz());
+                                       return ModelPredictive(config.model_predictive,
+                                                              connected_to.hand,
+                                                              connected_to.timing.event_rate_hz());
                                      })),
-      estimator(robot, config, model_predictive.path_length()),
-      joint_loop(WithinSetting(
-          "joint_loop",
-          [&] { return JointLoop(config.joint_loop, robot.hand, robot.timing.event_rate_hz()); })),
-      rounding(config.motor, robot.hand, robot.timing.event_rate_hz()),
-      event_clock(robot.timing.TicksOf(robot.timing.event_period_ms)),
-      linearised_rad(robot.glove.channel_names.size()),
+      estimator(connected_to, config, model_predictive.path_length()),
+      joint_loop(WithinSetting("joint_loop",
+                               [&] {
+                                 return JointLoop(config.joint_loop, connected_to.hand,
+                                                  connected_to.timing.event_rate_hz());
+                               })),
+      rounding(config.motor, connected_to.hand, connected_to.timing.event_rate_hz()),
+      event_clock(connected_to.timing.TicksOf(connected_to.timing.event_period_ms)),
+      linearised_rad(connected_to.glove.channel_names.size()),
       start_counts(linearised_rad.size()),
-      target_rad(robot.hand.reference_angle_rad),
+      target_rad(connected_to.hand.reference_angle_rad),
       path_rad(static_cast<std::size_t>(model_predictive.path_length()) * target_rad.size()),
       planned_rad(target_rad),
       corrected_rad(target_rad),
       sent_rad(target_rad),
-      exact_motor_counts(robot.hand.counts_per_rad.size()),
-      motor_counts(robot.hand.center_counts.begin(), robot.hand.center_counts.end()) {
+      exact_motor_counts(connected_to.hand.counts_per_rad.size()),
+      motor_counts(connected_to.hand.center_counts.begin(), connected_to.hand.center_counts.end()) {
   CheckPlanned(config);
   Reset(motor_counts);
 }

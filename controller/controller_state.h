@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "controller/angle_estimator.h"
@@ -9,14 +11,19 @@
 #include "controller/joint_loop.h"
 #include "controller/model_predictive/model_predictive.h"
 #include "controller/motor_rounding.h"
+#include "controller/periodic_clock.h"
+#include "controller/sample_guard.h"
 #include "controller/tendon_map.h"
 
 namespace gauntlet::controller {
 
 /// The stages of a controller and what flows between them.
-struct Controller::State {
-  /// What `robot` is connected to, controlled as `config` says.
-  State(const RobotConfig& robot, const ControllerConfig& config);
+struct __attribute__((visibility("hidden"))) Controller::State {
+  /// What `connected_to` describes, controlled as `config` says.
+  State(std::shared_ptr<const RobotConfig> connected_to, const ControllerConfig& config)
+      : State(*connected_to, config) {
+    robot = std::move(connected_to);
+  }
 
   void TakeSample(const GloveSample& sample) noexcept;
   Command StepEvent() noexcept;
@@ -27,6 +34,8 @@ struct Controller::State {
   /// Goes on where `before`, a controller of the same glove and hand, stands. The memory of what
   /// can be read from outside comes along.
   void TakeOver(State& before) noexcept;
+
+  std::shared_ptr<const RobotConfig> robot;  // what it is connected to: never changes
 
   // What was chosen.
   FilterAt filter_at;
@@ -49,6 +58,9 @@ struct Controller::State {
   std::vector<double> sent_rad;  // what the motors were told, per joint
   std::vector<double> exact_motor_counts;
   std::vector<std::int32_t> motor_counts;
+
+ private:
+  State(const RobotConfig& connected_to, const ControllerConfig& config);
 };
 
 }  // namespace gauntlet::controller

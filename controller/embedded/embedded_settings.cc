@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "controller/controller.h"
-#include "controller/filters/kalman_steady_filter.h"
+#include "controller/filters/steady_gains.h"
 #include "controller/joint_map.h"
 #include "controller/linearisation/linearisation.h"
 #include "controller/tendon_map.h"

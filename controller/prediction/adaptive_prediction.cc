@@ -15,6 +15,7 @@
 #include "controller/prediction/horizon.h"
 #include "controller/prediction/measurement_noise.h"
 #include "controller/prediction/motion_model.h"
+#include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 namespace {

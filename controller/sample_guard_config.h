@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "controller/export.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// One sample of the data glove, as the analog-digital converter returns it.
+///
+/// Shapes: one value per channel. Units: counts. NaN is a missing value. If `counts` is too short,
+/// the last channels are missing; values beyond the last channel are ignored.
+struct GAUNTLET_API GloveSample {
+  std::span<const double> counts;
+  /// Number of the frame, if the glove counts its frames. It increases by one per frame and wraps
+  /// at the width in GloveCalibration. A frame is late or repeated if its number is not ahead of
+  /// the last one by less than half of all numbers.
+  std::optional<std::int64_t> number = {};
+};
+
+/// Reason why a value is not trusted.
+enum class Untrusted {
+  kMissing,     // NaN, or no value
+  kInfinite,    // plus or minus infinity
+  kOutOfRange,  // below 0 or above full scale: impossible for the converter
+  kFullScale,   // at an end of the converter: a broken wire or a short circuit
+  kStuck,       // unchanged for too long
+  kJumped,      // further from the last good value than a joint can move, not confirmed
+  kStale,       // from a late or repeated frame
+};
+inline constexpr int kUntrustedKinds = 7;
+
+/// Conditions for an untrusted value, in addition to missing values and values outside the range.
+struct GAUNTLET_API SampleGuardConfig {
+  bool full_scale = true;
+  double stuck_after_ms = 1000.0;
+  double jump_share = 0.25;
+  double jump_confirm_ms = 10.0;
+
+  bool operator==(const SampleGuardConfig&) const = default;
+  void Visit(SettingsVisitor& visitor);
+};
+
+}  // namespace gauntlet::controller
