@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "controller/calibration/curve_fit.h"
@@ -128,16 +129,15 @@ std::string ProblemOf(const PoseRecording& recording, const std::string& channel
   return "";
 }
 
-std::span<const double> ValuesOf(const Eigen::MatrixXd& values) {
-  return {values.data(), static_cast<std::size_t>(values.size())};
-}
-std::span<const double> ValuesOf(const Eigen::VectorXd& values) {
-  return {values.data(), static_cast<std::size_t>(values.size())};
+/// The values of a matrix, column by column, where they are.
+template <class Matrix>
+std::span<const double> SpanOf(const Matrix& matrix) {
+  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
 }
 
 CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
-  const std::span<const double> counts = ValuesOf(poses.counts);
-  const std::span<const double> angle_deg = ValuesOf(poses.angle_deg);
+  const std::span<const double> counts = SpanOf(poses.counts);
+  const std::span<const double> angle_deg = SpanOf(poses.angle_deg);
   if (kind == CurveKind::kTable)
     return controller::FitTable(counts, angle_deg, poses.resolution_counts);
   if (kind == CurveKind::kTwoPoint)
@@ -218,7 +218,7 @@ std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& reco
   std::vector<controller::StillStretch> stretches = recording.still;
   if (stretches.empty()) {
     stretches = controller::FindStillStretches(
-        ValuesOf(recording.counts), static_cast<int>(recording.counts.cols()), recording.rate_hz);
+        SpanOf(recording.counts), static_cast<int>(recording.counts.cols()), recording.rate_hz);
   }
   if (stretches.empty()) {
     throw UserError({.place = recording.name,
@@ -248,11 +248,11 @@ std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& reco
 }
 
 void EstimateR(const PoseRecording& recording, Calibration& calibration) {
-  const controller::NoiseEstimate noise = controller::EstimateNoise(
-      ValuesOf(recording.counts), static_cast<int>(recording.counts.cols()),
-      StretchesInRange(recording),
-      {.confidence = 0.01 * calibration.confidence_percent,
-       .resolution_counts = calibration.resolution_counts});
+  const controller::NoiseEstimate noise =
+      controller::EstimateNoise(SpanOf(recording.counts), static_cast<int>(recording.counts.cols()),
+                                StretchesInRange(recording),
+                                {.confidence = 0.01 * calibration.confidence_percent,
+                                 .resolution_counts = calibration.resolution_counts});
   calibration.degrees_of_freedom = noise.degrees_of_freedom;
   for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
     ChannelCalibration& channel = calibration.channels[i];

@@ -9,6 +9,7 @@
 #include <initializer_list>
 #include <numbers>
 
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/paper_noise.h"
 #include "sim/base/error.h"
 #include "sim/glove/noise/box_muller.h"
