@@ -159,6 +159,12 @@ void AngleEstimator::SetChannelActive(int channel, bool on) noexcept {
   if (on) StartChannel(channel);
 }
 
+void AngleEstimator::Place(int channel, double angle_rad) noexcept {
+  GAUNTLET_ASSERT(0 <= channel && channel < channel_count());
+  predicted_rad_[static_cast<std::size_t>(channel)] = angle_rad;
+  path_.Hold(channel, angle_rad);
+}
+
 void AngleEstimator::MoveTo(const JointMap& joint_map,
                             std::span<const double> joint_angle_rad) noexcept {
   GAUNTLET_ASSERT(joint_map.channel_count() == channel_count());

@@ -1,9 +1,11 @@
 #include "controller/controller.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include "controller/controller_state.h"
+#include "controller/number.h"
 
 namespace gauntlet::controller {
 
@@ -25,12 +27,9 @@ Controller& Controller::operator=(Controller&& from) noexcept {
 }
 
 Command Controller::Step(const GloveSample& sample) noexcept {
-  if (!state_) return {};
-  state_->TakeSample(sample);
-  return state_->StepEvent();
+  return state_ ? state_->Step(&sample) : Command{};
 }
-
-Command Controller::Step() noexcept { return state_ ? state_->StepEvent() : Command{}; }
+Command Controller::Step() noexcept { return state_ ? state_->Step(nullptr) : Command{}; }
 
 void Controller::TakeJointAngles(std::span<const double> measured_rad) noexcept {
   if (state_) state_->joint_loop.Take(measured_rad);
@@ -99,6 +98,12 @@ std::span<const double> Controller::predicted_angle_rad() const noexcept {
 std::span<const double> Controller::target_angle_rad() const noexcept {
   if (!state_) return {};
   return state_->target_rad;
+}
+double Controller::sample_age_ms(int channel) const noexcept {
+  if (channel < 0 || channel >= channel_count()) return kNaN;
+  const auto ticks = state_->watch.ticks_since_trusted(static_cast<std::size_t>(channel));
+  return 1e3 * static_cast<double>(std::max<std::int64_t>(ticks, 0)) /
+         state_->robot->timing.tick_rate_hz;
 }
 std::span<const std::int64_t> Controller::failed_plans() const noexcept {
   if (!state_) return {};

@@ -17,6 +17,7 @@ namespace gauntlet::controller {
 struct GAUNTLET_API Command {
   std::span<const std::int32_t> motor_counts;  // of the last command frame
   bool event = false;  // a frame is due: `motor_counts` are new and are to be sent now
+  GloveStatus glove = GloveStatus::kGood;
 };
 
 /// From glove to motors: linearisation, filters, prediction, joint map and tendon map, in one call
@@ -32,8 +33,9 @@ struct GAUNTLET_API Command {
 /// new one. It neither throws, allocates, locks nor reads a clock. The command changes only at
 /// command frames, whose clock begins with the first tick. Filters and prediction step at each new
 /// sample, or at each command frame. An untrusted value (see Untrusted) never reaches a motor: its
-/// channel holds the last valid value and counts the sample. Before the first valid value the
-/// channel's joint holds its reference angle.
+/// channel holds the last valid value and counts the sample. So does every channel when a sample is
+/// overdue by half its period, and `SampleGuardConfig::lost_after_ms` says what follows. Before the
+/// first valid value the joint of a channel stays where Reset() says that the motors are.
 ///
 /// The first command begins at the motors' centers, or at the counts of Reset(). Two successive
 /// commands never differ by more than the speed limit and the rounding.
@@ -106,6 +108,9 @@ class GAUNTLET_API Controller {
   std::span<const std::int64_t> untrusted_samples() const noexcept;
   /// The same for one reason.
   std::span<const std::int64_t> untrusted_samples(Untrusted kind) const noexcept;
+  /// Time since the last trusted value of a channel [ms], in ticks of the loop; since Reset() if
+  /// there was none. NaN for a channel out of range.
+  double sample_age_ms(int channel) const noexcept;
   /// Number of command frames since Reset() in which a joint's command stayed, because no plan was
   /// found in time (see ModelPredictive); empty without planned commands.
   std::span<const std::int64_t> failed_plans() const noexcept;

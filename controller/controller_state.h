@@ -8,6 +8,7 @@
 
 #include "controller/angle_estimator.h"
 #include "controller/controller.h"
+#include "controller/glove_watch.h"
 #include "controller/joint_loop.h"
 #include "controller/model_predictive/model_predictive.h"
 #include "controller/motor_rounding.h"
@@ -25,8 +26,12 @@ struct __attribute__((visibility("hidden"))) Controller::State {
     robot = std::move(connected_to);
   }
 
+  /// A tick, with a sample or without one (null).
+  Command Step(const GloveSample* sample) noexcept;
   void TakeSample(const GloveSample& sample) noexcept;
-  Command StepEvent() noexcept;
+  GloveStatus Status() const noexcept;
+  void MoveLostChannels() noexcept;
+  bool StepEvent() noexcept;
   void StepFilters() noexcept { estimator.StepLinearised(guard.trusted_counts(), linearised_rad); }
   void PlanCommands() noexcept;
   void Reset() noexcept;
@@ -41,16 +46,22 @@ struct __attribute__((visibility("hidden"))) Controller::State {
   FilterAt filter_at;
   JointMap joint_map;
   SampleGuard guard;
+  GloveWatch watch;
   TendonMap tendon_map;
   ModelPredictive model_predictive;
   AngleEstimator estimator;
   JointLoop joint_loop;
   MotorRounding rounding;
+  WhenLost when_lost;
+  double lost_step_rad;          // that a lost channel moves per event
+  std::vector<double> rest_rad;  // per channel, of the reference posture
 
   // What flows.
   PeriodicClock event_clock;
   std::vector<double> linearised_rad;  // per channel, not filtered
   std::vector<double> start_counts;    // of the guard
+  std::vector<std::uint8_t> lost;      // per channel
+  std::vector<double> lost_rad;        // where a lost channel is
   std::vector<double> target_rad;      // per joint
   std::vector<double> path_rad;        // the rows of the estimator's path, per joint
   std::vector<double> planned_rad;

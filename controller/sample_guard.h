@@ -34,13 +34,19 @@ class SampleGuard {
   template <class FirstGood>
   void Take(const GloveSample& sample, FirstGood first_good) noexcept {
     const bool stale = IsStale(sample);
-    if (TakeTrusted(sample, stale)) return;
+    all_trusted_ = TakeTrusted(sample, stale);
+    if (all_trusted_) return;
     for (int channel = 0; channel < values_.channel_count(); ++channel) {
       const bool first = values_[kSeen][channel] == 0.0;
       TakeDoubtful(channel, sample, stale);
       if (first && values_[kSeen][channel] == 1.0) first_good(channel);
     }
   }
+  /// A sample that was due did not come.
+  void Miss() noexcept;
+  /// Whether the last sample, or absence of one, has a value of this channel that is trusted.
+  bool trusted(std::size_t channel) const noexcept { return all_trusted_ || held_[channel] == 0; }
+  bool all_trusted() const noexcept { return all_trusted_; }
   /// Resets to the initial state; a channel holds `start_counts` before its first good value.
   void Reset(std::span<const double> start_counts) noexcept;
   /// Swaps values and counts with another guard of the same number of channels. The settings stay.
@@ -81,6 +87,8 @@ class SampleGuard {
   std::optional<std::int64_t> last_number_;
   std::int64_t stale_number_ = 0;  // of the last stale frame, and number of rising ones
   int stale_frames_ = 0;
+  bool all_trusted_ = true;         // if so, `held_` says nothing
+  std::vector<std::uint8_t> held_;  // per channel: its last value is not trusted
   std::vector<std::int64_t> untrusted_samples_;
   std::array<std::vector<std::int64_t>, kUntrustedKinds> untrusted_by_kind_;
 };

@@ -23,7 +23,7 @@ struct GAUNTLET_API GloveSample {
 
 /// Reason why a value is not trusted.
 enum class Untrusted {
-  kMissing,     // NaN, or no value
+  kMissing,     // NaN, no value, or a sample that was due and did not come
   kInfinite,    // plus or minus infinity
   kOutOfRange,  // below 0 or above full scale: impossible for the converter
   kFullScale,   // at an end of the converter: a broken wire or a short circuit
@@ -33,12 +33,30 @@ enum class Untrusted {
 };
 inline constexpr int kUntrustedKinds = 7;
 
+/// What a controller knows of its glove, the worst that holds of an active channel.
+enum class GloveStatus {
+  kGood,      // every value of the last sample is trusted, and none is overdue
+  kHeld,      // a channel holds its last trusted value
+  kTooOften,  // samples come much more often than Timing says: filters are too fast by as much
+  kLost,      // a channel is lost, see SampleGuardConfig
+};
+
+/// Where the joint of a lost channel goes: to the last trusted value, without what a prediction was
+/// ahead of it; or to the reference posture.
+enum class WhenLost { kHold, kRest };
+
 /// Conditions for an untrusted value, in addition to missing values and values outside the range.
+///
+/// A channel without a trusted value for `lost_after_ms` is lost: its angle moves by at most
+/// `lost_speed_deg_s` to where `when_lost` says. The next trusted value ends that.
 struct GAUNTLET_API SampleGuardConfig {
   bool full_scale = true;
   double stuck_after_ms = 1000.0;
   double jump_share = 0.25;
   double jump_confirm_ms = 10.0;
+  double lost_after_ms = 0.0;
+  WhenLost when_lost = WhenLost::kHold;
+  double lost_speed_deg_s = 30.0;
 
   bool operator==(const SampleGuardConfig&) const = default;
   void Visit(SettingsVisitor& visitor);
