@@ -24,8 +24,9 @@ struct GAUNTLET_API ConstantSetting {
 /// The robot whose settings a header of `gauntlet export --header` holds, in the order in which
 /// RobotConfig::Visit() shows them. No file, no parser: for robots that only have a compiler.
 ///
-/// Errors: SettingError if the settings are those of another version of this library, whose keys
-/// differ; then export them again. Controller's constructor checks the values.
+/// A setting that is missing has its default, as in settings of an older version, unless it has
+/// none or is the last. Errors: SettingError, also for settings that are unknown, given twice or
+/// out of order. Controller's constructor checks what values mean together.
 GAUNTLET_API RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings);
 
 /// The same from the text of `gauntlet export --text`, for programs that read it from anywhere and
@@ -36,11 +37,10 @@ GAUNTLET_API RobotConfig RobotFromConstants(std::span<const ConstantSetting> set
 ///     = "name"                an item of a map
 ///
 /// In quotes, a backslash stands before a character that is meant itself, or before three octal
-/// digits of a byte. Values may be changed by hand; which settings there are, and their order, may
-/// not.
+/// digits of a byte. Values may be changed by hand, and lines left out; their order may not change.
 ///
-/// Errors: SettingError for a line that is none of these, with its number, and those of
-/// RobotFromConstants().
+/// Errors: SettingError with the number of the line for one that is none of these, for those of
+/// RobotFromConstants(), and for settings that make no Controller.
 GAUNTLET_API RobotConfig RobotFromText(std::string_view text);
 
 }  // namespace gauntlet::controller
