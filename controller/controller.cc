@@ -17,12 +17,18 @@ Controller::Controller(const ControllerConfig& config, const GloveCalibration& g
                              .hand = hand,
                              .joint_map = joint_map,
                              .timing = timing}) {}
-Controller::Controller(const RobotConfig& robot)
-    : state_(new State(std::make_shared<const RobotConfig>(robot), robot.controller)) {}
+Controller::Controller(const RobotConfig& robot) : Controller(nullptr, nullptr) {
+  const auto connections = std::make_shared<const Robot>(robot);
+  state_ = new State(connections, robot.controller);
+  robot_ = connections.get();
+}
 Controller::~Controller() { delete state_; }
-Controller::Controller(Controller&& from) noexcept : state_(std::exchange(from.state_, nullptr)) {}
+Controller::Controller(Controller&& from) noexcept
+    : robot_(std::exchange(from.robot_, nullptr)), state_(std::exchange(from.state_, nullptr)) {}
 Controller& Controller::operator=(Controller&& from) noexcept {
-  if (&from != this) delete std::exchange(state_, std::exchange(from.state_, nullptr));
+  if (&from == this) return *this;
+  robot_ = std::exchange(from.robot_, nullptr);
+  delete std::exchange(state_, std::exchange(from.state_, nullptr));
   return *this;
 }
 
@@ -45,13 +51,13 @@ void Controller::Reset(std::span<const std::int32_t> motor_counts) noexcept {
 }
 
 Controller Controller::Prepare(const ControllerConfig& config) const {
-  if (!state_) throw SettingError("controller", "was moved from, must be one that can step");
-  return Controller(new State(state_->robot, config));
+  // Not by the state, which Swap() may be changing in another thread.
+  if (!robot_) throw SettingError("controller", "was moved from, must be one that can step");
+  return {robot_, new State(robot_->shared_from_this(), config)};
 }
 
 bool Controller::Swap(Controller& next) noexcept {
-  const bool prepared =
-      state_ && next.state_ && next.state_->robot == state_->robot && &next != this;
+  const bool prepared = state_ && next.state_ && next.robot_ == robot_ && &next != this;
   if (!prepared) return false;
   next.state_->TakeOver(*state_);
   std::swap(state_, next.state_);
@@ -103,7 +109,7 @@ double Controller::sample_age_ms(int channel) const noexcept {
   if (channel < 0 || channel >= channel_count()) return kNaN;
   const auto ticks = state_->watch.ticks_since_trusted(static_cast<std::size_t>(channel));
   return 1e3 * static_cast<double>(std::max<std::int64_t>(ticks, 0)) /
-         state_->robot->timing.tick_rate_hz;
+         robot_->config.timing.tick_rate_hz;
 }
 std::span<const std::int64_t> Controller::failed_plans() const noexcept {
   if (!state_) return {};

@@ -116,10 +116,12 @@ class GAUNTLET_API Controller {
   std::span<const std::int64_t> failed_plans() const noexcept;
 
  private:
+  struct Robot;
   struct State;
-  explicit Controller(State* state) noexcept : state_(state) {}
+  Controller(const Robot* robot, State* state) noexcept : robot_(robot), state_(state) {}
 
-  State* state_;  // owned; null when moved from
+  const Robot* robot_;  // what it is connected to: never changes; its state owns it
+  State* state_;        // owned; null when moved from
 };
 
 }  // namespace gauntlet::controller

@@ -18,11 +18,19 @@
 
 namespace gauntlet::controller {
 
+/// What a controller is connected to, owned by its states and by those that are prepared for it.
+struct __attribute__((visibility("hidden"))) Controller::Robot
+    : public std::enable_shared_from_this<Robot> {
+  explicit Robot(const RobotConfig& connections) : config(connections) {}
+
+  const RobotConfig config;
+};
+
 /// The stages of a controller and what flows between them.
 struct __attribute__((visibility("hidden"))) Controller::State {
   /// What `connected_to` describes, controlled as `config` says.
-  State(std::shared_ptr<const RobotConfig> connected_to, const ControllerConfig& config)
-      : State(*connected_to, config) {
+  State(std::shared_ptr<const Robot> connected_to, const ControllerConfig& config)
+      : State(connected_to->config, config) {
     robot = std::move(connected_to);
   }
 
@@ -40,7 +48,7 @@ struct __attribute__((visibility("hidden"))) Controller::State {
   /// can be read from outside comes along.
   void TakeOver(State& before) noexcept;
 
-  std::shared_ptr<const RobotConfig> robot;  // what it is connected to: never changes
+  std::shared_ptr<const Robot> robot;  // never changes
 
   // What was chosen.
   FilterAt filter_at;
