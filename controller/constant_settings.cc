@@ -130,7 +130,7 @@ class ConstantReader final : public SettingsVisitor {
   }
   /// `error` of a key, with the line of what it names or is part of, if there is one.
   SettingError WithLineOf(const std::string& key, const std::string& problem) const {
-    const SettingError error(key, problem);
+    SettingError error(key, problem);
     std::string part = key;
     while (!part.empty()) {
       const auto found = line_of_.find(part);

@@ -204,8 +204,10 @@ TEST(ExportedHeaders, OfTwoControllersAreInOneProgram) {
   const test::TemporaryDirectory folder;
   const RobotConfig robot = SettledKalman();
   for (const char* name : {"first", "2nd tuned"}) {
-    const sim::RobotOrigin origin = {
-        .scenario = "door \u00e9", .controller = name, .model_hash = {}};
+    const sim::RobotOrigin origin = {.gauntlet_version = "0.1.0",
+                                     .scenario = "door \u00e9",
+                                     .controller = name,
+                                     .model_hash = {}};
     for (const bool embedded : {false, true}) {
       const std::string file = fmt::format("{}{}.h", name[0], embedded ? "_embedded" : "");
       std::ofstream(folder.path() / file) << (embedded ? sim::RobotToEmbeddedHeader(robot, origin)
