@@ -74,10 +74,11 @@ endfunction()
 # Makes the static library gauntlet_<folder>, included from the project's root.
 # APART: sources whose own names are those of another one, so that they cannot be compiled as one: see
 # gauntlet_unite().
-# EITHER: static or shared, as BUILD_SHARED_LIBS says.
+# EITHER: static or shared, as BUILD_SHARED_LIBS says, where the simulation, which uses more than a shared
+# library shows, is not built.
 function(gauntlet_add_library folder)
   cmake_parse_arguments(ARG "EITHER" "" "SOURCES;LIBRARIES;APART" ${ARGN})
-  if(ARG_EITHER AND BUILD_SHARED_LIBS)
+  if(ARG_EITHER AND BUILD_SHARED_LIBS AND NOT GAUNTLET_BUILD_SIM)
     add_library(gauntlet_${folder} SHARED ${ARG_SOURCES})
   else()
     add_library(gauntlet_${folder} STATIC ${ARG_SOURCES})

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "controller/assert.h"
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/kalman_noise.h"
 #include "controller/prediction/predictor.h"
 
@@ -156,6 +157,12 @@ void AngleEstimator::SetChannelActive(int channel, bool on) noexcept {
   inactive_count_ += on ? -1 : 1;
   held_rad_[index] = predicted_rad_[index];
   if (on) StartChannel(channel);
+}
+
+void AngleEstimator::Place(int channel, double angle_rad) noexcept {
+  GAUNTLET_ASSERT(0 <= channel && channel < channel_count());
+  predicted_rad_[static_cast<std::size_t>(channel)] = angle_rad;
+  path_.Hold(channel, angle_rad);
 }
 
 void AngleEstimator::MoveTo(const JointMap& joint_map,

@@ -43,6 +43,8 @@ class AngleEstimator {
     return active_[static_cast<std::size_t>(channel)] == 1;
   }
 
+  /// The channel is here until the next sample steps it.
+  void Place(int channel, double angle_rad) noexcept;
   /// Puts all channels where the joints are at these angles, as far as one channel decides a joint;
   /// one that decides none is in the middle of its two known poses.
   void MoveTo(const JointMap& joint_map, std::span<const double> joint_angle_rad) noexcept;
@@ -58,6 +60,8 @@ class AngleEstimator {
 
   int channel_count() const noexcept { return linearisation_->channel_count(); }
   const Linearisation& linearisation() const noexcept { return *linearisation_; }
+  /// Per channel, the middle of its two known poses.
+  std::span<const double> middle_rad() const noexcept { return middle_rad_; }
   /// As they are after the last sample: behind the filters, and behind prediction.
   std::span<const double> filtered_rad() const noexcept { return filtered_rad_; }
   std::span<const double> predicted_rad() const noexcept { return predicted_rad_; }

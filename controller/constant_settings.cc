@@ -5,93 +5,177 @@
 #include <cmath>
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "controller/controller.h"
 #include "controller/number.h"
 
 namespace gauntlet::controller {
 namespace {
 
+/// Takes the settings in the order of Visit(). One that is not there keeps its default, if it has
+/// one and other settings follow: a text that was cut off must not pass for one with defaults. What
+/// is unknown, given twice or out of order is left over, and refused at the end.
 class ConstantReader final : public SettingsVisitor {
  public:
-  explicit ConstantReader(std::span<const ConstantSetting> settings) : settings_(settings) {}
+  /// `lines`: of each setting; empty if there are none.
+  ConstantReader(std::span<const ConstantSetting> settings, std::span<const int> lines)
+      : settings_(settings), lines_(lines) {}
 
-  void Number(const Setting& setting, double& value) override { value = NextNumber(setting.key); }
+  void Number(const Setting& setting, double& value) override {
+    if (!Has(setting)) return;
+    value = NextNumber(setting.key);
+    CheckRange(setting, value);
+  }
   void Integer(const Setting& setting, int& value) override {
+    if (!Has(setting)) return;
     const double number = NextNumber(setting.key);
     constexpr double kLeast = std::numeric_limits<int>::min();
     constexpr double kMost = std::numeric_limits<int>::max();
     const bool is_int = number >= kLeast && number <= kMost && number == std::round(number);
     if (!is_int) throw SettingError(std::string(setting.key), "must be a whole number");
+    CheckRange(setting, number);
     value = static_cast<int>(number);
   }
   void Flag(const Setting& setting, bool& value) override {
+    if (!Has(setting)) return;
     const double number = NextNumber(setting.key);
     if (number != 0.0 && number != 1.0) {
       throw SettingError(std::string(setting.key), "must be 0 or 1");
     }
     value = number == 1.0;
   }
-  void Text(const Setting& setting, std::string& value) override { value = NextText(setting.key); }
+  void Text(const Setting& setting, std::string& value) override {
+    if (Has(setting)) value = NextText(setting.key);
+  }
   void Path(const Setting& setting, std::string& value) override { Text(setting, value); }
   void Numbers(const Setting& setting, std::vector<double>& value) override {
+    if (!Has(setting)) return;
     value.resize(NextSize(setting.key));
-    for (double& number : value) number = NextNumber("");
+    if (const std::string problem = CountProblem(setting, value.size()); !problem.empty()) {
+      throw SettingError(std::string(setting.key), problem);
+    }
+    for (double& number : value) {
+      number = WithinSetting(std::string(setting.key), [this] { return NextNumber(""); });
+      CheckRange(setting, number);
+    }
   }
   void Texts(const Setting& setting, std::vector<std::string>& value) override {
+    if (!Has(setting)) return;
     value.resize(NextSize(setting.key));
-    for (std::string& text : value) text = NextText("");
+    for (std::string& text : value) {
+      text = WithinSetting(std::string(setting.key), [this] { return NextText(""); });
+    }
   }
   void Choice(const Setting& setting, std::span<const std::string_view> names,
               std::size_t& index) override {
+    if (!Has(setting)) return;
     const std::string_view name = NextText(setting.key);
     const auto found = std::ranges::find(names, name);
-    if (found == names.end()) Fail(setting.key, "has no choice " + std::string(name));
+    if (found == names.end()) {
+      std::string choices;
+      for (const std::string_view choice : names) {
+        choices += (choices.empty() ? "" : ", ") + std::string(choice);
+      }
+      throw SettingError(std::string(setting.key),
+                         "is " + std::string(name) + ", must be one of " + choices);
+    }
     index = static_cast<std::size_t>(found - names.begin());
   }
   void Group(const Setting& setting, const std::function<void(SettingsVisitor&)>& visit) override {
-    NextNumber(setting.key);
-    WithinSetting(std::string(setting.key), [&] { visit(*this); });
+    const bool has = Has(setting);
+    if (has) NextNumber(setting.key);
+    // Nothing of a group that is not there is taken from those behind it.
+    absent_groups_ += has ? 0 : 1;
+    Within(setting.key, [&] { visit(*this); });
+    absent_groups_ -= has ? 0 : 1;
   }
   void List(const Setting& setting, const SettingList& list) override {
+    if (!Has(setting)) return;
     const std::size_t size = NextSize(setting.key);
     list.resize(size);
     for (std::size_t i = 0; i < size; ++i) {
-      WithinSetting(std::string(setting.key) + "[" + std::to_string(i) + "]",
-                    [&] { list.visit(i, *this); });
+      Within(std::string(setting.key) + "[" + std::to_string(i) + "]",
+             [&] { list.visit(i, *this); });
     }
   }
   void Map(const Setting& setting, const SettingMap& map) override {
+    if (!Has(setting)) return;
     const std::size_t size = NextSize(setting.key);
     for (std::size_t i = 0; i < size; ++i) {
-      const std::string name(NextText(""));
+      const std::string name(
+          WithinSetting(std::string(setting.key), [this] { return NextText(""); }));
       map.add(name);
-      WithinSetting(std::string(setting.key) + "." + name, [&] { map.visit(i, *this); });
+      Within(std::string(setting.key) + "." + name, [&] { map.visit(i, *this); });
     }
   }
 
-  void ExpectEnd() const {
-    if (place_ < settings_.size()) Fail(settings_[place_].key, "is one setting too many");
+  void ExpectEnd() {
+    if (place_ == settings_.size()) return;
+    at_ = place_;
+    throw SettingError(
+        settings_[place_].key.empty() ? "an item" : std::string(settings_[place_].key),
+        "is not a setting in this place: it is unknown, given twice or out of order");
+  }
+  /// `error` with the line of the setting that was read last.
+  SettingError WithLine(const SettingError& error) const {
+    if (at_ >= lines_.size()) return error;
+    return WithLine(error, lines_[at_]);
+  }
+  /// `error` of a key, with the line of what it names or is part of, if there is one.
+  SettingError WithLineOf(const std::string& key, const std::string& problem) const {
+    SettingError error(key, problem);
+    std::string part = key;
+    while (!part.empty()) {
+      const auto found = line_of_.find(part);
+      if (found != line_of_.end()) return WithLine(error, found->second);
+      part.resize(std::min(part.find_last_of(".["), part.size() - 1));
+    }
+    return error;
   }
 
  private:
-  [[noreturn]] static void Fail(std::string_view key, const std::string& problem) {
-    throw SettingError(std::string(key),
-                       problem + " in this version of the controller: export the settings again");
+  static SettingError WithLine(const SettingError& error, int line) {
+    return {"line " + std::to_string(line) + ": " + error.key(), error.problem()};
+  }
+  static void CheckRange(const Setting& setting, double value) {
+    if (const std::string problem = RangeProblem(setting, value); !problem.empty()) {
+      throw SettingError(std::string(setting.key), problem);
+    }
+  }
+  template <class Work>
+  void Within(std::string_view key, const Work& work) {
+    const std::size_t length = path_.size();
+    path_ += (length == 0 ? "" : ".") + std::string(key);
+    WithinSetting(std::string(key), work);
+    path_.resize(length);
+  }
+  /// Whether the setting comes next. False: it keeps its default.
+  bool Has(const Setting& setting) {
+    at_ = place_;
+    if (absent_groups_ == 0 && place_ < settings_.size() && settings_[place_].key == setting.key) {
+      if (place_ < lines_.size()) {
+        line_of_[path_ + (path_.empty() ? "" : ".") + std::string(setting.key)] = lines_[place_];
+      }
+      return true;
+    }
+    if (setting.required || place_ == settings_.size()) {
+      throw SettingError(std::string(setting.key), "is missing");
+    }
+    return false;
   }
   const ConstantSetting& Next(std::string_view key) {
-    const std::string name = key.empty() ? "an item" : std::string(key);
-    if (place_ == settings_.size()) Fail(name, "is missing");
-    const ConstantSetting& next = settings_[place_];
-    if (next.key != key) {
-      Fail(name, "stands where the constants have " +
-                     (next.key.empty() ? "another item" : std::string(next.key)));
+    at_ = place_;
+    if (place_ == settings_.size() || settings_[place_].key != key) {
+      throw SettingError("", "has too few values");
     }
-    ++place_;
-    return next;
+    return settings_[place_++];
   }
   double NextNumber(std::string_view key) {
     const ConstantSetting& next = Next(key);
@@ -114,7 +198,12 @@ class ConstantReader final : public SettingsVisitor {
   }
 
   std::span<const ConstantSetting> settings_;
-  std::size_t place_ = 0;
+  std::span<const int> lines_;
+  std::size_t place_ = 0;  // of the next setting
+  std::size_t at_ = 0;     // of the one that is read
+  int absent_groups_ = 0;  // around it
+  std::string path_;       // of the group around it
+  std::map<std::string, int, std::less<>> line_of_;
 };
 
 /// The constants that a text says, line by line.
@@ -126,9 +215,11 @@ class ConstantParser {
       rest_ = text.substr(0, end);
       text.remove_prefix(std::min(end + 1, text.size()));
       WithinSetting("line " + std::to_string(number), [this] { ParseLine(); });
+      lines_.resize(settings_.size(), number);
     }
   }
   std::span<const ConstantSetting> settings() const { return settings_; }
+  std::span<const int> lines() const { return lines_; }
 
  private:
   void ParseLine() {
@@ -200,20 +291,47 @@ class ConstantParser {
   std::string_view rest_;          // of the line
   std::deque<std::string> texts_;  // which the settings refer to
   std::vector<ConstantSetting> settings_;
+  std::vector<int> lines_;  // of each setting
 };
+
+/// The key that Controller's constructor names, as the text has it.
+std::string KeyInText(const std::string& key) {
+  constexpr std::pair<std::string_view, std::string_view> kGroups[] = {
+      {"calibration", "glove"}, {"transmission", "hand"}, {"joint_map", "joint_map"},
+      {"timing", "timing"},     {"", "controller."},
+  };
+  for (const auto& [theirs, ours] : kGroups) {
+    if (key.starts_with(theirs)) return std::string(ours) + key.substr(theirs.size());
+  }
+  return key;
+}
 
 }  // namespace
 
 RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings) {
   RobotConfig robot;
-  ConstantReader reader(settings);
+  ConstantReader reader(settings, {});
   robot.Visit(reader);
   reader.ExpectEnd();
   return robot;
 }
 
 RobotConfig RobotFromText(std::string_view text) {
-  return RobotFromConstants(ConstantParser(text).settings());
+  const ConstantParser parser(text);
+  RobotConfig robot;
+  ConstantReader reader(parser.settings(), parser.lines());
+  try {
+    robot.Visit(reader);
+    reader.ExpectEnd();
+  } catch (const SettingError& error) {
+    throw reader.WithLine(error);
+  }
+  try {
+    const Controller made(robot);
+  } catch (const SettingError& error) {
+    throw reader.WithLineOf(KeyInText(error.key()), error.problem());
+  }
+  return robot;
 }
 
 }  // namespace gauntlet::controller

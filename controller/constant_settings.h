@@ -4,12 +4,13 @@
 #include <string_view>
 
 #include "controller/controller_config.h"
+#include "controller/export.h"
 
 namespace gauntlet::controller {
 
 /// One setting as a constant of a program: its key and its value. A list or a map has its length as
 /// value, and its items behind it.
-struct ConstantSetting {
+struct GAUNTLET_API ConstantSetting {
   std::string_view key;
   double number = 0.0;
   std::string_view text = {};
@@ -23,9 +24,10 @@ struct ConstantSetting {
 /// The robot whose settings a header of `gauntlet export --header` holds, in the order in which
 /// RobotConfig::Visit() shows them. No file, no parser: for robots that only have a compiler.
 ///
-/// Errors: SettingError if the settings are those of another version of this library, whose keys
-/// differ; then export them again. Controller's constructor checks the values.
-RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings);
+/// A setting that is missing has its default, as in settings of an older version, unless it has
+/// none or is the last. Errors: SettingError, also for settings that are unknown, given twice or
+/// out of order. Controller's constructor checks what values mean together.
+GAUNTLET_API RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings);
 
 /// The same from the text of `gauntlet export --text`, for programs that read it from anywhere and
 /// have no more than this library. One setting a line; `#` begins a comment:
@@ -35,11 +37,10 @@ RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings);
 ///     = "name"                an item of a map
 ///
 /// In quotes, a backslash stands before a character that is meant itself, or before three octal
-/// digits of a byte. Values may be changed by hand; which settings there are, and their order, may
-/// not.
+/// digits of a byte. Values may be changed by hand, and lines left out; their order may not change.
 ///
-/// Errors: SettingError for a line that is none of these, with its number, and those of
-/// RobotFromConstants().
-RobotConfig RobotFromText(std::string_view text);
+/// Errors: SettingError with the number of the line for one that is none of these, for those of
+/// RobotFromConstants(), and for settings that make no Controller.
+GAUNTLET_API RobotConfig RobotFromText(std::string_view text);
 
 }  // namespace gauntlet::controller

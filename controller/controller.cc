@@ -1,8 +1,11 @@
 #include "controller/controller.h"
 
+#include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "controller/controller_state.h"
+#include "controller/number.h"
 
 namespace gauntlet::controller {
 
@@ -14,21 +17,25 @@ Controller::Controller(const ControllerConfig& config, const GloveCalibration& g
                              .hand = hand,
                              .joint_map = joint_map,
                              .timing = timing}) {}
-Controller::Controller(const RobotConfig& robot)
-    : Controller(std::make_shared<const RobotConfig>(robot), robot.controller) {}
-Controller::Controller(std::shared_ptr<const RobotConfig> robot, const ControllerConfig& config)
-    : robot_(std::move(robot)), state_(std::make_unique<State>(*robot_, config)) {}
-Controller::~Controller() = default;
-Controller::Controller(Controller&&) noexcept = default;
-Controller& Controller::operator=(Controller&&) noexcept = default;
-
-Command Controller::Step(const GloveSample& sample) noexcept {
-  if (!state_) return {};
-  state_->TakeSample(sample);
-  return state_->StepEvent();
+Controller::Controller(const RobotConfig& robot) : Controller(nullptr, nullptr) {
+  const auto connections = std::make_shared<const Robot>(robot);
+  state_ = new State(connections, robot.controller);
+  robot_ = connections.get();
+}
+Controller::~Controller() { delete state_; }
+Controller::Controller(Controller&& from) noexcept
+    : robot_(std::exchange(from.robot_, nullptr)), state_(std::exchange(from.state_, nullptr)) {}
+Controller& Controller::operator=(Controller&& from) noexcept {
+  if (&from == this) return *this;
+  robot_ = std::exchange(from.robot_, nullptr);
+  delete std::exchange(state_, std::exchange(from.state_, nullptr));
+  return *this;
 }
 
-Command Controller::Step() noexcept { return state_ ? state_->StepEvent() : Command{}; }
+Command Controller::Step(const GloveSample& sample) noexcept {
+  return state_ ? state_->Step(&sample) : Command{};
+}
+Command Controller::Step() noexcept { return state_ ? state_->Step(nullptr) : Command{}; }
 
 void Controller::TakeJointAngles(std::span<const double> measured_rad) noexcept {
   if (state_) state_->joint_loop.Take(measured_rad);
@@ -44,15 +51,16 @@ void Controller::Reset(std::span<const std::int32_t> motor_counts) noexcept {
 }
 
 Controller Controller::Prepare(const ControllerConfig& config) const {
+  // Not by the state, which Swap() may be changing in another thread.
   if (!robot_) throw SettingError("controller", "was moved from, must be one that can step");
-  return {robot_, config};
+  return {robot_, new State(robot_->shared_from_this(), config)};
 }
 
 bool Controller::Swap(Controller& next) noexcept {
   const bool prepared = state_ && next.state_ && next.robot_ == robot_ && &next != this;
   if (!prepared) return false;
   next.state_->TakeOver(*state_);
-  state_.swap(next.state_);
+  std::swap(state_, next.state_);
   return true;
 }
 
@@ -96,6 +104,12 @@ std::span<const double> Controller::predicted_angle_rad() const noexcept {
 std::span<const double> Controller::target_angle_rad() const noexcept {
   if (!state_) return {};
   return state_->target_rad;
+}
+double Controller::sample_age_ms(int channel) const noexcept {
+  if (channel < 0 || channel >= channel_count()) return kNaN;
+  const auto ticks = state_->watch.ticks_since_trusted(static_cast<std::size_t>(channel));
+  return 1e3 * static_cast<double>(std::max<std::int64_t>(ticks, 0)) /
+         robot_->config.timing.tick_rate_hz;
 }
 std::span<const std::int64_t> Controller::failed_plans() const noexcept {
   if (!state_) return {};

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "controller/controller_config.h"
-#include "controller/sample_guard.h"
+#include "controller/export.h"
+#include "controller/sample_guard_config.h"
 
 namespace gauntlet::controller {
 
@@ -14,9 +14,10 @@ namespace gauntlet::controller {
 /// exists, also after Swap() and Load(). The next Step() or Reset() may change its values.
 ///
 /// Shapes: one value per motor. Units: motor counts, always within the motor's range.
-struct Command {
+struct GAUNTLET_API Command {
   std::span<const std::int32_t> motor_counts;  // of the last command frame
   bool event = false;  // a frame is due: `motor_counts` are new and are to be sent now
+  GloveStatus glove = GloveStatus::kGood;
 };
 
 /// From glove to motors: linearisation, filters, prediction, joint map and tendon map, in one call
@@ -32,8 +33,9 @@ struct Command {
 /// new one. It neither throws, allocates, locks nor reads a clock. The command changes only at
 /// command frames, whose clock begins with the first tick. Filters and prediction step at each new
 /// sample, or at each command frame. An untrusted value (see Untrusted) never reaches a motor: its
-/// channel holds the last valid value and counts the sample. Before the first valid value the
-/// channel's joint holds its reference angle.
+/// channel holds the last valid value and counts the sample. So does every channel when a sample is
+/// overdue by half its period, and `SampleGuardConfig::lost_after_ms` says what follows. Before the
+/// first valid value the joint of a channel stays where Reset() says that the motors are.
 ///
 /// The first command begins at the motors' centers, or at the counts of Reset(). Two successive
 /// commands never differ by more than the speed limit and the rounding.
@@ -42,7 +44,7 @@ struct Command {
 /// meanwhile. A moved-from controller has no channels and returns empty commands.
 ///
 /// Errors: the constructor throws SettingError, which names the key and the allowed range.
-class Controller {
+class GAUNTLET_API Controller {
  public:
   /// `config` sets filters and maps; `glove` and `hand` describe the connected devices.
   Controller(const ControllerConfig& config, const GloveCalibration& glove,
@@ -106,16 +108,20 @@ class Controller {
   std::span<const std::int64_t> untrusted_samples() const noexcept;
   /// The same for one reason.
   std::span<const std::int64_t> untrusted_samples(Untrusted kind) const noexcept;
+  /// Time since the last trusted value of a channel [ms], in ticks of the loop; since Reset() if
+  /// there was none. NaN for a channel out of range.
+  double sample_age_ms(int channel) const noexcept;
   /// Number of command frames since Reset() in which a joint's command stayed, because no plan was
   /// found in time (see ModelPredictive); empty without planned commands.
   std::span<const std::int64_t> failed_plans() const noexcept;
 
  private:
+  struct Robot;
   struct State;
-  Controller(std::shared_ptr<const RobotConfig> robot, const ControllerConfig& config);
+  Controller(const Robot* robot, State* state) noexcept : robot_(robot), state_(state) {}
 
-  std::shared_ptr<const RobotConfig> robot_;  // what it is connected to: never changes
-  std::unique_ptr<State> state_;
+  const Robot* robot_;  // what it is connected to: never changes; its state owns it
+  State* state_;        // owned; null when moved from
 };
 
 }  // namespace gauntlet::controller

@@ -3,14 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "controller/filters/filter_registry.h"
+#include "controller/export.h"
+#include "controller/filters/filter_config.h"
 #include "controller/joint_loop_config.h"
 #include "controller/joint_map.h"
 #include "controller/linearisation/linearisation_config.h"
 #include "controller/model_predictive/model_predictive_config.h"
 #include "controller/motor_rounding_config.h"
 #include "controller/prediction/prediction_config.h"
-#include "controller/sample_guard.h"
+#include "controller/sample_guard_config.h"
 #include "controller/settings.h"
 #include "controller/timing.h"
 
@@ -27,7 +28,7 @@ inline constexpr int kMostFrameNumberBits = 64;
 ///
 /// Shapes: one value per channel. Errors: names that appear twice, poses outside the converter's
 /// range or too near each other.
-struct GloveCalibration {
+struct GAUNTLET_API GloveCalibration {
   std::vector<std::string> channel_names;
   std::vector<double> low_counts;
   std::vector<double> high_counts;
@@ -47,7 +48,7 @@ struct GloveCalibration {
 ///
 /// Shapes: coupling is motors x joints in row-major order, the others one value per motor or per
 /// joint as named. There may be fewer motors than joints: springs decide what cables leave open.
-struct TendonTransmission {
+struct GAUNTLET_API TendonTransmission {
   std::vector<std::string> joint_names;
   std::vector<std::string> motor_names;
   std::vector<double> coupling;
@@ -80,7 +81,7 @@ enum class FilterOn { kCounts, kAngle };
 enum class FilterAt { kSample, kEvent };
 
 /// What a person chooses. All other facts come from the glove and the hand.
-struct ControllerConfig {
+struct GAUNTLET_API ControllerConfig {
   std::vector<FilterConfig> filters;  // applied in this order; empty is `none`
   FilterOn filter_on = FilterOn::kCounts;
   FilterAt filter_at = FilterAt::kSample;
@@ -98,7 +99,7 @@ struct ControllerConfig {
 
 /// Everything that a Controller is made from: what it does, and what it is connected to.
 /// `gauntlet export` writes it as one file, so that a robot runs what was tuned.
-struct RobotConfig {
+struct GAUNTLET_API RobotConfig {
   ControllerConfig controller;
   GloveCalibration glove;
   TendonTransmission hand;

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "controller/angle.h"
 #include "controller/assert.h"
 
 namespace gauntlet::controller {
@@ -50,48 +51,105 @@ void CheckPlanned(const ControllerConfig& config) {
 
 }  // namespace
 
-Controller::State::State(const RobotConfig& robot, const ControllerConfig& config)
-    : filter_at(Checked(robot, config).filter_at),
-      joint_map(WithinSetting(
-          "joint_map",
-          [&] { return JointMap(robot.joint_map, robot.glove.channel_names, robot.hand); })),
-      guard(config.untrusted, robot.glove.low_counts, robot.glove.full_scale_counts,
-            robot.timing.sample_rate_hz(), robot.glove.frame_number_bits),
-      tendon_map(robot.hand, config.coupling_compensation),
+Controller::State::State(const RobotConfig& connected_to, const ControllerConfig& config)
+    : filter_at(Checked(connected_to, config).filter_at),
+      joint_map(WithinSetting("joint_map",
+                              [&] {
+                                return JointMap(connected_to.joint_map,
+                                                connected_to.glove.channel_names,
+                                                connected_to.hand);
+                              })),
+      guard(config.untrusted, connected_to.glove.low_counts, connected_to.glove.full_scale_counts,
+            connected_to.timing.sample_rate_hz(), connected_to.glove.frame_number_bits),
+      watch(config.untrusted, connected_to.timing, joint_map.channel_count()),
+      tendon_map(connected_to.hand, config.coupling_compensation),
       model_predictive(WithinSetting("model_predictive",
                                      [&] {
-                                       return ModelPredictive(config.model_predictive, robot.hand,
-                                                              robot.timing.event_rate_hz());
+                                       return ModelPredictive(config.model_predictive,
+                                                              connected_to.hand,
+                                                              connected_to.timing.event_rate_hz());
                                      })),
-      estimator(robot, config, model_predictive.path_length()),
-      joint_loop(WithinSetting(
-          "joint_loop",
-          [&] { return JointLoop(config.joint_loop, robot.hand, robot.timing.event_rate_hz()); })),
-      rounding(config.motor, robot.hand, robot.timing.event_rate_hz()),
-      event_clock(robot.timing.TicksOf(robot.timing.event_period_ms)),
-      linearised_rad(robot.glove.channel_names.size()),
+      estimator(connected_to, config, model_predictive.path_length()),
+      joint_loop(WithinSetting("joint_loop",
+                               [&] {
+                                 return JointLoop(config.joint_loop, connected_to.hand,
+                                                  connected_to.timing.event_rate_hz());
+                               })),
+      rounding(config.motor, connected_to.hand, connected_to.timing.event_rate_hz()),
+      when_lost(config.untrusted.when_lost),
+      lost_step_rad(config.untrusted.lost_speed_deg_s * kRadPerDeg /
+                    connected_to.timing.event_rate_hz()),
+      rest_rad(estimator.middle_rad().begin(), estimator.middle_rad().end()),
+      event_clock(connected_to.timing.TicksOf(connected_to.timing.event_period_ms)),
+      linearised_rad(connected_to.glove.channel_names.size()),
       start_counts(linearised_rad.size()),
-      target_rad(robot.hand.reference_angle_rad),
+      lost(linearised_rad.size()),
+      lost_rad(linearised_rad.size()),
+      target_rad(connected_to.hand.reference_angle_rad),
       path_rad(static_cast<std::size_t>(model_predictive.path_length()) * target_rad.size()),
       planned_rad(target_rad),
       corrected_rad(target_rad),
       sent_rad(target_rad),
-      exact_motor_counts(robot.hand.counts_per_rad.size()),
-      motor_counts(robot.hand.center_counts.begin(), robot.hand.center_counts.end()) {
+      exact_motor_counts(connected_to.hand.counts_per_rad.size()),
+      motor_counts(connected_to.hand.center_counts.begin(), connected_to.hand.center_counts.end()) {
   CheckPlanned(config);
+  joint_map.ToChannels(tendon_map.reference_angle_rad(), rest_rad);
   Reset(motor_counts);
+}
+
+Command Controller::State::Step(const GloveSample* sample) noexcept {
+  const bool overdue = watch.Tick(sample != nullptr);
+  if (sample != nullptr) TakeSample(*sample);
+  if (overdue) guard.Miss();
+  const bool event = StepEvent();
+  return {.motor_counts = motor_counts, .event = event, .glove = Status()};
+}
+
+GloveStatus Controller::State::Status() const noexcept {
+  GloveStatus status = watch.too_often() ? GloveStatus::kTooOften : GloveStatus::kGood;
+  if (guard.all_trusted() && !watch.on()) return status;
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    if (!estimator.channel_active(static_cast<int>(i))) continue;
+    if (watch.lost(i)) return GloveStatus::kLost;
+    if (!guard.trusted(i)) status = std::max(status, GloveStatus::kHeld);
+  }
+  return status;
+}
+
+void Controller::State::MoveLostChannels() noexcept {
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    const int channel = static_cast<int>(i);
+    if (!watch.lost(i) || !estimator.channel_active(channel)) {
+      lost[i] = 0;
+      continue;
+    }
+    if (lost[i] == 0) lost_rad[i] = estimator.predicted_rad()[i];
+    lost[i] = 1;
+    const double goal_rad = when_lost == WhenLost::kHold ? linearised_rad[i] : rest_rad[i];
+    lost_rad[i] += std::clamp(goal_rad - lost_rad[i], -lost_step_rad, lost_step_rad);
+    estimator.Place(channel, lost_rad[i]);
+  }
 }
 
 void Controller::State::TakeSample(const GloveSample& sample) noexcept {
   guard.Take(sample, [this](int channel) { estimator.StartChannel(channel); });
+  watch.Take(guard);
+  if (watch.on()) {  // what was lost and is back starts anew
+    for (std::size_t i = 0; i < lost.size(); ++i) {
+      if (lost[i] == 0 || !guard.trusted(i)) continue;
+      lost[i] = 0;
+      estimator.StartChannel(static_cast<int>(i));
+    }
+  }
   estimator.linearisation().ToAngles(guard.trusted_counts(), linearised_rad);
   if (filter_at == FilterAt::kSample) StepFilters();
 }
 
-Command Controller::State::StepEvent() noexcept {
+bool Controller::State::StepEvent() noexcept {
   const bool event = event_clock.Tick();
   if (event) {
     if (filter_at == FilterAt::kEvent) StepFilters();
+    if (watch.on()) MoveLostChannels();
     joint_map.ToJoints(estimator.predicted_rad(), target_rad);
     if (model_predictive.on()) PlanCommands();
     const std::vector<double>& wanted_rad = model_predictive.on() ? planned_rad : target_rad;
@@ -104,7 +162,7 @@ Command Controller::State::StepEvent() noexcept {
       model_predictive.Sent(command_rad, sent_rad);
     }
   }
-  return {.motor_counts = motor_counts, .event = event};
+  return event;
 }
 
 void Controller::State::PlanCommands() noexcept {
@@ -133,6 +191,8 @@ void Controller::State::Reset(std::span<const std::int32_t> at_counts) noexcept 
 void Controller::State::Reset() noexcept {
   estimator.ToCounts(start_counts);
   guard.Reset(start_counts);
+  watch.Reset();
+  std::fill(lost.begin(), lost.end(), std::uint8_t{0});
   estimator.Reset(guard.trusted_counts());
   estimator.linearisation().ToAngles(guard.trusted_counts(), linearised_rad);
   rounding.Reset();
@@ -148,6 +208,10 @@ void Controller::State::TakeOver(State& before) noexcept {
   GAUNTLET_ASSERT(before.motor_counts.size() == motor_counts.size());
   estimator.linearisation().ToCounts(before.estimator.filtered_rad(), start_counts);
   guard.TakeMemory(before.guard, start_counts);
+  watch.TakeMemory(before.watch);
+  lost.swap(before.lost);
+  lost_rad.swap(before.lost_rad);
+  if (!watch.on()) std::fill(lost.begin(), lost.end(), std::uint8_t{0});
   estimator.TakeMemory(before.estimator, start_counts);
   model_predictive.TakeMemory(before.model_predictive, before.target_rad);
   joint_loop.TakeMemory(before.joint_loop, before.target_rad);

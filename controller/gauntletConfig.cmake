@@ -1,5 +1,4 @@
 include(CMakeFindDependencyMacro)
-find_dependency(Eigen3 3.4 NO_MODULE)
 include(${CMAKE_CURRENT_LIST_DIR}/gauntletTargets.cmake)
 set(gauntlet_controller_FOUND TRUE)
 

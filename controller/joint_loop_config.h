@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -9,7 +10,7 @@ namespace gauntlet::controller {
 enum class JointLoopKind { kNone, kPi };
 
 /// What the controller does with the joint angles that a hand measures, see JointLoop.
-struct JointLoopConfig {
+struct GAUNTLET_API JointLoopConfig {
   JointLoopKind kind = JointLoopKind::kNone;
   // Gains and limit: orcahand/orca_core PR #85, tuned on a hand of cables.
   double proportional = 0.5;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -16,7 +17,7 @@ struct TendonTransmission;
 ///
 /// One channel of weight 1 is the plain copy; several make a synergy; none holds the joint at
 /// `offset_deg`.
-struct JointSource {
+struct GAUNTLET_API JointSource {
   std::string joint;
   std::vector<std::string> channels;
   std::vector<double> weights = {1.0};  // one for all channels, or one for each
@@ -28,7 +29,7 @@ struct JointSource {
 /// What a person says of the way from the glove's channels to the hand's joints. A joint that is
 /// not named here follows the channel of its own name; where the glove has none it keeps its
 /// reference angle.
-struct JointMapConfig {
+struct GAUNTLET_API JointMapConfig {
   std::vector<JointSource> joints;
 
   /// The joints are the keys, without a group around them.
@@ -42,7 +43,7 @@ struct JointMapConfig {
 /// Shapes: one value per channel in, one per joint out. Units: rad.
 /// Errors: SettingError for a joint or a channel that there is not or that is named twice, weights
 /// that do not fit, and a joint that is held outside its range.
-class JointMap {
+class GAUNTLET_API JointMap {
  public:
   JointMap(const JointMapConfig& config, const std::vector<std::string>& channel_names,
            const TendonTransmission& hand);

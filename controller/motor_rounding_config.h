@@ -1,5 +1,6 @@
 #pragma once
 
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -7,7 +8,7 @@ namespace gauntlet::controller {
 enum class Rounding { kNearest, kHysteresis, kNoiseShaping };
 
 /// How commands become whole motor counts, see MotorRounding.
-struct MotorRoundingConfig {
+struct GAUNTLET_API MotorRoundingConfig {
   Rounding rounding = Rounding::kNearest;
   double hysteresis_counts = 0.5;
   /// About three times as fast as a common servo turns without load (an assumption): never in the

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "controller/export.h"
+
 namespace gauntlet::controller {
 
 /// Stands where there is no number: a missing sample, an angle that is not measured.
@@ -16,15 +18,15 @@ inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// The number that the whole text is: decimal digits with an optional sign, point and exponent, as
 /// `-2.5e-3`. Nothing for any other text: blanks, hexadecimal digits, inf, nan, and what is beyond
 /// the range of a double. The locale does not matter.
-std::optional<double> ParseNumber(std::string_view text);
+GAUNTLET_API std::optional<double> ParseNumber(std::string_view text);
 
 /// The same for a whole number from `low` to `high`, which are at most 2^53 from 0: `12` or `1e3`.
-std::optional<std::int64_t> ParseWholeNumber(std::string_view text, std::int64_t low,
-                                             std::int64_t high);
+GAUNTLET_API std::optional<std::int64_t> ParseWholeNumber(std::string_view text, std::int64_t low,
+                                                          std::int64_t high);
 
 /// As ParseNumber(), for what programs write in tables: besides, inf, infinity and nan in any case
 /// of the letters; infinite beyond the range of a double and 0 below it.
-std::optional<double> ParseNumberOfProgram(std::string_view text);
+GAUNTLET_API std::optional<double> ParseNumberOfProgram(std::string_view text);
 
 /// The number at the beginning of a text, without a plus sign, for a reader that looks for its end:
 /// the place behind it, or null if there is none.

@@ -1,10 +1,12 @@
 #include "controller/sample_guard.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "controller/assert.h"
@@ -86,6 +88,16 @@ void SampleGuardConfig::Visit(SettingsVisitor& visitor) {
       {"jump_confirm_ms",
        "a jump is trusted after the value has stayed at its new place for so long", 0, 1e6},
       jump_confirm_ms);
+  visitor.Number({"lost_after_ms",
+                  "a channel without a trusted value for so long is lost; 0 is never", 0, 1e6},
+                 lost_after_ms);
+  static constexpr std::array<std::string_view, 2> kNames = {"hold", "rest"};
+  VisitEnum(visitor,
+            {"when_lost",
+             "hold: a lost channel goes to its last trusted value; rest: to the reference posture"},
+            kNames, when_lost);
+  visitor.Number({"lost_speed_deg_s", "a lost channel moves no faster", 0.1, 1e4},
+                 lost_speed_deg_s);
 }
 
 SampleGuard::SampleGuard(const SampleGuardConfig& config, std::span<const double> start_counts,
@@ -98,6 +110,7 @@ SampleGuard::SampleGuard(const SampleGuardConfig& config, std::span<const double
       full_scale_counts_(full_scale_counts),
       frame_number_bits_(frame_number_bits),
       values_(kValues, static_cast<int>(start_counts.size())),
+      held_(start_counts.size()),
       untrusted_samples_(start_counts.size()) {
   GAUNTLET_ASSERT(full_scale_counts > 0.0 && rate_hz > 0.0);
   GAUNTLET_ASSERT(1 <= frame_number_bits && frame_number_bits <= 64);
@@ -145,6 +158,7 @@ bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
 
 void SampleGuard::Refuse(int channel, Untrusted kind) noexcept {
   const auto index = static_cast<std::size_t>(channel);
+  held_[index] = 1;
   ++untrusted_samples_[index];
   ++untrusted_by_kind_[static_cast<std::size_t>(kind)][index];
 }
@@ -162,8 +176,16 @@ bool SampleGuard::IsJump(int channel, double counts) noexcept {
   return confirmed <= confirm_samples_;
 }
 
+void SampleGuard::Miss() noexcept {
+  all_trusted_ = false;
+  for (int channel = 0; channel < values_.channel_count(); ++channel) {
+    Refuse(channel, Untrusted::kMissing);
+  }
+}
+
 void SampleGuard::TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept {
   const auto index = static_cast<std::size_t>(channel);
+  held_[index] = 0;
   const double counts = index < sample.counts.size() ? sample.counts[index] : kNaN;
   if (values_[kGood][channel] == 1.0) {
     const bool again = counts == values_[kRaw][channel];
@@ -201,6 +223,7 @@ void SampleGuard::Reset(std::span<const double> start_counts) noexcept {
   }
   last_number_.reset();
   stale_frames_ = 0;
+  all_trusted_ = true;
   std::fill(untrusted_samples_.begin(), untrusted_samples_.end(), 0);
   for (auto& counts : untrusted_by_kind_) std::fill(counts.begin(), counts.end(), 0);
 }
@@ -212,6 +235,8 @@ void SampleGuard::TakeMemory(SampleGuard& from, std::span<const double> start_co
   std::swap(last_number_, from.last_number_);
   std::swap(stale_number_, from.stale_number_);
   std::swap(stale_frames_, from.stale_frames_);
+  std::swap(all_trusted_, from.all_trusted_);
+  std::swap(held_, from.held_);
   std::swap(untrusted_samples_, from.untrusted_samples_);
   std::swap(untrusted_by_kind_, from.untrusted_by_kind_);
   for (std::size_t i = 0; i < untrusted_samples_.size(); ++i) {

@@ -7,44 +7,9 @@
 #include <vector>
 
 #include "controller/filters/channel_arrays.h"
-#include "controller/settings.h"
+#include "controller/sample_guard_config.h"
 
 namespace gauntlet::controller {
-
-/// One sample of the data glove, as the analog-digital converter returns it.
-///
-/// Shapes: one value per channel. Units: counts. NaN is a missing value. If `counts` is too short,
-/// the last channels are missing; values beyond the last channel are ignored.
-struct GloveSample {
-  std::span<const double> counts;
-  /// Number of the frame, if the glove counts its frames. It increases by one per frame and wraps
-  /// at the width in GloveCalibration. A frame is late or repeated if its number is not ahead of
-  /// the last one by less than half of all numbers.
-  std::optional<std::int64_t> number = {};
-};
-
-/// Reason why a value is not trusted.
-enum class Untrusted {
-  kMissing,     // NaN, or no value
-  kInfinite,    // plus or minus infinity
-  kOutOfRange,  // below 0 or above full scale: impossible for the converter
-  kFullScale,   // at an end of the converter: a broken wire or a short circuit
-  kStuck,       // unchanged for too long
-  kJumped,      // further from the last good value than a joint can move, not confirmed
-  kStale,       // from a late or repeated frame
-};
-inline constexpr int kUntrustedKinds = 7;
-
-/// Conditions for an untrusted value, in addition to missing values and values outside the range.
-struct SampleGuardConfig {
-  bool full_scale = true;
-  double stuck_after_ms = 1000.0;
-  double jump_share = 0.25;
-  double jump_confirm_ms = 10.0;
-
-  bool operator==(const SampleGuardConfig&) const = default;
-  void Visit(SettingsVisitor& visitor);
-};
 
 /// Passes trusted values only. A channel without one holds its last good value, and recovers with
 /// the next good one.
@@ -69,13 +34,19 @@ class SampleGuard {
   template <class FirstGood>
   void Take(const GloveSample& sample, FirstGood first_good) noexcept {
     const bool stale = IsStale(sample);
-    if (TakeTrusted(sample, stale)) return;
+    all_trusted_ = TakeTrusted(sample, stale);
+    if (all_trusted_) return;
     for (int channel = 0; channel < values_.channel_count(); ++channel) {
       const bool first = values_[kSeen][channel] == 0.0;
       TakeDoubtful(channel, sample, stale);
       if (first && values_[kSeen][channel] == 1.0) first_good(channel);
     }
   }
+  /// A sample that was due did not come.
+  void Miss() noexcept;
+  /// Whether the last sample, or absence of one, has a value of this channel that is trusted.
+  bool trusted(std::size_t channel) const noexcept { return all_trusted_ || held_[channel] == 0; }
+  bool all_trusted() const noexcept { return all_trusted_; }
   /// Resets to the initial state; a channel holds `start_counts` before its first good value.
   void Reset(std::span<const double> start_counts) noexcept;
   /// Swaps values and counts with another guard of the same number of channels. The settings stay.
@@ -116,6 +87,8 @@ class SampleGuard {
   std::optional<std::int64_t> last_number_;
   std::int64_t stale_number_ = 0;  // of the last stale frame, and number of rising ones
   int stale_frames_ = 0;
+  bool all_trusted_ = true;         // if so, `held_` says nothing
+  std::vector<std::uint8_t> held_;  // per channel: its last value is not trusted
   std::vector<std::int64_t> untrusted_samples_;
   std::array<std::vector<std::int64_t>, kUntrustedKinds> untrusted_by_kind_;
 };

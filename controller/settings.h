@@ -10,12 +10,14 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/export.h"
+
 namespace gauntlet::controller {
 
 /// Description of one setting for a person. The unit is the suffix of the key (`cutoff_hz`).
 /// Written in the order of the fields: {"cutoff_hz", "frequency of -3 dB", 0.1, 20}; with names
 /// where a field after `max` is given.
-struct Setting {
+struct GAUNTLET_API Setting {
   std::string_view key;
   std::string_view help;
   double min = -std::numeric_limits<double>::infinity();
@@ -29,14 +31,14 @@ struct Setting {
 };
 
 /// A list of structs, for a visitor that may lengthen it. Items are visited by index.
-struct SettingList {
+struct GAUNTLET_API SettingList {
   std::function<std::size_t()> size;
   std::function<void(std::size_t)> resize;
   std::function<void(std::size_t, class SettingsVisitor&)> visit;
 };
 
 /// An ordered map from a name to a struct, for a visitor that may add items at the end.
-struct SettingMap {
+struct GAUNTLET_API SettingMap {
   std::function<std::size_t()> size;
   std::function<std::string(std::size_t)> name;
   std::function<void(const std::string&)> add;
@@ -48,7 +50,7 @@ struct SettingMap {
 /// Every config struct has a member `void Visit(SettingsVisitor&)`. That one description serves the
 /// reader of scenario files, the writer, the lists that `gauntlet list` prints and the check of
 /// ranges in constructors. A visitor may change the values.
-class SettingsVisitor {
+class GAUNTLET_API SettingsVisitor {
  public:
   virtual ~SettingsVisitor() = default;
 
@@ -74,7 +76,7 @@ class SettingsVisitor {
 };
 
 /// A value that a config struct does not allow. `key` is the path of keys, joined by dots.
-class SettingError : public std::invalid_argument {
+class GAUNTLET_API SettingError : public std::invalid_argument {
  public:
   SettingError(std::string key, const std::string& problem)
       : std::invalid_argument(key + ": " + problem), key_(std::move(key)), problem_(problem) {}
@@ -97,15 +99,15 @@ auto WithinSetting(const std::string& key, const Work& work) {
 }
 
 /// A number as errors show it: whole numbers exactly, others with six digits.
-std::string NumberText(double value);
+GAUNTLET_API std::string NumberText(double value);
 
 /// Throws SettingError for a name that appears twice.
-void CheckNames(const std::string& key, const std::vector<std::string>& names);
+GAUNTLET_API void CheckNames(const std::string& key, const std::vector<std::string>& names);
 
 /// The sentence for a number outside its range or not finite; empty if the number is allowed.
-std::string RangeProblem(const Setting& setting, double value);
+GAUNTLET_API std::string RangeProblem(const Setting& setting, double value);
 /// The sentence for a list that is too short or too long; empty if its length is allowed.
-std::string CountProblem(const Setting& setting, std::size_t count);
+GAUNTLET_API std::string CountProblem(const Setting& setting, std::size_t count);
 
 /// A choice whose values are an enum starting at 0 in the order of `names`.
 template <class Enum>
@@ -150,7 +152,7 @@ void VisitList(SettingsVisitor& visitor, const Setting& setting, std::vector<Con
 }
 
 /// Throws SettingError for the first setting of `config` outside its range.
-void CheckSettings(const std::function<void(SettingsVisitor&)>& visit);
+GAUNTLET_API void CheckSettings(const std::function<void(SettingsVisitor&)>& visit);
 template <class Config>
 void CheckSettings(Config config) {  // by value: a visitor may change what it sees
   CheckSettings(std::function<void(SettingsVisitor&)>(

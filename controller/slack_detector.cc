@@ -34,11 +34,13 @@ SlackDetector::SlackDetector(const SlackDetectorConfig& config, int motors)
     : alarm_share_(config.alarm_share),
       memory_rad_(config.memory_deg * kRadPerDeg),
       reversal_rad_(config.reversal_deg * kRadPerDeg),
-      healthy_nm_(OneForEach("motor", motors, "healthy_friction_nm", config.healthy_friction_nm)),
       motors_(static_cast<std::size_t>(motors)),
       friction_nm_(motors_.size()),
       slack_(motors_.size()) {
   CheckSettings(config);
+  const Eigen::ArrayXd healthy_nm =
+      OneForEach("motor", motors, "healthy_friction_nm", config.healthy_friction_nm);
+  healthy_nm_.assign(healthy_nm.begin(), healthy_nm.end());
   Reset();
 }
 

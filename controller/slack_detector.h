@@ -1,16 +1,16 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
 
 /// What a SlackDetector knows beforehand.
-struct SlackDetectorConfig {
+struct GAUNTLET_API SlackDetectorConfig {
   /// Per motor, what friction_nm() said when the cables were as they should be.
   std::vector<double> healthy_friction_nm = {0.0};
   double alarm_share = 0.65;  // of the healthy friction
@@ -35,7 +35,7 @@ struct SlackDetectorConfig {
 /// Shapes: one value per motor. Units: rad, N m; torque in the direction of the angle, its mean
 /// since the last reading: servos that take commands in frames give it in kicks.
 /// Errors: SettingError.
-class SlackDetector {
+class GAUNTLET_API SlackDetector {
  public:
   SlackDetector(const SlackDetectorConfig& config, int motors);
 
@@ -66,7 +66,7 @@ class SlackDetector {
   double alarm_share_;
   double memory_rad_;
   double reversal_rad_;
-  Eigen::ArrayXd healthy_nm_;
+  std::vector<double> healthy_nm_;
   std::vector<Motor> motors_;
   std::vector<double> friction_nm_;
   std::vector<std::uint8_t> slack_;

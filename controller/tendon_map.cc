@@ -23,12 +23,16 @@ void CheckShapes(const TendonTransmission& hand) {
   const std::size_t joints = hand.reference_angle_rad.size();
   const std::size_t motors = hand.counts_per_rad.size();
   const auto check = [&](const char* key, std::size_t size, std::size_t expected) {
-    if (size == expected && expected > 0) return;
+    if (size == expected) return;
     throw SettingError(std::string("transmission.") + key,
                        "has " + std::to_string(size) + " values, must have " +
                            std::to_string(expected) + " for " + std::to_string(joints) +
                            " joints and " + std::to_string(motors) + " motors");
   };
+  if (joints == 0 || motors == 0) {
+    throw SettingError(joints == 0 ? "transmission.joint_names" : "transmission.motor_names",
+                       "is empty, must name at least one");
+  }
   check("joint_names", hand.joint_names.size(), joints);
   check("motor_names", hand.motor_names.size(), motors);
   check("coupling", hand.coupling.size(), motors * joints);
@@ -69,9 +73,12 @@ void CheckValues(const TendonTransmission& hand) {
     }
   }
   for (std::size_t i = 0; i < hand.motor_names.size(); ++i) {
-    if (!std::isfinite(hand.counts_per_rad[i]) || hand.counts_per_rad[i] == 0.0) {
+    const double per_rad = std::abs(hand.counts_per_rad[i]);
+    if (!(per_rad >= 1e-9 && per_rad <= 1e9)) {
       throw SettingError("transmission.counts_per_rad",
-                         "motor " + hand.motor_names[i] + ": must be finite and not 0");
+                         "motor " + hand.motor_names[i] + ": is " +
+                             NumberText(hand.counts_per_rad[i]) +
+                             ", must be from 1e-09 to 1e+09, or as much below 0");
     }
     if (hand.center_counts[i] < hand.min_counts[i] || hand.center_counts[i] > hand.max_counts[i]) {
       throw SettingError("transmission.center_counts", "motor " + hand.motor_names[i] +

@@ -7,7 +7,10 @@
 #include <new>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <tuple>
+#include <vector>
 
 #include "controller/constant_settings.h"
 #include "controller/controller.h"
@@ -15,8 +18,9 @@
 namespace gc = gauntlet::controller;
 
 struct gauntlet_controller {
-  gc::Timing timing;
+  gc::RobotConfig robot;  // its names and clocks; a swap does not change these
   gc::Controller controller;
+  gauntlet_glove_status glove_status = GAUNTLET_GLOVE_GOOD;
 };
 
 namespace {
@@ -44,27 +48,103 @@ gauntlet_result Step(gauntlet_controller* self, const double* counts, std::size_
       fresh ? self->controller.Step({.counts = {counts, channel_count}, .number = frame_number})
             : self->controller.Step();
   std::ranges::copy(command.motor_counts, motor_counts);
+  self->glove_status = static_cast<gauntlet_glove_status>(command.glove);
   return command.event ? GAUNTLET_EVENT : GAUNTLET_OK;
 }
 
-}  // namespace
+static_assert(static_cast<int>(gc::GloveStatus::kGood) == GAUNTLET_GLOVE_GOOD &&
+              static_cast<int>(gc::GloveStatus::kHeld) == GAUNTLET_GLOVE_HELD &&
+              static_cast<int>(gc::GloveStatus::kTooOften) == GAUNTLET_GLOVE_TOO_OFTEN &&
+              static_cast<int>(gc::GloveStatus::kLost) == GAUNTLET_GLOVE_LOST);
+static_assert(static_cast<int>(gc::Untrusted::kMissing) == GAUNTLET_UNTRUSTED_MISSING &&
+              static_cast<int>(gc::Untrusted::kStale) == GAUNTLET_UNTRUSTED_STALE &&
+              gc::kUntrustedKinds == GAUNTLET_UNTRUSTED_STALE + 1);
 
-gauntlet_controller* gauntlet_controller_create(const char* settings, size_t settings_length,
-                                                char* error, size_t error_size) {
+/// Whether both are connected to the same.
+bool SameConnections(const gc::RobotConfig& a, const gc::RobotConfig& b) {
+  const auto glove = [](const gc::GloveCalibration& g) {
+    return std::tie(g.channel_names, g.low_counts, g.high_counts, g.low_angle_rad, g.high_angle_rad,
+                    g.full_scale_counts, g.frame_number_bits);
+  };
+  const auto hand = [](const gc::TendonTransmission& h) {
+    return std::tie(h.joint_names, h.motor_names, h.coupling, h.motor_of_joint,
+                    h.reference_angle_rad, h.joint_min_rad, h.joint_max_rad, h.counts_per_rad,
+                    h.center_counts, h.min_counts, h.max_counts, h.joint_sensors);
+  };
+  const auto clocks = [](const gc::Timing& t) {
+    return std::tie(t.tick_rate_hz, t.ticks_per_sample, t.event_period_ms);
+  };
+  const auto same_source = [](const gc::JointSource& s, const gc::JointSource& t) {
+    return std::tie(s.joint, s.channels, s.weights, s.offset_deg) ==
+           std::tie(t.joint, t.channels, t.weights, t.offset_deg);
+  };
+  return glove(a.glove) == glove(b.glove) && hand(a.hand) == hand(b.hand) &&
+         clocks(a.timing) == clocks(b.timing) &&
+         std::ranges::equal(a.joint_map.joints, b.joint_map.joints, same_source);
+}
+
+/// What `make` makes of the settings; null, with one line of what is wrong, if it throws.
+template <class Make>
+gauntlet_controller* Made(const char* settings, std::size_t settings_length, char* error,
+                          std::size_t error_size, const Make& make) {
   Write("", error, error_size);
   if (settings == nullptr) {
     Write("settings: are missing", error, error_size);
     return nullptr;
   }
   try {
-    const gc::RobotConfig robot = gc::RobotFromText({settings, settings_length});
-    return new gauntlet_controller{.timing = robot.timing, .controller = gc::Controller(robot)};
+    return make(gc::RobotFromText({settings, settings_length}));
   } catch (const std::bad_alloc&) {
     Write("settings: need more memory than there is", error, error_size);
   } catch (const std::exception& problem) {
     Write(problem.what(), error, error_size);
   }
   return nullptr;
+}
+
+const char* NameOf(const std::vector<std::string>& names, std::size_t index) {
+  return index < names.size() ? names[index].c_str() : nullptr;
+}
+
+/// Copies what is known of each channel or joint.
+template <class Value>
+gauntlet_result Copy(std::span<const Value> values, Value* to, std::size_t count) {
+  if (to == nullptr) return GAUNTLET_NULL_POINTER;
+  if (count != values.size()) return GAUNTLET_WRONG_LENGTH;
+  std::ranges::copy(values, to);
+  return GAUNTLET_OK;
+}
+
+}  // namespace
+
+const char* gauntlet_controller_version() { return GAUNTLET_CONTROLLER_VERSION; }
+
+gauntlet_controller* gauntlet_controller_create(const char* settings, size_t settings_length,
+                                                char* error, size_t error_size) {
+  return Made(settings, settings_length, error, error_size, [](const gc::RobotConfig& robot) {
+    return new gauntlet_controller{.robot = robot, .controller = gc::Controller(robot)};
+  });
+}
+
+gauntlet_controller* gauntlet_controller_prepare(const gauntlet_controller* controller,
+                                                 const char* settings, size_t settings_length,
+                                                 char* error, size_t error_size) {
+  return Made(settings, settings_length, error, error_size, [&](const gc::RobotConfig& robot) {
+    if (controller == nullptr) throw gc::SettingError("controller", "is missing");
+    if (!SameConnections(robot, controller->robot)) {
+      throw gc::SettingError("settings",
+                             "have another glove, hand, joint_map or timing than the controller");
+    }
+    return new gauntlet_controller{.robot = robot,
+                                   .controller = controller->controller.Prepare(robot.controller)};
+  });
+}
+
+gauntlet_result gauntlet_controller_swap(gauntlet_controller* controller,
+                                         gauntlet_controller* prepared) {
+  if (controller == nullptr || prepared == nullptr) return GAUNTLET_NULL_POINTER;
+  if (!controller->controller.Swap(prepared->controller)) return GAUNTLET_NOT_PREPARED;
+  return GAUNTLET_OK;
 }
 
 void gauntlet_controller_destroy(gauntlet_controller* controller) { delete controller; }
@@ -82,11 +162,11 @@ size_t gauntlet_controller_joint_count(const gauntlet_controller* controller) {
 }
 
 double gauntlet_controller_tick_rate_hz(const gauntlet_controller* controller) {
-  return controller != nullptr ? controller->timing.tick_rate_hz : 0.0;
+  return controller != nullptr ? controller->robot.timing.tick_rate_hz : 0.0;
 }
 
 int gauntlet_controller_ticks_per_sample(const gauntlet_controller* controller) {
-  return controller != nullptr ? controller->timing.ticks_per_sample : 0;
+  return controller != nullptr ? controller->robot.timing.ticks_per_sample : 0;
 }
 
 gauntlet_result gauntlet_controller_step(gauntlet_controller* controller, const double* counts,
@@ -121,4 +201,91 @@ gauntlet_result gauntlet_controller_reset(gauntlet_controller* controller,
   if (motor_count != gauntlet_controller_motor_count(controller)) return GAUNTLET_WRONG_LENGTH;
   controller->controller.Reset(std::span(motor_counts, motor_count));
   return GAUNTLET_OK;
+}
+
+double gauntlet_controller_event_period_ms(const gauntlet_controller* controller) {
+  return controller != nullptr ? controller->robot.timing.event_period_ms : 0.0;
+}
+
+const char* gauntlet_controller_channel_name(const gauntlet_controller* controller,
+                                             size_t channel) {
+  return controller != nullptr ? NameOf(controller->robot.glove.channel_names, channel) : nullptr;
+}
+
+const char* gauntlet_controller_joint_name(const gauntlet_controller* controller, size_t joint) {
+  return controller != nullptr ? NameOf(controller->robot.hand.joint_names, joint) : nullptr;
+}
+
+const char* gauntlet_controller_motor_name(const gauntlet_controller* controller, size_t motor) {
+  return controller != nullptr ? NameOf(controller->robot.hand.motor_names, motor) : nullptr;
+}
+
+gauntlet_glove_status gauntlet_controller_glove_status(const gauntlet_controller* controller) {
+  return controller != nullptr ? controller->glove_status : GAUNTLET_GLOVE_LOST;
+}
+
+gauntlet_result gauntlet_controller_untrusted_samples(const gauntlet_controller* controller,
+                                                      gauntlet_untrusted reason,
+                                                      int64_t* sample_counts,
+                                                      size_t channel_count) {
+  if (controller == nullptr) return GAUNTLET_NULL_POINTER;
+  const int index = reason;
+  if (index < GAUNTLET_UNTRUSTED_ALL || index >= gc::kUntrustedKinds) return GAUNTLET_OUT_OF_RANGE;
+  const gc::Controller& from = controller->controller;
+  return Copy(index == GAUNTLET_UNTRUSTED_ALL
+                  ? from.untrusted_samples()
+                  : from.untrusted_samples(static_cast<gc::Untrusted>(index)),
+              sample_counts, channel_count);
+}
+
+gauntlet_result gauntlet_controller_sample_age_ms(const gauntlet_controller* controller,
+                                                  double* age_ms, size_t channel_count) {
+  if (controller == nullptr || age_ms == nullptr) return GAUNTLET_NULL_POINTER;
+  if (channel_count != gauntlet_controller_channel_count(controller)) return GAUNTLET_WRONG_LENGTH;
+  for (size_t i = 0; i < channel_count; ++i) {
+    age_ms[i] = controller->controller.sample_age_ms(static_cast<int>(i));
+  }
+  return GAUNTLET_OK;
+}
+
+gauntlet_result gauntlet_controller_failed_plans(const gauntlet_controller* controller,
+                                                 int64_t* frame_counts, size_t joint_count) {
+  if (controller == nullptr || frame_counts == nullptr) return GAUNTLET_NULL_POINTER;
+  if (joint_count != gauntlet_controller_joint_count(controller)) return GAUNTLET_WRONG_LENGTH;
+  const std::span<const std::int64_t> failed = controller->controller.failed_plans();
+  if (failed.empty()) {
+    std::fill_n(frame_counts, joint_count, 0);
+    return GAUNTLET_OK;
+  }
+  return Copy(failed, frame_counts, joint_count);
+}
+
+gauntlet_result gauntlet_controller_angles(const gauntlet_controller* controller,
+                                           gauntlet_angle kind, double* angle_rad, size_t count) {
+  if (controller == nullptr) return GAUNTLET_NULL_POINTER;
+  const gc::Controller& from = controller->controller;
+  switch (kind) {
+    case GAUNTLET_ANGLE_LINEARISED:
+      return Copy(from.linearised_angle_rad(), angle_rad, count);
+    case GAUNTLET_ANGLE_FILTERED:
+      return Copy(from.filtered_angle_rad(), angle_rad, count);
+    case GAUNTLET_ANGLE_PREDICTED:
+      return Copy(from.predicted_angle_rad(), angle_rad, count);
+    case GAUNTLET_ANGLE_TARGET:
+      return Copy(from.target_angle_rad(), angle_rad, count);
+  }
+  return GAUNTLET_OUT_OF_RANGE;
+}
+
+gauntlet_result gauntlet_controller_set_channel_active(gauntlet_controller* controller,
+                                                       size_t channel, int active) {
+  if (controller == nullptr) return GAUNTLET_NULL_POINTER;
+  if (channel >= gauntlet_controller_channel_count(controller)) return GAUNTLET_OUT_OF_RANGE;
+  controller->controller.SetChannelActive(static_cast<int>(channel), active != 0);
+  return GAUNTLET_OK;
+}
+
+int gauntlet_controller_channel_active(const gauntlet_controller* controller, size_t channel) {
+  if (channel >= gauntlet_controller_channel_count(controller)) return 0;
+  return controller->controller.channel_active(static_cast<int>(channel)) ? 1 : 0;
 }

@@ -10,6 +10,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __GNUC__ /* what the shared library shows */
+#pragma GCC visibility push(default)
+#endif
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -21,8 +24,41 @@ typedef enum gauntlet_result {
   GAUNTLET_OK = 0,    /* of a step: the command is the one of before */
   GAUNTLET_EVENT = 1, /* of a step: a frame is due, the command is to be sent now */
   GAUNTLET_NULL_POINTER = -1,
-  GAUNTLET_WRONG_LENGTH = -2
+  GAUNTLET_WRONG_LENGTH = -2,
+  GAUNTLET_OUT_OF_RANGE = -3, /* no such channel, reason or kind of angle */
+  GAUNTLET_NOT_PREPARED = -4  /* not made by gauntlet_controller_prepare() of this controller */
 } gauntlet_result;
+
+/* What a controller knows of its glove after the last step, the worst that holds of a channel. */
+typedef enum gauntlet_glove_status {
+  GAUNTLET_GLOVE_GOOD = 0,
+  GAUNTLET_GLOVE_HELD = 1,      /* a channel holds its last trusted value */
+  GAUNTLET_GLOVE_TOO_OFTEN = 2, /* samples come much more often than the settings say */
+  GAUNTLET_GLOVE_LOST = 3       /* a channel had no trusted value for lost_after_ms */
+} gauntlet_glove_status;
+
+/* Why a sample is not trusted. */
+typedef enum gauntlet_untrusted {
+  GAUNTLET_UNTRUSTED_ALL = -1, /* for any of these reasons */
+  GAUNTLET_UNTRUSTED_MISSING = 0,
+  GAUNTLET_UNTRUSTED_INFINITE = 1,
+  GAUNTLET_UNTRUSTED_OUT_OF_RANGE = 2,
+  GAUNTLET_UNTRUSTED_FULL_SCALE = 3,
+  GAUNTLET_UNTRUSTED_STUCK = 4,
+  GAUNTLET_UNTRUSTED_JUMPED = 5,
+  GAUNTLET_UNTRUSTED_STALE = 6
+} gauntlet_untrusted;
+
+/* Angles between glove and motors. */
+typedef enum gauntlet_angle {
+  GAUNTLET_ANGLE_LINEARISED = 0, /* per channel, before the filter */
+  GAUNTLET_ANGLE_FILTERED = 1,   /* per channel, after it */
+  GAUNTLET_ANGLE_PREDICTED = 2,  /* per channel, after the prediction */
+  GAUNTLET_ANGLE_TARGET = 3      /* per joint: the command to the hand */
+} gauntlet_angle;
+
+/* Version of the library, as "1.2.3". */
+const char* gauntlet_controller_version(void);
 
 /* A controller, to be given to gauntlet_controller_destroy(); allocates.
  *
@@ -43,6 +79,12 @@ size_t gauntlet_controller_motor_count(const gauntlet_controller* controller);
 size_t gauntlet_controller_joint_count(const gauntlet_controller* controller);
 double gauntlet_controller_tick_rate_hz(const gauntlet_controller* controller);
 int gauntlet_controller_ticks_per_sample(const gauntlet_controller* controller);
+double gauntlet_controller_event_period_ms(const gauntlet_controller* controller);
+
+/* Names as in the settings; NULL beyond the last one. They live as long as the controller. */
+const char* gauntlet_controller_channel_name(const gauntlet_controller* controller, size_t channel);
+const char* gauntlet_controller_joint_name(const gauntlet_controller* controller, size_t joint);
+const char* gauntlet_controller_motor_name(const gauntlet_controller* controller, size_t motor);
 
 /* One tick with a new sample of the glove, or without one: `counts` NULL and `channel_count` 0.
  *
@@ -70,8 +112,50 @@ gauntlet_result gauntlet_controller_take_joint_angles(gauntlet_controller* contr
 gauntlet_result gauntlet_controller_reset(gauntlet_controller* controller,
                                           const int32_t* motor_counts, size_t motor_count);
 
+/* After the last step; GAUNTLET_GLOVE_LOST for NULL. */
+gauntlet_glove_status gauntlet_controller_glove_status(const gauntlet_controller* controller);
+
+/* Samples of each channel since the last reset that were not trusted for this reason. */
+gauntlet_result gauntlet_controller_untrusted_samples(const gauntlet_controller* controller,
+                                                      gauntlet_untrusted reason,
+                                                      int64_t* sample_counts, size_t channel_count);
+
+/* Time since the last trusted value of each channel [ms], in steps of the loop. */
+gauntlet_result gauntlet_controller_sample_age_ms(const gauntlet_controller* controller,
+                                                  double* age_ms, size_t channel_count);
+
+/* Command frames since the last reset in which no plan was found for a joint; all 0 for settings
+ * that plan nothing. */
+gauntlet_result gauntlet_controller_failed_plans(const gauntlet_controller* controller,
+                                                 int64_t* frame_counts, size_t joint_count);
+
+/* Angles after the last step [rad]; `count` is the number of channels, of joints for the target. */
+gauntlet_result gauntlet_controller_angles(const gauntlet_controller* controller,
+                                           gauntlet_angle kind, double* angle_rad, size_t count);
+
+/* An inactive channel (`active` is 0) holds its joint at the present angle. */
+gauntlet_result gauntlet_controller_set_channel_active(gauntlet_controller* controller,
+                                                       size_t channel, int active);
+/* 1 or 0; 0 also where there is no such channel. */
+int gauntlet_controller_channel_active(const gauntlet_controller* controller, size_t channel);
+
+/* Other settings for the same glove, hand, joint map and clocks, for gauntlet_controller_swap(). Any
+ * thread may call it while another one steps; allocates. Arguments, errors and NULL as of
+ * gauntlet_controller_create(). To be destroyed like that one. */
+gauntlet_controller* gauntlet_controller_prepare(const gauntlet_controller* controller,
+                                                 const char* settings, size_t settings_length,
+                                                 char* error, size_t error_size);
+
+/* Takes over what was prepared, from the next sample on, in the thread that steps; `prepared` has
+ * the settings of before then, and can be swapped in again. */
+gauntlet_result gauntlet_controller_swap(gauntlet_controller* controller,
+                                         gauntlet_controller* prepared);
+
 #ifdef __cplusplus
 }
+#endif
+#ifdef __GNUC__
+#pragma GCC visibility pop
 #endif
 
 #endif

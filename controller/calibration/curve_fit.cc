@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 
@@ -20,6 +21,13 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
+
+VectorXd VectorOf(std::span<const double> values) {
+  return Eigen::Map<const VectorXd>(values.data(), std::ssize(values));
+}
+std::span<const double> ValuesOf(const VectorXd& vector) {
+  return {vector.data(), static_cast<std::size_t>(vector.size())};
+}
 
 void CheckData(const VectorXd& counts, const VectorXd& angle_deg) {
   if (counts.size() != angle_deg.size() || !counts.allFinite() || !angle_deg.allFinite()) {
@@ -120,8 +128,11 @@ double RoundingOfMean(const std::vector<VectorXd>& runs, const ChannelNoise& noi
 
 }  // namespace
 
-CurveFit FitTable(const VectorXd& counts, const VectorXd& angle_deg, double resolution_counts) {
+CurveFit FitTable(std::span<const double> counts_of_samples,
+                  std::span<const double> angle_of_samples_deg, double resolution_counts) {
   GAUNTLET_ASSERT(resolution_counts >= 0.0);
+  const VectorXd counts = VectorOf(counts_of_samples);
+  const VectorXd angle_deg = VectorOf(angle_of_samples_deg);
   CheckData(counts, angle_deg);
   const std::map<double, Pose> poses =
       counts.size() > 0 ? PosesOf(counts, angle_deg) : std::map<double, Pose>();
@@ -162,7 +173,10 @@ CurveFit FitTable(const VectorXd& counts, const VectorXd& angle_deg, double reso
   return fit;
 }
 
-CurveFit FitTwoPoint(const VectorXd& counts, const VectorXd& angle_deg, double resolution_counts) {
+CurveFit FitTwoPoint(std::span<const double> counts_of_samples,
+                     std::span<const double> angle_of_samples_deg, double resolution_counts) {
+  const VectorXd counts = VectorOf(counts_of_samples);
+  const VectorXd angle_deg = VectorOf(angle_of_samples_deg);
   CheckData(counts, angle_deg);
   if (counts.size() == 0) throw SettingError("recording", "has no pose of known angle");
   const double lowest = angle_deg.minCoeff();
@@ -171,12 +185,15 @@ CurveFit FitTwoPoint(const VectorXd& counts, const VectorXd& angle_deg, double r
   for (Index k = 0; k < counts.size(); ++k) {
     if (angle_deg[k] == lowest || angle_deg[k] == highest) ends.push_back(k);
   }
-  CurveFit fit = FitTable(counts(ends), angle_deg(ends), resolution_counts);
+  CurveFit fit = FitTable(ValuesOf(counts(ends)), ValuesOf(angle_deg(ends)), resolution_counts);
   Judge(*MakeTableLinearisation({fit.curve}), counts, angle_deg, fit);
   return fit;
 }
 
-CurveFit FitPolynomial(const VectorXd& counts, const VectorXd& angle_deg, int degree) {
+CurveFit FitPolynomial(std::span<const double> counts_of_samples,
+                       std::span<const double> angle_of_samples_deg, int degree) {
+  const VectorXd counts = VectorOf(counts_of_samples);
+  const VectorXd angle_deg = VectorOf(angle_of_samples_deg);
   CheckData(counts, angle_deg);
   const Index unknowns = degree + 1;
   if (degree < 1 || counts.size() < unknowns || counts.maxCoeff() <= counts.minCoeff()) {

@@ -1,14 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <span>
 #include <vector>
 
+#include "controller/export.h"
 #include "controller/linearisation/linearisation_config.h"
 
 namespace gauntlet::controller {
 
 /// A curve from counts to bending angle with how well it fits its data.
-struct CurveFit {
+struct GAUNTLET_API CurveFit {
   ChannelCurve curve;
   double rms_error_deg = 0.0;
   double largest_error_deg = 0.0;
@@ -25,19 +26,20 @@ struct CurveFit {
 /// Source: Widrow, Kollar (2008), Quantization Noise.
 /// Shapes: one value per sample, in the order of time. Units: counts and deg.
 /// Errors: SettingError for fewer than two poses, or counts that do not follow the angle one way.
-CurveFit FitTable(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg,
-                  double resolution_counts = 0.0);
+GAUNTLET_API CurveFit FitTable(std::span<const double> counts, std::span<const double> angle_deg,
+                               double resolution_counts = 0.0);
 
 /// The straight line through the poses with the smallest and the largest angle, as a table of two
 /// corners. The errors are those over all samples. Errors: as FitTable().
-CurveFit FitTwoPoint(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg,
-                     double resolution_counts = 0.0);
+GAUNTLET_API CurveFit FitTwoPoint(std::span<const double> counts, std::span<const double> angle_deg,
+                                  double resolution_counts = 0.0);
 
 /// A polynomial by least squares (QR), in u = (counts - center) / scale with u from -1 to 1 over
 /// the data.
 ///
 /// Errors: SettingError for a degree that the data cannot determine, or a polynomial that turns
 /// back within the data; use a lower degree then.
-CurveFit FitPolynomial(const Eigen::VectorXd& counts, const Eigen::VectorXd& angle_deg, int degree);
+GAUNTLET_API CurveFit FitPolynomial(std::span<const double> counts,
+                                    std::span<const double> angle_deg, int degree);
 
 }  // namespace gauntlet::controller

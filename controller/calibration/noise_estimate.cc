@@ -1,5 +1,6 @@
 #include "controller/calibration/noise_estimate.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +9,7 @@
 #include "controller/calibration/noise_correlation.h"
 #include "controller/calibration/robust_statistics.h"
 #include "controller/calibration/rounded_noise.h"
+#include "controller/calibration/samples_of_channels.h"
 #include "controller/number.h"
 #include "controller/settings.h"
 
@@ -66,7 +68,7 @@ Eigen::VectorXd Deviations(const StillChannel& channel) {
 }
 
 /// Variance and interval of channel `i`; what is known of its noise without rounding.
-void SetVariance(Index i, const StillChannel& channel, const ChannelNoise& noise,
+void SetVariance(std::size_t i, const StillChannel& channel, const ChannelNoise& noise,
                  const NoiseEstimateOptions& options, NoiseEstimate& estimate) {
   constexpr double kSureFrom = 0.5;  // steps^2: a deviation of 0.7 steps
   const double step2 = options.resolution_counts * options.resolution_counts;
@@ -76,7 +78,7 @@ void SetVariance(Index i, const StillChannel& channel, const ChannelNoise& noise
     const RoundedNoise rounded =
         EstimateRoundedNoise(channel.stretches, options.resolution_counts,
                              1.0 / noise.VarianceFactor(), options.confidence);
-    estimate.rounded[static_cast<std::size_t>(i)] = true;
+    estimate.rounded[i] = true;
     estimate.variance[i] = rounded.variance;
     estimate.variance_low[i] = rounded.variance_low;
     estimate.variance_high[i] = rounded.variance_high;
@@ -115,11 +117,13 @@ double ChiSquaredQuantileRatio(double probability, double degrees_of_freedom) {
   return root > 0.0 ? root * root * root : 0.0;
 }
 
-NoiseEstimate EstimateNoise(const Eigen::MatrixXd& counts,
+NoiseEstimate EstimateNoise(std::span<const double> counts_of_channels, int channel_count,
                             const std::vector<StillStretch>& stretches,
                             const NoiseEstimateOptions& options) {
   GAUNTLET_ASSERT(0.0 < options.confidence && options.confidence < 1.0);
   GAUNTLET_ASSERT(options.resolution_counts >= 0.0);
+  const Eigen::Map<const Eigen::MatrixXd> counts =
+      SamplesOfChannels(counts_of_channels, channel_count);
   if (!counts.allFinite()) throw SettingError("recording", "has values that are not finite");
   NoiseEstimate estimate;
   for (const StillStretch& stretch : stretches) {
@@ -131,18 +135,19 @@ NoiseEstimate EstimateNoise(const Eigen::MatrixXd& counts,
     throw SettingError("recording", "has no stretch of two samples in which the hand holds still");
   }
   const Index n = counts.cols();
-  for (Eigen::VectorXd* values : {&estimate.variance, &estimate.variance_low,
-                                  &estimate.variance_high, &estimate.correlation}) {
-    values->resize(n);
+  const auto channels = static_cast<std::size_t>(n);
+  for (std::vector<double>* values : {&estimate.variance, &estimate.variance_low,
+                                      &estimate.variance_high, &estimate.correlation}) {
+    values->resize(channels);
   }
-  estimate.rounded.assign(static_cast<std::size_t>(n), false);
+  estimate.rounded.assign(channels, false);
   const double rounding = options.resolution_counts * options.resolution_counts / 12.0;
   Eigen::MatrixXd deviations;
   Eigen::ArrayXd freedom(n);
   for (Index i = 0; i < n; ++i) {
     const StillChannel channel = WithoutSpikes(counts.col(i), stretches, options.resolution_counts);
     const ChannelNoise noise = DescribeNoise(channel.stretches, rounding);
-    SetVariance(i, channel, noise, options, estimate);
+    SetVariance(static_cast<std::size_t>(i), channel, noise, options, estimate);
     estimate.spikes.push_back(channel.spikes);
     freedom[i] = std::max(noise.degrees_of_freedom, 1.0);
     // Scaled so that the product of two channels is their covariance.
@@ -151,20 +156,29 @@ NoiseEstimate EstimateNoise(const Eigen::MatrixXd& counts,
     if (deviations.size() == 0) deviations.resize(own.size(), n);
     deviations.col(i) = own;
   }
-  estimate.covariance = deviations.transpose() * deviations;
-  estimate.covariance.diagonal() = estimate.variance;
+  const auto of_channels = [n](const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), n);
+  };
+  const auto variance = of_channels(estimate.variance);
+  Eigen::MatrixXd covariance = deviations.transpose() * deviations;
+  covariance.diagonal() = variance;
 
   const double sigmas = NormalQuantile(0.5 + 0.5 * options.confidence);
   const Eigen::MatrixXd scale = freedom.sqrt().matrix() * freedom.sqrt().matrix().transpose();
   const Eigen::MatrixXd spread =
       sigmas *
-      ((estimate.variance * estimate.variance.transpose() + estimate.covariance.cwiseAbs2())
-           .cwiseQuotient(scale))
-          .cwiseSqrt();
-  estimate.covariance_low = estimate.covariance - spread;
-  estimate.covariance_high = estimate.covariance + spread;
-  estimate.covariance_low.diagonal() = estimate.variance_low;
-  estimate.covariance_high.diagonal() = estimate.variance_high;
+      ((variance * variance.transpose() + covariance.cwiseAbs2()).cwiseQuotient(scale)).cwiseSqrt();
+  Eigen::MatrixXd low = covariance - spread;
+  Eigen::MatrixXd high = covariance + spread;
+  low.diagonal() = of_channels(estimate.variance_low);
+  high.diagonal() = of_channels(estimate.variance_high);
+  const auto row_by_row = [](const Eigen::MatrixXd& values) {
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = values;
+    return std::vector<double>(rows.data(), rows.data() + rows.size());
+  };
+  estimate.covariance = row_by_row(covariance);
+  estimate.covariance_low = row_by_row(low);
+  estimate.covariance_high = row_by_row(high);
   return estimate;
 }
 

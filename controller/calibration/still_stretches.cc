@@ -1,5 +1,6 @@
 #include "controller/calibration/still_stretches.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +10,7 @@
 
 #include "controller/assert.h"
 #include "controller/calibration/robust_statistics.h"
+#include "controller/calibration/samples_of_channels.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -132,9 +134,12 @@ Noise NoiseOf(const Eigen::Ref<const Eigen::VectorXd>& z, Index block, double ra
 
 }  // namespace
 
-std::vector<StillStretch> FindStillStretches(const Eigen::MatrixXd& counts, double rate_hz,
+std::vector<StillStretch> FindStillStretches(std::span<const double> counts_of_channels,
+                                             int channel_count, double rate_hz,
                                              double min_duration_s) {
   GAUNTLET_ASSERT(rate_hz > 0.0);
+  const Eigen::Map<const Eigen::MatrixXd> counts =
+      SamplesOfChannels(counts_of_channels, channel_count);
   const Index block = std::max<Index>(2, std::lround(kBlockS * rate_hz));
   std::vector<StillStretch> stretches;
   if (counts.rows() < 2 * block) return stretches;

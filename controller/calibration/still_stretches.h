@@ -1,14 +1,17 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <cstddef>
+#include <span>
 #include <vector>
+
+#include "controller/export.h"
 
 namespace gauntlet::controller {
 
 /// A stretch of samples [begin, end) in which the wearer held still.
-struct StillStretch {
-  Eigen::Index begin = 0;
-  Eigen::Index end = 0;
+struct GAUNTLET_API StillStretch {
+  std::ptrdiff_t begin = 0;
+  std::ptrdiff_t end = 0;
 };
 
 /// Stretches of at least `min_duration_s` in which no channel moves: levels of 50 ms stay where
@@ -18,8 +21,10 @@ struct StillStretch {
 /// The noise is judged from differences of samples at most 32 ms apart, which motion hardly
 /// touches, in the quietest quarter of the recording. Noise that is correlated over longer than
 /// that looks like slow motion.
-/// Shapes: `counts` is samples x channels, finite. Errors: none; no stretch is an empty list.
-std::vector<StillStretch> FindStillStretches(const Eigen::MatrixXd& counts, double rate_hz,
-                                             double min_duration_s = 0.5);
+/// Shapes: `counts` has all samples of the first channel, then those of the next, as many for each;
+/// finite. Errors: SettingError for another number of values; no stretch is an empty list.
+GAUNTLET_API std::vector<StillStretch> FindStillStretches(std::span<const double> counts,
+                                                          int channel_count, double rate_hz,
+                                                          double min_duration_s = 0.5);
 
 }  // namespace gauntlet::controller

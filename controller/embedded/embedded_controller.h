@@ -19,7 +19,7 @@ struct Settings {
   float jump_counts;
   std::uint32_t jump_confirm_samples;
   std::uint32_t stuck_samples;
-  float start_counts[Channels];  // of the reference posture
+  float start_counts[Channels];  // of a channel that decides no joint
 
   // A broken line per channel; its first and last pieces go on.
   float corner_counts[Channels][Corners];
@@ -43,8 +43,10 @@ struct Settings {
   std::int32_t motor_center_counts[Motors];
   std::int32_t motor_min_counts[Motors];
   std::int32_t motor_max_counts[Motors];
-  float motor_limit_counts[Motors];  // per event
-  float motor_stay_counts;           // a command stays while it is no farther off; 0: nearest
+  float motor_limit_counts[Motors];           // per event
+  float joint_rad_per_count[Joints][Motors];  // back; 0 where motors do not decide the joint
+  std::int32_t joint_of_channel[Channels];    // whose angle decides where it starts; -1: none
+  float motor_stay_counts;  // a command stays while it is no farther off; 0: nearest
 
   std::uint32_t ticks_per_event;
 };
@@ -57,8 +59,9 @@ struct Settings {
 ///
 /// Its commands are at most one count (with a wider hysteresis, that much) beside those of
 /// controller::Controller, which has the same equations in `double` and says where they come from
-/// (tests/settings/embedded_test.cc). Two differences: until its first good sample a channel holds
-/// the reference posture, wherever Reset() says the motors are; and frames have no numbers.
+/// (tests/settings/embedded_test.cc). It starts and loses samples as that one does: until the first
+/// good sample of its channel a joint stays where Reset() says that the motors are. One difference:
+/// frames have no numbers.
 template <std::size_t Channels, std::size_t Joints, std::size_t Motors, std::size_t Corners>
 class Controller {
  public:
@@ -72,9 +75,17 @@ class Controller {
   /// Forgets the glove; the motors are at these counts, one per motor, as the robot reads them.
   void Reset(const std::int32_t* motor_counts) noexcept {
     ticks_to_event_ = 0;
+    for (std::size_t j = 0; j < Joints; ++j) {
+      joint_rad_[j] = settings_.joint_reference_rad[j];
+      for (std::size_t m = 0; m < Motors; ++m) {
+        const float turned = static_cast<float>(motor_counts[m]) -
+                             static_cast<float>(settings_.motor_center_counts[m]);
+        joint_rad_[j] += settings_.joint_rad_per_count[j][m] * turned;
+      }
+    }
     for (std::size_t i = 0; i < Channels; ++i) {
       channels_[i] = Channel{};
-      channels_[i].trusted = settings_.start_counts[i];
+      channels_[i].trusted = StartCounts(i);
       channels_[i].raw = -1.0F;
       Start(i);
     }
@@ -162,6 +173,27 @@ class Controller {
     while (piece + 2 < Corners && counts >= corner[piece + 1]) ++piece;
     return settings_.corner_rad[i][piece] +
            (counts - corner[piece]) * settings_.rad_per_count[i][piece];
+  }
+
+  /// The inverse of AngleOf().
+  float CountsOf(std::size_t i, float angle_rad) const noexcept {
+    const float* corner = settings_.corner_rad[i];
+    const bool rises = corner[0] < corner[Corners - 1];
+    std::size_t piece = 0;
+    while (piece + 2 < Corners &&
+           (rises ? angle_rad >= corner[piece + 1] : angle_rad <= corner[piece + 1])) {
+      ++piece;
+    }
+    return settings_.corner_counts[i][piece] +
+           (angle_rad - corner[piece]) / settings_.rad_per_count[i][piece];
+  }
+  /// Of a channel whose joint is at joint_rad_.
+  float StartCounts(std::size_t i) const noexcept {
+    if (settings_.joint_of_channel[i] < 0) return settings_.start_counts[i];
+    const auto j = static_cast<std::size_t>(settings_.joint_of_channel[i]);
+    const float angle_rad =
+        (joint_rad_[j] - settings_.joint_offset_rad[j]) / settings_.joint_weight[j][i];
+    return Clamp(CountsOf(i, angle_rad), 0.0F, settings_.full_scale_counts);
   }
 
   /// What the filter sees.

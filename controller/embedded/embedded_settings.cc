@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "controller/controller.h"
-#include "controller/filters/kalman_steady_filter.h"
+#include "controller/filters/steady_gains.h"
 #include "controller/joint_map.h"
 #include "controller/linearisation/linearisation.h"
 #include "controller/tendon_map.h"
@@ -117,6 +117,9 @@ class Builder {
 
   void AddGuard() {
     const SampleGuardConfig& guard = config_.untrusted;
+    if (guard.lost_after_ms > 0.0) {
+      Refuse("untrusted.lost_after_ms", "is " + NumberText(guard.lost_after_ms) + ", must be 0");
+    }
     const double full_scale = robot_.glove.full_scale_counts;
     Add("full_scale_counts", full_scale, EmbeddedValue::kFloat);
     Add("trust_full_scale", guard.full_scale ? 0.0 : 1.0, EmbeddedValue::kFlag);
@@ -187,11 +190,30 @@ class Builder {
         weight[j * channels_ + static_cast<std::size_t>(term.channel)] += term.weight;
       }
     }
+    joint_of_channel_.assign(channels_, -1.0);
+    for (std::size_t j = joints; j-- > 0;) {  // as JointMap::ToChannels()
+      const auto terms = map.terms(static_cast<int>(j));
+      if (terms.size() != 1 || terms[0].weight == 0.0) continue;
+      joint_of_channel_[static_cast<std::size_t>(terms[0].channel)] = static_cast<double>(j);
+    }
     AddList("joint_offset_rad", offset);
     AddList("joint_weight", weight, EmbeddedValue::kFloat, channels_);
     AddList("joint_min_rad", robot_.hand.joint_min_rad);
     AddList("joint_max_rad", robot_.hand.joint_max_rad);
     AddList("joint_reference_rad", robot_.hand.reference_angle_rad);
+  }
+  /// Whole numbers beyond have no value of their own in float.
+  void CheckMotorRange() const {
+    constexpr int kMost = 1 << 24;
+    const TendonTransmission& hand = robot_.hand;
+    for (std::size_t m = 0; m < hand.motor_names.size(); ++m) {
+      const int beyond = hand.max_counts[m] > kMost ? hand.max_counts[m] : hand.min_counts[m];
+      if (hand.max_counts[m] <= kMost && hand.min_counts[m] >= -kMost) continue;
+      throw SettingError(beyond > 0 ? "transmission.max_counts" : "transmission.min_counts",
+                         "motor " + hand.motor_names[m] + ": is " + std::to_string(beyond) +
+                             ", must be from -" + std::to_string(kMost) + " to " +
+                             std::to_string(kMost) + " in the embedded form");
+    }
   }
   void AddMotors() {
     const TendonTransmission& hand = robot_.hand;
@@ -206,11 +228,18 @@ class Builder {
       for (const double turn : row) counts_per_rad.push_back(hand.counts_per_rad[m] * turn);
       limit.push_back(std::min(std::abs(hand.counts_per_rad[m]) * per_event, kNoLimit));
     }
+    CheckMotorRange();
     AddList("motor_counts_per_rad", counts_per_rad, EmbeddedValue::kFloat, joints);
     AddCounts("motor_center_counts", hand.center_counts);
     AddCounts("motor_min_counts", hand.min_counts);
     AddCounts("motor_max_counts", hand.max_counts);
     AddList("motor_limit_counts", limit);
+    const std::size_t motors = hand.motor_names.size();
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> back =
+        map.AnglePerCount().unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
+    AddList("joint_rad_per_count", {back.data(), back.data() + back.size()}, EmbeddedValue::kFloat,
+            motors);
+    AddList("joint_of_channel", joint_of_channel_, EmbeddedValue::kInteger);
     if (config_.motor.rounding == Rounding::kNoiseShaping) {
       Refuse("motor.rounding", "is noise_shaping, must be nearest or hysteresis");
     }
@@ -231,6 +260,7 @@ class Builder {
   std::size_t channels_;
   Controller checked_;  // throws for what no controller can be made of
   EmbeddedSettings settings_;
+  std::vector<double> joint_of_channel_;  // -1: none
 };
 
 }  // namespace

@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "controller/controller_config.h"
+#include "controller/export.h"
 
 namespace gauntlet::controller {
 
 /// One member of embedded::Settings: a value, a list, or a matrix in row-major order.
-struct EmbeddedValue {
+struct GAUNTLET_API EmbeddedValue {
   enum Type { kFloat, kInteger, kFlag };
   std::string_view name;
   Type type = kFloat;
@@ -18,7 +19,7 @@ struct EmbeddedValue {
 };
 
 /// The settings of embedded::Controller, in the order of embedded::Settings.
-struct EmbeddedSettings {
+struct GAUNTLET_API EmbeddedSettings {
   std::size_t corner_count = 0;  // of the linearisation
   std::vector<EmbeddedValue> values;
 };
@@ -28,6 +29,6 @@ struct EmbeddedSettings {
 /// Errors: SettingError for what a Controller cannot be made of, and for what the embedded form
 /// does not hold, with what does: several filters or one without constant gains, a start from zero,
 /// a polynomial, prediction, noise shaping, an event period that is no whole number of ticks.
-EmbeddedSettings EmbeddedSettingsOf(const RobotConfig& robot);
+GAUNTLET_API EmbeddedSettings EmbeddedSettingsOf(const RobotConfig& robot);
 
 }  // namespace gauntlet::controller

@@ -2,6 +2,7 @@
 
 #include "controller/filters/check_filter.h"
 #include "controller/filters/constant_gain_filter.h"
+#include "controller/filters/filter_registry.h"
 
 namespace gauntlet::controller {
 namespace {

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -15,7 +14,7 @@ namespace gauntlet::controller {
 /// in steps of one sample; starts at x = z(0), v = 0.
 /// Source: Kalata, IEEE TAES 20 (1984); stable for 0 < alpha, 0 < beta, 2 alpha + beta < 4.
 /// Errors: SettingError for gains with which the filter is not stable.
-struct AlphaBetaConfig {
+struct GAUNTLET_API AlphaBetaConfig {
   static constexpr std::string_view kKind = "alpha_beta";
   static constexpr std::string_view kSummary = "position and velocity with constant gains";
 
@@ -35,7 +34,7 @@ struct AlphaBetaConfig {
 /// Source: Brookner, Tracking and Kalman Filtering Made Easy (1998), g-h-k filter; stable as above
 /// and for gamma < alpha beta / (2 - alpha).
 /// Errors: SettingError for gains with which the filter is not stable.
-struct AlphaBetaGammaConfig {
+struct GAUNTLET_API AlphaBetaGammaConfig {
   static constexpr std::string_view kKind = "alpha_beta_gamma";
   static constexpr std::string_view kSummary =
       "position, velocity and acceleration with constant gains";
@@ -48,10 +47,5 @@ struct AlphaBetaGammaConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-std::unique_ptr<Filter> MakeFilter(const AlphaBetaConfig& config, int channel_count,
-                                   double rate_hz);
-std::unique_ptr<Filter> MakeFilter(const AlphaBetaGammaConfig& config, int channel_count,
-                                   double rate_hz);
 
 }  // namespace gauntlet::controller

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/filters/start.h"
 #include "controller/settings.h"
 
@@ -19,7 +18,7 @@ namespace gauntlet::controller {
 ///
 /// Source: Butterworth 1930; Zavalishin, The Art of VA Filter Design (2018), chapters 3 and 4.
 /// Errors: SettingError for a cutoff at or above half the rate.
-struct ButterworthConfig {
+struct GAUNTLET_API ButterworthConfig {
   static constexpr std::string_view kKind = "butterworth";
   static constexpr std::string_view kSummary = "Butterworth low pass of order 1 to 8";
 
@@ -29,8 +28,5 @@ struct ButterworthConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-std::unique_ptr<Filter> MakeFilter(const ButterworthConfig& config, int channel_count,
-                                   double rate_hz);
 
 }  // namespace gauntlet::controller

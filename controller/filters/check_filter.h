@@ -15,8 +15,11 @@ void CheckFilter(const Config& config, int channel_count, double rate_hz) {
   if (channel_count < 1) {
     throw SettingError("channels", "is " + std::to_string(channel_count) + ", must be at least 1");
   }
-  if (!(rate_hz > 0.0) || !std::isfinite(rate_hz)) {
-    throw SettingError("rate_hz", "is " + NumberText(rate_hz) + ", must be finite and above 0");
+  constexpr double kLeast_hz = 1e-9;
+  constexpr double kMost_hz = 1e9;
+  if (!(rate_hz >= kLeast_hz && rate_hz <= kMost_hz)) {
+    throw SettingError("rate_hz", "is " + NumberText(rate_hz) + ", must be from " +
+                                      NumberText(kLeast_hz) + " to " + NumberText(kMost_hz));
   }
 }
 

@@ -1,6 +1,7 @@
 #include "controller/filters/exponential_filter.h"
 
 #include "controller/filters/check_filter.h"
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/recursive_filter.h"
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"

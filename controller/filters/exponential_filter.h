@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -14,7 +13,7 @@ namespace gauntlet::controller {
 ///
 /// Lowers white noise to sqrt(alpha / (2 - alpha)); delays slow motion by (1 - alpha) / alpha
 /// samples. Source: Brown, Smoothing, Forecasting and Prediction (1963).
-struct ExponentialConfig {
+struct GAUNTLET_API ExponentialConfig {
   static constexpr std::string_view kKind = "exponential";
   static constexpr std::string_view kSummary = "exponential smoothing, a first-order low pass";
 
@@ -24,8 +23,5 @@ struct ExponentialConfig {
     visitor.Number({"alpha", "weight of the new sample; 1 is no filter", 1e-9, 1}, alpha);
   }
 };
-
-std::unique_ptr<Filter> MakeFilter(const ExponentialConfig& config, int channel_count,
-                                   double rate_hz);
 
 }  // namespace gauntlet::controller

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "controller/assert.h"
+#include "controller/export.h"
 
 namespace gauntlet::controller {
 
@@ -18,7 +19,7 @@ namespace gauntlet::controller {
 /// same memory, or do not overlap. Units: those of the input; parameters with a unit name it.
 /// Errors: other shapes or a channel out of range do nothing; in Gauntlet's own build they fail an
 /// assertion.
-class Filter {
+class GAUNTLET_API Filter {
  public:
   virtual ~Filter() = default;
 

@@ -2,49 +2,84 @@
 
 #include <memory>
 #include <span>
-#include <string_view>
-#include <variant>
 
-#include "controller/filters/alpha_beta_filter.h"
-#include "controller/filters/butterworth_filter.h"
-#include "controller/filters/exponential_filter.h"
+#include "controller/export.h"
 #include "controller/filters/filter.h"
-#include "controller/filters/fixed_lag_filter.h"
-#include "controller/filters/kalman_adaptive_filter.h"
-#include "controller/filters/kalman_dense_filter.h"
-#include "controller/filters/kalman_filter.h"
-#include "controller/filters/kalman_steady_filter.h"
-#include "controller/filters/median_filter.h"
-#include "controller/filters/moving_average_filter.h"
-#include "controller/filters/no_filter.h"
-#include "controller/filters/one_euro_filter.h"
-#include "controller/filters/savitzky_golay_filter.h"
-#include "controller/kinds.h"
-#include "controller/settings.h"
+#include "controller/filters/filter_config.h"
 
 namespace gauntlet::controller {
 
-/// Every kind of filter that there is. To add one: a file with its config (kKind, kSummary,
-/// defaults, Visit) and its MakeFilter(), and one entry here.
-using FilterSettings =
-    std::variant<NoFilterConfig, MovingAverageConfig, MedianConfig, HampelConfig, ExponentialConfig,
-                 ButterworthConfig, SavitzkyGolayConfig, OneEuroConfig, AlphaBetaConfig,
-                 AlphaBetaGammaConfig, KalmanConfig, KalmanSteadyConfig, KalmanAdaptiveConfig,
-                 KalmanDenseConfig, FixedLagConfig>;
-
-/// A filter as a person writes it: `kind`, then the settings of that kind.
-struct FilterConfig {
-  FilterSettings settings;
-
-  std::string_view kind() const { return KindName(settings); }
-  void Visit(SettingsVisitor& visitor);
-};
-
-/// All kinds, in the order of every list and table.
-using FilterKind = Kind<FilterConfig>;
-std::span<const FilterKind> FilterKinds();
-
 /// Errors: SettingError for a setting that is not allowed or does not fit the number of channels.
-std::unique_ptr<Filter> MakeFilter(const FilterConfig& config, int channel_count, double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const FilterConfig& config, int channel_count,
+                                                double rate_hz);
+
+// The same for each kind.
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const NoFilterConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const MovingAverageConfig& config,
+                                                int channel_count, double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const MedianConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const HampelConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const ExponentialConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const ButterworthConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const SavitzkyGolayConfig& config,
+                                                int channel_count, double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const OneEuroConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const AlphaBetaConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const AlphaBetaGammaConfig& config,
+                                                int channel_count, double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const KalmanConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const KalmanSteadyConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const KalmanAdaptiveConfig& config,
+                                                int channel_count, double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const KalmanDenseConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const FixedLagConfig& config, int channel_count,
+                                                double rate_hz);
+
+/// A Kalman filter that also takes the acceleration input u of the paper's model.
+class GAUNTLET_API KalmanFilter : public Filter {
+ public:
+  /// As Step(), with the acceleration of every channel since the last sample
+  /// [unit of the input / step^2].
+  void StepWithAcceleration(std::span<const double> input, std::span<const double> acceleration,
+                            std::span<double> output) noexcept {
+    if (Fits(input.size()) && Fits(acceleration.size()) && Fits(output.size())) {
+      StepWithAccelerationChecked(input, acceleration, output);
+    }
+  }
+  /// The state behind the last sample: the velocity [unit / step] of one channel.
+  virtual double velocity(int channel) const noexcept = 0;
+
+ protected:
+  using Filter::Filter;
+
+ private:
+  virtual void StepWithAccelerationChecked(std::span<const double> input,
+                                           std::span<const double> acceleration,
+                                           std::span<double> output) noexcept = 0;
+};
+GAUNTLET_API std::unique_ptr<KalmanFilter> MakeKalmanFilter(const KalmanConfig& config,
+                                                            int channel_count, double rate_hz);
+
+/// The filter, with what it has learned.
+class GAUNTLET_API KalmanAdaptiveFilter : public Filter {
+ public:
+  virtual double r(int channel) const noexcept = 0;
+  virtual double q(int channel) const noexcept = 0;
+
+ protected:
+  using Filter::Filter;
+};
+GAUNTLET_API std::unique_ptr<KalmanAdaptiveFilter> MakeKalmanAdaptiveFilter(
+    const KalmanAdaptiveConfig& config, int channel_count, double rate_hz);
 
 }  // namespace gauntlet::controller

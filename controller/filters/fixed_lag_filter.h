@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/filters/kalman_noise.h"
 #include "controller/filters/start.h"
 #include "controller/settings.h"
@@ -20,7 +19,7 @@ namespace gauntlet::controller {
 ///
 /// Until `lag` samples have passed it gives the estimate of the first one.
 /// Source: Anderson, Moore, Optimal Filtering (1979), section 7.3. Errors: as KalmanConfig.
-struct FixedLagConfig {
+struct GAUNTLET_API FixedLagConfig {
   static constexpr std::string_view kKind = "fixed_lag";
   static constexpr std::string_view kSummary = "Kalman smoother with a fixed delay";
 
@@ -30,7 +29,5 @@ struct FixedLagConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-std::unique_ptr<Filter> MakeFilter(const FixedLagConfig& config, int channel_count, double rate_hz);
 
 }  // namespace gauntlet::controller

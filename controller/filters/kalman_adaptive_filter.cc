@@ -5,7 +5,9 @@
 
 #include "controller/filters/channel_arrays.h"
 #include "controller/filters/check_filter.h"
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/kalman_kernels.h"
+#include "controller/filters/kalman_variances.h"
 #include "controller/filters/state_filter.h"
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"

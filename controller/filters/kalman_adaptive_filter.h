@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/filters/kalman_noise.h"
 #include "controller/filters/start.h"
 #include "controller/settings.h"
@@ -25,7 +24,7 @@ namespace gauntlet::controller {
 /// Source: Mehra, IEEE TAC 15 (1970): white innovations as the test of R and Q; the rule that acts
 /// on it, with the 4 for a damped approach, is ours.
 /// Errors: as KalmanConfig, and a `q` that is not above 0.
-struct KalmanAdaptiveConfig {
+struct GAUNTLET_API KalmanAdaptiveConfig {
   static constexpr std::string_view kKind = "kalman_adaptive";
   static constexpr std::string_view kSummary = "Kalman filter that learns R and Q while running";
 
@@ -38,20 +37,5 @@ struct KalmanAdaptiveConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// The filter, with what it has learned.
-class KalmanAdaptiveFilter : public Filter {
- public:
-  virtual double r(int channel) const noexcept = 0;
-  virtual double q(int channel) const noexcept = 0;
-
- protected:
-  using Filter::Filter;
-};
-
-std::unique_ptr<KalmanAdaptiveFilter> MakeKalmanAdaptiveFilter(const KalmanAdaptiveConfig& config,
-                                                               int channel_count, double rate_hz);
-std::unique_ptr<Filter> MakeFilter(const KalmanAdaptiveConfig& config, int channel_count,
-                                   double rate_hz);
 
 }  // namespace gauntlet::controller

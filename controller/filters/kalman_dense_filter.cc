@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "controller/filters/check_filter.h"
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/state_filter.h"
 #include "controller/filters/subnormal.h"
 

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/filters/kalman_noise.h"
 #include "controller/filters/start.h"
 #include "controller/settings.h"
@@ -23,7 +22,7 @@ namespace gauntlet::controller {
 /// Source: Bai, Jiang, Yokoi, section 2.3.1. Errors: SettingError for other numbers of values, an R
 /// that is not symmetric and positive definite, a Q that is not symmetric and positive
 /// semi-definite, or more than 128 channels (a step would have to allocate).
-struct KalmanDenseConfig {
+struct GAUNTLET_API KalmanDenseConfig {
   static constexpr std::string_view kKind = "kalman_dense";
   static constexpr std::string_view kSummary =
       "Kalman filter over all channels together, with full R and Q";
@@ -34,8 +33,5 @@ struct KalmanDenseConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-std::unique_ptr<Filter> MakeFilter(const KalmanDenseConfig& config, int channel_count,
-                                   double rate_hz);
 
 }  // namespace gauntlet::controller

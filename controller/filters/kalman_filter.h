@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/filters/kalman_noise.h"
 #include "controller/filters/start.h"
 #include "controller/settings.h"
@@ -27,7 +26,7 @@ namespace gauntlet::controller {
 /// Source: Bai, Jiang, Yokoi, sections 2.3 and 2.4. Units: r in the input's unit squared.
 /// Errors: SettingError if `r` or `q` has neither one value nor one per channel. The default `r`
 /// has the paper's 18 values, so another number of channels needs its own.
-struct KalmanConfig {
+struct GAUNTLET_API KalmanConfig {
   static constexpr std::string_view kKind = "kalman";
   static constexpr std::string_view kSummary =
       "Kalman filter of the paper: constant velocity, covariance at every step";
@@ -39,32 +38,5 @@ struct KalmanConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// A Kalman filter that also takes the acceleration input u of the paper's model.
-class KalmanFilter : public Filter {
- public:
-  /// As Step(), with the acceleration of every channel since the last sample
-  /// [unit of the input / step^2].
-  void StepWithAcceleration(std::span<const double> input, std::span<const double> acceleration,
-                            std::span<double> output) noexcept {
-    if (Fits(input.size()) && Fits(acceleration.size()) && Fits(output.size())) {
-      StepWithAccelerationChecked(input, acceleration, output);
-    }
-  }
-  /// The state behind the last sample: the velocity [unit / step] of one channel.
-  virtual double velocity(int channel) const noexcept = 0;
-
- protected:
-  using Filter::Filter;
-
- private:
-  virtual void StepWithAccelerationChecked(std::span<const double> input,
-                                           std::span<const double> acceleration,
-                                           std::span<double> output) noexcept = 0;
-};
-
-std::unique_ptr<KalmanFilter> MakeKalmanFilter(const KalmanConfig& config, int channel_count,
-                                               double rate_hz);
-std::unique_ptr<Filter> MakeFilter(const KalmanConfig& config, int channel_count, double rate_hz);
 
 }  // namespace gauntlet::controller

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "controller/filters/kalman_variances.h"
 #include "controller/filters/per_channel.h"
 
 namespace gauntlet::controller {

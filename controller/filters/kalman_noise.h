@@ -1,9 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <type_traits>
 #include <vector>
 
+#include "controller/export.h"
 #include "controller/filters/paper_noise.h"
 #include "controller/filters/process_noise.h"
 #include "controller/settings.h"
@@ -11,7 +11,7 @@
 namespace gauntlet::controller {
 
 /// What all Kalman filters are told of the noise: R and Q, one value for all channels or one each.
-struct KalmanNoise {
+struct GAUNTLET_API KalmanNoise {
   std::vector<double> r = PaperMeasurementVariance();
   std::vector<double> q = {1.0};
   ProcessNoise process_noise = ProcessNoise::kIdentity;
@@ -21,7 +21,7 @@ struct KalmanNoise {
 };
 
 /// Whether `r` was left as it is by default: the paper's, for 18 channels in counts.
-bool IsDefaultMeasurementVariance(const std::vector<double>& r);
+GAUNTLET_API bool IsDefaultMeasurementVariance(const std::vector<double>& r);
 
 /// The measurement variance among the settings of a filter; null where it has none.
 template <class FilterConfig>
@@ -33,11 +33,5 @@ auto* MeasurementVarianceOf(FilterConfig& config) {
   if constexpr (requires { config.r; }) r = &config.r;
   return r;
 }
-
-/// `r` with one value per channel. Errors: SettingError, which says so if the paper's 18 values
-/// meet another number of channels.
-Eigen::ArrayXd MeasurementVariance(const KalmanNoise& noise, int channel_count);
-/// `q` with one value per channel. Errors: SettingError.
-Eigen::ArrayXd ProcessVariance(const KalmanNoise& noise, int channel_count);
 
 }  // namespace gauntlet::controller

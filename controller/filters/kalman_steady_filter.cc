@@ -2,7 +2,10 @@
 
 #include "controller/filters/check_filter.h"
 #include "controller/filters/constant_gain_filter.h"
+#include "controller/filters/filter_registry.h"
+#include "controller/filters/kalman_variances.h"
 #include "controller/filters/riccati.h"
+#include "controller/filters/steady_gains.h"
 
 namespace gauntlet::controller {
 namespace {

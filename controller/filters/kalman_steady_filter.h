@@ -1,10 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/filters/kalman_noise.h"
 #include "controller/filters/start.h"
 #include "controller/settings.h"
@@ -18,7 +16,7 @@ namespace gauntlet::controller {
 /// The covariance does not depend on the data, so after some tens of samples both give the same;
 /// this one costs half. Errors: as KalmanConfig, and a `q` that is not above 0: without process
 /// noise the gain settles to 0.
-struct KalmanSteadyConfig {
+struct GAUNTLET_API KalmanSteadyConfig {
   static constexpr std::string_view kKind = "kalman_steady";
   static constexpr std::string_view kSummary = "Kalman filter with its settled gain";
 
@@ -28,11 +26,5 @@ struct KalmanSteadyConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// The settled gains in steps of one sample, channels x states.
-Eigen::ArrayXXd SteadyGains(const KalmanSteadyConfig& config, int channel_count, double rate_hz);
-
-std::unique_ptr<Filter> MakeFilter(const KalmanSteadyConfig& config, int channel_count,
-                                   double rate_hz);
 
 }  // namespace gauntlet::controller

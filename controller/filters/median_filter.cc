@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "controller/filters/check_filter.h"
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/sorted_window.h"
 #include "controller/filters/vectorise.h"
 

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -11,7 +10,7 @@ namespace gauntlet::controller {
 /// The median of the last samples: removes spikes shorter than half the window and keeps edges.
 /// Until the window is full it is the median of the samples there are; of an even count the mean of
 /// the middle two. Source: Tukey, Exploratory Data Analysis (1977).
-struct MedianConfig {
+struct GAUNTLET_API MedianConfig {
   static constexpr std::string_view kKind = "median";
   static constexpr std::string_view kSummary = "median of the last samples";
 
@@ -29,7 +28,7 @@ struct MedianConfig {
 /// MAD is the median of |sample - median| over the same window, the newest sample included;
 /// 1.4826 MAD estimates the standard deviation of normal noise. Windows fill as for the median.
 /// Source: Hampel, JASA 69 (1974).
-struct HampelConfig {
+struct GAUNTLET_API HampelConfig {
   static constexpr std::string_view kKind = "hampel";
   static constexpr std::string_view kSummary = "replaces outliers by the median, passes the rest";
 
@@ -43,8 +42,5 @@ struct HampelConfig {
                    threshold_sigma);
   }
 };
-
-std::unique_ptr<Filter> MakeFilter(const MedianConfig& config, int channel_count, double rate_hz);
-std::unique_ptr<Filter> MakeFilter(const HampelConfig& config, int channel_count, double rate_hz);
 
 }  // namespace gauntlet::controller

@@ -4,6 +4,7 @@
 
 #include "controller/filters/channel_arrays.h"
 #include "controller/filters/check_filter.h"
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/sample_window.h"
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -14,7 +13,7 @@ namespace gauntlet::controller {
 ///
 /// Delays by (window - 1) / 2 samples and lowers white noise to 1 / sqrt(window).
 /// Source: Bai, Jiang, Yokoi, section 2.1.
-struct MovingAverageConfig {
+struct GAUNTLET_API MovingAverageConfig {
   static constexpr std::string_view kKind = "moving_average";
   static constexpr std::string_view kSummary = "mean of the last samples";
 
@@ -24,8 +23,5 @@ struct MovingAverageConfig {
     visitor.Integer({"window", "samples averaged", 1, 100000}, window);
   }
 };
-
-std::unique_ptr<Filter> MakeFilter(const MovingAverageConfig& config, int channel_count,
-                                   double rate_hz);
 
 }  // namespace gauntlet::controller

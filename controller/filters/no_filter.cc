@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "controller/filters/check_filter.h"
+#include "controller/filters/filter_registry.h"
 
 namespace gauntlet::controller {
 namespace {

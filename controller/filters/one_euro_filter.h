@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -19,7 +18,7 @@ namespace gauntlet::controller {
 ///
 /// Source: Casiez, Roussel, Vogel, CHI 2012 (hal-00670496). Units: beta in Hz per (input unit / s),
 /// so its useful size depends on whether counts or angles are filtered.
-struct OneEuroConfig {
+struct GAUNTLET_API OneEuroConfig {
   static constexpr std::string_view kKind = "one_euro";
   static constexpr std::string_view kSummary = "low pass whose cutoff rises with the speed";
 
@@ -30,7 +29,5 @@ struct OneEuroConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-std::unique_ptr<Filter> MakeFilter(const OneEuroConfig& config, int channel_count, double rate_hz);
 
 }  // namespace gauntlet::controller

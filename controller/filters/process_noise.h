@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -17,7 +18,7 @@ enum class ProcessNoise { kIdentity, kWhite };
 
 /// Q of one channel as factors of q, for states counted per step: position, velocity x step,
 /// acceleration x step^2. Only the upper triangle.
-struct ProcessNoiseFactors {
+struct GAUNTLET_API ProcessNoiseFactors {
   double q11, q12, q13, q22, q23, q33;
   bool operator==(const ProcessNoiseFactors&) const = default;
 };

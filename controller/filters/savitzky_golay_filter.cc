@@ -7,6 +7,7 @@
 
 #include "controller/filters/check_filter.h"
 #include "controller/filters/end_point_fit.h"
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/sample_window.h"
 
 namespace gauntlet::controller {

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -14,7 +13,7 @@ namespace gauntlet::controller {
 /// newest sample is also the noise gain's square. Passes samples through until its window is full.
 /// Source: Savitzky, Golay, Analytical Chemistry 36 (1964); see EndPointWeights().
 /// Errors: SettingError for an order that the window cannot determine.
-struct SavitzkyGolayConfig {
+struct GAUNTLET_API SavitzkyGolayConfig {
   static constexpr std::string_view kKind = "savitzky_golay";
   static constexpr std::string_view kSummary =
       "polynomial through the last samples, at the newest of them";
@@ -24,8 +23,5 @@ struct SavitzkyGolayConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-std::unique_ptr<Filter> MakeFilter(const SavitzkyGolayConfig& config, int channel_count,
-                                   double rate_hz);
 
 }  // namespace gauntlet::controller

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "controller/controller_config.h"
+#include "controller/export.h"
 
 namespace gauntlet::controller {
 
@@ -14,7 +15,7 @@ namespace gauntlet::controller {
 /// Shapes: samples x channels, one sample after the other, mostly one; input and output may be the
 /// same memory. Units: counts and rad.
 /// Both directions neither throw nor allocate; finite in, finite out; each is the other's inverse.
-class Linearisation {
+class GAUNTLET_API Linearisation {
  public:
   virtual ~Linearisation() = default;
 
@@ -27,8 +28,8 @@ class Linearisation {
 
 /// `channel_names` give the order of the channels; curves with a name go to their channel.
 /// Errors: SettingError for data that do not fit together, or a curve that is not monotone.
-std::unique_ptr<Linearisation> MakeLinearisation(const LinearisationConfig& config,
-                                                 const GloveCalibration& glove,
-                                                 const std::vector<std::string>& channel_names);
+GAUNTLET_API std::unique_ptr<Linearisation> MakeLinearisation(
+    const LinearisationConfig& config, const GloveCalibration& glove,
+    const std::vector<std::string>& channel_names);
 
 }  // namespace gauntlet::controller

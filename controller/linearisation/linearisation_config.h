@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -10,7 +11,7 @@ namespace gauntlet::controller {
 enum class LinearisationKind { kGlove, kTable, kPolynomial };
 
 /// The curve of one channel from counts to bending angle, as `gauntlet calibrate` writes it.
-struct ChannelCurve {
+struct GAUNTLET_API ChannelCurve {
   std::string channel;  // empty: the channel at this place of the list
 
   /// kTable: corners of a broken line; two are a two-point calibration. Beyond the ends the first
@@ -28,7 +29,7 @@ struct ChannelCurve {
 };
 
 /// Which linearisation a controller uses: the two known poses of the glove, or measured curves.
-struct LinearisationConfig {
+struct GAUNTLET_API LinearisationConfig {
   LinearisationKind kind = LinearisationKind::kGlove;
   std::vector<ChannelCurve> channels;
 

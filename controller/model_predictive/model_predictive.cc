@@ -67,7 +67,8 @@ ModelPredictive::ModelPredictive(const ModelPredictiveConfig& config,
     : config_(config),
       event_s_(1.0 / events_per_s),
       change_limit_rad_(LimitOf(config.speed_limit_deg_s) * event_s_),
-      lead_limit_rad_(LimitOf(config.lead_limit_deg)) {
+      lead_limit_rad_(LimitOf(config.lead_limit_deg)),
+      failed_plans_(hand.joint_names.size()) {
   GAUNTLET_ASSERT(events_per_s > 0.0);
   CheckSettings(config);
   if (!on()) return;
@@ -84,7 +85,6 @@ ModelPredictive::ModelPredictive(const ModelPredictiveConfig& config,
     path_length_ = std::max(path_length_, joints_.back().first_row + config.steps + 2);
   }
   memory_.resize(joints_.size());
-  failed_plans_.resize(joints_.size());
   Reset(hand.reference_angle_rad);
 }
 
@@ -195,16 +195,15 @@ void ModelPredictive::Reset(std::span<const double> angle_rad) noexcept {
     const double angle = std::clamp(angle_rad[i], joints_[i].min_rad, joints_[i].max_rad);
     memory_[i] = {.state = {angle, 0.0}, .command_rad = angle};
     joints_[i].solver.Reset();
-    failed_plans_[i] = 0;
   }
+  std::fill(failed_plans_.begin(), failed_plans_.end(), 0);
 }
 
 void ModelPredictive::TakeMemory(ModelPredictive& from,
                                  std::span<const double> angle_rad) noexcept {
   Reset(angle_rad);
-  if (!on() || !from.on()) return;
-  memory_.swap(from.memory_);
   failed_plans_.swap(from.failed_plans_);
+  if (on() && from.on()) memory_.swap(from.memory_);
 }
 
 }  // namespace gauntlet::controller

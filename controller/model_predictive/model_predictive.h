@@ -54,8 +54,11 @@ class ModelPredictive {
   /// Goes on where another one for the same hand stands, whose last target was this. Settings stay.
   void TakeMemory(ModelPredictive& from, std::span<const double> angle_rad) noexcept;
 
-  /// How often each joint's last command had to stay since Reset(), for want of a plan.
-  std::span<const std::int64_t> failed_plans() const noexcept { return failed_plans_; }
+  /// How often each joint's last command had to stay since Reset(), for want of a plan. Empty where
+  /// nothing is planned; the memory is there all the same, for those who read it before.
+  std::span<const std::int64_t> failed_plans() const noexcept {
+    return on() ? std::span<const std::int64_t>(failed_plans_) : std::span<const std::int64_t>();
+  }
 
  private:
   struct Joint {

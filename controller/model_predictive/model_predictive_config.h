@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -10,7 +11,7 @@ enum class ModelPredictiveKind { kNone, kSecondOrder };
 
 /// What is known of the way from a command to the angle of a joint, and how commands are planned
 /// for it, see ModelPredictive.
-struct ModelPredictiveConfig {
+struct GAUNTLET_API ModelPredictiveConfig {
   ModelPredictiveKind kind = ModelPredictiveKind::kNone;
   int steps = 6;
   // One for all joints, or one for each. The means of what `gauntlet identify --from target` finds

@@ -15,6 +15,7 @@
 #include "controller/prediction/horizon.h"
 #include "controller/prediction/measurement_noise.h"
 #include "controller/prediction/motion_model.h"
+#include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -122,8 +123,10 @@ class AdaptivePredictor final : public StateFilter<Filter> {
         row_length_(channel_count() / rows),
         forget_(-std::expm1(-1.0 / memory_steps)),
         delay_(horizon_steps.size()),
-        history_(1 + std::max(1, static_cast<int>(std::lround(horizon_steps.maxCoeff()))),
-                 kExperts * channel_count()),
+        old_steps_(1 + std::max(1, static_cast<int>(std::lround(horizon_steps.maxCoeff())))),
+        history_(old_steps_, kExperts * channel_count()),
+        start_(delay_.size()),
+        age_(delay_.size()),
         filters_(kExperts * kFilterValues, row_length_),
         row_values_(kExperts * kRowValues, channel_count()),
         scratch_(kScratchArrays, channel_count()) {
@@ -164,6 +167,24 @@ class AdaptivePredictor final : public StateFilter<Filter> {
                        a(2, 0), a(2, 1), a(2, 2), h[0],    h[1]};
   }
 
+  /// Values that were expected of now. Before its start a channel was where it starts; this is not
+  /// in the history, which would take up to a millisecond to fill.
+  void LookBack() noexcept {
+    const int n = channel_count();
+    const bool some_are_young = young_steps_ > 0;
+    if (some_are_young) {
+      --young_steps_;
+      for (int& age : age_) age = std::min(age + 1, old_steps_);
+    }
+    for (int i = 0; i < n; ++i) {
+      const double* then = history_.Row(delay_[i]) + i;
+      const bool before_start = some_are_young && age_[i] <= delay_[i];
+      for (int m = 0; m < kExperts; ++m) {
+        scratch_[kWasExpected + m][i] = before_start ? start_[i] : then[m * n];
+      }
+    }
+  }
+
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {
     const int n = channel_count();
     double* expected = history_.Push();
@@ -171,10 +192,7 @@ class AdaptivePredictor final : public StateFilter<Filter> {
     double* shares = scratch_[kShares];
     std::fill_n(sum, n, 0.0);
     std::fill_n(shares, n, 0.0);
-    for (int i = 0; i < n; ++i) {
-      const double* then = history_.Row(delay_[i]) + i;
-      for (int m = 0; m < kExperts; ++m) scratch_[kWasExpected + m][i] = then[m * n];
-    }
+    LookBack();
     for (int m = 0; m < kExperts; ++m) {
       const FilterArrays filter = {OfFilter(m, kX0),    OfFilter(m, kX1),    OfFilter(m, kX2),
                                    OfFilter(m, kGain0), OfFilter(m, kGain1), OfFilter(m, kGain2)};
@@ -198,8 +216,10 @@ class AdaptivePredictor final : public StateFilter<Filter> {
       OfFilter(m, kX1)[channel % row_length_] = 0.0;
       OfFilter(m, kX2)[channel % row_length_] = 0.0;
       OfRows(m, kMiss)[channel] = 1.0;
-      history_.Fill(m * channel_count() + channel, settled);
     }
+    start_[channel] = settled;
+    age_[channel] = 0;
+    young_steps_ = old_steps_;
   }
   bool TakeChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<AdaptivePredictor*>(&from);
@@ -209,6 +229,9 @@ class AdaptivePredictor final : public StateFilter<Filter> {
       row_values_.Copy(other->row_values_, m * kRowValues, m * kRowValues + kAhead0);
     }
     std::swap(history_, other->history_);
+    start_.swap(other->start_);
+    age_.swap(other->age_);
+    std::swap(young_steps_, other->young_steps_);
     TakeFresh(*other);
     return true;
   }
@@ -216,8 +239,12 @@ class AdaptivePredictor final : public StateFilter<Filter> {
   int rows_;
   int row_length_;
   double forget_;
-  std::vector<int> delay_;  // per channel, in steps
-  History history_;         // what each filter expected of each channel
+  std::vector<int> delay_;     // per channel, in steps
+  int old_steps_;              // more than all delays
+  History history_;            // what each filter expected of each channel
+  std::vector<double> start_;  // per channel, its first value
+  std::vector<int> age_;       // and its steps since then, up to old_steps_
+  int young_steps_ = 0;        // until all channels are that old
   std::array<Transition, kExperts> transitions_{};
   ChannelArrays filters_;
   ChannelArrays row_values_;

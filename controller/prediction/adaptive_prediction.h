@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -26,7 +25,7 @@ namespace gauntlet::controller {
 /// the mean in place of the exponential, so that no unit enters; the bank was chosen on traces of
 /// random_motion, fast_bursts and door_opening.
 /// Errors: SettingError if a list has neither one value nor one per channel.
-struct AdaptivePredictionConfig {
+struct GAUNTLET_API AdaptivePredictionConfig {
   static constexpr std::string_view kKind = "adaptive";
   static constexpr std::string_view kSummary =
       "a mixture of Kalman filters by how well each has predicted of late";
@@ -37,13 +36,6 @@ struct AdaptivePredictionConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// With several `rows` the channels are so many rows of the same ones, which may differ in their
-/// horizon but not in `r_deg2` or input: the filters of the bank are those of the first row, and
-/// the others ask them.
-/// Errors: SettingError.
-std::unique_ptr<Filter> MakePredictor(const AdaptivePredictionConfig& config, int channel_count,
-                                      double rate_hz, int rows = 1);
 
 /// What the filters of the bank are called, in their order.
 inline constexpr std::string_view kPredictionBank[] = {"rest",       "free",       "swing_0.5_hz",

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -24,7 +23,7 @@ namespace gauntlet::controller {
 ///
 /// Source: Ljung, System Identification, 11.2. Errors: SettingError if `horizon_ms` has neither one
 /// value nor one per channel, or taps are no step apart.
-struct AutoregressivePredictionConfig {
+struct GAUNTLET_API AutoregressivePredictionConfig {
   static constexpr std::string_view kKind = "autoregressive";
   static constexpr std::string_view kSummary = "by weights that it learns while running";
 
@@ -37,9 +36,5 @@ struct AutoregressivePredictionConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// Errors: SettingError.
-std::unique_ptr<Filter> MakePredictor(const AutoregressivePredictionConfig& config,
-                                      int channel_count, double rate_hz);
 
 }  // namespace gauntlet::controller

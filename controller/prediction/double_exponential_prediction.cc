@@ -9,6 +9,7 @@
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
 #include "controller/prediction/horizon.h"
+#include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 namespace {

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -17,7 +16,7 @@ namespace gauntlet::controller {
 /// Source: LaViola, "Double exponential smoothing: an alternative to Kalman filter-based predictive
 /// tracking", EGVE 2003, equations 2 to 4. Errors: SettingError if `horizon_ms` has neither one
 /// value nor one per channel.
-struct DoubleExponentialPredictionConfig {
+struct GAUNTLET_API DoubleExponentialPredictionConfig {
   static constexpr std::string_view kKind = "double_exponential";
   static constexpr std::string_view kSummary = "along the trend of smoothing twice";
 
@@ -26,9 +25,5 @@ struct DoubleExponentialPredictionConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// Errors: SettingError.
-std::unique_ptr<Filter> MakePredictor(const DoubleExponentialPredictionConfig& config,
-                                      int channel_count, double rate_hz);
 
 }  // namespace gauntlet::controller

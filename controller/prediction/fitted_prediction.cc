@@ -14,6 +14,7 @@
 #include "controller/filters/vectorise.h"
 #include "controller/prediction/history.h"
 #include "controller/prediction/horizon.h"
+#include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 namespace {

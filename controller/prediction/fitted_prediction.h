@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -27,7 +26,7 @@ namespace gauntlet::controller {
 /// every channel; `slope_weights` (s) none, or for each channel one of every channel; `offset_deg`
 /// (o) none or one per channel. `horizon_ms` is how far ahead they were fitted for: it changes
 /// nothing here. Errors: SettingError for other numbers of values, or taps that are no step apart.
-struct FittedPredictionConfig {
+struct GAUNTLET_API FittedPredictionConfig {
   static constexpr std::string_view kKind = "fitted";
   static constexpr std::string_view kSummary =
       "by weights that gauntlet calibrate --predictor has fitted";
@@ -45,9 +44,5 @@ struct FittedPredictionConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// Errors: SettingError.
-std::unique_ptr<Filter> MakePredictor(const FittedPredictionConfig& config, int channel_count,
-                                      double rate_hz);
 
 }  // namespace gauntlet::controller

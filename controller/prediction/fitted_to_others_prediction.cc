@@ -1,6 +1,7 @@
 #include "controller/prediction/fitted_to_others_prediction.h"
 
 #include "controller/prediction/horizon.h"
+#include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 

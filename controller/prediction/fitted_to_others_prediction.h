@@ -1,17 +1,16 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
 
 /// Describes weights that are not fitted yet: how far to look ahead, and what the weights may use.
 /// FitPredictor() makes a FittedPredictionConfig of it, from recordings of similar motions.
-struct FittedToOthersPredictionConfig {
+struct GAUNTLET_API FittedToOthersPredictionConfig {
   static constexpr std::string_view kKind = "fitted_to_others";
   static constexpr std::string_view kSummary =
       "as fitted, with weights fitted to all other replicates of the scenario";
@@ -30,9 +29,5 @@ struct FittedToOthersPredictionConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// Errors: SettingError, always: without weights there is no predictor.
-std::unique_ptr<Filter> MakePredictor(const FittedToOthersPredictionConfig& config,
-                                      int channel_count, double rate_hz);
 
 }  // namespace gauntlet::controller

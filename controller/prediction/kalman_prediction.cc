@@ -5,11 +5,12 @@
 #include "controller/filters/channel_arrays.h"
 #include "controller/filters/check_filter.h"
 #include "controller/filters/kalman_kernels.h"
-#include "controller/filters/kalman_steady_filter.h"
 #include "controller/filters/recursive_filter.h"
+#include "controller/filters/steady_gains.h"
 #include "controller/filters/vectorise.h"
 #include "controller/prediction/horizon.h"
 #include "controller/prediction/measurement_noise.h"
+#include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 namespace {

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -17,7 +16,7 @@ namespace gauntlet::controller {
 ///
 /// Source: Bai, Jiang, Yokoi, section 5; q and r are assumptions that fit motions of 0.5 to 1 Hz
 /// and 45 deg. Errors: SettingError if a list has neither one value nor one per channel.
-struct KalmanPredictionConfig {
+struct GAUNTLET_API KalmanPredictionConfig {
   static constexpr std::string_view kKind = "kalman";
   static constexpr std::string_view kSummary =
       "along the velocity, or the parabola, of a Kalman filter";
@@ -30,9 +29,5 @@ struct KalmanPredictionConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// Errors: SettingError.
-std::unique_ptr<Filter> MakePredictor(const KalmanPredictionConfig& config, int channel_count,
-                                      double rate_hz);
 
 }  // namespace gauntlet::controller

@@ -8,6 +8,7 @@
 #include "controller/filters/end_point_fit.h"
 #include "controller/filters/sample_window.h"
 #include "controller/prediction/horizon.h"
+#include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 namespace {

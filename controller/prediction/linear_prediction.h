@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "controller/filters/filter.h"
+#include "controller/export.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
@@ -14,7 +13,7 @@ namespace gauntlet::controller {
 ///     y(k) = z(k) + horizon slope(k)
 ///
 /// Source: Bai, Jiang, Yokoi, section 5.
-struct LinearPredictionConfig {
+struct GAUNTLET_API LinearPredictionConfig {
   static constexpr std::string_view kKind = "linear";
   static constexpr std::string_view kSummary = "along the slope of the last samples";
 
@@ -23,9 +22,5 @@ struct LinearPredictionConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
-
-/// Errors: SettingError, also for a window shorter than two steps.
-std::unique_ptr<Filter> MakePredictor(const LinearPredictionConfig& config, int channel_count,
-                                      double rate_hz);
 
 }  // namespace gauntlet::controller

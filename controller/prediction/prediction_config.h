@@ -4,6 +4,7 @@
 #include <string_view>
 #include <variant>
 
+#include "controller/export.h"
 #include "controller/kinds.h"
 #include "controller/prediction/adaptive_prediction.h"
 #include "controller/prediction/autoregressive_prediction.h"
@@ -18,7 +19,7 @@
 namespace gauntlet::controller {
 
 /// Every kind of prediction that there is. To add one: a file with its config and its
-/// MakePredictor(), and one entry here.
+/// MakePredictor(), one entry here and one in `predictor.h`.
 using PredictionSettings =
     std::variant<NoPredictionConfig, LinearPredictionConfig, KalmanPredictionConfig,
                  AdaptivePredictionConfig, DoubleExponentialPredictionConfig,
@@ -30,7 +31,7 @@ using PredictionSettings =
 /// Along a line it pays while frequency x horizon stays below 0.1 to 0.2; above, it overshoots; and
 /// it raises noise. A predictor may stand behind filters or, better, alone: what filters take away
 /// they make late. Source: Bai, Jiang, Yokoi, section 5.
-struct PredictionConfig {
+struct GAUNTLET_API PredictionConfig {
   PredictionSettings settings;
 
   std::string_view kind() const { return KindName(settings); }
@@ -39,6 +40,6 @@ struct PredictionConfig {
 
 /// All kinds, in the order of every list.
 using PredictionKind = Kind<PredictionConfig>;
-std::span<const PredictionKind> PredictionKinds();
+GAUNTLET_API std::span<const PredictionKind> PredictionKinds();
 
 }  // namespace gauntlet::controller

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "controller/calibration/curve_fit.h"
@@ -128,11 +129,19 @@ std::string ProblemOf(const PoseRecording& recording, const std::string& channel
   return "";
 }
 
+/// The values of a matrix, column by column, where they are.
+template <class Matrix>
+std::span<const double> SpanOf(const Matrix& matrix) {
+  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
+}
+
 CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
+  const std::span<const double> counts = SpanOf(poses.counts);
+  const std::span<const double> angle_deg = SpanOf(poses.angle_deg);
   if (kind == CurveKind::kTable)
-    return controller::FitTable(poses.counts, poses.angle_deg, poses.resolution_counts);
+    return controller::FitTable(counts, angle_deg, poses.resolution_counts);
   if (kind == CurveKind::kTwoPoint)
-    return controller::FitTwoPoint(poses.counts, poses.angle_deg, poses.resolution_counts);
+    return controller::FitTwoPoint(counts, angle_deg, poses.resolution_counts);
   // With noise all counts differ, so the fit itself cannot detect that there are too few poses.
   const int angles = MeanCounts(poses).size();
   if (degree >= angles) {
@@ -140,7 +149,7 @@ CurveFit FitCurve(const Poses& poses, CurveKind kind, int degree) {
                                              "known angle: lower it or record more poses",
                                              degree, angles - 1, angles));
   }
-  return controller::FitPolynomial(poses.counts, poses.angle_deg, degree);
+  return controller::FitPolynomial(counts, angle_deg, degree);
 }
 
 double RmsErrorOrNan(const Poses& poses, CurveKind kind, int degree) {
@@ -197,9 +206,10 @@ double Short(double value) {
   return controller::ParseNumber(controller::NumberText(value)).value_or(value);
 }
 
-std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
+/// A row of a square matrix that is given row by row.
+std::vector<double> RowOf(std::span<const double> matrix, std::size_t row, std::size_t size) {
   std::vector<double> values;
-  for (const double value : matrix.row(row)) values.push_back(Short(value));
+  for (const double value : matrix.subspan(row * size, size)) values.push_back(Short(value));
   return values;
 }
 
@@ -207,7 +217,8 @@ std::vector<double> RowOf(const Eigen::MatrixXd& matrix, Index row) {
 std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& recording) {
   std::vector<controller::StillStretch> stretches = recording.still;
   if (stretches.empty()) {
-    stretches = controller::FindStillStretches(recording.counts, recording.rate_hz);
+    stretches = controller::FindStillStretches(
+        SpanOf(recording.counts), static_cast<int>(recording.counts.cols()), recording.rate_hz);
   }
   if (stretches.empty()) {
     throw UserError({.place = recording.name,
@@ -238,22 +249,22 @@ std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& reco
 
 void EstimateR(const PoseRecording& recording, Calibration& calibration) {
   const controller::NoiseEstimate noise =
-      controller::EstimateNoise(recording.counts, StretchesInRange(recording),
+      controller::EstimateNoise(SpanOf(recording.counts), static_cast<int>(recording.counts.cols()),
+                                StretchesInRange(recording),
                                 {.confidence = 0.01 * calibration.confidence_percent,
                                  .resolution_counts = calibration.resolution_counts});
   calibration.degrees_of_freedom = noise.degrees_of_freedom;
   for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
-    const Index row = i;
     ChannelCalibration& channel = calibration.channels[i];
-    channel.variance_counts2 = Short(noise.variance[row]);
-    channel.variance_low_counts2 = Short(noise.variance_low[row]);
-    channel.variance_high_counts2 = Short(noise.variance_high[row]);
+    channel.variance_counts2 = Short(noise.variance[i]);
+    channel.variance_low_counts2 = Short(noise.variance_low[i]);
+    channel.variance_high_counts2 = Short(noise.variance_high[i]);
     channel.hidden_by_rounding = noise.rounded[i];
     channel.spikes = static_cast<int>(noise.spikes[i]);
-    channel.neighbour_correlation = Short(noise.correlation[row]);
-    channel.covariance_counts2 = RowOf(noise.covariance, row);
-    channel.covariance_low_counts2 = RowOf(noise.covariance_low, row);
-    channel.covariance_high_counts2 = RowOf(noise.covariance_high, row);
+    channel.neighbour_correlation = Short(noise.correlation[i]);
+    channel.covariance_counts2 = RowOf(noise.covariance, i, calibration.channels.size());
+    channel.covariance_low_counts2 = RowOf(noise.covariance_low, i, calibration.channels.size());
+    channel.covariance_high_counts2 = RowOf(noise.covariance_high, i, calibration.channels.size());
   }
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "controller/periodic_clock.h"
 #include "controller/timing.h"
 #include "sim/base/random.h"
 #include "sim/hand/joint_sensors_config.h"

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "controller/periodic_clock.h"
 #include "controller/timing.h"
 #include "sim/base/random.h"
 #include "sim/hand/servo_config.h"

@@ -9,6 +9,7 @@
 #include <initializer_list>
 #include <numbers>
 
+#include "controller/filters/filter_registry.h"
 #include "controller/filters/paper_noise.h"
 #include "sim/base/error.h"
 #include "sim/glove/noise/box_muller.h"
@@ -173,7 +174,9 @@ controller::NoiseEstimate EstimateGloveNoise(const Scenario& scenario, bool quic
   GloveConfig glove = scenario.glove;
   glove.motion.settings = HoldConfig{.duration_s = quick ? 5.0 : 60.0};
   const GloveSignal signal = SynthesiseGlove(glove, static_cast<std::uint64_t>(scenario.seed));
-  return controller::EstimateNoise(signal.counts, {{0, signal.counts.rows()}});
+  return controller::EstimateNoise(
+      {signal.counts.data(), static_cast<std::size_t>(signal.counts.size())},
+      static_cast<int>(signal.counts.cols()), {{0, signal.counts.rows()}});
 }
 
 /// Filtered angles of all other channels, with one switched off and on again, against those

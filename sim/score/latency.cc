@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "controller/periodic_clock.h"
 #include "controller/timing.h"
 #include "sim/score/delay.h"
 #include "sim/score/low_pass.h"

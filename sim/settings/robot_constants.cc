@@ -187,6 +187,21 @@ std::string EmbeddedMember(const controller::EmbeddedValue& member) {
   return text + ",\n";
 }
 
+/// Two headers can be in one program: each has a namespace of its own, which needs no mention where
+/// there is one header.
+std::string NamespaceOf(const RobotOrigin& origin) {
+  std::string name;
+  for (const std::string& part : {origin.scenario, origin.controller}) {
+    if (!name.empty() && name.back() != '_') name += '_';
+    for (const unsigned char c : part) {
+      const bool plain = c < 0x80 && std::isalnum(c) != 0;
+      if (plain || (!name.empty() && name.back() != '_'))
+        name += plain ? static_cast<char>(c) : '_';
+    }
+  }
+  return "of_" + name;
+}
+
 }  // namespace
 
 std::string RobotToHeader(const controller::RobotConfig& robot, const RobotOrigin& origin) {
@@ -202,6 +217,7 @@ std::string RobotToHeader(const controller::RobotConfig& robot, const RobotOrigi
 #include "controller/constant_settings.h"
 
 namespace robot {{
+inline namespace {name} {{
 
 inline constexpr int kChannelCount = {channels};
 inline constexpr int kMotorCount = {motors};
@@ -215,9 +231,10 @@ inline gauntlet::controller::RobotConfig Settings() {{
   return gauntlet::controller::RobotFromConstants(kSettings);
 }}
 
+}}  // namespace {name}
 }}  // namespace robot
 )",
-      fmt::arg("controller", OneLine(origin.controller)),
+      fmt::arg("name", NamespaceOf(origin)), fmt::arg("controller", OneLine(origin.controller)),
       fmt::arg("scenario", OneLine(origin.scenario)), fmt::arg("hash", origin.model_hash),
       fmt::arg("version", origin.gauntlet_version), fmt::arg("rate", robot.timing.tick_rate_hz),
       fmt::arg("exact_rate", robot.timing.tick_rate_hz),
@@ -230,7 +247,7 @@ inline gauntlet::controller::RobotConfig Settings() {{
 std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin) {
   return fmt::format(
              R"(# Controller {} of scenario {} (hand model {}), written by
-# gauntlet {} export. Values have all digits and may be changed; which lines there are, may not.
+# gauntlet {} export. Values have all digits and may be changed, and lines left out; their order may not.
 # For gauntlet_controller_create() (controller/c_api/gauntlet_controller.h), then
 # gauntlet_controller_step() {:.6g} times per second, with a new sample of the glove every {} times.
 )",
@@ -255,6 +272,7 @@ std::string RobotToEmbeddedHeader(const controller::RobotConfig& robot, const Ro
 #include "controller/embedded/embedded_controller.h"
 
 namespace robot {{
+inline namespace {name} {{
 
 inline constexpr int kChannelCount = {channels};
 inline constexpr int kMotorCount = {motors};
@@ -264,9 +282,10 @@ inline constexpr gauntlet::embedded::Settings<{channels}, {joints}, {motors}, {c
 
 using Controller = gauntlet::embedded::Controller<{channels}, {joints}, {motors}, {corners}>;
 
+}}  // namespace {name}
 }}  // namespace robot
 )",
-      fmt::arg("controller", OneLine(origin.controller)),
+      fmt::arg("name", NamespaceOf(origin)), fmt::arg("controller", OneLine(origin.controller)),
       fmt::arg("scenario", OneLine(origin.scenario)), fmt::arg("hash", origin.model_hash),
       fmt::arg("version", origin.gauntlet_version), fmt::arg("rate", robot.timing.tick_rate_hz),
       fmt::arg("every", robot.timing.ticks_per_sample),

@@ -49,12 +49,14 @@ std::string Header(const RobotConfig& robot, const RobotOrigin& origin) {
 
 /// The keys that Controller's constructor names, as the file has them.
 std::string KeyInFile(const std::string& key) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kKeys = {{
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kKeys = {{
       {"calibration", "glove"},
       {"transmission.motor_of_joint", "hand.joints"},
       {"transmission.joint_min_rad", "hand.joints"},
       {"transmission.counts_per_rad", "hand.motors"},
       {"transmission.center_counts", "hand.motors"},
+      {"transmission.min_counts", "hand.motors"},
+      {"transmission.max_counts", "hand.motors"},
       {"transmission", "hand"},
       {"joint_map", "joint_map"},
       {"timing", "timing"},

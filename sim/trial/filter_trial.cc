@@ -5,6 +5,8 @@
 
 #include "controller/angle_estimator.h"
 #include "controller/assert.h"
+#include "controller/periodic_clock.h"
+#include "controller/sample_guard.h"
 #include "sim/base/stop.h"
 
 namespace gauntlet::sim {

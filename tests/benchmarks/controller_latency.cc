@@ -156,6 +156,60 @@ void Print(const Histogram& histogram, long steps) {
               static_cast<long long>(histogram.above_50_us));
 }
 
+/// The first Step(), those after Reset() and Swap(), and one at an event, of a controller that
+/// plans commands with the adaptive prediction: with what they use in the caches, and not.
+void PrintStarts() {
+  constexpr int kChannels = 18;
+  constexpr int kRepeats = 200;
+  const gc::TestSignal input = gc::GloveCounts(4096, kChannels);
+  std::vector<char> cache(64 << 20);  // more than all caches
+  std::int64_t sum = 0;
+  std::printf("\nplanned with adaptive prediction, us: median and worst of %d\n", kRepeats);
+  for (const int commands : {6, 16}) {
+    gc::ControllerConfig config;
+    config.prediction.settings = gc::AdaptivePredictionConfig{};
+    config.model_predictive = {.kind = gc::ModelPredictiveKind::kSecondOrder, .steps = commands};
+    const gc::GloveCalibration glove = gc::PlainGlove(kChannels);
+    const gc::TendonTransmission hand = gc::CoupledHand(kChannels);
+    for (const bool cold : {false, true}) {
+      std::array<std::vector<double>, 4> taken_us;
+      const auto measure = [&](std::size_t what, auto work) {
+        if (cold) {
+          for (std::size_t i = 0; i < cache.size(); i += 64) sum += ++cache[i];
+        }
+        const std::int64_t before_ns = NowNs();
+        work();
+        taken_us[what].push_back(1e-3 * static_cast<double>(NowNs() - before_ns));
+      };
+      for (int repeat = 0; repeat < kRepeats; ++repeat) {
+        gc::Controller controller(config, glove, hand);
+        int k = 0;
+        const auto step = [&] {
+          sum += controller.Step({.counts = gc::RowOf(input, k++)}).motor_counts[0];
+        };
+        measure(0, step);
+        for (int i = 0; i < 19; ++i) step();
+        measure(1, step);  // at an event
+        controller.Reset();
+        measure(2, step);
+        gc::Controller next = controller.Prepare(config);
+        for (int i = 0; i < 19; ++i) step();
+        measure(3, [&] {
+          controller.Swap(next);
+          step();
+        });
+      }
+      const char* names[] = {"first", "event", "after Reset()", "Swap() and Step()"};
+      for (std::size_t what = 0; what < taken_us.size(); ++what) {
+        std::ranges::sort(taken_us[what]);
+        std::printf("%2d commands, %s, %-18s %7.1f %7.1f\n", commands, cold ? "cold" : "hot ",
+                    names[what], taken_us[what][kRepeats / 2], taken_us[what].back());
+      }
+    }
+  }
+  std::printf("(sum %lld)\n", static_cast<long long>(sum));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -166,6 +220,7 @@ int main(int argc, char** argv) {
   gc::Controller controller(config, gc::PlainGlove(kChannels), gc::CoupledHand(kChannels));
   const gc::TestSignal input = gc::GloveCounts(4096, kChannels);
   mlockall(MCL_CURRENT | MCL_FUTURE);
+  PrintStarts();
 
   std::int64_t sum_counts = 0;  // so that the work cannot be left out
   std::vector<std::uint16_t> least_ns(static_cast<std::size_t>(steps), 65535);

@@ -69,8 +69,9 @@ foreach(kind static shared)
                   COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND pkg-config --libs gauntlet-controller OUTPUT_VARIABLE libraries
                   COMMAND_ERROR_IS_FATAL ANY)
-  # Eigen's own warnings are not Gauntlet's.
-  string(REGEX REPLACE "-I([^ ]*eigen3)" "-isystem \\1" flags "${flags}")
+  if("${flags} ${libraries}" MATCHES "eigen")
+    message(FATAL_ERROR "a program needs Eigen: ${flags} ${libraries}")
+  endif()
   separate_arguments(flags UNIX_COMMAND "${flags}")
   separate_arguments(libraries UNIX_COMMAND "${libraries}")
   foreach(compiler IN LISTS compilers)
@@ -96,14 +97,102 @@ if(NOT from_c_static STREQUAL from_c_shared)
   message(FATAL_ERROR "static and shared give other commands")
 endif()
 
-# The shared library has exactly the functions of the C header, beside those of C++.
+# Programs that are compiled for other instructions than the library, by all compilers. All examples through CMake, and
+# through pkg-config those that make and free most in the library.
+set(ENV{CMAKE_PREFIX_PATH} ${WORK_DIR}/shared)
+set(ENV{PKG_CONFIG_PATH} ${WORK_DIR}/shared/lib/pkgconfig)
+execute_process(COMMAND pkg-config --cflags --libs gauntlet-controller OUTPUT_VARIABLE flags
+                COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(flags UNIX_COMMAND "${flags} -Wl,-rpath,${WORK_DIR}/shared/lib -pthread")
+set(for_this_processor -march=native)
+execute_process(COMMAND ${CXX} -mavx2 -E -x c++ /dev/null RESULT_VARIABLE avx2 OUTPUT_QUIET ERROR_QUIET)
+if(avx2 EQUAL 0)
+  set(for_this_processor -march=native -mavx2)
+endif()
+file(GLOB sources RELATIVE ${examples} ${examples}/*.cc)
+list(JOIN strict " " strict_line)
+list(JOIN for_this_processor " " processor_line)
+foreach(compiler IN LISTS compilers)
+  cmake_path(GET compiler FILENAME name)
+  set(build ${WORK_DIR}/examples-${name})
+  run(${CMAKE_COMMAND} -S ${examples} -B ${build} -G Ninja -DCMAKE_CXX_COMPILER=${compiler}
+      "-DCMAKE_CXX_FLAGS=${strict_line} ${processor_line}")
+  run(${CMAKE_COMMAND} --build ${build})
+  foreach(source IN LISTS sources)
+    cmake_path(GET source STEM example)
+    run(${build}/${example})
+  endforeach()
+  foreach(example 05_calibrate 06_change_from_another_thread)
+    run(${compiler} -std=c++20 ${strict} ${for_this_processor} ${examples}/${example}.cc -o ${WORK_DIR}/example
+        ${flags})
+    run(${WORK_DIR}/example)
+  endforeach()
+endforeach()
+
+# As a part of another project: by add_subdirectory() of controller/, and by FetchContent of all, which configures
+# neither the simulation nor tests.
+foreach(way IN ITEMS "add_subdirectory(${SOURCE_DIR}/controller controller)"
+                     "include(FetchContent)\nFetchContent_Declare(gauntlet SOURCE_DIR ${SOURCE_DIR})\nFetchContent_MakeAvailable(gauntlet)")
+  file(WRITE ${WORK_DIR}/robot/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)
+project(robot LANGUAGES CXX)
+${way}
+add_executable(robot ${examples}/01_glove_to_motors.cc)
+target_link_libraries(robot PRIVATE gauntlet::controller)
+get_property(tests DIRECTORY \${CMAKE_BINARY_DIR} PROPERTY TESTS)
+if(TARGET gauntlet OR tests)
+  message(FATAL_ERROR \"more than the controller\")
+endif()
+")
+  run(${CMAKE_COMMAND} -S ${WORK_DIR}/robot -B ${WORK_DIR}/robot_build -G Ninja --fresh
+      -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON)
+  execute_process(COMMAND ninja -C ${WORK_DIR}/robot_build -t inputs robot OUTPUT_VARIABLE inputs
+                  COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT inputs MATCHES "libgauntlet_controller.a" OR NOT inputs MATCHES "controller.cc|unity")
+    message(FATAL_ERROR "the robot's program does not need the library:\n${inputs}")
+  endif()
+endforeach()
+
+# Headers of the library itself are not installed, and none that is includes Eigen.
+file(GLOB_RECURSE headers RELATIVE ${WORK_DIR}/shared/include/gauntlet ${WORK_DIR}/shared/include/*)
+file(GLOB_RECURSE all_headers RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/controller/*.h)
+list(LENGTH headers header_count)
+list(LENGTH all_headers all_header_count)
+if(NOT header_count LESS all_header_count)
+  message(FATAL_ERROR "all headers are installed")
+endif()
+set(everything "")
+foreach(header IN LISTS headers)
+  string(APPEND everything "#include \"${header}\"\n")
+endforeach()
+file(WRITE ${WORK_DIR}/everything.cc "${everything}")
+run(${CXX} -std=c++20 ${strict} -I${WORK_DIR}/shared/include/gauntlet -fsyntax-only ${WORK_DIR}/everything.cc)
+file(WRITE ${WORK_DIR}/controller.cc "#include \"controller/controller.h\"\n")
+execute_process(COMMAND ${CXX} -std=c++20 -I${WORK_DIR}/shared/include/gauntlet -E ${WORK_DIR}/controller.cc
+                OUTPUT_VARIABLE preprocessed COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "\n" lines "${preprocessed}")
+list(LENGTH lines line_count)
+if(line_count GREATER 75000)
+  message(FATAL_ERROR "controller.h brings ${line_count} lines, must be at most 75000")
+endif()
+
+# The shared library has exactly the functions of the C header, beside those of C++, and nothing of others.
 set(library ${WORK_DIR}/shared/lib/libgauntlet_controller.so)
 execute_process(COMMAND nm -D --defined-only --format=just-symbols ${library}
                 OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "[^\n]+" symbols "${symbols}")
+set(foreign ${symbols})
+list(FILTER foreign EXCLUDE REGEX "^(_ZNK?8gauntlet|_ZT[ISV]N8gauntlet|gauntlet_controller_)")
+if(foreign)
+  message(FATAL_ERROR "the shared library shows symbols of others:\n${foreign}")
+endif()
+string(REGEX MATCH "12SettingErrorE" shown "${symbols}")
+string(REGEX MATCH "9TendonMap|10Controller5State" hidden "${symbols}")
+if(NOT shown OR hidden)
+  message(FATAL_ERROR "the shared library does not show what GAUNTLET_API marks, and only that")
+endif()
 list(FILTER symbols EXCLUDE REGEX "^_Z")
 file(READ ${SOURCE_DIR}/controller/c_api/gauntlet_controller.h header)
-string(REGEX MATCHALL "\n[a-z0-9_]+[* ]+gauntlet_controller_[a-z_]+\\(" functions "${header}")
+string(REGEX MATCHALL "\n[a-z][a-z0-9_ ]*[* ]+gauntlet_controller_[a-z_]+\\(" functions "${header}")
 list(TRANSFORM functions REPLACE ".*[* ](gauntlet_controller_[a-z_]+).*" "\\1")
 list(SORT symbols)
 list(SORT functions)
@@ -138,7 +227,7 @@ run(${CXX} -shared -o ${WORK_DIR}/plugin.so -Wl,--whole-archive
 # The shared one has the version in its name.
 execute_process(COMMAND readelf -d ${WORK_DIR}/shared/lib/libgauntlet_controller.so
                 OUTPUT_VARIABLE dynamic COMMAND_ERROR_IS_FATAL ANY)
-if(NOT dynamic MATCHES "soname: \\[libgauntlet_controller.so.[0-9]+.[0-9]+\\]")
+if(NOT dynamic MATCHES "soname: \\[libgauntlet_controller.so.0.4\\]")
   message(FATAL_ERROR "no version in its soname:\n${dynamic}")
 endif()
 file(REMOVE_RECURSE ${WORK_DIR})

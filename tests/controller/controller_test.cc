@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "controller/filters/filter_registry.h"
 #include "controller/number.h"
 #include "tests/controller/allocation_counter.h"
 #include "tests/controller/test_hand.h"

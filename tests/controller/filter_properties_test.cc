@@ -9,6 +9,7 @@
 #include <immintrin.h>
 #endif
 
+#include "controller/filters/filter_registry.h"
 #include "tests/controller/allocation_counter.h"
 #include "tests/controller/filter_cases.h"
 #include "tests/controller/test_signal.h"

@@ -8,6 +8,7 @@
 
 #include "controller/filters/filter_registry.h"
 #include "controller/filters/riccati.h"
+#include "controller/filters/steady_gains.h"
 #include "tests/controller/test_signal.h"
 #include "tests/controller/textbook_kalman.h"
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "controller/filters/filter_registry.h"
 #include "tests/controller/test_signal.h"
 #include "tests/controller/textbook_kalman.h"
 

@@ -142,6 +142,28 @@ TEST(Swap, KeepsWhatWasHandedOutBefore) {
   EXPECT_EQ(controller.untrusted_samples().data(), untrusted.data());
 }
 
+TEST(Swap, KeepsTheMemoryOfFailedPlansWhereNothingIsPlannedAnyMore) {
+  const TestSignal input = GloveCounts(100, kChannels);
+  ControllerConfig planned;
+  planned.filters = {{KalmanConfig{}}};
+  planned.model_predictive = {
+      .kind = ModelPredictiveKind::kSecondOrder, .speed_limit_deg_s = 1.0, .iterations = 0};
+  ControllerConfig plain;
+  plain.filters = planned.filters;
+  Controller controller = Make(planned, kEventPerSample);
+  for (int k = 0; k < 50; ++k) controller.Step({.counts = RowOf(input, k)});
+  const std::span<const std::int64_t> before = controller.failed_plans();
+  ASSERT_EQ(before.size(), kChannels);
+  const std::int64_t failed = before[0];
+  EXPECT_GT(failed, 0) << "without iterations limits cannot be kept";
+  controller.Load(plain);
+  EXPECT_TRUE(controller.failed_plans().empty());
+  EXPECT_EQ(before[0], failed);
+  controller.Load(planned);
+  EXPECT_EQ(controller.failed_plans().data(), before.data()) << "the memory is another one";
+  EXPECT_EQ(before[0], failed);
+}
+
 TEST(Swap, TakesOnlyWhatTheControllerHasPrepared) {
   const TestSignal input = GloveCounts(100, kChannels);
   ControllerConfig config;

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "controller/filters/kalman_steady_filter.h"
+#include "controller/filters/steady_gains.h"
 #include "controller/prediction/motion_model.h"
 #include "controller/prediction/predictor.h"
 #include "tests/controller/test_signal.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "controller/controller.h"
-#include "controller/filters/kalman_steady_filter.h"
+#include "controller/filters/steady_gains.h"
 #include "controller/prediction/motion_model.h"
 #include "controller/prediction/motion_path.h"
 #include "controller/prediction/predictor.h"

@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "controller/periodic_clock.h"
+
 namespace gauntlet::controller {
 namespace {
 

@@ -124,10 +124,7 @@ void AddTable(const Recording& recording, int channel, Coverage& coverage) {
     counts.push_back(recording.counts(k, channel));
     angle_deg.push_back(recording.settled_deg(k, channel));
   }
-  const auto vector = [](const std::vector<double>& values) {
-    return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
-  };
-  const CurveFit fit = FitTable(vector(counts), vector(angle_deg), 1.0);
+  const CurveFit fit = FitTable(counts, angle_deg, 1.0);
   for (int pose = 0; pose < kPoses; ++pose) {
     double slope = 0.0;  // the steeper of the two beside it, as the fit takes it
     for (int i = std::max(pose, 1); i < std::min(pose + 2, kPoses); ++i) {
@@ -152,12 +149,14 @@ void Measure(const Case& glove) {
   const double truth = glove.deviation_counts * glove.deviation_counts;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     const Recording recording = Glove(glove, 1000 + repeat).Record();
-    const auto stretches = FindStillStretches(recording.counts, glove.rate_hz);
+    const std::span<const double> counts = {recording.counts.data(),
+                                            static_cast<std::size_t>(recording.counts.size())};
+    const auto stretches = FindStillStretches(counts, glove.channels, glove.rate_hz);
     if (stretches.size() < kPoses / 2) {
       ++without_rest;
       continue;
     }
-    const NoiseEstimate estimate = EstimateNoise(recording.counts, stretches);
+    const NoiseEstimate estimate = EstimateNoise(counts, glove.channels, stretches);
     for (int c = 0; c < glove.channels; ++c) {
       variance.Add(estimate.variance_low[c], estimate.variance[c], estimate.variance_high[c],
                    truth);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 
+#include "controller/filters/filter_registry.h"
 #include "sim/base/random.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/search/filter_search.h"

@@ -149,6 +149,128 @@ TEST(CApi, NoControllerIsHarmless) {
   EXPECT_EQ(motor, 7);
 }
 
+TEST(CApi, TellsASickGloveFromAHealthyOne) {
+  RobotConfig robot = Robot();
+  robot.controller.untrusted.lost_after_ms = 50.0;
+  robot.controller.model_predictive.kind = ModelPredictiveKind::kSecondOrder;
+  robot.controller.prediction.settings = AdaptivePredictionConfig{};
+  const Handle handle = Create(robot);
+  Controller controller(robot);
+  EXPECT_STREQ(gauntlet_controller_version(), GAUNTLET_VERSION);
+  EXPECT_EQ(gauntlet_controller_event_period_ms(handle.get()), 3.0);
+  EXPECT_STREQ(gauntlet_controller_channel_name(handle.get(), 17), "joint_17");
+  EXPECT_STREQ(gauntlet_controller_joint_name(handle.get(), 3), "joint_3");
+  EXPECT_STREQ(gauntlet_controller_motor_name(handle.get(), 0), "motor_0");
+  EXPECT_EQ(gauntlet_controller_motor_name(handle.get(), kChannels), nullptr);
+  const TestSignal signal = GloveCounts(400, kChannels);
+  std::vector<std::int32_t> motors(kChannels);
+  std::vector<std::int64_t> samples(kChannels);
+  std::vector<double> values(kChannels);
+  for (int k = 0; k < 1000; ++k) {
+    if (k == 100) {
+      controller.SetChannelActive(5, false);
+      EXPECT_EQ(gauntlet_controller_set_channel_active(handle.get(), 5, 0), GAUNTLET_OK);
+      EXPECT_EQ(gauntlet_controller_channel_active(handle.get(), 5), 0);
+      EXPECT_EQ(gauntlet_controller_channel_active(handle.get(), 6), 1);
+    }
+    const bool fresh = k % 2 == 0 && k < 400;
+    std::vector<double> counts(RowOf(signal, k % 400).begin(), RowOf(signal, k % 400).end());
+    if (k > 150) counts[2] = 1e9;
+    const Command command = fresh ? controller.Step({.counts = counts}) : controller.Step();
+    ASSERT_GE(gauntlet_controller_step(handle.get(), fresh ? counts.data() : nullptr,
+                                       fresh ? kChannels : 0, motors.data(), kChannels),
+              0);
+    ASSERT_THAT(motors, testing::ElementsAreArray(command.motor_counts)) << k;
+    ASSERT_EQ(static_cast<int>(gauntlet_controller_glove_status(handle.get())),
+              static_cast<int>(command.glove));
+  }
+  EXPECT_EQ(gauntlet_controller_glove_status(handle.get()), GAUNTLET_GLOVE_LOST);
+  const auto samples_of = [&](gauntlet_untrusted reason) {
+    EXPECT_EQ(
+        gauntlet_controller_untrusted_samples(handle.get(), reason, samples.data(), kChannels),
+        GAUNTLET_OK);
+    return samples;
+  };
+  EXPECT_THAT(samples_of(GAUNTLET_UNTRUSTED_ALL),
+              testing::ElementsAreArray(controller.untrusted_samples()));
+  EXPECT_GT(samples_of(GAUNTLET_UNTRUSTED_OUT_OF_RANGE)[2], 100);
+  EXPECT_EQ(samples_of(GAUNTLET_UNTRUSTED_OUT_OF_RANGE)[3], 0);
+  EXPECT_GT(samples_of(GAUNTLET_UNTRUSTED_MISSING)[3], 290);
+  EXPECT_EQ(gauntlet_controller_sample_age_ms(handle.get(), values.data(), kChannels), GAUNTLET_OK);
+  EXPECT_EQ(values[3], 601.0);
+  EXPECT_EQ(values[2], controller.sample_age_ms(2));
+  EXPECT_EQ(gauntlet_controller_failed_plans(handle.get(), samples.data(), kChannels), GAUNTLET_OK);
+  EXPECT_THAT(samples, testing::ElementsAreArray(controller.failed_plans()));
+  const auto angles_of = [&](gauntlet_angle kind) {
+    EXPECT_EQ(gauntlet_controller_angles(handle.get(), kind, values.data(), kChannels),
+              GAUNTLET_OK);
+    return values;
+  };
+  EXPECT_THAT(angles_of(GAUNTLET_ANGLE_LINEARISED),
+              testing::ElementsAreArray(controller.linearised_angle_rad()));
+  EXPECT_THAT(angles_of(GAUNTLET_ANGLE_FILTERED),
+              testing::ElementsAreArray(controller.filtered_angle_rad()));
+  EXPECT_THAT(angles_of(GAUNTLET_ANGLE_PREDICTED),
+              testing::ElementsAreArray(controller.predicted_angle_rad()));
+  EXPECT_THAT(angles_of(GAUNTLET_ANGLE_TARGET),
+              testing::ElementsAreArray(controller.target_angle_rad()));
+
+  EXPECT_EQ(gauntlet_controller_angles(handle.get(), GAUNTLET_ANGLE_TARGET, values.data(), 1),
+            GAUNTLET_WRONG_LENGTH);
+  EXPECT_EQ(gauntlet_controller_angles(handle.get(), GAUNTLET_ANGLE_TARGET, nullptr, kChannels),
+            GAUNTLET_NULL_POINTER);
+  EXPECT_EQ(gauntlet_controller_untrusted_samples(handle.get(), static_cast<gauntlet_untrusted>(7),
+                                                  samples.data(), kChannels),
+            GAUNTLET_OUT_OF_RANGE);
+  EXPECT_EQ(gauntlet_controller_set_channel_active(handle.get(), kChannels, 1),
+            GAUNTLET_OUT_OF_RANGE);
+  EXPECT_EQ(gauntlet_controller_glove_status(nullptr), GAUNTLET_GLOVE_LOST);
+  EXPECT_EQ(gauntlet_controller_channel_active(nullptr, 0), 0);
+}
+
+TEST(CApi, SwapsOtherSettingsIn) {
+  const Handle handle = Create(Robot());
+  Controller controller(Robot());
+  RobotConfig other = Robot();
+  other.controller.filters = {{ButterworthConfig{}}};
+  const auto prepare = [&](const gauntlet_controller* from, const RobotConfig& robot,
+                           std::string& problem) {
+    const std::string text = sim::RobotToText(robot, {});
+    std::array<char, 200> error = {'x'};
+    Handle made(
+        gauntlet_controller_prepare(from, text.data(), text.size(), error.data(), error.size()),
+        gauntlet_controller_destroy);
+    problem = error.data();
+    return made;
+  };
+  std::string problem;
+  const Handle next = prepare(handle.get(), other, problem);
+  ASSERT_TRUE(next) << problem;
+  EXPECT_EQ(problem, "");
+  const TestSignal signal = GloveCounts(1000, kChannels);
+  std::vector<std::int32_t> motors(kChannels);
+  for (int k = 0; k < 1000; ++k) {
+    if (k == 500) {
+      controller.Load(other.controller);
+      const long before = AllocationCount();
+      EXPECT_EQ(gauntlet_controller_swap(handle.get(), next.get()), GAUNTLET_OK);
+      EXPECT_EQ(AllocationCount(), before);
+    }
+    const std::span<const double> counts = RowOf(signal, k);
+    const Command command = controller.Step({.counts = counts});
+    gauntlet_controller_step(handle.get(), counts.data(), counts.size(), motors.data(), kChannels);
+    ASSERT_THAT(motors, testing::ElementsAreArray(command.motor_counts)) << k;
+  }
+  EXPECT_EQ(gauntlet_controller_swap(handle.get(), handle.get()), GAUNTLET_NOT_PREPARED);
+  EXPECT_EQ(gauntlet_controller_swap(handle.get(), Create(Robot()).get()), GAUNTLET_NOT_PREPARED);
+  EXPECT_EQ(gauntlet_controller_swap(handle.get(), nullptr), GAUNTLET_NULL_POINTER);
+  other.hand.center_counts[4] = 500;
+  EXPECT_FALSE(prepare(handle.get(), other, problem));
+  EXPECT_EQ(problem, "settings: have another glove, hand, joint_map or timing than the controller");
+  EXPECT_FALSE(prepare(nullptr, Robot(), problem));
+  EXPECT_EQ(problem, "controller: is missing");
+}
+
 TEST(CApi, BadSettingsGiveNoControllerAndOneLine) {
   const auto complaint = [](const char* text, std::size_t length) {
     std::array<char, 200> error = {'x'};

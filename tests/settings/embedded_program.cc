@@ -1,6 +1,8 @@
 // A firmware that has nothing but the header of gauntlet export --embedded: steps a glove and
 // prints the command of each event; at last, as an error, the clock's ticks for all steps and for
 // the longest, and the bytes of the controller and of its settings.
+// With START_COUNTS, the motors are there; no channel has a sample for ABSENT_TICKS, and the third
+// has none for twice as long.
 #include <cstdint>
 #include <cstdio>
 
@@ -29,10 +31,19 @@ int main() {
   std::int32_t motors[robot::kMotorCount];
   std::uint32_t all = 0;
   std::uint32_t most = 0;
+#ifdef START_COUNTS
+  const std::int32_t start[] = {START_COUNTS};
+  controller.Reset(start);
+#endif
   StartClock();
   for (int tick = 0; tick < TICKS; ++tick) {
     const bool fresh = tick % robot::kTicksPerSample == 0;
     if (fresh) glove.Next(counts, robot::kChannelCount);
+#ifdef START_COUNTS
+    const float missing = __builtin_nanf("");
+    for (float& count : counts) count = tick < ABSENT_TICKS ? missing : count;
+    if (tick < 2 * ABSENT_TICKS) counts[2] = missing;
+#endif
     const std::uint32_t before = Clock();
     const bool event = controller.Step(fresh ? counts : nullptr, motors);
     const std::uint32_t clocks = (Clock() - before) & 0xFFFFFF;

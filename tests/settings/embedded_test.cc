@@ -1,5 +1,6 @@
 // The controller of a microcontroller, built as firmware is, beside the one in double.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,6 +16,7 @@
 
 #include "controller/controller.h"
 #include "controller/embedded/embedded_settings.h"
+#include "controller/number.h"
 #include "sim/settings/robot_constants.h"
 #include "tests/controller/test_hand.h"
 #include "tests/settings/embedded_glove.h"
@@ -70,14 +72,22 @@ RobotConfig Unusual() {
 
 using Commands = std::vector<std::vector<int>>;
 
-Commands CommandsOf(const RobotConfig& robot, int ticks) {
+/// No channel has a sample for so long, and the third has none for twice as long.
+constexpr int kAbsentTicks = 600;
+
+/// With `start_counts`, the motors are there, and samples are absent.
+Commands CommandsOf(const RobotConfig& robot, int ticks,
+                    const std::vector<std::int32_t>& start_counts = {}) {
   Controller controller(robot);
+  if (!start_counts.empty()) controller.Reset(start_counts);
   test::EmbeddedGlove glove;
   std::vector<double> counts(kChannels);
   Commands commands;
   for (int tick = 0; tick < ticks; ++tick) {
     const bool fresh = tick % robot.timing.ticks_per_sample == 0;
     if (fresh) glove.Next(counts.data(), kChannels);
+    if (!start_counts.empty() && tick < kAbsentTicks) std::ranges::fill(counts, kNaN);
+    if (!start_counts.empty() && tick < 2 * kAbsentTicks) counts[2] = kNaN;
     const Command command = fresh ? controller.Step({.counts = counts}) : controller.Step();
     if (!command.event) continue;
     std::vector<int>& row = commands.emplace_back(std::vector<int>{tick});
@@ -94,13 +104,13 @@ class Firmware {
   }
   /// What the program prints that `compiler` makes of it, and what it says as an error.
   test::ProgramResult Run(const std::string& compiler, const std::string& sources, int ticks,
-                          const std::string& runner = "") {
+                          const std::string& runner = "", const std::string& flags = "") {
     const std::string program = (folder_.path() / "firmware").string();
     const std::string command = fmt::format(
-        "cd '{}' && {} {} -I. '-DROBOT_HEADER=\"{}/robot.h\"' -DTICKS={} "
+        "cd '{}' && {} {} {} -I. '-DROBOT_HEADER=\"{}/robot.h\"' -DTICKS={} "
         "tests/settings/embedded_program.cc {} -o {} && {} {}",
-        SourceDir(), compiler, kFlags, folder_.path().string(), ticks, sources, program, runner,
-        program);
+        SourceDir(), compiler, kFlags, flags, folder_.path().string(), ticks, sources, program,
+        runner, program);
     return test::RunProgram({"/bin/sh", "-c", command}, {});
   }
 
@@ -155,6 +165,76 @@ TEST_P(EmbeddedController, InFloatIsWithinOneCountOfTheOneInDouble) {
   const int per_ten_thousand = DifferencePerTenThousand(Parse(result.standard_output), expected);
   std::cout << per_ten_thousand << " of 10,000 commands are one count apart\n";
   EXPECT_LE(per_ten_thousand, 30);
+}
+
+TEST_P(EmbeddedController, StartsAndLosesSamplesAsTheOneInDouble) {
+  const RobotConfig robot = GetParam().make();
+  // Joints of CoupledHand() near 0.88 rad; every third motor where no joint can be.
+  std::vector<std::int32_t> start(kChannels, 512 + 123);
+  start[0] = 512 + 87;
+  for (std::size_t i = 4; i < start.size(); i += 3) start[i] = 1000;
+  std::string flags =
+      fmt::format("-DABSENT_TICKS={} '-DSTART_COUNTS={}'", kAbsentTicks, fmt::join(start, ","));
+  constexpr int kStartTicks = 3000;
+  const test::ProgramResult result = Firmware(robot).Run(GAUNTLET_CXX, "", kStartTicks, "", flags);
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  const Commands commands = Parse(result.standard_output);
+  const Commands expected = CommandsOf(robot, kStartTicks, start);
+  // A command with hysteresis that comes to rest one count beside stays there.
+  const bool stays = robot.controller.motor.rounding == Rounding::kHysteresis;
+  EXPECT_LE(DifferencePerTenThousand(commands, expected), stays ? 3000 : 30);
+  const auto moved = [&](const auto& row) { return row[4] != expected[0][4]; };
+  EXPECT_GT(std::ranges::count_if(expected, moved), 10) << "the motors move";
+}
+
+TEST(EmbeddedStart, LeavesTheMotorsWhereTheyAreUntilThereIsASample) {
+  const std::vector<std::int32_t> start = HalfClosed(kChannels);
+  const std::string flags =
+      fmt::format("-DABSENT_TICKS={} '-DSTART_COUNTS={}'", kAbsentTicks, fmt::join(start, ","));
+  const test::ProgramResult result =
+      Firmware(SettledKalman()).Run(GAUNTLET_CXX, "", kAbsentTicks, "", flags);
+  const Commands commands = Parse(result.standard_output);
+  ASSERT_EQ(commands.size(), kAbsentTicks / 20) << result.standard_error;
+  for (const std::vector<int>& row : commands) {
+    EXPECT_THAT(std::vector<int>(row.begin() + 1, row.end()), testing::ElementsAreArray(start));
+  }
+}
+
+TEST(ExportedHeaders, OfTwoControllersAreInOneProgram) {
+  const test::TemporaryDirectory folder;
+  const RobotConfig robot = SettledKalman();
+  for (const char* name : {"first", "2nd tuned"}) {
+    const sim::RobotOrigin origin = {.gauntlet_version = "0.1.0",
+                                     .scenario = "door \u00e9",
+                                     .controller = name,
+                                     .model_hash = {}};
+    for (const bool embedded : {false, true}) {
+      const std::string file = fmt::format("{}{}.h", name[0], embedded ? "_embedded" : "");
+      std::ofstream(folder.path() / file) << (embedded ? sim::RobotToEmbeddedHeader(robot, origin)
+                                                       : sim::RobotToHeader(robot, origin));
+    }
+  }
+  const auto compile = [&](const std::string& text) {
+    std::ofstream(folder.path() / "main.cc") << text;
+    return test::RunProgram(
+        {"/bin/sh", "-c",
+         fmt::format("cd '{}' && {} -std=c++20 -fsyntax-only -Wall -Werror -I. "
+                     "-I'{}' '{}/main.cc'",
+                     SourceDir(), GAUNTLET_CXX, folder.path().string(), folder.path().string())},
+        {});
+  };
+  test::ProgramResult result = compile(
+      "#include \"f.h\"\n#include \"2.h\"\n"
+      "auto a = robot::of_door_first::Settings(), b = robot::of_door_2nd_tuned::Settings();\n");
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  result = compile(
+      "#include \"f_embedded.h\"\n#include \"2_embedded.h\"\n"
+      "robot::of_door_first::Controller a(robot::of_door_first::kSettings);\n"
+      "robot::of_door_2nd_tuned::Controller b(robot::of_door_2nd_tuned::kSettings);\n");
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  // One needs no name.
+  result = compile("#include \"f_embedded.h\"\nrobot::Controller a(robot::kSettings);\n");
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
 }
 
 TEST_P(EmbeddedController, OnACortexM4GivesTheSameCommands) {
@@ -230,6 +310,14 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
               r.controller.model_predictive.kind = ModelPredictiveKind::kSecondOrder;
             }),
             "controller.model_predictive.kind: is second_order, must be none in the embedded form");
+  EXPECT_EQ(
+      complaint([](Robot r) { r.hand.max_counts[3] = (1 << 24) + 1; }),
+      "transmission.max_counts: motor motor_3: is 16777217, must be from -16777216 to 16777216 "
+      "in the embedded form");
+  EXPECT_THAT(
+      complaint([](Robot r) { r.hand.min_counts[0] = -2147483647 - 1; }),
+      testing::HasSubstr("transmission.min_counts: motor motor_0: is -2147483648, must be"));
+  EXPECT_EQ(complaint([](Robot r) { r.hand.max_counts[3] = 1 << 24; }), "no complaint");
   EXPECT_EQ(complaint([](Robot r) { r.timing.event_period_ms = 2.5; }),
             "timing.event_period_ms: is 2.5 ticks, must be a whole number in the embedded form");
   EXPECT_EQ(complaint([](Robot r) {

@@ -8,7 +8,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "controller/constant_settings.h"
 #include "controller/controller.h"
@@ -198,10 +203,22 @@ std::string ComplaintOfText(const std::string& text) {
   return "no complaint";
 }
 
+/// "line 9: " for where Finger() has the key.
+std::string LineOf(const std::string& key) {
+  const std::string text = ToText(Finger());
+  return "line " +
+         std::to_string(1 + std::count(text.begin(), text.begin() + text.find(key), '\n')) + ": ";
+}
+
 TEST(RobotText, GivesBackEveryValueOfEveryKind) {
   for (const controller::FilterKind& kind : controller::FilterKinds()) {
     RobotConfig robot = Finger();
     robot.controller.filters.push_back(kind.defaults);
+    std::visit(
+        [](auto& settings) {
+          if (auto* r = controller::MeasurementVarianceOf(settings)) *r = {0.1, 1.0 / 3.0};
+        },
+        robot.controller.filters.back().settings);
     EXPECT_EQ(Values(controller::RobotFromText(ToText(robot))), Values(robot)) << kind.name;
   }
   RobotConfig robot = Finger();
@@ -231,28 +248,68 @@ TEST(RobotText, NamesThePlaceOfEveryMistake) {
   EXPECT_EQ(complaint("\ncontroller =\n", "\ncontroller = 0x\n"),
             "line 5: has 0x behind \"=\", must be numbers or texts in quotes");
   EXPECT_EQ(complaint("\"kalman\"", "\"kalman"), "line 7: has a quote that does not end");
-  EXPECT_EQ(complaint("\"kalman\"", "7"), "controller.filter[0].kind: must be a text");
-  EXPECT_THAT(complaint("\"kalman\"", "\"calman\""),
-              HasSubstr("controller.filter[0].kind: has no choice calman in this version"));
+  EXPECT_EQ(complaint("\"kalman\"", "7"), "line 7: controller.filter[0].kind: must be a text");
+  EXPECT_THAT(
+      complaint("\"kalman\"", "\"calman\""),
+      testing::StartsWith("line 7: controller.filter[0].kind: is calman, must be one of none, "));
   EXPECT_EQ(complaint("ticks_per_sample = 17", "ticks_per_sample = 17.5"),
-            "timing.ticks_per_sample: must be a whole number");
+            LineOf("ticks_per_sample") + "timing.ticks_per_sample: must be a whole number");
   EXPECT_EQ(complaint("ticks_per_sample = 17", "ticks_per_sample = 1e99"),
-            "timing.ticks_per_sample: must be a whole number");
+            LineOf("ticks_per_sample") + "timing.ticks_per_sample: must be a whole number");
   EXPECT_EQ(complaint("ticks_per_sample = 17", "ticks_per_sample = \"17\""),
-            "timing.ticks_per_sample: must be a number");
+            LineOf("ticks_per_sample") + "timing.ticks_per_sample: must be a number");
   EXPECT_THAT(complaint("ticks_per_sample", "ticks"),
-              HasSubstr("timing.ticks_per_sample: stands where the constants have ticks in this"));
+              HasSubstr(": ticks: is not a setting in this place"));
+  EXPECT_THAT(complaint("ticks_per_sample = 17", "ticks_per_sample = 0"),
+              HasSubstr(": timing.ticks_per_sample: is 0, must be from 1 to 100000"));
   EXPECT_EQ(complaint("channel_names = 2", "channel_names = 1e9"),
-            "glove.channel_names: has another length than 1000000000");
+            LineOf("channel_names") + "glove.channel_names: has another length than 1000000000");
   EXPECT_EQ(complaint("channel_names = 2", "channel_names = -1"),
-            "glove.channel_names: has another length than -1");
+            LineOf("channel_names") + "glove.channel_names: has another length than -1");
   EXPECT_THAT(complaint("channel_names = 2", "channel_names = nan"),
               HasSubstr("has nan behind \"=\", must be numbers or texts in quotes"));
   EXPECT_THAT(complaint("channel_names = 2", "channel_names = 1"),
-              HasSubstr("glove.full_scale_counts: stands where the constants have another item"));
-  EXPECT_THAT(ComplaintOfText(""), HasSubstr("controller: is missing in this version"));
+              testing::StartsWith(LineOf("channel_names")));
+  EXPECT_EQ(ComplaintOfText(""), "controller: is missing");
   EXPECT_THAT(ComplaintOfText(ToText(Finger()) + "more = 1\n"),
-              HasSubstr("more: is one setting too many"));
+              HasSubstr(": more: is not a setting in this place"));
+  // What a Controller cannot be made of, with the keys of the text.
+  EXPECT_THAT(complaint("frame_number_bits = 64", "frame_number_bits = 1"),
+              testing::StartsWith(LineOf("frame_number_bits") + "glove.frame_number_bits: is 1, "));
+  EXPECT_THAT(complaint("center_counts = -7", "center_counts = 99999"),
+              testing::ContainsRegex("^line [0-9]+: hand.center_counts: motor"));
+}
+
+TEST(RobotText, OfAnOlderVersionHasTheDefaultsOfNewSettings) {
+  std::string text = ToText(Finger());
+  for (const std::string key : {"lost_after_ms", "when_lost", "lost_speed_deg_s"}) {
+    const std::size_t begin = text.rfind('\n', text.find(key));
+    text.erase(begin, text.find('\n', begin + 1) - begin);
+  }
+  EXPECT_EQ(Values(controller::RobotFromText(text)), Values(Finger()));
+}
+
+TEST(RobotText, WithLinesThatAreMissingOrSwappedIsNeverAnotherRobot) {
+  std::vector<std::string> lines;
+  std::istringstream text(ToText(Finger()));
+  for (std::string line; std::getline(text, line);) lines.push_back(line + "\n");
+  const auto joined = [](const std::vector<std::string>& all) {
+    return std::accumulate(all.begin(), all.end(), std::string());
+  };
+  int refused = 0;
+  for (std::size_t i = 4; i + 1 < lines.size(); ++i) {
+    std::vector<std::string> swapped = lines;
+    std::swap(swapped[i], swapped[i + 1]);
+    if (swapped[i] == swapped[i + 1]) continue;
+    EXPECT_NE(ComplaintOfText(joined(swapped)), "no complaint") << lines[i];
+    std::vector<std::string> twice = lines;
+    twice.insert(twice.begin() + static_cast<std::ptrdiff_t>(i), lines[i]);
+    EXPECT_NE(ComplaintOfText(joined(twice)), "no complaint") << lines[i];
+    std::vector<std::string> without = lines;
+    without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+    refused += ComplaintOfText(joined(without)) != "no complaint";
+  }
+  EXPECT_GT(refused, 10) << "what has no default is asked for";
 }
 
 TEST(RobotText, OfWhichAPartIsMissingIsRefused) {

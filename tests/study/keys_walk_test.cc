@@ -52,6 +52,12 @@ const std::vector<std::string> kGap = {"glove.motion={kind: recording, file: " +
                                        "measured, problems: repair, start_s: 3.2, "
                                        "duration_s: 3}"};
 const std::vector<std::string> kJumps = {kOf + "untrusted.jump_share=0.01"};
+// Every channel is refused for ever at its first jump.
+const std::vector<std::string> kRefuses = {kOf + "untrusted.jump_share=0.01",
+                                           kOf + "untrusted.jump_confirm_ms=1000000",
+                                           kOf + "untrusted.when_lost=rest"};
+const std::vector<std::string> kLost = {kRefuses[0], kRefuses[1], kRefuses[2],
+                                        kOf + "untrusted.lost_after_ms=100"};
 const std::vector<std::string> kStill = {"glove.motion={kind: hold, duration_s: 1.5}",
                                          "glove.noise.kind=none"};
 const std::vector<std::string> kSlow = {"glove.rate_hz=33.3"};
@@ -387,6 +393,12 @@ const std::vector<Step>& Walk() {
       {kOf + "untrusted.jump_confirm_ms=33.3", kChanges, {}, kJumps},
       {kOf + "untrusted.jump_confirm_ms=1000000", kChanges, {}, kJumps},
       {kOf + "untrusted.jump_confirm_ms=1000001", kRefused, {}, kJumps},
+      {kOf + "untrusted.lost_after_ms=0", kKeeps, {}, kRefuses},  // the default
+      {kOf + "untrusted.lost_after_ms=33.3", kChanges, {}, kRefuses},
+      {kOf + "untrusted.lost_after_ms=1000000", kKeeps, {}, kRefuses},  // longer than the trial
+      {kOf + "untrusted.lost_after_ms=1000001", kRefused, {}, kRefuses},
+      {kOf + "untrusted.lost_speed_deg_s=0.1", kChanges, {}, kLost},
+      {kOf + "untrusted.lost_speed_deg_s=10000", kChanges, {}, kLost},
   };
   return kSteps;
 }

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "controller/export.h"
+#include "controller/filters/alpha_beta_filter.h"
+#include "controller/filters/butterworth_filter.h"
+#include "controller/filters/exponential_filter.h"
+#include "controller/filters/fixed_lag_filter.h"
+#include "controller/filters/kalman_adaptive_filter.h"
+#include "controller/filters/kalman_dense_filter.h"
+#include "controller/filters/kalman_filter.h"
+#include "controller/filters/kalman_steady_filter.h"
+#include "controller/filters/median_filter.h"
+#include "controller/filters/moving_average_filter.h"
+#include "controller/filters/no_filter.h"
+#include "controller/filters/one_euro_filter.h"
+#include "controller/filters/savitzky_golay_filter.h"
+#include "controller/kinds.h"
+#include "controller/settings.h"
+
+namespace gauntlet::controller {
+
+/// Every kind of filter that there is. To add one: a file with its config (kKind, kSummary,
+/// defaults, Visit) and its MakeFilter(), one entry here and one in `filter_registry.h`.
+using FilterSettings =
+    std::variant<NoFilterConfig, MovingAverageConfig, MedianConfig, HampelConfig, ExponentialConfig,
+                 ButterworthConfig, SavitzkyGolayConfig, OneEuroConfig, AlphaBetaConfig,
+                 AlphaBetaGammaConfig, KalmanConfig, KalmanSteadyConfig, KalmanAdaptiveConfig,
+                 KalmanDenseConfig, FixedLagConfig>;
+
+/// A filter as a person writes it: `kind`, then the settings of that kind.
+struct GAUNTLET_API FilterConfig {
+  FilterSettings settings;
+
+  std::string_view kind() const { return KindName(settings); }
+  void Visit(SettingsVisitor& visitor);
+};
+
+/// All kinds, in the order of every list and table.
+using FilterKind = Kind<FilterConfig>;
+GAUNTLET_API std::span<const FilterKind> FilterKinds();
+
+}  // namespace gauntlet::controller
