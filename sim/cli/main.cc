@@ -44,8 +44,8 @@ std::vector<sim::Command> Commands() {
       sim::MakeTuneCommand(),     sim::MakeRobustCommand(),    sim::MakeRenderCommand(),
       sim::MakeExportCommand(),   sim::MakeDiffCommand(),      sim::MakeInspectCommand(),
       sim::MakeFilterCommand(),   sim::MakeCalibrateCommand(), sim::MakeIdentifyCommand(),
-      sim::MakeRetargetCommand(), sim::MakeReproduceCommand(), sim::MakeListCommand(),
-      sim::MakeReportCommand(),   sim::MakeDoctorCommand(),    sim::MakeValidateCommand()};
+      sim::MakeValidateCommand(), sim::MakeRetargetCommand(),  sim::MakeReproduceCommand(),
+      sim::MakeListCommand(),     sim::MakeReportCommand(),    sim::MakeDoctorCommand()};
   for (sim::Command& command : commands) {
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},

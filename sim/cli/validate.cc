@@ -16,7 +16,7 @@ namespace {
 
 struct ValidateOptions {
   static constexpr auto kName = "validate";
-  static constexpr auto kPurpose = "The simulated hand beside a real one, under the log's commands";
+  static constexpr auto kPurpose = "Compare the simulated hand with a real log";
   std::string log;
   std::string array;
   std::string map;
@@ -34,7 +34,7 @@ struct ValidateOptions {
         Option("--hand", &hand, {.value = "HAND.xml", .offer = Offer::kFiles},
                "the simulated hand, with joints of the log's names and one servo for all [a joint "
                "and a servo for each part]"),
-        ArrayOption(array),
+        ArrayOptions(array),
         Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
                "column map, as for identify"),
         Option("--unit", &unit, {.value = "UNIT", .choices = {"deg", "rad"}},
