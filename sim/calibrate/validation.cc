@@ -276,10 +276,15 @@ std::vector<Group> GroupsOf(const std::filesystem::path& hand, const HandConfig&
     }
     return groups;
   }
-  const HandModel model(config);
+  std::optional<HandModel> model;
+  try {
+    model.emplace(config);
+  } catch (const UserError& error) {
+    throw UserError({.place = "--hand " + hand.string(), .problem = error.problem()});
+  }
   Group group;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    const bool has_motor = std::ranges::any_of(model.drives(), [&](const Drive& drive) {
+    const bool has_motor = std::ranges::any_of(model->drives(), [&](const Drive& drive) {
       return drive.name == parts[p].part && drive.servo_key == "hand.servo";
     });
     if (!has_motor) parts[p].problem = "the hand has no such joint";

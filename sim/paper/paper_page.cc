@@ -8,6 +8,7 @@
 #include <numbers>
 #include <span>
 #include <string_view>
+#include <variant>
 
 #include "controller/filters/paper_noise.h"
 #include "paper_html.h"
@@ -33,20 +34,35 @@ std::string_view ClassOf(const ResultColumn& column, char mark) {
   return mark == '*' ? "better" : mark == '!' ? "worse" : mark == '~' ? "undecided" : "words";
 }
 
+/// "delay [ms]", in one line.
+std::string HeadingOf(const ResultColumn& column) {
+  std::string heading = column.heading;
+  for (char& c : heading) {
+    if (c == kBreak || c == kSoftBreak) c = ' ';
+  }
+  return EscapeHtml(column.unit.empty() ? heading : heading + " [" + column.unit + "]");
+}
+
+/// A number with its mark.
+std::string TextOf(const ResultColumn& column, const ResultCell& cell) {
+  std::string text = cell.text;
+  if (!column.is_words && cell.mark != ' ') text += cell.mark;
+  return EscapeHtml(text);
+}
+
 /// A table whose cells contain the heading of their column. On a phone the cells of a row are below
 /// each other, and the table has no head.
 std::string Table(const ResultTable& table) {
   std::string head, rows;
   for (const ResultColumn& column : table.columns) {
-    head +=
-        fmt::format("<th class=\"{}\">{}</th>", ClassOf(column, ' '), EscapeHtml(column.heading));
+    head += fmt::format("<th class=\"{}\">{}</th>", ClassOf(column, ' '), HeadingOf(column));
   }
   for (const ResultRow& row : table.rows) {
     rows += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
       rows += fmt::format("<td class=\"{}\" data-column=\"{}\">{}</td>",
-                          ClassOf(table.columns[i], row[i].mark),
-                          EscapeHtml(table.columns[i].heading), EscapeHtml(row[i].text));
+                          ClassOf(table.columns[i], row[i].mark), HeadingOf(table.columns[i]),
+                          TextOf(table.columns[i], row[i]));
     }
     rows += "</tr>\n";
   }
@@ -82,6 +98,21 @@ ResultTable ClaimTable(const PaperExperiment& experiment) {
                                                      : '~')});
   }
   return table;
+}
+
+/// The table of comparisons and what its marks mean.
+std::string ScoresHtml(const FinishedStudy& finished) {
+  std::string html;
+  for (const auto& part : AnswerText(finished)) {
+    if (const auto* table = std::get_if<ResultTable>(&part)) {
+      ResultTable shown = *table;
+      shown.columns.front().is_words = true;
+      html += Table(shown);
+    } else if (const auto* text = std::get_if<std::string>(&part)) {
+      html += fmt::format("<p class=\"note\">{}</p>", EscapeHtml(*text));
+    }
+  }
+  return html;
 }
 
 ResultTable FilterTable(const std::vector<FilterFacts>& filters) {
@@ -238,7 +269,7 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
   values["sources"] = "";
   values["style"] = PaletteCss() + std::string(assets::kStyle) + std::string(kPaperStyle);
   values["claim_table"] = Table(ClaimTable(experiment));
-  values["scores"] = HtmlOf(AnswerText(experiment.finished));
+  values["scores"] = ScoresHtml(experiment.finished);
   values["filters"] = Table(FilterTable(experiment.filters));
   values["figures"] = FigureHtml(figures);
   return FillTemplate(kPaperHtml, values);

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "tests/calibrate/made_up_servo.h"
 
@@ -68,7 +69,8 @@ TEST(Validation, AsksForWhatIsMissing) {
   ChainEpisodes brief;
   brief.logs.push_back(MakeUpEpisode({}, 1, 1, 19.0));
   EXPECT_THAT(refusal(brief), HasSubstr("must be at least 20 s"));
-  EXPECT_THAT(refusal(Episodes({}, 4), "models/three_finger_hand.xml"),
+  EXPECT_THAT(refusal(Episodes({}, 4), "no_hand.xml"), HasSubstr("--hand no_hand.xml: "));
+  EXPECT_THAT(refusal(Episodes({}, 4), (DataFolder("models") / "three_finger_hand.xml").string()),
               HasSubstr("has no joint with a finger servo and the name of a part of the log"));
 }
 
