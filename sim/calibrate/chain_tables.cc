@@ -126,7 +126,7 @@ const std::string& ProblemOf(const ChainFit& fit) {
 }  // namespace
 
 std::string ExtentText(const ChainResult& result) {
-  const std::string extent =
+  std::string extent =
       fmt::format("{:.1f} s at {:.6g} Hz", result.duration_s(), result.log().rate_hz);
   if (result.episodes.size() == 1) return extent;
   return fmt::format("{} episodes, {}: {} fitted, {} held out", result.episodes.size(), extent,
