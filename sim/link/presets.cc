@@ -6,7 +6,10 @@ namespace gauntlet::sim {
 namespace {
 
 TransportConfig Batches(double batch_ms, double delay_ms) {
-  return {.delay = {ConstantDelay{.delay_ms = delay_ms}}, .batch_ms = batch_ms};
+  TransportConfig transport;
+  transport.delay = {ConstantDelay{.delay_ms = delay_ms}};
+  transport.batch_ms = batch_ms;
+  return transport;
 }
 
 }  // namespace
@@ -36,7 +39,7 @@ std::span<const LinkPreset> LinkPresets() {
         .source =
             "sync write in 0.30 ms (orcahand/orca_core, latency-optimization.md); 14 + 17 x 5 "
             "bytes take 0.33 ms",
-        .transport = {.delay = {ConstantDelay{.delay_ms = 0.33}}, .frame_ms = 0.33}},
+        .transport = {.delay = {ConstantDelay{.delay_ms = 0.33}}, .loss = {}, .frame_ms = 0.33}},
        {.name = "ethercat",
         .summary = "EtherCAT, cycle of 1 ms",
         .source = "cycle jitter 3.6 to 6.3 us (OST infoportal): below a tick",

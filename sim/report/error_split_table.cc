@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sim/report/controller_rows.h"
 #include "sim/statistics/result_cells.h"
 #include "sim/study/cause_trials.h"
 
