@@ -21,11 +21,6 @@ constexpr double kSameCommand = 0.02;  // of a part's travel
 constexpr std::size_t kFewest = 4;     // episodes of which some are held out
 constexpr double kUncompared_s = 0.5;  // not compared, as in FitChain()
 
-std::span<const double> ColumnOf(const Signal& signal, std::size_t part) {
-  return {signal.col(static_cast<Eigen::Index>(part)).data(),
-          static_cast<std::size_t>(signal.rows())};
-}
-
 double TravelOf(const ChainLog& log, std::size_t part) {
   const auto [least, most] = std::ranges::minmax(ColumnOf(log.command_deg, part));
   return most - least;

@@ -358,11 +358,10 @@ std::vector<std::optional<CommandClock>> FramesOf(const ChainLog& log) {
   const auto parts = static_cast<std::size_t>(log.command_deg.cols());
   if (const auto of_all = FindCommandClock(ChangesOf(log.command_deg))) return {parts, of_all};
   std::vector<std::optional<CommandClock>> frames;
-  for (Eigen::Index part = 0; part < log.command_deg.cols(); ++part) {
-    const std::span column(log.command_deg.col(part).data(),
-                           static_cast<std::size_t>(log.command_deg.rows()));
-    frames.push_back(FindCommandClock(ChangesOf(column)));
-    if (!frames.back()) frames.back() = StepsOf(ChangesOf(column));
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::vector<double> changes = ChangesOf(ColumnOf(log.command_deg, part));
+    frames.push_back(FindCommandClock(changes));
+    if (!frames.back()) frames.back() = StepsOf(changes);
     if (!frames.back() && log.held) frames.back() = CommandClock();
   }
   return frames;
@@ -371,21 +370,17 @@ std::vector<std::optional<CommandClock>> FramesOf(const ChainLog& log) {
 std::vector<ChainFit> FitChains(const ChainLog& log, const ChainProgress& progress,
                                 ChainDetail detail) {
   const std::vector<std::optional<CommandClock>> frames = FramesOf(log);
-  const auto column = [](const Signal& signal, Eigen::Index part) {
-    return std::span<const double>(signal.col(part).data(),
-                                   static_cast<std::size_t>(signal.rows()));
-  };
   const int parts = std::ssize(log.parts);
   std::vector<ChainFit> fits(log.parts.size());
   std::mutex mutex;
   int done = 0;
   const auto fit_part = [&](std::size_t i) {
     const auto part = static_cast<Eigen::Index>(i);
-    const std::span<const double> command_deg = column(log.command_deg, part);
-    const std::span<const double> angle_deg = column(log.angle_deg, part);
+    const std::span<const double> command_deg = ColumnOf(log.command_deg, i);
+    const std::span<const double> angle_deg = ColumnOf(log.angle_deg, i);
     fits[i] = FitChain(command_deg, angle_deg, log.rate_hz, parts, frames[i], detail);
     if (log.motor_deg.size() > 0 && !std::isnan(log.motor_deg(0, part))) {
-      AddMotor(command_deg, column(log.motor_deg, part), angle_deg, log.rate_hz, fits[i], parts);
+      AddMotor(command_deg, ColumnOf(log.motor_deg, i), angle_deg, log.rate_hz, fits[i], parts);
     }
     const std::lock_guard lock(mutex);
     if (progress) progress(++done, parts);

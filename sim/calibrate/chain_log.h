@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,12 @@ struct ChainEpisodes {
 /// episodes, and for a chosen episode that does not exist.
 ChainEpisodes LoadChainEpisodes(const std::filesystem::path& file,
                                 const ChainLogOptions& options = {});
+
+/// A part of a signal of the log.
+inline std::span<const double> ColumnOf(const Signal& signal, std::size_t part) {
+  return {signal.col(static_cast<Eigen::Index>(part)).data(),
+          static_cast<std::size_t>(signal.rows())};
+}
 
 /// Clock of the command frames for each part: the common clock of all commands, or the part's own
 /// if there is no common one. None if no clock is found.

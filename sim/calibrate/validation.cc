@@ -12,6 +12,7 @@
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/quantile.h"
 #include "sim/base/threads.h"
 #include "sim/calibrate/identified_servo.h"
 #include "sim/calibrate/simulated_answer.h"
@@ -88,10 +89,6 @@ SeenLog SeenBy(const Group& group, const ChainLog& log, const std::vector<ChainF
   return seen;
 }
 
-std::span<const double> ColumnOfSignal(const Signal& signal, Eigen::Index column) {
-  return {signal.col(column).data(), static_cast<std::size_t>(signal.rows())};
-}
-
 /// The signal at the rows of another rate, by straight lines.
 std::vector<double> AtRate(std::span<const double> values, double rate_hz, double other_hz,
                            Eigen::Index rows) {
@@ -113,13 +110,6 @@ struct Sums {
   double most_travel_deg = 0.0;
 };
 
-double QuantileOf(std::vector<double> values, double quantile) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(quantile * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, at);
-  return *at;
-}
-
 double DelayOf(std::span<const double> command_deg, std::span<const double> angle_deg,
                double rate_hz) {
   return FitChain(command_deg, angle_deg, rate_hz, 1, {}, ChainDetail::kDelay).delay_ms.value;
@@ -139,7 +129,7 @@ void AddEpisode(const ValidatedCurve& curve, Sums& sums) {
   for (std::size_t k = 1; k < rows; ++k) {
     speed_deg_s[k] = std::abs(curve.command_deg[k] - curve.command_deg[k - 1]) * curve.rate_hz;
   }
-  const double fast_deg_s = std::max(0.5 * QuantileOf(speed_deg_s, 0.95), kRests_deg_s);
+  const double fast_deg_s = std::max(0.5 * Quantile(speed_deg_s, 0.95), kRests_deg_s);
   double mean_deg = 0.0;
   for (std::size_t k = first; k < rows; ++k) {
     mean_deg += curve.measured_deg[k] / static_cast<double>(rows - first);
@@ -240,15 +230,15 @@ void ValidateGroup(const Group& group, const HandConfig& usual, bool centred,
     ++simulated;
     for (std::size_t i = 0; i < group.parts.size(); ++i) {
       const auto at = std::ranges::find(answer.parts, group.joints[i]) - answer.parts.begin();
-      const auto column = static_cast<Eigen::Index>(i);
       ValidatedCurve curve;
       curve.rate_hz = answer.rate_hz;
       const Eigen::Index rows = answer.angle_deg.rows();
-      curve.command_deg = AtRate(ColumnOfSignal(seen.log.command_deg, column), seen.log.rate_hz,
-                                 answer.rate_hz, rows);
-      curve.measured_deg = AtRate(ColumnOfSignal(seen.log.angle_deg, column), seen.log.rate_hz,
-                                  answer.rate_hz, rows);
-      const std::span<const double> of_hand = ColumnOfSignal(answer.angle_deg, at);
+      curve.command_deg =
+          AtRate(ColumnOf(seen.log.command_deg, i), seen.log.rate_hz, answer.rate_hz, rows);
+      curve.measured_deg =
+          AtRate(ColumnOf(seen.log.angle_deg, i), seen.log.rate_hz, answer.rate_hz, rows);
+      const std::span<const double> of_hand =
+          ColumnOf(answer.angle_deg, static_cast<std::size_t>(at));
       curve.simulated_deg.assign(of_hand.begin(), of_hand.end());
       for (auto* values : {&curve.command_deg, &curve.measured_deg, &curve.simulated_deg}) {
         for (double& value : *values) value += seen.middle_deg[i];
