@@ -54,9 +54,9 @@ struct Extremes {
       highest = finite > highest ? finite : highest;
     }
     if (lowest > highest) return;
-    bool low_first = true;  // of those seen, from the end on; a branch would be guessed wrong
+    unsigned low_first = 1;  // of those seen, from the end on; a branch would be guessed wrong
     for (std::size_t i = bucket.size(); i-- > 0;) {
-      low_first = (bucket[i] == lowest) | (low_first & (bucket[i] != highest));
+      low_first = unsigned{bucket[i] == lowest} | (low_first & unsigned{bucket[i] != highest});
     }
     first = low_first ? lowest : highest;
     second = low_first ? highest : lowest;

@@ -378,8 +378,9 @@ ResultText ShownText(const FinishedStudy& finished) {
   std::erase_if(rows, [&](const ControllerRow& row) {
     return std::ranges::count(shown, row.controller) == 0;
   });
-  std::ranges::stable_partition(
-      rows, [&](const ControllerRow& row) { return row.controller != summary.baseline; });
+  std::stable_partition(rows.begin(), rows.end(), [&](const ControllerRow& row) {
+    return row.controller != summary.baseline;
+  });
   std::vector<std::size_t> metrics = ShownMetrics(summary);
   std::erase_if(metrics, [](std::size_t metric) { return !IsPrimary(metric); });
   ResultText text = {TableOf(summary, rows, metrics)};
