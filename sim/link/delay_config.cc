@@ -1,8 +1,31 @@
 #include "sim/link/delay_config.h"
 
+#include <cmath>
 #include <numeric>
 
 namespace gauntlet::sim {
+namespace {
+
+double MeanOf(const ConstantDelay& delay) { return delay.delay_ms; }
+double MeanOf(const GammaDelay& delay) { return delay.mean_ms; }
+
+/// p50 exp(s^2 / 2).
+double MeanOf(const LogNormalDelay& delay) {
+  const double deviation = delay.Deviation();
+  return delay.p50_ms * std::exp(0.5 * deviation * deviation);
+}
+
+double MeanOf(const HistogramDelay& delay) {
+  double count = 0.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < delay.counts.size(); ++i) {
+    count += delay.counts[i];
+    sum += delay.counts[i] * (static_cast<double>(i) + 0.5);
+  }
+  return delay.bucket_ms * sum / count;
+}
+
+}  // namespace
 
 using controller::NumberText;
 using controller::SettingError;
@@ -23,6 +46,11 @@ void LogNormalDelay::Visit(SettingsVisitor& visitor) {
   visitor.Number({"p50_ms", "median time on the way", 0.01, kLongestDelayMs}, p50_ms);
   visitor.Number({"p99_ms", "time that 99 % of the frames do not exceed", 0.01, kLongestDelayMs},
                  p99_ms);
+}
+
+double LogNormalDelay::Deviation() const {
+  constexpr double kZ99 = 2.3263478740408408;
+  return std::log(p99_ms / p50_ms) / kZ99;
 }
 
 void HistogramDelay::Visit(SettingsVisitor& visitor) {
@@ -46,6 +74,10 @@ void DelayConfig::Check() const {
                                        NumberText(kLongestDelayMs) + " ms");
     }
   }
+}
+
+double DelayConfig::MeanMs() const {
+  return std::visit([](const auto& delay) { return MeanOf(delay); }, settings);
 }
 
 }  // namespace gauntlet::sim

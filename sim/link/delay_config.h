@@ -41,6 +41,8 @@ struct LogNormalDelay {
   double p50_ms = 5.0;
   double p99_ms = 20.0;
 
+  /// s, the standard deviation of the logarithm.
+  double Deviation() const;
   void Visit(controller::SettingsVisitor& visitor);
 };
 
@@ -66,6 +68,8 @@ struct DelayConfig {
   }
   /// Errors: SettingError for quantiles that do not rise and an empty histogram.
   void Check() const;
+  /// Mean of the distribution [ms], of settings that Check() accepts.
+  double MeanMs() const;
 };
 
 }  // namespace gauntlet::sim

@@ -55,9 +55,7 @@ double DelayDraw::Of(const GammaDelay& config) noexcept {
 }
 
 double DelayDraw::Of(const LogNormalDelay& config) noexcept {
-  constexpr double kZ99 = 2.3263478740408408;
-  const double deviation = std::log(config.p99_ms / config.p50_ms) / kZ99;
-  return config.p50_ms * std::exp(deviation * BoxMuller(random_).first);
+  return config.p50_ms * std::exp(config.Deviation() * BoxMuller(random_).first);
 }
 
 double DelayDraw::Of(const HistogramDelay& config) noexcept {

@@ -7,6 +7,19 @@
 
 namespace gauntlet::sim {
 
+bool TransportConfig::has_jitter() const {
+  return !std::holds_alternative<ConstantDelay>(delay.settings) || batch_ms > 0.0 ||
+         duplicates_percent > 0.0 || clock_drift_ppm != 0.0;
+}
+
+TransportConfig TransportConfig::WithoutJitter() const {
+  TransportConfig steady = *this;
+  // The wait for the next batch is uniform from 0 to its interval.
+  steady.delay.settings = ConstantDelay{.delay_ms = delay.MeanMs() + 0.5 * batch_ms};
+  steady.batch_ms = steady.duplicates_percent = steady.clock_drift_ppm = 0.0;
+  return steady;
+}
+
 void TransportConfig::Visit(controller::SettingsVisitor& visitor) {
   static const std::vector<std::string_view> kNames = [] {
     std::vector<std::string_view> names;

@@ -30,10 +30,25 @@ std::vector<double> ErrorByCause(const ControllerSummary& controller) {
   return parts;
 }
 
+std::vector<std::size_t> ShownCauses(const Summary& summary) {
+  std::vector<std::size_t> shown;
+  for (std::size_t i = 0; i < TrackingErrorParts().size(); ++i) {
+    const std::size_t metric = TrackingErrorParts()[i].metric;
+    const auto has_value = [&](const ControllerSummary& controller) {
+      return std::isfinite(controller.summary[metric].mean);
+    };
+    if (!Metrics()[metric].needs_link || std::ranges::any_of(summary.controllers, has_value)) {
+      shown.push_back(i);
+    }
+  }
+  return shown;
+}
+
 ResultTable ErrorSplitTable(const Summary& summary) {
   ResultTable table{.columns = {ForPeople("of squared error")}};
-  for (const TrackingErrorPart& part : TrackingErrorParts()) {
-    std::string heading(part.name);
+  const std::vector<std::size_t> shown = ShownCauses(summary);
+  for (const std::size_t cause : shown) {
+    std::string heading(TrackingErrorParts()[cause].name);
     std::ranges::replace(heading, ' ', kBreak);
     table.columns.push_back(ForPeople(heading));
   }
@@ -44,7 +59,9 @@ ResultTable ErrorSplitTable(const Summary& summary) {
         [](double sum, double part) { return std::isfinite(part) ? sum + part : sum; });
     if (!(whole > 0.0)) continue;
     ResultRow& row = table.rows.emplace_back(ResultRow{name});
-    for (const double part : parts) row.push_back(ResultCell::Text(Percent(part / whole)));
+    for (const std::size_t cause : shown) {
+      row.push_back(ResultCell::Text(Percent(parts[cause] / whole)));
+    }
   }
   return table;
 }
@@ -58,7 +75,9 @@ std::string CausesNote(const Summary& summary) {
   return fmt::format(
       "Causes of the squared error: first seed. Option --causes all computes them for all seeds, "
       "with {} more trials for each controller and seed.",
-      kCauseHands);
+      kCauseHands + std::ranges::count_if(ShownCauses(summary), [](std::size_t cause) {
+        return Metrics()[TrackingErrorParts()[cause].metric].needs_link;
+      }));
 }
 
 }  // namespace gauntlet::sim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,10 @@ namespace gauntlet::sim {
 /// over joints and the seeds whose causes were found [deg^2], which sum to the whole. NaN for a
 /// cause that could not be taken away; empty where none was.
 std::vector<double> ErrorByCause(const ControllerSummary& controller);
+
+/// The causes that tables and pages show, as places in TrackingErrorParts(): those of links only
+/// where a controller has a value.
+std::vector<std::size_t> ShownCauses(const Summary& summary);
 
 /// Which share of the squared error each cause has: a row per controller whose causes are known.
 ResultTable ErrorSplitTable(const Summary& summary);

@@ -147,15 +147,20 @@ Json ScoresBySeed(const StudyResult& result, const Summary& summary) {
   return json;
 }
 
-/// Null where no controller has a split, else its causes and their mean squares per controller.
+/// Null where no controller has a split, else its causes, the numbers of their colours, and their
+/// mean squares per controller.
 Json ErrorSplitJson(const Summary& summary) {
   Json json;
   bool any = false;
-  for (const TrackingErrorPart& part : TrackingErrorParts()) json["parts"].push_back(part.name);
+  const std::vector<std::size_t> shown = ShownCauses(summary);
+  for (const std::size_t cause : shown) json["parts"].push_back(TrackingErrorParts()[cause].name);
+  json["colours"] = shown;
   for (const ControllerSummary& controller : summary.controllers) {
     const std::vector<double> parts = ErrorByCause(controller);
-    json["controllers"].push_back(parts.empty() ? Json(nullptr) : Json(parts));
-    any = any || !parts.empty();
+    Json& values = json["controllers"].emplace_back(nullptr);
+    if (parts.empty()) continue;
+    for (const std::size_t cause : shown) values.push_back(parts[cause]);
+    any = true;
   }
   return any ? json : Json(nullptr);
 }

@@ -14,14 +14,16 @@ namespace gauntlet::sim {
 enum class ErrorCause {
   kNoise,       // noise and faults of the glove
   kGlove,       // what its sensors get wrong of an angle
-  kLink,        // command frames, and the delay of their way
+  kLinkLoss,    // frames that a link loses
+  kLinkJitter,  // delays of a link that differ from their mean
+  kLink,        // command frames, and the mean delay of their way
   kSaturation,  // motors that have no more torque or speed
   kFriction,    // of motors and cables, and backlash
   kServo,       // its lag, its steps and its dead band
   kRest,        // of the hand: masses, cables that stretch, couplings; then there is no hand
   kController,  // what filter and prediction ask for beside the wearer
 };
-inline constexpr std::size_t kErrorCauseCount = 8;
+inline constexpr std::size_t kErrorCauseCount = 10;
 /// One for each cause but the last: for that there is nothing to take away.
 inline constexpr std::size_t kCauseTrialCount = kErrorCauseCount - 1;
 

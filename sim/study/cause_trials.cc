@@ -1,6 +1,8 @@
 #include "sim/study/cause_trials.h"
 
 #include <algorithm>
+#include <utility>
+#include <variant>
 
 #include "sim/base/error.h"
 #include "sim/trial/filter_trial.h"
@@ -47,7 +49,47 @@ bool TakesGloveAsItIs(const controller::ControllerConfig& config) {
   return config.linearisation.kind == controller::LinearisationKind::kGlove;
 }
 
+/// Calls with the settings of each way that exists.
+template <class Function>
+void ForEachWay(LinksConfig& links, const Function& function) {
+  if (links.glove) function(links.glove->transport);
+  if (links.hand) function(links.hand->transport);
+}
+
+LinksConfig WithoutLoss(LinksConfig links) {
+  ForEachWay(links, [](TransportConfig& way) { way.loss = {}; });
+  return links;
+}
+
+LinksConfig WithoutJitter(LinksConfig links) {
+  ForEachWay(links, [](TransportConfig& way) { way = way.WithoutJitter(); });
+  return links;
+}
+
+bool HaveLoss(LinksConfig links) {
+  bool any = false;
+  ForEachWay(links, [&](const TransportConfig& way) {
+    any = any || !std::holds_alternative<NoLoss>(way.loss.settings);
+  });
+  return any;
+}
+
+bool HaveJitter(LinksConfig links) {
+  bool any = false;
+  ForEachWay(links, [&](const TransportConfig& way) { any = any || way.has_jitter(); });
+  return any;
+}
+
 }  // namespace
+
+int CauseTrialsOf(const Scenario& scenario) {
+  int most_links = 0;
+  for (const NamedController& named : scenario.controllers) {
+    const LinksConfig links = LinksOf(scenario, named);
+    most_links = std::max(most_links, int{HaveLoss(links)} + int{HaveJitter(links)});
+  }
+  return kCauseHands + most_links;
+}
 
 std::shared_ptr<const HandModel> CauseTrials::HandWithout(ErrorCause cause, bool keeps_events) {
   const std::lock_guard lock(mutex_);
@@ -95,8 +137,17 @@ CauseAngles CauseTrials::Run(const NamedController& named, int seed, const Glove
       use(WithoutNoise(config));
     }
   }
+  LinksConfig& links = setup.links.config;
+  if (HaveLoss(links)) {
+    links = WithoutLoss(std::move(links));
+    of(ErrorCause::kLinkLoss) = run();
+  }
+  if (HaveJitter(links)) {
+    links = WithoutJitter(std::move(links));
+    of(ErrorCause::kLinkJitter) = run();
+  }
   const bool keeps_events = setup.controller.filter_at == controller::FilterAt::kEvent;
-  setup.links = {};
+  links = {};
   for (const ErrorCause cause :
        {ErrorCause::kLink, ErrorCause::kSaturation, ErrorCause::kFriction, ErrorCause::kServo}) {
     setup.hand = HandWithout(cause, keeps_events);

@@ -11,9 +11,11 @@
 
 namespace gauntlet::sim {
 
-/// How many hands a controller and seed need for the causes of the error, the noise-free twin not
-/// counted.
+/// Trials for the causes of the error that are no link, per controller and seed, without the
+/// noise-free one.
 inline constexpr int kCauseHands = 5;
+/// Those and the trials for the links of a scenario.
+int CauseTrialsOf(const Scenario& scenario);
 
 /// The trials in which one cause of the error after the other is taken away, in the order of
 /// ErrorCause. Any thread may call it.

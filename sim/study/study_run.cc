@@ -136,7 +136,7 @@ class StudyRun {
   }
   int TrialsOf(std::size_t seed_index) const {
     return (WantedTwin(result_.seeds[seed_index].seed) == TwinSource::kTrial ? 2 : 1) +
-           (WantsCauses(seed_index) ? kCauseHands : 0);
+           (WantsCauses(seed_index) ? CauseTrialsOf(study_.scenario) : 0);
   }
 
   /// Unless they are there; a thread that needs them meanwhile waits.
@@ -321,8 +321,9 @@ TwinSource TwinOf(const Study& study, int seed) {
 }
 
 int TrialCount(const Study& study, int seeds, CauseSeeds causes) {
-  int count =
-      causes == CauseSeeds::kNone ? 0 : kCauseHands * (causes == CauseSeeds::kAll ? seeds : 1);
+  int count = causes == CauseSeeds::kNone
+                  ? 0
+                  : CauseTrialsOf(study.scenario) * (causes == CauseSeeds::kAll ? seeds : 1);
   for (int i = 0; i < seeds; ++i) {
     count += TwinOf(study, study.scenario.seed + i) == TwinSource::kTrial ? 2 : 1;
   }

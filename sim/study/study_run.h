@@ -37,7 +37,7 @@ struct SeedOutcome {
   std::vector<TrialOutcome> controllers;  // in the order of the scenario
 };
 
-/// The seeds of which the causes of the error are found, by kCauseHands more hands for each.
+/// The seeds of which the causes of the error are found, by CauseTrialsOf() more trials for each.
 enum class CauseSeeds { kNone, kFirst, kAll };
 
 struct StudyOptions {

@@ -264,7 +264,8 @@ void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin, const Cause
       write("noise_free_spool_speed_rad_s", "rad/s", TraceColumns::kMotors,
             twin->spool_speed_rad_s);
     }
-    constexpr const char* kWithout[] = {"glove", "link", "saturation", "friction", "servo"};
+    constexpr const char* kWithout[] = {"glove",      "link_loss", "link_jitter", "link",
+                                        "saturation", "friction",  "servo"};
     static_assert(std::size(kWithout) == kCauseTrialCount - 2);
     for (std::size_t i = 0; i < std::size(kWithout); ++i) {
       write(fmt::format("without_{}_hand_angle_rad", kWithout[i]), "rad", TraceColumns::kJoints,

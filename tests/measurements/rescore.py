@@ -36,6 +36,7 @@ FLOOR_OF_SPLIT_DEG = 0.003
 FLOOR_OF_PART_DEG2 = 1e-4
 # What the trials in which one cause of the error after the other is taken away are called in the trace.
 WITHOUT = {"noise": "noise_free_hand_angle_rad", "glove": "without_glove_hand_angle_rad",
+           "link_loss": "without_link_loss_hand_angle_rad", "link_jitter": "without_link_jitter_hand_angle_rad",
            "link": "without_link_hand_angle_rad", "saturation": "without_saturation_hand_angle_rad",
            "friction": "without_friction_hand_angle_rad", "servo": "without_servo_hand_angle_rad",
            "rest": "asked_angle_rad"}

@@ -21,13 +21,15 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::vector<double> kParts = {-0.44, 2.4, 6.2, 3.2, 4.0, 2.0, 0.04, 2.6};  // sum to 20
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+// Without links; sum to 20.
+const std::vector<double> kParts = {-0.44, 2.4, kNan, kNan, 6.2, 3.2, 4.0, 2.0, 0.04, 2.6};
+const std::vector<double> kLinkParts = {-0.44, 2.4, 1.2, 2.0, 3.0, 3.2, 4.0, 2.0, 0.04, 2.6};
 
 ControllerSummary Controller(const std::string& name, const std::vector<double>& parts) {
   ControllerSummary controller;
   controller.name = name;
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  controller.summary.assign(Metrics().size(), {nan, nan, nan});
+  controller.summary.assign(Metrics().size(), {kNan, kNan, kNan});
   controller.rank.assign(Metrics().size(), 0);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     controller.summary[TrackingErrorParts()[i].metric].mean = parts[i];
@@ -45,11 +47,22 @@ TEST(ErrorSplitTable, TellsTheShareOfEveryCause) {
             "a_name_of_a_filter   -2 %   12 %  31 %   16 %      20 %   10 %   0 %     13 %\n");
 }
 
+TEST(ErrorSplitTable, SplitsTheCauseLinkWhereThereAreLinks) {
+  Summary summary;
+  summary.controllers = {Controller("raw", kParts), Controller("wifi", kLinkParts)};
+  EXPECT_THAT(
+      TextOf(ErrorSplitTable(summary), {}),
+      testing::StartsWith(
+          "                                link    link        motor\n"
+          "of squared error  noise  glove  loss  jitter  link  limit  friction  servo  rest\n"
+          "raw                -2 %   12 %     -       -  31 %   16 %      20 %   10 %   0 %\n"
+          "wifi               -2 %   12 %   6 %    10 %  15 %   16 %      20 %   10 %   0 %\n"));
+}
+
 /// A cause that could not be taken away has no share, and the others sum to the whole.
 TEST(ErrorSplitTable, HasNoShareOfWhatIsNotKnown) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   Summary summary;
-  summary.controllers = {Controller("raw", {nan, nan, 10, 0, 0, 0, 0, 10})};
+  summary.controllers = {Controller("raw", {kNan, kNan, kNan, kNan, 10, 0, 0, 0, 0, 10})};
   EXPECT_THAT(TextOf(ErrorSplitTable(summary), {}),
               testing::ContainsRegex("raw +- +- +50 % +0 % +0 % +0 % +0 % +50 %"));
 }
@@ -80,7 +93,7 @@ TEST(ErrorSplitTable, LeavesOutWhatHasNoSplit) {
 
 TEST(ErrorSplitTable, FitsBesideOtherTextAtATerminal) {
   Summary summary;
-  summary.controllers = {Controller("raw", {1e-9, 0, 0, 0, 0, 0, 0, 1}),
+  summary.controllers = {Controller("raw", {1e-9, 0, kNan, kNan, 0, 0, 0, 0, 0, 1}),
                          Controller("mean", kParts)};
   for (const std::string_view line : SplitLines(TextOf(ErrorSplitTable(summary), {}))) {
     EXPECT_LE(line.size(), 80u) << line;
@@ -92,6 +105,7 @@ TEST(ErrorSplitTable, TheTableOfScoresAndThePageHaveIt) {
   EXPECT_THAT(TextOf(ScoreText(made, true), {}), HasSubstr("of squared error "));
   const auto json = PageData(made, made.first_seed())["error_split"];
   EXPECT_EQ(json["parts"].size(), TrackingErrorParts().size());
+  EXPECT_EQ(json["colours"].size(), json["parts"].size());
   EXPECT_EQ(json["parts"][0], "noise");
   EXPECT_EQ(json["controllers"].size(), 3u);
   const auto first = json["controllers"][0].get<std::vector<double>>();

@@ -84,7 +84,7 @@ struct Trial {
                      .grip_force_n = &force};
     input.counted = counted;
     input.noise_free_hand_angle_rad = &twin;
-    input.without = {&twin, &twin, &twin, &twin, &twin, &twin, &reference};
+    input.without = {&twin, &twin, &twin, &twin, &twin, &twin, &twin, &twin, &reference};
     return ComputeScores(input, rows);
   }
   /// Whatever a gap holds, nobody may see it.

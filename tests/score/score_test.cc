@@ -227,7 +227,7 @@ struct FullExample {
             .noise_free_hand_angle_rad = &noise_free_hand,
             .noise_free_motor_speed_rad_s = &noise_free_speed,
             .without = {&noise_free_hand, &noise_free_hand, &exact_hand, &exact_hand, &exact_hand,
-                        &exact_hand, &exact_hand},
+                        &exact_hand, &exact_hand, &exact_hand, &exact_hand},
             .stall_tension_n = stall_tension_n};
   }
 };
@@ -311,7 +311,7 @@ TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {
 TEST(Scores, PartsOfTheErrorSumToTheSquareOfTheTrackingError) {
   const FullExample example;
   const Scores scores = ComputeScores(example.Input(), kFullRows);
-  ASSERT_EQ(TrackingErrorParts().size(), 8u);
+  ASSERT_EQ(TrackingErrorParts().size(), kErrorCauseCount);
   double summaries = 0.0;
   double squares = 0.0;
   for (const std::size_t row : kFullRows.joints) {

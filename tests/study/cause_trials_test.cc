@@ -19,12 +19,17 @@
 namespace gauntlet::sim {
 namespace {
 
-using Causes = std::vector<double>;  // in the order of ErrorCause [deg^2]
+using Causes = std::vector<double>;  // in the order of ErrorCause [deg^2]; no link is set
 
 Causes CausesOf(const Scores& scores) {
   Causes causes;
   for (const TrackingErrorPart& part : TrackingErrorParts()) {
     causes.push_back(scores.summary[part.metric]);
+  }
+  for (const ErrorCause cause : {ErrorCause::kLinkLoss, ErrorCause::kLinkJitter}) {
+    double& part = causes[static_cast<std::size_t>(cause)];
+    EXPECT_TRUE(std::isnan(part));
+    if (std::isfinite(causes.back())) part = 0.0;
   }
   return causes;
 }
@@ -92,7 +97,9 @@ TEST_F(CauseTrialsTest, SumToTheSquareOfEachJointsError) {
     const double whole = std::pow(row[MetricIndex("tracking_rmse_deg")], 2);
     if (!std::isfinite(whole)) continue;  // of a motor or cable
     double sum = 0.0;
-    for (const TrackingErrorPart& part : TrackingErrorParts()) sum += row[part.metric];
+    for (const TrackingErrorPart& part : TrackingErrorParts()) {
+      if (!Metrics()[part.metric].needs_link) sum += row[part.metric];
+    }
     EXPECT_NEAR(sum, whole, 1e-9 * whole);
   }
 }
@@ -181,7 +188,7 @@ TEST_F(CauseTrialsTest, OfARecordedGloveKnowNeitherNoiseNorItsErrors) {
                                (folder_.path() / "glove.csv").string() + "}"});
   EXPECT_TRUE(std::isnan(causes[0]));
   EXPECT_TRUE(std::isnan(causes[1]));
-  EXPECT_GT(causes[2], 0.0);
+  EXPECT_GT(causes[static_cast<std::size_t>(ErrorCause::kLink)], 0.0);
   EXPECT_TRUE(std::isfinite(causes.back()));
 }
 

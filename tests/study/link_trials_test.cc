@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/link/delay_draw.h"
+#include "sim/link/transport_config.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 #include "tests/support/program.h"
@@ -159,6 +162,67 @@ TEST_F(LinkTrials, WithoutTheLinkNothingOfItIsACause) {
   const StudyResult result = Run(late, {.causes = CauseSeeds::kFirst});
   const double whole = std::pow(Score(result, "tracking_rmse_deg"), 2);
   EXPECT_GT(Score(result, "error_link_deg2"), 0.7 * whole);
+}
+
+/// Loss, jitter and the mean delay are apart, and together with all others they are the whole.
+TEST_F(LinkTrials, LossAndJitterAreCausesOfTheirOwn) {
+  const auto causes = [&](const Overrides& overrides) {
+    const StudyResult result = Run(overrides, {.causes = CauseSeeds::kFirst});
+    double sum = 0.0;
+    for (const TrackingErrorPart& part : TrackingErrorParts()) {
+      const double value = Score(result, std::string(part.key).c_str());
+      if (std::isfinite(value)) sum += value;
+    }
+    double squares = 0.0;
+    int joints = 0;
+    for (const std::vector<double>& row : result.seeds[0].controllers[0].scores.channels) {
+      const double error = row[MetricIndex("tracking_rmse_deg")];
+      if (!std::isfinite(error)) continue;
+      squares += error * error;
+      ++joints;
+    }
+    EXPECT_NEAR(sum, squares / joints, 1e-9 * sum);
+    return std::array{Score(result, "error_link_loss_deg2"),
+                      Score(result, "error_link_jitter_deg2"), Score(result, "error_link_deg2"),
+                      sum};
+  };
+  const std::string lost =
+      "link.glove.loss={kind: gilbert_elliott, begin_percent: 1, mean_frames: 150}";
+  const std::string varied = "link.hand.delay={kind: gamma, mean_ms: 100, deviation_ms: 120}";
+  const auto [loss, no_jitter, delay, whole] = causes({lost});
+  EXPECT_GT(loss, 0.3 * whole);
+  EXPECT_TRUE(std::isnan(no_jitter));
+  const auto [no_loss, jitter, mean_delay, all] = causes({varied});
+  EXPECT_TRUE(std::isnan(no_loss));
+  EXPECT_GT(std::abs(jitter), 0.02 * all);
+  EXPECT_GT(mean_delay, delay);
+  const auto [same_delay_no_loss, no_change, steady, sum] =
+      causes({"link.hand.delay={kind: constant, delay_ms: 100}"});
+  EXPECT_TRUE(std::isnan(same_delay_no_loss));
+  EXPECT_TRUE(std::isnan(no_change));
+  EXPECT_NEAR(mean_delay + jitter, steady, 0.5 * sum);
+}
+
+/// The trial without jitter has the mean delay of each distribution.
+TEST_F(LinkTrials, WithoutJitterTheDelayIsTheMean) {
+  const auto mean_ms = [](const DelaySettings& settings) {
+    return TransportConfig{.delay = {settings}}.WithoutJitter().delay.MeanMs();
+  };
+  const auto drawn_ms = [](const DelaySettings& settings) {
+    constexpr int kDraws = 400'000;
+    DelayDraw draw({settings}, {1, "a stream"});
+    double sum = 0.0;
+    for (int i = 0; i < kDraws; ++i) sum += draw.Next();
+    return sum / kDraws;
+  };
+  for (const DelaySettings& settings :
+       {DelaySettings(ConstantDelay{.delay_ms = 7.0}),
+        DelaySettings(GammaDelay{.mean_ms = 9.0, .deviation_ms = 12.0}),
+        DelaySettings(LogNormalDelay{.p50_ms = 13.0, .p99_ms = 47.0}),
+        DelaySettings(HistogramDelay{.bucket_ms = 5.0, .counts = {1.0, 0.0, 3.0}})}) {
+    EXPECT_NEAR(mean_ms(settings), drawn_ms(settings), 0.01 * drawn_ms(settings));
+  }
+  EXPECT_DOUBLE_EQ(TransportConfig{.batch_ms = 20.0}.WithoutJitter().delay.MeanMs(), 10.0);
 }
 
 TEST_F(LinkTrials, FiltersAloneHaveNoLink) {

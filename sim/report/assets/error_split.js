@@ -4,7 +4,7 @@
 const SPLIT_ROW = 52;
 const SPLIT_BAR = {top: 24, height: 22};
 
-function splitColour(part) { return `var(--part${part})`; }
+function splitColour(data, part) { return `var(--part${data.error_split.colours[part]})`; }
 
 // Without the sign of what rounds to 0; null is a cause that could not be taken away.
 function formatPercent(part, whole) {
@@ -27,7 +27,7 @@ function splitBar(data, controller, y, pixels_per_deg2) {
     const width = Math.max(0, part) * pixels_per_deg2;
     if (width === 0) return;
     shapes.push(element("rect", {x, y: y + SPLIT_BAR.top, width: Math.max(width - 1, 0.5),
-      height: SPLIT_BAR.height, style: `fill: ${splitColour(i)}`}));
+      height: SPLIT_BAR.height, style: `fill: ${splitColour(data, i)}`}));
     if (width > 38) {
       shapes.push(element("text", {class: "share", x: x + width / 2, y: y + SPLIT_BAR.top + 15.5,
         "text-anchor": "middle"}, formatPercent(part, whole)));
@@ -57,7 +57,7 @@ function drawErrorTable(data) {
   const row = (label, text, sum) => ({label, sum, text: (c) => (controllers[c] ? text(controllers[c]) : "–")});
   drawPartTable("error-table", data, "Cause", [
     ...parts.map((part, i) => row(
-      [element("span", {class: "swatch", style: `--colour: ${splitColour(i)}`}), capital(part)],
+      [element("span", {class: "swatch", style: `--colour: ${splitColour(data, i)}`}), capital(part)],
       (split) => formatPercent(split[i], splitWhole(split)), false)),
     row(["Squared error ", element("span", {class: "unit"}, "deg²")],
       (split) => formatNumber(splitWhole(split)), true)]);
