@@ -429,6 +429,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   const TimeGuess time = GuessTime(inspection.layout);
   const TableStatistics statistics = ReadTable(time, inspection.columns, reader);
   inspection.is_whole = *is_whole;
+  inspection.remarks = reader.remarks();
   inspection.rows = statistics.rows();
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     if (inspection.columns[c].kind == CellKind::kNumber) {

@@ -51,6 +51,7 @@ struct Inspection {
   TableLayout layout;
   std::size_t rows = 0;
   std::map<std::string, std::size_t> problems;  // number of rows by problem, see NameOf()
+  std::vector<std::string> remarks;             // of the source of the table
   std::string time_why;                         // reason for these time columns, or for none
   bool has_time = false;
   bool rate_is_known = false;

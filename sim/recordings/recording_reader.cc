@@ -251,6 +251,7 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
 
 std::vector<std::string> RecordingReader::Remarks() const {
   std::vector<std::string> remarks = notes_;
+  remarks.insert(remarks.end(), csv_->remarks().begin(), csv_->remarks().end());
   for (const auto& [problem, count] : problems_) remarks.push_back(Remark(problem, count));
   for (const Linear& linear : channels_) {
     if (linear.jumps == 0) continue;
