@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <numbers>
 #include <vector>
 
@@ -19,13 +19,15 @@ constexpr std::string_view kSlideWords =
     "gripper grip jaw jaws prismatic slide slider sliding rail linear lift";
 constexpr std::string_view kWheelWords = "wheel wheels caster steer continuous";
 
-/// `finger_joint1` is a jaw of a gripper; a finger of a hand has its name.
+/// `finger_joint1` is a jaw of a gripper; joints of a hand are called `index_finger_joint`,
+/// `finger1_joint2` or `finger_spread`.
 bool IsJaw(const std::vector<std::string>& words) {
   if (HasWordOf(words, kSlideWords)) return true;
   for (const std::string& word : words) {
     if (!FingerOf(word).empty()) return false;
   }
-  return HasWordOf(words, "finger fingers") && !HasWordOf(words, "knuckle");
+  const auto finger = std::ranges::find(words, "finger");
+  return finger != words.end() && finger + 1 != words.end() && *(finger + 1) == "joint";
 }
 
 /// Value of an attribute within a tag of XML; empty if it has none.

@@ -520,6 +520,7 @@ TEST(JointUnit, IsDecidedByTypeThenNameThenValues) {
                           Case{"finger_joint", controller::kNaN, ""},
                           Case{"index_finger_mcp", 0.04, "_rad"}, Case{"ring_mcp", 1.5, "_rad"},
                           Case{"shoulder_pan", 45.0, ""}, Case{"front_wheel", 45.0, "_rad"},
+                          Case{"finger_spread", 0.1, "_rad"}, Case{"finger1_joint2", 0.1, "_rad"},
                           Case{"elbow", controller::kNaN, "_rad"}, Case{"elbow_deg", 45.0, ""}}) {
     EXPECT_EQ(UnitOfJoint(one.name, one.largest, none).suffix, one.suffix) << one.name;
   }
