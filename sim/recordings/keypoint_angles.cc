@@ -388,7 +388,7 @@ bool LooksLikeHand(const std::vector<HandPoints>& points) {
   if (std::ranges::count(is_lost, false) < 2) return false;
   const std::vector<double> usual = UsualLengths(points, is_lost);
   for (int finger = kIndex; finger <= kLittle; ++finger) {
-    const double* bones = &usual[static_cast<std::size_t>(kJointsOfDigit * finger)];
+    const double* bones = usual.data() + std::ptrdiff_t{kJointsOfDigit} * finger;
     const double whole = bones[0] + bones[1] + bones[2] + bones[3];
     if (!is_within(bones[0] / whole, 0.35, 0.65) || !is_within(bones[1] / whole, 0.15, 0.35) ||
         !is_within(bones[2] / whole, 0.05, 0.25) || !is_within(bones[3] / whole, 0.05, 0.25)) {

@@ -76,7 +76,8 @@ void TakeComponent(NameWords& words, ColumnParts& parts) {
     std::erase(words, "radius");
     return;
   }
-  constexpr std::string_view kConfidences = "confidence score visibility presence tracked valid is";
+  static constexpr std::string_view kConfidences =
+      "confidence score visibility presence tracked valid is";
   if (HasWordOf(words, kConfidences)) {
     parts.part = Part::kConfidence;
     std::erase_if(words, [](const std::string& word) { return IsWordOf(kConfidences, word); });
@@ -145,7 +146,7 @@ void TakeJoint(NameWords& words, ColumnParts& parts) {
 
 ColumnParts PartsOfColumn(const std::string& name) {
   // Words that some joints of a skeleton have and others do not.
-  constexpr std::string_view kNeutral =
+  static constexpr std::string_view kNeutral =
       "finger fingers phalanx joint joints bone xr hand hands base pos position positions "
       "translation location pose wrist palm forearm arm r l";
   NameWords words = WordsOf(name);
@@ -174,17 +175,14 @@ std::map<CalledJoint, int> JointsOf(int digit, const std::set<CalledJoint>& call
   using enum CalledJoint;
   const bool is_thumb = digit == 0;
   std::map<CalledJoint, int> joints = {{kTip, 3}, {kDip, 2}, {kIp, 2}};
-  if (is_thumb && called.contains(kPip) && !called.contains(kBase)) {
-    joints[kMcp] = 0;  // names of a finger, from the root on; Manus
-    joints[kPip] = 1;
-  } else if (is_thumb) {
+  if (is_thumb && (called.contains(kBase) || !called.contains(kPip))) {
     joints[kBase] = 0;
     joints[kMcp] = 1;
     if (!called.contains(kIp) && !called.contains(kDip)) joints[kPip] = 2;
-  } else if (called.contains(kIp)) {
+  } else if (!is_thumb && called.contains(kIp)) {
     joints[kPip] = 0;  // Manus calls the base MCP
     joints[kIp] = 1;
-  } else {
+  } else {  // of a thumb: names of a finger, from the root on
     joints[kMcp] = 0;
     joints[kPip] = 1;
   }
